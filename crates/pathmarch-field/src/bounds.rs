@@ -1,0 +1,54 @@
+//! Axis-aligned boxes, possibly unlimited, that hold solids.
+
+use crate::number::Vec3;
+
+/// An axis-aligned box in metres; infinite where a solid has no end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// Corner of smallest coordinates.
+    pub min: [f32; 3],
+    /// Corner of largest coordinates.
+    pub max: [f32; 3],
+}
+
+impl Aabb {
+    /// All of space.
+    pub const EVERYTHING: Self = Self { min: [f32::NEG_INFINITY; 3], max: [f32::INFINITY; 3] };
+    /// No point.
+    pub const NOTHING: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+
+    /// The box centred at the origin with these half edges.
+    pub fn centred(x: f32, y: f32, z: f32) -> Self {
+        Self { min: [-x, -y, -z], max: [x, y, z] }
+    }
+    /// Whether every coordinate is finite.
+    pub fn is_finite(&self) -> bool {
+        self.min.iter().chain(&self.max).all(|v| v.is_finite())
+    }
+    /// The smallest box that holds both.
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            min: std::array::from_fn(|k| self.min[k].min(other.min[k])),
+            max: std::array::from_fn(|k| self.max[k].max(other.max[k])),
+        }
+    }
+    /// What both hold.
+    pub fn intersection(self, other: Self) -> Self {
+        Self {
+            min: std::array::from_fn(|k| self.min[k].max(other.min[k])),
+            max: std::array::from_fn(|k| self.max[k].min(other.max[k])),
+        }
+    }
+    /// Grown by `margin` metres on every side.
+    pub fn expanded(self, margin: f32) -> Self {
+        Self { min: self.min.map(|v| v - margin), max: self.max.map(|v| v + margin) }
+    }
+    /// Whether the point is within `slack` metres of the box.
+    pub fn contains(&self, p: Vec3<f32>, slack: f32) -> bool {
+        [p.x, p.y, p.z].iter().enumerate().all(|(k, &v)| v >= self.min[k] - slack && v <= self.max[k] + slack)
+    }
+    /// The eight corners.
+    pub fn corners(&self) -> [[f32; 3]; 8] {
+        std::array::from_fn(|i| std::array::from_fn(|k| if i >> k & 1 == 0 { self.min[k] } else { self.max[k] }))
+    }
+}

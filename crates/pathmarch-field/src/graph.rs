@@ -1,0 +1,427 @@
+//! A scene's field: shapes placed in space and combined.
+//!
+//! People write a tree of [`Node`]s. [`Field::new`] moves every placement down to the leaves (a solid's distance under a
+//! similarity is its distance in local coordinates times the scale; Hart 1996, section 2.3), so that a leaf is one
+//! transform away from the world, and evaluates the tree for one point or eight. [`crate::wgsl::Program`] prints the same
+//! tree for the GPU. Cost of an evaluation: one virtual call and one transform for each leaf.
+
+use crate::bounds::Aabb;
+use crate::number::{Differentiable, Dual, Real, Vec3};
+use crate::registry::{Combine, Shape};
+use glam::{EulerRot, Mat3, Quat};
+use wide::f32x8;
+
+/// Where a node stands: scale first, then turn, then move.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Placement {
+    /// Direction that the shape's +y is turned to, before everything else; any length but zero.
+    pub normal: Option<[f32; 3]>,
+    /// Uniform factor, above zero.
+    pub scale: Option<f32>,
+    /// Degrees about the fixed x, then y, then z axis, right-handed.
+    pub rotate: Option<[f32; 3]>,
+    /// Position, metres.
+    pub at: Option<[f32; 3]>,
+}
+
+/// One shape or operator of the tree people write.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// What it is.
+    pub kind: Kind,
+    /// Where it stands, relative to its parent.
+    pub placement: Placement,
+}
+
+/// What a [`Node`] is.
+#[derive(Clone, Debug)]
+pub enum Kind {
+    /// A shape and its numbers, in the order of [`Shape::params`].
+    Shape {
+        /// The shape.
+        shape: &'static dyn Shape,
+        /// Its numbers.
+        params: Vec<f32>,
+        /// Whatever the caller wants to know of a hit here; the scene keeps the material in it.
+        tag: u32,
+    },
+    /// An operator over its children, folded from the first to the last.
+    Combine {
+        /// The operator.
+        operator: &'static dyn Combine,
+        /// Width of the blend, metres; sharp when absent.
+        smooth: Option<f32>,
+        /// At least one.
+        children: Vec<Node>,
+    },
+}
+
+/// How a leaf's local coordinates are scaled and turned; decides which code is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Turn {
+    /// Neither.
+    None,
+    /// Scaled only.
+    Scaled,
+    /// Turned, perhaps scaled.
+    Turned,
+}
+
+/// A shape in the world.
+#[derive(Clone, Debug)]
+pub struct Leaf {
+    /// The shape.
+    pub shape: &'static dyn Shape,
+    /// Its numbers.
+    pub params: Vec<f32>,
+    /// The tag of its node.
+    pub tag: u32,
+    /// Index of the object it belongs to.
+    pub object: u32,
+    /// Whether any placement above it moves it.
+    pub moved: bool,
+    /// Whether any placement above it scales or turns it.
+    pub turn: Turn,
+    /// Origin of the local coordinates, metres.
+    pub at: [f32; 3],
+    /// Size of a local unit, metres.
+    pub scale: f32,
+    /// The local axes x, y, z in the world, each of length one.
+    pub axes: [[f32; 3]; 3],
+}
+
+impl Leaf {
+    /// Rows of the matrix from world offsets to local coordinates.
+    pub fn local_from_world(&self) -> [[f32; 3]; 3] {
+        self.axes.map(|axis| axis.map(|v| v / self.scale))
+    }
+
+    fn local<N: Real>(&self, p: Vec3<N>) -> Vec3<N> {
+        let offset = if self.moved { p - Vec3::constant(self.at) } else { p };
+        match self.turn {
+            Turn::None => offset,
+            Turn::Scaled => offset * N::constant(1.0 / self.scale),
+            Turn::Turned => {
+                let [x, y, z] = self.local_from_world().map(|row| Vec3::constant(row).dot(offset));
+                Vec3::new(x, y, z)
+            }
+        }
+    }
+
+    fn world_bounds(&self) -> Aabb {
+        let local = self.shape.bounds(&self.params);
+        if self.turn != Turn::Turned {
+            let place = |v: [f32; 3]| std::array::from_fn(|k| v[k] * self.scale + self.at[k]);
+            return Aabb { min: place(local.min), max: place(local.max) };
+        }
+        if !local.is_finite() {
+            return Aabb::EVERYTHING;
+        }
+        local.corners().iter().fold(Aabb::NOTHING, |bounds, corner| {
+            let point = std::array::from_fn(|k| {
+                self.at[k] + self.scale * (0..3).map(|axis| self.axes[axis][k] * corner[axis]).sum::<f32>()
+            });
+            bounds.union(Aabb { min: point, max: point })
+        })
+    }
+}
+
+/// The tree with placements moved to the leaves.
+#[derive(Clone, Debug)]
+pub(crate) enum Tree {
+    Leaf(u32),
+    /// Operator, blend width in world metres, children, number of its first choice.
+    Combine {
+        operator: &'static dyn Combine,
+        smooth: Option<f32>,
+        children: Vec<Tree>,
+        first_choice: u32,
+    },
+}
+
+/// The nearest surface as seen from a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<N> {
+    /// Distance and its gradient.
+    pub field: Dual<N>,
+    /// Index into [`Field::leaves`] of the leaf whose material shows, as a number.
+    pub leaf: N,
+}
+
+/// Everything of a scene, as one signed distance field: the union of its objects.
+#[derive(Clone, Debug)]
+pub struct Field {
+    leaves: Vec<Leaf>,
+    objects: Vec<Tree>,
+    bounds: Aabb,
+    object_bounds: Vec<Aabb>,
+}
+
+/// A number that a [`Field`] can be evaluated over on the CPU.
+pub trait Batch: Differentiable {
+    /// One seed for each point.
+    type Seeds: Copy;
+    #[doc(hidden)]
+    fn shape_distance(shape: &dyn Shape, p: Vec3<Self>, params: &[f32]) -> Self;
+    #[doc(hidden)]
+    fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<Self>>, params: &[f32]) -> Dual<Self>;
+    #[doc(hidden)]
+    fn combined(operator: &dyn Combine, a: Self, b: Self, width: Option<f32>) -> Self;
+    #[doc(hidden)]
+    fn combined_gradient(operator: &dyn Combine, a: Dual<Self>, b: Dual<Self>, width: Option<f32>) -> Dual<Self>;
+    #[doc(hidden)]
+    fn weight(operator: &dyn Combine, a: Self, b: Self, width: Option<f32>) -> Self;
+    /// A uniform number in 0..1 for the choice of this index at each point.
+    #[doc(hidden)]
+    fn choice(seeds: Self::Seeds, index: u32) -> Self;
+}
+
+impl Batch for f32 {
+    type Seeds = u32;
+    fn shape_distance(shape: &dyn Shape, p: Vec3<f32>, params: &[f32]) -> f32 {
+        shape.distance(p, params)
+    }
+    fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<f32>>, params: &[f32]) -> Dual<f32> {
+        shape.gradient(p, params)
+    }
+    fn combined(operator: &dyn Combine, a: f32, b: f32, width: Option<f32>) -> f32 {
+        operator.distance(a, b, width)
+    }
+    fn combined_gradient(operator: &dyn Combine, a: Dual<f32>, b: Dual<f32>, width: Option<f32>) -> Dual<f32> {
+        operator.gradient(a, b, width)
+    }
+    fn weight(operator: &dyn Combine, a: f32, b: f32, width: Option<f32>) -> f32 {
+        operator.weight(a, b, width)
+    }
+    fn choice(seed: u32, index: u32) -> f32 {
+        // PCG output hash (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering"); the WGSL twin is in compose.rs.
+        let state = (seed ^ index.wrapping_mul(0x9e37_79b9)).wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+        (((word >> 22) ^ word) >> 8) as f32 / 16_777_216.0
+    }
+}
+
+impl Batch for f32x8 {
+    type Seeds = [u32; 8];
+    fn shape_distance(shape: &dyn Shape, p: Vec3<f32x8>, params: &[f32]) -> f32x8 {
+        shape.distance_lanes(p, params)
+    }
+    fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<f32x8>>, params: &[f32]) -> Dual<f32x8> {
+        shape.gradient_lanes(p, params)
+    }
+    fn combined(operator: &dyn Combine, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8 {
+        operator.distance_lanes(a, b, width)
+    }
+    fn combined_gradient(operator: &dyn Combine, a: Dual<f32x8>, b: Dual<f32x8>, width: Option<f32>) -> Dual<f32x8> {
+        operator.gradient_lanes(a, b, width)
+    }
+    fn weight(operator: &dyn Combine, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8 {
+        operator.weight_lanes(a, b, width)
+    }
+    fn choice(seeds: [u32; 8], index: u32) -> f32x8 {
+        f32x8::from(seeds.map(|seed| f32::choice(seed, index)))
+    }
+}
+
+/// A placement under its parents: a similarity of the world, and which parts of it were written.
+#[derive(Clone, Copy)]
+struct Frame {
+    at: glam::Vec3,
+    turn: Quat,
+    scale: f32,
+    moved: bool,
+    kind: Turn,
+}
+
+impl Frame {
+    const WORLD: Self = Self { at: glam::Vec3::ZERO, turn: Quat::IDENTITY, scale: 1.0, moved: false, kind: Turn::None };
+
+    fn inside(self, placement: &Placement) -> Self {
+        let mut frame = self;
+        if let Some(at) = placement.at {
+            frame.at += self.turn * (glam::Vec3::from(at) * self.scale);
+            frame.moved = true;
+        }
+        if let Some([x, y, z]) = placement.rotate {
+            // Fixed axes x, then y, then z: the matrix is Rz·Ry·Rx.
+            let turn = Quat::from_euler(EulerRot::ZYX, z.to_radians(), y.to_radians(), x.to_radians());
+            frame.turn = (frame.turn * turn).normalize();
+            frame.kind = Turn::Turned;
+        }
+        if let Some(scale) = placement.scale {
+            frame.scale *= scale;
+            if frame.kind == Turn::None {
+                frame.kind = Turn::Scaled;
+            }
+        }
+        if let Some(normal) = placement.normal {
+            let normal = glam::Vec3::from(normal).normalize_or(glam::Vec3::Y);
+            frame.turn = (frame.turn * Quat::from_rotation_arc(glam::Vec3::Y, normal)).normalize();
+            frame.kind = Turn::Turned;
+        }
+        frame
+    }
+}
+
+impl Field {
+    /// The union of `objects`. A [`Kind::Combine`] without children is left out.
+    pub fn new(objects: &[Node]) -> Self {
+        let mut field =
+            Self { leaves: Vec::new(), objects: Vec::new(), bounds: Aabb::NOTHING, object_bounds: Vec::new() };
+        let mut choices = 0;
+        for (index, object) in objects.iter().enumerate() {
+            if let Some(tree) = field.add(object, Frame::WORLD, index as u32, &mut choices) {
+                let bounds = field.tree_bounds(&tree);
+                field.bounds = field.bounds.union(bounds);
+                field.object_bounds.push(bounds);
+                field.objects.push(tree);
+            }
+        }
+        field
+    }
+
+    fn add(&mut self, node: &Node, frame: Frame, object: u32, choices: &mut u32) -> Option<Tree> {
+        let frame = frame.inside(&node.placement);
+        match &node.kind {
+            Kind::Shape { shape, params, tag } => {
+                let axes = Mat3::from_quat(frame.turn);
+                self.leaves.push(Leaf {
+                    shape: *shape,
+                    params: params.clone(),
+                    tag: *tag,
+                    object,
+                    moved: frame.moved,
+                    turn: frame.kind,
+                    at: frame.at.into(),
+                    scale: frame.scale,
+                    axes: [axes.x_axis.into(), axes.y_axis.into(), axes.z_axis.into()],
+                });
+                Some(Tree::Leaf(self.leaves.len() as u32 - 1))
+            }
+            Kind::Combine { operator, smooth, children } => {
+                let mut children: Vec<Tree> =
+                    children.iter().filter_map(|child| self.add(child, frame, object, choices)).collect();
+                let first_choice = *choices;
+                *choices += children.len() as u32;
+                match children.len() {
+                    0 => None,
+                    1 => children.pop(),
+                    _ => Some(Tree::Combine {
+                        operator: *operator,
+                        smooth: smooth.map(|width| width * frame.scale),
+                        children,
+                        first_choice,
+                    }),
+                }
+            }
+        }
+    }
+
+    /// The shapes in the order they were written.
+    pub fn leaves(&self) -> &[Leaf] {
+        &self.leaves
+    }
+    /// A box that holds every solid.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+    /// A box that holds each object.
+    pub fn object_bounds(&self) -> &[Aabb] {
+        &self.object_bounds
+    }
+    pub(crate) fn objects(&self) -> &[Tree] {
+        &self.objects
+    }
+    /// An upper bound of |∇distance|: operators and placements keep the largest of the leaves'.
+    pub fn lipschitz(&self) -> f32 {
+        self.leaves.iter().map(|leaf| leaf.shape.lipschitz(&leaf.params)).fold(1.0, f32::max)
+    }
+
+    fn tree_bounds(&self, tree: &Tree) -> Aabb {
+        match tree {
+            Tree::Leaf(leaf) => self.leaves[*leaf as usize].world_bounds(),
+            Tree::Combine { operator, smooth, children, .. } => children
+                .iter()
+                .map(|child| self.tree_bounds(child))
+                .reduce(|a, b| operator.bounds(a, b, smooth.unwrap_or(0.0)))
+                .unwrap_or(Aabb::NOTHING),
+        }
+    }
+
+    /// Signed distance from each point to the nearest surface, metres; infinite in an empty scene.
+    pub fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
+        let mut nearest = N::constant(f32::INFINITY);
+        for object in &self.objects {
+            nearest = nearest.min(self.tree_distance(object, p));
+        }
+        nearest
+    }
+
+    fn tree_distance<N: Batch>(&self, tree: &Tree, p: Vec3<N>) -> N {
+        match tree {
+            Tree::Leaf(leaf) => {
+                let leaf = &self.leaves[*leaf as usize];
+                let distance = N::shape_distance(leaf.shape, leaf.local(p), &leaf.params);
+                if leaf.turn == Turn::None { distance } else { distance * N::constant(leaf.scale) }
+            }
+            Tree::Combine { operator, smooth, children, .. } => {
+                let mut result = self.tree_distance(&children[0], p);
+                for child in &children[1..] {
+                    result = N::combined(*operator, result, self.tree_distance(child, p), *smooth);
+                }
+                result
+            }
+        }
+    }
+
+    /// The nearest surface from each point: distance, gradient, and the leaf whose material shows. Where smooth operators
+    /// blend materials, one of them is chosen with the probability of its weight, by the point's seed.
+    pub fn surface<N: Batch>(&self, p: Vec3<N>, seeds: N::Seeds) -> Surface<N> {
+        let mut nearest = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
+        for object in &self.objects {
+            let surface = self.tree_surface(object, p, seeds);
+            let closer = surface.field.value.lt(nearest.field.value);
+            nearest = Surface {
+                field: Dual::select(closer, surface.field, nearest.field),
+                leaf: N::select(closer, surface.leaf, nearest.leaf),
+            };
+        }
+        nearest
+    }
+
+    fn tree_surface<N: Batch>(&self, tree: &Tree, p: Vec3<N>, seeds: N::Seeds) -> Surface<N> {
+        match tree {
+            Tree::Leaf(index) => {
+                let leaf = &self.leaves[*index as usize];
+                let local = N::shape_gradient(leaf.shape, Dual::variables(leaf.local(p)), &leaf.params);
+                let field = match leaf.turn {
+                    Turn::None => local,
+                    Turn::Scaled => Dual { value: local.value * N::constant(leaf.scale), gradient: local.gradient },
+                    Turn::Turned => {
+                        let [x, y, z] = leaf.axes.map(Vec3::constant);
+                        let g = local.gradient;
+                        Dual { value: local.value * N::constant(leaf.scale), gradient: x * g.x + y * g.y + z * g.z }
+                    }
+                };
+                Surface { field, leaf: N::constant(*index as f32) }
+            }
+            Tree::Combine { operator, smooth, children, first_choice } => {
+                let mut result = self.tree_surface(&children[0], p, seeds);
+                for (k, child) in children[1..].iter().enumerate() {
+                    let other = self.tree_surface(child, p, seeds);
+                    let weight = N::weight(*operator, result.field.value, other.field.value, *smooth);
+                    let threshold = match smooth {
+                        Some(_) => N::choice(seeds, first_choice + k as u32),
+                        None => N::constant(0.5),
+                    };
+                    let other_shows = threshold.lt(weight);
+                    result = Surface {
+                        field: N::combined_gradient(*operator, result.field, other.field, *smooth),
+                        leaf: N::select(other_shows, other.leaf, result.leaf),
+                    };
+                }
+                result
+            }
+        }
+    }
+}

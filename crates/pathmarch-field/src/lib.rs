@@ -1,0 +1,20 @@
+//! Signed distance fields, written once.
+//!
+//! A shape is one file: its parameters, its source, its bounds, its Lipschitz constant, and its distance as one Rust
+//! function generic over its number ([`number::Real`]). From that one function come the distance on the CPU (for one
+//! point or eight), the exact gradient (dual numbers), and the WGSL of both (an expression graph, printed).
+//!
+//! [`registry`] lists the shapes and operators; [`graph`] composes them into a scene's field; [`wgsl`] prints that
+//! field for the GPU. This crate knows no files, no GPU and no light.
+
+pub mod bounds;
+pub mod graph;
+pub mod number;
+mod operators;
+pub mod registry;
+mod shapes;
+pub mod wgsl;
+
+pub use bounds::Aabb;
+pub use graph::{Field, Node, Placement};
+pub use registry::{Combine, Info, Param, Shape, Unit};

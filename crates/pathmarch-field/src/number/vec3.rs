@@ -1,0 +1,93 @@
+//! A triple of [`Real`]s: points and vectors of a field.
+
+use super::Real;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A point or a vector in space over any number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vec3<N> {
+    /// Along x.
+    pub x: N,
+    /// Along y, up.
+    pub y: N,
+    /// Along z.
+    pub z: N,
+}
+
+impl<N> Vec3<N> {
+    /// From its three components.
+    pub const fn new(x: N, y: N, z: N) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl<N: Real> Vec3<N> {
+    /// All three components equal.
+    pub fn splat(value: N) -> Self {
+        Self::new(value, value, value)
+    }
+    /// Constants, the same in every lane.
+    pub fn constant(value: [f32; 3]) -> Self {
+        Self::new(N::constant(value[0]), N::constant(value[1]), N::constant(value[2]))
+    }
+    /// Scalar product.
+    pub fn dot(self, other: Self) -> N {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+    /// Euclidean length.
+    pub fn length(self) -> N {
+        self.dot(self).sqrt()
+    }
+    /// Magnitude of each component.
+    pub fn abs(self) -> Self {
+        Self::new(self.x.abs(), self.y.abs(), self.z.abs())
+    }
+    /// The larger of each component and `value`.
+    pub fn max(self, value: N) -> Self {
+        Self::new(self.x.max(value), self.y.max(value), self.z.max(value))
+    }
+    /// The largest component.
+    pub fn largest(self) -> N {
+        self.x.max(self.y.max(self.z))
+    }
+}
+
+impl<N: Real> Add for Vec3<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self::new(self.x + other.x, self.y + other.y, self.z + other.z)
+    }
+}
+
+impl<N: Real> Sub for Vec3<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.x - other.x, self.y - other.y, self.z - other.z)
+    }
+}
+
+impl<N: Real> Mul<N> for Vec3<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: N) -> Self {
+        Self::new(self.x * factor, self.y * factor, self.z * factor)
+    }
+}
+
+impl<N: Real> Div<N> for Vec3<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, divisor: N) -> Self {
+        Self::new(self.x / divisor, self.y / divisor, self.z / divisor)
+    }
+}
+
+impl<N: Real> Neg for Vec3<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(-self.x, -self.y, -self.z)
+    }
+}

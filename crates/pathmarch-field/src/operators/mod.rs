@@ -1,0 +1,14 @@
+//! The operators. A name in this list is a file and its registration.
+
+use crate::registry::{Combine, Entry};
+use std::marker::PhantomData;
+
+macro_rules! operators {
+    ($($module:ident),* $(,)?) => {
+        $(mod $module;)*
+        /// Every operator, in this order.
+        pub(crate) static ALL: &[&'static dyn Combine] = &[$(&Entry::<$module::Op>(PhantomData)),*];
+    };
+}
+
+operators!(union, subtract, intersect);

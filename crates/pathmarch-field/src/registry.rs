@@ -1,0 +1,392 @@
+//! What a shape and an operator are, and the lists of those there are.
+//!
+//! One file declares one shape: a unit struct that implements [`Primitive`]. The `mod` line that names the file in
+//! `shapes/mod.rs` puts it into [`shapes`]; everything else (parser, reference page, CPU and GPU code, tests) reads that
+//! list. Operators do the same with [`Operator`] in `operators/mod.rs`.
+
+use crate::bounds::Aabb;
+use crate::number::{Dual, Real, Vec3};
+use crate::wgsl::{Expr, Function, identifier};
+use std::fmt::Debug;
+use std::marker::PhantomData;
+use wide::f32x8;
+
+/// What a number of a shape measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Metres.
+    Metres,
+    /// Degrees.
+    Degrees,
+    /// A whole number.
+    Count,
+    /// A number without unit.
+    Ratio,
+}
+
+impl Unit {
+    /// As printed after a number.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Metres => "m",
+            Self::Degrees => "°",
+            Self::Count => "count",
+            Self::Ratio => "",
+        }
+    }
+}
+
+/// One number of a shape or operator.
+#[derive(Clone, Copy, Debug)]
+pub struct Param {
+    /// Name in the scene language.
+    pub name: &'static str,
+    /// What it measures.
+    pub unit: Unit,
+    /// Value when not given.
+    pub default: f32,
+    /// Smallest allowed value.
+    pub min: f32,
+    /// Whether `min` itself is allowed.
+    pub min_allowed: bool,
+    /// Largest allowed value.
+    pub max: f32,
+    /// One line for people.
+    pub doc: &'static str,
+}
+
+impl Param {
+    /// A length above zero, metres.
+    pub const fn length(name: &'static str, default: f32, doc: &'static str) -> Self {
+        Self { name, unit: Unit::Metres, default, min: 0.0, min_allowed: false, max: f32::MAX, doc }
+    }
+    /// A length of zero or more, metres.
+    pub const fn length_or_zero(name: &'static str, default: f32, doc: &'static str) -> Self {
+        Self { min_allowed: true, ..Self::length(name, default, doc) }
+    }
+    /// A component of a direction or position: any number.
+    pub const fn any(name: &'static str, default: f32, doc: &'static str) -> Self {
+        Self { name, unit: Unit::Ratio, default, min: f32::MIN, min_allowed: true, max: f32::MAX, doc }
+    }
+    /// Whether `value` is finite and within the range.
+    pub fn accepts(&self, value: f32) -> bool {
+        value.is_finite() && (value > self.min || self.min_allowed && value == self.min) && value <= self.max
+    }
+    /// The range in words, as in "must be above 0".
+    pub fn range_in_words(&self) -> String {
+        let whole = if self.unit == Unit::Count { "a whole number " } else { "" };
+        match (self.min > f32::MIN, self.max < f32::MAX) {
+            (true, true) => format!("{whole}from {} to {}", self.min, self.max),
+            (true, false) if self.min_allowed => format!("{whole}{} or more", self.min),
+            (true, false) => format!("{whole}above {}", self.min),
+            (false, true) => format!("{whole}at most {}", self.max),
+            (false, false) => format!("{whole}any finite number"),
+        }
+    }
+}
+
+/// What a shape or an operator says of itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Info {
+    /// Name in the scene language.
+    pub name: &'static str,
+    /// One sentence: what it is, where it stands.
+    pub doc: &'static str,
+    /// Author, work, year, section; a key of REFERENCES.md where there is one.
+    pub source: &'static str,
+    /// Whether the value outside is the true Euclidean distance, not only a lower bound.
+    pub exact: bool,
+    /// How many of the leading parameters are one size, for which a single number may stand.
+    pub size_params: usize,
+    /// A surface without thickness that faces +y: it emits on that side only.
+    pub sheet: bool,
+    /// Faces +y, and may be turned to face a `normal` instead.
+    pub facing: bool,
+}
+
+impl Info {
+    /// An exact solid without size parameters; override fields with struct update syntax.
+    pub const fn new(name: &'static str, doc: &'static str, source: &'static str) -> Self {
+        Self { name, doc, source, exact: true, size_params: 0, sheet: false, facing: false }
+    }
+}
+
+/// A list of parameter values; implemented by arrays.
+pub trait Values<N>: AsRef<[N]> + Copy {
+    /// From the value at each index.
+    fn from_fn(value: impl FnMut(usize) -> N) -> Self;
+}
+
+impl<N: Copy, const K: usize> Values<N> for [N; K] {
+    fn from_fn(value: impl FnMut(usize) -> N) -> Self {
+        std::array::from_fn(value)
+    }
+}
+
+/// A shape, written once.
+///
+/// Implementations are unit structs named `Shape`, one in each file of `shapes/`.
+pub trait Primitive: Send + Sync + 'static {
+    /// Name, documentation, source.
+    const INFO: Info;
+    /// The parameters, in the order of positional arguments.
+    const PARAMS: &'static [Param];
+    /// As many numbers as there are parameters: `[N; K]`.
+    type Params<N: Real>: Values<N>;
+
+    /// Signed distance from `p` to the surface, metres, negative inside; a lower bound of it where not exact.
+    fn distance<N: Real>(p: Vec3<N>, params: Self::Params<N>) -> N;
+    /// A box that holds the solid.
+    fn bounds(params: Self::Params<f32>) -> Aabb;
+    /// An upper bound of |∇distance|.
+    fn lipschitz(_params: Self::Params<f32>) -> f32 {
+        1.0
+    }
+}
+
+/// An operator that makes one solid of two, written once.
+///
+/// More than two children are folded from the first to the last. Implementations are unit structs named `Shape`'s twin
+/// `Op`, one in each file of `operators/`.
+pub trait Operator: Send + Sync + 'static {
+    /// Name, documentation, source.
+    const INFO: Info;
+    /// The sharp result.
+    fn sharp<N: Real>(a: N, b: N) -> N;
+    /// The result with the edge blended over `width` metres.
+    fn smooth<N: Real>(a: N, b: N, width: N) -> N;
+    /// How much of `b`'s material shows, 0..1, in the sharp result.
+    fn sharp_weight<N: Real>(a: N, b: N) -> N;
+    /// How much of `b`'s material shows, 0..1, in the blended result.
+    fn smooth_weight<N: Real>(a: N, b: N, width: N) -> N;
+    /// A box that holds the result.
+    fn bounds(a: Aabb, b: Aabb, width: f32) -> Aabb;
+}
+
+/// A [`Primitive`] behind a pointer.
+pub trait Shape: Send + Sync {
+    /// Name, documentation, source.
+    fn info(&self) -> &'static Info;
+    /// The parameters, in order.
+    fn params(&self) -> &'static [Param];
+    /// Distance at one point.
+    fn distance(&self, p: Vec3<f32>, params: &[f32]) -> f32;
+    /// Distance at eight points.
+    fn distance_lanes(&self, p: Vec3<f32x8>, params: &[f32]) -> f32x8;
+    /// Distance and gradient at one point.
+    fn gradient(&self, p: Vec3<Dual<f32>>, params: &[f32]) -> Dual<f32>;
+    /// Distance and gradient at eight points.
+    fn gradient_lanes(&self, p: Vec3<Dual<f32x8>>, params: &[f32]) -> Dual<f32x8>;
+    /// A box that holds the solid.
+    fn bounds(&self, params: &[f32]) -> Aabb;
+    /// An upper bound of |∇distance|.
+    fn lipschitz(&self, params: &[f32]) -> f32;
+    /// The distance as a WGSL function `NAME_distance(p: vec3f, …) -> f32`.
+    fn wgsl_distance(&self) -> String;
+    /// The gradient (xyz) and distance (w) as a WGSL function `NAME_gradient(p: vec3f, …) -> vec4f`.
+    fn wgsl_gradient(&self) -> String;
+    /// What its WGSL functions' names begin with.
+    fn wgsl_name(&self) -> String {
+        identifier(self.info().name).trim_end_matches('_').to_owned()
+    }
+}
+
+impl Debug for dyn Shape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.info().name)
+    }
+}
+
+/// An [`Operator`] behind a pointer.
+pub trait Combine: Send + Sync {
+    /// Name, documentation, source.
+    fn info(&self) -> &'static Info;
+    /// The distance of the result; sharp without `width`.
+    fn distance(&self, a: f32, b: f32, width: Option<f32>) -> f32;
+    /// The distances of eight results.
+    fn distance_lanes(&self, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8;
+    /// Distance and gradient of the result.
+    fn gradient(&self, a: Dual<f32>, b: Dual<f32>, width: Option<f32>) -> Dual<f32>;
+    /// Distances and gradients of eight results.
+    fn gradient_lanes(&self, a: Dual<f32x8>, b: Dual<f32x8>, width: Option<f32>) -> Dual<f32x8>;
+    /// How much of `b`'s material shows, 0..1.
+    fn weight(&self, a: f32, b: f32, width: Option<f32>) -> f32;
+    /// How much of `b`'s material shows in each of eight results, 0..1.
+    fn weight_lanes(&self, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8;
+    /// A box that holds the result.
+    fn bounds(&self, a: Aabb, b: Aabb, width: f32) -> Aabb;
+    /// `NAME_distance`, or `smooth_NAME_distance`, as a WGSL function.
+    fn wgsl_distance(&self, smooth: bool) -> String;
+    /// `NAME_gradient`, or `smooth_NAME_gradient`, as a WGSL function over (xyz gradient, w distance).
+    fn wgsl_gradient(&self, smooth: bool) -> String;
+    /// `NAME_weight`, or `smooth_NAME_weight`, as a WGSL function.
+    fn wgsl_weight(&self, smooth: bool) -> String;
+    /// What its WGSL functions' names begin with.
+    fn wgsl_name(&self, smooth: bool) -> String {
+        format!("{}{}", if smooth { "smooth_" } else { "" }, self.info().name)
+    }
+}
+
+impl Debug for dyn Combine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.info().name)
+    }
+}
+
+/// Makes a [`Shape`] of a [`Primitive`], or a [`Combine`] of an [`Operator`].
+pub(crate) struct Entry<T>(pub(crate) PhantomData<T>);
+
+fn values<N: Real, V: Values<N>>(params: &[f32]) -> V {
+    V::from_fn(|k| N::constant(params[k]))
+}
+
+fn dual(inputs: &[Expr]) -> Dual<Expr> {
+    Dual { value: inputs[3], gradient: Vec3::new(inputs[0], inputs[1], inputs[2]) }
+}
+
+fn outputs(result: Dual<Expr>) -> Vec<Expr> {
+    vec![result.gradient.x, result.gradient.y, result.gradient.z, result.value]
+}
+
+impl<T: Primitive> Entry<T> {
+    fn function(&self, suffix: &str, doc: String) -> Function<'static> {
+        let parameters = [("p", "vec3f")].into_iter().chain(T::PARAMS.iter().map(|p| (p.name, "f32"))).collect();
+        Function { name: format!("{}_{suffix}", self.wgsl_name()), doc, parameters }
+    }
+}
+
+impl<T: Primitive> Shape for Entry<T> {
+    fn info(&self) -> &'static Info {
+        &T::INFO
+    }
+    fn params(&self) -> &'static [Param] {
+        T::PARAMS
+    }
+    fn distance(&self, p: Vec3<f32>, params: &[f32]) -> f32 {
+        T::distance(p, values(params))
+    }
+    fn distance_lanes(&self, p: Vec3<f32x8>, params: &[f32]) -> f32x8 {
+        T::distance(p, values(params))
+    }
+    fn gradient(&self, p: Vec3<Dual<f32>>, params: &[f32]) -> Dual<f32> {
+        T::distance(p, values(params))
+    }
+    fn gradient_lanes(&self, p: Vec3<Dual<f32x8>>, params: &[f32]) -> Dual<f32x8> {
+        T::distance(p, values(params))
+    }
+    fn bounds(&self, params: &[f32]) -> Aabb {
+        T::bounds(values(params))
+    }
+    fn lipschitz(&self, params: &[f32]) -> f32 {
+        T::lipschitz(values(params))
+    }
+    fn wgsl_distance(&self) -> String {
+        self.function("distance", T::INFO.doc.to_owned()).print(|inputs| {
+            let p = Vec3::new(inputs[0], inputs[1], inputs[2]);
+            vec![T::distance(p, T::Params::from_fn(|k| inputs[3 + k]))]
+        })
+    }
+    fn wgsl_gradient(&self) -> String {
+        let doc = format!("Gradient (xyz) and distance (w) of `{}`.", T::INFO.name);
+        self.function("gradient", doc).print(|inputs| {
+            let p = Dual::variables(Vec3::new(inputs[0], inputs[1], inputs[2]));
+            outputs(T::distance(p, T::Params::from_fn(|k| Dual::independent(inputs[3 + k]))))
+        })
+    }
+}
+
+impl<T: Operator> Entry<T> {
+    fn operator_function(&self, suffix: &str, kind: &'static str, smooth: bool) -> Function<'static> {
+        let doc = match suffix {
+            "distance" => T::INFO.doc.to_owned(),
+            "gradient" => format!("Gradient (xyz) and distance (w) of `{}`.", T::INFO.name),
+            _ => format!("How much of b's material shows in `{}`, 0..1.", T::INFO.name),
+        };
+        let mut parameters = vec![("a", kind), ("b", kind)];
+        if smooth {
+            parameters.push(("width", "f32"));
+        }
+        Function { name: format!("{}_{suffix}", self.wgsl_name(smooth)), doc, parameters }
+    }
+}
+
+impl<T: Operator> Combine for Entry<T> {
+    fn info(&self) -> &'static Info {
+        &T::INFO
+    }
+    fn distance(&self, a: f32, b: f32, width: Option<f32>) -> f32 {
+        combine::<T, _>(a, b, width)
+    }
+    fn distance_lanes(&self, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8 {
+        combine::<T, _>(a, b, width)
+    }
+    fn gradient(&self, a: Dual<f32>, b: Dual<f32>, width: Option<f32>) -> Dual<f32> {
+        combine::<T, _>(a, b, width)
+    }
+    fn gradient_lanes(&self, a: Dual<f32x8>, b: Dual<f32x8>, width: Option<f32>) -> Dual<f32x8> {
+        combine::<T, _>(a, b, width)
+    }
+    fn weight(&self, a: f32, b: f32, width: Option<f32>) -> f32 {
+        weight::<T, _>(a, b, width)
+    }
+    fn weight_lanes(&self, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8 {
+        weight::<T, _>(a, b, width)
+    }
+    fn bounds(&self, a: Aabb, b: Aabb, width: f32) -> Aabb {
+        T::bounds(a, b, width)
+    }
+    fn wgsl_distance(&self, smooth: bool) -> String {
+        self.operator_function("distance", "f32", smooth).print(|inputs| {
+            vec![if smooth { T::smooth(inputs[0], inputs[1], inputs[2]) } else { T::sharp(inputs[0], inputs[1]) }]
+        })
+    }
+    fn wgsl_gradient(&self, smooth: bool) -> String {
+        self.operator_function("gradient", "vec4f", smooth).print(|inputs| {
+            let (a, b) = (dual(&inputs[0..4]), dual(&inputs[4..8]));
+            outputs(if smooth { T::smooth(a, b, Dual::independent(inputs[8])) } else { T::sharp(a, b) })
+        })
+    }
+    fn wgsl_weight(&self, smooth: bool) -> String {
+        self.operator_function("weight", "f32", smooth).print(|inputs| {
+            vec![if smooth {
+                T::smooth_weight(inputs[0], inputs[1], inputs[2])
+            } else {
+                T::sharp_weight(inputs[0], inputs[1])
+            }]
+        })
+    }
+}
+
+fn combine<T: Operator, N: Real>(a: N, b: N, width: Option<f32>) -> N {
+    match width {
+        Some(width) => T::smooth(a, b, N::constant(width)),
+        None => T::sharp(a, b),
+    }
+}
+
+fn weight<T: Operator, N: Real>(a: N, b: N, width: Option<f32>) -> N {
+    match width {
+        Some(width) => T::smooth_weight(a, b, N::constant(width)),
+        None => T::sharp_weight(a, b),
+    }
+}
+
+/// Every shape, in the order of `shapes/mod.rs`.
+pub fn shapes() -> &'static [&'static dyn Shape] {
+    crate::shapes::ALL
+}
+
+/// Every operator, in the order of `operators/mod.rs`.
+pub fn operators() -> &'static [&'static dyn Combine] {
+    crate::operators::ALL
+}
+
+/// The shape of this name.
+pub fn shape(name: &str) -> Option<&'static dyn Shape> {
+    shapes().iter().copied().find(|shape| shape.info().name == name)
+}
+
+/// The operator of this name.
+pub fn operator(name: &str) -> Option<&'static dyn Combine> {
+    operators().iter().copied().find(|operator| operator.info().name == name)
+}

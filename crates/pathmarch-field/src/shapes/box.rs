@@ -1,0 +1,32 @@
+//! Box by its edge lengths. Outside, the length of what sticks out along each axis; inside, the nearest face
+//! (Quilez 2008, "Distance functions", box). Exact.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Param, Primitive};
+
+pub(crate) struct Shape;
+
+impl Primitive for Shape {
+    const INFO: Info = Info {
+        size_params: 3,
+        ..Info::new("box", "Box centred at the origin, its edges along the axes.", "Quilez 2008, box")
+    };
+    const PARAMS: &'static [Param] = &[
+        Param::length("x", 1.0, "Edge length along x."),
+        Param::length("y", 1.0, "Edge length along y."),
+        Param::length("z", 1.0, "Edge length along z."),
+    ];
+    type Params<N: Real> = [N; 3];
+
+    #[inline(always)]
+    fn distance<N: Real>(p: Vec3<N>, [x, y, z]: [N; 3]) -> N {
+        let excess = p.abs() - Vec3::new(x, y, z) * N::constant(0.5);
+        let outside = excess.max(N::zero()).length();
+        let inside = excess.largest().min(N::zero());
+        outside + inside
+    }
+    fn bounds([x, y, z]: [f32; 3]) -> Aabb {
+        Aabb::centred(0.5 * x, 0.5 * y, 0.5 * z)
+    }
+}

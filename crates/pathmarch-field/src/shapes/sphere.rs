@@ -1,0 +1,21 @@
+//! Sphere: the distance to a point, less the radius (Hart 1996, "Sphere tracing", appendix A). Exact.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Param, Primitive};
+
+pub(crate) struct Shape;
+
+impl Primitive for Shape {
+    const INFO: Info = Info::new("sphere", "Sphere centred at the origin.", "Hart 1996, appendix A");
+    const PARAMS: &'static [Param] = &[Param::length("radius", 1.0, "Distance from the centre to the surface.")];
+    type Params<N: Real> = [N; 1];
+
+    #[inline(always)]
+    fn distance<N: Real>(p: Vec3<N>, [radius]: [N; 1]) -> N {
+        p.length() - radius
+    }
+    fn bounds([radius]: [f32; 1]) -> Aabb {
+        Aabb::centred(radius, radius, radius)
+    }
+}

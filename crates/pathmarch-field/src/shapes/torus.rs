@@ -1,0 +1,26 @@
+//! Torus about y: in the half-plane through the axis it is a circle (Hart 1996, appendix A). Exact.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Param, Primitive};
+
+pub(crate) struct Shape;
+
+impl Primitive for Shape {
+    const INFO: Info =
+        Info::new("torus", "Ring about the y axis, centred at the origin.", "Hart 1996, appendix A");
+    const PARAMS: &'static [Param] = &[
+        Param::length("major", 1.0, "Radius of the ring, from the axis to the middle of the tube."),
+        Param::length("minor", 0.25, "Radius of the tube."),
+    ];
+    type Params<N: Real> = [N; 2];
+
+    #[inline(always)]
+    fn distance<N: Real>(p: Vec3<N>, [major, minor]: [N; 2]) -> N {
+        let from_ring = (p.x.hypot(p.z) - major).named("from_ring");
+        from_ring.hypot(p.y) - minor
+    }
+    fn bounds([major, minor]: [f32; 2]) -> Aabb {
+        Aabb::centred(major + minor, minor, major + minor)
+    }
+}

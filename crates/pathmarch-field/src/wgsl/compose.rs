@@ -1,0 +1,271 @@
+//! A scene's field as WGSL: one function for each kind of shape in use, composed into `field` and `surface`.
+//!
+//! Structure is code, numbers are data: every number of the scene stands in [`Program::parameters`], so that a scene of
+//! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
+
+use crate::graph::{Field, Leaf, Tree, Turn};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+/// The most vectors of parameters that fit the uniform memory every adapter has (64 KiB).
+pub const MAX_UNIFORM_VECTORS: usize = 4096;
+
+/// The numbers of a field, packed for the GPU.
+pub type Parameters = Vec<[f32; 4]>;
+
+/// A field's code and numbers.
+///
+/// The code expects an array `field_parameters` of `vec4f` and declares `field(p: vec3f) -> f32`, the struct `Surface`
+/// and `surface(p: vec3f, seed: u32) -> Surface`.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// WGSL text; equal for scenes of equal structure.
+    pub code: String,
+    /// The numbers, at least one vector.
+    pub parameters: Parameters,
+}
+
+const SURFACE: &str = "\
+/// The nearest surface as seen from a point.
+struct Surface {
+    gradient: vec3f,
+    distance: f32,
+    leaf: u32,
+}
+";
+
+const CHOICE: &str = "\
+/// A uniform number in 0..1 for the choice of this index (PCG hash; Jarzynski and Olano 2020).
+fn choice(seed: u32, index: u32) -> f32 {
+    let state = (seed ^ (index * 0x9e3779b9u)) * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return f32(((word >> 22u) ^ word) >> 8u) / 16777216.0;
+}
+";
+
+impl Program {
+    /// Prints a field.
+    pub fn new(field: &Field) -> Self {
+        let mut composer = Composer { field, parameters: Vec::new(), widths: Vec::new(), starts: Vec::new() };
+        let mut functions = BTreeSet::new();
+        for leaf in field.leaves() {
+            composer.starts.push(composer.parameters.len());
+            composer.place(leaf);
+            functions.insert((0, leaf.shape.wgsl_distance()));
+            functions.insert((0, leaf.shape.wgsl_gradient()));
+        }
+        let mut has_choice = false;
+        for tree in field.objects() {
+            has_choice |= composer.operators(tree, &mut functions);
+        }
+        let distance = composer.distance();
+        let surface = composer.surface();
+        if composer.parameters.is_empty() {
+            composer.parameters.push([0.0; 4]);
+        }
+        let mut code = String::from(SURFACE);
+        if has_choice {
+            code += "\n";
+            code += CHOICE;
+        }
+        for (_, function) in &functions {
+            code += "\n";
+            code += function;
+        }
+        let code = format!("{code}\n{distance}\n{surface}");
+        Self { code, parameters: composer.parameters }
+    }
+}
+
+struct Composer<'a> {
+    field: &'a Field,
+    parameters: Parameters,
+    /// Where the blend width of each smooth operator stands, by its first choice.
+    widths: Vec<(u32, usize)>,
+    /// Where the parameters of each leaf start.
+    starts: Vec<usize>,
+}
+
+fn component(vector: usize, k: usize) -> String {
+    format!("field_parameters[{vector}].{}", ["x", "y", "z", "w"][k])
+}
+
+impl Composer<'_> {
+    fn place(&mut self, leaf: &Leaf) {
+        if leaf.moved || leaf.turn != Turn::None {
+            self.parameters.push([leaf.at[0], leaf.at[1], leaf.at[2], leaf.scale]);
+        }
+        if leaf.turn == Turn::Turned {
+            self.parameters.extend(leaf.local_from_world().map(|[x, y, z]| [x, y, z, 0.0]));
+        }
+        for chunk in leaf.params.chunks(4) {
+            self.parameters.push(std::array::from_fn(|k| chunk.get(k).copied().unwrap_or(0.0)));
+        }
+    }
+
+    /// Collects the functions of the operators in use and stores their widths; whether any blends.
+    fn operators(&mut self, tree: &Tree, functions: &mut BTreeSet<(u32, String)>) -> bool {
+        let Tree::Combine { operator, smooth, children, first_choice } = tree else { return false };
+        functions.insert((1, operator.wgsl_distance(smooth.is_some())));
+        functions.insert((1, operator.wgsl_gradient(smooth.is_some())));
+        functions.insert((1, operator.wgsl_weight(smooth.is_some())));
+        if let Some(width) = smooth {
+            self.widths.push((*first_choice, self.parameters.len()));
+            self.parameters.push([*width, 0.0, 0.0, 0.0]);
+        }
+        children.iter().fold(smooth.is_some(), |blends, child| self.operators(child, functions) | blends)
+    }
+
+    fn width(&self, first_choice: u32, smooth: bool) -> String {
+        let place = self.widths.iter().find(|(choice, _)| smooth && *choice == first_choice);
+        place.map_or(String::new(), |(_, vector)| format!(", {}", component(*vector, 0)))
+    }
+
+    /// The local point of a leaf, and the call's arguments after it.
+    fn arguments(&self, index: u32) -> (String, String) {
+        let leaf = &self.field.leaves()[index as usize];
+        let mut next = self.starts[index as usize];
+        let mut point = "p".to_owned();
+        if leaf.moved || leaf.turn != Turn::None {
+            if leaf.moved {
+                point = format!("p - field_parameters[{next}].xyz");
+            }
+            next += 1;
+        }
+        match leaf.turn {
+            Turn::None => {}
+            Turn::Scaled => point = format!("({point}) / field_parameters[{}].w", next - 1),
+            Turn::Turned => {
+                point = format!("({point}) * {}", rows(next));
+                next += 3;
+            }
+        }
+        let values: String = (0..leaf.params.len()).map(|k| format!(", {}", component(next + k / 4, k % 4))).collect();
+        (point, values)
+    }
+
+    fn distance(&self) -> String {
+        let mut text = String::from(
+            "/// Signed distance from `p` to the nearest surface of the scene, metres.\nfn field(p: vec3f) -> f32 {\n",
+        );
+        let mut counter = 0;
+        for (k, object) in self.field.objects().iter().enumerate() {
+            let value = self.tree_distance(object, &mut text, &mut counter);
+            if k == 0 {
+                writeln!(text, "    var nearest = {value};")
+            } else {
+                writeln!(text, "    nearest = min(nearest, {value});")
+            }
+            .expect("writing to a string");
+        }
+        text + if self.field.objects().is_empty() { "    return 1e30;\n}\n" } else { "    return nearest;\n}\n" }
+    }
+
+    fn tree_distance(&self, tree: &Tree, text: &mut String, counter: &mut u32) -> String {
+        match tree {
+            Tree::Leaf(index) => {
+                let leaf = &self.field.leaves()[*index as usize];
+                let (point, values) = self.arguments(*index);
+                let call = format!("{}_distance({point}{values})", leaf.shape.wgsl_name());
+                if leaf.turn == Turn::None {
+                    call
+                } else {
+                    format!("{call} * {}", component(self.starts[*index as usize], 3))
+                }
+            }
+            Tree::Combine { operator, smooth, children, first_choice } => {
+                let mut result = self.tree_distance(&children[0], text, counter);
+                let width = self.width(*first_choice, smooth.is_some());
+                for child in &children[1..] {
+                    let other = self.tree_distance(child, text, counter);
+                    let name = format!("d{counter}");
+                    *counter += 1;
+                    let function = operator.wgsl_name(smooth.is_some());
+                    writeln!(text, "    let {name} = {function}_distance({result}, {other}{width});")
+                        .expect("writing to a string");
+                    result = name;
+                }
+                result
+            }
+        }
+    }
+
+    fn surface(&self) -> String {
+        let mut text = String::from(
+            "/// The nearest surface from `p`: distance, gradient, and the leaf whose material shows.\n\
+             fn surface(p: vec3f, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
+        );
+        let mut counter = 0;
+        for object in self.field.objects() {
+            let (value, leaf) = self.tree_surface(object, &mut text, &mut counter);
+            writeln!(
+                text,
+                "    if {value}.w < nearest.w {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
+            )
+            .expect("writing to a string");
+        }
+        text + "    return Surface(nearest.xyz, nearest.w, leaf);\n}\n"
+    }
+
+    fn tree_surface(&self, tree: &Tree, text: &mut String, counter: &mut u32) -> (String, String) {
+        let mut fresh = |prefix: &str| {
+            *counter += 1;
+            format!("{prefix}{}", *counter - 1)
+        };
+        match tree {
+            Tree::Leaf(index) => {
+                let leaf = &self.field.leaves()[*index as usize];
+                let (point, values) = self.arguments(*index);
+                let call = format!("{}_gradient({point}{values})", leaf.shape.wgsl_name());
+                let name = fresh("g");
+                let start = self.starts[*index as usize];
+                match leaf.turn {
+                    Turn::None => writeln!(text, "    let {name} = {call};"),
+                    Turn::Scaled => {
+                        writeln!(text, "    let {name} = {call} * vec4f(1.0, 1.0, 1.0, {});", component(start, 3))
+                    }
+                    Turn::Turned => {
+                        let local = fresh("l");
+                        let scale = component(start, 3);
+                        writeln!(
+                            text,
+                            "    let {local} = {call};\n    let {name} = vec4f({} * {local}.xyz, {local}.w) * {scale};",
+                            rows(start + 1)
+                        )
+                    }
+                }
+                .expect("writing to a string");
+                (name, format!("{index}u"))
+            }
+            Tree::Combine { operator, smooth, children, first_choice } => {
+                let (mut result, mut leaf) = self.tree_surface(&children[0], text, counter);
+                let width = self.width(*first_choice, smooth.is_some());
+                let function = operator.wgsl_name(smooth.is_some());
+                for (k, child) in children[1..].iter().enumerate() {
+                    let (other, other_leaf) = self.tree_surface(child, text, counter);
+                    let name = format!("g{counter}");
+                    let chosen = format!("leaf{counter}");
+                    *counter += 1;
+                    let threshold = match smooth {
+                        Some(_) => format!("choice(seed, {}u)", first_choice + k as u32),
+                        None => "0.5".to_owned(),
+                    };
+                    writeln!(
+                        text,
+                        "    let {name} = {function}_gradient({result}, {other}{width});\n    let {chosen} = select({leaf}, \
+                         {other_leaf}, {threshold} < {function}_weight({result}.w, {other}.w{width}));"
+                    )
+                    .expect("writing to a string");
+                    (result, leaf) = (name, chosen);
+                }
+                (result, leaf)
+            }
+        }
+    }
+}
+
+/// The matrix whose columns are the rows stored from this vector on.
+fn rows(start: usize) -> String {
+    let row = |k: usize| format!("field_parameters[{}].xyz", start + k);
+    format!("mat3x3f({}, {}, {})", row(0), row(1), row(2))
+}

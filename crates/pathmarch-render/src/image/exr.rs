@@ -1,0 +1,153 @@
+//! OpenEXR: linear radiance, lossless, with its provenance.
+//!
+//! **Idea.** Going out, three 32-bit float channels R, G, B in blocks of 16 scanlines, deflated (ZIP): every bit survives.
+//! Coming in, the first part that has R, G and B is read, whatever its numbers (half, float, integer) and layout
+//! (scanlines, tiles, mip levels: the largest); alpha and other channels are left out.
+//!
+//! **Source.** "OpenEXR File Layout", openexr.com, by way of the crate `exr`. The data window alone counts: where it is
+//! smaller than the display window, the picture is the smaller one.
+//!
+//! **Hostile files.** Sizes are checked in the header before anything is allocated for them, and a panic inside the decoder
+//! (its wavelet and Huffman stages index what the file tells them to) is an error like any other.
+
+use std::io::{Cursor, Seek, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use ::exr::meta::MetaData;
+use ::exr::meta::attribute::AttributeValue;
+use ::exr::meta::header::ImageAttributes;
+use ::exr::prelude::*;
+
+use super::{ImageError, Picture, Provenance, check_size};
+
+/// Writes the picture; `path` only names it in errors.
+pub(super) fn write(
+    path: &Path,
+    writer: &mut (impl Write + Seek),
+    picture: &Picture,
+    provenance: &Provenance,
+) -> std::result::Result<(), ImageError> {
+    let width = picture.width as usize;
+    let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
+        let [r, g, b] = picture.pixels[at.y() * width + at.x()];
+        (r, g, b)
+    });
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let layer = Layer::new((width, picture.height as usize), LayerAttributes::default(), encoding, channels);
+    let mut image = Image::from_layer(layer);
+    image.attributes.other.extend(attributes_of(provenance));
+    image.write().to_buffered(writer).map_err(|error| match error {
+        Error::Io(source) => ImageError::Write { path: path.to_owned(), source },
+        other => ImageError::Encode { path: path.to_owned(), reason: other.to_string() },
+    })
+}
+
+/// Reads the picture and its provenance; `path` only names it in errors.
+pub(super) fn read(path: &Path, bytes: &[u8]) -> std::result::Result<(Picture, Option<Provenance>), ImageError> {
+    let decode_error = |reason: String| ImageError::Decode { path: path.to_owned(), reason };
+    let meta = caught(|| MetaData::read_from_buffered(Cursor::new(bytes), false)).map_err(decode_error)?;
+    for header in &meta.headers {
+        check_size(path, header.layer_size.width() as u64, header.layer_size.height() as u64)?;
+    }
+    if !meta.headers.iter().any(has_rgb) {
+        return Err(decode_error("it has no channels named R, G and B".to_owned()));
+    }
+
+    let image = caught(|| {
+        read_rgb_from(bytes)
+    })
+    .map_err(decode_error)?;
+    Ok((image.0, provenance_in(&image.1)))
+}
+
+/// The first part with channels R, G and B.
+fn read_rgb_from(bytes: &[u8]) -> Result<(Picture, ImageAttributes)> {
+    let image = ::exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required::<f32>("R")
+        .required::<f32>("G")
+        .required::<f32>("B")
+        .collect_pixels(
+            |size, _| Picture::new(size.width() as u32, size.height() as u32),
+            |picture: &mut Picture, at, (r, g, b): (f32, f32, f32)| {
+                let index = at.y() * picture.width as usize + at.x();
+                picture.pixels[index] = [r, g, b];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(bytes))?;
+    Ok((image.layer_data.channel_data.pixels, image.attributes))
+}
+
+fn has_rgb(header: &::exr::meta::header::Header) -> bool {
+    let has = |name: &str| header.channels.list.iter().any(|channel| channel.name.eq(name));
+    !header.deep && has("R") && has("G") && has("B")
+}
+
+/// Runs a decoder; its errors and its panics become text.
+fn caught<T>(decode: impl FnOnce() -> Result<T>) -> std::result::Result<T, String> {
+    match catch_unwind(AssertUnwindSafe(decode)) {
+        Ok(result) => result.map_err(|error| error.to_string()),
+        Err(_) => Err("the decoder gave up on its contents".to_owned()),
+    }
+}
+
+/// Name of the attribute that marks a file as ours.
+const SCENE_HASH: &str = "pathmarch:sceneHash";
+
+fn attributes_of(provenance: &Provenance) -> Vec<(Text, AttributeValue)> {
+    let text = |name: &str, value: &str| (Text::from(name), AttributeValue::Text(text_of(value)));
+    // The integers of EXR are signed; one that does not fit is written out in digits.
+    let integer = |name: &str, value: u32| match i32::try_from(value) {
+        Ok(value) => (Text::from(name), AttributeValue::I32(value)),
+        Err(_) => text(name, &value.to_string()),
+    };
+    vec![
+        text(SCENE_HASH, &provenance.scene_hash),
+        integer("pathmarch:samples", provenance.samples),
+        integer("pathmarch:firstSample", provenance.first_sample),
+        integer("pathmarch:seed", provenance.seed),
+        integer("pathmarch:bounces", provenance.bounces),
+        text("pathmarch:adapter", &provenance.adapter),
+        text("pathmarch:backend", &provenance.backend),
+        text("pathmarch:version", &provenance.version),
+    ]
+}
+
+/// A string as EXR text, which is bytes without encoding: what is not printable ASCII becomes `?`.
+fn text_of(value: &str) -> Text {
+    let bytes: Vec<u8> = value.chars().map(|c| if matches!(c, ' '..='~') { c as u8 } else { b'?' }).collect();
+    Text::from_slice_unchecked(&bytes)
+}
+
+/// The provenance in a header; none unless every one of its attributes is there.
+fn provenance_in(attributes: &ImageAttributes) -> Option<Provenance> {
+    let value = |name: &str| attributes.other.get(&Text::from(name));
+    let text = |name: &str| match value(name)? {
+        AttributeValue::Text(text) => Some(text.to_string()),
+        _ => None,
+    };
+    let integer = |name: &str| match value(name)? {
+        AttributeValue::I32(integer) => u32::try_from(*integer).ok(),
+        AttributeValue::Text(digits) => digits.to_string().parse().ok(),
+        _ => None,
+    };
+    Some(Provenance {
+        scene_hash: text(SCENE_HASH)?,
+        samples: integer("pathmarch:samples")?,
+        first_sample: integer("pathmarch:firstSample")?,
+        seed: integer("pathmarch:seed")?,
+        bounces: integer("pathmarch:bounces")?,
+        adapter: text("pathmarch:adapter")?,
+        backend: text("pathmarch:backend")?,
+        version: text("pathmarch:version")?,
+    })
+}

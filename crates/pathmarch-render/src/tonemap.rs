@@ -1,0 +1,256 @@
+//! Tone mapping: unbounded linear radiance to the 0..1 sRGB codes that a screen shows.
+//!
+//! **Idea.** A picture holds any radiance; a screen shows 0 to 1. [`Tonemap::Agx`] compresses like film (bright
+//! colours fade to white, nothing clips), [`Tonemap::Neutral`] leaves base colours as they are and compresses highlights
+//! only, [`Tonemap::Srgb`] clips. All end in sRGB codes (IEC 61966-2-1), ready to be rounded to 8 bits.
+//!
+//! **Source.** AgX: Troy Sobotka, 2022, in the closed form fitted by Benjamin Wrensch, "Minimal AgX Implementation", 2023
+//! (base look). Its curve yields codes for a screen of pure power 2.2; we decode them with that power and encode the light
+//! with the sRGB curve, which is what a fragment shader that writes to an sRGB target does, and equals the codes
+//! themselves to within 0.035, most in the darkest shadows. Neutral: Khronos, "PBR Neutral Tone Mapper", 2024.
+//!
+//! **Bad pixels.** NaN and negative radiance map as 0; infinity as a very bright colour. The result is always finite.
+//!
+//! **Cost.** About ten `log2`/`powf` a pixel for AgX: 20 ms a megapixel on one core.
+
+/// A curve from linear radiance to display codes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Tonemap {
+    /// Film-like: AgX, base look.
+    #[default]
+    Agx,
+    /// Khronos PBR Neutral: colours below 0.76 keep their hue and saturation.
+    Neutral,
+    /// No compression: clip to 0..1.
+    Srgb,
+}
+
+impl Tonemap {
+    /// Every curve, in the order of the documentation.
+    pub const ALL: [Tonemap; 3] = [Tonemap::Agx, Tonemap::Neutral, Tonemap::Srgb];
+
+    /// The name in scene files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Tonemap::Agx => "agx",
+            Tonemap::Neutral => "neutral",
+            Tonemap::Srgb => "srgb",
+        }
+    }
+
+    /// The curve of that name, if there is one.
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|tonemap| tonemap.name() == name)
+    }
+
+    /// Maps linear Rec. 709 radiance, exposure already applied, to sRGB codes in 0..=1.
+    pub fn map(self, linear: [f32; 3]) -> [f32; 3] {
+        let linear = linear.map(defined);
+        match self {
+            Tonemap::Agx => agx(linear),
+            Tonemap::Neutral => neutral(linear),
+            Tonemap::Srgb => linear,
+        }
+        .map(srgb_encode)
+    }
+}
+
+/// What stands between a linear picture and a screen: a tone curve and an exposure.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Display {
+    /// The tone curve.
+    pub tonemap: Tonemap,
+    /// Exposure in stops: radiance is multiplied by two to this power before the curve.
+    pub exposure_stops: f32,
+}
+
+impl Display {
+    /// Linear Rec. 709 radiance to sRGB codes in 0..=1.
+    pub fn encode(&self, linear: [f32; 3]) -> [f32; 3] {
+        let gain = self.exposure_stops.exp2();
+        self.tonemap.map(linear.map(|channel| channel * gain))
+    }
+
+    /// The same in 8 bits, rounded to nearest.
+    pub fn encode_8bit(&self, linear: [f32; 3]) -> [u8; 3] {
+        self.encode(linear).map(|code| (code * 255.0).round() as u8)
+    }
+}
+
+/// The sRGB curve (IEC 61966-2-1): linear light to a code. Clamps to 0..=1; NaN gives 0.
+pub fn srgb_encode(linear: f32) -> f32 {
+    let linear = defined(linear).min(1.0);
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The inverse of [`srgb_encode`]: a code in 0..=1 to linear light.
+pub fn srgb_decode(code: f32) -> f32 {
+    let code = defined(code).min(1.0);
+    if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The brightest radiance that curves are asked to map; large, and safe to multiply.
+const BRIGHTEST: f32 = 1e18;
+
+/// NaN and negatives to 0, infinity to [`BRIGHTEST`].
+fn defined(channel: f32) -> f32 {
+    // `max` returns its other argument for NaN.
+    channel.max(0.0).min(BRIGHTEST)
+}
+
+/// Rec. 709 to the AgX working space (rows), and back.
+const AGX_INSET: [[f32; 3]; 3] = [
+    [0.842_479_06, 0.078_433_6, 0.079_223_745],
+    [0.042_328_224, 0.878_468_64, 0.079_166_13],
+    [0.042_375_655, 0.078_433_6, 0.879_142_97],
+];
+const AGX_OUTSET: [[f32; 3]; 3] = [
+    [1.196_879, -0.098_020_88, -0.099_029_74],
+    [-0.052_896_85, 1.151_903_1, -0.098_961_18],
+    [-0.052_971_635, -0.098_043_45, 1.151_073_7],
+];
+/// The range of the curve in log2 of radiance: ten stops below middle grey (0.18) to six and a half above.
+const AGX_MIN_LOG2: f32 = -12.473_93;
+const AGX_MAX_LOG2: f32 = 4.026_069;
+
+/// AgX, base look; linear light out, in 0..=1.
+fn agx(linear: [f32; 3]) -> [f32; 3] {
+    let log_encoded = transform(&AGX_INSET, linear)
+        .map(|channel| (channel.log2().clamp(AGX_MIN_LOG2, AGX_MAX_LOG2) - AGX_MIN_LOG2) / (AGX_MAX_LOG2 - AGX_MIN_LOG2));
+    // Through the sigmoid, back to Rec. 709 in codes for a screen of power 2.2, then to the light that such a screen emits.
+    transform(&AGX_OUTSET, log_encoded.map(agx_sigmoid)).map(|code| code.clamp(0.0, 1.0).powf(2.2))
+}
+
+/// Wrensch's polynomial of sixth order for the AgX contrast curve.
+fn agx_sigmoid(x: f32) -> f32 {
+    [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.002_32].into_iter().fold(0.0, |sum, coefficient| sum * x + coefficient)
+}
+
+fn transform(rows: &[[f32; 3]; 3], v: [f32; 3]) -> [f32; 3] {
+    rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+/// Khronos PBR Neutral; linear light out, in 0..=1.
+fn neutral(linear: [f32; 3]) -> [f32; 3] {
+    /// Reflectance at normal incidence of the common dielectric, which the curve takes off again.
+    const F90_OFFSET: f32 = 0.04;
+    const COMPRESSION_START: f32 = 0.8 - F90_OFFSET;
+    const DESATURATION: f32 = 0.15;
+
+    let [r, g, b] = linear;
+    let darkest = r.min(g).min(b);
+    let offset = if darkest < 0.08 { darkest - 6.25 * darkest * darkest } else { F90_OFFSET };
+    let base = linear.map(|channel| channel - offset);
+    let peak = base[0].max(base[1]).max(base[2]);
+    if peak < COMPRESSION_START {
+        return base;
+    }
+    let room = 1.0 - COMPRESSION_START;
+    let new_peak = 1.0 - room * room / (peak + room - COMPRESSION_START);
+    let white = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+    base.map(|channel| {
+        let compressed = channel * (new_peak / peak);
+        compressed + (new_peak - compressed) * white
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assert_near(found: f32, expected: f32, tolerance: f32) {
+        assert!((found - expected).abs() <= tolerance, "found {found}, expected {expected} ± {tolerance}");
+    }
+
+    #[test]
+    fn srgb_has_its_known_values_and_inverts() {
+        assert_near(Tonemap::Srgb.map([0.5; 3])[0], 0.735_357, 1e-5);
+        assert_near(Tonemap::Srgb.map([0.18; 3])[1], 0.461_356, 1e-5);
+        assert_eq!(Tonemap::Srgb.map([-1.0, 0.0, 7.0])[..2], [0.0, 0.0]);
+        assert_near(Tonemap::Srgb.map([-1.0, 0.0, 7.0])[2], 1.0, 1e-6);
+        for code in 0..=255 {
+            let code = code as f32 / 255.0;
+            assert_near(srgb_encode(srgb_decode(code)), code, 1e-6);
+        }
+    }
+
+    #[test]
+    fn agx_puts_middle_grey_in_the_middle_and_fades_bright_colours() {
+        let grey = Tonemap::Agx.map([0.18; 3]);
+        assert_near(grey[0], 0.5005, 1e-3);
+        assert_near(grey[0], grey[2], 1e-3);
+        // Bright red is on its way to white, where a clip would leave it pure.
+        let bright_red = Tonemap::Agx.map([16.0, 0.0, 0.0]);
+        assert!(bright_red[0] > bright_red[1] + 0.05, "{bright_red:?}");
+        assert!(bright_red[1] > 0.4, "{bright_red:?}");
+        assert_near(Tonemap::Agx.map([100.0; 3])[0], 1.0, 0.01);
+        assert_eq!(Tonemap::Agx.map([0.0; 3]), [0.0; 3]);
+    }
+
+    #[test]
+    fn agx_agrees_with_the_published_steps() {
+        // The published shader's steps in 64-bit floats, by numpy: (0.7, 0.2, 0.05) to codes of power 2.2, then light, then
+        // sRGB codes.
+        let found = Tonemap::Agx.map([0.7, 0.2, 0.05]);
+        for (found, expected) in found.into_iter().zip(AGX_ORANGE) {
+            assert_near(found, expected, 1e-4);
+        }
+    }
+    const AGX_ORANGE: [f32; 3] = [0.767_632, 0.533_391, 0.338_817];
+
+    #[test]
+    fn neutral_is_the_identity_less_its_offset_below_the_shoulder() {
+        for colour in [[0.5, 0.3, 0.1], [0.79, 0.2, 0.09], [0.08, 0.08, 0.6]] {
+            let found = Tonemap::Neutral.map(colour).map(srgb_decode);
+            for channel in 0..3 {
+                assert_near(found[channel], colour[channel] - 0.04, 1e-5);
+            }
+        }
+        // A channel at zero takes no offset at all.
+        assert_near(srgb_decode(Tonemap::Neutral.map([0.7, 0.3, 0.0])[0]), 0.7, 1e-5);
+        // The shoulder: peak 0.96 compresses to 1 - 0.24² / (0.96 + 0.24 - 0.76).
+        assert_near(srgb_decode(Tonemap::Neutral.map([1.0; 3])[0]), 1.0 - 0.0576 / 0.44, 1e-5);
+    }
+
+    #[test]
+    fn every_curve_is_monotonic_in_grey_and_continuous() {
+        for tonemap in Tonemap::ALL {
+            let mut previous = 0.0;
+            for step in 0..=4000 {
+                let radiance = (step as f32 / 4000.0 * 30.0 - 20.0).exp2();
+                let code = tonemap.map([radiance; 3])[1];
+                assert!(code >= previous - 1e-6, "{} falls at {radiance}", tonemap.name());
+                assert!(code - previous < 0.02, "{} jumps at {radiance}", tonemap.name());
+                previous = code;
+            }
+        }
+    }
+
+    #[test]
+    fn bad_pixels_have_a_defined_result() {
+        let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, -0.0, 1e-45, -3.0];
+        for tonemap in Tonemap::ALL {
+            for r in bad {
+                for g in bad {
+                    for exposure_stops in [0.0, 200.0, -200.0] {
+                        let codes = Display { tonemap, exposure_stops }.encode([r, g, 0.5]);
+                        assert!(codes.iter().all(|code| (0.0..=1.0).contains(code)), "{tonemap:?} {r} {g}: {codes:?}");
+                    }
+                }
+            }
+            assert_eq!(tonemap.map([f32::NAN, -1.0, 0.0]), tonemap.map([0.0; 3]));
+        }
+    }
+
+    #[test]
+    fn exposure_is_in_stops_and_names_parse() {
+        let display = Display { tonemap: Tonemap::Srgb, exposure_stops: 2.0 };
+        assert_eq!(display.encode([0.1; 3]), Tonemap::Srgb.map([0.4; 3]));
+        assert_eq!(display.encode_8bit([0.125, 0.25, 0.0]), [188, 255, 0]);
+        for tonemap in Tonemap::ALL {
+            assert_eq!(Tonemap::parse(tonemap.name()), Some(tonemap));
+        }
+        assert_eq!(Tonemap::parse("AgX"), None);
+        assert_eq!(Tonemap::default(), Tonemap::Agx);
+    }
+}
