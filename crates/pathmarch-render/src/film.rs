@@ -82,10 +82,10 @@ impl Film {
                 other_height: other.height,
             });
         }
-        self.samples = self.samples.checked_add(other.samples).ok_or(FilmError::TooManySamples {
-            samples: self.samples,
-            other_samples: other.samples,
-        })?;
+        self.samples = self
+            .samples
+            .checked_add(other.samples)
+            .ok_or(FilmError::TooManySamples { samples: self.samples, other_samples: other.samples })?;
         self.non_finite = self.non_finite.saturating_add(other.non_finite);
         for (sum, more) in self.sums.iter_mut().zip(&other.sums) {
             for channel in 0..3 {

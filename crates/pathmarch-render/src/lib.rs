@@ -1,1 +1,41 @@
-//! x
+//! Path-traced pictures of signed distance fields, on the GPU through wgpu and on every CPU.
+//!
+//! Rays find the scene by sphere tracing (*path marching*; Carvalho, "Combining the Ray Marching and Rasterization
+//! rendering models", University of Porto, 2020), light is carried by Monte Carlo path tracing with next-event estimation,
+//! and samples accumulate in a [`film::Film`].
+//!
+//! ```
+//! use pathmarch_render::{Backend, Renderer, Settings, pathmarch_scene::Scene};
+//!
+//! let scene = Scene::parse("ball.kdl", "pathmarch 1\nsky 1\nobject \"ball\" { sphere 1 }")?;
+//! let settings = Settings { size: [32, 18], samples: 4, ..Settings::of(&scene) };
+//! let film = Renderer::open(Backend::Cpu, None)?.render(&scene, &settings)?;
+//! assert_eq!(film.samples, 4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod film;
+pub mod image;
+pub mod metrics;
+pub mod tonemap;
+
+mod cpu;
+mod error;
+mod frame;
+mod gpu;
+mod renderer;
+mod settings;
+mod transport;
+
+pub use error::RenderError;
+pub use gpu::{AdapterDescription, adapters};
+pub use pathmarch_field;
+pub use pathmarch_scene;
+pub use renderer::{Backend, Job, Renderer};
+pub use settings::{MAX_BOUNCES, Settings};
+
+/// SHA-256 of the scene's text, in hexadecimal: which scene a picture shows.
+pub fn scene_hash(scene: &pathmarch_scene::Scene) -> String {
+    use sha2::{Digest, Sha256};
+    Sha256::digest(scene.source_text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,1 +1,14 @@
-//! x
+//! What a scene is made of and lit by, and the language people write it in.
+//!
+//! [`Scene::parse`] turns the text of a scene file into a [`Scene`]: cameras, lights, materials, objects and their
+//! distance field, ready for a renderer, or into a [`SceneError`] that holds every mistake of the file at its place.
+//! Shapes and operators come from `pathmarch_field`'s registry and materials from [`materials`]: this crate lists
+//! neither, so the language grows with them. No GPU, no file writing.
+
+pub mod diagnostic;
+pub mod materials;
+pub mod scene;
+
+pub use diagnostic::{Mistake, SceneError};
+pub use materials::{Material, MaterialKind};
+pub use scene::{Camera, Light, Object, RenderSettings, Scene, Tonemap};

@@ -1,1 +1,59 @@
-fn main() {}
+//! `pathmarch`: path-traced distance fields from the command line.
+//!
+//! The command line only; everything it does is in the libraries below it. Exit codes: 0 done, 1 failed, 2 bad scene or
+//! usage, 130 interrupted.
+
+mod commands;
+mod exit;
+
+use clap::{Parser, Subcommand};
+use commands::{bench, check, compare, devices, render, shapes};
+use std::process::ExitCode;
+
+/// A path tracer for distance fields: scenes as text, light that is right.
+///
+/// Exit codes: 0 done, 1 failed, 2 bad scene or usage, 130 interrupted.
+#[derive(Parser)]
+#[command(version, propagate_version = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render a scene to a picture.
+    Render(render::Arguments),
+    /// Read scenes and report every mistake in them.
+    Check(check::Arguments),
+    /// Compare a picture with a reference.
+    Compare(compare::Arguments),
+    /// List what this machine can render on.
+    Devices,
+    /// The reference of shapes and operators.
+    Shapes(shapes::Arguments),
+    /// Measure how long a sample of a picture takes, for each scene and backend.
+    Bench(bench::Arguments),
+}
+
+fn main() -> ExitCode {
+    if let Err(missing) = exit::processor_has_what_we_were_built_for() {
+        eprintln!("pathmarch: {missing}");
+        return ExitCode::from(exit::FAILED);
+    }
+    let result = match Arguments::parse().command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
+        Command::Devices => devices::run(),
+        Command::Shapes(arguments) => shapes::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
+    };
+    match result {
+        Ok(code) => ExitCode::from(code),
+        Err(failure) => {
+            failure.print();
+            ExitCode::from(failure.code())
+        }
+    }
+}

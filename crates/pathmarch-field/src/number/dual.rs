@@ -110,11 +110,13 @@ impl<N: Differentiable> Real for Dual<N> {
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        Self::choose(other.value.lt(self.value), other, self)
+        let chosen = Self::choose(other.value.lt(self.value), other, self);
+        Self { value: self.value.min(other.value), ..chosen }
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        Self::choose(self.value.lt(other.value), other, self)
+        let chosen = Self::choose(self.value.lt(other.value), other, self);
+        Self { value: self.value.max(other.value), ..chosen }
     }
     #[inline(always)]
     fn floor(self) -> Self {
@@ -146,8 +148,23 @@ impl<N: Differentiable> Real for Dual<N> {
         self.chain(self.value.ln(), N::one() / self.value)
     }
     #[inline(always)]
+    fn squared(self) -> Self {
+        self.chain(self.value.squared(), N::constant(2.0) * self.value)
+    }
+    /// The gradient of a length is the vector over its length, turned by the components' own gradients.
+    #[inline(always)]
+    fn norm<const K: usize>(components: [Self; K]) -> Self {
+        let value = N::norm(components.map(|c| c.value));
+        let gradient = components.into_iter().fold(Vec3::splat(N::zero()), |sum, c| sum + c.gradient * c.value);
+        Self { value, gradient: gradient / value.max(N::constant(SMALLEST_ROOT)) }
+    }
+    #[inline(always)]
     fn lt(self, other: Self) -> N::Mask {
         self.value.lt(other.value)
+    }
+    #[inline(always)]
+    fn truth(value: bool) -> N::Mask {
+        N::truth(value)
     }
     #[inline(always)]
     fn select(mask: N::Mask, yes: Self, no: Self) -> Self {

@@ -91,6 +91,11 @@ impl Real for f32x8 {
         Mask8(self.simd_lt(other))
     }
     #[inline(always)]
+    fn truth(value: bool) -> Mask8 {
+        let all = Mask8::all_true();
+        if value { all } else { !all }
+    }
+    #[inline(always)]
     fn select(mask: Mask8, yes: Self, no: Self) -> Self {
         Select::select(mask.0, yes, no)
     }

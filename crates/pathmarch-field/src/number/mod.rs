@@ -11,6 +11,7 @@ mod scalar;
 mod vec3;
 
 pub use dual::Dual;
+pub use lanes::Mask8;
 pub use vec3::Vec3;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -55,6 +56,8 @@ pub trait Real:
     fn ln(self) -> Self;
     /// `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
+    /// The same truth value in every lane.
+    fn truth(value: bool) -> Self::Mask;
     /// `yes` where the mask is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
@@ -98,9 +101,14 @@ pub trait Real:
     fn one() -> Self {
         Self::constant(1.0)
     }
+    /// Root of the sum of squares: the length of a vector of `K` components.
+    fn norm<const K: usize>(components: [Self; K]) -> Self {
+        let square = components.map(Self::squared).into_iter().reduce(|a, b| a + b);
+        square.map_or(Self::zero(), Self::sqrt)
+    }
     /// Length of the plane vector (`self`, `other`).
     fn hypot(self, other: Self) -> Self {
-        (self * self + other * other).sqrt()
+        Self::norm([self, other])
     }
 }
 

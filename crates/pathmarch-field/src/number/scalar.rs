@@ -54,6 +54,10 @@ impl Real for f32 {
         self < other
     }
     #[inline(always)]
+    fn truth(value: bool) -> bool {
+        value
+    }
+    #[inline(always)]
     fn select(mask: bool, yes: Self, no: Self) -> Self {
         if mask { yes } else { no }
     }

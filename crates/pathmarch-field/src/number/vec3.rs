@@ -36,7 +36,7 @@ impl<N: Real> Vec3<N> {
     }
     /// Euclidean length.
     pub fn length(self) -> N {
-        self.dot(self).sqrt()
+        N::norm([self.x, self.y, self.z])
     }
     /// Magnitude of each component.
     pub fn abs(self) -> Self {

@@ -33,7 +33,8 @@ impl Operator for Op {
     }
     #[inline(always)]
     fn smooth<N: Real>(a: N, b: N, width: N) -> N {
-        let h = blend(a, b, width).named("h");
+        // In this order |b - a| and the minimum take the same side where both are equal, so that their derivatives agree.
+        let h = blend(b, a, width).named("h");
         a.min(b) - h * h * width * N::constant(0.25)
     }
     #[inline(always)]

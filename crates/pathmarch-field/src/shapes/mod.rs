@@ -11,4 +11,21 @@ macro_rules! shapes {
     };
 }
 
-shapes!(sphere, r#box, plane, torus, prism);
+shapes!(
+    sphere,
+    r#box,
+    rounded_box,
+    plane,
+    rect,
+    disc,
+    cylinder,
+    cone,
+    capsule,
+    ellipsoid,
+    torus,
+    link,
+    prism,
+    hexprism,
+    pyramid,
+    octahedron,
+);

@@ -1,5 +1,5 @@
-//! Triangular prism: the exact distance to an equilateral triangle in xy, extruded along z (Quilez 2008, "2D distance
-//! functions", equilateral triangle, and "extrusion"). Exact.
+//! Triangular prism: the plane is folded onto the sector of one edge, where the distance is that to a segment; extruded
+//! along z (Quilez 2008, "2D distance functions", equilateral triangle, and "extrusion"). Exact.
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
@@ -23,18 +23,20 @@ impl Primitive for Shape {
 
     #[inline(always)]
     fn distance<N: Real>(p: Vec3<N>, [side, depth]: [N; 2]) -> N {
-        let root = N::constant(SQRT_3);
-        let half = side * N::constant(0.5);
-        // Fold onto the sector of one edge: mirror in x, then across the line to the lower right corner.
-        let x = p.x.abs() - half;
-        let y = p.y + half / root;
-        let beyond = N::zero().lt(x + root * y);
-        let folded_x = N::select(beyond, (x - root * y) * N::constant(0.5), x);
-        let folded_y = N::select(beyond, (-root * x - y) * N::constant(0.5), y);
-        let along = folded_x - folded_x.clamp(-side, N::zero());
-        let triangle = (-along.hypot(folded_y) * folded_y.sign()).named("triangle");
-        let ends = (p.z.abs() - depth * N::constant(0.5)).named("ends");
-        triangle.max(N::zero()).hypot(ends.max(N::zero())) + triangle.max(ends).min(N::zero())
+        let (zero, half, root) = (N::zero(), N::constant(0.5), N::constant(SQRT_3));
+        // Fold onto the bottom edge: mirror in x, then across the line from the centroid to the lower right corner.
+        let half_side = side * half;
+        let x = p.x.abs() - half_side;
+        let y = p.y + half_side / root;
+        let beyond = zero.lt(x + root * y);
+        let folded_x = N::select(beyond, (x - root * y) * half, x);
+        let folded_y = N::select(beyond, (-root * x - y) * half, y);
+        let past_corner = ((folded_x + half_side).abs() - half_side).max(zero).named("past_corner");
+        let below = (-folded_y).named("below");
+        let ends = (p.z.abs() - depth * half).named("ends");
+        let inside = below.max(ends);
+        let outside = Vec3::new(past_corner, below.max(zero), ends.max(zero)).length();
+        N::select(zero.lt(inside.max(past_corner)), outside, inside)
     }
     fn bounds([side, depth]: [f32; 2]) -> Aabb {
         let (half, inner) = (0.5 * side, 0.5 * side / SQRT_3);

@@ -18,6 +18,8 @@ pub struct ExprMask(pub(super) u32);
 pub(super) enum Node {
     /// The bits of an `f32`.
     Constant(u32),
+    /// A truth value.
+    Truth(bool),
     /// The n-th input of the function.
     Input(u32),
     Binary(Binary, u32, u32),
@@ -106,7 +108,7 @@ impl Graph {
             return index;
         }
         let home = match node {
-            Node::Constant(_) | Node::Input(_) => None,
+            Node::Constant(_) | Node::Truth(_) | Node::Input(_) => None,
             Node::Binary(_, a, b) => self.inner(self.home[a as usize], self.home[b as usize]),
             Node::Unary(_, a) => self.home[a as usize],
             Node::Select(m, a, b) => {
@@ -168,6 +170,7 @@ fn binary(op: Binary, a: u32, b: u32) -> u32 {
         (Binary::Mul | Binary::Div, Some(0.0), _) | (Binary::Mul, _, Some(0.0)) => Expr::constant(0.0).0,
         (Binary::Sub | Binary::Div, _, _) if a == b => Expr::constant(if op == Binary::Sub { 0.0 } else { 1.0 }).0,
         (Binary::Min | Binary::Max | Binary::And | Binary::Or, _, _) if a == b => a,
+        (Binary::Add, _, _) if a == b => binary(Binary::Mul, Expr::constant(2.0).0, a),
         (Binary::Add, _, _) if negated(b).is_some() => binary(Binary::Sub, a, negated(b).unwrap_or(b)),
         (Binary::Add, _, _) if negated(a).is_some() => binary(Binary::Sub, b, negated(a).unwrap_or(a)),
         (Binary::Sub, _, _) if negated(b).is_some() => binary(Binary::Add, a, negated(b).unwrap_or(b)),
@@ -290,6 +293,9 @@ impl Real for Expr {
     }
     fn lt(self, other: Self) -> ExprMask {
         ExprMask(push(Node::Binary(Binary::Less, self.0, other.0)))
+    }
+    fn truth(value: bool) -> ExprMask {
+        ExprMask(push(Node::Truth(value)))
     }
     fn select(mask: ExprMask, yes: Self, no: Self) -> Self {
         if yes == no { yes } else { Self(push(Node::Select(mask.0, yes.0, no.0))) }

@@ -106,7 +106,7 @@ impl<'a> Printer<'a> {
             return;
         }
         match self.graph.nodes[index as usize] {
-            Node::Constant(_) | Node::Input(_) | Node::LoopVariable(..) => {}
+            Node::Constant(_) | Node::Truth(_) | Node::Input(_) | Node::LoopVariable(..) => {}
             Node::Binary(_, a, b) => {
                 self.count(a, home);
                 self.count(b, home);
@@ -167,7 +167,11 @@ impl<'a> Printer<'a> {
                 continue;
             }
             match self.graph.nodes[index as usize] {
-                Node::Constant(_) | Node::Input(_) | Node::LoopVariable(..) | Node::LoopResult(..) => {}
+                Node::Constant(_)
+                | Node::Truth(_)
+                | Node::Input(_)
+                | Node::LoopVariable(..)
+                | Node::LoopResult(..) => {}
                 Node::Loop(id) => self.print_loop(id, indent, text),
                 _ => {
                     let shared = self.uses[index as usize] > 1 || self.crossing.contains(&index);
@@ -199,10 +203,13 @@ impl<'a> Printer<'a> {
             }
             variables.push(name);
         }
-        let count = self.operand(record.count, record.parent, 0);
-        let counter = self.fresh(Some("i"));
         let limit = record.limit;
-        writeln!(text, "{pad}for (var {counter} = 0u; {counter} < min(u32({count}), {limit}u); {counter}++) {{")
+        let count = match self.graph.nodes[record.count as usize] {
+            Node::Constant(bits) => format!("{}u", (f32::from_bits(bits) as u32).min(limit)),
+            _ => format!("min(u32({}), {limit}u)", self.operand(record.count, record.parent, 0)),
+        };
+        let counter = self.fresh(Some("i"));
+        writeln!(text, "{pad}for (var {counter} = 0u; {counter} < {count}; {counter}++) {{")
             .expect("writing to a string");
         self.scope(Some(id), indent + 1, text);
         let inner = "    ".repeat(indent + 1);
@@ -224,8 +231,13 @@ impl<'a> Printer<'a> {
         for (variable, value) in stores {
             writeln!(text, "{inner}{variable} = {value};").expect("writing to a string");
         }
-        let go_on = self.operand(record.go_on, Some(id), 0);
-        writeln!(text, "{inner}if !({go_on}) {{\n{inner}    break;\n{inner}}}\n{pad}}}").expect("writing to a string");
+        if self.graph.nodes[record.go_on as usize] != Node::Truth(true) {
+            let go_on = self.operand(record.go_on, Some(id), 0);
+            writeln!(text, "{inner}if !({go_on}) {{
+{inner}    break;
+{inner}}}").expect("writing to a string");
+        }
+        writeln!(text, "{pad}}}").expect("writing to a string");
         for (k, name) in variables.iter().enumerate() {
             let result = self.graph.nodes.iter().position(|n| *n == Node::LoopResult(id, k as u32));
             if let Some(result) = result {
@@ -248,6 +260,7 @@ impl<'a> Printer<'a> {
                 let value = f32::from_bits(bits);
                 (format!("{value:?}"), if value < 0.0 { 3 } else { 4 })
             }
+            Node::Truth(value) => (value.to_string(), 4),
             Node::Input(k) => (self.inputs[k as usize].clone(), 4),
             Node::Unary(op, a) => match op {
                 Unary::Neg => (format!("-{}", self.operand(a, scope, 4)), 3),

@@ -53,9 +53,14 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<P
         ImageFormat::Jpeg => ::image::ImageFormat::Jpeg,
         _ => ::image::ImageFormat::Png,
     };
-    let decode_error = |error: ::image::ImageError| ImageError::Decode { path: path.to_owned(), reason: error.to_string() };
+    let decode_error =
+        |error: ::image::ImageError| ImageError::Decode { path: path.to_owned(), reason: error.to_string() };
 
-    let (width, height) = ImageReader::with_format(Cursor::new(bytes), format).into_dimensions().map_err(decode_error)?;
+    if format == ::image::ImageFormat::Jpeg && !jpeg_is_whole(bytes) {
+        return Err(ImageError::Decode { path: path.to_owned(), reason: "its end is missing".to_owned() });
+    }
+    let (width, height) =
+        ImageReader::with_format(Cursor::new(bytes), format).into_dimensions().map_err(decode_error)?;
     check_size(path, width.into(), height.into())?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::no_limits();
@@ -66,6 +71,13 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<P
     let decoded = reader.decode().map_err(decode_error)?.into_rgb32f();
     let pixels = decoded.par_chunks_exact(3).map(|codes| [codes[0], codes[1], codes[2]].map(srgb_decode)).collect();
     Ok(Picture { width, height, pixels })
+}
+
+/// Whether the marker "end of image" follows the last "start of scan". The decoder fills what is cut off with grey and says
+/// nothing. Neither marker can occur in the coded data, where a zero follows every byte 0xff.
+fn jpeg_is_whole(bytes: &[u8]) -> bool {
+    let last_scan = bytes.windows(2).rposition(|marker| marker == [0xff, 0xda]);
+    last_scan.is_some_and(|at| bytes[at..].windows(2).any(|marker| marker == [0xff, 0xd9]))
 }
 
 /// 8-bit sRGB, three bytes a pixel.

@@ -8,7 +8,7 @@
 //! **Source.** OpenEXR 2 (Kainz, Bogart, Stanczyk, "Technical Introduction to OpenEXR", 2013), PNG 3 (W3C, 2025), JPEG
 //! (ITU-T T.81, 1992), by way of the crates `exr` and `image`.
 //!
-//! **Cost.** Twelve bytes a pixel in memory; a 1280x720 EXR takes a tenth of a second to write.
+//! **Cost.** Twelve bytes a pixel in memory; a 1280x720 picture takes 0.16 s to write as EXR on two cores and 0.06 s as PNG.
 
 mod exr;
 mod ldr;

@@ -241,7 +241,8 @@ mod tests {
 
     #[test]
     fn sizes_that_differ_are_an_error_that_names_both() {
-        let message = compare(&Picture::new(4, 3), &Picture::new(5, 2), PictureKind::Hdr).expect_err("differ").to_string();
+        let message =
+            compare(&Picture::new(4, 3), &Picture::new(5, 2), PictureKind::Hdr).expect_err("differ").to_string();
         assert!(message.contains("4x3") && message.contains("5x2"), "{message}");
         let empty = Picture::new(0, 0);
         assert_eq!(relmse(&empty, &empty), Err(MetricError::Empty));

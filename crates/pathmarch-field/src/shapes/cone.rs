@@ -1,0 +1,45 @@
+//! Cone about y: in the half-plane through the axis it is a right triangle (Quilez 2008, "Distance functions", cone).
+//! Exact.
+//!
+//! Inside, the solid is convex, so its distance is the larger of the heights over base and side. Outside it is the
+//! smaller of the distances to the base's disc and to the slanted segment. Both are measured by unclamped and clamped
+//! coordinates rather than by a signed square root, so that the gradient has length one on the surface too.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Param, Primitive};
+
+pub(crate) struct Shape;
+
+impl Primitive for Shape {
+    const INFO: Info = Info::new(
+        "cone",
+        "Cone about the y axis, its base at -height/2 and its apex at +height/2.",
+        "Quilez 2008, cone",
+    );
+    const PARAMS: &'static [Param] = &[
+        Param::length("radius", 0.5, "Radius of the base."),
+        Param::length("height", 1.0, "From the base to the apex."),
+    ];
+    type Params<N: Real> = [N; 2];
+
+    #[inline(always)]
+    fn distance<N: Real>(p: Vec3<N>, [radius, height]: [N; 2]) -> N {
+        let zero = N::zero();
+        let slant = radius.hypot(height).named("slant");
+        // Measured from the rim: outwards, upwards, and below the base.
+        let outwards = (p.x.hypot(p.z) - radius).named("outwards");
+        let below = (-p.y - height * N::constant(0.5)).named("below");
+        // In the frame of the slanted segment: off it, and along it from the rim.
+        let side = ((outwards * height - below * radius) / slant).named("side");
+        let along = ((-outwards * radius - below * height) / slant).named("along");
+        let past_segment = (along - slant).max(-along).max(zero);
+        let from_segment = side.hypot(past_segment);
+        let from_base = below.hypot(outwards.max(zero));
+        let inside = side.max(below).named("inside");
+        N::select(zero.lt(inside), from_segment.min(from_base), inside)
+    }
+    fn bounds([radius, height]: [f32; 2]) -> Aabb {
+        Aabb::centred(radius, 0.5 * height, radius)
+    }
+}

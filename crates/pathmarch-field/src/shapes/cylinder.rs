@@ -1,0 +1,28 @@
+//! Cylinder about y: in the half-plane through the axis it is a rectangle, so the distance is that of a box in the
+//! coordinates (distance from the axis, height) (Quilez 2008, "Distance functions", capped cylinder). Exact.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Param, Primitive};
+
+pub(crate) struct Shape;
+
+impl Primitive for Shape {
+    const INFO: Info =
+        Info::new("cylinder", "Capped cylinder about the y axis, centred at the origin.", "Quilez 2008, capped cylinder");
+    const PARAMS: &'static [Param] = &[
+        Param::length("radius", 0.5, "Distance from the axis to the side."),
+        Param::length("height", 1.0, "Length along y, from cap to cap."),
+    ];
+    type Params<N: Real> = [N; 2];
+
+    #[inline(always)]
+    fn distance<N: Real>(p: Vec3<N>, [radius, height]: [N; 2]) -> N {
+        let side = (p.x.hypot(p.z) - radius).named("side");
+        let ends = (p.y.abs() - height * N::constant(0.5)).named("ends");
+        side.max(N::zero()).hypot(ends.max(N::zero())) + side.max(ends).min(N::zero())
+    }
+    fn bounds([radius, height]: [f32; 2]) -> Aabb {
+        Aabb::centred(radius, 0.5 * height, radius)
+    }
+}

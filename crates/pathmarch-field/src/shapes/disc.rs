@@ -1,0 +1,29 @@
+//! Disc: the distance to a flat round sheet (Quilez 2008, "Distance functions", a capped cylinder without height).
+//! Exact and nowhere negative: a disc has two sides and no inside.
+//!
+//! Over the disc the distance is |y| and not the root of y², so that the gradient has length one on the sheet itself.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Param, Primitive};
+
+pub(crate) struct Shape;
+
+impl Primitive for Shape {
+    const INFO: Info = Info {
+        sheet: true,
+        facing: true,
+        ..Info::new("disc", "Round sheet without thickness in the plane y = 0; faces +y.", "Quilez 2008, capped cylinder")
+    };
+    const PARAMS: &'static [Param] = &[Param::length("radius", 1.0, "Distance from the centre to the rim.")];
+    type Params<N: Real> = [N; 1];
+
+    #[inline(always)]
+    fn distance<N: Real>(p: Vec3<N>, [radius]: [N; 1]) -> N {
+        let past_rim = (p.x.hypot(p.z) - radius).named("past_rim");
+        N::select(N::zero().lt(past_rim), past_rim.hypot(p.y), p.y.abs())
+    }
+    fn bounds([radius]: [f32; 1]) -> Aabb {
+        Aabb::centred(radius, 0.0, radius)
+    }
+}

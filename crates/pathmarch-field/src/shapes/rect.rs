@@ -1,0 +1,34 @@
+//! Rectangle: the distance to a flat sheet (Quilez 2008, "Distance functions", a box without height). Exact and nowhere
+//! negative: a rectangle has two sides and no inside.
+//!
+//! Over the rectangle the distance is |y| and not the root of y², so that the gradient has length one on the sheet
+//! itself.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Param, Primitive};
+
+pub(crate) struct Shape;
+
+impl Primitive for Shape {
+    const INFO: Info = Info {
+        sheet: true,
+        facing: true,
+        size_params: 2,
+        ..Info::new("rect", "Rectangular sheet without thickness in the plane y = 0; faces +y.", "Quilez 2008, box")
+    };
+    const PARAMS: &'static [Param] =
+        &[Param::length("x", 1.0, "Edge length along x."), Param::length("z", 1.0, "Edge length along z.")];
+    type Params<N: Real> = [N; 2];
+
+    #[inline(always)]
+    fn distance<N: Real>(p: Vec3<N>, [x, z]: [N; 2]) -> N {
+        let past_x = p.x.abs() - x * N::constant(0.5);
+        let past_z = p.z.abs() - z * N::constant(0.5);
+        let beside = Vec3::new(past_x.max(N::zero()), p.y, past_z.max(N::zero())).length();
+        N::select(N::zero().lt(past_x.max(past_z)), beside, p.y.abs())
+    }
+    fn bounds([x, z]: [f32; 2]) -> Aabb {
+        Aabb::centred(0.5 * x, 0.0, 0.5 * z)
+    }
+}

@@ -1,0 +1,55 @@
+//! The CPU backend: tiles over all cores, eight rays to a march. No driver, no adapter; always there.
+
+use crate::film::Film;
+use crate::frame::Prepared;
+use crate::transport::path;
+use rayon::prelude::*;
+
+/// Pixels along a tile's edge: enough paths to keep eight lanes full for all bounces, few enough for all cores.
+const TILE: u32 = 32;
+
+/// A picture being rendered on the CPU.
+pub(crate) struct CpuJob {
+    prepared: Prepared,
+    tiles: Vec<Vec<(u32, u32)>>,
+    film: Film,
+    first_sample: u32,
+}
+
+impl CpuJob {
+    pub(crate) fn new(prepared: Prepared, first_sample: u32) -> Self {
+        let (width, height) = (prepared.frame.width, prepared.frame.height);
+        let tiles = (0..height)
+            .step_by(TILE as usize)
+            .flat_map(|y| (0..width).step_by(TILE as usize).map(move |x| (x, y)))
+            .map(|(x0, y0)| {
+                (y0..(y0 + TILE).min(height)).flat_map(|y| (x0..(x0 + TILE).min(width)).map(move |x| (x, y))).collect()
+            })
+            .collect();
+        Self { prepared, tiles, film: Film::new(width, height), first_sample }
+    }
+
+    /// Renders one more sample of every pixel.
+    pub(crate) fn advance(&mut self) {
+        let sample = self.first_sample + self.film.samples;
+        let rendered: Vec<_> =
+            self.tiles.par_iter().map(|pixels| path::trace(&self.prepared, pixels, sample)).collect();
+        for (pixels, values) in self.tiles.iter().zip(rendered) {
+            for (&(x, y), value) in pixels.iter().zip(values) {
+                if value.is_finite() && value.min_element() >= 0.0 {
+                    let sum = &mut self.film.sums[(y * self.film.width + x) as usize];
+                    for (sum, value) in sum.iter_mut().zip(value.to_array()) {
+                        *sum += value;
+                    }
+                } else {
+                    self.film.non_finite += 1;
+                }
+            }
+        }
+        self.film.samples += 1;
+    }
+
+    pub(crate) fn film(&self) -> &Film {
+        &self.film
+    }
+}

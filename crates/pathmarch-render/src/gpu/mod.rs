@@ -1,0 +1,8 @@
+//! The GPU backend, through wgpu: Vulkan, Metal, Direct3D 12, OpenGL, and software adapters.
+
+mod device;
+mod job;
+
+pub(crate) use device::Device;
+pub use device::{AdapterDescription, adapters};
+pub(crate) use job::GpuJob;

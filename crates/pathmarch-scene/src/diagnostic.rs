@@ -1,0 +1,115 @@
+//! Mistakes in a scene file: what is wrong, where, what was expected, and the nearest right name.
+//!
+//! The shape of the report is miette's: one [`SceneError`] for a file, its [`Mistake`]s as related diagnostics, each
+//! with the text it complains of underlined. Printing is the caller's business.
+
+use miette::{Diagnostic, NamedSource, SourceSpan};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// One thing wrong in a scene file, or a warning of something odd.
+#[derive(Clone, Debug, Error)]
+#[error("{message}")]
+pub struct Mistake {
+    /// One sentence: what is wrong.
+    pub message: String,
+    /// Stable name, as in `pathmarch::unknown_node`.
+    pub code: &'static str,
+    /// What is wrong with the underlined text, or what was expected there.
+    pub label: String,
+    /// What to do about it.
+    pub help: Option<String>,
+    /// Bytes of the text to underline.
+    pub span: SourceSpan,
+    /// Another place and what it says, such as the first of two with the same name.
+    pub also: Option<(SourceSpan, String)>,
+    /// Whether it only warns.
+    pub warning: bool,
+    /// Name and text of the file.
+    pub source_code: Arc<NamedSource<String>>,
+}
+
+impl Diagnostic for Mistake {
+    fn code<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        Some(Box::new(self.code))
+    }
+    fn severity(&self) -> Option<miette::Severity> {
+        Some(if self.warning { miette::Severity::Warning } else { miette::Severity::Error })
+    }
+    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn std::fmt::Display>)
+    }
+    fn source_code(&self) -> Option<&dyn miette::SourceCode> {
+        Some(&*self.source_code)
+    }
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = miette::LabeledSpan> + '_>> {
+        let label = |primary: bool, span: SourceSpan, text: &str| {
+            let text = (!text.is_empty()).then(|| text.to_owned());
+            if primary {
+                miette::LabeledSpan::new_primary_with_span(text, span)
+            } else {
+                miette::LabeledSpan::new_with_span(text, span)
+            }
+        };
+        let also = self.also.as_ref().map(|(span, text)| label(false, *span, text));
+        Some(Box::new(std::iter::once(label(true, self.span, &self.label)).chain(also)))
+    }
+}
+
+/// Everything wrong with a scene file, in the order of the file.
+#[derive(Debug, Error)]
+pub enum SceneError {
+    /// The text has mistakes.
+    #[error("{}", count_in_words(.name, .mistakes.len()))]
+    Mistakes {
+        /// Where the text came from.
+        name: String,
+        /// At least one, in the order of the file.
+        mistakes: Vec<Mistake>,
+    },
+    /// There is no text to look at.
+    #[error("cannot read the scene {name}: {reason}")]
+    Unreadable {
+        /// Path of the file.
+        name: String,
+        /// Why, in one sentence without a full stop.
+        reason: String,
+        /// What to do about it.
+        help: String,
+    },
+}
+
+fn count_in_words(name: &str, count: usize) -> String {
+    if count == 1 { format!("{name} has 1 mistake") } else { format!("{name} has {count} mistakes") }
+}
+
+impl SceneError {
+    /// The mistakes of the text; none when it could not be read.
+    pub fn mistakes(&self) -> &[Mistake] {
+        match self {
+            Self::Mistakes { mistakes, .. } => mistakes,
+            Self::Unreadable { .. } => &[],
+        }
+    }
+}
+
+impl Diagnostic for SceneError {
+    fn code<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        match self {
+            Self::Mistakes { .. } => Some(Box::new("pathmarch::scene")),
+            Self::Unreadable { .. } => Some(Box::new("pathmarch::unreadable")),
+        }
+    }
+    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        match self {
+            Self::Mistakes { .. } => None,
+            Self::Unreadable { help, .. } => Some(Box::new(help)),
+        }
+    }
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        match self {
+            Self::Mistakes { mistakes, .. } => Some(Box::new(mistakes.iter().map(|m| m as &dyn Diagnostic))),
+            Self::Unreadable { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! A lamp: the same radiance in every outward direction, reflecting nothing. Power of a surface of area A is π A times
+//! the radiance.
+
+use super::{MaterialKind, MaterialParam, ParamKind, black};
+
+pub(super) static KIND: MaterialKind = MaterialKind {
+    name: "emit",
+    doc: "Lamp: the same radiance in every outward direction; reflects nothing.",
+    source: "Lambert 1760, Photometria",
+    params: &[MaterialParam {
+        name: "radiance",
+        kind: ParamKind::Colour,
+        default: [1.0; 3],
+        min: 0.0,
+        max: f32::MAX,
+        doc: "Emitted radiance, W/(m² sr).",
+    }],
+    albedo: black,
+    emission: |values| values[0],
+};

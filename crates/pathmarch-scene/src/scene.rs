@@ -1,0 +1,144 @@
+//! A scene as renderers see it: everything checked, names resolved to indices, numbers in linear Rec. 709, metres and
+//! degrees. Right-handed, y up.
+
+use crate::diagnostic::Mistake;
+use crate::materials::Material;
+use pathmarch_field::{Field, Node};
+
+/// Everything in a scene file.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// At least one; the first is the default. Their names differ.
+    pub cameras: Vec<Camera>,
+    /// Picture size and quality.
+    pub render: RenderSettings,
+    /// Radiance of the surroundings in every direction, W/(m² sr).
+    pub sky: [f32; 3],
+    /// Lights that are not objects.
+    pub lights: Vec<Light>,
+    /// Materials in the order they were written, and last the default one if an object needed it.
+    pub materials: Vec<Material>,
+    /// Objects in the order they were written; their names differ.
+    pub objects: Vec<Object>,
+    /// The union of the objects. The `tag` of each leaf is the index of its material.
+    pub field: Field,
+    /// What is allowed but most likely not meant.
+    pub warnings: Vec<Mistake>,
+    /// Where the text came from: a path, as given to [`Scene::parse`].
+    pub source_name: String,
+    /// The text.
+    pub source_text: String,
+}
+
+/// Where the picture is taken from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// `main` when not given.
+    pub name: String,
+    /// Position, metres.
+    pub position: [f32; 3],
+    /// The point in the middle of the picture, metres; differs from `position`.
+    pub target: [f32; 3],
+    /// Direction that is up in the picture; any length but zero, never parallel to the view.
+    pub up: [f32; 3],
+    /// Vertical field of view, degrees, above 0 and below 180.
+    pub fov: f32,
+    /// Radius of the thin lens, metres; 0 is a pinhole.
+    pub lens_radius: f32,
+    /// Distance that is in focus, metres; the distance to `target` when absent.
+    pub focus: Option<f32>,
+    /// Stops (EV) added for display, never to radiance.
+    pub exposure: f32,
+}
+
+/// Picture size and quality; the command line overrides them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Width and height, pixels, each 1 to 16,384.
+    pub size: (u32, u32),
+    /// Samples per pixel, 1 to 1,000,000.
+    pub samples: u32,
+    /// Scattering events after the first hit, 0 to 64.
+    pub bounces: u32,
+    /// How radiance becomes a display's colours.
+    pub tonemap: Tonemap,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self { size: (1280, 720), samples: 256, bounces: 4, tonemap: Tonemap::Agx }
+    }
+}
+
+/// How radiance becomes a display's colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Tonemap {
+    /// AgX: soft shoulder, bright colours fade to white.
+    #[default]
+    Agx,
+    /// Khronos neutral: true colours until close to white.
+    Neutral,
+    /// Clipped and encoded, nothing else.
+    Srgb,
+}
+
+impl Tonemap {
+    /// Every one, the default first.
+    pub const ALL: [Self; 3] = [Self::Agx, Self::Neutral, Self::Srgb];
+
+    /// Name in the scene language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Agx => "agx",
+            Self::Neutral => "neutral",
+            Self::Srgb => "srgb",
+        }
+    }
+    /// The one of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|tonemap| tonemap.name() == name)
+    }
+}
+
+/// A light that is not an object and has no place in the field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// Light from far away.
+    Sun {
+        /// Towards the sun, of length one.
+        direction: [f32; 3],
+        /// On a surface that faces it, W/m².
+        irradiance: [f32; 3],
+        /// Apparent diameter, degrees, 0 to 180; 0 is parallel light.
+        angle: f32,
+    },
+    /// Light from a point, the same in every direction.
+    Point {
+        /// Position, metres.
+        at: [f32; 3],
+        /// W/sr.
+        intensity: [f32; 3],
+    },
+}
+
+/// A named solid.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Its name.
+    pub name: String,
+    /// Index into [`Scene::materials`] of the material of its shapes that name no other.
+    pub material: usize,
+    /// Its shapes; the tag of each is the index of the shape's material.
+    pub root: Node,
+}
+
+impl Scene {
+    /// The scene that `text` describes, or every mistake in it. `name` is where the text came from, for the report.
+    pub fn parse(name: &str, text: &str) -> Result<Self, crate::SceneError> {
+        todo!("{name}{text}")
+    }
+    /// The scene in the file at `path`.
+    pub fn load(path: impl AsRef<std::path::Path>) -> Result<Self, crate::SceneError> {
+        todo!("{}", path.as_ref().display())
+    }
+}

@@ -1,0 +1,56 @@
+//! `pathmarch compare`: how far a picture is from a reference.
+
+use crate::exit::{DONE, FAILED, Failure};
+use pathmarch_render::image;
+use pathmarch_render::metrics::compare;
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The picture
+    picture: PathBuf,
+    /// What it should be
+    reference: PathBuf,
+    /// Fail (exit code 1) when relMSE is above this
+    #[arg(long, value_name = "X", value_parser = parse_limit)]
+    max_relmse: Option<f64>,
+}
+
+fn parse_limit(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(limit) if limit >= 0.0 => Ok(limit),
+        _ => Err("expected a number of zero or more".to_owned()),
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    let a = image::load(&arguments.picture).map_err(Failure::other)?;
+    let b = image::load(&arguments.reference).map_err(Failure::other)?;
+    if a.kind != b.kind {
+        return Err(Failure::Usage(
+            "one picture holds radiance (EXR) and the other was tone-mapped (PNG, JPEG); compare two of a kind".to_owned(),
+        ));
+    }
+    let result = compare(&a.picture, &b.picture, a.kind).map_err(Failure::other)?;
+    let colour = |c: [f64; 3]| format!("{:.5} {:.5} {:.5}", c[0], c[1], c[2]);
+    println!("size       {}x{}", result.width, result.height);
+    println!("relMSE     {:.3e}", result.relmse);
+    println!("MSE        {:.3e}", result.mse);
+    println!("FLIP       {:.5}", result.flip);
+    println!("mean       {}  {}", colour(result.mean_a), arguments.picture.display());
+    println!("mean       {}  {}", colour(result.mean_b), arguments.reference.display());
+    let mut code = DONE;
+    for (count, path) in
+        [(result.non_finite_a, &arguments.picture), (result.non_finite_b, &arguments.reference)]
+    {
+        if count > 0 {
+            eprintln!("pathmarch: {}: {count} pixels are not finite and were left out", path.display());
+            code = FAILED;
+        }
+    }
+    if let Some(limit) = arguments.max_relmse.filter(|limit| !(result.relmse <= *limit)) {
+        eprintln!("pathmarch: relMSE {:.3e} is above {limit:.3e}", result.relmse);
+        code = FAILED;
+    }
+    Ok(code)
+}

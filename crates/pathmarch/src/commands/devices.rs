@@ -1,0 +1,24 @@
+//! `pathmarch devices`: what this machine can render on.
+
+use crate::exit::{DONE, Failure};
+use pathmarch_render::adapters;
+
+pub fn run() -> Result<u8, Failure> {
+    let adapters = adapters();
+    let preferred = adapters.iter().position(|adapter| adapter.unusable.is_none());
+    for (k, adapter) in adapters.iter().enumerate() {
+        let remark = match adapter.unusable {
+            Some(reason) => format!("  not usable: {reason}"),
+            None if Some(k) == preferred => "  <- used unless told otherwise".to_owned(),
+            None => String::new(),
+        };
+        println!("GPU  {}  [{}, {}; {}]{remark}", adapter.name, adapter.backend, adapter.kind, adapter.driver);
+    }
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let remark = if preferred.is_none() { "  <- used unless told otherwise" } else { "" };
+    println!("CPU  {threads} threads, eight rays to a march{remark}");
+    if preferred.is_none() {
+        println!("No usable GPU adapter: install a graphics driver, or Mesa's software Vulkan (mesa-vulkan-drivers).");
+    }
+    Ok(DONE)
+}

@@ -1,0 +1,44 @@
+//! One file for each command.
+
+pub mod bench;
+pub mod check;
+pub mod compare;
+pub mod devices;
+pub mod render;
+pub mod shapes;
+
+use clap::ValueEnum;
+use pathmarch_render::Backend;
+
+/// `--backend`
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BackendArgument {
+    /// The GPU where one works, else the CPU
+    Auto,
+    /// The GPU, or fail
+    Gpu,
+    /// The CPU
+    Cpu,
+}
+
+impl From<BackendArgument> for Backend {
+    fn from(argument: BackendArgument) -> Self {
+        match argument {
+            BackendArgument::Auto => Self::Auto,
+            BackendArgument::Gpu => Self::Gpu,
+            BackendArgument::Cpu => Self::Cpu,
+        }
+    }
+}
+
+/// Parses `1280x720`.
+pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X', '×']);
+    let numbers = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
+    let limit = pathmarch_render::image::MAX_SIDE;
+    match numbers {
+        Some([w, h]) if (1..=limit).contains(&w) && (1..=limit).contains(&h) => Ok([w, h]),
+        Some(_) => Err(format!("each side must be from 1 to {limit}")),
+        None => Err("expected WIDTHxHEIGHT, such as 1280x720".to_owned()),
+    }
+}

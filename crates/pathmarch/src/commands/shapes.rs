@@ -1,0 +1,89 @@
+//! `pathmarch shapes`: the reference page, from the registry.
+
+use crate::exit::{DONE, Failure};
+use pathmarch_render::pathmarch_field::registry::{operator, operators, shape, shapes};
+use pathmarch_render::pathmarch_field::{Info, Param};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// One shape or operator, in full
+    name: Option<String>,
+    /// Print the WGSL made of it
+    #[arg(long, requires = "name")]
+    wgsl: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    let Some(name) = &arguments.name else {
+        println!("Shapes\n");
+        for shape in shapes() {
+            println!("  {:<40} {}", usage(shape.info(), shape.params()), shape.info().doc);
+        }
+        println!("\nOperators (children in braces; smooth= blends over metres)\n");
+        for operator in operators() {
+            println!("  {:<40} {}", format!("{} smooth=0", operator.info().name), operator.info().doc);
+        }
+        println!("\nAny of them takes at, rotate and scale as children. `pathmarch shapes NAME` tells more.");
+        return Ok(DONE);
+    };
+    if let Some(shape) = shape(name) {
+        if arguments.wgsl {
+            print!("{}\n{}", shape.wgsl_distance(), shape.wgsl_gradient());
+            return Ok(DONE);
+        }
+        page(shape.info(), shape.params());
+        if shape.info().facing {
+            println!("\n  normal x y z as a child turns +y to this direction.");
+        }
+        if shape.info().sheet {
+            println!("  Without thickness; a material that emits does so on the side it faces only.");
+        }
+    } else if let Some(operator) = operator(name) {
+        if arguments.wgsl {
+            for smooth in [false, true] {
+                println!(
+                    "{}\n{}\n{}",
+                    operator.wgsl_distance(smooth),
+                    operator.wgsl_gradient(smooth),
+                    operator.wgsl_weight(smooth)
+                );
+            }
+            return Ok(DONE);
+        }
+        page(operator.info(), &[]);
+        println!("\n  smooth=    width of the blend, metres; sharp when absent");
+    } else {
+        let names = shapes().iter().map(|s| s.info().name).chain(operators().iter().map(|o| o.info().name));
+        let nearest = names.min_by_key(|known| strsim::damerau_levenshtein(known, name)).unwrap_or_default();
+        return Err(Failure::Usage(format!(
+            "there is no shape or operator \"{name}\"; did you mean \"{nearest}\"? `pathmarch shapes` lists all"
+        )));
+    }
+    Ok(DONE)
+}
+
+fn usage(info: &Info, params: &[Param]) -> String {
+    let names: Vec<_> = params.iter().map(|param| param.name).collect();
+    format!("{} {}", info.name, names.join(" ")).trim().to_owned()
+}
+
+fn page(info: &Info, params: &[Param]) {
+    println!("{}\n\n  {}", usage(info, params), info.doc);
+    println!("  {} Source: {}.", if info.exact { "Exact distance." } else { "A lower bound of the distance." }, info.source);
+    if info.size_params > 1 {
+        println!("  One number may stand for the first {}.", info.size_params);
+    }
+    if !params.is_empty() {
+        println!();
+    }
+    for param in params {
+        let unit = if param.unit.name().is_empty() { String::new() } else { format!(", {}", param.unit.name()) };
+        println!(
+            "  {:<10} {} Default {}{unit}; {}.",
+            param.name,
+            param.doc,
+            param.default,
+            param.range_in_words()
+        );
+    }
+}

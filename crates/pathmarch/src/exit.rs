@@ -1,0 +1,79 @@
+//! How the program ends.
+
+use pathmarch_render::pathmarch_scene::SceneError;
+
+/// Done.
+pub const DONE: u8 = 0;
+/// Something failed: a device, a file, a limit given to `compare`.
+pub const FAILED: u8 = 1;
+/// A mistake in a scene or on the command line.
+pub const USAGE: u8 = 2;
+/// Interrupted by Ctrl-C.
+pub const INTERRUPTED: u8 = 130;
+
+/// Why a command ends early.
+pub enum Failure {
+    /// A scene with mistakes; prints each with its place.
+    Scene(Box<SceneError>),
+    /// A mistake on the command line.
+    Usage(String),
+    /// Anything else.
+    Other(String),
+}
+
+impl Failure {
+    /// A failure of the world, not of the user.
+    pub fn other(error: impl ToString) -> Self {
+        Self::Other(error.to_string())
+    }
+    /// The process's exit code.
+    pub fn code(&self) -> u8 {
+        match self {
+            Self::Scene(_) | Self::Usage(_) => USAGE,
+            Self::Other(_) => FAILED,
+        }
+    }
+    /// Prints it to standard error.
+    pub fn print(self: &Self) {
+        match self {
+            Self::Scene(error) => print_scene_error(error),
+            Self::Usage(message) | Self::Other(message) => eprintln!("pathmarch: {message}"),
+        }
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Self::Scene(Box::new(error))
+    }
+}
+
+/// Prints every mistake of a scene, its place underlined.
+pub fn print_scene_error(error: &SceneError) {
+    let mut text = String::new();
+    match miette::GraphicalReportHandler::new().render_report(&mut text, error) {
+        Ok(()) => eprint!("{text}"),
+        Err(_) => eprintln!("pathmarch: {error}"),
+    }
+}
+
+/// Whether this processor has the instructions that this program was built to use; else what to do.
+pub fn processor_has_what_we_were_built_for() -> Result<(), String> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let features = [
+            ("AVX", cfg!(target_feature = "avx"), std::is_x86_feature_detected!("avx")),
+            ("AVX2", cfg!(target_feature = "avx2"), std::is_x86_feature_detected!("avx2")),
+            ("FMA", cfg!(target_feature = "fma"), std::is_x86_feature_detected!("fma")),
+            ("AVX-512", cfg!(target_feature = "avx512f"), std::is_x86_feature_detected!("avx512f")),
+        ];
+        for (name, built_for, present) in features {
+            if built_for && !present {
+                return Err(format!(
+                    "this program was built for a processor with {name}, which this one lacks; build it on this machine"
+                ));
+            }
+        }
+    }
+    Ok(())
+}
