@@ -7,7 +7,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Differentiable, Dual, Real, Vec3};
-use crate::registry::{Combine, Shape};
+use crate::registry::{Combine, NO_HIT, Shape};
 use glam::{EulerRot, Mat3, Quat};
 use wide::f32x8;
 
@@ -108,6 +108,15 @@ impl Leaf {
         }
     }
 
+    /// A direction in local axes; its length stays.
+    fn turned<N: Real>(&self, direction: Vec3<N>) -> Vec3<N> {
+        if self.turn != Turn::Turned {
+            return direction;
+        }
+        let [x, y, z] = self.axes.map(|axis| Vec3::constant(axis).dot(direction));
+        Vec3::new(x, y, z)
+    }
+
     fn world_bounds(&self) -> Aabb {
         let local = self.shape.bounds(&self.params);
         if self.turn != Turn::Turned {
@@ -149,12 +158,16 @@ pub struct Surface<N> {
 }
 
 /// Everything of a scene, as one signed distance field: the union of its objects.
+///
+/// Rays meet an object that is a single shape with a closed form ([`Shape::closed_form`]) directly; the others must be
+/// marched. [`distance`](Self::distance) is over all, [`marched_distance`](Self::marched_distance) over the latter.
 #[derive(Clone, Debug)]
 pub struct Field {
     leaves: Vec<Leaf>,
     objects: Vec<Tree>,
     bounds: Aabb,
     object_bounds: Vec<Aabb>,
+    marched_bounds: Aabb,
 }
 
 /// A number that a [`Field`] can be evaluated over on the CPU.
@@ -165,6 +178,8 @@ pub trait Batch: Differentiable {
     fn shape_distance(shape: &dyn Shape, p: Vec3<Self>, params: &[f32]) -> Self;
     #[doc(hidden)]
     fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<Self>>, params: &[f32]) -> Dual<Self>;
+    #[doc(hidden)]
+    fn shape_ray(shape: &dyn Shape, origin: Vec3<Self>, direction: Vec3<Self>, params: &[f32]) -> Self;
     #[doc(hidden)]
     fn combined(operator: &dyn Combine, a: Self, b: Self, width: Option<f32>) -> Self;
     #[doc(hidden)]
@@ -183,6 +198,9 @@ impl Batch for f32 {
     }
     fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<f32>>, params: &[f32]) -> Dual<f32> {
         shape.gradient(p, params)
+    }
+    fn shape_ray(shape: &dyn Shape, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> f32 {
+        shape.ray(origin, direction, params)
     }
     fn combined(operator: &dyn Combine, a: f32, b: f32, width: Option<f32>) -> f32 {
         operator.distance(a, b, width)
@@ -208,6 +226,9 @@ impl Batch for f32x8 {
     }
     fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<f32x8>>, params: &[f32]) -> Dual<f32x8> {
         shape.gradient_lanes(p, params)
+    }
+    fn shape_ray(shape: &dyn Shape, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> f32x8 {
+        shape.ray_lanes(origin, direction, params)
     }
     fn combined(operator: &dyn Combine, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8 {
         operator.distance_lanes(a, b, width)
@@ -266,14 +287,22 @@ impl Frame {
 impl Field {
     /// The union of `objects`. A [`Kind::Combine`] without children is left out.
     pub fn new(objects: &[Node]) -> Self {
-        let mut field =
-            Self { leaves: Vec::new(), objects: Vec::new(), bounds: Aabb::NOTHING, object_bounds: Vec::new() };
+        let mut field = Self {
+            leaves: Vec::new(),
+            objects: Vec::new(),
+            bounds: Aabb::NOTHING,
+            object_bounds: Vec::new(),
+            marched_bounds: Aabb::NOTHING,
+        };
         let mut choices = 0;
         for (index, object) in objects.iter().enumerate() {
             if let Some(tree) = field.add(object, Frame::WORLD, index as u32, &mut choices) {
                 let bounds = field.tree_bounds(&tree);
                 field.bounds = field.bounds.union(bounds);
                 field.object_bounds.push(bounds);
+                if field.direct(&tree).is_none() {
+                    field.marched_bounds = field.marched_bounds.union(bounds);
+                }
                 field.objects.push(tree);
             }
         }
@@ -329,6 +358,21 @@ impl Field {
     pub fn object_bounds(&self) -> &[Aabb] {
         &self.object_bounds
     }
+    /// A box that holds every solid that must be marched; [`Aabb::NOTHING`] where there is none.
+    pub fn marched_bounds(&self) -> Aabb {
+        self.marched_bounds
+    }
+    /// The shape of an object that rays meet in closed form.
+    pub(crate) fn direct(&self, object: &Tree) -> Option<u32> {
+        match object {
+            Tree::Leaf(index) if self.leaves[*index as usize].shape.closed_form() => Some(*index),
+            _ => None,
+        }
+    }
+    /// Indices of the leaves that rays meet in closed form, rising.
+    pub fn direct_leaves(&self) -> impl Iterator<Item = u32> {
+        self.objects.iter().filter_map(|object| self.direct(object))
+    }
     pub(crate) fn objects(&self) -> &[Tree] {
         &self.objects
     }
@@ -353,6 +397,27 @@ impl Field {
         let mut nearest = N::constant(f32::INFINITY);
         for object in &self.objects {
             nearest = nearest.min(self.tree_distance(object, p));
+        }
+        nearest
+    }
+
+    /// Signed distance to the nearest surface that must be marched; infinite where there is none.
+    pub fn marched_distance<N: Batch>(&self, p: Vec3<N>) -> N {
+        let mut nearest = N::constant(f32::INFINITY);
+        for object in self.objects.iter().filter(|object| self.direct(object).is_none()) {
+            nearest = nearest.min(self.tree_distance(object, p));
+        }
+        nearest
+    }
+
+    /// Metres along each unit vector `direction` to the first surface of the shapes that have a closed form, or
+    /// [`NO_HIT`](crate::registry::NO_HIT).
+    pub fn direct_hit<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> N {
+        let mut nearest = N::constant(NO_HIT);
+        for leaf in self.direct_leaves() {
+            let leaf = &self.leaves[leaf as usize];
+            let t = N::shape_ray(leaf.shape, leaf.local(origin), leaf.turned(direction), &leaf.params);
+            nearest = nearest.min(if leaf.turn == Turn::None { t } else { t * N::constant(leaf.scale) });
         }
         nearest
     }

@@ -142,7 +142,17 @@ pub trait Primitive: Send + Sync + 'static {
     fn lipschitz(_params: Self::Params<f32>) -> f32 {
         1.0
     }
+    /// Whether [`ray`](Self::ray) is written: where a ray meets this shape is known in closed form.
+    const CLOSED_FORM: bool = false;
+    /// Metres from `origin` along the unit vector `direction` to the first point of the surface ahead, from outside or
+    /// inside; [`NO_HIT`] where there is none.
+    fn ray<N: Real>(_origin: Vec3<N>, _direction: Vec3<N>, _params: Self::Params<N>) -> N {
+        N::constant(NO_HIT)
+    }
 }
+
+/// What a ray that meets nothing gives: farther than any scene, and finite.
+pub const NO_HIT: f32 = 1e30;
 
 /// An operator that makes one solid of two, written once.
 ///
@@ -181,6 +191,14 @@ pub trait Shape: Send + Sync {
     fn bounds(&self, params: &[f32]) -> Aabb;
     /// An upper bound of |∇distance|.
     fn lipschitz(&self, params: &[f32]) -> f32;
+    /// Whether rays meet it in closed form.
+    fn closed_form(&self) -> bool;
+    /// Where a ray first meets it, or [`NO_HIT`]; see [`Primitive::ray`].
+    fn ray(&self, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> f32;
+    /// Where eight rays first meet it.
+    fn ray_lanes(&self, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> f32x8;
+    /// The closed form as a WGSL function `NAME_ray(origin: vec3f, direction: vec3f, …) -> f32`.
+    fn wgsl_ray(&self) -> String;
     /// The distance as a WGSL function `NAME_distance(p: vec3f, …) -> f32`.
     fn wgsl_distance(&self) -> String;
     /// The gradient (xyz) and distance (w) as a WGSL function `NAME_gradient(p: vec3f, …) -> vec4f`.
@@ -249,8 +267,9 @@ fn outputs(result: Dual<Expr>) -> Vec<Expr> {
 }
 
 impl<T: Primitive> Entry<T> {
-    fn function(&self, suffix: &str, doc: String) -> Function<'static> {
-        let parameters = [("p", "vec3f")].into_iter().chain(T::PARAMS.iter().map(|p| (p.name, "f32"))).collect();
+    fn function(&self, suffix: &str, points: &[&'static str], doc: String) -> Function<'static> {
+        let points = points.iter().map(|&p| (p, "vec3f"));
+        let parameters = points.chain(T::PARAMS.iter().map(|p| (p.name, "f32"))).collect();
         Function { name: format!("{}_{suffix}", self.wgsl_name()), doc, parameters }
     }
 }
@@ -280,15 +299,32 @@ impl<T: Primitive> Shape for Entry<T> {
     fn lipschitz(&self, params: &[f32]) -> f32 {
         T::lipschitz(values(params))
     }
+    fn closed_form(&self) -> bool {
+        T::CLOSED_FORM
+    }
+    fn ray(&self, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> f32 {
+        T::ray(origin, direction, values(params))
+    }
+    fn ray_lanes(&self, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> f32x8 {
+        T::ray(origin, direction, values(params))
+    }
+    fn wgsl_ray(&self) -> String {
+        let doc = format!("Metres to where a ray first meets `{}`.", T::INFO.name);
+        self.function("ray", &["origin", "direction"], doc).print(|inputs| {
+            let (origin, direction) =
+                (Vec3::new(inputs[0], inputs[1], inputs[2]), Vec3::new(inputs[3], inputs[4], inputs[5]));
+            vec![T::ray(origin, direction, T::Params::from_fn(|k| inputs[6 + k]))]
+        })
+    }
     fn wgsl_distance(&self) -> String {
-        self.function("distance", T::INFO.doc.to_owned()).print(|inputs| {
+        self.function("distance", &["p"], T::INFO.doc.to_owned()).print(|inputs| {
             let p = Vec3::new(inputs[0], inputs[1], inputs[2]);
             vec![T::distance(p, T::Params::from_fn(|k| inputs[3 + k]))]
         })
     }
     fn wgsl_gradient(&self) -> String {
         let doc = format!("Gradient (xyz) and distance (w) of `{}`.", T::INFO.name);
-        self.function("gradient", doc).print(|inputs| {
+        self.function("gradient", &["p"], doc).print(|inputs| {
             let p = Dual::variables(Vec3::new(inputs[0], inputs[1], inputs[2]));
             outputs(T::distance(p, T::Params::from_fn(|k| Dual::independent(inputs[3 + k]))))
         })

@@ -4,6 +4,7 @@ use crate::settings::Settings;
 use crate::transport::lights::{self, LightRecord};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use pathmarch_field::graph::Leaf;
 use pathmarch_field::{Aabb, Field};
 use pathmarch_scene::{Camera, Scene};
 
@@ -24,10 +25,11 @@ pub(crate) struct Frame {
     /// Unit vector into the picture.
     pub(crate) forward: [f32; 3],
     /// What is negligible, as a fraction of a point's largest coordinate.
-    pub(crate) precision: f32,
+    pub(crate) rounding: f32,
     pub(crate) sky: [f32; 3],
     /// Share of the field's value that is safe to step: one over its Lipschitz constant.
     pub(crate) step_factor: f32,
+    /// The box of what must be marched.
     pub(crate) bounds_min: [f32; 3],
     /// Where rays end at the latest, metres.
     pub(crate) far: f32,
@@ -46,10 +48,16 @@ pub(crate) struct LeafRecord {
     /// Where a sheet faces, a unit vector.
     pub(crate) facing: [f32; 3],
     pub(crate) material: u32,
-    /// 1 for a surface without thickness that emits on one side.
-    pub(crate) sheet: u32,
-    padding: [u32; 3],
+    /// Origin of its local coordinates.
+    pub(crate) at: [f32; 3],
+    /// [`SHEET`] and [`DIRECT`].
+    pub(crate) flags: u32,
 }
+
+/// A surface without thickness, which emits on one side.
+pub(crate) const SHEET: u32 = 1;
+/// Rays meet it in closed form.
+pub(crate) const DIRECT: u32 = 2;
 
 /// A material as both backends read it; the layout is that of `Material` in `transport/path.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -75,7 +83,7 @@ pub(crate) struct Prepared {
 /// What is negligible, in pixels: small against the half pixel by which an edge may be off unnoticed.
 const TOLERANCE_PIXELS: f32 = 0.1;
 /// About four times the rounding of an `f32` coordinate.
-const PRECISION: f32 = 4e-7;
+const ROUNDING: f32 = 4e-7;
 /// Rays end this many scene sizes away; an endless plane ends there.
 const FAR_SIZES: f32 = 2000.0;
 /// Stands for infinity in the scene's box, so that no product with it is undefined.
@@ -84,7 +92,7 @@ const UNLIMITED: f32 = 1e18;
 impl Prepared {
     pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
         let camera = &scene.cameras[settings.camera];
-        let bounds = scene.field.bounds();
+        let bounds = scene.field.marched_bounds();
         let (centre, radius) = extent(scene, camera);
         let [width, height] = settings.size;
         let position = Vec3::from(camera.position);
@@ -94,6 +102,9 @@ impl Prepared {
         let up = right.cross(forward);
         let tolerance = TOLERANCE_PIXELS * 2.0 * half_height / height as f32;
         let margin = 0.01 * radius;
+        // Where nothing is marched, a box of one point that no ray comes to.
+        let bounds =
+            if bounds.min[0] > bounds.max[0] { Aabb { min: [UNLIMITED; 3], max: [UNLIMITED; 3] } } else { bounds };
         let limited = |v: f32, margin: f32| (v + margin).clamp(-UNLIMITED, UNLIMITED);
         let lights = lights::records(&scene.lights, centre, radius);
         let frame = Frame {
@@ -104,7 +115,7 @@ impl Prepared {
             up: (up * half_height).into(),
             tolerance,
             forward: forward.into(),
-            precision: PRECISION,
+            rounding: ROUNDING,
             sky: scene.sky,
             step_factor: 1.0 / scene.field.lipschitz(),
             bounds_min: bounds.min.map(|v| limited(v, -margin)),
@@ -116,17 +127,18 @@ impl Prepared {
             bounces: settings.bounces,
             seed: settings.seed,
         };
-        let leaves = scene
-            .field
-            .leaves()
-            .iter()
-            .map(|leaf| LeafRecord {
-                facing: leaf.axes[1],
-                material: leaf.tag,
-                sheet: u32::from(leaf.shape.info().sheet),
-                padding: [0; 3],
-            })
-            .collect();
+        let direct: Vec<u32> = scene.field.direct_leaves().collect();
+        let flags = |index: usize, sheet: bool| {
+            let is_direct = direct.binary_search(&(index as u32)).is_ok();
+            SHEET * u32::from(sheet) | DIRECT * u32::from(is_direct)
+        };
+        let record = |(index, leaf): (usize, &Leaf)| LeafRecord {
+            facing: leaf.axes[1],
+            material: leaf.tag,
+            at: leaf.at,
+            flags: flags(index, leaf.shape.info().sheet),
+        };
+        let leaves = scene.field.leaves().iter().enumerate().map(record).collect();
         let materials = scene
             .materials
             .iter()

@@ -60,11 +60,13 @@ impl Diagnostic for Mistake {
 #[derive(Debug, Error)]
 pub enum SceneError {
     /// The text has mistakes.
-    #[error("{}", count_in_words(.name, .mistakes.len()))]
+    #[error("{}", count_in_words(.name, *.total, .mistakes.len()))]
     Mistakes {
         /// Where the text came from.
         name: String,
-        /// At least one, in the order of the file.
+        /// How many there are.
+        total: usize,
+        /// The first hundred of them at most, in the order of the file.
         mistakes: Vec<Mistake>,
     },
     /// There is no text to look at.
@@ -79,8 +81,12 @@ pub enum SceneError {
     },
 }
 
-fn count_in_words(name: &str, count: usize) -> String {
-    if count == 1 { format!("{name} has 1 mistake") } else { format!("{name} has {count} mistakes") }
+fn count_in_words(name: &str, total: usize, kept: usize) -> String {
+    match (total, total > kept) {
+        (1, _) => format!("{name} has 1 mistake"),
+        (_, false) => format!("{name} has {total} mistakes"),
+        (_, true) => format!("{name} has {total} mistakes, of which {kept} are shown"),
+    }
 }
 
 impl SceneError {

@@ -93,6 +93,11 @@ pub trait Real:
     fn sign(self) -> Self {
         Self::select(self.lt(Self::zero()), Self::constant(-1.0), Self::one())
     }
+    /// `self`, or 1e-12 where it is nearer to zero than that: a divisor whose quotients stay finite.
+    fn divisor(self) -> Self {
+        let least = Self::constant(1e-12);
+        Self::select(self.abs().lt(least), least, self)
+    }
     /// Zero.
     fn zero() -> Self {
         Self::constant(0.0)

@@ -3,7 +3,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, NO_HIT, Param, Primitive};
 
 pub(crate) struct Shape;
 
@@ -25,6 +25,24 @@ impl Primitive for Shape {
         let outside = excess.max(N::zero()).length();
         let inside = excess.largest().min(N::zero());
         outside + inside
+    }
+    const CLOSED_FORM: bool = true;
+    /// Slabs (Kay and Kajiya 1986, "Ray Tracing Complex Scenes").
+    #[inline(always)]
+    fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> N {
+        let half = N::constant(0.5);
+        let slab = |o: N, d: N, size: N| {
+            let d = d.divisor();
+            let (a, b) = ((-size * half - o) / d, (size * half - o) / d);
+            (a.min(b), a.max(b))
+        };
+        let (x0, x1) = slab(origin.x, direction.x, x);
+        let (y0, y1) = slab(origin.y, direction.y, y);
+        let (z0, z1) = slab(origin.z, direction.z, z);
+        let near = x0.max(y0.max(z0)).named("near");
+        let far = x1.min(y1.min(z1)).named("far");
+        let ahead = N::select(N::zero().lt(near), near, far);
+        N::select(near.lt(far) & N::zero().lt(far), ahead, N::constant(NO_HIT))
     }
     fn bounds([x, y, z]: [f32; 3]) -> Aabb {
         Aabb::centred(0.5 * x, 0.5 * y, 0.5 * z)

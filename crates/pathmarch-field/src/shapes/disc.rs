@@ -5,7 +5,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, NO_HIT, Param, Primitive};
 
 pub(crate) struct Shape;
 
@@ -22,6 +22,13 @@ impl Primitive for Shape {
     fn distance<N: Real>(p: Vec3<N>, [radius]: [N; 1]) -> N {
         let past_rim = (p.x.hypot(p.z) - radius).named("past_rim");
         N::select(N::zero().lt(past_rim), past_rim.hypot(p.y), p.y.abs())
+    }
+    const CLOSED_FORM: bool = true;
+    #[inline(always)]
+    fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius]: [N; 1]) -> N {
+        let t = (-origin.y / direction.y.divisor()).named("t");
+        let past_rim = (origin.x + direction.x * t).hypot(origin.z + direction.z * t) - radius;
+        N::select(N::zero().lt(t) & past_rim.lt(N::zero()), t, N::constant(NO_HIT))
     }
     fn bounds([radius]: [f32; 1]) -> Aabb {
         Aabb::centred(radius, 0.0, radius)

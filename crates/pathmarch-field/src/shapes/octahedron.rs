@@ -1,10 +1,10 @@
 //! Regular octahedron: the points with |x| + |y| + |z| at most `radius`. Exact.
 //!
-//! Idea: the nearest point of that solid is found by soft thresholding: every coordinate moves towards zero by the same
-//! length τ, or stops there; τ is the largest of the three values (sum of the k largest coordinates - radius) / k (Duchi,
-//! Shalev-Shwartz, Singer and Chandra 2008, "Efficient projections onto the l1-ball for learning in high dimensions",
-//! section 3). So the offset from the nearest point is min(|p|, τ) in each coordinate. Inside, the nearest face is at
-//! (radius - |x| - |y| - |z|)/√3. Quilez's 2008 form branches on the nearest face or edge; this one needs no cases.
+//! Idea: its symmetries fold space onto coordinates a ≥ b ≥ c ≥ 0, where only one face, one edge and one corner can be
+//! the nearest (Quilez 2008, "Distance functions", octahedron, distinguishes the edges instead of sorting). The foot on
+//! the face's plane is on the face while c is at least a third of the excess a + b + c - radius; past that it is on the
+//! edge while a - radius is at most b. The sum of the coordinates alone would be a bound of slope one too, but √3 too
+//! short at the corners.
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
@@ -12,13 +12,21 @@ use crate::registry::{Info, Param, Primitive};
 
 pub(crate) struct Shape;
 
+const INVERSE_SQRT_2: f32 = 0.707_106_77;
 const INVERSE_SQRT_3: f32 = 0.577_350_26;
+
+/// The larger and the smaller of two, chosen by one mask so that their derivatives are of both where they are equal.
+#[inline(always)]
+fn sorted<N: Real>(a: N, b: N) -> (N, N) {
+    let swap = a.lt(b);
+    (N::select(swap, b, a), N::select(swap, a, b))
+}
 
 impl Primitive for Shape {
     const INFO: Info = Info::new(
         "octahedron",
         "Regular octahedron centred at the origin, its corners on the axes.",
-        "Duchi et al. 2008, section 3",
+        "Quilez 2008, octahedron",
     );
     const PARAMS: &'static [Param] = &[Param::length("radius", 1.0, "From the centre to the corners.")];
     type Params<N: Real> = [N; 1];
@@ -26,14 +34,18 @@ impl Primitive for Shape {
     #[inline(always)]
     fn distance<N: Real>(p: Vec3<N>, [radius]: [N; 1]) -> N {
         let q = p.abs();
-        let excess = (q.x + q.y + q.z - radius).named("excess");
-        let smallest = q.x.min(q.y.min(q.z));
-        let onto_corner = q.largest() - radius;
-        let onto_edge = (excess - smallest) * N::constant(0.5);
-        let onto_face = excess * N::constant(1.0 / 3.0);
-        let threshold = onto_corner.max(onto_edge.max(onto_face)).named("threshold");
-        let outside = Vec3::new(q.x.min(threshold), q.y.min(threshold), q.z.min(threshold)).length();
-        N::select(N::zero().lt(excess), outside, excess * N::constant(INVERSE_SQRT_3))
+        let (a, b) = sorted(q.x, q.y);
+        let (b, c) = sorted(b, q.z);
+        let (a, b) = sorted(a, b);
+        let (a, b, c) = (a.named("a"), b.named("b"), c.named("c"));
+        let past_corner = a - radius;
+        let past_edge = past_corner + b;
+        let excess = (past_edge + c).named("excess");
+        let from_corner = Vec3::new(past_corner, b, c).length();
+        let from_edge = (past_edge * N::constant(INVERSE_SQRT_2)).hypot(c);
+        let from_face = excess * N::constant(INVERSE_SQRT_3);
+        let past_face = (c * N::constant(3.0)).lt(excess);
+        N::select(past_face, N::select(b.lt(past_corner), from_corner, from_edge), from_face)
     }
     fn bounds([radius]: [f32; 1]) -> Aabb {
         Aabb::centred(radius, radius, radius)

@@ -32,9 +32,11 @@ impl Primitive for Shape {
         let slant = half.hypot(height).named("slant");
         let edge = half.hypot(slant).named("edge");
         let (x, z) = (p.x.abs(), p.z.abs());
+        // Swapped by one mask, not by max and min: those would both take the derivative of x where x = z.
+        let swap = x.lt(z);
         // Measured from the middle of the face's lower edge, or for `sideways` from its corner.
-        let outwards = (x.max(z) - half).named("outwards");
-        let sideways = (x.min(z) - half).named("sideways");
+        let outwards = (N::select(swap, z, x) - half).named("outwards");
+        let sideways = (N::select(swap, x, z) - half).named("sideways");
         let face = ((outwards * height + p.y * half) / slant).named("face");
         let uphill = ((p.y * height - outwards * half) / slant).named("uphill");
         // In the frame of the edge: off it within the face's plane, and along it from the corner.

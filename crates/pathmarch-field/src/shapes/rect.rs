@@ -6,7 +6,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, NO_HIT, Param, Primitive};
 
 pub(crate) struct Shape;
 
@@ -27,6 +27,14 @@ impl Primitive for Shape {
         let past_z = p.z.abs() - z * N::constant(0.5);
         let beside = Vec3::new(past_x.max(N::zero()), p.y, past_z.max(N::zero())).length();
         N::select(N::zero().lt(past_x.max(past_z)), beside, p.y.abs())
+    }
+    const CLOSED_FORM: bool = true;
+    #[inline(always)]
+    fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, z]: [N; 2]) -> N {
+        let t = (-origin.y / direction.y.divisor()).named("t");
+        let past_x = (origin.x + direction.x * t).abs() - x * N::constant(0.5);
+        let past_z = (origin.z + direction.z * t).abs() - z * N::constant(0.5);
+        N::select(N::zero().lt(t) & past_x.max(past_z).lt(N::zero()), t, N::constant(NO_HIT))
     }
     fn bounds([x, z]: [f32; 2]) -> Aabb {
         Aabb::centred(0.5 * x, 0.0, 0.5 * z)

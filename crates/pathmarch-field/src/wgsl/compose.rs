@@ -1,4 +1,4 @@
-//! A scene's field as WGSL: one function for each kind of shape in use, composed into `field` and `surface`.
+//! A scene's field as WGSL: one function for each kind of shape in use, composed for the scene.
 //!
 //! Structure is code, numbers are data: every number of the scene stands in [`Program::parameters`], so that a scene of
 //! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
@@ -15,8 +15,9 @@ pub type Parameters = Vec<[f32; 4]>;
 
 /// A field's code and numbers.
 ///
-/// The code expects an array `field_parameters` of `vec4f` and declares `field(p: vec3f) -> f32`, the struct `Surface`
-/// and `surface(p: vec3f, seed: u32) -> Surface`.
+/// The code expects an array `field_parameters` of `vec4f` and declares `marched_distance(p: vec3f) -> f32`,
+/// `direct_hit(origin: vec3f, direction: vec3f) -> f32`, the struct `Surface` and `surface(p: vec3f, seed: u32) ->
+/// Surface`: the WGSL of the [`Field`] methods of these names.
 #[derive(Clone, Debug)]
 pub struct Program {
     /// WGSL text; equal for scenes of equal structure.
@@ -51,14 +52,20 @@ impl Program {
         for leaf in field.leaves() {
             composer.starts.push(composer.parameters.len());
             composer.place(leaf);
-            functions.insert((0, leaf.shape.wgsl_distance()));
             functions.insert((0, leaf.shape.wgsl_gradient()));
         }
         let mut has_choice = false;
         for tree in field.objects() {
             has_choice |= composer.operators(tree, &mut functions);
+            match field.direct(tree) {
+                Some(leaf) => {
+                    functions.insert((0, field.leaves()[leaf as usize].shape.wgsl_ray()));
+                }
+                None => composer.distances(tree, &mut functions),
+            }
         }
         let distance = composer.distance();
+        let direct = composer.direct_hit();
         let surface = composer.surface();
         if composer.parameters.is_empty() {
             composer.parameters.push([0.0; 4]);
@@ -72,7 +79,7 @@ impl Program {
             code += "\n";
             code += function;
         }
-        let code = format!("{code}\n{distance}\n{surface}");
+        let code = format!("{code}\n{distance}\n{direct}\n{surface}");
         Self { code, parameters: composer.parameters }
     }
 }
@@ -106,7 +113,6 @@ impl Composer<'_> {
     /// Collects the functions of the operators in use and stores their widths; whether any blends.
     fn operators(&mut self, tree: &Tree, functions: &mut BTreeSet<(u32, String)>) -> bool {
         let Tree::Combine { operator, smooth, children, first_choice } = tree else { return false };
-        functions.insert((1, operator.wgsl_distance(smooth.is_some())));
         functions.insert((1, operator.wgsl_gradient(smooth.is_some())));
         functions.insert((1, operator.wgsl_weight(smooth.is_some())));
         if let Some(width) = smooth {
@@ -116,19 +122,32 @@ impl Composer<'_> {
         children.iter().fold(smooth.is_some(), |blends, child| self.operators(child, functions) | blends)
     }
 
+    /// Collects the distance functions of a tree that is marched.
+    fn distances(&self, tree: &Tree, functions: &mut BTreeSet<(u32, String)>) {
+        match tree {
+            Tree::Leaf(leaf) => {
+                functions.insert((0, self.field.leaves()[*leaf as usize].shape.wgsl_distance()));
+            }
+            Tree::Combine { operator, smooth, children, .. } => {
+                functions.insert((1, operator.wgsl_distance(smooth.is_some())));
+                children.iter().for_each(|child| self.distances(child, functions));
+            }
+        }
+    }
+
     fn width(&self, first_choice: u32, smooth: bool) -> String {
         let place = self.widths.iter().find(|(choice, _)| smooth && *choice == first_choice);
         place.map_or(String::new(), |(_, vector)| format!(", {}", component(*vector, 0)))
     }
 
-    /// The local point of a leaf, and the call's arguments after it.
-    fn arguments(&self, index: u32) -> (String, String) {
+    /// The point `p` in local coordinates of a leaf, and the call's arguments after it.
+    fn arguments(&self, index: u32, p: &str) -> (String, String) {
         let leaf = &self.field.leaves()[index as usize];
         let mut next = self.starts[index as usize];
-        let mut point = "p".to_owned();
+        let mut point = p.to_owned();
         if leaf.moved || leaf.turn != Turn::None {
             if leaf.moved {
-                point = format!("p - field_parameters[{next}].xyz");
+                point = format!("{p} - field_parameters[{next}].xyz");
             }
             next += 1;
         }
@@ -146,26 +165,47 @@ impl Composer<'_> {
 
     fn distance(&self) -> String {
         let mut text = String::from(
-            "/// Signed distance from `p` to the nearest surface of the scene, metres.\nfn field(p: vec3f) -> f32 {\n",
+            "/// Signed distance from `p` to the nearest surface that must be marched, metres.\n\
+             fn marched_distance(p: vec3f) -> f32 {\n    var nearest = 1e30;\n",
         );
         let mut counter = 0;
-        for (k, object) in self.field.objects().iter().enumerate() {
+        for object in self.field.objects().iter().filter(|object| self.field.direct(object).is_none()) {
             let value = self.tree_distance(object, &mut text, &mut counter);
-            if k == 0 {
-                writeln!(text, "    var nearest = {value};")
-            } else {
-                writeln!(text, "    nearest = min(nearest, {value});")
-            }
-            .expect("writing to a string");
+            writeln!(text, "    nearest = min(nearest, {value});").expect("writing to a string");
         }
-        text + if self.field.objects().is_empty() { "    return 1e30;\n}\n" } else { "    return nearest;\n}\n" }
+        text + "    return nearest;\n}\n"
+    }
+
+    fn direct_hit(&self) -> String {
+        let mut text = String::from(
+            "/// Metres to the first surface of the shapes that rays meet in closed form, or 1e30.\n\
+             fn direct_hit(origin: vec3f, direction: vec3f) -> f32 {\n    var nearest = 1e30;\n",
+        );
+        for index in self.field.direct_leaves() {
+            let leaf = &self.field.leaves()[index as usize];
+            let (point, values) = self.arguments(index, "origin");
+            let start = self.starts[index as usize];
+            let (direction, factor) = match leaf.turn {
+                Turn::None => ("direction".to_owned(), String::new()),
+                Turn::Scaled => ("direction".to_owned(), format!(" * {}", component(start, 3))),
+                // The stored rows are divided by the scale.
+                Turn::Turned => {
+                    let scale = component(start, 3);
+                    (format!("direction * {} * {scale}", rows(start + 1)), format!(" * {scale}"))
+                }
+            };
+            let name = leaf.shape.wgsl_name();
+            writeln!(text, "    nearest = min(nearest, {name}_ray({point}, {direction}{values}){factor});")
+                .expect("writing to a string");
+        }
+        text + "    return nearest;\n}\n"
     }
 
     fn tree_distance(&self, tree: &Tree, text: &mut String, counter: &mut u32) -> String {
         match tree {
             Tree::Leaf(index) => {
                 let leaf = &self.field.leaves()[*index as usize];
-                let (point, values) = self.arguments(*index);
+                let (point, values) = self.arguments(*index, "p");
                 let call = format!("{}_distance({point}{values})", leaf.shape.wgsl_name());
                 if leaf.turn == Turn::None {
                     call
@@ -215,7 +255,7 @@ impl Composer<'_> {
         match tree {
             Tree::Leaf(index) => {
                 let leaf = &self.field.leaves()[*index as usize];
-                let (point, values) = self.arguments(*index);
+                let (point, values) = self.arguments(*index, "p");
                 let call = format!("{}_gradient({point}{values})", leaf.shape.wgsl_name());
                 let name = fresh("g");
                 let start = self.starts[*index as usize];

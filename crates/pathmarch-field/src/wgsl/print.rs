@@ -167,11 +167,8 @@ impl<'a> Printer<'a> {
                 continue;
             }
             match self.graph.nodes[index as usize] {
-                Node::Constant(_)
-                | Node::Truth(_)
-                | Node::Input(_)
-                | Node::LoopVariable(..)
-                | Node::LoopResult(..) => {}
+                Node::Constant(_) | Node::Truth(_) | Node::Input(_) | Node::LoopVariable(..) | Node::LoopResult(..) => {
+                }
                 Node::Loop(id) => self.print_loop(id, indent, text),
                 _ => {
                     let shared = self.uses[index as usize] > 1 || self.crossing.contains(&index);
@@ -233,9 +230,13 @@ impl<'a> Printer<'a> {
         }
         if self.graph.nodes[record.go_on as usize] != Node::Truth(true) {
             let go_on = self.operand(record.go_on, Some(id), 0);
-            writeln!(text, "{inner}if !({go_on}) {{
+            writeln!(
+                text,
+                "{inner}if !({go_on}) {{
 {inner}    break;
-{inner}}}").expect("writing to a string");
+{inner}}}"
+            )
+            .expect("writing to a string");
         }
         writeln!(text, "{pad}}}").expect("writing to a string");
         for (k, name) in variables.iter().enumerate() {

@@ -18,9 +18,9 @@ pub struct AdapterDescription {
     pub unusable: Option<&'static str>,
 }
 
-fn instance() -> wgpu::Instance {
+fn instance(backends: wgpu::Backends) -> wgpu::Instance {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = wgpu::Backends::PRIMARY | wgpu::Backends::GL;
+    descriptor.backends = backends;
     descriptor.flags = wgpu::InstanceFlags::empty();
     wgpu::Instance::new(descriptor)
 }
@@ -48,21 +48,24 @@ fn describe(adapter: &wgpu::Adapter) -> AdapterDescription {
     }
 }
 
-/// Best first: real GPUs before software, and native interfaces before OpenGL.
-fn rank(adapter: &wgpu::Adapter) -> (u8, u8) {
-    let info = adapter.get_info();
-    let kind = match info.device_type {
+/// Best first: real GPUs before software.
+fn rank(adapter: &wgpu::Adapter) -> u8 {
+    match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
         wgpu::DeviceType::VirtualGpu => 2,
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
-    };
-    (kind, u8::from(info.backend == wgpu::Backend::Gl))
+    }
 }
 
 fn enumerate() -> Vec<wgpu::Adapter> {
-    let mut adapters = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()));
+    let of = |backends| pollster::block_on(instance(backends).enumerate_adapters(backends));
+    let mut adapters = of(wgpu::Backends::PRIMARY);
+    // OpenGL shows the same hardware once more, and its libraries are noisy where there is no display: only when needed.
+    if !adapters.iter().any(|adapter| describe(adapter).unusable.is_none()) {
+        adapters.extend(of(wgpu::Backends::GL));
+    }
     adapters.sort_by_key(rank);
     adapters
 }

@@ -10,9 +10,9 @@
 use super::camera::{Ray, camera_ray};
 use super::diffuse::cosine_direction;
 use super::lights;
-use super::march::{March, START_OFFSET, march, tolerance};
+use super::march::{March, START_OFFSET, direct_tolerance, march, tolerance};
 use super::random::{Random, pair};
-use crate::frame::Prepared;
+use crate::frame::{DIRECT, Prepared, SHEET};
 use glam::Vec3;
 use pathmarch_field::graph::Surface;
 use pathmarch_field::number::Vec3 as FieldVec3;
@@ -25,6 +25,8 @@ struct Path {
     ray: Ray,
     throughput: Vec3,
     length: f32,
+    /// Length of the last ray.
+    last: f32,
 }
 
 /// Light on its way from a source that may be hidden.
@@ -43,7 +45,7 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
         .enumerate()
         .map(|(slot, &(x, y))| {
             let random = Random::new(x, y, sample, frame.seed);
-            Path { slot, random, ray: camera_ray(frame, x, y, random), throughput: Vec3::ONE, length: 0.0 }
+            Path { slot, random, ray: camera_ray(frame, x, y, random), throughput: Vec3::ONE, length: 0.0, last: 0.0 }
         })
         .collect();
     for surface_index in 0..=frame.bounces + 1 {
@@ -58,6 +60,7 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
             match hit {
                 Some(t) => {
                     path.length += t;
+                    path.last = t;
                     path.ray.origin += path.ray.direction * t;
                     reached.push(path);
                 }
@@ -130,11 +133,17 @@ fn shade(
     let frame = &prepared.frame;
     let steepness = near.gradient.length().max(1e-6);
     let outward = near.gradient / steepness;
-    let normal = if near.distance < 0.0 { -outward } else { outward };
     let leaf = &prepared.leaves[near.leaf];
+    let reached = path.ray.origin;
+    let off = direct_tolerance(frame, reached, Vec3::from(leaf.at));
+    let is_direct = leaf.flags & DIRECT != 0;
+    // On the surface but for rounding, the side is the one the ray comes from; else the field says it.
+    let on_surface = is_direct || near.distance.abs() <= off + frame.rounding * path.last;
+    let inside = if on_surface { outward.dot(path.ray.direction) > 0.0 } else { near.distance < 0.0 };
+    let normal = if inside { -outward } else { outward };
     let material = &prepared.materials[leaf.material as usize];
     if material.emits != 0 {
-        if leaf.sheet == 0 || normal.dot(Vec3::from(leaf.facing)) > 0.0 {
+        if leaf.flags & SHEET == 0 || normal.dot(Vec3::from(leaf.facing)) > 0.0 {
             radiance[path.slot] += path.throughput * Vec3::from(material.emission);
         }
         return None;
@@ -142,8 +151,9 @@ fn shade(
     if surface_index > frame.bounces {
         return None;
     }
-    let p = path.ray.origin - outward * (near.distance / steepness);
-    let origin = p + normal * (START_OFFSET * tolerance(frame, p, path.length));
+    let p = reached - outward * (near.distance / steepness);
+    let start = START_OFFSET * if is_direct { off } else { tolerance(frame, p, path.length) };
+    let origin = p + normal * start;
     let pairs = pair::SURFACE + pair::PER_SURFACE * surface_index;
     let [choose_light, go_on] = path.random.pair(pairs + pair::CHOICE);
     let albedo = Vec3::from(material.albedo);

@@ -8,7 +8,7 @@ struct Frame {
     up: vec3f,
     tolerance: f32,
     forward: vec3f,
-    precision: f32,
+    rounding: f32,
     sky: vec3f,
     step_factor: f32,
     bounds_min: vec3f,
@@ -34,8 +34,14 @@ struct LeafRecord {
     /// Where a sheet faces.
     facing: vec3f,
     material: u32,
-    sheet: u32,
+    at: vec3f,
+    flags: u32,
 }
+
+/// A surface without thickness, which emits on one side.
+const SHEET = 1u;
+/// Rays meet it in closed form.
+const DIRECT = 2u;
 
 struct Material {
     albedo: vec3f,
@@ -71,11 +77,15 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         let near = surface(reached, random_loose(random, surface_index));
         let steepness = max(length(near.gradient), 1e-6);
         let outward = near.gradient / steepness;
-        let normal = select(outward, -outward, near.distance < 0.0);
         let leaf = leaves[near.leaf];
+        let off = direct_tolerance(reached, leaf.at);
+        // On the surface but for rounding, the side is the one the ray comes from; else the field says it.
+        let on_surface = (leaf.flags & DIRECT) != 0u || abs(near.distance) <= off + frame.rounding * t;
+        let inside = select((near.distance < 0.0), (dot(outward, ray.direction) > 0.0), on_surface);
+        let normal = select(outward, -outward, inside);
         let material = materials[leaf.material];
         if material.emits != 0u {
-            if leaf.sheet == 0u || dot(normal, leaf.facing) > 0.0 {
+            if (leaf.flags & SHEET) == 0u || dot(normal, leaf.facing) > 0.0 {
                 radiance += throughput * material.emission;
             }
             break;
@@ -84,7 +94,8 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
             break;
         }
         let p = reached - outward * (near.distance / steepness);
-        let origin = p + normal * (START_OFFSET * tolerance(p, path_length));
+        let start = START_OFFSET * select(tolerance(p, path_length), off, (leaf.flags & DIRECT) != 0u);
+        let origin = p + normal * start;
         let pair = PAIR_SURFACE + PAIRS_PER_SURFACE * surface_index;
         let choice = random_pair(random, pair + PAIR_CHOICE);
         if frame.light_count > 0u {

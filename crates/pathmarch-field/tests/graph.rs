@@ -1,0 +1,167 @@
+//! Random trees of placed shapes and operators.
+
+mod sampling;
+
+use pathmarch_field::graph::Kind;
+use pathmarch_field::number::Vec3;
+use pathmarch_field::registry::{operators, shapes};
+use pathmarch_field::wgsl::Program;
+use pathmarch_field::{Aabb, Field, Node, Placement};
+use proptest::prelude::*;
+use sampling::{Random, lanes, random_params, validate};
+
+fn triple(range: std::ops::Range<f32>) -> impl Strategy<Value = [f32; 3]> {
+    [range.clone(), range.clone(), range]
+}
+
+fn placement() -> impl Strategy<Value = Placement> {
+    let parts = (
+        proptest::option::of(0.2f32..3.0),
+        proptest::option::of(triple(-180.0..180.0)),
+        proptest::option::of(triple(-2.0..2.0)),
+    );
+    parts.prop_map(|(scale, rotate, at)| Placement { normal: None, scale, rotate, at })
+}
+
+fn shape() -> impl Strategy<Value = Node> {
+    (0..shapes().len(), any::<u64>(), placement(), proptest::option::of(triple(0.1..1.0))).prop_map(
+        |(index, seed, placement, normal)| {
+            let shape = shapes()[index];
+            let params = random_params(shape, &mut Random::new(seed));
+            let normal = normal.filter(|_| shape.info().facing);
+            Node {
+                kind: Kind::Shape { shape, params, tag: seed as u32 % 10 },
+                placement: Placement { normal, ..placement },
+            }
+        },
+    )
+}
+
+fn node() -> impl Strategy<Value = Node> {
+    shape().prop_recursive(3, 12, 4, |child| {
+        let children = proptest::collection::vec(child, 0..4);
+        (0..operators().len(), proptest::option::of(0.0f32..1.0), children, placement()).prop_map(
+            |(operator, smooth, children, placement)| Node {
+                kind: Kind::Combine { operator: operators()[operator], smooth, children },
+                placement,
+            },
+        )
+    })
+}
+
+fn objects() -> impl Strategy<Value = Vec<Node>> {
+    proptest::collection::vec(node(), 0..4)
+}
+
+fn points(seed: u64) -> Vec<Vec3<f32>> {
+    let mut random = Random::new(seed);
+    (0..64).map(|_| random.point(Aabb::centred(5.0, 5.0, 5.0))).collect()
+}
+
+/// Other numbers in the same places.
+fn altered(node: &Node) -> Node {
+    let placement = Placement {
+        normal: node.placement.normal.map(|[x, y, z]| [x, y + 0.5, z]),
+        scale: node.placement.scale.map(|s| s * 1.5),
+        rotate: node.placement.rotate.map(|v| v.map(|v| v + 10.0)),
+        at: node.placement.at.map(|v| v.map(|v| v - 0.25)),
+    };
+    let kind = match &node.kind {
+        Kind::Shape { shape, params, tag } => {
+            Kind::Shape { shape: *shape, params: params.iter().map(|v| v * 1.25).collect(), tag: *tag }
+        }
+        Kind::Combine { operator, smooth, children } => Kind::Combine {
+            operator: *operator,
+            smooth: smooth.map(|width| width + 0.1),
+            children: children.iter().map(altered).collect(),
+        },
+    };
+    Node { kind, placement }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn eight_lanes_equal_one(objects in objects(), seed in any::<u64>()) {
+        let field = Field::new(&objects);
+        for points in points(seed).chunks(8) {
+            let seeds = [1, 2, 3, 4, 5, 6, 7, 8];
+            let distances = field.distance(lanes(points)).to_array();
+            let surfaces = field.surface(lanes(points), seeds);
+            for (k, &p) in points.iter().enumerate() {
+                let distance = field.distance(p);
+                let surface = field.surface(p, seeds[k]);
+                prop_assert!(distance == distances[k] || (distance - distances[k]).abs() < 1e-4);
+                prop_assert!(distance == surface.field.value || (distance - surface.field.value).abs() < 1e-4);
+                let lane = surfaces.field.value.to_array()[k];
+                prop_assert!(distance == lane || (distance - lane).abs() < 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn surfaces_have_short_gradients_and_a_leaf(objects in objects(), seed in any::<u64>()) {
+        let field = Field::new(&objects);
+        for p in points(seed) {
+            let surface = field.surface(p, seed as u32);
+            let length = surface.field.gradient.length();
+            prop_assert!(length.is_finite() && length <= field.lipschitz() * 1.002, "{p:?}: {surface:?}");
+            prop_assert!(field.leaves().is_empty() || (surface.leaf as usize) < field.leaves().len());
+            prop_assert_eq!(surface.leaf.fract(), 0.0);
+        }
+    }
+
+    #[test]
+    fn distances_keep_the_lipschitz_constant(objects in objects(), seed in any::<u64>()) {
+        let field = Field::new(&objects);
+        let mut random = Random::new(seed ^ 1);
+        for a in points(seed) {
+            let b = a + random.direction() * 10f32.powf(random.within(-3.0, 0.5));
+            let (at_a, at_b) = (field.distance(a), field.distance(b));
+            prop_assert!(at_a == at_b || (at_a - at_b).abs() <= field.lipschitz() * (a - b).length() + 1e-4);
+        }
+    }
+
+    #[test]
+    fn bounds_hold_the_solids(objects in objects(), seed in any::<u64>()) {
+        let field = Field::new(&objects);
+        for p in points(seed) {
+            prop_assert!(field.distance(p) > 0.0 || field.bounds().contains(p, 1e-4), "{p:?} {:?}", field.bounds());
+        }
+        for (k, object) in objects.iter().enumerate() {
+            let alone = Field::new(std::slice::from_ref(object));
+            prop_assert!(alone.object_bounds().is_empty() || field.object_bounds().contains(&alone.bounds()), "object {k}");
+        }
+    }
+
+    #[test]
+    fn code_depends_on_structure_only(objects in objects()) {
+        let program = Program::new(&Field::new(&objects));
+        let others: Vec<Node> = objects.iter().map(altered).collect();
+        let other = Program::new(&Field::new(&others));
+        prop_assert_eq!(&program.code, &other.code);
+        prop_assert_eq!(program.parameters.len(), other.parameters.len());
+        validate(&format!(
+            "@group(0) @binding(0) var<uniform> field_parameters: array<vec4f, {}>;\n{}",
+            program.parameters.len(),
+            program.code
+        ));
+    }
+}
+
+#[test]
+fn a_placement_scales_then_turns_then_moves() {
+    let shape = pathmarch_field::registry::shape("box").expect("registered");
+    let kind = Kind::Shape { shape, params: vec![2.0, 1.0, 1.0], tag: 0 };
+    let placement =
+        Placement { normal: None, scale: Some(2.0), rotate: Some([0.0, 0.0, 90.0]), at: Some([1.0, 0.0, 0.0]) };
+    let field = Field::new(&[Node { kind, placement }]);
+    // Two by one by one, doubled, upright, one metre to the right.
+    for (p, distance) in
+        [([1.0, 3.0, 0.0], 1.0), ([3.0, 0.0, 0.0], 1.0), ([1.0, 0.0, -2.0], 1.0), ([1.0, 0.0, 0.0], -1.0)]
+    {
+        let found = field.distance(Vec3::new(p[0], p[1], p[2]));
+        assert!((found - distance).abs() < 1e-5, "{p:?}: {found}");
+    }
+}

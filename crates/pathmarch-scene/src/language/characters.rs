@@ -1,0 +1,65 @@
+//! Classes of characters and the form of numbers in KDL 2 (<https://kdl.dev/spec>).
+
+/// Ends a line. (CR LF is one of them twice, which makes no difference here.)
+pub(crate) fn is_newline(c: char) -> bool {
+    matches!(c, '\r' | '\n' | '\u{85}' | '\u{b}' | '\u{c}' | '\u{2028}' | '\u{2029}')
+}
+
+/// White space within a line.
+pub(crate) fn is_space(c: char) -> bool {
+    matches!(c, '\t' | ' ' | '\u{a0}' | '\u{1680}' | '\u{2000}'..='\u{200a}' | '\u{202f}' | '\u{205f}' | '\u{3000}')
+}
+
+/// Must not stand in a file at all: control characters, direction overrides, byte order marks inside the text.
+pub(crate) fn is_forbidden(c: char) -> bool {
+    matches!(c,
+        '\0'..='\u{8}' | '\u{e}'..='\u{1f}' | '\u{7f}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}'
+        | '\u{2066}'..='\u{2069}' | '\u{feff}')
+}
+
+/// May stand in a bare word.
+pub(crate) fn is_word(c: char) -> bool {
+    !matches!(c, '\\' | '/' | '(' | ')' | '{' | '}' | '[' | ']' | ';' | '"' | '#' | '=')
+        && !is_space(c)
+        && !is_newline(c)
+        && !is_forbidden(c)
+}
+
+/// Whether a word that starts like this is meant as a number.
+pub(crate) fn looks_like_number(word: &str) -> bool {
+    let unsigned = word.strip_prefix(['+', '-']).unwrap_or(word);
+    let digits = unsigned.strip_prefix('.').unwrap_or(unsigned);
+    digits.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// Digits with underscores between or after them.
+fn is_digits(text: &str, radix: u32) -> bool {
+    text.starts_with(|c: char| c.is_digit(radix)) && text.chars().all(|c| c == '_' || c.is_digit(radix))
+}
+
+/// The number that a word spells: decimal with fraction and exponent, or `0x`, `0o`, `0b`; `None` if it spells none.
+pub(crate) fn number(word: &str) -> Option<f64> {
+    let (sign, unsigned) = match word.strip_prefix('-') {
+        Some(rest) => (-1.0, rest),
+        None => (1.0, word.strip_prefix('+').unwrap_or(word)),
+    };
+    for (prefix, radix) in [("0x", 16), ("0o", 8), ("0b", 2)] {
+        if let Some(digits) = unsigned.strip_prefix(prefix) {
+            let value = digits.chars().filter_map(|c| c.to_digit(radix));
+            return is_digits(digits, radix)
+                .then(|| sign * value.fold(0.0, |value, digit| value * f64::from(radix) + f64::from(digit)));
+        }
+    }
+    let (mantissa, exponent) = match unsigned.split_once(['e', 'E']) {
+        Some((mantissa, exponent)) => (mantissa, Some(exponent.strip_prefix(['+', '-']).unwrap_or(exponent))),
+        None => (unsigned, None),
+    };
+    let (whole, fraction) = match mantissa.split_once('.') {
+        Some((whole, fraction)) => (whole, Some(fraction)),
+        None => (mantissa, None),
+    };
+    let valid = is_digits(whole, 10)
+        && fraction.is_none_or(|digits| is_digits(digits, 10))
+        && exponent.is_none_or(|digits| is_digits(digits, 10));
+    valid.then(|| unsigned.replace('_', "").parse::<f64>().ok()).flatten().map(|value| sign * value)
+}

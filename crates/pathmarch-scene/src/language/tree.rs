@@ -1,0 +1,84 @@
+//! The tree of nodes that [`super::syntax`] makes of a text. Names and strings borrow from the text where they can.
+
+use miette::SourceSpan;
+use std::borrow::Cow;
+
+/// Bytes `start..end` of the text, which is below 4 GiB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Span {
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+}
+
+impl Span {
+    pub(crate) fn new(start: usize, end: usize) -> Self {
+        Self { start: start as u32, end: end as u32 }
+    }
+    /// From the start of this to the end of that.
+    pub(crate) fn to(self, last: Self) -> Self {
+        Self { start: self.start, end: last.end.max(self.end) }
+    }
+}
+
+impl From<Span> for SourceSpan {
+    fn from(span: Span) -> Self {
+        (span.start as usize..span.end as usize).into()
+    }
+}
+
+/// A string and where it stands, quotes included.
+#[derive(Clone, Debug)]
+pub(crate) struct Text<'t> {
+    pub(crate) value: Cow<'t, str>,
+    pub(crate) span: Span,
+}
+
+/// What stands behind a node's name.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Value<'t> {
+    Text(Cow<'t, str>),
+    Number(f64),
+    Bool(bool),
+    Null,
+    /// Already reported as a mistake.
+    Bad,
+}
+
+/// An argument, or a property where it has a name.
+#[derive(Clone, Debug)]
+pub(crate) struct Entry<'t> {
+    pub(crate) name: Option<Text<'t>>,
+    pub(crate) annotation: Option<Span>,
+    pub(crate) value: Value<'t>,
+    /// Of the value alone.
+    pub(crate) value_span: Span,
+    pub(crate) span: Span,
+}
+
+/// `name argument property=value { children }`
+#[derive(Clone, Debug)]
+pub(crate) struct Node<'t> {
+    pub(crate) name: Text<'t>,
+    pub(crate) annotation: Option<Span>,
+    pub(crate) entries: Vec<Entry<'t>>,
+    pub(crate) children: Option<Block<'t>>,
+}
+
+/// The nodes between braces, or those of the file.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Block<'t> {
+    pub(crate) nodes: Vec<Node<'t>>,
+    /// Whether a node in it could not be read, so that something may seem missing that is not.
+    pub(crate) broken: bool,
+}
+
+impl<'t> Node<'t> {
+    /// The nodes in its braces, none without braces.
+    pub(crate) fn child_nodes(&self) -> &[Node<'t>] {
+        self.children.as_ref().map_or(&[], |block| &block.nodes)
+    }
+    /// Whether a node in its braces could not be read.
+    pub(crate) fn broken(&self) -> bool {
+        self.children.as_ref().is_some_and(|block| block.broken)
+    }
+}
