@@ -6,6 +6,7 @@
 //! neither, so the language grows with them. No GPU, no file writing.
 
 pub mod diagnostic;
+mod language;
 pub mod materials;
 pub mod scene;
 

@@ -1,9 +1,13 @@
 //! A scene as renderers see it: everything checked, names resolved to indices, numbers in linear Rec. 709, metres and
 //! degrees. Right-handed, y up.
 
-use crate::diagnostic::Mistake;
+use crate::diagnostic::{Mistake, SceneError};
+use crate::language;
 use crate::materials::Material;
 use pathmarch_field::{Field, Node};
+use std::fs::File;
+use std::io::{ErrorKind, Read};
+use std::path::Path;
 
 /// Everything in a scene file.
 #[derive(Clone, Debug)]
@@ -39,7 +43,7 @@ pub struct Camera {
     pub position: [f32; 3],
     /// The point in the middle of the picture, metres; differs from `position`.
     pub target: [f32; 3],
-    /// Direction that is up in the picture; any length but zero, never parallel to the view.
+    /// Direction that is up in the picture, of length one, never parallel to the view.
     pub up: [f32; 3],
     /// Vertical field of view, degrees, above 0 and below 180.
     pub fov: f32,
@@ -134,11 +138,46 @@ pub struct Object {
 
 impl Scene {
     /// The scene that `text` describes, or every mistake in it. `name` is where the text came from, for the report.
-    pub fn parse(name: &str, text: &str) -> Result<Self, crate::SceneError> {
-        todo!("{name}{text}")
+    ///
+    /// # Errors
+    /// [`SceneError::Mistakes`] with all of them; [`SceneError::Unreadable`] for a text of more than 16 MiB.
+    pub fn parse(name: &str, text: &str) -> Result<Self, SceneError> {
+        language::parse(name, text)
     }
+
     /// The scene in the file at `path`.
-    pub fn load(path: impl AsRef<std::path::Path>) -> Result<Self, crate::SceneError> {
-        todo!("{}", path.as_ref().display())
+    ///
+    /// # Errors
+    /// Those of [`Scene::parse`], and [`SceneError::Unreadable`] for a file that is missing, a directory, larger than
+    /// 16 MiB, or not UTF-8.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let name = path.display().to_string();
+        let text = read(path).map_err(|(reason, help)| SceneError::Unreadable { name: name.clone(), reason, help })?;
+        Self::parse(&name, &text)
     }
+}
+
+/// The text of a file; otherwise why not, and what to do.
+fn read(path: &Path) -> Result<String, (String, String)> {
+    let failed = |error: std::io::Error| match error.kind() {
+        ErrorKind::NotFound => ("there is no such file".to_owned(), "Check the path.".to_owned()),
+        ErrorKind::PermissionDenied => ("reading it is not permitted".to_owned(), "Check its permissions.".to_owned()),
+        _ => (error.to_string(), "Check the path.".to_owned()),
+    };
+    let file = File::open(path).map_err(failed)?;
+    if file.metadata().map_err(failed)?.is_dir() {
+        return Err(("it is a directory".to_owned(), "Name a .kdl file in it.".to_owned()));
+    }
+    let mut bytes = Vec::new();
+    // One byte more than allowed tells that there is more, whatever the file says of its size.
+    file.take(language::MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() > language::MAX_BYTES {
+        return Err(language::too_large());
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count();
+        (format!("it is not UTF-8 text (line {line}, byte {at})"), "Save it as UTF-8.".to_owned())
+    })
 }

@@ -1,5 +1,6 @@
 //! Collects the mistakes of a file.
 
+use super::characters::is_forbidden;
 use super::tree::Span;
 use crate::diagnostic::{Mistake, SceneError};
 use miette::NamedSource;
@@ -49,7 +50,13 @@ impl Draft {
 
 impl Report {
     pub(crate) fn new(name: &str, text: &str) -> Self {
-        let source = Arc::new(NamedSource::new(name, text.to_owned()));
+        // What does not show, or would command a terminal, is printed as a mark of the same number of bytes.
+        let visible = |c: char| match c.len_utf8() {
+            _ if !is_forbidden(c) => c,
+            1 => '?',
+            _ => char::REPLACEMENT_CHARACTER,
+        };
+        let source = Arc::new(NamedSource::new(name, text.chars().map(visible).collect()));
         Self { name: name.to_owned(), source, mistakes: Vec::new(), warnings: Vec::new(), total: 0 }
     }
     fn finish(&self, draft: Draft, warning: bool) -> Mistake {
@@ -71,6 +78,14 @@ impl Report {
             let mistake = self.finish(draft, false);
             self.mistakes.push(mistake);
         }
+    }
+    /// A mistake too many to be kept.
+    pub(crate) fn count(&mut self) {
+        self.total += 1;
+    }
+    /// Whether no more mistakes are kept.
+    pub(crate) fn is_full(&self) -> bool {
+        self.mistakes.len() == KEPT
     }
     /// Something allowed that is most likely not meant.
     pub(crate) fn warn(&mut self, draft: Draft) {

@@ -21,19 +21,22 @@ impl<'t> Reader<'t, '_> {
         let closing = format!("{}{}", if several_lines { "\"\"\"" } else { "\"" }, &"#".repeat(hashes));
         let body = self.rest();
         let mut length = None;
-        let mut escaped = false;
+        // A `\` before white space joins lines: all the white space after it belongs to it.
+        let (mut escaped, mut joining) = (false, false);
         for (index, c) in body.char_indices() {
-            if escaped {
+            let white = is_space(c) || is_newline(c);
+            if escaped || joining && white {
+                joining = white;
                 escaped = false;
-                // A `\` joins lines: white space up to the next line's text belongs to it.
                 continue;
             }
+            joining = false;
             if c == '\\' && !raw {
                 escaped = true;
             } else if c == '"' && body[index..].starts_with(&closing) {
                 length = Some(index);
                 break;
-            } else if is_newline(c) && !several_lines && !joins_lines(&body[..index], raw) {
+            } else if is_newline(c) && !several_lines {
                 break;
             }
         }
@@ -124,15 +127,6 @@ impl<'t> Reader<'t, '_> {
         text.push_str(rest);
         Value::Text(Cow::Owned(text))
     }
-}
-
-/// Whether the text before a line's end is a `\` and white space, itself not escaped.
-fn joins_lines(before: &str, raw: bool) -> bool {
-    if raw {
-        return false;
-    }
-    let trimmed = before.trim_end_matches(|c| is_space(c) || is_newline(c));
-    trimmed.bytes().rev().take_while(|&b| b == b'\\').count() % 2 == 1
 }
 
 /// Removes each `\` with the white space and newlines after it.

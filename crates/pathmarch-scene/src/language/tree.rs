@@ -48,7 +48,6 @@ pub(crate) enum Value<'t> {
 #[derive(Clone, Debug)]
 pub(crate) struct Entry<'t> {
     pub(crate) name: Option<Text<'t>>,
-    pub(crate) annotation: Option<Span>,
     pub(crate) value: Value<'t>,
     /// Of the value alone.
     pub(crate) value_span: Span,
@@ -59,7 +58,6 @@ pub(crate) struct Entry<'t> {
 #[derive(Clone, Debug)]
 pub(crate) struct Node<'t> {
     pub(crate) name: Text<'t>,
-    pub(crate) annotation: Option<Span>,
     pub(crate) entries: Vec<Entry<'t>>,
     pub(crate) children: Option<Block<'t>>,
 }
@@ -73,12 +71,19 @@ pub(crate) struct Block<'t> {
 }
 
 impl<'t> Node<'t> {
+    /// The name and what stands behind it, without braces.
+    pub(crate) fn span(&self) -> Span {
+        self.entries.last().map_or(self.name.span, |last| self.name.span.to(last.span))
+    }
     /// The nodes in its braces, none without braces.
     pub(crate) fn child_nodes(&self) -> &[Node<'t>] {
         self.children.as_ref().map_or(&[], |block| &block.nodes)
     }
-    /// Whether a node in its braces could not be read.
+    /// Whether something in its braces could not be read, or its braces themselves.
     pub(crate) fn broken(&self) -> bool {
-        self.children.as_ref().is_some_and(|block| block.broken)
+        match &self.children {
+            Some(block) => block.broken,
+            None => self.entries.iter().any(|entry| entry.value == Value::Bad),
+        }
     }
 }

@@ -98,9 +98,9 @@ pub struct Material {
 }
 
 impl Material {
-    /// What an object without `material=` is made of: diffuse, 0.8.
+    /// What an object without `material=` is made of: white, diffuse 0.8, named `default`.
     pub fn default_white() -> Self {
-        Self { name: "white".to_owned(), kind: &diffuse::KIND, values: vec![[0.8; 3]] }
+        Self { name: "default".to_owned(), kind: &diffuse::KIND, values: vec![[0.8; 3]] }
     }
     /// Value of the parameter of this name.
     pub fn value(&self, name: &str) -> Option<[f32; 3]> {

@@ -1,0 +1,189 @@
+//! The scene language, version 1: text to [`Scene`].
+//!
+//! Three steps: [`syntax`] reads the text as KDL 2 nodes, the modules beside it give the nodes meaning (materials first,
+//! so that they may be used before they are declared), and [`Field`] is built of the objects. Each step goes on after
+//! a mistake; a file is a scene only if none was found. Source: the project's SCENE.md. Cost: linear in the text.
+
+mod arguments;
+mod characters;
+mod names;
+mod report;
+mod settings;
+mod solids;
+mod strings;
+mod surfaces;
+mod syntax;
+#[cfg(test)]
+mod syntax_tests;
+mod tree;
+
+use crate::diagnostic::SceneError;
+use crate::scene::{Light, RenderSettings, Scene};
+use arguments::{Range, numbers, twice};
+use names::{TOP, unexpected_node};
+use pathmarch_field::Field;
+use report::{Report, draft};
+use solids::Solids;
+use std::collections::HashMap;
+use surfaces::Materials;
+use tree::{Block, Span};
+
+/// The version of the language that this program reads.
+const VERSION: f32 = 1.0;
+/// Bytes; larger files are refused.
+pub(crate) const MAX_BYTES: usize = 16 << 20;
+
+/// Why a large file is refused, and what to do.
+pub(crate) fn too_large() -> (String, String) {
+    (format!("it is larger than {} MiB", MAX_BYTES >> 20), "Leave parts of the scene out.".to_owned())
+}
+
+/// The scene of `text`, which came from `name`.
+pub(crate) fn parse(name: &str, text: &str) -> Result<Scene, SceneError> {
+    if text.len() > MAX_BYTES {
+        let (reason, help) = too_large();
+        return Err(SceneError::Unreadable { name: name.to_owned(), reason, help });
+    }
+    let mut report = Report::new(name, text);
+    let Some(file) = syntax::read(text, &mut report) else { return Err(report.into_error()) };
+    if version(&file, &mut report) == Version::Other {
+        return Err(report.into_error());
+    }
+    let mut scene = scene(name, text, &file, &mut report);
+    if report.has_mistakes() {
+        return Err(report.into_error());
+    }
+    let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
+    scene.field = Field::new(&roots);
+    warn(&scene, &file, &mut report);
+    scene.warnings = report.into_warnings();
+    Ok(scene)
+}
+
+#[derive(PartialEq)]
+enum Version {
+    /// Ours, or missing: worth reading on.
+    This,
+    /// Another, whose words we do not know.
+    Other,
+}
+
+/// Checks the first node of the file.
+fn version(file: &Block, report: &mut Report) -> Version {
+    let Some(first) = file.nodes.first().filter(|first| first.name.value == "pathmarch") else {
+        if !file.broken || file.nodes.iter().any(|node| node.name.value == "pathmarch") {
+            let later = file.nodes.iter().find(|node| node.name.value == "pathmarch");
+            let span = file.nodes.first().map_or(Span::new(0, 0), |first| first.name.span);
+            let mistake = draft("pathmarch::version", span, "A scene starts with its version.");
+            let mistake = mistake.label("expected `pathmarch 1` before it");
+            report.add(match later {
+                Some(later) => mistake.also(later.name.span, "move this to the top of the file"),
+                None => mistake.help("Write `pathmarch 1` on the first line."),
+            });
+        }
+        return Version::This;
+    };
+    let Some([given]) = numbers::<1>(first, "`pathmarch 1`", Range::ANY, report) else { return Version::This };
+    if given == VERSION {
+        return Version::This;
+    }
+    let span = first.entries[0].value_span;
+    if given > VERSION && given.fract() == 0.0 {
+        let message = format!("This scene is written in version {given} of the language.");
+        let mistake = draft("pathmarch::version", span, message).label(format!("this program reads version {VERSION}"));
+        report.add(mistake.help("Use a newer pathmarch."));
+        return Version::Other;
+    }
+    let message = format!("There is no version {given} of the language.");
+    report.add(draft("pathmarch::version", span, message).label("expected 1"));
+    Version::This
+}
+
+/// What the nodes of the file say; the field is still empty.
+fn scene(name: &str, text: &str, file: &Block, report: &mut Report) -> Scene {
+    let nodes = |name: &'static str| file.nodes.iter().filter(move |node| node.name.value == name);
+    for node in &file.nodes {
+        if !TOP.contains(&&*node.name.value) {
+            unexpected_node(&node.name, TOP, "at the top of a scene", report);
+        }
+    }
+    for unique in ["pathmarch", "render", "sky"] {
+        let mut all = nodes(unique);
+        let first = all.next();
+        for again in all {
+            let first = first.map_or(again.name.span, |first| first.name.span);
+            twice(&format!("`{unique}`"), again.name.span, first, report);
+        }
+    }
+    let mut names = HashMap::new();
+    let cameras: Vec<_> = nodes("camera").filter_map(|node| settings::camera(node, &mut names, report)).collect();
+    if nodes("camera").next().is_none() && !file.broken {
+        let span = file.nodes.first().map_or(Span::new(0, 0), |first| first.name.span);
+        let mistake =
+            draft("pathmarch::missing_node", span, "The scene has no camera.").label("expected a `camera` below");
+        report.add(mistake.help("For example: camera { position 0 1.5 6; target 0 1 0 }."));
+    }
+    let render = nodes("render").next().map_or_else(RenderSettings::default, |node| settings::render(node, report));
+    let sky = nodes("sky").next().and_then(|node| settings::sky(node, report)).unwrap_or_default();
+    let lights: Vec<Light> = file
+        .nodes
+        .iter()
+        .filter_map(|node| match &*node.name.value {
+            "sun" => settings::sun(node, report),
+            "point" => settings::point(node, report),
+            _ => None,
+        })
+        .collect();
+    let mut materials = Materials::default();
+    nodes("material").for_each(|node| materials.add(node, report));
+    let mut solids = Solids::new(&mut materials);
+    let objects = nodes("object").filter_map(|node| solids.object(node, report)).collect();
+    Scene {
+        cameras,
+        render,
+        sky,
+        lights,
+        materials: materials.list,
+        objects,
+        field: Field::new(&[]),
+        warnings: Vec::new(),
+        source_name: name.to_owned(),
+        source_text: text.to_owned(),
+    }
+}
+
+/// Warns of what is most likely not meant.
+fn warn(scene: &Scene, file: &Block, report: &mut Report) {
+    let Some(first) = file.nodes.first() else { return };
+    let emits = |tag: u32| scene.materials[tag as usize].emits();
+    if scene.objects.is_empty() {
+        let warning = draft("pathmarch::no_objects", first.name.span, "The scene has no objects.");
+        report.warn(warning.label("in this file"));
+    }
+    let bright = |colour: [f32; 3]| colour.iter().any(|&v| v > 0.0);
+    let lit = bright(scene.sky)
+        || scene.field.leaves().iter().any(|leaf| emits(leaf.tag))
+        || scene.lights.iter().any(|light| match light {
+            Light::Sun { irradiance, .. } => bright(*irradiance),
+            Light::Point { intensity, .. } => bright(*intensity),
+        });
+    if !lit {
+        let warning =
+            draft("pathmarch::no_light", first.name.span, "Nothing lights the scene: the picture will be black.");
+        let help = "Add a `sky`, a `sun`, a `point` light, or an object whose material emits.";
+        report.warn(warning.label("in this file").help(help));
+    }
+    let mut emitting = vec![false; scene.objects.len()];
+    for leaf in scene.field.leaves() {
+        emitting[leaf.object as usize] |= emits(leaf.tag);
+    }
+    // Without mistakes every object node has become an object, and every object a part of the field.
+    let objects = file.nodes.iter().filter(|node| node.name.value == "object");
+    let bounds = scene.field.object_bounds().iter();
+    let endless = objects.zip(bounds.zip(emitting)).filter(|(_, (bounds, emitting))| *emitting && !bounds.is_finite());
+    for (node, _) in endless {
+        let warning = draft("pathmarch::endless_light", node.name.span, "This object emits light and has no end.");
+        let help = "It is not sampled as a light, only found by chance; give it an end, or use `sky`.";
+        report.warn(warning.label("endless").help(help));
+    }
+}

@@ -1,0 +1,206 @@
+//! The words of the scene language: which are nearest to a misspelt one, and which of them this version does not know.
+
+use super::report::{Draft, Report, draft, shown};
+use super::tree::Text;
+use crate::materials;
+use pathmarch_field::registry;
+
+/// Nodes of the file.
+pub(crate) const TOP: &[&str] = &["pathmarch", "camera", "render", "sky", "sun", "point", "material", "object"];
+/// Nodes in a camera.
+pub(crate) const CAMERA: &[&str] = &["position", "target", "up", "fov", "lens", "exposure"];
+/// Nodes in `render`.
+pub(crate) const RENDER: &[&str] = &["size", "samples", "bounces", "tonemap"];
+/// Nodes in `sun`.
+pub(crate) const SUN: &[&str] = &["direction", "irradiance", "angle"];
+/// Nodes in `point`.
+pub(crate) const POINT: &[&str] = &["at", "intensity"];
+/// Nodes in every shape and operator.
+pub(crate) const PLACEMENT: &[&str] = &["at", "rotate", "scale"];
+/// Node in shapes that face somewhere.
+pub(crate) const NORMAL: &str = "normal";
+
+/// Words of SCENE.md that this version may not have yet. What the registries know is had, whatever stands here.
+const LANGUAGE: &[&str] = &[
+    "cylinder",
+    "cone",
+    "capsule",
+    "ellipsoid",
+    "hexprism",
+    "pyramid",
+    "octahedron",
+    "disc",
+    "rect",
+    "rounded-box",
+    "link",
+    "shell",
+    "round",
+    "elongate",
+    "repeat",
+    "polar",
+    "mirror",
+    "twist",
+    "bend",
+    "displace",
+    "mandelbulb",
+    "mandelbox",
+    "julia",
+    "menger",
+    "sierpinski",
+    "apollonian",
+    "kleinian",
+    "field",
+    "metal",
+    "glass",
+    "principled",
+    "roughness",
+    "edge",
+    "ior",
+    "absorb",
+    "metallic",
+    "coat",
+    "transmission",
+    "orbit-trap",
+];
+
+/// Names of all shapes and operators.
+pub(crate) fn solids() -> impl Iterator<Item = &'static str> {
+    let shapes = registry::shapes().iter().map(|shape| shape.info().name);
+    shapes.chain(registry::operators().iter().map(|operator| operator.info().name))
+}
+
+/// Whether it is a word of the language that this version does not have.
+pub(crate) fn is_not_yet(name: &str) -> bool {
+    let had = solids().any(|solid| solid == name)
+        || materials::kinds().iter().any(|kind| kind.name == name || kind.params.iter().any(|p| p.name == name));
+    LANGUAGE.contains(&name) && !had
+}
+
+/// The nearest of `known` to a misspelt name: one edit for every three letters, at least one; a swap is one edit.
+pub(crate) fn nearest<'k>(name: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
+    if name.chars().nth(40).is_some() {
+        return None;
+    }
+    let lower = name.to_lowercase();
+    let allowed = (name.chars().count() / 3).max(1);
+    known
+        .into_iter()
+        .map(|word| (strsim::damerau_levenshtein(&lower, &word.to_lowercase()), word))
+        .filter(|(edits, word)| *edits <= allowed && *edits < word.chars().count())
+        .min_by_key(|(edits, _)| *edits)
+        .map(|(_, word)| word)
+}
+
+/// "a", "a and b", "a, b and c", each in backquotes.
+pub(crate) fn listed<'k>(names: impl IntoIterator<Item = &'k str>, joint: &str) -> String {
+    let names: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    match names.split_last() {
+        None => "nothing".to_owned(),
+        Some((only, [])) => only.clone(),
+        Some((last, others)) => format!("{} {joint} {last}", others.join(", ")),
+    }
+}
+
+/// "Did you mean `…`?", or which names there are.
+pub(crate) fn suggestion(name: &str, known: &[&str]) -> String {
+    match nearest(name, known.iter().copied()) {
+        Some(word) => format!("Did you mean `{word}`?"),
+        None if known.is_empty() => "Nothing stands here.".to_owned(),
+        None => format!("Expected {}.", listed(known.iter().copied(), "or")),
+    }
+}
+
+/// Where a word of this version belongs.
+fn home(name: &str) -> Option<String> {
+    let setting =
+        |words: &[&str], node: &str| words.contains(&name).then(|| format!("It stands in the braces of `{node}`."));
+    if TOP.contains(&name) {
+        return Some("It stands by itself, outside all braces.".to_owned());
+    }
+    if solids().any(|solid| solid == name) {
+        return Some(format!("Shapes and operators stand in an object: object \"name\" {{ {name} … }}."));
+    }
+    if PLACEMENT.contains(&name) || name == NORMAL {
+        return Some("It stands in the braces of the shape or operator that it places.".to_owned());
+    }
+    if materials::kind(name).is_some() {
+        return Some("It stands in the braces of a `material`.".to_owned());
+    }
+    setting(CAMERA, "camera")
+        .or_else(|| setting(RENDER, "render"))
+        .or_else(|| setting(SUN, "sun"))
+        .or_else(|| setting(POINT, "point"))
+}
+
+/// Reports a node that does not belong where it stands: misspelt, misplaced, or not in this version. `place` is as in
+/// "in a camera".
+pub(crate) fn unexpected_node(name: &Text, known: &[&str], place: &str, report: &mut Report) {
+    if report.is_full() {
+        // Looking for the nearest name is the one costly thing here; nobody will see it.
+        return report.count();
+    }
+    report.add(if is_not_yet(&name.value) {
+        not_supported(name)
+    } else if let Some(home) = home(&name.value) {
+        let message = format!("`{}` cannot stand {place}.", name.value);
+        draft("pathmarch::misplaced_node", name.span, message).label("not here").help(home)
+    } else {
+        draft("pathmarch::unknown_node", name.span, format!("There is no {} {place}.", shown(&name.value)))
+            .label("unknown name")
+            .help(suggestion(&name.value, known))
+    });
+}
+
+/// A word of the language that this version does not have.
+pub(crate) fn not_supported(name: &Text) -> Draft {
+    draft("pathmarch::not_supported", name.span, format!("This version of pathmarch has no `{}` yet.", name.value))
+        .label("not supported yet")
+        .help("The name is right: it belongs to the scene language, and a later version will have it.")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{is_not_yet, listed, nearest, solids};
+
+    #[test]
+    fn nearest_names() {
+        for (misspelt, right) in [
+            ("spere", Some("sphere")),
+            ("shpere", Some("sphere")),
+            ("Sphere", Some("sphere")),
+            ("BOX", Some("box")),
+            ("bx", Some("box")),
+            ("tours", Some("torus")),
+            ("substract", Some("subtract")),
+            ("intersection", Some("intersect")),
+            ("unoin", Some("union")),
+            ("x", None),
+            ("teapot", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest(misspelt, solids()), right, "{misspelt}");
+        }
+        assert_eq!(nearest(&"a".repeat(1000), ["a"]), None);
+    }
+
+    /// One edit away from a name, it is the nearest; unless it is another name or as near to one.
+    #[test]
+    fn every_name_is_found() {
+        for name in solids() {
+            let doubled = format!("{}{name}", &name[..1]);
+            assert_eq!(nearest(&doubled, solids()), Some(name));
+        }
+    }
+
+    #[test]
+    fn had_names_are_not_missing() {
+        assert!(is_not_yet("mandelbulb") || solids().any(|name| name == "mandelbulb"));
+        assert!(!is_not_yet("sphere") && !is_not_yet("teapot") && !is_not_yet("diffuse"));
+    }
+
+    #[test]
+    fn lists() {
+        assert_eq!(listed(["a", "b", "c"], "or"), "`a`, `b` or `c`");
+        assert_eq!(listed(["a"], "or"), "`a`");
+    }
+}

@@ -1,0 +1,308 @@
+//! Objects, shapes and operators.
+//!
+//! Names, parameters and ranges come from [`pathmarch_field::registry`]; nothing here knows a shape.
+
+use super::arguments::{
+    Range, arguments, direction, in_range, missing_arguments, name, numbers, out_of_range, properties, string, twice,
+};
+use super::names::{NORMAL, PLACEMENT, nearest, solids, unexpected_node};
+use super::report::{Report, draft, shown};
+use super::surfaces::Materials;
+use super::tree::{Entry, Node, Span};
+use crate::materials::Material;
+use crate::scene::Object;
+use pathmarch_field::graph::Kind;
+use pathmarch_field::{Combine, Node as FieldNode, Param, Placement, Shape, Unit, registry};
+
+/// More shapes are refused.
+pub(crate) const MAX_SHAPES: usize = 100_000;
+
+/// Turns object nodes into objects.
+pub(crate) struct Solids<'m> {
+    pub(crate) materials: &'m mut Materials,
+    /// Names of the objects so far, and where.
+    pub(crate) names: std::collections::HashMap<String, Span>,
+    shapes: usize,
+    default: Option<u32>,
+}
+
+impl<'m> Solids<'m> {
+    pub(crate) fn new(materials: &'m mut Materials) -> Self {
+        Self { materials, names: Default::default(), shapes: 0, default: None }
+    }
+
+    /// The index of the default material, which is added at the first call.
+    fn default_material(&mut self) -> u32 {
+        *self.default.get_or_insert_with(|| {
+            self.materials.list.push(Material::default_white());
+            self.materials.list.len() as u32 - 1
+        })
+    }
+
+    /// The material of this entry; 0 after a mistake.
+    fn material(&mut self, entry: &Entry, report: &mut Report) -> u32 {
+        let Some(name) = string(entry, "`material`", report) else { return 0 };
+        if let Some(&index) = self.materials.index.get(name) {
+            return index;
+        }
+        let help = match nearest(name, self.materials.index.keys().map(String::as_str)) {
+            Some(word) => format!("Did you mean `{word}`?"),
+            None => format!("Declare it: material \"{}\" {{ diffuse 0.8 }}.", shown(name).trim_matches('`')),
+        };
+        let message = format!("There is no material {}.", shown(name));
+        report
+            .add(draft("pathmarch::unknown_material", entry.value_span, message).label("unknown material").help(help));
+        0
+    }
+
+    /// An object, where it could be made of something.
+    pub(crate) fn object(&mut self, node: &Node, report: &mut Report) -> Option<Object> {
+        let usage = "`object \"name\" { … }`";
+        if !node.entries.iter().any(|entry| entry.name.is_none()) {
+            missing_arguments(node, usage, report);
+        }
+        let given = name(node, usage, report);
+        if let Some((name, span)) = given {
+            match self.names.get(name) {
+                Some(&first) => twice(&format!("The object {}", shown(name)), span, first, report),
+                None => drop(self.names.insert(name.to_owned(), span)),
+            }
+        }
+        let material = properties(node, &["material"], report).first().map(|(_, entry)| self.material(entry, report));
+        let mut children = Vec::new();
+        for child in node.child_nodes() {
+            if PLACEMENT.contains(&&*child.name.value) {
+                let message = format!("An object has no `{}` of its own.", child.name.value);
+                let mistake = draft("pathmarch::misplaced_node", child.name.span, message).label("not here");
+                report.add(
+                    mistake.help("Put it in the braces of the shape, or put the shapes into a `union { … }` with it."),
+                );
+            } else {
+                children.extend(self.solid(child, material, ("in an object", &[]), report));
+            }
+        }
+        if node.child_nodes().is_empty() && !node.broken() {
+            let mistake = draft("pathmarch::no_shapes", node.name.span, "This object has no shape.");
+            report.add(
+                mistake.label("expected a shape in its braces").help("For example: object \"ball\" { sphere 1 }."),
+            );
+        }
+        let root = if children.len() > 1 { combined("union", None, children)? } else { children.pop()? };
+        let material = material.unwrap_or_else(|| first_tag(&root)) as usize;
+        Some(Object { name: given?.0.to_owned(), material, root })
+    }
+
+    /// A shape or an operator; `place` says where it stands, `others` what else may stand there.
+    fn solid(
+        &mut self,
+        node: &Node,
+        material: Option<u32>,
+        (place, others): (&str, &[&'static str]),
+        report: &mut Report,
+    ) -> Option<FieldNode> {
+        if let Some(shape) = registry::shape(&node.name.value) {
+            self.shapes += 1;
+            if self.shapes == MAX_SHAPES + 1 {
+                let message = format!("The scene has more than {MAX_SHAPES} shapes.");
+                report.add(draft("pathmarch::too_large", node.name.span, message).label("one too many"));
+            }
+            return (self.shapes <= MAX_SHAPES).then(|| self.shape(shape, node, material, report));
+        }
+        if let Some(operator) = registry::operator(&node.name.value) {
+            return self.operator(operator, node, material, report);
+        }
+        let known: Vec<&str> = solids().chain(others.iter().copied()).collect();
+        unexpected_node(&node.name, &known, place, report);
+        None
+    }
+
+    fn shape(
+        &mut self,
+        shape: &'static dyn Shape,
+        node: &Node,
+        material: Option<u32>,
+        report: &mut Report,
+    ) -> FieldNode {
+        let info = shape.info();
+        let mut known: Vec<&str> = shape.params().iter().map(|param| param.name).collect();
+        known.push("material");
+        let mut named = properties(node, &known, report);
+        let own = named.iter().position(|(name, _)| *name == "material").map(|at| named.swap_remove(at).1);
+        let tag = match (own, material) {
+            (Some(entry), _) => self.material(entry, report),
+            (None, Some(material)) => material,
+            (None, None) => self.default_material(),
+        };
+        let params = params(shape, node, &named, report);
+        let mut placement = Placements::default();
+        for child in node.child_nodes() {
+            if placement.take(child, info.facing, report) {
+                continue;
+            }
+            let word = &child.name.value;
+            if solids().any(|solid| solid == word) {
+                let message = format!("`{}` is a shape and holds no others.", info.name);
+                let mistake =
+                    draft("pathmarch::unexpected_children", child.name.span, message).label("unexpected shape");
+                report.add(mistake.help("Operators hold shapes: `union`, `subtract` or `intersect`."));
+            } else if word == NORMAL {
+                let message = format!("`{}` faces nowhere and has no `{NORMAL}`.", info.name);
+                let mistake = draft("pathmarch::misplaced_node", child.name.span, message).label("not here");
+                report.add(mistake.help("Turn it with `rotate x y z`."));
+            } else {
+                let facing = info.facing.then_some(NORMAL);
+                let known: Vec<&str> = PLACEMENT.iter().copied().chain(facing).collect();
+                unexpected_node(&child.name, &known, &format!("in a `{}`", info.name), report);
+            }
+        }
+        FieldNode { kind: Kind::Shape { shape, params, tag }, placement: placement.value }
+    }
+
+    fn operator(
+        &mut self,
+        operator: &'static dyn Combine,
+        node: &Node,
+        material: Option<u32>,
+        report: &mut Report,
+    ) -> Option<FieldNode> {
+        let name = operator.info().name;
+        let (mut smooth, mut material) = (None, material);
+        for (word, entry) in properties(node, &["smooth", "material"], report) {
+            if word == "smooth" {
+                smooth = in_range(entry, "`smooth`", Range::NOT_NEGATIVE, report);
+            } else {
+                material = Some(self.material(entry, report));
+            }
+        }
+        arguments(node, 0, &format!("`{name} smooth=0.1 {{ … }}`"), report);
+        let mut placement = Placements::default();
+        let mut children = Vec::new();
+        let mut written = 0;
+        let place = format!("in a `{name}`");
+        for child in node.child_nodes() {
+            if !placement.take(child, false, report) {
+                written += 1;
+                children.extend(self.solid(child, material, (&place, PLACEMENT), report));
+            }
+        }
+        if written == 0 && !node.broken() {
+            let message = format!("`{name}` of nothing.");
+            let mistake = draft("pathmarch::too_few_shapes", node.name.span, message);
+            report.add(mistake.label("expected shapes in its braces"));
+        } else if written == 1 && name == "subtract" && !node.broken() {
+            let mistake = draft("pathmarch::too_few_shapes", node.name.span, "`subtract` of a single shape.");
+            let help = "It needs at least two: the first is kept, without what the others hold.";
+            report.add(mistake.label("expected another shape in its braces").help(help));
+        }
+        let kind = Kind::Combine { operator, smooth: smooth.filter(|width| *width > 0.0), children };
+        Some(FieldNode { kind, placement: placement.value })
+    }
+}
+
+/// The nodes under one of the registry's operators.
+fn combined(operator: &str, smooth: Option<f32>, children: Vec<FieldNode>) -> Option<FieldNode> {
+    let operator = registry::operator(operator)?;
+    Some(FieldNode { kind: Kind::Combine { operator, smooth, children }, placement: Placement::default() })
+}
+
+/// The material of the first shape.
+fn first_tag(node: &FieldNode) -> u32 {
+    match &node.kind {
+        Kind::Shape { tag, .. } => *tag,
+        Kind::Combine { children, .. } => children.first().map_or(0, first_tag),
+    }
+}
+
+/// The numbers of a shape: arguments in order, or by name; one size for several where the shape allows it.
+fn params(shape: &dyn Shape, node: &Node, named: &[(&str, &Entry)], report: &mut Report) -> Vec<f32> {
+    let all = shape.params();
+    let sizes = shape.info().size_params;
+    let entries = arguments(node, all.len(), &usage(shape), report);
+    let mut given: Vec<Option<&Entry>> = vec![None; all.len()];
+    let size_named = named.iter().any(|(name, _)| all[..sizes].iter().any(|param| param.name == *name));
+    let one_size = sizes > 1 && !size_named && (1..sizes).contains(&entries.len());
+    // One size stands for `sizes` parameters; the arguments after it are the parameters after those.
+    let slots = if one_size { sizes - 1..all.len() } else { 0..all.len() };
+    if one_size && entries.len() > slots.len() {
+        let span = entries[0].span.to(entries[entries.len() - 1].span);
+        let message = format!("`{}` has one size or {sizes}, not {}.", shape.info().name, entries.len());
+        let mistake = draft("pathmarch::missing_argument", span, message).label(format!("expected {}", usage(shape)));
+        report.add(mistake);
+        return all.iter().map(|param| param.default).collect();
+    }
+    for (slot, entry) in slots.zip(&entries) {
+        given[slot] = Some(entry);
+    }
+    for (name, entry) in named {
+        let Some(slot) = all.iter().position(|param| param.name == *name) else { continue };
+        match given[slot] {
+            Some(first) => twice(&format!("`{name}`"), entry.span, first.span, report),
+            None => given[slot] = Some(entry),
+        }
+    }
+    let mut values: Vec<f32> = all
+        .iter()
+        .zip(given)
+        .map(|(param, entry)| entry.and_then(|entry| number(param, entry, report)).unwrap_or(param.default))
+        .collect();
+    if one_size {
+        let size = values[sizes - 1];
+        values[..sizes].fill(size);
+    }
+    values
+}
+
+fn number(param: &Param, entry: &Entry, report: &mut Report) -> Option<f32> {
+    let what = format!("`{}`", param.name);
+    let value = in_range(entry, &what, Range::ANY, report)?;
+    let whole = param.unit != Unit::Count || value.fract() == 0.0;
+    if !param.accepts(value) || !whole {
+        out_of_range(entry.value_span, &what, &param.range_in_words(), report);
+        return None;
+    }
+    Some(value)
+}
+
+/// As in "`box x y z`".
+fn usage(shape: &dyn Shape) -> String {
+    let info = shape.info();
+    let names: Vec<&str> = std::iter::once(info.name).chain(shape.params().iter().map(|param| param.name)).collect();
+    match info.size_params {
+        0 | 1 => format!("`{}`", names.join(" ")),
+        sizes => {
+            let one: Vec<&str> = [info.name, "size"].into_iter().chain(names[1 + sizes..].iter().copied()).collect();
+            format!("`{}` or `{}`", names.join(" "), one.join(" "))
+        }
+    }
+}
+
+/// Gathers `at`, `rotate`, `scale` and `normal`.
+#[derive(Default)]
+struct Placements {
+    value: Placement,
+    seen: Vec<(String, Span)>,
+}
+
+impl Placements {
+    /// Takes the node if it is one of them.
+    fn take(&mut self, node: &Node, facing: bool, report: &mut Report) -> bool {
+        let word = &*node.name.value;
+        let placement = PLACEMENT.contains(&word) || facing && word == NORMAL;
+        if !placement {
+            return false;
+        }
+        if let Some((_, first)) = self.seen.iter().find(|(other, _)| other == word) {
+            twice(&format!("`{word}`"), node.name.span, *first, report);
+            return true;
+        }
+        self.seen.push((word.to_owned(), node.name.span));
+        let usage = format!("`{word} x y z`");
+        match word {
+            "at" => self.value.at = numbers(node, &usage, Range::ANY, report),
+            "rotate" => self.value.rotate = numbers(node, &usage, Range::ANY, report),
+            "scale" => self.value.scale = numbers(node, "`scale s`", Range::POSITIVE, report).map(|[scale]| scale),
+            _ => self.value.normal = direction(node, report),
+        }
+        true
+    }
+}

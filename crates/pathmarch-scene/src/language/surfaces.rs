@@ -1,0 +1,101 @@
+//! Materials.
+//!
+//! What a material may hold comes from [`crate::materials`]: the node that names its kind carries the first parameter,
+//! the nodes beside it the others.
+
+use super::arguments::{Range, Settings, arguments, colour, missing_arguments, name, numbers, properties, twice};
+use super::names::{is_not_yet, listed, not_supported, unexpected_node};
+use super::report::{Report, draft, shown};
+use super::tree::{Node, Span};
+use crate::materials::{self, Material, MaterialKind, MaterialParam, ParamKind};
+use std::collections::HashMap;
+
+/// The materials of a file and where each name was given.
+#[derive(Default)]
+pub(crate) struct Materials {
+    pub(crate) list: Vec<Material>,
+    pub(crate) index: HashMap<String, u32>,
+    spans: Vec<Span>,
+}
+
+impl Materials {
+    /// Adds the material that `node` describes: with defaults for what is wrong in it, so that its users find it.
+    pub(crate) fn add(&mut self, node: &Node, report: &mut Report) {
+        let usage = "`material \"name\" { … }`";
+        properties(node, &[], report);
+        if !node.entries.iter().any(|entry| entry.name.is_none()) {
+            missing_arguments(node, usage, report);
+        }
+        let given = name(node, usage, report);
+        let described = describe(node, report);
+        let Some((name, span)) = given else { return };
+        if let Some(&first) = self.index.get(name) {
+            twice(&format!("The material {}", shown(name)), span, self.spans[first as usize], report);
+            return;
+        }
+        let (kind, values) = described.unwrap_or_else(|| {
+            let white = Material::default_white();
+            (white.kind, white.values)
+        });
+        self.index.insert(name.to_owned(), self.list.len() as u32);
+        self.spans.push(span);
+        self.list.push(Material { name: name.to_owned(), kind, values });
+    }
+}
+
+fn describe(node: &Node, report: &mut Report) -> Option<(&'static MaterialKind, Vec<[f32; 3]>)> {
+    let children = node.child_nodes();
+    let mut kinds = children.iter().filter_map(|child| Some((child, materials::kind(&child.name.value)?)));
+    let Some((kind_node, kind)) = kinds.next() else {
+        // A kind of a later version brings parameters of its own: only the kind is worth a word.
+        if let Some(later) = children.iter().find(|child| is_not_yet(&child.name.value)) {
+            report.add(not_supported(&later.name));
+            return None;
+        }
+        let names: Vec<&str> = materials::kinds().iter().map(|kind| kind.name).collect();
+        for child in children {
+            unexpected_node(&child.name, &names, "in a material", report);
+        }
+        if children.is_empty() && !node.broken() {
+            let mistake = draft("pathmarch::missing_node", node.name.span, "This material is made of nothing.");
+            let label = format!("expected {} in its braces", listed(names, "or"));
+            report.add(mistake.label(label).help("For example: material \"white\" { diffuse 0.8 }."));
+        }
+        return None;
+    };
+    if let Some((second, _)) =
+        kinds.find(|(second, other)| other.name != kind.name && !std::ptr::eq(*second, kind_node))
+    {
+        let message = "A material is of one kind.";
+        let mistake = draft("pathmarch::duplicate", second.name.span, message).label("a second kind");
+        report.add(mistake.also(kind_node.name.span, "the first"));
+    }
+    let beside = kind.params.get(1..).unwrap_or_default().iter().map(|param| param.name);
+    let mut known: Vec<&str> = std::iter::once(kind.name).chain(beside).collect();
+    known.extend(materials::kinds().iter().map(|kind| kind.name).filter(|name| *name != kind.name));
+    let settings = Settings::new(node, &known, &format!("in a `{}` material", kind.name), report);
+    let values = kind.params.iter().enumerate().map(|(index, param)| {
+        let node = settings.get(if index == 0 { kind.name } else { param.name });
+        node.and_then(|node| value(node, param, report)).unwrap_or(param.default)
+    });
+    let values = values.collect();
+    if kind.params.is_empty() {
+        arguments(kind_node, 0, &format!("`{}`", kind.name), report);
+    }
+    Some((kind, values))
+}
+
+/// The value that a node gives a parameter; the default without arguments.
+fn value(node: &Node, param: &MaterialParam, report: &mut Report) -> Option<[f32; 3]> {
+    if node.entries.is_empty() && node.children.is_none() {
+        return None;
+    }
+    let range = Range::from_to(param.min, param.max);
+    match param.kind {
+        ParamKind::Colour => colour(node, range, report),
+        ParamKind::Number => {
+            let usage = format!("`{} {}`", node.name.value, param.default[0]);
+            numbers(node, &usage, range, report).map(|[value]| [value, 0.0, 0.0])
+        }
+    }
+}

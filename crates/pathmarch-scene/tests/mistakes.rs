@@ -1,0 +1,221 @@
+//! Every kind of mistake, as people see it. The reports are in `snapshots/`; review changes there word by word.
+
+use miette::{GraphicalReportHandler, GraphicalTheme};
+use pathmarch_scene::{Scene, SceneError};
+
+/// The report without colours, 100 columns wide.
+fn rendered(diagnostic: &dyn miette::Diagnostic) -> String {
+    let mut out = String::new();
+    let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor()).with_width(100);
+    handler.render_report(&mut out, diagnostic).expect("a string takes all text");
+    // miette leaves white space at line ends, which editors like to remove.
+    out.lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
+}
+
+fn error(text: &str) -> SceneError {
+    match Scene::parse("scene.kdl", text) {
+        Ok(_) => panic!("this is no mistake: {text}"),
+        Err(error) => error,
+    }
+}
+
+const HEAD: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky 1\n";
+
+fn snapshot(name: &str, diagnostic: &dyn miette::Diagnostic) {
+    insta::with_settings!({ omit_expression => true, prepend_module_to_snapshot => false }, {
+        insta::assert_snapshot!(name, rendered(diagnostic));
+    });
+}
+
+/// A snapshot of the report on a whole file, named like the test.
+macro_rules! file {
+    ($name:ident, $text:expr) => {
+        #[test]
+        fn $name() {
+            snapshot(stringify!($name), &error($text));
+        }
+    };
+}
+
+/// The same for a file that starts with a version, a camera and a sky.
+macro_rules! body {
+    ($name:ident, $text:expr) => {
+        file!($name, &format!("{HEAD}{}", $text));
+    };
+}
+
+file!(empty_file, "");
+file!(no_version, "camera { position 0 1 5; target 0 1 0 }");
+file!(version_not_first, "camera { position 0 1 5; target 0 1 0 }\npathmarch 1");
+file!(version_newer, "pathmarch 2\nhologram 1 2 3");
+file!(version_wrong, "pathmarch \"1\"\npathmarch 1\ncamera { position 0 1 5; target 0 1 0 }");
+file!(version_fraction, "pathmarch 1.5\ncamera { position 0 1 5; target 0 1 0 }");
+file!(no_camera, "pathmarch 1\nsky 1");
+
+body!(
+    unknown_nodes,
+    "objekt \"a\" { sphere }
+object \"b\" { spher 1; sphere { att 0 1 0 }; plane { nromal 0 1 0 }; union { Box 1; tours; zzzzzz } }
+material \"c\" { difuse 0.5 }
+render { smaples 4 }
+zzzzzz 1"
+);
+body!(
+    misplaced_nodes,
+    "sphere 1
+at 0 1 0
+fov 40
+diffuse 1
+object \"a\" { camera; at 0 1 0; sphere { normal 0 1 0; sphere } }
+object \"b\" { union { diffuse 0.8; sphere } }"
+);
+body!(
+    not_supported,
+    "material \"gold\" { metal 1.0 0.78 0.34; roughness 0.2 }
+object \"a\" material=\"gold\" { mandelbulb power=8; shell 0.1 { sphere } }
+field \"gyroid\" { param cell 4 }"
+);
+file!(sky_file, "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky \"studio.hdr\" strength=1 rotate=90");
+file!(sky_strength, "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky 1 strength=2");
+body!(
+    unknown_properties,
+    "object \"a\" materail=\"x\" { sphere raduis=1; sphere 1 { at x=1 0 0 0 }; union smoth=1 { sphere } }
+render quality=3"
+);
+body!(
+    unused_arguments,
+    "object \"a\" \"b\" { sphere 1 2; plane 3 4; union 0.1 { sphere { at 1 2 3 4 } } }
+render 5 { samples 1 2 }"
+);
+body!(
+    missing_arguments,
+    "object { sphere { at 1 2; scale } }
+material { diffuse 1 2 }
+object \"b\" { box 1 2 }
+render { size 640; tonemap }"
+);
+body!(
+    wrong_types,
+    "object 1 material=2 { sphere \"1\"; sphere #true; box x=red; sphere { at a b c } }
+render { samples many; tonemap 3 }"
+);
+body!(not_finite, "object \"a\" { sphere #inf; sphere radius=#nan; sphere { at 0 #-inf 1e300 } }");
+body!(
+    out_of_range,
+    "object \"a\" { sphere -1; box 1 0 2; sphere { scale 0 }; union smooth=-0.1 { sphere } }
+material \"b\" { diffuse 1.5 0 -0.1 }
+material \"c\" { emit -1 }
+render { size 0 20000; samples 1.5; bounces -1 }
+camera \"d\" { position 0 0 0; target 0 0 1; fov 180; lens radius=-1 focus=0 }
+sun { direction 0 1 0; irradiance -1; angle 181 }"
+);
+body!(
+    given_twice,
+    "object \"a\" material=\"b\" material=\"b\" { sphere 1 radius=2; sphere { at 0 0 0; at 1 1 1 } }
+object \"a\" { sphere }
+material \"b\" { diffuse 1 }
+material \"b\" { diffuse 0.5; diffuse 1 }
+material \"c\" { diffuse 1; emit 1 }
+camera \"main\" { position 0 0 0; target 1 0 0; fov 40; fov 50 }
+sky 2"
+);
+body!(
+    unknown_material,
+    "material \"white\" { diffuse 0.8 }
+object \"a\" material=\"whit\" { sphere material=\"gold\" }"
+);
+body!(
+    too_few_shapes,
+    "object \"a\" { subtract { }; subtract { sphere }; union; intersect { at 0 1 0 } }
+object \"b\"
+object \"c\" { }"
+);
+body!(
+    unexpected_children,
+    "object \"a\" { sphere { at 0 1 0 { x 1 }; box 1 } }
+render { samples 4 { max 5 } }"
+);
+body!(annotations, "object (name)\"a\" { (solid)sphere (f32)1 { at 1 (u)2 3 } }");
+body!(
+    directions,
+    "camera \"a\" { position 0 0 0; target 0 0 0 }
+camera \"b\" { position 0 5 0; target 0 0 0 }
+camera \"c\" { position 0 5 1; target 0 0 0; up 0 0 0 }
+sun { direction 0 0 0; irradiance 1 }
+object \"d\" { plane { normal 0 0 0 } }"
+);
+body!(
+    colours,
+    "material \"a\" { diffuse \"#ggg\" }\nmaterial \"b\" { diffuse \"red\" }\nmaterial \"c\" { emit \"#12345\" }"
+);
+body!(unknown_tonemap, "render { tonemap \"agz\" }\n");
+body!(missing_nodes, "camera \"a\" { fov 30 }\nsun { }\npoint { at 0 1 0 }\nmaterial \"b\" { }\nmaterial \"c\"");
+body!(empty_names, "camera \"\" { position 0 0 0; target 0 0 1 }\nobject \"\" { sphere }\nmaterial \"\" { diffuse 1 }");
+file!(
+    syntax,
+    "pathmarch 1
+camera { position 0, 1, 5; target 0 .5 1. }
+object \"a { sphere }
+object \"b\" { sphere 1x; sphere radius=; sphere [2]; true 1 }
+object \"c\" { sphere 1 } material \"d\" { diffuse #ff0000 }
+{ sphere }
+}
+object \"e\" { sphere \"\\q\"; spher 1; /- }
+object \"f\" { sphere"
+);
+file!(syntax_open_comment, "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\n/* sphere");
+file!(hidden_characters, "pathmarch 1\ncamera { position 0 1\u{200e} 5; target 0 1 0 }\u{0}");
+body!(wide_characters, "object \"日本\" material=\"ünï\" { spheré 1 }");
+
+#[test]
+fn nested_too_deep() {
+    let text = format!("{HEAD}object \"a\" {{ {}sphere{} }}", "union { ".repeat(64), " }".repeat(64));
+    let error = error(&text);
+    assert_eq!(error.mistakes().len(), 1);
+    assert_eq!(error.mistakes()[0].code, "pathmarch::nesting");
+    let fits = format!("{HEAD}object \"a\" {{ {}sphere{} }}", "union { ".repeat(63), " }".repeat(63));
+    assert!(Scene::parse("scene.kdl", &fits).is_ok());
+}
+
+#[test]
+fn too_many_shapes() {
+    let text = |count: usize| format!("{HEAD}object \"a\" {{\n{}}}", "sphere\n".repeat(count));
+    assert!(Scene::parse("scene.kdl", &text(100_000)).is_ok());
+    let error = error(&text(100_002));
+    assert_eq!(error.mistakes().len(), 1);
+    assert!(rendered(&error).contains("The scene has more than 100000 shapes."));
+}
+
+#[test]
+fn too_many_mistakes() {
+    let error = error(&format!("{HEAD}{}", "sphere 1\n".repeat(5000)));
+    assert_eq!(error.to_string(), "scene.kdl has 5000 mistakes, of which 100 are shown");
+    assert_eq!(error.mistakes().len(), 100);
+}
+
+#[test]
+fn unreadable() {
+    let folder = std::env::temp_dir().join(format!("pathmarch-scene-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("the folder for temporary files is writable");
+    let reason = |path: &std::path::Path| match Scene::load(path) {
+        Err(SceneError::Unreadable { reason, .. }) => reason,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(reason(&folder.join("missing.kdl")), "there is no such file");
+    assert_eq!(reason(&folder), "it is a directory");
+    let file = folder.join("scene.kdl");
+    std::fs::write(&file, b"pathmarch 1\nsky \xff").expect("the folder is writable");
+    assert_eq!(reason(&file), "it is not UTF-8 text (line 2, byte 16)");
+    std::fs::write(&file, vec![b' '; (16 << 20) + 1]).expect("the folder is writable");
+    assert_eq!(reason(&file), "it is larger than 16 MiB");
+    std::fs::write(&file, "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }").expect("the folder is writable");
+    assert_eq!(Scene::load(&file).expect("this file is right").cameras.len(), 1);
+    std::fs::remove_dir_all(&folder).expect("the folder is ours");
+}
+
+#[test]
+fn warnings() {
+    let text = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nobject \"a\" { sphere }";
+    let scene = Scene::parse("scene.kdl", text).expect("only a warning");
+    snapshot("warnings", &scene.warnings[0]);
+}

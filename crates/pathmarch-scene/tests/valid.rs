@@ -1,0 +1,207 @@
+//! Files that are right, and what becomes of them.
+
+use pathmarch_field::graph::Kind;
+use pathmarch_scene::{Light, Scene, Tonemap};
+
+const HEAD: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky 1\n";
+
+fn parse(text: &str) -> Scene {
+    match Scene::parse("test.kdl", text) {
+        Ok(scene) => scene,
+        Err(error) => panic!("{:?}", miette::Report::new(error)),
+    }
+}
+
+/// The scene of `body` after a version, a camera and a sky.
+fn body(text: &str) -> Scene {
+    parse(&format!("{HEAD}{text}"))
+}
+
+/// The numbers of the only shape.
+fn params(shape: &str) -> Vec<f32> {
+    let scene = body(&format!("object \"o\" {{ {shape} }}"));
+    scene.field.leaves()[0].params.clone()
+}
+
+#[test]
+fn reference_scenes() {
+    let scene = parse(include_str!("data/diffuse_sphere_plane.kdl"));
+    assert!(scene.warnings.is_empty());
+    assert_eq!(scene.render.size, (320, 180));
+    assert_eq!((scene.render.bounces, scene.render.samples), (4, 256));
+    assert_eq!(scene.render.tonemap, Tonemap::Agx);
+    assert_eq!(scene.sky, [0.3, 0.375, 0.5]);
+    assert_eq!(scene.lights, [Light::Point { at: [4.0, 6.0, 4.0], intensity: [120.0; 3] }]);
+    assert_eq!(scene.cameras.len(), 1);
+    let camera = &scene.cameras[0];
+    assert_eq!((camera.name.as_str(), camera.position, camera.fov), ("main", [0.0, 4.0, 7.0], 35.0));
+    assert_eq!(scene.objects.len(), 2);
+    assert_eq!(scene.objects[1].name, "ball");
+    assert_eq!(scene.materials[scene.objects[1].material].name, "white");
+    assert_eq!(scene.field.leaves()[1].tag, 0);
+    assert_eq!(scene.field.leaves()[0].tag, 1);
+    assert_eq!(scene.field.distance(pathmarch_field::number::Vec3::new(0.0, 3.0, 0.0)), 1.0);
+
+    let area = parse(include_str!("data/diffuse_sphere_plane_area.kdl"));
+    assert_eq!(area.materials[2].emission(), [106.103; 3]);
+    assert_eq!(area.materials[2].albedo(), [0.0; 3]);
+    assert_eq!(area.materials[0].emission(), [0.0; 3]);
+    assert!(area.warnings.is_empty());
+    parse(include_str!("data/furnace_050.kdl"));
+    let cornell = parse(include_str!("data/cornell.kdl"));
+    assert_eq!(cornell.objects.len(), 8);
+    assert!(cornell.warnings.is_empty());
+}
+
+#[test]
+fn scene_defaults() {
+    let scene = parse("pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }");
+    assert_eq!((scene.render.size, scene.render.samples, scene.render.bounces), ((1280, 720), 256, 4));
+    assert_eq!(scene.sky, [0.0; 3]);
+    let camera = &scene.cameras[0];
+    assert_eq!(camera.name, "main");
+    assert_eq!((camera.up, camera.fov, camera.exposure), ([0.0, 1.0, 0.0], 40.0, 0.0));
+    assert_eq!((camera.lens_radius, camera.focus), (0.0, None));
+    let codes: Vec<_> = scene.warnings.iter().map(|warning| warning.code).collect();
+    assert_eq!(codes, ["pathmarch::no_objects", "pathmarch::no_light"]);
+}
+
+#[test]
+fn settings() {
+    let scene = parse(
+        "pathmarch 1
+        camera wide { position 0 6 0; target 0 1 0; up 0 0 -3; fov 90; lens radius=0.1 focus=6; exposure -1.5 }
+        camera \"two words\" { position 1 2 3; target 0 0 0 }
+        render { size 64 32; samples 1; bounces 0; tonemap srgb }
+        sky \"#fff\"
+        sun { direction 0 2 0; irradiance 3; angle 0 }
+        sun { direction 1 0 0; irradiance \"#000080\" }",
+    );
+    let wide = &scene.cameras[0];
+    assert_eq!((wide.up, wide.fov, wide.exposure), ([0.0, 0.0, -1.0], 90.0, -1.5));
+    assert_eq!((wide.lens_radius, wide.focus), (0.1, Some(6.0)));
+    assert_eq!(scene.cameras[1].name, "two words");
+    assert_eq!((scene.render.size, scene.render.samples, scene.render.bounces), ((64, 32), 1, 0));
+    assert_eq!(scene.render.tonemap, Tonemap::Srgb);
+    assert_eq!(scene.sky, [1.0; 3]);
+    assert_eq!(scene.lights[0], Light::Sun { direction: [0.0, 1.0, 0.0], irradiance: [3.0; 3], angle: 0.0 });
+    let Light::Sun { irradiance, angle, .. } = scene.lights[1] else { panic!("not a sun") };
+    assert_eq!(angle, 0.53);
+    assert!((irradiance[2] - 0.215_860_5).abs() < 1e-6 && irradiance[0] == 0.0);
+}
+
+#[test]
+fn shape_arguments() {
+    assert_eq!(params("box 1 2 3"), [1.0, 2.0, 3.0]);
+    assert_eq!(params("box 2"), [2.0; 3]);
+    assert_eq!(params("box"), [1.0; 3]);
+    assert_eq!(params("box z=4"), [1.0, 1.0, 4.0]);
+    assert_eq!(params("box 2 3 z=4"), [2.0, 3.0, 4.0]);
+    assert_eq!(params("torus 2"), [2.0, 0.25]);
+    assert_eq!(params("torus minor=0.5 major=3"), [3.0, 0.5]);
+    assert_eq!(params("torus 2 minor=0.5"), [2.0, 0.5]);
+}
+
+/// One size for several parameters, over every shape that takes one.
+#[test]
+fn one_size() {
+    for shape in pathmarch_field::registry::shapes() {
+        let (info, all) = (shape.info(), shape.params());
+        let sizes = info.size_params;
+        if sizes < 2 {
+            continue;
+        }
+        let values = params(&format!("{} 1.5", info.name));
+        assert!(values[..sizes].iter().all(|&v| v == 1.5), "{}: {values:?}", info.name);
+        if all.len() > sizes && sizes > 2 {
+            let values = params(&format!("{} 1.5 0.25", info.name));
+            assert!(values[..sizes].iter().all(|&v| v == 1.5), "{}: {values:?}", info.name);
+            assert_eq!(values[sizes], 0.25, "{}", info.name);
+        }
+    }
+}
+
+/// Every shape with every parameter by name, at its default.
+#[test]
+fn every_shape() {
+    for shape in pathmarch_field::registry::shapes() {
+        let mut text = shape.info().name.to_owned();
+        for param in shape.params() {
+            text += &format!(" {}={}", param.name, param.default);
+        }
+        let defaults: Vec<f32> = shape.params().iter().map(|param| param.default).collect();
+        assert_eq!(params(&text), defaults, "{text}");
+        assert_eq!(params(shape.info().name), defaults, "{text}");
+    }
+}
+
+#[test]
+fn materials_and_tags() {
+    let scene = body(
+        "object \"a\" material=\"red\" {
+            subtract smooth=0.05 material=\"green\" {
+                at 0 1 0
+                box 2 { at 0 0.5 0; rotate 0 45 0 }
+                sphere 0.7 material=\"red\" { scale 2 }
+                union { sphere; sphere }
+            }
+            sphere
+        }
+        object \"b\" { sphere; sphere material=\"red\" }
+        object \"c\" { sphere material=\"green\" }
+        material \"red\" { diffuse 1 0 0 }
+        material green { diffuse \"#0f0\" }",
+    );
+    let tags: Vec<_> = scene.field.leaves().iter().map(|leaf| leaf.tag).collect();
+    assert_eq!(tags, [1, 0, 1, 1, 0, 2, 0, 1]);
+    let names: Vec<_> = scene.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["red", "green", "default"]);
+    assert_eq!(scene.materials[2].albedo(), [0.8; 3]);
+    assert_eq!(scene.materials[1].albedo(), [0.0, 1.0, 0.0]);
+    let own: Vec<_> = scene.objects.iter().map(|object| object.material).collect();
+    assert_eq!(own, [0, 2, 1]);
+    let Kind::Combine { operator, smooth: None, children } = &scene.objects[0].root.kind else { panic!("no union") };
+    assert_eq!((operator.info().name, children.len()), ("union", 2));
+    let Kind::Combine { operator, smooth: Some(width), children } = &children[0].kind else { panic!("not smooth") };
+    assert_eq!((operator.info().name, *width, children.len()), ("subtract", 0.05, 3));
+}
+
+#[test]
+fn placement() {
+    let scene = body("object \"o\" { plane { normal 0 1 1; at 1 2 3; scale 2; rotate 10 20 30 } }");
+    let placement = scene.objects[0].root.placement;
+    let half = 0.5_f32.sqrt();
+    assert_eq!(placement.normal, Some([0.0, half, half]));
+    assert_eq!((placement.at, placement.scale), (Some([1.0, 2.0, 3.0]), Some(2.0)));
+    assert_eq!(placement.rotate, Some([10.0, 20.0, 30.0]));
+}
+
+#[test]
+fn zero_blend_is_sharp() {
+    let scene = body("object \"o\" { union smooth=0 { sphere; box } }");
+    assert!(matches!(scene.objects[0].root.kind, Kind::Combine { smooth: None, .. }));
+}
+
+#[test]
+fn comments_and_strings() {
+    let scene = body(
+        "/- object \"gone\" { nonsense { /- a } }
+        object #\"raw \"name\"\"# /-material=\"none\" { /* a /* b */ c */ sphere \\
+            2 /-{ nothing } { at 1 /-2 3 \\ // joined
+               4 } }
+        object \"a\\tb\\u{e9}\" { sphere 0x2; /-sphere }",
+    );
+    assert_eq!(scene.objects[0].name, "raw \"name\"");
+    assert_eq!(scene.objects[1].name, "a\tb\u{e9}");
+    assert_eq!(scene.objects[0].root.placement.at, Some([1.0, 3.0, 4.0]));
+    assert_eq!(scene.field.leaves()[1].params, [2.0]);
+}
+
+#[test]
+fn endless_light_warns() {
+    let scene = body("material \"lamp\" { emit 1 }\nobject \"o\" material=\"lamp\" { plane }");
+    assert_eq!(scene.warnings.len(), 1);
+    assert_eq!(scene.warnings[0].code, "pathmarch::endless_light");
+    let cut = body("material \"lamp\" { emit 1 }\nobject \"o\" material=\"lamp\" { intersect { plane; box } }");
+    assert!(cut.warnings.is_empty());
+}
