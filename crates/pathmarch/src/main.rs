@@ -36,11 +36,21 @@ enum Command {
     Bench(bench::Arguments),
 }
 
+/// Mesa's device-select layer complains on standard error where there is no desktop session; nothing is lost without it
+/// there, since it asks the desktop which GPU to prefer.
+fn quiet_drivers() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: this is the start of `main`; no other thread runs.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}
+
 fn main() -> ExitCode {
     if let Err(missing) = exit::processor_has_what_we_were_built_for() {
         eprintln!("pathmarch: {missing}");
         return ExitCode::from(exit::FAILED);
     }
+    quiet_drivers();
     let result = match Arguments::parse().command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),

@@ -26,13 +26,13 @@ pub(crate) struct LightRecord {
     padding: [u32; 2],
 }
 
-/// The radiance of the sun's disc and its extent, for camera rays that see it.
+/// Light that arrives at a point if nothing is in its way.
 pub(crate) struct LightSample {
     /// Unit vector towards the light.
     pub(crate) direction: Vec3,
     /// Metres to it; infinite for the sun.
     pub(crate) distance: f32,
-    /// Irradiance on a surface facing it, divided by the probability of this sample.
+    /// Irradiance on a surface facing this direction, divided by the probability of the sample.
     pub(crate) irradiance: Vec3,
 }
 
@@ -126,7 +126,9 @@ pub(crate) fn sample(records: &[LightRecord], p: Vec3, choice: f32, position: [f
     let (s, c) = (TAU * position[1]).sin_cos();
     let (tangent, bitangent) = basis(towards);
     let direction = (tangent * (sine * c) + bitangent * (sine * s) + towards * (1.0 - below)).normalize();
-    Some(LightSample { direction, distance: f32::INFINITY, irradiance: power })
+    // Radiance times the solid angle: the irradiance over the mean cosine of the disc's directions.
+    let irradiance = power * (2.0 / (2.0 - light.one_minus_cosine));
+    Some(LightSample { direction, distance: f32::INFINITY, irradiance })
 }
 
 /// Radiance of the suns' discs in a direction, for rays that see them.

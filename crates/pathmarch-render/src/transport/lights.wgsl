@@ -37,7 +37,7 @@ fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
     let sine = sqrt(max(below * (2.0 - below), 0.0));
     let angle = 6.2831853 * position.y;
     let direction = normalize(basis(light.place) * vec3f(sine * cos(angle), sine * sin(angle), 1.0 - below));
-    return LightSample(direction, AT_INFINITY, power);
+    return LightSample(direction, AT_INFINITY, power * (2.0 / (2.0 - light.one_minus_cosine)));
 }
 
 /// Radiance of the suns' discs in a direction, for rays that see them.

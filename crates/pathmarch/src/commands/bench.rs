@@ -52,8 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         let scene = Scene::load(path)?;
         // One sample to warm up.
         let samples = 1 + arguments.rounds * arguments.samples;
-        let settings =
-            Settings { size: arguments.size, bounces: arguments.bounces, samples, ..Settings::of(&scene) };
+        let settings = Settings { size: arguments.size, bounces: arguments.bounces, samples, ..Settings::of(&scene) };
         for renderer in &mut renderers {
             let mut job = renderer.start(&scene, &settings).map_err(Failure::other)?;
             until(&mut job, 1)?;
@@ -74,7 +73,10 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
     }
     let [width, height] = arguments.size;
-    println!("{width}x{height}, {} bounces, {} rounds of {} samples", arguments.bounces, arguments.rounds, arguments.samples);
+    println!(
+        "{width}x{height}, {} bounces, {} rounds of {} samples",
+        arguments.bounces, arguments.rounds, arguments.samples
+    );
     println!("{:<24} {:>10} {:>10} {:>10} {:>11}  backend", "scene", "ms/sample", "min", "max", "compile ms");
     for entry in &mut entries {
         entry.times_ms.sort_by(f64::total_cmp);

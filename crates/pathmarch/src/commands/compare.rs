@@ -28,7 +28,8 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let b = image::load(&arguments.reference).map_err(Failure::other)?;
     if a.kind != b.kind {
         return Err(Failure::Usage(
-            "one picture holds radiance (EXR) and the other was tone-mapped (PNG, JPEG); compare two of a kind".to_owned(),
+            "one picture holds radiance (EXR) and the other was tone-mapped (PNG, JPEG); compare two of a kind"
+                .to_owned(),
         ));
     }
     let result = compare(&a.picture, &b.picture, a.kind).map_err(Failure::other)?;
@@ -40,9 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     println!("mean       {}  {}", colour(result.mean_a), arguments.picture.display());
     println!("mean       {}  {}", colour(result.mean_b), arguments.reference.display());
     let mut code = DONE;
-    for (count, path) in
-        [(result.non_finite_a, &arguments.picture), (result.non_finite_b, &arguments.reference)]
-    {
+    for (count, path) in [(result.non_finite_a, &arguments.picture), (result.non_finite_b, &arguments.reference)] {
         if count > 0 {
             eprintln!("pathmarch: {}: {count} pixels are not finite and were left out", path.display());
             code = FAILED;

@@ -69,7 +69,11 @@ fn usage(info: &Info, params: &[Param]) -> String {
 
 fn page(info: &Info, params: &[Param]) {
     println!("{}\n\n  {}", usage(info, params), info.doc);
-    println!("  {} Source: {}.", if info.exact { "Exact distance." } else { "A lower bound of the distance." }, info.source);
+    println!(
+        "  {} Source: {}.",
+        if info.exact { "Exact distance." } else { "A lower bound of the distance." },
+        info.source
+    );
     if info.size_params > 1 {
         println!("  One number may stand for the first {}.", info.size_params);
     }
@@ -78,12 +82,6 @@ fn page(info: &Info, params: &[Param]) {
     }
     for param in params {
         let unit = if param.unit.name().is_empty() { String::new() } else { format!(", {}", param.unit.name()) };
-        println!(
-            "  {:<10} {} Default {}{unit}; {}.",
-            param.name,
-            param.doc,
-            param.default,
-            param.range_in_words()
-        );
+        println!("  {:<10} {} Default {}{unit}; {}.", param.name, param.doc, param.default, param.range_in_words());
     }
 }

@@ -1,0 +1,241 @@
+//! The light is right, and both backends agree.
+//!
+//! GPU tests need an adapter (Mesa's software Vulkan will do). Without one they say so and pass, unless
+//! `PATHMARCH_REQUIRE_GPU` is set, as in CI: then they fail.
+
+use pathmarch_render::film::Film;
+use pathmarch_render::image::{self, Picture, PictureKind};
+use pathmarch_render::metrics::{block_means, compare};
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::{Backend, Renderer, Settings};
+use std::path::{Path, PathBuf};
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+}
+
+fn scenes() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let mut found = Vec::new();
+    for directory in [root.clone(), root.join("thesis")] {
+        for file in std::fs::read_dir(&directory).expect("the scenes are there") {
+            let path = file.expect("a file").path();
+            if path.extension().is_some_and(|extension| extension == "kdl") {
+                found.push(path);
+            }
+        }
+    }
+    found
+}
+
+/// Every backend to test.
+fn renderers() -> Vec<Renderer> {
+    let mut renderers = vec![Renderer::open(Backend::Cpu, None).expect("the CPU is there")];
+    match Renderer::open(Backend::Gpu, None) {
+        Ok(renderer) => renderers.push(renderer),
+        Err(error) if std::env::var_os("PATHMARCH_REQUIRE_GPU").is_some() => panic!("{error}"),
+        Err(error) => println!("NOT TESTED on a GPU: {error}"),
+    }
+    renderers
+}
+
+fn render(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Film {
+    let film = renderer.render(scene, settings).expect("renders");
+    assert_eq!(film.non_finite, 0, "every sample is finite");
+    film
+}
+
+fn parse(text: &str) -> Scene {
+    Scene::parse("test.kdl", text).expect("a valid scene")
+}
+
+fn mean(picture: &Picture, inside: impl Fn(u32, u32) -> bool) -> f64 {
+    let (mut sum, mut count) = (0.0, 0);
+    for y in 0..picture.height {
+        for x in 0..picture.width {
+            if inside(x, y) {
+                sum += f64::from(picture.pixels[(y * picture.width + x) as usize][1]);
+                count += 1;
+            }
+        }
+    }
+    sum / f64::from(count)
+}
+
+#[test]
+fn pictures_agree_with_mitsuba() {
+    for name in ["furnace_050", "diffuse_sphere_plane"] {
+        let scene = Scene::load(data(&format!("{name}.kdl"))).expect("a valid scene");
+        let reference = image::load(&data(&format!("{name}.exr"))).expect("a picture").picture;
+        for renderer in &mut renderers() {
+            let settings = Settings { samples: 1024, ..Settings::of(&scene) };
+            let picture = render(renderer, &scene, &settings).mean();
+            let result = compare(&picture, &reference, PictureKind::Hdr).expect("two of a size");
+            let (a, b) = (block_means(&picture, 16), block_means(&reference, 16));
+            let worst = a
+                .pixels
+                .iter()
+                .zip(&b.pixels)
+                .flat_map(|(a, b)| (0..3).map(|k| (a[k] / b[k] - 1.0).abs()))
+                .fold(0.0, f32::max);
+            println!(
+                "{name} on {}: relMSE {:.2e}, FLIP {:.4}, worst 16x16 block {:.2} %",
+                renderer.backend_name(),
+                result.relmse,
+                result.flip,
+                worst * 100.0
+            );
+            assert!(result.relmse < 1e-3);
+            assert!(worst < 0.01);
+        }
+    }
+}
+
+#[test]
+fn a_white_furnace_shows_the_albedo() {
+    let scene = Scene::load(data("furnace_050.kdl")).expect("a valid scene");
+    for renderer in &mut renderers() {
+        let settings = Settings { size: [64, 64], samples: 64, ..Settings::of(&scene) };
+        let picture = render(renderer, &scene, &settings).mean();
+        // The ball covers a disc of 23 pixels radius.
+        let ball = mean(&picture, |x, y| (x as f32 - 31.5).hypot(y as f32 - 31.5) < 20.0);
+        println!("{}: {ball}", renderer.backend_name());
+        assert!((ball - 0.5).abs() < 0.0025, "{ball}");
+    }
+}
+
+#[test]
+fn a_point_light_falls_off_by_the_square_and_the_cosine() {
+    // A floor of albedo 0.5 seen from above through a narrow lens; the light at height 2.
+    for (offset, [x, y, z]) in [(0.0, [0.0, 2.0, 0.0]), (3.0, [3.0, 2.0, 0.0]), (1.0, [0.0, 4.0, 1.0])] {
+        let scene = parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 5 0; target 0 0 0; up 0 0 -1; fov 0.1 }}\n\
+             point {{ at {x} {y} {z}; intensity 10 }}\nmaterial \"m\" {{ diffuse 0.5 }}\n\
+             object \"floor\" material=\"m\" {{ plane }}"
+        ));
+        let height: f64 = y;
+        let square = offset * offset + height * height;
+        let expected = 0.5 / std::f64::consts::PI * 10.0 * height / square.sqrt() / square;
+        for renderer in &mut renderers() {
+            let settings = Settings { size: [8, 8], samples: 4, bounces: 0, ..Settings::of(&scene) };
+            let shown = mean(&render(renderer, &scene, &settings).mean(), |_, _| true);
+            println!("{}: {shown} for {expected}", renderer.backend_name());
+            assert!((shown / expected - 1.0).abs() < 1e-3, "{shown} for {expected}");
+        }
+    }
+}
+
+#[test]
+fn the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide() {
+    for angle in [0.0, 0.53, 20.0] {
+        let scene = parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 5 0; target 0 0 0; up 0 0 -1; fov 0.1 }}\n\
+             sun {{ direction 1 1 0; irradiance 3; angle {angle} }}\nmaterial \"m\" {{ diffuse 0.5 }}\n\
+             object \"floor\" material=\"m\" {{ plane }}"
+        ));
+        let expected = 0.5 / std::f64::consts::PI * 3.0 * std::f64::consts::FRAC_1_SQRT_2;
+        for renderer in &mut renderers() {
+            let settings = Settings { size: [8, 8], samples: 64, bounces: 0, ..Settings::of(&scene) };
+            let shown = mean(&render(renderer, &scene, &settings).mean(), |_, _| true);
+            assert!((shown / expected - 1.0).abs() < 2e-3, "{angle}°: {shown} for {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_sheet_emits_on_the_side_it_faces_only() {
+    let scene = |facing: &str| {
+        parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nmaterial \"lamp\" {{ emit 2 }}\n\
+             object \"lamp\" material=\"lamp\" {{ rect 10 10 {{ normal 0 0 {facing} }} }}"
+        ))
+    };
+    for renderer in &mut renderers() {
+        for (facing, expected) in [("1", 2.0), ("-1", 0.0)] {
+            let scene = scene(facing);
+            let settings = Settings { size: [8, 8], samples: 1, ..Settings::of(&scene) };
+            assert_eq!(mean(&render(renderer, &scene, &settings).mean(), |_, _| true), expected);
+        }
+    }
+}
+
+#[test]
+fn ranges_of_samples_add_up_to_the_whole_and_seeds_differ() {
+    let scene = Scene::load(data("diffuse_sphere_plane.kdl")).expect("a valid scene");
+    for renderer in &mut renderers() {
+        let settings = Settings { size: [64, 36], samples: 24, ..Settings::of(&scene) };
+        let whole = render(renderer, &scene, &settings);
+        assert_eq!(whole, render(renderer, &scene, &settings), "the same again, to the bit");
+        let mut parts = render(renderer, &scene, &Settings { samples: 9, ..settings.clone() });
+        let rest = Settings { first_sample: 9, samples: 15, ..settings.clone() };
+        parts.add(&render(renderer, &scene, &rest)).expect("of one size");
+        assert_eq!(parts.samples, 24);
+        for (a, b) in parts.sums.iter().flatten().zip(whole.sums.iter().flatten()) {
+            assert!((a - b).abs() <= 1e-5 * b.abs(), "{a} for {b}");
+        }
+        assert_ne!(whole.sums, render(renderer, &scene, &Settings { seed: 1, ..settings }).sums);
+    }
+}
+
+#[test]
+fn every_scene_renders_alike_on_both_backends() {
+    let mut renderers = renderers();
+    if renderers.len() < 2 {
+        return;
+    }
+    for path in scenes() {
+        let scene = Scene::load(&path).expect("a valid scene");
+        let settings = Settings { size: [96, 54], samples: 4, ..Settings::of(&scene) };
+        let [cpu, gpu] = [0, 1].map(|k| render(&mut renderers[k], &scene, &settings).mean());
+        let differing = cpu
+            .pixels
+            .iter()
+            .zip(&gpu.pixels)
+            .filter(|(a, b)| (0..3).any(|k| (a[k] - b[k]).abs() > 0.01 * b[k].abs().max(0.01)))
+            .count();
+        let share = differing as f64 / cpu.pixels.len() as f64;
+        let (a, b) = (cpu.mean_colour()[1], gpu.mean_colour()[1]);
+        println!("{}: {:.2} % of pixels differ by over 1 %, means {a:.5} {b:.5}", path.display(), share * 100.0);
+        assert!(share < 0.02, "{}", path.display());
+        assert!((a / b - 1.0).abs() < 2e-3, "{}", path.display());
+        assert!(a > 0.01, "the picture is not black");
+    }
+}
+
+#[test]
+fn marched_shapes_look_as_those_met_in_closed_form() {
+    // A union of one sphere and a far small one must be marched; the picture is that of the plain sphere.
+    let text = |ball: &str| {
+        format!(
+            "pathmarch 1\ncamera {{ position 0 3 6; target 0 0.8 0; fov 35 }}\nsky 0.3 0.375 0.5\n\
+             point {{ at 4 6 4; intensity 120 }}\nobject \"floor\" {{ plane }}\nobject \"ball\" {{ {ball} }}"
+        )
+    };
+    let direct = parse(&text("sphere 1 { at 0 1 0 }"));
+    let marched = parse(&text("union { sphere 1 { at 0 1 0 }; sphere 0.001 { at 0 1 0 } }"));
+    for renderer in &mut renderers() {
+        let settings = Settings { size: [160, 90], samples: 256, ..Settings::of(&direct) };
+        let [a, b] = [&direct, &marched].map(|scene| render(renderer, scene, &settings).mean());
+        let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
+        println!("{}: relMSE {:.2e}, FLIP {:.4}", renderer.backend_name(), result.relmse, result.flip);
+        assert!(result.relmse < 1e-3);
+    }
+}
+
+#[test]
+fn settings_out_of_range_are_refused_in_words() {
+    let scene = Scene::load(data("furnace_050.kdl")).expect("a valid scene");
+    let good = Settings::of(&scene);
+    let bad = [
+        Settings { size: [0, 10], ..good.clone() },
+        Settings { size: [10, 20_000], ..good.clone() },
+        Settings { samples: 0, ..good.clone() },
+        Settings { bounces: 65, ..good.clone() },
+        Settings { first_sample: u32::MAX, ..good.clone() },
+        Settings { camera: 1, ..good },
+    ];
+    for settings in bad {
+        let mut renderer = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+        assert!(renderer.start(&scene, &settings).is_err_and(|error| error.to_string().len() > 10), "{settings:?}");
+    }
+}

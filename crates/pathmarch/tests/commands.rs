@@ -1,0 +1,130 @@
+//! The command line: what it prints, what it writes, and its exit codes.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn pathmarch(arguments: &[&str], directory: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pathmarch"))
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .expect("the program starts")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("it ended by itself")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn scene(name: &str) -> String {
+    let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "../../scenes/thesis", name].iter().collect();
+    path.to_string_lossy().into_owned()
+}
+
+#[test]
+fn render_writes_a_picture_and_says_where_it_ran() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let scene = scene("diffuse-sphere.kdl");
+    let small = ["--size", "64x36", "--samples", "2"];
+    for name in ["a.png", "a.jpg", "a.exr"] {
+        let output =
+            pathmarch(&[&["render", &scene, "--backend", "cpu", "-o", name], &small[..]].concat(), directory.path());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        assert!(stderr(&output).contains("on CPU"), "{}", stderr(&output));
+        assert!(directory.path().join(name).metadata().expect("written").len() > 100);
+    }
+    let output = pathmarch(&[&["render", &scene], &small[..]].concat(), directory.path());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(directory.path().join("diffuse-sphere.png").is_file(), "the scene's name, .png, in this directory");
+    assert_eq!(directory.path().read_dir().expect("a directory").count(), 4, "nothing else is left behind");
+}
+
+#[test]
+fn compare_measures_and_judges() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let scene = scene("diffuse-sphere.kdl");
+    for (name, seed) in [("a.exr", "0"), ("b.exr", "1")] {
+        let arguments =
+            ["render", &scene, "--backend", "cpu", "--size", "64x36", "--samples", "4", "--seed", seed, "-o", name];
+        assert_eq!(code(&pathmarch(&arguments, directory.path())), 0);
+    }
+    let same = pathmarch(&["compare", "a.exr", "a.exr", "--max-relmse", "0"], directory.path());
+    assert_eq!(code(&same), 0);
+    let text = String::from_utf8_lossy(&same.stdout).into_owned();
+    assert!(text.contains("relMSE     0.000e0") && text.contains("FLIP       0.00000"), "{text}");
+    assert_eq!(code(&pathmarch(&["compare", "a.exr", "b.exr", "--max-relmse", "0.1"], directory.path())), 0);
+    assert_eq!(code(&pathmarch(&["compare", "a.exr", "b.exr", "--max-relmse", "1e-9"], directory.path())), 1);
+    assert_eq!(code(&pathmarch(&["compare", "a.exr", "missing.exr"], directory.path())), 1);
+    std::fs::write(directory.path().join("broken.exr"), [1, 2, 3]).expect("written");
+    assert_eq!(code(&pathmarch(&["compare", "a.exr", "broken.exr"], directory.path())), 1);
+}
+
+#[test]
+fn mistakes_end_with_code_2_and_nothing_is_written() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("bad.kdl"), "pathmarch 1\nobejct \"a\" { spere 1 }\n").expect("written");
+    let output = pathmarch(&["render", "bad.kdl"], directory.path());
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("object") && stderr(&output).contains("bad.kdl:2:1"), "{}", stderr(&output));
+    assert!(!directory.path().join("bad.png").exists());
+    let scene = scene("solids.kdl");
+    for wrong in [
+        &["render"][..],
+        &["render", "missing.kdl"],
+        &["render", &scene, "--size", "10"],
+        &["render", &scene, "--size", "0x10"],
+        &["render", &scene, "--samples", "0"],
+        &["render", &scene, "--bounces", "1000"],
+        &["render", &scene, "-o", "a.gif"],
+        &["render", &scene, "--camera", "nobody"],
+        &["render", &scene, "--tonemap", "film"],
+        &["check", "bad.kdl"],
+        &["shapes", "spere"],
+        &["frobnicate"],
+    ] {
+        let output = pathmarch(wrong, directory.path());
+        assert_eq!(code(&output), 2, "{wrong:?}: {}", stderr(&output));
+        assert!(stderr(&output).len() > 20, "{wrong:?} says what is wrong");
+    }
+    let output = pathmarch(&["render", &scene, "-o", "no/such/directory/a.png"], directory.path());
+    assert_eq!(code(&output), 1, "{}", stderr(&output));
+}
+
+#[test]
+fn check_devices_and_shapes_answer() {
+    let directory = tempfile::tempdir().expect("a directory");
+    assert_eq!(code(&pathmarch(&["check", &scene("solids.kdl"), &scene("open-room.kdl")], directory.path())), 0);
+    let devices = pathmarch(&["devices"], directory.path());
+    assert!(code(&devices) == 0 && String::from_utf8_lossy(&devices.stdout).contains("CPU"));
+    let shapes = pathmarch(&["shapes"], directory.path());
+    assert!(String::from_utf8_lossy(&shapes.stdout).contains("torus major minor"));
+    let wgsl = pathmarch(&["shapes", "torus", "--wgsl"], directory.path());
+    assert!(
+        String::from_utf8_lossy(&wgsl.stdout).contains("fn torus_distance(p: vec3f, major: f32, minor: f32) -> f32")
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_render_writes_what_is_done() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pathmarch"))
+        .args(["render", &scene("solids.kdl"), "--backend", "cpu", "--size", "64x36", "--samples", "1000000"])
+        .current_dir(directory.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    // The line that names the backend comes once interrupts are watched.
+    let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().expect("piped")));
+    let first = lines.next().expect("a line").expect("text");
+    assert!(first.contains("on CPU"), "{first}");
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    assert!(killed.success());
+    let rest: Vec<String> = lines.map(|line| line.expect("text")).collect();
+    assert_eq!(child.wait().expect("it ends").code(), Some(130));
+    assert!(rest.iter().any(|line| line.contains("interrupted: wrote solids.png")), "{rest:?}");
+    assert!(directory.path().join("solids.png").is_file());
+}
