@@ -411,7 +411,7 @@ impl Field {
     }
 
     /// Metres along each unit vector `direction` to the first surface of the shapes that have a closed form, or
-    /// [`NO_HIT`](crate::registry::NO_HIT).
+    /// [`NO_HIT`].
     pub fn direct_hit<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> N {
         let mut nearest = N::constant(NO_HIT);
         for leaf in self.direct_leaves() {

@@ -130,7 +130,7 @@ impl Prepared {
         let direct: Vec<u32> = scene.field.direct_leaves().collect();
         let flags = |index: usize, sheet: bool| {
             let is_direct = direct.binary_search(&(index as u32)).is_ok();
-            SHEET * u32::from(sheet) | DIRECT * u32::from(is_direct)
+            (SHEET * u32::from(sheet)) | (DIRECT * u32::from(is_direct))
         };
         let record = |(index, leaf): (usize, &Leaf)| LeafRecord {
             facing: leaf.axes[1],

@@ -34,7 +34,7 @@ impl Failure {
         }
     }
     /// Prints it to standard error.
-    pub fn print(self: &Self) {
+    pub fn print(&self) {
         match self {
             Self::Scene(error) => print_scene_error(error),
             Self::Usage(message) | Self::Other(message) => eprintln!("pathmarch: {message}"),

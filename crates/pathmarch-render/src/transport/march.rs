@@ -147,12 +147,10 @@ pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<
             t = Real::select(Mask8(hit), t, stepped);
             let beyond = limit.simd_lt(t);
             let mut ended = (hit | beyond).to_bitmask();
-            for step in &mut steps {
-                *step += 1;
-            }
             let mut was_hit = hit.to_bitmask() & !beyond.to_bitmask();
-            for lane in 0..8 {
-                if steps[lane] >= MAX_STEPS && ended >> lane & 1 == 0 {
+            for (lane, step) in steps.iter_mut().enumerate() {
+                *step += 1;
+                if *step >= MAX_STEPS && ended >> lane & 1 == 0 {
                     ended |= 1 << lane;
                     let (d, length) = (distance.to_array()[lane], before.to_array()[lane] + t.to_array()[lane]);
                     was_hit |= u32::from(d < 0.01 * length) << lane;

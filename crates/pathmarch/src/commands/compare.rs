@@ -47,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             code = FAILED;
         }
     }
-    if let Some(limit) = arguments.max_relmse.filter(|limit| !(result.relmse <= *limit)) {
+    if let Some(limit) = arguments.max_relmse.filter(|limit| result.relmse.is_nan() || result.relmse > *limit) {
         eprintln!("pathmarch: relMSE {:.3e} is above {limit:.3e}", result.relmse);
         code = FAILED;
     }
