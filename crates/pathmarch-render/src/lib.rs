@@ -7,7 +7,7 @@
 //! ```
 //! use pathmarch_render::{Backend, Renderer, Settings, pathmarch_scene::Scene};
 //!
-//! let scene = Scene::parse("ball.kdl", "pathmarch 1\nsky 1\nobject \"ball\" { sphere 1 }")?;
+//! let scene = Scene::parse("ball.kdl", "pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject \"ball\" { sphere 1 }")?;
 //! let settings = Settings { size: [32, 18], samples: 4, ..Settings::of(&scene) };
 //! let film = Renderer::open(Backend::Cpu, None)?.render(&scene, &settings)?;
 //! assert_eq!(film.samples, 4);
