@@ -13,46 +13,17 @@
 //!
 //! **Cost.** Nine `log2` and `powf` a pixel for AgX: 90 ms a megapixel on one core.
 
-/// A curve from linear radiance to display codes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Tonemap {
-    /// Film-like: AgX, base look.
-    #[default]
-    Agx,
-    /// Khronos PBR Neutral: colours below 0.76 keep their hue and saturation.
-    Neutral,
-    /// No compression: clip to 0..1.
-    Srgb,
-}
+pub use pathmarch_scene::Tonemap;
 
-impl Tonemap {
-    /// Every curve, in the order of the documentation.
-    pub const ALL: [Tonemap; 3] = [Tonemap::Agx, Tonemap::Neutral, Tonemap::Srgb];
-
-    /// The name in scene files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Tonemap::Agx => "agx",
-            Tonemap::Neutral => "neutral",
-            Tonemap::Srgb => "srgb",
-        }
+/// Maps linear Rec. 709 radiance, exposure already applied, to sRGB codes in 0..=1.
+pub fn map(tonemap: Tonemap, linear: [f32; 3]) -> [f32; 3] {
+    let linear = linear.map(defined);
+    match tonemap {
+        Tonemap::Agx => agx(linear),
+        Tonemap::Neutral => neutral(linear),
+        Tonemap::Srgb => linear,
     }
-
-    /// The curve of that name, if there is one.
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|tonemap| tonemap.name() == name)
-    }
-
-    /// Maps linear Rec. 709 radiance, exposure already applied, to sRGB codes in 0..=1.
-    pub fn map(self, linear: [f32; 3]) -> [f32; 3] {
-        let linear = linear.map(defined);
-        match self {
-            Tonemap::Agx => agx(linear),
-            Tonemap::Neutral => neutral(linear),
-            Tonemap::Srgb => linear,
-        }
-        .map(srgb_encode)
-    }
+    .map(srgb_encode)
 }
 
 /// What stands between a linear picture and a screen: a tone curve and an exposure.
@@ -68,7 +39,7 @@ impl Display {
     /// Linear Rec. 709 radiance to sRGB codes in 0..=1.
     pub fn encode(&self, linear: [f32; 3]) -> [f32; 3] {
         let gain = self.exposure_stops.exp2();
-        self.tonemap.map(linear.map(|channel| channel * gain))
+        map(self.tonemap, linear.map(|channel| channel * gain))
     }
 
     /// The same in 8 bits, rounded to nearest.
@@ -167,10 +138,10 @@ mod tests {
 
     #[test]
     fn srgb_has_its_known_values_and_inverts() {
-        assert_near(Tonemap::Srgb.map([0.5; 3])[0], 0.735_357, 1e-5);
-        assert_near(Tonemap::Srgb.map([0.18; 3])[1], 0.461_356, 1e-5);
-        assert_eq!(Tonemap::Srgb.map([-1.0, 0.0, 7.0])[..2], [0.0, 0.0]);
-        assert_near(Tonemap::Srgb.map([-1.0, 0.0, 7.0])[2], 1.0, 1e-6);
+        assert_near(map(Tonemap::Srgb, [0.5; 3])[0], 0.735_357, 1e-5);
+        assert_near(map(Tonemap::Srgb, [0.18; 3])[1], 0.461_356, 1e-5);
+        assert_eq!(map(Tonemap::Srgb, [-1.0, 0.0, 7.0])[..2], [0.0, 0.0]);
+        assert_near(map(Tonemap::Srgb, [-1.0, 0.0, 7.0])[2], 1.0, 1e-6);
         for code in 0..=255 {
             let code = code as f32 / 255.0;
             assert_near(srgb_encode(srgb_decode(code)), code, 1e-6);
@@ -179,22 +150,22 @@ mod tests {
 
     #[test]
     fn agx_puts_middle_grey_in_the_middle_and_fades_bright_colours() {
-        let grey = Tonemap::Agx.map([0.18; 3]);
+        let grey = map(Tonemap::Agx, [0.18; 3]);
         assert_near(grey[0], 0.5005, 1e-3);
         assert_near(grey[0], grey[2], 1e-3);
         // Bright red is on its way to white, where a clip would leave it pure.
-        let bright_red = Tonemap::Agx.map([16.0, 0.0, 0.0]);
+        let bright_red = map(Tonemap::Agx, [16.0, 0.0, 0.0]);
         assert!(bright_red[0] > bright_red[1] + 0.05, "{bright_red:?}");
         assert!(bright_red[1] > 0.4, "{bright_red:?}");
-        assert_near(Tonemap::Agx.map([100.0; 3])[0], 1.0, 0.01);
-        assert_eq!(Tonemap::Agx.map([0.0; 3]), [0.0; 3]);
+        assert_near(map(Tonemap::Agx, [100.0; 3])[0], 1.0, 0.01);
+        assert_eq!(map(Tonemap::Agx, [0.0; 3]), [0.0; 3]);
     }
 
     #[test]
     fn agx_agrees_with_the_published_steps() {
         // The published shader's steps in 64-bit floats, by numpy: (0.7, 0.2, 0.05) to codes of power 2.2, then light, then
         // sRGB codes.
-        let found = Tonemap::Agx.map([0.7, 0.2, 0.05]);
+        let found = map(Tonemap::Agx, [0.7, 0.2, 0.05]);
         for (found, expected) in found.into_iter().zip(AGX_ORANGE) {
             assert_near(found, expected, 1e-4);
         }
@@ -204,15 +175,15 @@ mod tests {
     #[test]
     fn neutral_is_the_identity_less_its_offset_below_the_shoulder() {
         for colour in [[0.5, 0.3, 0.1], [0.79, 0.2, 0.09], [0.08, 0.08, 0.6]] {
-            let found = Tonemap::Neutral.map(colour).map(srgb_decode);
+            let found = map(Tonemap::Neutral, colour).map(srgb_decode);
             for channel in 0..3 {
                 assert_near(found[channel], colour[channel] - 0.04, 1e-5);
             }
         }
         // A channel at zero takes no offset at all.
-        assert_near(srgb_decode(Tonemap::Neutral.map([0.7, 0.3, 0.0])[0]), 0.7, 1e-5);
+        assert_near(srgb_decode(map(Tonemap::Neutral, [0.7, 0.3, 0.0])[0]), 0.7, 1e-5);
         // The shoulder: peak 0.96 compresses to 1 - 0.24² / (0.96 + 0.24 - 0.76).
-        assert_near(srgb_decode(Tonemap::Neutral.map([1.0; 3])[0]), 1.0 - 0.0576 / 0.44, 1e-5);
+        assert_near(srgb_decode(map(Tonemap::Neutral, [1.0; 3])[0]), 1.0 - 0.0576 / 0.44, 1e-5);
     }
 
     #[test]
@@ -221,7 +192,7 @@ mod tests {
             let mut previous = 0.0;
             for step in 0..=4000 {
                 let radiance = (step as f32 / 4000.0 * 30.0 - 20.0).exp2();
-                let code = tonemap.map([radiance; 3])[1];
+                let code = map(tonemap, [radiance; 3])[1];
                 assert!(code >= previous - 1e-6, "{} falls at {radiance}", tonemap.name());
                 assert!(code - previous < 0.02, "{} jumps at {radiance}", tonemap.name());
                 previous = code;
@@ -241,19 +212,19 @@ mod tests {
                     }
                 }
             }
-            assert_eq!(tonemap.map([f32::NAN, -1.0, 0.0]), tonemap.map([0.0; 3]));
+            assert_eq!(map(tonemap, [f32::NAN, -1.0, 0.0]), map(tonemap, [0.0; 3]));
         }
     }
 
     #[test]
     fn exposure_is_in_stops_and_names_parse() {
         let display = Display { tonemap: Tonemap::Srgb, exposure_stops: 2.0 };
-        assert_eq!(display.encode([0.1; 3]), Tonemap::Srgb.map([0.4; 3]));
+        assert_eq!(display.encode([0.1; 3]), map(Tonemap::Srgb, [0.4; 3]));
         assert_eq!(display.encode_8bit([0.125, 0.25, 0.0]), [188, 255, 0]);
         for tonemap in Tonemap::ALL {
-            assert_eq!(Tonemap::parse(tonemap.name()), Some(tonemap));
+            assert_eq!(Tonemap::from_name(tonemap.name()), Some(tonemap));
         }
-        assert_eq!(Tonemap::parse("AgX"), None);
+        assert_eq!(Tonemap::from_name("AgX"), None);
         assert_eq!(Tonemap::default(), Tonemap::Agx);
     }
 }

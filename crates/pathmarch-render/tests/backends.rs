@@ -6,6 +6,7 @@
 use pathmarch_render::film::Film;
 use pathmarch_render::image::{self, Picture, PictureKind};
 use pathmarch_render::metrics::{block_means, compare};
+use pathmarch_render::pathmarch_field::registry::shapes;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings};
 use std::path::{Path, PathBuf};
@@ -219,6 +220,41 @@ fn marched_shapes_look_as_those_met_in_closed_form() {
         let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
         println!("{}: relMSE {:.2e}, FLIP {:.4}", renderer.backend_name(), result.relmse, result.flip);
         assert!(result.relmse < 1e-3);
+    }
+}
+
+/// Every registered shape, turned and scaled, once by itself and once in a union, which must be marched.
+#[test]
+fn every_shape_renders_alike_on_both_backends_and_in_closed_form() {
+    let mut renderers = renderers();
+    for shape in shapes() {
+        let name = shape.info().name;
+        let text = |solid: &str| {
+            format!(
+                "pathmarch 1\ncamera {{ position 1 2 5; target 0 0.2 0; fov 35 }}\nsky 0.3 0.375 0.5\n\
+                 sun {{ direction 1 2 1.5; irradiance 2; angle 0 }}\nobject \"floor\" {{ plane {{ at 0 -1.5 0 }} }}\n\
+                 object \"solid\" {{ {solid} }}"
+            )
+        };
+        let placed = format!("{name} {{ rotate 25 30 10; scale 1.2; at 0 0.1 0 }}");
+        let alone = parse(&text(&placed));
+        let marched = parse(&text(&format!("union {{ {placed}; sphere 0.001 {{ at 0 0.1 0 }} }}")));
+        let settings = Settings { size: [96, 54], samples: 16, ..Settings::of(&alone) };
+        let mut pictures = Vec::new();
+        for renderer in &mut renderers {
+            let [a, b] = [&alone, &marched].map(|scene| render(renderer, scene, &settings).mean());
+            let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
+            println!("{name} on {}: by itself against marched relMSE {:.1e}", renderer.backend_name(), result.relmse);
+            assert!(result.relmse < 5e-4, "{name}: {:.1e}", result.relmse);
+            pictures.push([a, b]);
+        }
+        if let [cpu, gpu] = pictures.as_slice() {
+            for (cpu, gpu) in cpu.iter().zip(gpu) {
+                let result = compare(cpu, gpu, PictureKind::Hdr).expect("two of a size");
+                println!("{name}: CPU against GPU relMSE {:.1e}", result.relmse);
+                assert!(result.relmse < 1e-5, "{name}: {:.1e}", result.relmse);
+            }
+        }
     }
 }
 

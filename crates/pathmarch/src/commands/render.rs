@@ -52,7 +52,7 @@ pub struct Arguments {
 }
 
 fn parse_tonemap(text: &str) -> Result<Tonemap, String> {
-    Tonemap::parse(text).ok_or_else(|| {
+    Tonemap::from_name(text).ok_or_else(|| {
         let names: Vec<_> = Tonemap::ALL.iter().map(|tonemap| tonemap.name()).collect();
         format!("expected one of {}", names.join(", "))
     })
@@ -126,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
 
     let camera = &scene.cameras[settings.camera];
     let display = Display {
-        tonemap: arguments.tonemap.unwrap_or(scene_tonemap(&scene)),
+        tonemap: arguments.tonemap.unwrap_or(scene.render.tonemap),
         exposure_stops: arguments.exposure.unwrap_or(camera.exposure),
     };
     let provenance = Provenance {
@@ -153,10 +153,6 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         f64::from(film.samples) / seconds,
     );
     Ok(if complete { DONE } else { INTERRUPTED })
-}
-
-fn scene_tonemap(scene: &Scene) -> Tonemap {
-    Tonemap::parse(scene.render.tonemap.name()).unwrap_or_default()
 }
 
 /// A flag that Ctrl-C raises; a second Ctrl-C ends the program at once.
