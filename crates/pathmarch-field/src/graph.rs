@@ -117,7 +117,8 @@ impl Leaf {
         Vec3::new(x, y, z)
     }
 
-    fn world_bounds(&self) -> Aabb {
+    /// A box in the world that holds the shape.
+    pub fn world_bounds(&self) -> Aabb {
         let local = self.shape.bounds(&self.params);
         if self.turn != Turn::Turned {
             let place = |v: [f32; 3]| std::array::from_fn(|k| v[k] * self.scale + self.at[k]);

@@ -17,4 +17,4 @@ pub mod wgsl;
 
 pub use bounds::Aabb;
 pub use graph::{Field, Node, Placement};
-pub use registry::{Combine, Info, Param, Shape, Unit};
+pub use registry::{Combine, Emitter, Info, Param, Shape, Unit};

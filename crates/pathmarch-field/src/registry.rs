@@ -142,6 +142,10 @@ pub trait Primitive: Send + Sync + 'static {
     fn lipschitz(_params: Self::Params<f32>) -> f32 {
         1.0
     }
+    /// What a light of this shape is sampled as.
+    fn emitter(_params: Self::Params<f32>) -> Emitter {
+        Emitter::Bounded
+    }
     /// Whether [`ray`](Self::ray) is written: where a ray meets this shape is known in closed form.
     const CLOSED_FORM: bool = false;
     /// Metres from `origin` along the unit vector `direction` to the first point of the surface ahead, from outside or
@@ -149,6 +153,21 @@ pub trait Primitive: Send + Sync + 'static {
     fn ray<N: Real>(_origin: Vec3<N>, _direction: Vec3<N>, _params: Self::Params<N>) -> N {
         N::constant(NO_HIT)
     }
+}
+
+/// The surface of a shape, for choosing points on it: lengths in metres, local coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Emitter {
+    /// A sphere of this radius.
+    Sphere(f32),
+    /// A sheet with these edges along x and z.
+    Rect([f32; 2]),
+    /// A round sheet of this radius.
+    Disc(f32),
+    /// A box of these edges.
+    Box([f32; 3]),
+    /// Anything else: somewhere in its bounds.
+    Bounded,
 }
 
 /// What a ray that meets nothing gives: farther than any scene, and finite.
@@ -191,6 +210,8 @@ pub trait Shape: Send + Sync {
     fn bounds(&self, params: &[f32]) -> Aabb;
     /// An upper bound of |∇distance|.
     fn lipschitz(&self, params: &[f32]) -> f32;
+    /// What a light of this shape is sampled as.
+    fn emitter(&self, params: &[f32]) -> Emitter;
     /// Whether rays meet it in closed form.
     fn closed_form(&self) -> bool;
     /// Where a ray first meets it, or [`NO_HIT`]; see [`Primitive::ray`].
@@ -298,6 +319,9 @@ impl<T: Primitive> Shape for Entry<T> {
     }
     fn lipschitz(&self, params: &[f32]) -> f32 {
         T::lipschitz(values(params))
+    }
+    fn emitter(&self, params: &[f32]) -> Emitter {
+        T::emitter(values(params))
     }
     fn closed_form(&self) -> bool {
         T::CLOSED_FORM

@@ -7,6 +7,7 @@ use glam::Vec3;
 use pathmarch_field::graph::Leaf;
 use pathmarch_field::{Aabb, Field};
 use pathmarch_scene::{Camera, Scene};
+use std::collections::HashMap;
 
 /// What every ray of a picture shares; the layout is that of `Frame` in `transport/path.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -50,7 +51,7 @@ pub(crate) struct LeafRecord {
     pub(crate) material: u32,
     /// Origin of its local coordinates.
     pub(crate) at: [f32; 3],
-    /// [`SHEET`] and [`DIRECT`].
+    /// [`SHEET`] and [`DIRECT`], and from [`LIGHT_SHIFT`] on one more than the index of its light, or zero.
     pub(crate) flags: u32,
 }
 
@@ -58,6 +59,8 @@ pub(crate) struct LeafRecord {
 pub(crate) const SHEET: u32 = 1;
 /// Rays meet it in closed form.
 pub(crate) const DIRECT: u32 = 2;
+/// Where the light's number starts in the flags.
+pub(crate) const LIGHT_SHIFT: u32 = 2;
 
 /// A material as both backends read it; the layout is that of `Material` in `transport/path.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -106,7 +109,7 @@ impl Prepared {
         let bounds =
             if bounds.min[0] > bounds.max[0] { Aabb { min: [UNLIMITED; 3], max: [UNLIMITED; 3] } } else { bounds };
         let limited = |v: f32, margin: f32| (v + margin).clamp(-UNLIMITED, UNLIMITED);
-        let lights = lights::records(&scene.lights, centre, radius);
+        let lights = lights::records(scene, centre, radius);
         let frame = Frame {
             position: camera.position,
             lens_radius: camera.lens_radius,
@@ -127,10 +130,13 @@ impl Prepared {
             bounces: settings.bounces,
             seed: settings.seed,
         };
+        let light_of_leaf: HashMap<u32, u32> =
+            (0..).zip(&lights).filter_map(|(index, light)| Some((light.emitting_leaf()?, index))).collect();
         let direct: Vec<u32> = scene.field.direct_leaves().collect();
         let flags = |index: usize, sheet: bool| {
             let is_direct = direct.binary_search(&(index as u32)).is_ok();
-            (SHEET * u32::from(sheet)) | (DIRECT * u32::from(is_direct))
+            let light = light_of_leaf.get(&(index as u32)).map_or(0, |light| light + 1);
+            (SHEET * u32::from(sheet)) | (DIRECT * u32::from(is_direct)) | (light << LIGHT_SHIFT)
         };
         let record = |(index, leaf): (usize, &Leaf)| LeafRecord {
             facing: leaf.axes[1],

@@ -3,7 +3,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, NO_HIT, Param, Primitive};
+use crate::registry::{Emitter, Info, NO_HIT, Param, Primitive};
 
 pub(crate) struct Shape;
 
@@ -43,6 +43,9 @@ impl Primitive for Shape {
         let far = x1.min(y1.min(z1)).named("far");
         let ahead = N::select(N::zero().lt(near), near, far);
         N::select(near.lt(far) & N::zero().lt(far), ahead, N::constant(NO_HIT))
+    }
+    fn emitter([x, y, z]: [f32; 3]) -> Emitter {
+        Emitter::Box([x, y, z])
     }
     fn bounds([x, y, z]: [f32; 3]) -> Aabb {
         Aabb::centred(0.5 * x, 0.5 * y, 0.5 * z)

@@ -5,7 +5,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, NO_HIT, Param, Primitive};
+use crate::registry::{Emitter, Info, NO_HIT, Param, Primitive};
 
 pub(crate) struct Shape;
 
@@ -29,6 +29,9 @@ impl Primitive for Shape {
         let t = (-origin.y / direction.y.divisor()).named("t");
         let past_rim = (origin.x + direction.x * t).hypot(origin.z + direction.z * t) - radius;
         N::select(N::zero().lt(t) & past_rim.lt(N::zero()), t, N::constant(NO_HIT))
+    }
+    fn emitter([radius]: [f32; 1]) -> Emitter {
+        Emitter::Disc(radius)
     }
     fn bounds([radius]: [f32; 1]) -> Aabb {
         Aabb::centred(radius, 0.0, radius)

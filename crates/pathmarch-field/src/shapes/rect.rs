@@ -6,7 +6,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, NO_HIT, Param, Primitive};
+use crate::registry::{Emitter, Info, NO_HIT, Param, Primitive};
 
 pub(crate) struct Shape;
 
@@ -35,6 +35,9 @@ impl Primitive for Shape {
         let past_x = (origin.x + direction.x * t).abs() - x * N::constant(0.5);
         let past_z = (origin.z + direction.z * t).abs() - z * N::constant(0.5);
         N::select(N::zero().lt(t) & past_x.max(past_z).lt(N::zero()), t, N::constant(NO_HIT))
+    }
+    fn emitter([x, z]: [f32; 2]) -> Emitter {
+        Emitter::Rect([x, z])
     }
     fn bounds([x, z]: [f32; 2]) -> Aabb {
         Aabb::centred(0.5 * x, 0.0, 0.5 * z)

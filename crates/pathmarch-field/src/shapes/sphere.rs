@@ -2,7 +2,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, NO_HIT, Param, Primitive};
+use crate::registry::{Emitter, Info, NO_HIT, Param, Primitive};
 
 pub(crate) struct Shape;
 
@@ -30,6 +30,9 @@ impl Primitive for Shape {
         let no_hit = N::constant(NO_HIT);
         let ahead = N::select(N::zero().lt(near), near, N::select(N::zero().lt(far), far, no_hit));
         N::select(N::zero().lt(square), ahead, no_hit)
+    }
+    fn emitter([radius]: [f32; 1]) -> Emitter {
+        Emitter::Sphere(radius)
     }
     fn bounds([radius]: [f32; 1]) -> Aabb {
         Aabb::centred(radius, radius, radius)

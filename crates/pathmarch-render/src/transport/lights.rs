@@ -1,42 +1,77 @@
-//! Lights without a surface: points and the sun, sampled at every hit (next-event estimation; Kajiya 1986, "The
-//! Rendering Equation"). One light is chosen for each hit through an alias table (Walker 1977; Vose 1991), with a
-//! probability after its irradiance at the middle of the scene, so that many lights cost what one does.
+//! Lights, sampled at every hit (next-event estimation; Kajiya 1986, "The Rendering Equation"): points, suns, and every
+//! object that emits.
+//!
+//! One light is chosen for each hit through an alias table (Walker 1977; Vose 1991), with a probability after its
+//! irradiance at the middle of the scene, so that many lights cost what one does. A sphere is sampled uniformly in the
+//! cone it fills (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"), a
+//! rectangle, a disc and the visible faces of a box by area; any other shape by the cone of its bounding sphere, where the
+//! ray then meets it or not. The same lights are found by scattered rays; both are weighed by the power heuristic (Veach
+//! and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
 use super::diffuse::basis;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use pathmarch_scene::Light;
+use pathmarch_field::{Emitter, Field};
+use pathmarch_scene::{Light, Scene};
 use std::f32::consts::{PI, TAU};
 
-/// A light as both backends read it.
+/// A light as both backends read it; the layout is that of `Light` in `lights.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct LightRecord {
-    /// A point's position, or the unit direction towards the sun.
+    /// Middle of the light, or the unit direction towards the sun.
     place: [f32; 3],
-    /// 1 - cosine of the sun's angular radius, 0 for parallel light; -1 marks a point.
-    one_minus_cosine: f32,
-    /// A point's intensity, or the sun's irradiance on a surface facing it.
+    /// One of the constants below.
+    kind: u32,
+    /// A point's intensity, the sun's irradiance on a surface facing it, or an object's radiance.
     power: [f32; 3],
     /// Probability of being chosen.
     probability: f32,
     /// The alias table: below this share of its cell the cell is this light, above it is the alias.
     threshold: f32,
     alias: u32,
-    padding: [u32; 2],
+    /// The leaf of the field that emits.
+    leaf: u32,
+    /// 1 - cosine of the sun's angular radius; radius of a sphere, a disc or the bounding sphere.
+    extent: f32,
+    /// Half edges along the local axes; of a sheet, y is the unit vector it faces.
+    x: [f32; 3],
+    padding_x: u32,
+    y: [f32; 3],
+    padding_y: u32,
+    z: [f32; 3],
+    padding_z: u32,
 }
+
+impl LightRecord {
+    /// The leaf of the field that emits, for a light that is one.
+    pub(crate) fn emitting_leaf(&self) -> Option<u32> {
+        (self.kind > SUN).then_some(self.leaf)
+    }
+}
+
+const POINT: u32 = 0;
+const SUN: u32 = 1;
+const SPHERE: u32 = 2;
+const RECT: u32 = 3;
+const DISC: u32 = 4;
+const BOX: u32 = 5;
+/// Somewhere in a bounding sphere.
+const BOUNDED: u32 = 6;
 
 /// Light that arrives at a point if nothing is in its way.
 pub(crate) struct LightSample {
     /// Unit vector towards the light.
     pub(crate) direction: Vec3,
-    /// Metres to it; infinite for the sun.
+    /// Metres up to which nothing may be in the way; infinite for the sun and for [`target`](Self::target).
     pub(crate) distance: f32,
     /// Irradiance on a surface facing this direction, divided by the probability of the sample.
     pub(crate) irradiance: Vec3,
+    /// Density of the sample over solid angle; zero for lights that no ray finds.
+    pub(crate) pdf: f32,
+    /// The leaf that the ray must meet, for a light that it may miss.
+    pub(crate) target: Option<u32>,
 }
-
-const POINT: f32 = -1.0;
 
 /// 1 - cos(angle/2) of an apparent diameter in degrees, without cancellation.
 fn one_minus_cosine(diameter_degrees: f32) -> f32 {
@@ -44,40 +79,96 @@ fn one_minus_cosine(diameter_degrees: f32) -> f32 {
     2.0 * half.sin() * half.sin()
 }
 
+fn luminance([r, g, b]: [f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
 /// The records of a scene's lights; `centre` and `radius` say where the scene is.
-pub(crate) fn records(lights: &[Light], centre: Vec3, radius: f32) -> Vec<LightRecord> {
+pub(crate) fn records(scene: &Scene, centre: Vec3, radius: f32) -> Vec<LightRecord> {
     let mut records = Vec::new();
     let mut weights = Vec::new();
-    for light in lights {
-        let (place, one_minus_cosine, power, weight) = match light {
+    let falloff = |place: Vec3| place.distance_squared(centre).max(radius * radius).max(1e-12);
+    for light in &scene.lights {
+        let (place, kind, power, extent, weight) = match light {
             Light::Point { at, intensity } => {
-                let distance = Vec3::from(*at).distance(centre).max(radius).max(1e-6);
-                (*at, POINT, *intensity, luminance(*intensity) / (distance * distance))
+                (*at, POINT, *intensity, 0.0, luminance(*intensity) / falloff(Vec3::from(*at)))
             }
             Light::Sun { direction, irradiance, angle } => {
                 let direction = Vec3::from(*direction).normalize_or(Vec3::Y);
-                (direction.into(), one_minus_cosine(*angle), *irradiance, luminance(*irradiance))
+                (direction.into(), SUN, *irradiance, one_minus_cosine(*angle), luminance(*irradiance))
             }
         };
-        if weight > 0.0 {
-            weights.push(weight);
-            records.push(LightRecord {
-                place,
-                one_minus_cosine,
-                power,
-                probability: 1.0,
-                threshold: 1.0,
-                alias: 0,
-                padding: [0; 2],
-            });
+        records.push(LightRecord { place, kind, power, extent, ..LightRecord::zeroed() });
+        weights.push(weight);
+    }
+    for leaf in 0..scene.field.leaves().len() {
+        let material = &scene.materials[scene.field.leaves()[leaf].tag as usize];
+        if material.emits()
+            && let Some((record, area)) = surface_record(&scene.field, leaf, material.emission())
+        {
+            records.push(record);
+            weights.push(luminance(record.power) * area / falloff(Vec3::from(record.place)));
         }
     }
+    let mut keep = weights.iter().map(|&weight| weight > 0.0);
+    records.retain(|_| keep.next().unwrap_or(false));
+    weights.retain(|&weight| weight > 0.0);
     build_alias_table(&mut records, &weights);
     records
 }
 
-fn luminance([r, g, b]: [f32; 3]) -> f32 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+/// The record of a leaf that emits, and the area it shows to a side; `None` where it has no end.
+fn surface_record(field: &Field, index: usize, radiance: [f32; 3]) -> Option<(LightRecord, f32)> {
+    let leaf = &field.leaves()[index];
+    let [x, y, z] = leaf.axes.map(|axis| Vec3::from(axis) * (0.5 * leaf.scale));
+    // What is combined with other shapes may lack parts of its surface.
+    let whole = field.direct_leaves().any(|direct| direct as usize == index);
+    let form = if whole { leaf.shape.emitter(&leaf.params) } else { Emitter::Bounded };
+    let facing = Vec3::from(leaf.axes[1]);
+    let none = Vec3::ZERO;
+    let (kind, place, extent, [x, y, z], area) = match form {
+        Emitter::Sphere(radius) => {
+            let radius = radius * leaf.scale;
+            (SPHERE, Vec3::from(leaf.at), radius, [none; 3], PI * radius * radius)
+        }
+        Emitter::Rect([a, b]) => {
+            let (x, z) = (x * a, z * b);
+            (RECT, Vec3::from(leaf.at), 0.0, [x, facing, z], 4.0 * x.length() * z.length())
+        }
+        Emitter::Disc(radius) => {
+            let axes = [Vec3::from(leaf.axes[0]), facing, Vec3::from(leaf.axes[2])];
+            let radius = radius * leaf.scale;
+            (DISC, Vec3::from(leaf.at), radius, axes, PI * radius * radius)
+        }
+        Emitter::Box([a, b, c]) => {
+            let (x, y, z) = (x * a, y * b, z * c);
+            let (a, b, c) = (x.length(), y.length(), z.length());
+            (BOX, Vec3::from(leaf.at), 0.0, [x, y, z], 2.0 * (a * b + b * c + c * a))
+        }
+        Emitter::Bounded => {
+            let bounds = leaf.world_bounds();
+            if !bounds.is_finite() {
+                return None;
+            }
+            let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
+            // Blends may carry the material a little beyond its shape: an eighth, by which the sphere of a box is wider
+            // than most solids anyway; what they carry farther is found by the path alone.
+            let radius = 0.5 * (max - min).length() * 1.001;
+            (BOUNDED, (min + max) * 0.5, radius, [none; 3], PI * radius * radius)
+        }
+    };
+    let record = LightRecord {
+        place: place.into(),
+        kind,
+        power: radiance,
+        leaf: index as u32,
+        extent,
+        x: x.into(),
+        y: y.into(),
+        z: z.into(),
+        ..LightRecord::zeroed()
+    };
+    Some((record, area))
 }
 
 /// Vose's method: cells of less than the mean are filled up by cells of more.
@@ -112,34 +203,172 @@ pub(crate) fn sample(records: &[LightRecord], p: Vec3, choice: f32, position: [f
         index = records[index].alias as usize;
     }
     let light = &records[index];
+    let place = Vec3::from(light.place);
     let power = Vec3::from(light.power) / light.probability;
-    if light.one_minus_cosine == POINT {
-        let offset = Vec3::from(light.place) - p;
-        let square = offset.length_squared();
-        let distance = square.sqrt();
-        return Some(LightSample { direction: offset / distance, distance, irradiance: power / square });
+    let delta =
+        |direction, distance, irradiance| Some(LightSample { direction, distance, irradiance, pdf: 0.0, target: None });
+    match light.kind {
+        POINT => {
+            let offset = place - p;
+            let square = offset.length_squared();
+            let distance = square.sqrt();
+            delta(offset / distance, distance, power / square)
+        }
+        SUN => {
+            let direction = cone_direction(place, light.extent, position);
+            // Radiance times the solid angle: the irradiance over the mean cosine of the disc's directions.
+            delta(direction, f32::INFINITY, power * (2.0 / (2.0 - light.extent)))
+        }
+        SPHERE | BOUNDED => {
+            let offset = place - p;
+            let open = cone_of_sphere(offset.length_squared(), light.extent);
+            let direction = cone_direction(offset.normalize_or(Vec3::Y), open, position);
+            let pdf = 1.0 / (TAU * open);
+            let (distance, target) = if light.kind == BOUNDED {
+                (f32::INFINITY, Some(light.leaf))
+            } else {
+                (sphere_entry(offset, direction, light.extent), None)
+            };
+            Some(LightSample {
+                direction,
+                distance: distance * SHORT_OF_LIGHT,
+                irradiance: power / pdf,
+                pdf: pdf * light.probability,
+                target,
+            })
+        }
+        _ => {
+            let (point, normal, area) = point_on(light, p, position);
+            let offset = point - p;
+            let square = offset.length_squared();
+            let distance = square.sqrt();
+            let direction = offset / distance;
+            let cosine = if light.kind == BOX { normal.dot(direction).abs() } else { -normal.dot(direction) };
+            if cosine <= 0.0 {
+                return None;
+            }
+            let pdf = square / (area * cosine);
+            Some(LightSample {
+                direction,
+                distance: distance * SHORT_OF_LIGHT,
+                irradiance: power / pdf,
+                pdf: pdf * light.probability,
+                target: None,
+            })
+        }
     }
-    let towards = Vec3::from(light.place);
-    // Uniform over the disc's solid angle: u = 0 is the middle.
-    let below = light.one_minus_cosine * position[0];
+}
+
+/// A shadow ray ends this share of the way to a light's surface, so as not to meet the light itself.
+const SHORT_OF_LIGHT: f32 = 0.9999;
+
+/// 1 - cosine of the half angle of the cone that a sphere fills from a point at this squared distance from its middle; 2,
+/// all directions, from within.
+fn cone_of_sphere(square: f32, radius: f32) -> f32 {
+    let sine_square = radius * radius / square.max(1e-30);
+    if sine_square >= 1.0 { 2.0 } else { sine_square / (1.0 + (1.0 - sine_square).sqrt()) }
+}
+
+/// Uniform in the cone about `axis` that is this open, 1 - cosine of its half angle.
+fn cone_direction(axis: Vec3, open: f32, position: [f32; 2]) -> Vec3 {
+    let below = open * position[0];
     let sine = (below * (2.0 - below)).max(0.0).sqrt();
     let (s, c) = (TAU * position[1]).sin_cos();
-    let (tangent, bitangent) = basis(towards);
-    let direction = (tangent * (sine * c) + bitangent * (sine * s) + towards * (1.0 - below)).normalize();
-    // Radiance times the solid angle: the irradiance over the mean cosine of the disc's directions.
-    let irradiance = power * (2.0 / (2.0 - light.one_minus_cosine));
-    Some(LightSample { direction, distance: f32::INFINITY, irradiance })
+    let (tangent, bitangent) = basis(axis);
+    (tangent * (sine * c) + bitangent * (sine * s) + axis * (1.0 - below)).normalize()
+}
+
+/// Metres to where a ray that meets it meets a sphere whose middle is at `offset`.
+fn sphere_entry(offset: Vec3, direction: Vec3, radius: f32) -> f32 {
+    let along = offset.dot(direction);
+    let across = offset - direction * along;
+    let half_chord = (radius * radius - across.length_squared()).max(0.0).sqrt();
+    if along > half_chord { along - half_chord } else { along + half_chord }
+}
+
+/// A uniform point on the part of a light that may be seen from `p`, its normal, and that part's area.
+fn point_on(light: &LightRecord, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
+    let place = Vec3::from(light.place);
+    let [x, y, z] = [light.x, light.y, light.z].map(Vec3::from);
+    match light.kind {
+        RECT => {
+            let point = place + x * (2.0 * u - 1.0) + z * (2.0 * v - 1.0);
+            (point, y, 4.0 * x.length() * z.length())
+        }
+        DISC => {
+            let radius = light.extent * u.sqrt();
+            let (s, c) = (TAU * v).sin_cos();
+            (place + x * (radius * c) + z * (radius * s), y, PI * light.extent * light.extent)
+        }
+        _ => {
+            let (areas, total) = box_areas(light, p);
+            let offset = p - place;
+            let mut u = u * (areas[0] + areas[1] + areas[2]);
+            let k = if u < areas[0] {
+                0
+            } else if u < areas[0] + areas[1] {
+                1
+            } else {
+                2
+            };
+            u = ((u - areas[..k].iter().sum::<f32>()) / areas[k].max(1e-30)).clamp(0.0, 1.0);
+            let axes = [x, y, z];
+            let (axis, a, b) = (axes[k], axes[(k + 1) % 3], axes[(k + 2) % 3]);
+            let along = offset.dot(axis) / axis.length_squared();
+            // From within, either side; from without, the side that is seen.
+            let mut side = if along < 0.0 { -1.0 } else { 1.0 };
+            if along.abs() < 1.0 {
+                side = if u < 0.5 { -1.0 } else { 1.0 };
+                u = (2.0 * u).fract();
+            }
+            (place + axis * side + a * (2.0 * u - 1.0) + b * (2.0 * v - 1.0), axis.normalize() * side, total)
+        }
+    }
+}
+
+/// Area of a face of a box across each axis, zero where none is seen from `p`, and of all that are seen.
+fn box_areas(light: &LightRecord, p: Vec3) -> ([f32; 3], f32) {
+    let [x, y, z] = [light.x, light.y, light.z].map(Vec3::from);
+    let offset = p - Vec3::from(light.place);
+    let areas = [4.0 * y.length() * z.length(), 4.0 * z.length() * x.length(), 4.0 * x.length() * y.length()];
+    let seen = [x, y, z].map(|axis| offset.dot(axis).abs() > axis.length_squared());
+    if !seen.contains(&true) {
+        return (areas, 2.0 * (areas[0] + areas[1] + areas[2]));
+    }
+    let areas: [f32; 3] = std::array::from_fn(|k| if seen[k] { areas[k] } else { 0.0 });
+    (areas, areas[0] + areas[1] + areas[2])
+}
+
+/// Density over solid angle, the choice of the light included, with which [`sample`] gives the direction from `p` in
+/// which a ray met the light after `t` metres, at this cosine to its normal.
+pub(crate) fn pdf(light: &LightRecord, p: Vec3, t: f32, cosine: f32) -> f32 {
+    let area = match light.kind {
+        SPHERE | BOUNDED => {
+            let square = (Vec3::from(light.place) - p).length_squared();
+            return light.probability / (TAU * cone_of_sphere(square, light.extent));
+        }
+        RECT => 4.0 * Vec3::from(light.x).length() * Vec3::from(light.z).length(),
+        DISC => PI * light.extent * light.extent,
+        BOX => box_areas(light, p).1,
+        _ => return 0.0,
+    };
+    light.probability * t * t / (area * cosine.max(1e-6))
+}
+
+/// The power heuristic: how much a sample of density `a` counts where another strategy has density `b`.
+pub(crate) fn weight(a: f32, b: f32) -> f32 {
+    let ratio = b / a.max(1e-30);
+    1.0 / (1.0 + ratio * ratio)
 }
 
 /// Radiance of the suns' discs in a direction, for rays that see them.
 pub(crate) fn sun_radiance(records: &[LightRecord], direction: Vec3) -> Vec3 {
     let mut radiance = Vec3::ZERO;
-    for light in records.iter().filter(|light| light.one_minus_cosine > 0.0) {
+    for light in records.iter().filter(|light| light.kind == SUN && light.extent > 0.0) {
         // |a - b|²/2 = 1 - cosine of the angle between unit vectors, without cancellation.
-        if 0.5 * (direction - Vec3::from(light.place)).length_squared() < light.one_minus_cosine {
+        if 0.5 * (direction - Vec3::from(light.place)).length_squared() < light.extent {
             // Irradiance / (π sin²) of the disc facing a surface: sin² = x(2 - x).
-            let x = light.one_minus_cosine;
-            radiance += Vec3::from(light.power) / (PI * x * (2.0 - x));
+            radiance += Vec3::from(light.power) / (PI * light.extent * (2.0 - light.extent));
         }
     }
     radiance
@@ -147,15 +376,65 @@ pub(crate) fn sun_radiance(records: &[LightRecord], direction: Vec3) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::Random;
     use super::*;
+
+    fn scene(lights: &str) -> Scene {
+        let text = format!("pathmarch 1\ncamera {{ position 0 0 4; target 0 0 0 }}\n{lights}");
+        Scene::parse("test.kdl", &text).expect("a valid scene")
+    }
+
+    /// Every kind of surface that emits, seen from near, far, aside and within.
+    #[test]
+    fn a_lights_density_is_the_one_it_is_sampled_with() {
+        let shapes = ["sphere 0.5", "rect 1 0.6", "disc 0.4", "box 0.5 0.8 0.3", "torus 0.4 0.1"];
+        for shape in shapes {
+            let scene = scene(&format!(
+                "material \"lamp\" {{ emit 1 }}\nobject \"lamp\" material=\"lamp\" {{ {shape} {{ rotate 20 30 40; scale 1.3; at 0.2 0.1 0 }} }}"
+            ));
+            let records = records(&scene, Vec3::ZERO, 1.0);
+            let [light] = records.as_slice() else { panic!("one light") };
+            for p in [Vec3::new(0.0, 2.0, 0.3), Vec3::new(-1.0, 0.4, 0.9), Vec3::new(20.0, 30.0, 1.0)] {
+                let mut weight = 0.0;
+                let n = 4000;
+                for k in 0..n {
+                    let u = Random::new(0, 0, k, 1).pair(0);
+                    let Some(sample) = sample(&records, p, 0.5, u) else { continue };
+                    let direction =
+                        pathmarch_field::number::Vec3::new(sample.direction.x, sample.direction.y, sample.direction.z);
+                    let origin = pathmarch_field::number::Vec3::new(p.x, p.y, p.z);
+                    let t = scene.field.direct_hit(origin, direction);
+                    if sample.target.is_none() {
+                        assert!(
+                            (t * SHORT_OF_LIGHT / sample.distance - 1.0).abs() < 2e-3,
+                            "{shape}: {t} {}",
+                            sample.distance
+                        );
+                        let hit = p + sample.direction * t;
+                        let surface = scene
+                            .field
+                            .surface(pathmarch_field::number::Vec3::new(hit.x, hit.y, hit.z), 0)
+                            .field
+                            .gradient;
+                        let normal = Vec3::new(surface.x, surface.y, surface.z).normalize();
+                        let cosine = normal.dot(sample.direction).abs();
+                        if cosine > 0.05 && light.kind != BOX {
+                            let density = pdf(light, p, t, cosine);
+                            assert!((density / sample.pdf - 1.0).abs() < 0.02, "{shape}: {density} {}", sample.pdf);
+                        }
+                    }
+                    weight += 1.0 / (sample.pdf * n as f32);
+                }
+                // The mean of 1/density is the solid angle, at most all directions.
+                assert!(weight > 0.0 && weight < 4.0 * PI, "{shape}: {weight}");
+            }
+        }
+    }
 
     #[test]
     fn lights_are_chosen_by_their_power() {
-        let lights: Vec<Light> = [1.0, 2.0, 5.0, 0.0, 12.0]
-            .iter()
-            .map(|&i| Light::Point { at: [0.0, 10.0, 0.0], intensity: [i; 3] })
-            .collect();
-        let records = records(&lights, Vec3::ZERO, 1.0);
+        let points = [1.0, 2.0, 5.0, 0.0, 12.0].map(|i| format!("point {{ at 0 10 0; intensity {i} }}\n"));
+        let records = records(&scene(&points.concat()), Vec3::ZERO, 1.0);
         assert_eq!(records.len(), 4, "a light without power is left out");
         let mut counts = [0.0f32; 4];
         let n = 20_000;
@@ -176,8 +455,7 @@ mod tests {
 
     #[test]
     fn the_suns_disc_integrates_to_its_irradiance() {
-        let records =
-            records(&[Light::Sun { direction: [0.0, 1.0, 0.0], irradiance: [3.0; 3], angle: 10.0 }], Vec3::ZERO, 1.0);
+        let records = records(&scene("sun { direction 0 1 0; irradiance 3; angle 10 }"), Vec3::ZERO, 1.0);
         // Cosine-distributed directions: the mean of π L estimates the irradiance.
         let n = 400_000;
         let mut sum = 0.0;

@@ -1,22 +1,41 @@
-// Lights without a surface: points and the sun. Twin of lights.rs.
+// Lights: points, suns, and every object that emits. Twin of lights.rs, which explains them.
 
 struct Light {
     place: vec3f,
-    one_minus_cosine: f32,
+    kind: u32,
     power: vec3f,
     probability: f32,
     threshold: f32,
     alias_: u32,
+    leaf: u32,
+    extent: f32,
+    x: vec3f,
+    y: vec3f,
+    z: vec3f,
 }
 
 struct LightSample {
     direction: vec3f,
     distance: f32,
     irradiance: vec3f,
+    pdf: f32,
+    /// The leaf that the ray must meet, or NO_TARGET.
+    target_leaf: u32,
 }
 
+const POINT = 0u;
+const SUN = 1u;
+const SPHERE = 2u;
+const RECT = 3u;
+const DISC = 4u;
+const BOX = 5u;
+const BOUNDED = 6u;
+
+const NO_TARGET = 0xffffffffu;
 /// A distance beyond every scene, for lights at infinity.
 const AT_INFINITY = 1e30;
+/// A shadow ray ends this share of the way to a light's surface.
+const SHORT_OF_LIGHT = 0.9999;
 
 /// Chooses a light and a point on it, as seen from `p`; there must be a light.
 fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
@@ -27,26 +46,155 @@ fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
     }
     let light = lights[index];
     let power = light.power / light.probability;
-    if light.one_minus_cosine < 0.0 {
-        let offset = light.place - p;
-        let square = dot(offset, offset);
+    let offset = light.place - p;
+    let square = dot(offset, offset);
+    if light.kind == POINT {
         let distance = sqrt(square);
-        return LightSample(offset / distance, distance, power / square);
+        return LightSample(offset / distance, distance, power / square, 0.0, NO_TARGET);
     }
-    let below = light.one_minus_cosine * position.x;
+    if light.kind == SUN {
+        let direction = cone_direction(light.place, light.extent, position);
+        return LightSample(direction, AT_INFINITY, power * (2.0 / (2.0 - light.extent)), 0.0, NO_TARGET);
+    }
+    if light.kind == SPHERE || light.kind == BOUNDED {
+        let open = cone_of_sphere(square, light.extent);
+        let axis = select(vec3f(0.0, 1.0, 0.0), offset * inverseSqrt(max(square, 1e-30)), square > 1e-30);
+        let direction = cone_direction(axis, open, position);
+        let pdf = 1.0 / (6.2831853 * open);
+        var distance = AT_INFINITY;
+        var leaf = light.leaf;
+        if light.kind == SPHERE {
+            distance = sphere_entry(offset, direction, light.extent) * SHORT_OF_LIGHT;
+            leaf = NO_TARGET;
+        }
+        return LightSample(direction, distance, power / pdf, pdf * light.probability, leaf);
+    }
+    return area_sample(light, p, power, position);
+}
+
+/// 1 - cosine of the half angle of the cone that a sphere fills; 2, all directions, from within.
+fn cone_of_sphere(square: f32, radius: f32) -> f32 {
+    let sine_square = radius * radius / max(square, 1e-30);
+    return select(sine_square / (1.0 + sqrt(max(1.0 - sine_square, 0.0))), 2.0, sine_square >= 1.0);
+}
+
+/// Uniform in the cone about `axis` that is this open, 1 - cosine of its half angle.
+fn cone_direction(axis: vec3f, open: f32, position: vec2f) -> vec3f {
+    let below = open * position.x;
     let sine = sqrt(max(below * (2.0 - below), 0.0));
     let angle = 6.2831853 * position.y;
-    let direction = normalize(basis(light.place) * vec3f(sine * cos(angle), sine * sin(angle), 1.0 - below));
-    return LightSample(direction, AT_INFINITY, power * (2.0 / (2.0 - light.one_minus_cosine)));
+    return normalize(basis(axis) * vec3f(sine * cos(angle), sine * sin(angle), 1.0 - below));
+}
+
+/// Metres to where a ray that meets it meets a sphere whose middle is at `offset`.
+fn sphere_entry(offset: vec3f, direction: vec3f, radius: f32) -> f32 {
+    let along = dot(offset, direction);
+    let across = offset - direction * along;
+    let half_chord = sqrt(max(radius * radius - dot(across, across), 0.0));
+    return select(along + half_chord, along - half_chord, along > half_chord);
+}
+
+/// A uniform point on the part of a light that may be seen from `p`.
+fn area_sample(light: Light, p: vec3f, power: vec3f, position: vec2f) -> LightSample {
+    var point = light.place;
+    var normal = light.y;
+    var area = 0.0;
+    if light.kind == RECT {
+        point += light.x * (2.0 * position.x - 1.0) + light.z * (2.0 * position.y - 1.0);
+        area = 4.0 * length(light.x) * length(light.z);
+    } else if light.kind == DISC {
+        let radius = light.extent * sqrt(position.x);
+        let angle = 6.2831853 * position.y;
+        point += light.x * (radius * cos(angle)) + light.z * (radius * sin(angle));
+        area = 3.14159265 * light.extent * light.extent;
+    } else {
+        let areas = box_areas(light, p);
+        area = areas.w;
+        let sum = areas.x + areas.y + areas.z;
+        var u = position.x * sum;
+        var axis = light.x;
+        var a = light.y;
+        var b = light.z;
+        if u < areas.x {
+            u = u / max(areas.x, 1e-30);
+        } else if u < areas.x + areas.y {
+            u = (u - areas.x) / max(areas.y, 1e-30);
+            axis = light.y;
+            a = light.z;
+            b = light.x;
+        } else {
+            u = (u - areas.x - areas.y) / max(areas.z, 1e-30);
+            axis = light.z;
+            a = light.x;
+            b = light.y;
+        }
+        u = clamp(u, 0.0, 1.0);
+        let along = dot(p - light.place, axis) / dot(axis, axis);
+        var side = select(1.0, -1.0, along < 0.0);
+        if abs(along) < 1.0 {
+            side = select(1.0, -1.0, u < 0.5);
+            u = fract(2.0 * u);
+        }
+        point += axis * side + a * (2.0 * u - 1.0) + b * (2.0 * position.y - 1.0);
+        normal = normalize(axis) * side;
+    }
+    let offset = point - p;
+    let square = dot(offset, offset);
+    let distance = sqrt(square);
+    let direction = offset / distance;
+    let toward = -dot(normal, direction);
+    let cosine = select(toward, abs(toward), light.kind == BOX);
+    if cosine <= 0.0 {
+        return LightSample(direction, 0.0, vec3f(0.0), 0.0, NO_TARGET);
+    }
+    let pdf = square / (area * cosine);
+    return LightSample(direction, distance * SHORT_OF_LIGHT, power / pdf, pdf * light.probability, NO_TARGET);
+}
+
+/// Area of a face of a box across each axis, zero where none is seen from `p`, and of all that are seen.
+fn box_areas(light: Light, p: vec3f) -> vec4f {
+    let offset = p - light.place;
+    let size = vec3f(length(light.x), length(light.y), length(light.z));
+    let areas = 4.0 * size.yzx * size.zxy;
+    let along = abs(vec3f(dot(offset, light.x), dot(offset, light.y), dot(offset, light.z)));
+    let seen = along > size * size;
+    if !any(seen) {
+        return vec4f(areas, 2.0 * (areas.x + areas.y + areas.z));
+    }
+    let shown = select(vec3f(0.0), areas, seen);
+    return vec4f(shown, shown.x + shown.y + shown.z);
+}
+
+/// Density over solid angle with which `light_sample` gives the direction from `p` in which a ray met the light.
+fn light_pdf(light: Light, p: vec3f, t: f32, cosine: f32) -> f32 {
+    if light.kind == SPHERE || light.kind == BOUNDED {
+        let offset = light.place - p;
+        return light.probability / (6.2831853 * cone_of_sphere(dot(offset, offset), light.extent));
+    }
+    var area = 0.0;
+    if light.kind == RECT {
+        area = 4.0 * length(light.x) * length(light.z);
+    } else if light.kind == DISC {
+        area = 3.14159265 * light.extent * light.extent;
+    } else {
+        area = box_areas(light, p).w;
+    }
+    return light.probability * t * t / (area * max(cosine, 1e-6));
+}
+
+/// The power heuristic: how much a sample of density `a` counts where another strategy has density `b`.
+fn heuristic(a: f32, b: f32) -> f32 {
+    let ratio = b / max(a, 1e-30);
+    return 1.0 / (1.0 + ratio * ratio);
 }
 
 /// Radiance of the suns' discs in a direction, for rays that see them.
 fn sun_radiance(direction: vec3f) -> vec3f {
     var radiance = vec3f(0.0);
     for (var k = 0u; k < frame.light_count; k++) {
-        let x = lights[k].one_minus_cosine;
+        let x = lights[k].extent;
         let offset = direction - lights[k].place;
-        if 0.5 * dot(offset, offset) < x {
+        if lights[k].kind == SUN && 0.5 * dot(offset, offset) < x {
             radiance += lights[k].power / (3.14159265 * x * (2.0 - x));
         }
     }

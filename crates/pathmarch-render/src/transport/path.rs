@@ -1,7 +1,8 @@
 //! The estimator: unidirectional path tracing with next-event estimation (Kajiya 1986; Carvalho 2020, chapter 4).
 //!
 //! A path scatters at most `bounces + 1` times, the first time at the surface the camera sees. At every surface the
-//! direct light of points and suns is sampled; emitting surfaces and the sky are found by the path itself. Beyond the
+//! light of points, suns and emitting surfaces is sampled; the path finds the latter, too, and both ways are weighed by
+//! multiple importance sampling. The sky is found by the path itself. Beyond the
 //! fourth bounce a path goes on with the probability of its throughput (Russian roulette; Arvo and Kirk 1990). Unbiased
 //! but for the march's tolerance, a tenth of a pixel.
 //!
@@ -12,7 +13,7 @@ use super::diffuse::cosine_direction;
 use super::lights;
 use super::march::{March, START_OFFSET, direct_tolerance, march, tolerance};
 use super::random::{Random, pair};
-use crate::frame::{DIRECT, Prepared, SHEET};
+use crate::frame::{DIRECT, LIGHT_SHIFT, Prepared, SHEET};
 use glam::Vec3;
 use pathmarch_field::graph::Surface;
 use pathmarch_field::number::Vec3 as FieldVec3;
@@ -27,6 +28,8 @@ struct Path {
     length: f32,
     /// Length of the last ray.
     last: f32,
+    /// Density of the ray's direction over solid angle.
+    scatter_pdf: f32,
 }
 
 /// Light on its way from a source that may be hidden.
@@ -34,6 +37,9 @@ struct Connection {
     slot: usize,
     radiance: Vec3,
     march: March,
+    /// The leaf that the ray must meet, for a light that it may miss.
+    target: Option<u32>,
+    seed: u32,
 }
 
 /// The radiance of one sample of each of these pixels.
@@ -45,7 +51,15 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
         .enumerate()
         .map(|(slot, &(x, y))| {
             let random = Random::new(x, y, sample, frame.seed);
-            Path { slot, random, ray: camera_ray(frame, x, y, random), throughput: Vec3::ONE, length: 0.0, last: 0.0 }
+            Path {
+                slot,
+                random,
+                ray: camera_ray(frame, x, y, random),
+                throughput: Vec3::ONE,
+                length: 0.0,
+                last: 0.0,
+                scatter_pdf: 0.0,
+            }
         })
         .collect();
     for surface_index in 0..=frame.bounces + 1 {
@@ -84,12 +98,24 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
             .collect();
         let shadows: Vec<March> = connections.iter().map(|connection| connection.march).collect();
         for (connection, blocked) in connections.iter().zip(march(&prepared.field, frame, &shadows)) {
-            if blocked.is_none() {
+            if shines(prepared, connection, blocked) {
                 radiance[connection.slot] += connection.radiance;
             }
         }
     }
     radiance
+}
+
+/// Whether light arrives along a shadow ray that met something after `obstacle` metres, or nothing.
+fn shines(prepared: &Prepared, connection: &Connection, obstacle: Option<f32>) -> bool {
+    let (Some(target), Some(t)) = (connection.target, obstacle) else {
+        return connection.target.is_none() && obstacle.is_none();
+    };
+    let Ray { origin, direction } = connection.march.ray;
+    let p = origin + direction * t;
+    let met = prepared.field.surface(FieldVec3::new(p.x, p.y, p.z), connection.seed);
+    let leaf = &prepared.leaves[met.leaf as usize];
+    met.leaf as u32 == target && (leaf.flags & SHEET == 0 || direction.dot(Vec3::from(leaf.facing)) < 0.0)
 }
 
 struct Near {
@@ -144,7 +170,15 @@ fn shade(
     let material = &prepared.materials[leaf.material as usize];
     if material.emits != 0 {
         if leaf.flags & SHEET == 0 || normal.dot(Vec3::from(leaf.facing)) > 0.0 {
-            radiance[path.slot] += path.throughput * Vec3::from(material.emission);
+            let light = leaf.flags >> LIGHT_SHIFT;
+            let mut weight = 1.0;
+            if surface_index > 0 && light > 0 {
+                let from = reached - path.ray.direction * path.last;
+                let cosine = normal.dot(path.ray.direction).abs();
+                let light_pdf = lights::pdf(&prepared.lights[light as usize - 1], from, path.last, cosine);
+                weight = lights::weight(path.scatter_pdf, light_pdf);
+            }
+            radiance[path.slot] += path.throughput * Vec3::from(material.emission) * weight;
         }
         return None;
     }
@@ -160,9 +194,12 @@ fn shade(
     if let Some(light) = lights::sample(&prepared.lights, origin, choose_light, path.random.pair(pairs + pair::LIGHT)) {
         let cosine = normal.dot(light.direction);
         if cosine > 0.0 {
+            let weight = if light.pdf > 0.0 { lights::weight(light.pdf, cosine / PI) } else { 1.0 };
             connections.push(Connection {
                 slot: path.slot,
-                radiance: path.throughput * albedo * light.irradiance * (cosine / PI),
+                radiance: path.throughput * albedo * light.irradiance * (weight * cosine / PI),
+                target: light.target,
+                seed: path.random.loose(surface_index),
                 march: March {
                     ray: Ray { origin, direction: light.direction },
                     before: path.length,
@@ -180,5 +217,6 @@ fn shade(
         throughput /= survival;
     }
     let direction = cosine_direction(normal, path.random.pair(pairs + pair::SCATTER));
-    Some(Path { ray: Ray { origin, direction }, throughput, ..path })
+    let scatter_pdf = normal.dot(direction) / PI;
+    Some(Path { ray: Ray { origin, direction }, throughput, scatter_pdf, ..path })
 }

@@ -42,6 +42,8 @@ struct LeafRecord {
 const SHEET = 1u;
 /// Rays meet it in closed form.
 const DIRECT = 2u;
+/// Where one more than the index of the leaf's light starts in the flags.
+const LIGHT_SHIFT = 2u;
 
 struct Material {
     albedo: vec3f,
@@ -57,11 +59,28 @@ struct Material {
 /// Sums of radiance; the fourth number counts samples that were not finite and were left out.
 @group(0) @binding(6) var<storage, read_write> film: array<vec4f>;
 
+/// Whether light arrives along a shadow ray that met something after `obstacle` metres, or nothing.
+fn shines(light: LightSample, ray: Ray, obstacle: f32, seed: u32) -> bool {
+    if light.target_leaf == NO_TARGET {
+        return obstacle < 0.0;
+    }
+    if obstacle < 0.0 {
+        return false;
+    }
+    let met = surface(ray.origin + ray.direction * obstacle, seed);
+    let leaf = leaves[met.leaf];
+    // A sheet's gradient points to the side it is seen from.
+    return met.leaf == light.target_leaf
+        && ((leaf.flags & SHEET) == 0u || dot(ray.direction, leaf.facing) < 0.0);
+}
+
 fn radiance_along(camera: Ray, random: Random) -> vec3f {
     var ray = camera;
     var radiance = vec3f(0.0);
     var throughput = vec3f(1.0);
     var path_length = 0.0;
+    // Density of the ray's direction over solid angle.
+    var scatter_pdf = 0.0;
     for (var surface_index = 0u; surface_index <= frame.bounces + 1u; surface_index++) {
         let t = march(ray, path_length, AT_INFINITY);
         if t < 0.0 {
@@ -86,7 +105,13 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         let material = materials[leaf.material];
         if material.emits != 0u {
             if (leaf.flags & SHEET) == 0u || dot(normal, leaf.facing) > 0.0 {
-                radiance += throughput * material.emission;
+                let light = leaf.flags >> LIGHT_SHIFT;
+                var weight = 1.0;
+                if surface_index > 0u && light > 0u {
+                    let cosine = abs(dot(normal, ray.direction));
+                    weight = heuristic(scatter_pdf, light_pdf(lights[light - 1u], ray.origin, t, cosine));
+                }
+                radiance += throughput * material.emission * weight;
             }
             break;
         }
@@ -101,8 +126,13 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         if frame.light_count > 0u {
             let light = light_sample(origin, choice.x, random_pair(random, pair + PAIR_LIGHT));
             let cosine = dot(normal, light.direction);
-            if cosine > 0.0 && march(Ray(origin, light.direction), path_length, light.distance) < 0.0 {
-                radiance += throughput * material.albedo * light.irradiance * (cosine / 3.14159265);
+            if cosine > 0.0 && light.irradiance.x + light.irradiance.y + light.irradiance.z > 0.0 {
+                let towards = Ray(origin, light.direction);
+                let obstacle = march(towards, path_length, light.distance);
+                if shines(light, towards, obstacle, random_loose(random, surface_index)) {
+                    let weight = select(1.0, heuristic(light.pdf, cosine / 3.14159265), light.pdf > 0.0);
+                    radiance += throughput * material.albedo * light.irradiance * (weight * cosine / 3.14159265);
+                }
             }
         }
         throughput *= material.albedo;
@@ -114,6 +144,7 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
             throughput /= survival;
         }
         ray = Ray(origin, cosine_direction(normal, random_pair(random, pair + PAIR_SCATTER)));
+        scatter_pdf = dot(normal, ray.direction) / 3.14159265;
     }
     return radiance;
 }
