@@ -111,7 +111,7 @@ impl GpuJob {
         });
         let constant = |label, contents: &[u8], usage| {
             // A binding may not be empty.
-            let contents = if contents.is_empty() { &[0; 64] } else { contents };
+            let contents = if contents.is_empty() { &[0; 256] } else { contents };
             gpu.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
         };
         let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
