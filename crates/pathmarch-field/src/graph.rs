@@ -402,13 +402,19 @@ impl Field {
         nearest
     }
 
-    /// Signed distance to the nearest surface that must be marched; infinite where there is none.
+    /// Distance to the nearest surface that must be marched, from outside or inside; infinite where there is none. Every
+    /// object keeps its own surface: what lies inside a clear one is seen.
     pub fn marched_distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let mut nearest = N::constant(f32::INFINITY);
         for object in self.objects.iter().filter(|object| self.direct(object).is_none()) {
-            nearest = nearest.min(self.tree_distance(object, p));
+            nearest = nearest.min(self.tree_distance(object, p).abs());
         }
         nearest
+    }
+
+    /// Signed distance from each point to each object, in their order, metres.
+    pub fn object_distances<N: Batch>(&self, p: Vec3<N>) -> impl Iterator<Item = N> {
+        self.objects.iter().map(move |object| self.tree_distance(object, p))
     }
 
     /// Metres along each unit vector `direction` to the first surface of the shapes that have a closed form, or
@@ -440,13 +446,14 @@ impl Field {
         }
     }
 
-    /// The nearest surface from each point: distance, gradient, and the leaf whose material shows. Where smooth operators
+    /// The nearest surface of an object from each point: signed distance to that object, gradient, and the leaf whose
+    /// material shows. Where smooth operators
     /// blend materials, one of them is chosen with the probability of its weight, by the point's seed.
     pub fn surface<N: Batch>(&self, p: Vec3<N>, seeds: N::Seeds) -> Surface<N> {
         let mut nearest = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
         for object in &self.objects {
             let surface = self.tree_surface(object, p, seeds);
-            let closer = surface.field.value.lt(nearest.field.value);
+            let closer = surface.field.value.abs().lt(nearest.field.value.abs());
             nearest = Surface {
                 field: Dual::select(closer, surface.field, nearest.field),
                 leaf: N::select(closer, surface.leaf, nearest.leaf),

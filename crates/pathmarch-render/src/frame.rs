@@ -2,11 +2,13 @@
 
 use crate::settings::Settings;
 use crate::transport::lights::{self, LightRecord};
+use crate::transport::sky::Sky;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use pathmarch_field::graph::Leaf;
 use pathmarch_field::{Aabb, Field};
-use pathmarch_scene::{Camera, Scene};
+use pathmarch_scene::materials::{self, Bsdf, Numbers, albedo};
+use pathmarch_scene::{Camera, Material, Scene};
 use std::collections::HashMap;
 
 /// What every ray of a picture shares; the layout is that of `Frame` in `transport/path.wgsl`.
@@ -27,7 +29,8 @@ pub(crate) struct Frame {
     pub(crate) forward: [f32; 3],
     /// What is negligible, as a fraction of a point's largest coordinate.
     pub(crate) rounding: f32,
-    pub(crate) sky: [f32; 3],
+    /// What the camera stands in absorbs, per metre.
+    pub(crate) medium: [f32; 3],
     /// Share of the field's value that is safe to step: one over its Lipschitz constant.
     pub(crate) step_factor: f32,
     /// The box of what must be marched.
@@ -40,6 +43,12 @@ pub(crate) struct Frame {
     pub(crate) height: u32,
     pub(crate) bounces: u32,
     pub(crate) seed: u32,
+    /// The largest contribution after the first hit, W/(m² sr); infinite where none is set.
+    pub(crate) clamp: f32,
+    /// Lights that are suns; they come first.
+    pub(crate) sun_count: u32,
+    pub(crate) sampler: u32,
+    padding: u32,
 }
 
 /// What is known of a leaf of the field; the layout is that of `LeafRecord` in `transport/path.wgsl`.
@@ -66,21 +75,75 @@ pub(crate) const LIGHT_SHIFT: u32 = 2;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct MaterialRecord {
-    pub(crate) albedo: [f32; 3],
-    /// 1 for a surface that emits and reflects nothing.
-    pub(crate) emits: u32,
     pub(crate) emission: [f32; 3],
-    padding: u32,
+    /// [`EMITS`], [`DELTA`], [`TRANSMITS`].
+    pub(crate) flags: u32,
+    /// What its inside absorbs, per metre.
+    pub(crate) absorption: [f32; 3],
+    /// Index into [`materials::kinds`].
+    pub(crate) kind: u32,
+    pub(crate) numbers: Numbers,
+}
+
+/// Emits, and reflects nothing.
+pub(crate) const EMITS: u32 = 1;
+/// Scatters in single directions only: no light is sampled there.
+pub(crate) const DELTA: u32 = 2;
+/// Light passes to the other side.
+pub(crate) const TRANSMITS: u32 = 4;
+/// Clear glass, which shadow rays may pass.
+pub(crate) const CLEAR: u32 = DELTA | TRANSMITS;
+
+impl MaterialRecord {
+    fn new(material: &Material) -> Self {
+        let kind = materials::kinds().iter().position(|kind| std::ptr::eq(*kind, material.kind)).unwrap_or_default();
+        let mut flags = EMITS * u32::from(material.emits());
+        let mut numbers = Numbers::default();
+        if let Some(bsdf) = material.kind.bsdf {
+            numbers = (bsdf.pack)(&material.values);
+            flags |= DELTA * u32::from((bsdf.is_delta)(&numbers)) | TRANSMITS * u32::from((bsdf.transmits)(&numbers));
+        }
+        Self { emission: material.emission(), flags, absorption: material.absorption(), kind: kind as u32, numbers }
+    }
+
+    /// What clear glass lets through straight on, at this cosine outside it.
+    pub(crate) fn passes_straight(&self, cosine: f32) -> Vec3 {
+        let [r, g, b, _, ior, ..] = self.numbers;
+        Vec3::new(r, g, b) * (1.0 - materials::fresnel(cosine, ior))
+    }
+}
+
+/// What a scene needs of the estimator; on the GPU, constants of its kernel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Features {
+    /// Some inside absorbs.
+    pub(crate) absorption: bool,
+    /// Some material transmits.
+    pub(crate) transmission: bool,
+    /// Some material draws a third random number.
+    pub(crate) chooses_lobes: bool,
+    /// Shadow rays pass clear glass.
+    pub(crate) fast_caustics: bool,
+    /// Some light's shadows are softened by near misses.
+    pub(crate) penumbra: bool,
 }
 
 /// Everything a backend needs to trace a picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Prepared {
     pub(crate) frame: Frame,
+    pub(crate) features: Features,
     pub(crate) field: Field,
     pub(crate) leaves: Vec<LeafRecord>,
     pub(crate) materials: Vec<MaterialRecord>,
+    /// How each material scatters.
+    pub(crate) bsdfs: Vec<Option<&'static Bsdf>>,
     pub(crate) lights: Vec<LightRecord>,
+    pub(crate) sky: Sky,
+    /// Tables of numbers that the kernel reads.
+    pub(crate) tables: Vec<u32>,
+    /// Where the albedos of GGX surfaces start in the tables.
+    pub(crate) ggx_table: usize,
 }
 
 /// What is negligible, in pixels: small against the half pixel by which an edge may be off unnoticed.
@@ -119,7 +182,7 @@ impl Prepared {
             tolerance,
             forward: forward.into(),
             rounding: ROUNDING,
-            sky: scene.sky,
+            medium: medium_at(scene, camera.position),
             step_factor: 1.0 / scene.field.lipschitz(),
             bounds_min: bounds.min.map(|v| limited(v, -margin)),
             far: FAR_SIZES * (radius + position.distance(centre)),
@@ -129,7 +192,12 @@ impl Prepared {
             height,
             bounces: settings.bounces,
             seed: settings.seed,
+            clamp: f32::INFINITY,
+            sun_count: lights.iter().filter(|light| light.is_sun()).count() as u32,
+            sampler: 0,
+            padding: 0,
         };
+        let sky = Sky::new(scene);
         let light_of_leaf: HashMap<u32, u32> =
             (0..).zip(&lights).filter_map(|(index, light)| Some((light.emitting_leaf()?, index))).collect();
         let direct: Vec<u32> = scene.field.direct_leaves().collect();
@@ -145,18 +213,31 @@ impl Prepared {
             flags: flags(index, leaf.shape.info().sheet),
         };
         let leaves = scene.field.leaves().iter().enumerate().map(record).collect();
-        let materials = scene
-            .materials
-            .iter()
-            .map(|material| MaterialRecord {
-                albedo: material.albedo(),
-                emits: u32::from(material.emits()),
-                emission: material.emission(),
-                padding: 0,
-            })
-            .collect();
-        Self { frame, field: scene.field.clone(), leaves, materials, lights }
+        let materials: Vec<_> = scene.materials.iter().map(MaterialRecord::new).collect();
+        let any = |flag: u32| materials.iter().any(|material| material.flags & flag != 0);
+        let features = Features {
+            absorption: materials.iter().any(|material| material.absorption != [0.0; 3]),
+            transmission: any(TRANSMITS),
+            chooses_lobes: scene.materials.iter().any(|material| material.kind.bsdf.is_some_and(|b| b.chooses_lobes)),
+            fast_caustics: false,
+            penumbra: false,
+        };
+        let bsdfs = scene.materials.iter().map(|material| material.kind.bsdf).collect();
+        let mut tables: Vec<u32> = Vec::new();
+        let ggx_table = tables.len();
+        if scene.materials.iter().any(|material| material.kind.name == "principled") {
+            tables.extend(albedo::table().iter().flatten().map(|value| value.to_bits()));
+        }
+        Self { frame, features, field: scene.field.clone(), leaves, materials, bsdfs, lights, sky, tables, ggx_table }
     }
+}
+
+/// What the solids that hold the camera absorb together, per metre.
+fn medium_at(scene: &Scene, p: [f32; 3]) -> [f32; 3] {
+    let p = pathmarch_field::number::Vec3::new(p[0], p[1], p[2]);
+    let holding = scene.objects.iter().zip(scene.field.object_distances(p)).filter(|(_, distance)| *distance < 0.0);
+    let absorption = holding.map(|(object, _)| Vec3::from(scene.materials[object.material].absorption()));
+    absorption.fold(Vec3::ZERO, |sum, absorption| sum + absorption).into()
 }
 
 /// Middle and radius of what of the scene is limited; of the camera's view where nothing is.

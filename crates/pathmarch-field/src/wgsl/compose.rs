@@ -165,13 +165,13 @@ impl Composer<'_> {
 
     fn distance(&self) -> String {
         let mut text = String::from(
-            "/// Signed distance from `p` to the nearest surface that must be marched, metres.\n\
+            "/// Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.\n\
              fn marched_distance(p: vec3f) -> f32 {\n    var nearest = 1e30;\n",
         );
         let mut counter = 0;
         for object in self.field.objects().iter().filter(|object| self.field.direct(object).is_none()) {
             let value = self.tree_distance(object, &mut text, &mut counter);
-            writeln!(text, "    nearest = min(nearest, {value});").expect("writing to a string");
+            writeln!(text, "    nearest = min(nearest, abs({value}));").expect("writing to a string");
         }
         text + "    return nearest;\n}\n"
     }
@@ -232,7 +232,7 @@ impl Composer<'_> {
 
     fn surface(&self) -> String {
         let mut text = String::from(
-            "/// The nearest surface from `p`: distance, gradient, and the leaf whose material shows.\n\
+            "/// The nearest surface of an object from `p`: its signed distance, gradient, and the leaf whose material shows.\n\
              fn surface(p: vec3f, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
         );
         let mut counter = 0;
@@ -240,7 +240,7 @@ impl Composer<'_> {
             let (value, leaf) = self.tree_surface(object, &mut text, &mut counter);
             writeln!(
                 text,
-                "    if {value}.w < nearest.w {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
+                "    if abs({value}.w) < abs(nearest.w) {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
             )
             .expect("writing to a string");
         }

@@ -5,10 +5,10 @@
 //! [`TARGET`], which keeps displays alive on weak adapters and strong ones busy. Two submissions are in flight.
 
 use super::Device;
+use super::kernel::kernel;
 use crate::error::RenderError;
 use crate::film::Film;
 use crate::frame::Prepared;
-use crate::transport;
 use bytemuck::{Pod, Zeroable};
 use pathmarch_field::wgsl::{MAX_UNIFORM_VECTORS, Program};
 use std::collections::VecDeque;
@@ -53,19 +53,6 @@ pub(crate) struct GpuJob {
     pub(crate) compile_time: Duration,
 }
 
-/// The whole kernel of a scene.
-pub(crate) fn kernel(program: &Program) -> String {
-    let count = program.parameters.len();
-    let space = if count <= MAX_UNIFORM_VECTORS { "uniform" } else { "storage, read" };
-    let mut code =
-        format!("@group(0) @binding(2) var<{space}> field_parameters: array<vec4f, {count}>;\n\n{}", program.code);
-    for part in transport::KERNEL {
-        code.push('\n');
-        code.push_str(part);
-    }
-    code
-}
-
 impl GpuJob {
     pub(crate) fn new(device: Arc<Device>, prepared: &Prepared, first_sample: u32) -> Result<Self, RenderError> {
         let frame = &prepared.frame;
@@ -92,7 +79,7 @@ impl GpuJob {
         let layout = bind_group_layout(gpu, uniform_parameters);
         let descriptor = wgpu::ShaderModuleDescriptor {
             label: Some("trace"),
-            source: wgpu::ShaderSource::Wgsl(kernel(&program).into()),
+            source: wgpu::ShaderSource::Wgsl(kernel(prepared, &program).into()),
         };
         // SAFETY: every loop of the kernel counts to a constant or to `bounces`, lights or iterations checked on the CPU,
         // and every index comes from tables built together with it; no text of a user is in it.
@@ -135,6 +122,7 @@ impl GpuJob {
             constant("leaves", bytemuck::cast_slice(&prepared.leaves), storage),
             constant("materials", bytemuck::cast_slice(&prepared.materials), storage),
             constant("lights", bytemuck::cast_slice(&prepared.lights), storage),
+            constant("tables", bytemuck::cast_slice(&prepared.tables), storage),
         ];
         let slice = wgpu::BufferBinding { buffer: &slices, offset: 0, size: wgpu::BufferSize::new(16) };
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
@@ -149,6 +137,7 @@ impl GpuJob {
                 entry(4, buffers[3].as_entire_binding()),
                 entry(5, buffers[4].as_entire_binding()),
                 entry(6, film.as_entire_binding()),
+                entry(7, buffers[5].as_entire_binding()),
             ],
         });
         for scope in [memory, validation] {
@@ -319,6 +308,7 @@ fn bind_group_layout(gpu: &wgpu::Device, uniform_parameters: bool) -> wgpu::Bind
             entry(4, table, false),
             entry(5, table, false),
             entry(6, film, false),
+            entry(7, table, false),
         ],
     })
 }

@@ -2,6 +2,7 @@
 
 mod device;
 mod job;
+mod kernel;
 
 pub(crate) use device::Device;
 pub use device::{AdapterDescription, adapters};

@@ -8,7 +8,9 @@
 //! ray then meets it or not. The same lights are found by scattered rays; both are weighed by the power heuristic (Veach
 //! and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
-use super::diffuse::basis;
+use super::basis::basis;
+use super::sky::EnvironmentSample;
+use crate::frame::Prepared;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use pathmarch_field::{Emitter, Field};
@@ -36,7 +38,8 @@ pub(crate) struct LightRecord {
     extent: f32,
     /// Half edges along the local axes; of a sheet, y is the unit vector it faces.
     x: [f32; 3],
-    padding_x: u32,
+    /// Sharpness of shadows from near misses; 0 for shadows as they are.
+    penumbra: f32,
     y: [f32; 3],
     padding_y: u32,
     z: [f32; 3],
@@ -46,7 +49,12 @@ pub(crate) struct LightRecord {
 impl LightRecord {
     /// The leaf of the field that emits, for a light that is one.
     pub(crate) fn emitting_leaf(&self) -> Option<u32> {
-        (self.kind > SUN).then_some(self.leaf)
+        (self.kind > SUN && self.kind != ENVIRONMENT).then_some(self.leaf)
+    }
+
+    /// Whether it is a sun.
+    pub(crate) fn is_sun(&self) -> bool {
+        self.kind == SUN
     }
 }
 
@@ -58,6 +66,8 @@ const DISC: u32 = 4;
 const BOX: u32 = 5;
 /// Somewhere in a bounding sphere.
 const BOUNDED: u32 = 6;
+/// The sky's picture.
+const ENVIRONMENT: u32 = 7;
 
 /// Light that arrives at a point if nothing is in its way.
 pub(crate) struct LightSample {
@@ -71,6 +81,10 @@ pub(crate) struct LightSample {
     pub(crate) pdf: f32,
     /// The leaf that the ray must meet, for a light that it may miss.
     pub(crate) target: Option<u32>,
+    /// Sharpness of shadows from near misses; 0 for shadows as they are.
+    pub(crate) penumbra: f32,
+    /// How much the sample counts where paths find the light, too.
+    pub(crate) weight: f32,
 }
 
 /// 1 - cos(angle/2) of an apparent diameter in degrees, without cancellation.
@@ -196,7 +210,8 @@ fn build_alias_table(records: &mut [LightRecord], weights: &[f32]) {
 }
 
 /// Chooses a light with `choice` and a point on it with `position`, as seen from `p`.
-pub(crate) fn sample(records: &[LightRecord], p: Vec3, choice: f32, position: [f32; 2]) -> Option<LightSample> {
+pub(crate) fn sample(prepared: &Prepared, p: Vec3, choice: f32, position: [f32; 2]) -> Option<LightSample> {
+    let records = &prepared.lights;
     let cell = choice * records.len() as f32;
     let mut index = (cell as usize).min(records.len().checked_sub(1)?);
     if cell - index as f32 >= records[index].threshold {
@@ -205,19 +220,26 @@ pub(crate) fn sample(records: &[LightRecord], p: Vec3, choice: f32, position: [f
     let light = &records[index];
     let place = Vec3::from(light.place);
     let power = Vec3::from(light.power) / light.probability;
-    let delta =
-        |direction, distance, irradiance| Some(LightSample { direction, distance, irradiance, pdf: 0.0, target: None });
+    let sample = |direction, distance, irradiance, pdf, target| {
+        let pdf = pdf * light.probability;
+        Some(LightSample { direction, distance, irradiance, pdf, target, penumbra: light.penumbra, weight: 1.0 })
+    };
     match light.kind {
         POINT => {
             let offset = place - p;
             let square = offset.length_squared();
             let distance = square.sqrt();
-            delta(offset / distance, distance, power / square)
+            sample(offset / distance, distance, power / square, 0.0, None)
         }
         SUN => {
             let direction = cone_direction(place, light.extent, position);
             // Radiance times the solid angle: the irradiance over the mean cosine of the disc's directions.
-            delta(direction, f32::INFINITY, power * (2.0 / (2.0 - light.extent)))
+            let pdf = if light.extent > 0.0 { 1.0 / (TAU * light.extent) } else { 0.0 };
+            sample(direction, f32::INFINITY, power * (2.0 / (2.0 - light.extent)), pdf, None)
+        }
+        ENVIRONMENT => {
+            let EnvironmentSample { direction, radiance, pdf } = prepared.sky.sample(position)?;
+            sample(direction, f32::INFINITY, radiance / (pdf * light.probability), pdf, None)
         }
         SPHERE | BOUNDED => {
             let offset = place - p;
@@ -229,13 +251,7 @@ pub(crate) fn sample(records: &[LightRecord], p: Vec3, choice: f32, position: [f
             } else {
                 (sphere_entry(offset, direction, light.extent), None)
             };
-            Some(LightSample {
-                direction,
-                distance: distance * SHORT_OF_LIGHT,
-                irradiance: power / pdf,
-                pdf: pdf * light.probability,
-                target,
-            })
+            sample(direction, distance * SHORT_OF_LIGHT, power / pdf, pdf, target)
         }
         _ => {
             let (point, normal, area) = point_on(light, p, position);
@@ -248,13 +264,7 @@ pub(crate) fn sample(records: &[LightRecord], p: Vec3, choice: f32, position: [f
                 return None;
             }
             let pdf = square / (area * cosine);
-            Some(LightSample {
-                direction,
-                distance: distance * SHORT_OF_LIGHT,
-                irradiance: power / pdf,
-                pdf: pdf * light.probability,
-                target: None,
-            })
+            sample(direction, distance * SHORT_OF_LIGHT, power / pdf, pdf, None)
         }
     }
 }
@@ -274,8 +284,7 @@ fn cone_direction(axis: Vec3, open: f32, position: [f32; 2]) -> Vec3 {
     let below = open * position[0];
     let sine = (below * (2.0 - below)).max(0.0).sqrt();
     let (s, c) = (TAU * position[1]).sin_cos();
-    let (tangent, bitangent) = basis(axis);
-    (tangent * (sine * c) + bitangent * (sine * s) + axis * (1.0 - below)).normalize()
+    (basis(axis) * Vec3::new(sine * c, sine * s, 1.0 - below)).normalize()
 }
 
 /// Metres to where a ray that meets it meets a sphere whose middle is at `offset`.
@@ -356,19 +365,26 @@ pub(crate) fn pdf(light: &LightRecord, p: Vec3, t: f32, cosine: f32) -> f32 {
 }
 
 /// The power heuristic: how much a sample of density `a` counts where another strategy has density `b`.
-pub(crate) fn weight(a: f32, b: f32) -> f32 {
+pub(crate) fn heuristic(a: f32, b: f32) -> f32 {
     let ratio = b / a.max(1e-30);
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// Radiance of the suns' discs in a direction, for rays that see them.
-pub(crate) fn sun_radiance(records: &[LightRecord], direction: Vec3) -> Vec3 {
+/// Weight of light that a ray of this density found, where lights are sampled with the other.
+pub(crate) fn found_weight(scatter_pdf: f32, light_pdf: f32) -> f32 {
+    if scatter_pdf > 0.0 { heuristic(scatter_pdf, light_pdf) } else { 1.0 }
+}
+
+/// Radiance of the suns' discs in the direction of a ray of this density, weighed.
+pub(crate) fn suns_found(prepared: &Prepared, direction: Vec3, scatter_pdf: f32) -> Vec3 {
     let mut radiance = Vec3::ZERO;
-    for light in records.iter().filter(|light| light.kind == SUN && light.extent > 0.0) {
+    for light in &prepared.lights[..prepared.frame.sun_count as usize] {
+        let x = light.extent;
         // |a - b|²/2 = 1 - cosine of the angle between unit vectors, without cancellation.
-        if 0.5 * (direction - Vec3::from(light.place)).length_squared() < light.extent {
+        if 0.5 * (direction - Vec3::from(light.place)).length_squared() < x {
+            let weight = found_weight(scatter_pdf, light.probability / (TAU * x));
             // Irradiance / (π sin²) of the disc facing a surface: sin² = x(2 - x).
-            radiance += Vec3::from(light.power) / (PI * light.extent * (2.0 - light.extent));
+            radiance += Vec3::from(light.power) * (weight / (PI * x * (2.0 - x)));
         }
     }
     radiance
@@ -379,9 +395,10 @@ mod tests {
     use super::super::random::Random;
     use super::*;
 
-    fn scene(lights: &str) -> Scene {
+    fn prepared(lights: &str) -> Prepared {
         let text = format!("pathmarch 1\ncamera {{ position 0 0 4; target 0 0 0 }}\n{lights}");
-        Scene::parse("test.kdl", &text).expect("a valid scene")
+        let scene = Scene::parse("test.kdl", &text).expect("a valid scene");
+        Prepared::new(&scene, &crate::Settings::of(&scene))
     }
 
     /// Every kind of surface that emits, seen from near, far, aside and within.
@@ -389,17 +406,16 @@ mod tests {
     fn a_lights_density_is_the_one_it_is_sampled_with() {
         let shapes = ["sphere 0.5", "rect 1 0.6", "disc 0.4", "box 0.5 0.8 0.3", "torus 0.4 0.1"];
         for shape in shapes {
-            let scene = scene(&format!(
+            let scene = prepared(&format!(
                 "material \"lamp\" {{ emit 1 }}\nobject \"lamp\" material=\"lamp\" {{ {shape} {{ rotate 20 30 40; scale 1.3; at 0.2 0.1 0 }} }}"
             ));
-            let records = records(&scene, Vec3::ZERO, 1.0);
-            let [light] = records.as_slice() else { panic!("one light") };
+            let [light] = scene.lights.as_slice() else { panic!("one light") };
             for p in [Vec3::new(0.0, 2.0, 0.3), Vec3::new(-1.0, 0.4, 0.9), Vec3::new(20.0, 30.0, 1.0)] {
                 let mut weight = 0.0;
                 let n = 4000;
                 for k in 0..n {
                     let u = Random::new(0, 0, k, 1).pair(0);
-                    let Some(sample) = sample(&records, p, 0.5, u) else { continue };
+                    let Some(sample) = sample(&scene, p, 0.5, u) else { continue };
                     let direction =
                         pathmarch_field::number::Vec3::new(sample.direction.x, sample.direction.y, sample.direction.z);
                     let origin = pathmarch_field::number::Vec3::new(p.x, p.y, p.z);
@@ -434,12 +450,14 @@ mod tests {
     #[test]
     fn lights_are_chosen_by_their_power() {
         let points = [1.0, 2.0, 5.0, 0.0, 12.0].map(|i| format!("point {{ at 0 10 0; intensity {i} }}\n"));
-        let records = records(&scene(&points.concat()), Vec3::ZERO, 1.0);
+        let prepared = prepared(&points.concat());
+        let records = &prepared.lights;
         assert_eq!(records.len(), 4, "a light without power is left out");
         let mut counts = [0.0f32; 4];
         let n = 20_000;
         for k in 0..n {
-            let sample = sample(&records, Vec3::ZERO, (k as f32 + 0.5) / n as f32, [0.5; 2]).expect("there are lights");
+            let sample =
+                sample(&prepared, Vec3::ZERO, (k as f32 + 0.5) / n as f32, [0.5; 2]).expect("there are lights");
             // Every choice gives the same product of power over probability.
             assert!((sample.irradiance.x * 100.0 - 20.0).abs() < 1e-3);
             let cell = (k as f32 + 0.5) / n as f32 * 4.0;
@@ -455,13 +473,15 @@ mod tests {
 
     #[test]
     fn the_suns_disc_integrates_to_its_irradiance() {
-        let records = records(&scene("sun { direction 0 1 0; irradiance 3; angle 10 }"), Vec3::ZERO, 1.0);
+        let prepared = prepared("sun { direction 0 1 0; irradiance 3; angle 10 }");
         // Cosine-distributed directions: the mean of π L estimates the irradiance.
         let n = 400_000;
         let mut sum = 0.0;
         for k in 0..n {
-            let u = super::super::random::Random::new(0, 0, k, 1).pair(0);
-            sum += PI * sun_radiance(&records, super::super::diffuse::cosine_direction(Vec3::Y, u)).x / n as f32;
+            let [u, v] = Random::new(0, 0, k, 1).pair(0);
+            let (sine, cosine) = (TAU * v).sin_cos();
+            let direction = Vec3::new(u.sqrt() * sine, (1.0 - u).sqrt(), u.sqrt() * cosine);
+            sum += PI * suns_found(&prepared, direction, 0.0).x / n as f32;
         }
         assert!((sum - 3.0).abs() < 0.05, "{sum}");
     }

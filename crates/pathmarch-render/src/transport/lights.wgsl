@@ -10,6 +10,8 @@ struct Light {
     leaf: u32,
     extent: f32,
     x: vec3f,
+    /// Sharpness of shadows from near misses; 0 for shadows as they are.
+    penumbra: f32,
     y: vec3f,
     z: vec3f,
 }
@@ -21,6 +23,7 @@ struct LightSample {
     pdf: f32,
     /// The leaf that the ray must meet, or NO_TARGET.
     target_leaf: u32,
+    penumbra: f32,
 }
 
 const POINT = 0u;
@@ -30,6 +33,7 @@ const RECT = 3u;
 const DISC = 4u;
 const BOX = 5u;
 const BOUNDED = 6u;
+const ENVIRONMENT = 7u;
 
 const NO_TARGET = 0xffffffffu;
 /// A distance beyond every scene, for lights at infinity.
@@ -50,11 +54,19 @@ fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
     let square = dot(offset, offset);
     if light.kind == POINT {
         let distance = sqrt(square);
-        return LightSample(offset / distance, distance, power / square, 0.0, NO_TARGET);
+        return LightSample(offset / distance, distance, power / square, 0.0, NO_TARGET, light.penumbra);
     }
     if light.kind == SUN {
         let direction = cone_direction(light.place, light.extent, position);
-        return LightSample(direction, AT_INFINITY, power * (2.0 / (2.0 - light.extent)), 0.0, NO_TARGET);
+        let pdf = select(0.0, light.probability / (6.2831853 * light.extent), light.extent > 0.0);
+        return LightSample(direction, AT_INFINITY, power * (2.0 / (2.0 - light.extent)), pdf, NO_TARGET, light.penumbra);
+    }
+    if light.kind == ENVIRONMENT {
+        let sample = environment_sample(position);
+        return LightSample(
+            sample.direction, AT_INFINITY, sample.radiance / (sample.pdf * light.probability),
+            sample.pdf * light.probability, NO_TARGET, 0.0,
+        );
     }
     if light.kind == SPHERE || light.kind == BOUNDED {
         let open = cone_of_sphere(square, light.extent);
@@ -67,7 +79,7 @@ fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
             distance = sphere_entry(offset, direction, light.extent) * SHORT_OF_LIGHT;
             leaf = NO_TARGET;
         }
-        return LightSample(direction, distance, power / pdf, pdf * light.probability, leaf);
+        return LightSample(direction, distance, power / pdf, pdf * light.probability, leaf, 0.0);
     }
     return area_sample(light, p, power, position);
 }
@@ -145,10 +157,10 @@ fn area_sample(light: Light, p: vec3f, power: vec3f, position: vec2f) -> LightSa
     let toward = -dot(normal, direction);
     let cosine = select(toward, abs(toward), light.kind == BOX);
     if cosine <= 0.0 {
-        return LightSample(direction, 0.0, vec3f(0.0), 0.0, NO_TARGET);
+        return LightSample(direction, 0.0, vec3f(0.0), 0.0, NO_TARGET, 0.0);
     }
     let pdf = square / (area * cosine);
-    return LightSample(direction, distance * SHORT_OF_LIGHT, power / pdf, pdf * light.probability, NO_TARGET);
+    return LightSample(direction, distance * SHORT_OF_LIGHT, power / pdf, pdf * light.probability, NO_TARGET, 0.0);
 }
 
 /// Area of a face of a box across each axis, zero where none is seen from `p`, and of all that are seen.
@@ -188,15 +200,21 @@ fn heuristic(a: f32, b: f32) -> f32 {
     return 1.0 / (1.0 + ratio * ratio);
 }
 
-/// Radiance of the suns' discs in a direction, for rays that see them.
-fn sun_radiance(direction: vec3f) -> vec3f {
+/// Radiance of the suns' discs in the direction of a ray of this density, weighed.
+fn suns_beyond(direction: vec3f, scatter_pdf: f32) -> vec3f {
     var radiance = vec3f(0.0);
-    for (var k = 0u; k < frame.light_count; k++) {
+    for (var k = 0u; k < frame.sun_count; k++) {
         let x = lights[k].extent;
         let offset = direction - lights[k].place;
-        if lights[k].kind == SUN && 0.5 * dot(offset, offset) < x {
-            radiance += lights[k].power / (3.14159265 * x * (2.0 - x));
+        if 0.5 * dot(offset, offset) < x {
+            let weight = found_weight(scatter_pdf, lights[k].probability / (6.2831853 * x));
+            radiance += lights[k].power * (weight / (3.14159265 * x * (2.0 - x)));
         }
     }
     return radiance;
+}
+
+/// Weight of light that a ray of this density found, where lights are sampled with the other.
+fn found_weight(scatter_pdf: f32, light_pdf: f32) -> f32 {
+    return select(1.0, heuristic(scatter_pdf, light_pdf), scatter_pdf > 0.0);
 }

@@ -139,7 +139,7 @@ pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<
         // March until some lane ends.
         let (ended, was_hit) = loop {
             let p = FieldVec3::new(ox + dx * t, oy + dy * t, oz + dz * t);
-            let distance = field.marched_distance(p).abs() * factor;
+            let distance = field.marched_distance(p) * factor;
             let extent = p.x.abs().fast_max(p.y.abs().fast_max(p.z.abs()));
             let tolerance = (coefficient * (before + t)).fast_max(precision * extent);
             let hit = distance.simd_lt(tolerance);

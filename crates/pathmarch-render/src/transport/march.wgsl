@@ -36,7 +36,7 @@ fn march(ray: Ray, before: f32, limit: f32) -> f32 {
     var distance = 0.0;
     for (var step = 0u; step < MAX_STEPS; step++) {
         let p = ray.origin + ray.direction * t;
-        distance = abs(marched_distance(p)) * frame.step_factor;
+        distance = marched_distance(p) * frame.step_factor;
         if distance < tolerance(p, before + t) {
             return t;
         }

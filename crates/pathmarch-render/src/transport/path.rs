@@ -1,45 +1,65 @@
 //! The estimator: unidirectional path tracing with next-event estimation (Kajiya 1986; Carvalho 2020, chapter 4).
 //!
-//! A path scatters at most `bounces + 1` times, the first time at the surface the camera sees. At every surface the
-//! light of points, suns and emitting surfaces is sampled; the path finds the latter, too, and both ways are weighed by
-//! multiple importance sampling. The sky is found by the path itself. Beyond the
-//! fourth bounce a path goes on with the probability of its throughput (Russian roulette; Arvo and Kirk 1990). Unbiased
-//! but for the march's tolerance, a tenth of a pixel.
+//! A path scatters at most `bounces + 1` times, the first time at the surface the camera sees. At every surface that
+//! scatters in more than single directions a light is sampled: points, suns, emitting surfaces, the environment. The path
+//! finds all of these but points, too, and both ways are weighed by multiple importance sampling. A constant or gradient
+//! sky is found by the path alone. Beyond the fourth bounce a path goes on with the probability of its throughput (Russian
+//! roulette; Arvo and Kirk 1990). Unbiased but for the march's tolerance, a tenth of a pixel, unless `clamp`,
+//! `caustics "fast"` or a `penumbra` is set.
+//!
+//! Clear solids: a surface that transmits starts the path on its other side. What the medium absorbs is added where a path
+//! enters a solid and taken off where it leaves it, so that solids may lie in one another.
 //!
 //! Here the paths of a tile go side by side, one surface at a time: march all, shade each, march all shadow rays.
 
+use super::basis::basis;
 use super::camera::{Ray, camera_ray};
-use super::diffuse::cosine_direction;
 use super::lights;
 use super::march::{March, START_OFFSET, direct_tolerance, march, tolerance};
 use super::random::{Random, pair};
-use crate::frame::{DIRECT, LIGHT_SHIFT, Prepared, SHEET};
+use super::shadow::{self, Connection};
+use crate::frame::{DELTA, DIRECT, EMITS, LIGHT_SHIFT, Prepared, SHEET, TRANSMITS};
 use glam::Vec3;
 use pathmarch_field::graph::Surface;
 use pathmarch_field::number::Vec3 as FieldVec3;
-use std::f32::consts::PI;
 use wide::f32x8;
 
 struct Path {
     slot: usize,
     random: Random,
     ray: Ray,
+    /// Where the lights of the last surface were seen from.
+    reference: Vec3,
     throughput: Vec3,
     length: f32,
     /// Length of the last ray.
     last: f32,
-    /// Density of the ray's direction over solid angle.
+    /// Density of the ray's direction over solid angle; 0 for a single direction.
     scatter_pdf: f32,
+    /// What the medium that the path is in absorbs, per metre.
+    medium: Vec3,
+    /// Whether the path went straight through clear glass, as shadow rays do, since it last sampled a light.
+    passing: bool,
+    /// Square of the refractive index where the path is.
+    index_square: f32,
 }
 
-/// Light on its way from a source that may be hidden.
-struct Connection {
-    slot: usize,
-    radiance: Vec3,
-    march: March,
-    /// The leaf that the ray must meet, for a light that it may miss.
-    target: Option<u32>,
-    seed: u32,
+/// What a medium leaves of light over a length.
+pub(super) fn left_after(medium: Vec3, length: f32) -> Vec3 {
+    (-medium * length.min(1e9)).exp()
+}
+
+/// The medium beyond a surface that the path passes.
+pub(super) fn medium_beyond(medium: Vec3, absorption: Vec3, inside: bool) -> Vec3 {
+    (if inside { medium - absorption } else { medium + absorption }).max(Vec3::ZERO)
+}
+
+/// A light's contribution, within the limit that is set.
+fn limited(prepared: &Prepared, contribution: Vec3, surface_index: u32) -> Vec3 {
+    if surface_index == 0 {
+        return contribution;
+    }
+    contribution * (prepared.frame.clamp / contribution.max_element().max(1e-30)).min(1.0)
 }
 
 /// The radiance of one sample of each of these pixels.
@@ -51,14 +71,19 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
         .enumerate()
         .map(|(slot, &(x, y))| {
             let random = Random::new(x, y, sample, frame.seed);
+            let ray = camera_ray(frame, x, y, random);
             Path {
                 slot,
                 random,
-                ray: camera_ray(frame, x, y, random),
+                ray,
+                reference: ray.origin,
                 throughput: Vec3::ONE,
                 length: 0.0,
                 last: 0.0,
                 scatter_pdf: 0.0,
+                medium: Vec3::from(frame.medium),
+                passing: false,
+                index_square: 1.0,
             }
         })
         .collect();
@@ -71,6 +96,9 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
         let hits = march(&prepared.field, frame, &marches);
         let mut reached = Vec::with_capacity(paths.len());
         for (mut path, hit) in paths.into_iter().zip(hits) {
+            if prepared.features.absorption {
+                path.throughput *= left_after(path.medium, hit.unwrap_or(f32::INFINITY));
+            }
             match hit {
                 Some(t) => {
                     path.length += t;
@@ -79,11 +107,8 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
                     reached.push(path);
                 }
                 None => {
-                    let mut beyond = Vec3::from(frame.sky);
-                    if surface_index == 0 {
-                        beyond += lights::sun_radiance(&prepared.lights, path.ray.direction);
-                    }
-                    radiance[path.slot] += path.throughput * beyond;
+                    let contribution = path.throughput * beyond(prepared, &path);
+                    radiance[path.slot] += limited(prepared, contribution, surface_index);
                 }
             }
         }
@@ -96,26 +121,20 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
                 shade(prepared, path, &surface, surface_index, &mut radiance, &mut connections)
             })
             .collect();
-        let shadows: Vec<March> = connections.iter().map(|connection| connection.march).collect();
-        for (connection, blocked) in connections.iter().zip(march(&prepared.field, frame, &shadows)) {
-            if shines(prepared, connection, blocked) {
-                radiance[connection.slot] += connection.radiance;
-            }
+        for (slot, arriving) in shadow::arriving(prepared, connections) {
+            radiance[slot] += limited(prepared, arriving, surface_index);
         }
     }
     radiance
 }
 
-/// Whether light arrives along a shadow ray that met something after `obstacle` metres, or nothing.
-fn shines(prepared: &Prepared, connection: &Connection, obstacle: Option<f32>) -> bool {
-    let (Some(target), Some(t)) = (connection.target, obstacle) else {
-        return connection.target.is_none() && obstacle.is_none();
-    };
-    let Ray { origin, direction } = connection.march.ray;
-    let p = origin + direction * t;
-    let met = prepared.field.surface(FieldVec3::new(p.x, p.y, p.z), connection.seed);
-    let leaf = &prepared.leaves[met.leaf as usize];
-    met.leaf as u32 == target && (leaf.flags & SHEET == 0 || direction.dot(Vec3::from(leaf.facing)) < 0.0)
+/// Radiance from beyond the scene, weighed where it is sampled as a light, too.
+fn beyond(prepared: &Prepared, path: &Path) -> Vec3 {
+    let direction = path.ray.direction;
+    if path.passing {
+        return prepared.sky.not_sampled(direction);
+    }
+    prepared.sky.found(direction, path.scatter_pdf) + lights::suns_found(prepared, direction, path.scatter_pdf)
 }
 
 struct Near {
@@ -168,55 +187,84 @@ fn shade(
     let inside = if on_surface { outward.dot(path.ray.direction) > 0.0 } else { near.distance < 0.0 };
     let normal = if inside { -outward } else { outward };
     let material = &prepared.materials[leaf.material as usize];
-    if material.emits != 0 {
-        if leaf.flags & SHEET == 0 || normal.dot(Vec3::from(leaf.facing)) > 0.0 {
+    if material.flags & EMITS != 0 {
+        if (leaf.flags & SHEET == 0 || normal.dot(Vec3::from(leaf.facing)) > 0.0) && !path.passing {
             let light = leaf.flags >> LIGHT_SHIFT;
             let mut weight = 1.0;
-            if surface_index > 0 && light > 0 {
-                let from = reached - path.ray.direction * path.last;
+            if path.scatter_pdf > 0.0 && light > 0 {
                 let cosine = normal.dot(path.ray.direction).abs();
-                let light_pdf = lights::pdf(&prepared.lights[light as usize - 1], from, path.last, cosine);
-                weight = lights::weight(path.scatter_pdf, light_pdf);
+                let distance = path.reference.distance(reached);
+                let light_pdf = lights::pdf(&prepared.lights[light as usize - 1], path.reference, distance, cosine);
+                weight = lights::heuristic(path.scatter_pdf, light_pdf);
             }
-            radiance[path.slot] += path.throughput * Vec3::from(material.emission) * weight;
+            let contribution = path.throughput * Vec3::from(material.emission) * weight;
+            radiance[path.slot] += limited(prepared, contribution, surface_index);
         }
         return None;
     }
     if surface_index > frame.bounces {
         return None;
     }
+    let bsdf = prepared.bsdfs[leaf.material as usize]?;
     let p = reached - outward * (near.distance / steepness);
-    let start = START_OFFSET * if is_direct { off } else { tolerance(frame, p, path.length) };
-    let origin = p + normal * start;
+    let away = normal * (START_OFFSET * if is_direct { off } else { tolerance(frame, p, path.length) });
+    let world_from_local = basis(normal);
+    let local_from_world = world_from_local.transpose();
+    let back = local_from_world * -path.ray.direction;
+    let wo = back.with_z(back.z.max(1e-5));
+    let transmits = material.flags & TRANSMITS != 0;
+    let beyond = medium_beyond(path.medium, Vec3::from(material.absorption), inside);
     let pairs = pair::SURFACE + pair::PER_SURFACE * surface_index;
     let [choose_light, go_on] = path.random.pair(pairs + pair::CHOICE);
-    let albedo = Vec3::from(material.albedo);
-    if let Some(light) = lights::sample(&prepared.lights, origin, choose_light, path.random.pair(pairs + pair::LIGHT)) {
-        let cosine = normal.dot(light.direction);
-        if cosine > 0.0 {
-            let weight = if light.pdf > 0.0 { lights::weight(light.pdf, cosine / PI) } else { 1.0 };
-            connections.push(Connection {
-                slot: path.slot,
-                radiance: path.throughput * albedo * light.irradiance * (weight * cosine / PI),
-                target: light.target,
-                seed: path.random.loose(surface_index),
-                march: March {
-                    ray: Ray { origin, direction: light.direction },
-                    before: path.length,
-                    limit: light.distance,
-                },
-            });
+    let mut reference = path.reference;
+    if material.flags & DELTA == 0 {
+        reference = if transmits { p } else { p + away };
+        let position = path.random.pair(pairs + pair::LIGHT);
+        if let Some(light) = lights::sample(prepared, reference, choose_light, position) {
+            let wi = local_from_world * light.direction;
+            let below = wi.z < 0.0;
+            if wi.z > 0.0 || transmits {
+                let scattering = (bsdf.eval)(&material.numbers, wo, wi, inside);
+                if scattering.value.max_element() > 0.0 {
+                    connections.push(Connection {
+                        slot: path.slot,
+                        radiance: path.throughput * scattering.value * light.irradiance,
+                        scatter_pdf: scattering.pdf,
+                        ray: Ray { origin: p + if below { -away } else { away }, direction: light.direction },
+                        light,
+                        before: path.length,
+                        medium: if below { beyond } else { path.medium },
+                        seed: path.random.loose(surface_index),
+                    });
+                }
+            }
         }
     }
-    let mut throughput = path.throughput * albedo;
+    let [u, v] = path.random.pair(pairs + pair::SCATTER);
+    let [lobe, _] = path.random.pair(pairs + pair::LOBE);
+    let scattered = (bsdf.sample)(&material.numbers, wo, inside, [u, v, lobe])?;
+    let mut throughput = path.throughput * scattered.weight;
+    let index_square = path.index_square * scattered.eta * scattered.eta;
     if surface_index > 4 {
-        let survival = throughput.max_element().min(1.0);
+        let survival = (throughput.max_element() * index_square).min(1.0);
         if go_on >= survival {
             return None;
         }
         throughput /= survival;
     }
-    let direction = cosine_direction(normal, path.random.pair(pairs + pair::SCATTER));
-    let scatter_pdf = normal.dot(direction) / PI;
-    Some(Path { ray: Ray { origin, direction }, throughput, scatter_pdf, ..path })
+    let below = scattered.wi.z < 0.0;
+    let straight = scattered.pdf == 0.0 && below && (path.passing || path.scatter_pdf > 0.0);
+    Some(Path {
+        ray: Ray {
+            origin: p + if below { -away } else { away },
+            direction: (world_from_local * scattered.wi).normalize(),
+        },
+        reference,
+        throughput,
+        scatter_pdf: scattered.pdf,
+        medium: if below { beyond } else { path.medium },
+        passing: prepared.features.fast_caustics && straight,
+        index_square,
+        ..path
+    })
 }

@@ -9,7 +9,8 @@ struct Frame {
     tolerance: f32,
     forward: vec3f,
     rounding: f32,
-    sky: vec3f,
+    /// What the camera stands in absorbs, per metre.
+    medium: vec3f,
     step_factor: f32,
     bounds_min: vec3f,
     far: f32,
@@ -19,6 +20,12 @@ struct Frame {
     height: u32,
     bounces: u32,
     seed: u32,
+    /// The largest contribution after the first hit.
+    clamp: f32,
+    /// Lights that are suns; they come first.
+    sun_count: u32,
+    sampler: u32,
+    padding: u32,
 }
 
 /// Which sample of which rows a dispatch computes.
@@ -46,10 +53,22 @@ const DIRECT = 2u;
 const LIGHT_SHIFT = 2u;
 
 struct Material {
-    albedo: vec3f,
-    emits: u32,
     emission: vec3f,
+    flags: u32,
+    /// What the inside absorbs, per metre.
+    absorption: vec3f,
+    kind: u32,
+    a: vec4f,
+    b: vec4f,
+    c: vec4f,
+    d: vec4f,
 }
+
+const EMITS = 1u;
+/// Scatters in single directions only: no light is sampled there.
+const DELTA = 2u;
+/// Light passes to the other side.
+const TRANSMITS = 4u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> slice: Slice;
@@ -58,37 +77,53 @@ struct Material {
 @group(0) @binding(5) var<storage, read> lights: array<Light>;
 /// Sums of radiance; the fourth number counts samples that were not finite and were left out.
 @group(0) @binding(6) var<storage, read_write> film: array<vec4f>;
+/// Tables of numbers, at the places that the constants of the scene say.
+@group(0) @binding(7) var<storage, read> tables: array<u32>;
 
-/// Whether light arrives along a shadow ray that met something after `obstacle` metres, or nothing.
-fn shines(light: LightSample, ray: Ray, obstacle: f32, seed: u32) -> bool {
-    if light.target_leaf == NO_TARGET {
-        return obstacle < 0.0;
+/// A light's contribution, within the limit that is set.
+fn limited(contribution: vec3f, surface_index: u32) -> vec3f {
+    if surface_index == 0u {
+        return contribution;
     }
-    if obstacle < 0.0 {
-        return false;
-    }
-    let met = surface(ray.origin + ray.direction * obstacle, seed);
-    let leaf = leaves[met.leaf];
-    // A sheet's gradient points to the side it is seen from.
-    return met.leaf == light.target_leaf
-        && ((leaf.flags & SHEET) == 0u || dot(ray.direction, leaf.facing) < 0.0);
+    return contribution * min(frame.clamp / max(largest(contribution), 1e-30), 1.0);
+}
+
+/// What a medium leaves of light over a length.
+fn left_after(medium: vec3f, length: f32) -> vec3f {
+    return exp(-medium * min(length, 1e9));
+}
+
+/// The medium beyond a surface that the path passes.
+fn medium_beyond(medium: vec3f, absorption: vec3f, inside: bool) -> vec3f {
+    return max(select(medium + absorption, medium - absorption, inside), vec3f(0.0));
 }
 
 fn radiance_along(camera: Ray, random: Random) -> vec3f {
     var ray = camera;
+    // Where the lights of the last surface were seen from.
+    var reference = camera.origin;
     var radiance = vec3f(0.0);
     var throughput = vec3f(1.0);
     var path_length = 0.0;
-    // Density of the ray's direction over solid angle.
+    // Density of the ray's direction over solid angle; 0 for a single direction.
     var scatter_pdf = 0.0;
+    var medium = frame.medium;
+    // Whether the path went straight through clear glass, as shadow rays do, since it last sampled a light.
+    var passing = false;
+    // Square of the refractive index where the path is.
+    var index_square = 1.0;
     for (var surface_index = 0u; surface_index <= frame.bounces + 1u; surface_index++) {
         let t = march(ray, path_length, AT_INFINITY);
+        if ABSORPTION {
+            throughput *= left_after(medium, select(t, 1e9, t < 0.0));
+        }
         if t < 0.0 {
-            var beyond = frame.sky;
-            if surface_index == 0u {
-                beyond += sun_radiance(ray.direction);
+            if !(FAST_CAUSTICS && passing) {
+                let beyond = sky_beyond(ray.direction, scatter_pdf) + suns_beyond(ray.direction, scatter_pdf);
+                radiance += limited(throughput * beyond, surface_index);
+            } else {
+                radiance += limited(throughput * sky_not_sampled(ray.direction), surface_index);
             }
-            radiance += throughput * beyond;
             break;
         }
         path_length += t;
@@ -102,16 +137,17 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         let on_surface = (leaf.flags & DIRECT) != 0u || abs(near.distance) <= off + frame.rounding * t;
         let inside = select((near.distance < 0.0), (dot(outward, ray.direction) > 0.0), on_surface);
         let normal = select(outward, -outward, inside);
-        let material = materials[leaf.material];
-        if material.emits != 0u {
-            if (leaf.flags & SHEET) == 0u || dot(normal, leaf.facing) > 0.0 {
+        let m = leaf.material;
+        let flags = materials[m].flags;
+        if (flags & EMITS) != 0u {
+            if ((leaf.flags & SHEET) == 0u || dot(normal, leaf.facing) > 0.0) && !(FAST_CAUSTICS && passing) {
                 let light = leaf.flags >> LIGHT_SHIFT;
                 var weight = 1.0;
-                if surface_index > 0u && light > 0u {
+                if scatter_pdf > 0.0 && light > 0u {
                     let cosine = abs(dot(normal, ray.direction));
-                    weight = heuristic(scatter_pdf, light_pdf(lights[light - 1u], ray.origin, t, cosine));
+                    weight = heuristic(scatter_pdf, light_pdf(lights[light - 1u], reference, distance(reference, reached), cosine));
                 }
-                radiance += throughput * material.emission * weight;
+                radiance += limited(throughput * materials[m].emission * weight, surface_index);
             }
             break;
         }
@@ -119,32 +155,58 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
             break;
         }
         let p = reached - outward * (near.distance / steepness);
-        let start = START_OFFSET * select(tolerance(p, path_length), off, (leaf.flags & DIRECT) != 0u);
-        let origin = p + normal * start;
+        let away = normal * (START_OFFSET * select(tolerance(p, path_length), off, (leaf.flags & DIRECT) != 0u));
+        let world_from_local = basis(normal);
+        let back = -ray.direction * world_from_local;
+        let wo = vec3f(back.xy, max(back.z, 1e-5));
+        let transmits = TRANSMISSION && (flags & TRANSMITS) != 0u;
+        let beyond = medium_beyond(medium, materials[m].absorption, inside);
         let pair = PAIR_SURFACE + PAIRS_PER_SURFACE * surface_index;
         let choice = random_pair(random, pair + PAIR_CHOICE);
-        if frame.light_count > 0u {
-            let light = light_sample(origin, choice.x, random_pair(random, pair + PAIR_LIGHT));
-            let cosine = dot(normal, light.direction);
-            if cosine > 0.0 && light.irradiance.x + light.irradiance.y + light.irradiance.z > 0.0 {
-                let towards = Ray(origin, light.direction);
-                let obstacle = march(towards, path_length, light.distance);
-                if shines(light, towards, obstacle, random_loose(random, surface_index)) {
-                    let weight = select(1.0, heuristic(light.pdf, cosine / 3.14159265), light.pdf > 0.0);
-                    radiance += throughput * material.albedo * light.irradiance * (weight * cosine / 3.14159265);
+        if frame.light_count > 0u && (flags & DELTA) == 0u {
+            reference = select(p + away, p, transmits);
+            let light = light_sample(reference, choice.x, random_pair(random, pair + PAIR_LIGHT));
+            let wi = light.direction * world_from_local;
+            if (wi.z > 0.0 || transmits) && largest(light.irradiance) > 0.0 {
+                let scattering = bsdf_eval(materials[m].kind, m, wo, wi, inside);
+                if largest(scattering.xyz) > 0.0 {
+                    let towards = Ray(p + select(away, -away, wi.z < 0.0), light.direction);
+                    let between = select(medium, beyond, wi.z < 0.0);
+                    let arrives = light_through(towards, path_length, light, scattering.w, between, random_loose(random, surface_index));
+                    radiance += limited(throughput * scattering.xyz * light.irradiance * arrives, surface_index);
                 }
             }
         }
-        throughput *= material.albedo;
+        var u = vec3f(random_pair(random, pair + PAIR_SCATTER), 0.0);
+        if CHOOSES_LOBES {
+            u.z = random_pair(random, pair + PAIR_LOBE).x;
+        }
+        let scattered = bsdf_sample(materials[m].kind, m, wo, inside, u);
+        if scattered.pdf < 0.0 {
+            break;
+        }
+        throughput *= scattered.weight;
+        if TRANSMISSION {
+            index_square *= scattered.eta * scattered.eta;
+        }
         if surface_index > 4u {
-            let survival = min(largest(throughput), 1.0);
+            let survival = min(largest(throughput) * index_square, 1.0);
             if choice.y >= survival {
                 break;
             }
             throughput /= survival;
         }
-        ray = Ray(origin, cosine_direction(normal, random_pair(random, pair + PAIR_SCATTER)));
-        scatter_pdf = dot(normal, ray.direction) / 3.14159265;
+        if TRANSMISSION && scattered.wi.z < 0.0 {
+            ray.origin = p - away;
+            medium = beyond;
+        } else {
+            ray.origin = p + away;
+        }
+        if FAST_CAUSTICS {
+            passing = scattered.pdf == 0.0 && scattered.wi.z < 0.0 && (passing || scatter_pdf > 0.0);
+        }
+        ray.direction = normalize(world_from_local * scattered.wi);
+        scatter_pdf = scattered.pdf;
     }
     return radiance;
 }

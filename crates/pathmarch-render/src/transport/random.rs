@@ -21,8 +21,10 @@ pub(crate) mod pair {
     pub(crate) const CHOICE: u32 = 1;
     /// Position on the light.
     pub(crate) const LIGHT: u32 = 2;
+    /// Choice of the lobe (x).
+    pub(crate) const LOBE: u32 = 3;
     /// Pairs of a surface.
-    pub(crate) const PER_SURFACE: u32 = 3;
+    pub(crate) const PER_SURFACE: u32 = 4;
 }
 
 /// A well-mixed word of a word (PCG output permutation; Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").

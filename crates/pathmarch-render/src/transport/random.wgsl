@@ -6,7 +6,8 @@ const PAIR_SURFACE = 2u;
 const PAIR_SCATTER = 0u;
 const PAIR_CHOICE = 1u;
 const PAIR_LIGHT = 2u;
-const PAIRS_PER_SURFACE = 3u;
+const PAIR_LOBE = 3u;
+const PAIRS_PER_SURFACE = 4u;
 
 struct Random {
     base: u32,

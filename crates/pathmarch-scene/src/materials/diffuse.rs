@@ -1,7 +1,10 @@
 //! Lambert's surface: the same radiance in every direction, whatever the direction of the light (Lambert 1760,
-//! "Photometria"). BRDF albedo / π.
+//! "Photometria"). BRDF albedo / π, sampled by the cosine (Malley's method; Pharr, Jakob and Humphreys, "Physically Based
+//! Rendering", 4th ed. 2023, section A.5.3), so that the weight of a sample is the albedo itself.
 
-use super::{MaterialKind, MaterialParam, ParamKind, black};
+use super::{Bsdf, Eval, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of};
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "diffuse",
@@ -17,4 +20,36 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     }],
     albedo: |values| values[0],
     emission: black,
+    absorption: black,
+    bsdf: Some(&Bsdf {
+        pack: |values| {
+            let [r, g, b] = values[0];
+            let mut numbers = Numbers::default();
+            numbers[..3].copy_from_slice(&[r, g, b]);
+            numbers
+        },
+        is_delta: |_| false,
+        transmits: |_| false,
+        chooses_lobes: false,
+        eval,
+        sample,
+        wgsl: include_str!("diffuse.wgsl"),
+    }),
 };
+
+fn eval(numbers: &Numbers, _wo: Vec3, wi: Vec3, _inside: bool) -> Eval {
+    let pdf = wi.z.max(0.0) / PI;
+    Eval { value: colour_of(numbers) * pdf, pdf }
+}
+
+fn sample(numbers: &Numbers, _wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Option<Scattered> {
+    let wi = cosine_direction([u, v]);
+    Some(Scattered { wi, weight: colour_of(numbers), pdf: wi.z / PI, eta: 1.0 })
+}
+
+/// A direction about z, its density cosine/π over solid angle.
+pub(super) fn cosine_direction([u, v]: [f32; 2]) -> Vec3 {
+    let radius = u.sqrt();
+    let (sine, cosine) = (TAU * v).sin_cos();
+    Vec3::new(radius * cosine, radius * sine, (1.0 - u).max(1e-8).sqrt())
+}

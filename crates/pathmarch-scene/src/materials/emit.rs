@@ -17,4 +17,6 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     }],
     albedo: black,
     emission: |values| values[0],
+    absorption: black,
+    bsdf: None,
 };

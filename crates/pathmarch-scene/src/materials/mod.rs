@@ -1,7 +1,15 @@
 //! What surfaces do with light.
 //!
 //! A material is one file that declares a [`MaterialKind`]: its name, documentation, source and parameters. The name in
-//! the list below is the file and its registration; the parser, the reference page and the tests read [`kinds`].
+//! the list below is the file and its registration; the parser, the reference page, both renderers and the tests read
+//! [`kinds`]. A kind that scatters light brings a [`Bsdf`]: `eval` and `sample` in Rust, and the same in the WGSL file of
+//! its name.
+
+pub mod albedo;
+mod microfacet;
+
+use glam::Vec3;
+pub use microfacet::fresnel;
 
 /// What a parameter of a material holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +52,9 @@ impl MaterialParam {
 /// A colour for each set of parameter values, in the order of [`MaterialKind::params`].
 pub type ColourOf = fn(values: &[[f32; 3]]) -> [f32; 3];
 
+/// The numbers of a material as its scattering functions read them, in Rust and in WGSL (there as the vectors a, b, c, d).
+pub type Numbers = [f32; 16];
+
 /// What a kind of material says of itself.
 #[derive(Debug)]
 pub struct MaterialKind {
@@ -56,15 +67,100 @@ pub struct MaterialKind {
     /// The parameters. The first is written after the kind's own name (`metal 1 0.8 0.3`), the others as nodes beside
     /// it (`roughness 0.2`).
     pub params: &'static [MaterialParam],
-    /// Fraction of light reflected diffusely, 0 to 1.
+    /// The colour of the surface for people and denoisers, 0 to 1.
     pub albedo: ColourOf,
     /// Radiance in every outward direction, W/(m² sr).
     pub emission: ColourOf,
+    /// What its inside absorbs, per metre.
+    pub absorption: ColourOf,
+    /// How it scatters light; `None` for what only emits.
+    pub bsdf: Option<&'static Bsdf>,
 }
 
-/// Black, whatever the values: for a kind that reflects or emits nothing.
+/// How a kind of material scatters light.
+///
+/// Directions are unit vectors in a frame whose z is the normal on the side of `wo`, so that `wo.z` is above 0; both point
+/// away from the surface, `wo` along the path back to the camera. `inside` says that this side is the inside of the solid.
+/// Values are of radiance that travels from `wi` to `wo`.
+pub struct Bsdf {
+    /// The numbers of a set of parameter values.
+    pub pack: fn(values: &[[f32; 3]]) -> Numbers,
+    /// Whether it scatters in single directions only, which [`eval`](Self::eval) never meets.
+    pub is_delta: fn(&Numbers) -> bool,
+    /// Whether light passes to the other side.
+    pub transmits: fn(&Numbers) -> bool,
+    /// Whether [`sample`](Self::sample) uses its third number.
+    pub chooses_lobes: bool,
+    /// The value and density of one direction.
+    pub eval: fn(&Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval,
+    /// A random direction of three uniform numbers in 0..1, the first two of them its position; `None` where the light
+    /// is lost.
+    pub sample: fn(&Numbers, wo: Vec3, inside: bool, random: [f32; 3]) -> Option<Scattered>,
+    /// The same in WGSL: `NAME_eval(m, wo, wi, inside) -> vec4f` (value, density) and
+    /// `NAME_sample(m, wo, inside, random) -> Scattered`, where `m` is the index of the material.
+    pub wgsl: &'static str,
+}
+
+impl std::fmt::Debug for Bsdf {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("Bsdf").finish_non_exhaustive()
+    }
+}
+
+/// WGSL that the scattering functions share: microfacets, and `Scattered` as in Rust.
+pub const SHARED_WGSL: [&str; 2] = [include_str!("scattering.wgsl"), include_str!("microfacet.wgsl")];
+
+/// What scatters from one direction into another.
+#[derive(Clone, Copy, Debug)]
+pub struct Eval {
+    /// BSDF times the cosine of `wi`, 1/sr.
+    pub value: Vec3,
+    /// Density of `wi` in [`Bsdf::sample`], over solid angle, 1/sr.
+    pub pdf: f32,
+}
+
+impl Eval {
+    /// Nothing, and never sampled.
+    pub const NONE: Self = Self { value: Vec3::ZERO, pdf: 0.0 };
+}
+
+/// A direction that light may come from.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattered {
+    /// The direction; below the surface, `wi.z` < 0, where it was refracted.
+    pub wi: Vec3,
+    /// BSDF times cosine over density.
+    pub weight: Vec3,
+    /// Density over solid angle, 1/sr; 0 for one of single directions.
+    pub pdf: f32,
+    /// Refractive index beyond the surface over that before it; 1 where it was reflected.
+    pub eta: f32,
+}
+
+/// The colour in the first three numbers.
+fn colour_of(numbers: &Numbers) -> Vec3 {
+    Vec3::new(numbers[0], numbers[1], numbers[2])
+}
+
+/// Black, whatever the values: for a kind that emits or absorbs nothing.
 fn black(_values: &[[f32; 3]]) -> [f32; 3] {
     [0.0; 3]
+}
+
+/// A parameter from 0 to 1.
+const fn fraction(name: &'static str, default: f32, doc: &'static str) -> MaterialParam {
+    MaterialParam { name, kind: ParamKind::Number, default: [default, 0.0, 0.0], min: 0.0, max: 1.0, doc }
+}
+
+/// The parameter `roughness`.
+const fn roughness(default: f32) -> MaterialParam {
+    fraction("roughness", default, "0 is a mirror, 1 as rough as can be; the microfacets' alpha is its square.")
+}
+
+/// The parameter `ior`.
+const fn ior() -> MaterialParam {
+    let doc = "Refractive index: water 1.33, glass 1.5, diamond 2.42.";
+    MaterialParam { name: "ior", kind: ParamKind::Number, default: [1.5, 0.0, 0.0], min: 1.0, max: 10.0, doc }
 }
 
 macro_rules! materials {
@@ -74,7 +170,7 @@ macro_rules! materials {
     };
 }
 
-materials!(diffuse, emit);
+materials!(diffuse, metal, glass, principled, emit);
 
 /// Every kind of material, in the order of registration.
 pub fn kinds() -> &'static [&'static MaterialKind] {
@@ -106,9 +202,13 @@ impl Material {
     pub fn value(&self, name: &str) -> Option<[f32; 3]> {
         self.kind.params.iter().position(|param| param.name == name).map(|index| self.values[index])
     }
-    /// Fraction of light reflected diffusely, 0 to 1.
+    /// The colour of the surface for people and denoisers, 0 to 1.
     pub fn albedo(&self) -> [f32; 3] {
         (self.kind.albedo)(&self.values)
+    }
+    /// What its inside absorbs, per metre.
+    pub fn absorption(&self) -> [f32; 3] {
+        (self.kind.absorption)(&self.values)
     }
     /// Radiance in every outward direction, W/(m² sr); black for what is no light.
     pub fn emission(&self) -> [f32; 3] {

@@ -1,0 +1,53 @@
+// What of a light's sample arrives. Twin of shadow.rs, which explains it.
+
+/// Clear glass that a shadow ray passes at most.
+const MAX_PASSED = 8u;
+
+/// The share of a sampled light that arrives along a ray, its weight against the density of scattering included.
+fn light_through(start: Ray, before: f32, light: LightSample, scatter_pdf: f32, between: vec3f, seed: u32) -> vec3f {
+    if PENUMBRA && light.penumbra > 0.0 {
+        return vec3f(near_misses(start, light.distance, light.penumbra));
+    }
+    var weight = select(1.0, heuristic(light.pdf, scatter_pdf), light.pdf > 0.0);
+    var passed = vec3f(1.0);
+    var medium = between;
+    var ray = start;
+    var limit = light.distance;
+    for (var k = 0u; k <= select(0u, MAX_PASSED, FAST_CAUSTICS); k++) {
+        let obstacle = march(ray, before, limit);
+        if ABSORPTION {
+            passed *= left_after(medium, select(obstacle, limit, obstacle < 0.0));
+        }
+        if obstacle < 0.0 {
+            return select(vec3f(0.0), passed * weight, light.target_leaf == NO_TARGET);
+        }
+        if light.target_leaf == NO_TARGET && !FAST_CAUSTICS {
+            return vec3f(0.0);
+        }
+        let reached = ray.origin + ray.direction * obstacle;
+        let met = surface(reached, seed);
+        let leaf = leaves[met.leaf];
+        if met.leaf == light.target_leaf {
+            // A sheet's gradient points to the side it is seen from.
+            let seen = (leaf.flags & SHEET) == 0u || dot(ray.direction, leaf.facing) < 0.0;
+            return select(vec3f(0.0), passed * weight, seen);
+        }
+        let m = leaf.material;
+        if !FAST_CAUSTICS || (materials[m].flags & (DELTA | TRANSMITS)) != (DELTA | TRANSMITS) {
+            return vec3f(0.0);
+        }
+        let steepness = max(length(met.gradient), 1e-6);
+        let outward = met.gradient / steepness;
+        let cosine = dot(outward, ray.direction);
+        passed *= materials[m].a.xyz * (1.0 - fresnel(min(abs(cosine), 1.0), materials[m].b.x));
+        medium = medium_beyond(medium, materials[m].absorption, cosine > 0.0);
+        // No path finds this light again.
+        weight = 1.0;
+        let on = reached - outward * (met.distance / steepness);
+        let off = direct_tolerance(reached, leaf.at);
+        let margin = START_OFFSET * select(tolerance(on, before), off, (leaf.flags & DIRECT) != 0u);
+        ray.origin = on + outward * select(-margin, margin, cosine > 0.0);
+        limit -= obstacle;
+    }
+    return vec3f(0.0);
+}

@@ -1,0 +1,73 @@
+//! How much a GGX surface reflects of what falls in from one direction, as a table: what energy-conserving layers and the
+//! light lost between facets are computed from.
+//!
+//! With Schlick's Fresnel factor the directional albedo is linear in both of its ends, E(F0, F90) = F0 a + F90 b, so two
+//! numbers for each cosine and roughness are exact for every colour (Karis 2013, "Real Shading in Unreal Engine 4", stores
+//! the same split). Computed once, when first asked for, in about ten milliseconds.
+
+use super::microfacet::{fifth_power, reflect, stretched, visible_normal};
+use glam::Vec3;
+use std::sync::OnceLock;
+
+/// Rows of the table, over roughness 0 to 1.
+pub const ROUGHNESSES: usize = 32;
+/// Columns of the table, over the square root of the cosine, 0 to 1.
+pub const COSINES: usize = 32;
+/// Along each edge of the grid of sampled normals.
+const SAMPLES: usize = 24;
+
+/// The table of (a, b): row by row of rising roughness, in each the columns of rising cosine.
+pub fn table() -> &'static [[f32; 2]] {
+    static TABLE: OnceLock<Vec<[f32; 2]>> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        let cell = |index: usize| {
+            let root = (index % COSINES) as f32 / (COSINES - 1) as f32;
+            let roughness = (index / COSINES) as f32 / (ROUGHNESSES - 1) as f32;
+            integrate((root * root).max(1e-4), (roughness * roughness).max(super::principled::MIN_ALPHA))
+        };
+        (0..ROUGHNESSES * COSINES).map(cell).collect()
+    })
+}
+
+fn integrate(cosine: f32, alpha: f32) -> [f32; 2] {
+    let wo = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+    let (mut straight, mut grazing) = (0.0, 0.0);
+    for k in 0..SAMPLES * SAMPLES {
+        let at = |k: usize| (k as f32 + 0.5) / SAMPLES as f32;
+        let h = visible_normal(wo, alpha, [at(k % SAMPLES), at(k / SAMPLES)]);
+        let wi = reflect(wo, h);
+        if wi.z > 0.0 {
+            let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
+            let unshadowed = wi.z * (o + wo.z) / (wi.z * o + wo.z * i);
+            let share = fifth_power(1.0 - wo.dot(h));
+            straight += unshadowed * (1.0 - share);
+            grazing += unshadowed * share;
+        }
+    }
+    let count = (SAMPLES * SAMPLES) as f32;
+    [straight / count, grazing / count]
+}
+
+/// (a, b) for a cosine and a roughness, both 0 to 1, between the table's points.
+pub(super) fn lookup(cosine: f32, roughness: f32) -> [f32; 2] {
+    let table = table();
+    let x = cosine.clamp(0.0, 1.0).sqrt() * (COSINES - 1) as f32;
+    let y = roughness.clamp(0.0, 1.0) * (ROUGHNESSES - 1) as f32;
+    let (column, row) = ((x as usize).min(COSINES - 2), (y as usize).min(ROUGHNESSES - 2));
+    let (s, t) = (x - column as f32, y - row as f32);
+    let at = |row: usize, column: usize| table[row * COSINES + column];
+    std::array::from_fn(|k| {
+        let mix = |row: usize| at(row, column)[k] * (1.0 - s) + at(row, column + 1)[k] * s;
+        mix(row) * (1.0 - t) + mix(row + 1) * t
+    })
+}
+
+/// The mean of a function of the cosine over the hemisphere, each direction weighed by its own cosine.
+pub(super) fn hemisphere_mean(of: impl Fn(f32) -> f32) -> f32 {
+    const STEPS: usize = 128;
+    let step = |k: usize| {
+        let cosine = (k as f32 + 0.5) / STEPS as f32;
+        2.0 * cosine * of(cosine) / STEPS as f32
+    };
+    (0..STEPS).map(step).sum()
+}

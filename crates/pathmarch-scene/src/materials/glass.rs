@@ -1,0 +1,114 @@
+//! Glass: a smooth or rough interface of a clear solid. Light is reflected by Fresnel's law and refracted by Snell's, at
+//! the facets of a GGX surface where it is rough (Walter et al. 2007). Masking is height-correlated in reflection and
+//! separable in refraction, where the two directions lie on opposite sides (Heitz et al. 2016, "Multiple-Scattering
+//! Microfacet BSDFs with the Smith Model", section 4.2, has the exact term, which lies near). Scattering is single. The
+//! colour tints what goes through, once at each crossing; `absorb` takes it on the way (Beer and Lambert). Radiance is
+//! scaled by the square of the relative index where it changes medium (Veach 1997, "Robust Monte Carlo Methods for Light
+//! Transport Simulation", section 5.2).
+//!
+//! Each surface is one between the glass and air: two glasses that touch or overlap are seen as two surfaces. A
+//! `roughness` below 0.01, or an `ior` within 0.001 of 1, is perfectly smooth.
+
+use super::microfacet::{
+    MIRROR_ALPHA, fresnel, reflect, reflection, refract, refracting_normal, refraction_pdf, stretched, unhidden,
+    visible_normal,
+};
+use super::{Bsdf, Eval, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, ior, roughness};
+use glam::Vec3;
+
+pub(super) static KIND: MaterialKind = MaterialKind {
+    name: "glass",
+    doc: "Glass, water or ice, clear or frosted: reflects and refracts.",
+    source: "Walter et al. 2007",
+    params: &[
+        MaterialParam {
+            name: "colour",
+            kind: ParamKind::Colour,
+            default: [1.0; 3],
+            min: 0.0,
+            max: 1.0,
+            doc: "Fraction of the refracted light that passes the surface.",
+        },
+        ior(),
+        roughness(0.0),
+        MaterialParam {
+            name: "absorb",
+            kind: ParamKind::Colour,
+            default: [0.0; 3],
+            min: 0.0,
+            max: f32::MAX,
+            doc: "What the inside absorbs, per metre: exp(-absorb × length) passes.",
+        },
+    ],
+    albedo: |values| values[0],
+    emission: black,
+    absorption: |values| values[3],
+    bsdf: Some(&Bsdf {
+        pack: |values| {
+            let (ior, roughness) = (values[1][0], values[2][0]);
+            let smooth = (ior - 1.0).abs() < 1e-3;
+            let mut numbers = Numbers::default();
+            numbers[..3].copy_from_slice(&values[0]);
+            numbers[3] = if smooth { 0.0 } else { roughness * roughness };
+            numbers[4] = ior;
+            numbers
+        },
+        is_delta: |numbers| numbers[3] < MIRROR_ALPHA,
+        transmits: |_| true,
+        chooses_lobes: true,
+        eval,
+        sample,
+        wgsl: include_str!("glass.wgsl"),
+    }),
+};
+
+fn relative_index(numbers: &Numbers, inside: bool) -> f32 {
+    if inside { 1.0 / numbers[4] } else { numbers[4] }
+}
+
+fn eval(numbers: &Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
+    let (alpha, eta) = (numbers[3], relative_index(numbers, inside));
+    if alpha < MIRROR_ALPHA || wi.z == 0.0 {
+        return Eval::NONE;
+    }
+    if wi.z > 0.0 {
+        let h = (wo + wi).normalize();
+        let reflected = fresnel(wo.dot(h), eta);
+        let (value, pdf) = reflection(wo, wi, h, alpha);
+        return Eval { value: Vec3::splat(reflected * value), pdf: reflected * pdf };
+    }
+    let Some(h) = refracting_normal(wo, wi, eta) else { return Eval::NONE };
+    let refracted = 1.0 - fresnel(wo.dot(h), eta);
+    let pdf = refracted * refraction_pdf(wo, wi, h, alpha, eta);
+    Eval { value: colour_of(numbers) * (pdf * unhidden(wi, alpha) / (eta * eta)), pdf }
+}
+
+fn sample(numbers: &Numbers, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -> Option<Scattered> {
+    let (alpha, eta) = (numbers[3], relative_index(numbers, inside));
+    let smooth = alpha < MIRROR_ALPHA;
+    let h = if smooth { Vec3::Z } else { visible_normal(wo, alpha, [u, v]) };
+    let reflected = fresnel(wo.dot(h), eta);
+    if choice < reflected {
+        let wi = reflect(wo, h);
+        if smooth {
+            return Some(Scattered { wi, weight: Vec3::ONE, pdf: 0.0, eta: 1.0 });
+        }
+        if wi.z <= 0.0 {
+            return None;
+        }
+        let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
+        let unshadowed = wi.z * (o + wo.z) / (wi.z * o + wo.z * i);
+        let (_, pdf) = reflection(wo, wi, h, alpha);
+        return Some(Scattered { wi, weight: Vec3::splat(unshadowed), pdf: reflected * pdf, eta: 1.0 });
+    }
+    let wi = refract(wo, h, eta);
+    if wi.z >= 0.0 {
+        return None;
+    }
+    let weight = colour_of(numbers) / (eta * eta);
+    if smooth {
+        return Some(Scattered { wi, weight, pdf: 0.0, eta });
+    }
+    let pdf = (1.0 - reflected) * refraction_pdf(wo, wi, h, alpha, eta);
+    Some(Scattered { wi, weight: weight * unhidden(wi, alpha), pdf, eta })
+}

@@ -1,0 +1,81 @@
+//! Metal: GGX reflection with height-correlated Smith masking, single scattering, coloured by Schlick's Fresnel factor
+//! from `metal` at normal incidence to `edge` at grazing. Light that would bounce between the facets is lost: at
+//! roughness 1 up to half of it (`principled` makes up for it). A `roughness` below 0.01 is a perfect mirror.
+
+use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, stretched, visible_normal};
+use super::{Bsdf, Eval, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, roughness};
+use glam::Vec3;
+
+pub(super) static KIND: MaterialKind = MaterialKind {
+    name: "metal",
+    doc: "Metal, from a mirror to a brushed block: reflects in its own colour.",
+    source: "Walter et al. 2007; Heitz 2014; Dupuy and Benyoub 2023",
+    params: &[
+        MaterialParam {
+            name: "colour",
+            kind: ParamKind::Colour,
+            default: [0.9; 3],
+            min: 0.0,
+            max: 1.0,
+            doc: "Reflected fraction of light that falls in at right angles (F0).",
+        },
+        MaterialParam {
+            name: "edge",
+            kind: ParamKind::Colour,
+            default: [1.0; 3],
+            min: 0.0,
+            max: 1.0,
+            doc: "Reflected fraction of light that grazes (F90).",
+        },
+        roughness(0.2),
+    ],
+    albedo: |values| values[0],
+    emission: black,
+    absorption: black,
+    bsdf: Some(&Bsdf {
+        pack: |values| {
+            let mut numbers = Numbers::default();
+            numbers[..3].copy_from_slice(&values[0]);
+            numbers[3] = values[2][0] * values[2][0];
+            numbers[4..7].copy_from_slice(&values[1]);
+            numbers
+        },
+        is_delta: |numbers| numbers[3] < MIRROR_ALPHA,
+        transmits: |_| false,
+        chooses_lobes: false,
+        eval,
+        sample,
+        wgsl: include_str!("metal.wgsl"),
+    }),
+};
+
+fn fresnel(numbers: &Numbers, cosine: f32) -> Vec3 {
+    schlick(colour_of(numbers), Vec3::from_slice(&numbers[4..7]), cosine)
+}
+
+fn eval(numbers: &Numbers, wo: Vec3, wi: Vec3, _inside: bool) -> Eval {
+    let alpha = numbers[3];
+    if wi.z <= 0.0 || alpha < MIRROR_ALPHA {
+        return Eval::NONE;
+    }
+    let h = (wo + wi).normalize();
+    let (value, pdf) = reflection(wo, wi, h, alpha);
+    Eval { value: fresnel(numbers, wo.dot(h)) * value, pdf }
+}
+
+fn sample(numbers: &Numbers, wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Option<Scattered> {
+    let alpha = numbers[3];
+    if alpha < MIRROR_ALPHA {
+        let wi = Vec3::new(-wo.x, -wo.y, wo.z);
+        return Some(Scattered { wi, weight: fresnel(numbers, wo.z), pdf: 0.0, eta: 1.0 });
+    }
+    let h = visible_normal(wo, alpha, [u, v]);
+    let wi = reflect(wo, h);
+    if wi.z <= 0.0 {
+        return None;
+    }
+    let (_, pdf) = reflection(wo, wi, h, alpha);
+    let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
+    let unshadowed = wi.z * (o + wo.z) / (wi.z * o + wo.z * i);
+    Some(Scattered { wi, weight: fresnel(numbers, wo.dot(h)) * unshadowed, pdf, eta: 1.0 })
+}

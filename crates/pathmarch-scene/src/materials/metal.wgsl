@@ -1,0 +1,29 @@
+// Metal. Twin of metal.rs.
+
+fn metal_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
+    let a = materials[m].a;
+    if wi.z <= 0.0 || a.w < MIRROR_ALPHA {
+        return vec4f(0.0);
+    }
+    let h = normalize(wo + wi);
+    let lobe = microfacet_reflection(wo, wi, h, a.w);
+    return vec4f(schlick(a.xyz, materials[m].b.xyz, dot(wo, h)) * lobe.x, lobe.y);
+}
+
+fn metal_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
+    let a = materials[m].a;
+    let edge = materials[m].b.xyz;
+    if a.w < MIRROR_ALPHA {
+        return Scattered(vec3f(-wo.xy, wo.z), 0.0, schlick(a.xyz, edge, wo.z), 1.0);
+    }
+    let h = visible_normal(wo, a.w, u.xy);
+    let wi = mirrored(wo, h);
+    if wi.z <= 0.0 {
+        return ABSORBED;
+    }
+    let pdf = microfacet_reflection(wo, wi, h, a.w).y;
+    let o = stretched(wo, a.w);
+    let i = stretched(wi, a.w);
+    let unshadowed = wi.z * (o + wo.z) / (wi.z * o + wo.z * i);
+    return Scattered(wi, pdf, schlick(a.xyz, edge, dot(wo, h)) * unshadowed, 1.0);
+}

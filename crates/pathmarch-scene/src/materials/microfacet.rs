@@ -1,0 +1,103 @@
+//! Rough interfaces as many small mirrors: the GGX distribution with Smith's masking and shadowing.
+//!
+//! Directions are in a local frame whose z is the normal on the side of `wo`; `wo` points to where the light goes, `wi` to
+//! where it comes from, both away from the surface. Roughness is artists' roughness: `alpha` is its square (Burley 2012,
+//! "Physically-Based Shading at Disney"). Sources: Walter et al. 2007, "Microfacet Models for Refraction through Rough
+//! Surfaces" (distribution, refraction); Heitz 2014, "Understanding the Masking-Shadowing Function in Microfacet-Based
+//! BRDFs" (height-correlated masking); Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
+//! The terms are arranged so that nothing is divided by a cosine. Twin of microfacet.wgsl.
+
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+
+/// Below this, a surface is a mirror: its lobe is narrower than anything a picture resolves.
+pub(super) const MIRROR_ALPHA: f32 = 1e-4;
+
+/// Density of normals `h` over solid angle, projected: GGX.
+pub(super) fn distribution(h: Vec3, alpha: f32) -> f32 {
+    let slope = (h.x * h.x + h.y * h.y) / (alpha * alpha) + h.z * h.z;
+    1.0 / (PI * alpha * alpha * slope * slope)
+}
+
+/// Length of a direction stretched by alpha: Smith's Λ is (stretched/|z| - 1)/2.
+pub(super) fn stretched(w: Vec3, alpha: f32) -> f32 {
+    (alpha * alpha * (w.x * w.x + w.y * w.y) + w.z * w.z).sqrt()
+}
+
+/// Share of the normals that `w` sees which nothing hides from it: Smith's G1.
+pub(super) fn unhidden(w: Vec3, alpha: f32) -> f32 {
+    2.0 * w.z.abs() / (stretched(w, alpha) + w.z.abs())
+}
+
+/// BRDF times cosine of reflection by these normals with a Fresnel factor of one, and its density when `h` is drawn by
+/// [`visible_normal`].
+pub(super) fn reflection(wo: Vec3, wi: Vec3, h: Vec3, alpha: f32) -> (f32, f32) {
+    let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
+    let d = distribution(h, alpha);
+    (d * wi.z / (2.0 * (wi.z * o + wo.z * i)).max(1e-20), d / (2.0 * (o + wo.z)))
+}
+
+/// Density over solid angle of `wi` where `h` is drawn by [`visible_normal`] and `wo` is refracted by it into a medium of
+/// relative index `eta`.
+pub(super) fn refraction_pdf(wo: Vec3, wi: Vec3, h: Vec3, alpha: f32, eta: f32) -> f32 {
+    let (cos_o, cos_i) = (wo.dot(h), wi.dot(h));
+    let visible = 2.0 * cos_o * distribution(h, alpha) / (stretched(wo, alpha) + wo.z);
+    let root = cos_o + eta * cos_i;
+    visible * eta * eta * cos_i.abs() / (root * root).max(1e-20)
+}
+
+/// A normal as seen from `wo`, of density proportional to how much of it is seen.
+pub(super) fn visible_normal(wo: Vec3, alpha: f32, [u, v]: [f32; 2]) -> Vec3 {
+    let round = Vec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
+    let (sine, cosine) = (TAU * u).sin_cos();
+    let z = (1.0 - v) * (1.0 + round.z) - round.z;
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let h = Vec3::new(radius * cosine, radius * sine, z) + round;
+    Vec3::new(alpha * h.x, alpha * h.y, h.z.max(1e-9)).normalize()
+}
+
+/// Schlick's approximation of Fresnel's law (1994, "An Inexpensive BRDF Model for Physically-based Rendering").
+pub(super) fn schlick(f0: Vec3, f90: Vec3, cosine: f32) -> Vec3 {
+    f0 + (f90 - f0) * fifth_power(1.0 - cosine)
+}
+
+/// Of a number from 0 to 1.
+pub(super) fn fifth_power(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * x * x * x
+}
+
+/// Cosine beyond an interface of relative index `eta`; 0 where all is reflected.
+pub(super) fn refracted_cosine(cosine: f32, eta: f32) -> f32 {
+    (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt()
+}
+
+/// Fresnel's law for unpolarised light: the reflected share at this cosine (0 to 1) of an interface whose refractive index
+/// beyond is `eta` times that before it.
+pub fn fresnel(cosine: f32, eta: f32) -> f32 {
+    let beyond = refracted_cosine(cosine, eta);
+    if beyond <= 0.0 {
+        return 1.0;
+    }
+    let parallel = (eta * cosine - beyond) / (eta * cosine + beyond);
+    let perpendicular = (cosine - eta * beyond) / (cosine + eta * beyond);
+    0.5 * (parallel * parallel + perpendicular * perpendicular)
+}
+
+/// `wo` mirrored by `h`.
+pub(super) fn reflect(wo: Vec3, h: Vec3) -> Vec3 {
+    h * (2.0 * wo.dot(h)) - wo
+}
+
+/// `wo` refracted by `h` into a medium of relative index `eta`.
+pub(super) fn refract(wo: Vec3, h: Vec3, eta: f32) -> Vec3 {
+    let cosine = wo.dot(h);
+    h * (cosine / eta - refracted_cosine(cosine, eta)) - wo / eta
+}
+
+/// The normal that refracts `wo` into `wi`, where there is one.
+pub(super) fn refracting_normal(wo: Vec3, wi: Vec3, eta: f32) -> Option<Vec3> {
+    let sum = (wo + wi * eta).normalize_or_zero();
+    let h = if sum.z < 0.0 { -sum } else { sum };
+    (wo.dot(h) > 0.0 && wi.dot(h) < 0.0).then_some(h)
+}

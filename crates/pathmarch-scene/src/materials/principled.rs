@@ -1,0 +1,232 @@
+//! One material for most things: plastic, paint, coated wood, brushed or polished metal, frosted glass. Names and meaning
+//! as in glTF 2.0 (KHR_materials_clearcoat, _transmission, _ior) and OpenPBR 1.1, with fewer knobs.
+//!
+//! From the top: a **coat** (GGX, index 1.5); below it, mixed by `metallic`, a **metal** (GGX, F0 the colour) and a
+//! **dielectric**, whose GGX reflection lies over Lambert's surface or, mixed by `transmission`, over refraction. Schlick's
+//! Fresnel factor throughout.
+//!
+//! Energy: what a layer reflects is taken from what lies below by its directional albedo, on the way in and on the way out
+//! (Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks"), so that with a white colour a diffuse base
+//! under any interface and coat returns all light. Light that GGX loses between its facets is given back by scaling
+//! (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet Models"), which is not quite reciprocal.
+//! Refraction is of single scattering and is not compensated. From within the solid, the coat does not act, and what is
+//! not transmitted is absorbed. A `roughness` below 0.03 looks like 0.03.
+
+use super::albedo::{hemisphere_mean, lookup};
+use super::diffuse::cosine_direction;
+use super::microfacet::{
+    fifth_power, reflect, reflection, refract, refracted_cosine, refracting_normal, refraction_pdf, schlick, unhidden,
+    visible_normal,
+};
+use super::{
+    Bsdf, Eval, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, fraction, ior, roughness,
+};
+use glam::Vec3;
+use std::f32::consts::PI;
+
+/// Roughness 0.0316: narrower lobes are not told apart.
+pub(super) const MIN_ALPHA: f32 = 1e-3;
+/// Reflection of the coat at normal incidence: index 1.5.
+const COAT_F0: f32 = 0.04;
+
+pub(super) static KIND: MaterialKind = MaterialKind {
+    name: "principled",
+    doc: "Most things: plastic, paint, coated wood, metal, frosted glass.",
+    source: "glTF 2.0 and OpenPBR 1.1; Kulla and Conty 2017; Turquin 2019",
+    params: &[
+        MaterialParam {
+            name: "colour",
+            kind: ParamKind::Colour,
+            default: [0.8; 3],
+            min: 0.0,
+            max: 1.0,
+            doc: "Colour of the base: albedo of a dielectric, reflection of a metal, tint of what is transmitted.",
+        },
+        fraction("metallic", 0.0, "0 is a dielectric, 1 a metal."),
+        roughness(0.4),
+        ior(),
+        fraction("coat", 0.0, "How much of the surface a clear coat covers."),
+        fraction("coat-roughness", 0.0, "Roughness of the coat."),
+        fraction("transmission", 0.0, "How much of what enters the dielectric is refracted rather than scattered."),
+    ],
+    albedo: |values| values[0],
+    emission: black,
+    absorption: black,
+    bsdf: Some(&Bsdf {
+        pack,
+        is_delta: |_| false,
+        transmits: |numbers| numbers[TRANSMISSION] * (1.0 - numbers[METALLIC]) > 0.0,
+        chooses_lobes: true,
+        eval,
+        sample,
+        wgsl: include_str!("principled.wgsl"),
+    }),
+};
+
+// Places in the numbers, after the colour.
+const METALLIC: usize = 3;
+const ROUGHNESS: usize = 4;
+const IOR: usize = 5;
+const F0: usize = 6;
+const SPECULAR_MEAN: usize = 7;
+const COAT: usize = 8;
+const COAT_ROUGHNESS: usize = 9;
+const COAT_MEAN: usize = 10;
+const TRANSMISSION: usize = 11;
+
+fn pack(values: &[[f32; 3]]) -> Numbers {
+    let [metallic, rough, ior, coat, coat_rough, transmission] = std::array::from_fn(|k| values[k + 1][0]);
+    let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
+    let least = MIN_ALPHA.sqrt();
+    let (rough, coat_rough) = (rough.max(least), coat_rough.max(least));
+    let mut numbers = Numbers::default();
+    numbers[..3].copy_from_slice(&values[0]);
+    numbers[METALLIC] = metallic;
+    numbers[ROUGHNESS] = rough;
+    numbers[IOR] = ior.max(1.001);
+    numbers[F0] = f0;
+    numbers[SPECULAR_MEAN] = hemisphere_mean(|cosine| specular_albedo(cosine, rough, f0));
+    numbers[COAT] = coat;
+    numbers[COAT_ROUGHNESS] = coat_rough;
+    numbers[COAT_MEAN] = hemisphere_mean(|cosine| coat_albedo(cosine, coat_rough));
+    numbers[TRANSMISSION] = transmission;
+    numbers
+}
+
+/// Factor that gives back what is lost between the facets; the same for light of any colour but for its F0.
+fn compensation(f0: f32, [a, b]: [f32; 2]) -> f32 {
+    1.0 + f0 * (1.0 / (a + b) - 1.0)
+}
+
+/// Share of the light from a direction that the dielectric interface reflects.
+fn specular_albedo(cosine: f32, roughness: f32, f0: f32) -> f32 {
+    let [a, b] = lookup(cosine, roughness);
+    ((f0 * a + b) * compensation(f0, [a, b])).min(1.0)
+}
+
+/// Share of the light from a direction that a full coat reflects.
+fn coat_albedo(cosine: f32, roughness: f32) -> f32 {
+    let [a, b] = lookup(cosine, roughness);
+    COAT_F0 * a + b
+}
+
+/// Schlick's factor of the dielectric; from within, of the cosine outside, and 1 where all is reflected.
+fn dielectric(numbers: &Numbers, cosine: f32, inside: bool) -> f32 {
+    let outside = if inside { refracted_cosine(cosine, 1.0 / numbers[IOR]) } else { cosine };
+    numbers[F0] + (1.0 - numbers[F0]) * fifth_power(1.0 - outside)
+}
+
+/// What is the same for all light that leaves towards `wo`.
+struct View {
+    alpha: f32,
+    coat_alpha: f32,
+    /// 1 outside, 0 inside.
+    coat: f32,
+    /// Share that the coat leaves, towards `wo`.
+    below_coat: f32,
+    /// Albedo split at this direction.
+    split: [f32; 2],
+    specular: f32,
+    /// Chances of the coat and of the interface; the rest is diffuse.
+    coat_chance: f32,
+    interface_chance: f32,
+}
+
+fn view(numbers: &Numbers, wo: Vec3, inside: bool) -> View {
+    let (metallic, rough, transmission) = (numbers[METALLIC], numbers[ROUGHNESS], numbers[TRANSMISSION]);
+    let coat = if inside { 0.0 } else { numbers[COAT] };
+    let coat_reflects = coat * coat_albedo(wo.z, numbers[COAT_ROUGHNESS]);
+    let split = lookup(wo.z, rough);
+    let specular = specular_albedo(wo.z, rough, numbers[F0]);
+    let colour = colour_of(numbers).max_element();
+    let interface = metallic * colour.max(split[1]) + (1.0 - metallic) * (specular + transmission * (1.0 - specular));
+    let scattered = (1.0 - metallic) * (1.0 - transmission) * (1.0 - specular) * colour;
+    let scattered = if inside { 0.0 } else { scattered };
+    let below = (1.0 - coat_reflects) * (interface + scattered);
+    let coat_chance = coat_reflects / (coat_reflects + below).max(1e-6);
+    let interface_chance = (1.0 - coat_chance) * interface / (interface + scattered).max(1e-6);
+    View {
+        alpha: rough * rough,
+        coat_alpha: numbers[COAT_ROUGHNESS] * numbers[COAT_ROUGHNESS],
+        coat,
+        below_coat: 1.0 - coat_reflects,
+        split,
+        specular,
+        coat_chance,
+        interface_chance,
+    }
+}
+
+/// Chance that a facet at this cosine reflects rather than refracts.
+fn reflect_chance(numbers: &Numbers, dielectric: f32) -> f32 {
+    let reflected = numbers[METALLIC] + (1.0 - numbers[METALLIC]) * dielectric;
+    let refracted = (1.0 - numbers[METALLIC]) * numbers[TRANSMISSION] * (1.0 - dielectric);
+    reflected / (reflected + refracted).max(1e-6)
+}
+
+fn eval(numbers: &Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
+    let view = view(numbers, wo, inside);
+    let (colour, metallic, transmission) = (colour_of(numbers), numbers[METALLIC], numbers[TRANSMISSION]);
+    if wi.z < 0.0 {
+        let eta = if inside { 1.0 / numbers[IOR] } else { numbers[IOR] };
+        let Some(h) = refracting_normal(wo, wi, eta) else { return Eval::NONE };
+        let facet = dielectric(numbers, wo.dot(h), inside);
+        let density = refraction_pdf(wo, wi, h, view.alpha, eta);
+        let share = (1.0 - metallic) * transmission * (1.0 - facet) * view.below_coat;
+        let value = colour * (share * density * unhidden(wi, view.alpha) / (eta * eta));
+        return Eval { value, pdf: view.interface_chance * (1.0 - reflect_chance(numbers, facet)) * density };
+    }
+    if wi.z == 0.0 {
+        return Eval::NONE;
+    }
+    let h = (wo + wi).normalize();
+    let cosine = wo.dot(h);
+    let coat_reflects = view.coat * coat_albedo(wi.z, numbers[COAT_ROUGHNESS]);
+    let through_coat = view.below_coat * (1.0 - coat_reflects);
+
+    let facet = dielectric(numbers, cosine, inside);
+    let [a, b] = view.split;
+    let metal = schlick(colour, Vec3::ONE, cosine) * (Vec3::ONE + colour * (1.0 / (a + b) - 1.0));
+    let interface = metal * metallic + Vec3::splat((1.0 - metallic) * facet * compensation(numbers[F0], view.split));
+    let (value, density) = reflection(wo, wi, h, view.alpha);
+    let mut sum = interface * (value * through_coat);
+    let mut pdf = view.interface_chance * reflect_chance(numbers, facet) * density;
+
+    let (coat_value, coat_density) = reflection(wo, wi, h, view.coat_alpha);
+    sum += Vec3::splat(view.coat * (COAT_F0 + (1.0 - COAT_F0) * fifth_power(1.0 - cosine)) * coat_value);
+    pdf += view.coat_chance * coat_density;
+
+    if !inside {
+        let below = (1.0 - view.specular) * (1.0 - specular_albedo(wi.z, numbers[ROUGHNESS], numbers[F0]))
+            / (1.0 - numbers[SPECULAR_MEAN]).max(1e-3);
+        let below_coat = through_coat / (1.0 - view.coat * numbers[COAT_MEAN]);
+        let share = (1.0 - metallic) * (1.0 - transmission) * below * below_coat;
+        sum += colour * (share * wi.z / PI);
+        pdf += (1.0 - view.coat_chance - view.interface_chance) * wi.z / PI;
+    }
+    Eval { value: sum, pdf }
+}
+
+fn sample(numbers: &Numbers, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -> Option<Scattered> {
+    let view = view(numbers, wo, inside);
+    let mut eta = 1.0;
+    let wi = if choice < view.coat_chance {
+        reflect(wo, visible_normal(wo, view.coat_alpha, [u, v]))
+    } else if choice < view.coat_chance + view.interface_chance {
+        let h = visible_normal(wo, view.alpha, [u, v]);
+        let facet_choice = (choice - view.coat_chance) / view.interface_chance;
+        if facet_choice < reflect_chance(numbers, dielectric(numbers, wo.dot(h), inside)) {
+            reflect(wo, h)
+        } else {
+            eta = if inside { 1.0 / numbers[IOR] } else { numbers[IOR] };
+            refract(wo, h, eta)
+        }
+    } else {
+        cosine_direction([u, v])
+    };
+    if (wi.z > 0.0) != (eta == 1.0) {
+        return None;
+    }
+    let Eval { value, pdf } = eval(numbers, wo, wi, inside);
+    (pdf > 0.0).then(|| Scattered { wi, weight: value / pdf, pdf, eta })
+}

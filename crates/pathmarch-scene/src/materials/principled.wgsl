@@ -1,0 +1,153 @@
+// One material for most things. Twin of principled.rs, which explains it.
+
+const COAT_F0 = 0.04;
+
+/// The albedo split of a GGX surface, from its table.
+fn ggx_split(cosine: f32, roughness: f32) -> vec2f {
+    let x = sqrt(clamp(cosine, 0.0, 1.0)) * f32(GGX_COSINES - 1u);
+    let y = clamp(roughness, 0.0, 1.0) * f32(GGX_ROUGHNESSES - 1u);
+    let column = min(u32(x), GGX_COSINES - 2u);
+    let row = min(u32(y), GGX_ROUGHNESSES - 2u);
+    let s = x - f32(column);
+    let t = y - f32(row);
+    let low = mix(ggx_entry(row, column), ggx_entry(row, column + 1u), s);
+    let high = mix(ggx_entry(row + 1u, column), ggx_entry(row + 1u, column + 1u), s);
+    return mix(low, high, t);
+}
+
+fn ggx_entry(row: u32, column: u32) -> vec2f {
+    let place = GGX_TABLE + 2u * (row * GGX_COSINES + column);
+    return vec2f(bitcast<f32>(tables[place]), bitcast<f32>(tables[place + 1u]));
+}
+
+fn compensation(f0: f32, split: vec2f) -> f32 {
+    return 1.0 + f0 * (1.0 / (split.x + split.y) - 1.0);
+}
+
+fn specular_albedo(split: vec2f, f0: f32) -> f32 {
+    return min((f0 * split.x + split.y) * compensation(f0, split), 1.0);
+}
+
+fn coat_albedo(cosine: f32, roughness: f32) -> f32 {
+    let split = ggx_split(cosine, roughness);
+    return COAT_F0 * split.x + split.y;
+}
+
+fn principled_dielectric(ior: f32, f0: f32, cosine: f32, inside: bool) -> f32 {
+    let outside = select(cosine, refracted_cosine(cosine, 1.0 / ior), inside);
+    return f0 + (1.0 - f0) * fifth_power(1.0 - outside);
+}
+
+struct PrincipledView {
+    alpha: f32,
+    coat_alpha: f32,
+    coat: f32,
+    below_coat: f32,
+    split: vec2f,
+    specular: f32,
+    coat_chance: f32,
+    interface_chance: f32,
+}
+
+fn principled_view(m: u32, wo: vec3f, inside: bool) -> PrincipledView {
+    let a = materials[m].a;
+    let b = materials[m].b;
+    let c = materials[m].c;
+    let coat = select(c.x, 0.0, inside);
+    let coat_reflects = coat * coat_albedo(wo.z, c.y);
+    let split = ggx_split(wo.z, b.x);
+    let specular = specular_albedo(split, b.z);
+    let colour = largest(a.xyz);
+    let interface_ = a.w * max(colour, split.y) + (1.0 - a.w) * (specular + c.w * (1.0 - specular));
+    let scattered = select((1.0 - a.w) * (1.0 - c.w) * (1.0 - specular) * colour, 0.0, inside);
+    let below = (1.0 - coat_reflects) * (interface_ + scattered);
+    let coat_chance = coat_reflects / max(coat_reflects + below, 1e-6);
+    let interface_chance = (1.0 - coat_chance) * interface_ / max(interface_ + scattered, 1e-6);
+    return PrincipledView(b.x * b.x, c.y * c.y, coat, 1.0 - coat_reflects, split, specular, coat_chance, interface_chance);
+}
+
+fn reflect_chance(m: u32, dielectric: f32) -> f32 {
+    let metallic = materials[m].a.w;
+    let reflected = metallic + (1.0 - metallic) * dielectric;
+    let refracted = (1.0 - metallic) * materials[m].c.w * (1.0 - dielectric);
+    return reflected / max(reflected + refracted, 1e-6);
+}
+
+fn principled_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
+    return principled_eval_from(m, principled_view(m, wo, inside), wo, wi, inside);
+}
+
+fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
+    let a = materials[m].a;
+    let b = materials[m].b;
+    let c = materials[m].c;
+    if wi.z < 0.0 {
+        let eta = select(b.y, 1.0 / b.y, inside);
+        let h = refracting_normal(wo, wi, eta);
+        if h.z == 0.0 {
+            return vec4f(0.0);
+        }
+        let facet = principled_dielectric(b.y, b.z, dot(wo, h), inside);
+        let density = refraction_pdf(wo, wi, h, view.alpha, eta);
+        let share = (1.0 - a.w) * c.w * (1.0 - facet) * view.below_coat;
+        let value = a.xyz * (share * density * unhidden(wi, view.alpha) / (eta * eta));
+        return vec4f(value, view.interface_chance * (1.0 - reflect_chance(m, facet)) * density);
+    }
+    if wi.z == 0.0 {
+        return vec4f(0.0);
+    }
+    let h = normalize(wo + wi);
+    let cosine = dot(wo, h);
+    let coat_reflects = view.coat * coat_albedo(wi.z, c.y);
+    let through_coat = view.below_coat * (1.0 - coat_reflects);
+
+    let facet = principled_dielectric(b.y, b.z, cosine, inside);
+    let lost = 1.0 / (view.split.x + view.split.y) - 1.0;
+    let metal = schlick(a.xyz, vec3f(1.0), cosine) * (1.0 + a.xyz * lost);
+    let interface_ = metal * a.w + vec3f((1.0 - a.w) * facet * compensation(b.z, view.split));
+    let lobe = microfacet_reflection(wo, wi, h, view.alpha);
+    var sum = interface_ * (lobe.x * through_coat);
+    var pdf = view.interface_chance * reflect_chance(m, facet) * lobe.y;
+
+    let coat = microfacet_reflection(wo, wi, h, view.coat_alpha);
+    sum += vec3f(view.coat * (COAT_F0 + (1.0 - COAT_F0) * fifth_power(1.0 - cosine)) * coat.x);
+    pdf += view.coat_chance * coat.y;
+
+    if !inside {
+        let below = (1.0 - view.specular) * (1.0 - specular_albedo(ggx_split(wi.z, b.x), b.z)) / max(1.0 - b.w, 1e-3);
+        let below_coat = through_coat / (1.0 - view.coat * c.z);
+        sum += a.xyz * ((1.0 - a.w) * (1.0 - c.w) * below * below_coat * wi.z / 3.14159265);
+        pdf += (1.0 - view.coat_chance - view.interface_chance) * wi.z / 3.14159265;
+    }
+    return vec4f(sum, pdf);
+}
+
+fn principled_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
+    let view = principled_view(m, wo, inside);
+    let ior = materials[m].b.y;
+    var eta = 1.0;
+    var wi = vec3f(0.0);
+    if u.z < view.coat_chance {
+        wi = mirrored(wo, visible_normal(wo, view.coat_alpha, u.xy));
+    } else if u.z < view.coat_chance + view.interface_chance {
+        let h = visible_normal(wo, view.alpha, u.xy);
+        let facet_choice = (u.z - view.coat_chance) / view.interface_chance;
+        let facet = principled_dielectric(ior, materials[m].b.z, dot(wo, h), inside);
+        if facet_choice < reflect_chance(m, facet) {
+            wi = mirrored(wo, h);
+        } else {
+            eta = select(ior, 1.0 / ior, inside);
+            wi = refracted(wo, h, eta);
+        }
+    } else {
+        wi = cosine_direction(u.xy);
+    }
+    if (wi.z > 0.0) != (eta == 1.0) {
+        return ABSORBED;
+    }
+    let both = principled_eval_from(m, view, wo, wi, inside);
+    if both.w <= 0.0 {
+        return ABSORBED;
+    }
+    return Scattered(wi, both.w, both.xyz / both.w, eta);
+}

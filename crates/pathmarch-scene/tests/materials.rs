@@ -1,0 +1,307 @@
+//! Every kind of material that scatters: what it samples is what it says it samples, it makes no light, and it is the same
+//! both ways where it should be.
+
+use glam::Vec3;
+use pathmarch_scene::materials::{Bsdf, MaterialKind, Numbers, ParamKind, albedo, kinds};
+use std::f32::consts::{PI, TAU};
+
+/// A small generator (PCG; O'Neill 2014), so that samples are independent and the same on each run.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let word = (((self.0 >> 18) ^ self.0) >> 27) as u32;
+        (word.rotate_right((self.0 >> 59) as u32) >> 8) as f32 / 16_777_216.0
+    }
+    fn three(&mut self) -> [f32; 3] {
+        [self.next(), self.next(), self.next()]
+    }
+}
+
+struct Variant {
+    name: String,
+    bsdf: &'static Bsdf,
+    numbers: Numbers,
+    transmits: bool,
+    delta: bool,
+}
+
+/// A kind with white colours, each number between its bounds at a few places, and every roughness given.
+fn variants(roughnesses: &[f32]) -> Vec<Variant> {
+    let mut all = Vec::new();
+    for kind in kinds() {
+        let Some(bsdf) = kind.bsdf else { continue };
+        for &roughness in roughnesses {
+            for mix in 0..4 {
+                let values = values(kind, roughness, mix);
+                let numbers = (bsdf.pack)(&values);
+                all.push(Variant {
+                    name: format!("{} roughness {roughness} mix {mix}", kind.name),
+                    bsdf,
+                    transmits: (bsdf.transmits)(&numbers),
+                    delta: (bsdf.is_delta)(&numbers),
+                    numbers,
+                });
+            }
+        }
+    }
+    all
+}
+
+/// White, and of the fractions other than roughness those that the mix names: none, the first, the second, all by half.
+fn values(kind: &MaterialKind, roughness: f32, mix: usize) -> Vec<[f32; 3]> {
+    let mut fraction = 0;
+    let mut value = |param: &pathmarch_scene::materials::MaterialParam| match (param.name, param.kind) {
+        ("absorb", _) => [0.0; 3],
+        (_, ParamKind::Colour) => [1.0; 3],
+        ("roughness" | "coat-roughness", _) => [roughness, 0.0, 0.0],
+        ("ior", _) => [[1.5, 1.33, 1.5, 2.4][mix], 0.0, 0.0],
+        _ => {
+            fraction += 1;
+            let chosen = [0.0, f32::from(fraction == 1), f32::from(fraction == 3), 0.5][mix];
+            [chosen, 0.0, 0.0]
+        }
+    };
+    kind.params.iter().map(&mut value).collect()
+}
+
+/// Directions the light leaves to, from the normal to grazing.
+fn views() -> [Vec3; 4] {
+    [0.0f32, 35.0, 65.0, 84.0].map(|degrees| {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        Vec3::new(sine * 0.8, sine * 0.6, cosine)
+    })
+}
+
+const ROWS: usize = 24;
+const COLUMNS: usize = 48;
+
+fn cell(w: Vec3) -> usize {
+    let height = w.x.hypot(w.y).atan2(w.z) / PI;
+    let row = ((height * ROWS as f32) as usize).min(ROWS - 1);
+    let turn = w.y.atan2(w.x) / TAU;
+    let column = (((turn - turn.floor()) * COLUMNS as f32) as usize).min(COLUMNS - 1);
+    row * COLUMNS + column
+}
+
+/// Integral of the density over each cell of the sphere.
+fn expected(variant: &Variant, wo: Vec3, inside: bool) -> Vec<f64> {
+    const FINE: usize = 24;
+    let mut cells = vec![0.0f64; ROWS * COLUMNS];
+    for (index, mass) in cells.iter_mut().enumerate() {
+        let (row, column) = (index / COLUMNS, index % COLUMNS);
+        if row >= ROWS / 2 && !variant.transmits {
+            continue;
+        }
+        for k in 0..FINE * FINE {
+            let at =
+                |whole: usize, part: usize, of: usize| (whole as f32 + (part as f32 + 0.5) / FINE as f32) / of as f32;
+            let (radius, z) = (PI * at(row, k / FINE, ROWS)).sin_cos();
+            let (sine, cosine) = (TAU * at(column, k % FINE, COLUMNS)).sin_cos();
+            let wi = Vec3::new(radius * cosine, radius * sine, z);
+            *mass += f64::from(radius * (variant.bsdf.eval)(&variant.numbers, wo, wi, inside).pdf);
+        }
+        *mass *= 2.0 * f64::from(PI * PI) / (ROWS * COLUMNS * FINE * FINE) as f64;
+    }
+    cells
+}
+
+/// Standard deviations by which a chi-squared statistic lies above its mean (Wilson and Hilferty 1931).
+fn deviations(statistic: f64, freedom: f64) -> f64 {
+    let spread = 2.0 / (9.0 * freedom);
+    ((statistic / freedom).cbrt() - (1.0 - spread)) / spread.sqrt()
+}
+
+#[test]
+fn samples_are_of_the_density_they_claim() {
+    const SAMPLES: usize = 60_000;
+    let mut tested = 0;
+    for variant in variants(&[0.25, 0.5, 1.0]).iter().filter(|variant| !variant.delta) {
+        for (view, wo) in views().into_iter().enumerate() {
+            for inside in [false, true] {
+                if inside && !variant.transmits {
+                    continue;
+                }
+                let expected = expected(variant, wo, inside);
+                let mut random = Random(17 + view as u64);
+                let mut counts = vec![0.0f64; ROWS * COLUMNS];
+                for _ in 0..SAMPLES {
+                    if let Some(scattered) = (variant.bsdf.sample)(&variant.numbers, wo, inside, random.three()) {
+                        counts[cell(scattered.wi)] += 1.0;
+                    }
+                }
+                // Cells of few samples are pooled.
+                let (mut statistic, mut freedom) = (0.0, 0.0);
+                let (mut rest_expected, mut rest_counted) = (0.0, 0.0);
+                for (share, count) in expected.iter().zip(&counts) {
+                    let expected = share * SAMPLES as f64;
+                    if expected < 8.0 {
+                        rest_expected += expected;
+                        rest_counted += count;
+                    } else {
+                        // The quadrature is good to about a hundredth where a lobe is narrow.
+                        let variance = expected + (0.01 * expected).powi(2);
+                        statistic += (count - expected).powi(2) / variance;
+                        freedom += 1.0;
+                    }
+                }
+                if rest_expected > 8.0 {
+                    statistic += (rest_counted - rest_expected).powi(2) / rest_expected;
+                    freedom += 1.0;
+                }
+                let total: f64 = expected.iter().sum();
+                let lost = 1.0 - counts.iter().sum::<f64>() / SAMPLES as f64;
+                assert!(total < 1.02, "{}: density adds up to {total}", variant.name);
+                assert!((1.0 - total - lost).abs() < 0.015, "{}: {total} and {lost} lost", variant.name);
+                let deviations = deviations(statistic, freedom);
+                assert!(
+                    deviations < 5.0,
+                    "{}, view {view}, inside {inside}: chi-squared {statistic:.0} of {freedom} is {deviations:.1} deviations off",
+                    variant.name
+                );
+                tested += 1;
+            }
+        }
+    }
+    println!("{tested} densities agree with their samples");
+}
+
+#[test]
+fn a_samples_weight_is_its_value_over_its_density() {
+    for variant in variants(&[0.1, 0.4, 1.0]).iter().filter(|variant| !variant.delta) {
+        for wo in views() {
+            for inside in [false, true] {
+                let mut random = Random(5);
+                for _ in 0..2000 {
+                    let u = random.three();
+                    let Some(scattered) = (variant.bsdf.sample)(&variant.numbers, wo, inside, u) else { continue };
+                    assert!((scattered.wi.length() - 1.0).abs() < 1e-4, "{}: {}", variant.name, scattered.wi);
+                    assert_eq!(scattered.wi.z < 0.0, scattered.eta != 1.0, "{}", variant.name);
+                    let eval = (variant.bsdf.eval)(&variant.numbers, wo, scattered.wi, inside);
+                    // Close to the horizon rounding decides.
+                    if scattered.wi.z.abs() < 0.02 || wo.z < 0.02 {
+                        continue;
+                    }
+                    assert!((eval.pdf / scattered.pdf - 1.0).abs() < 0.02, "{}: {eval:?} {scattered:?}", variant.name);
+                    let value = eval.value / eval.pdf;
+                    assert!(
+                        (value - scattered.weight).abs().max_element() < 0.02 * (1.0 + value.max_element()),
+                        "{}: {value} {scattered:?}",
+                        variant.name
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The share of light that comes back from a uniform surrounding of one.
+fn furnace(variant: &Variant, wo: Vec3, inside: bool) -> f32 {
+    let n = 128;
+    let mut sum = 0.0f64;
+    let mut random = Random(3);
+    for k in 0..n * n {
+        let u = [
+            (k % n) as f32 / n as f32 + random.next() / n as f32,
+            (k / n) as f32 / n as f32 + random.next() / n as f32,
+            random.next(),
+        ];
+        if let Some(scattered) = (variant.bsdf.sample)(&variant.numbers, wo, inside, u) {
+            assert!(scattered.weight.is_finite(), "{}", variant.name);
+            // Radiance over the square of the index is what is kept.
+            sum += f64::from(scattered.weight.y * scattered.eta * scattered.eta);
+        }
+    }
+    (sum / f64::from(n * n)) as f32
+}
+
+#[test]
+fn nothing_makes_light_and_white_loses_none_where_it_should_not() {
+    for variant in variants(&[0.0, 0.1, 0.3, 0.6, 1.0]) {
+        for wo in views() {
+            for inside in [false, true] {
+                if inside && !variant.transmits {
+                    continue;
+                }
+                let share = furnace(&variant, wo, inside);
+                assert!(share < 1.012, "{} at {}: {share}", variant.name, wo.z);
+                let smooth = variant.name.contains("roughness 0 ") || variant.name.contains("roughness 0.1");
+                let opaque = variant.name.starts_with("principled") && !variant.transmits;
+                let keeps =
+                    variant.name.starts_with("diffuse") || smooth && !opaque && !variant.name.starts_with("principled");
+                if keeps {
+                    assert!(share > 0.985, "{} at {}: {share}", variant.name, wo.z);
+                }
+                // A coat of index 1.5 over metal keeps a little in.
+                if opaque {
+                    let least = if variant.name.ends_with("mix 3") { 0.8 } else { 0.98 };
+                    assert!(share > least, "{} at {}: {share}", variant.name, wo.z);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn light_takes_the_same_way_back() {
+    let names = ["diffuse", "metal", "glass"];
+    for variant in variants(&[0.2, 0.5, 1.0]).iter().filter(|v| names.iter().any(|name| v.name.starts_with(name))) {
+        let mut random = Random(9);
+        for _ in 0..2000 {
+            let mut direction = || {
+                let (z, turn) = (0.05 + 0.95 * random.next(), TAU * random.next());
+                let radius = (1.0 - z * z).sqrt();
+                Vec3::new(radius * turn.cos(), radius * turn.sin(), z)
+            };
+            let (a, b) = (direction(), direction());
+            for inside in [false, true] {
+                let there = (variant.bsdf.eval)(&variant.numbers, a, b, inside).value.x / b.z;
+                let back = (variant.bsdf.eval)(&variant.numbers, b, a, inside).value.x / a.z;
+                assert!((there - back).abs() <= 1e-3 * there.max(1.0), "{}: {there} {back}", variant.name);
+                if !variant.transmits {
+                    continue;
+                }
+                // Through the surface the radiance is scaled by the square of the index.
+                let under = |w: Vec3| w.with_z(-w.z);
+                let ior = variant.numbers[4];
+                let eta = if inside { 1.0 / ior } else { ior };
+                let there = (variant.bsdf.eval)(&variant.numbers, a, under(b), inside).value.x / b.z;
+                let back = (variant.bsdf.eval)(&variant.numbers, b, under(a), !inside).value.x / a.z;
+                assert!((there * eta * eta - back).abs() <= 2e-3 * back.max(1.0), "{}: {there} {back}", variant.name);
+            }
+        }
+    }
+}
+
+/// Mirrors and clear glass against Fresnel's and Snell's laws, worked out by hand.
+#[test]
+fn smooth_surfaces_follow_the_laws() {
+    let glass = kinds().iter().find(|kind| kind.name == "glass").and_then(|kind| kind.bsdf).expect("there is glass");
+    let numbers = (glass.pack)(&[[1.0; 3], [1.5, 0.0, 0.0], [0.0; 3], [0.0; 3]]);
+    // At right angles 4 % are reflected; at 60° 8.9 %: Hecht, Optics, 5th ed., section 4.6.
+    for (degrees, reflected) in [(0.0f32, 0.04), (60.0, 0.08919)] {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let wo = Vec3::new(sine, 0.0, cosine);
+        let at = |choice| (glass.sample)(&numbers, wo, false, [0.5, 0.5, choice]).expect("goes on");
+        assert!(at(reflected - 1e-3).wi.abs_diff_eq(Vec3::new(-sine, 0.0, cosine), 1e-5));
+        let refracted = at(reflected + 1e-3);
+        assert!((refracted.wi.x + sine / 1.5).abs() < 1e-5 && refracted.wi.z < 0.0, "{refracted:?}");
+        assert!((refracted.weight.x - 1.0 / 2.25).abs() < 1e-5);
+    }
+    // From within, beyond 41.8°, all is reflected.
+    let (sine, cosine) = 42.0f32.to_radians().sin_cos();
+    let wo = Vec3::new(sine, 0.0, cosine);
+    assert!((glass.sample)(&numbers, wo, true, [0.5, 0.5, 0.999_999]).expect("goes on").wi.z > 0.0);
+}
+
+#[test]
+fn the_albedo_table_splits_what_a_surface_reflects() {
+    for (index, [a, b]) in albedo::table().iter().enumerate() {
+        assert!(*a >= 0.0 && *b >= 0.0 && a + b <= 1.0 + 1e-5, "{index}: {a} {b}");
+    }
+    // A mirror at right angles reflects all, at the edge of F90 alone.
+    let mirror = albedo::table()[albedo::COSINES - 1];
+    assert!(mirror[0] > 0.999 && mirror[1] < 1e-3, "{mirror:?}");
+    assert!(albedo::table()[0][1] > 0.9);
+}
