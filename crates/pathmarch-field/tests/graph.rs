@@ -93,9 +93,13 @@ proptest! {
                 let distance = field.distance(p);
                 let surface = field.surface(p, seeds[k]);
                 prop_assert!(distance == distances[k] || (distance - distances[k]).abs() < 1e-4);
-                prop_assert!(distance == surface.field.value || (distance - surface.field.value).abs() < 1e-4);
-                let lane = surfaces.field.value.to_array()[k];
-                prop_assert!(distance == lane || (distance - lane).abs() < 1e-4);
+                // Of the objects, the one whose surface is nearest shows, whether the point lies in it or not.
+                let nearest = field.object_distances(p).map(f32::abs).fold(f32::INFINITY, f32::min);
+                for shown in [surface.field.value, surfaces.field.value.to_array()[k]] {
+                    prop_assert!(nearest == shown.abs() || (nearest - shown.abs()).abs() < 1e-4);
+                    let of_an_object = field.object_distances(p).any(|d| d == shown || (d - shown).abs() < 1e-4);
+                    prop_assert!(of_an_object || objects.is_empty() || !shown.is_finite());
+                }
             }
         }
     }
