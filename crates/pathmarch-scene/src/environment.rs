@@ -36,7 +36,7 @@ const MAX_SIDE: u32 = 32_768;
 /// The most texels that are read.
 const MAX_TEXELS: u64 = 1 << 29;
 /// Radiance that no texel exceeds, W/(m² sr): its square and sums of it are finite in `f32`.
-const MAX_RADIANCE: f32 = 1e12;
+pub(crate) const MAX_RADIANCE: f32 = 1e12;
 
 /// Radiance in every direction; the module says which texel is where.
 #[derive(Clone, PartialEq)]
@@ -108,7 +108,9 @@ impl EnvironmentError {
             Self::NoRadiance => "Name a .hdr (Radiance) or .exr (OpenEXR) file; others stop at the white of a screen.",
             Self::Unreadable(_) => "Check its permissions.",
             Self::Empty | Self::Damaged(_) => "It may be damaged or cut short: write it again, as .hdr or .exr.",
-            Self::BadSize(..) => "Width and height must be 1 to 32768, such as 8192 x 4096; together at most 2^29 texels.",
+            Self::BadSize(..) => {
+                "Width and height must be 1 to 32768, such as 8192 x 4096; together at most 2^29 texels."
+            }
             Self::NotFinite => "Write it again.",
         }
     }

@@ -1,8 +1,6 @@
 //! The sky: a constant, a gradient, a picture, or a computed day.
 
-use super::arguments::{
-    Range, Settings, arguments, colour, flag, in_range, no_children, properties, string,
-};
+use super::arguments::{Range, Settings, arguments, colour, flag, in_range, no_children, properties, string};
 use super::names::{DAY, GRADIENT, listed, nearest};
 use super::report::{Report, draft, shown};
 use super::tree::{Entry, Node, Value};
@@ -73,9 +71,8 @@ fn gradient(node: &Node, report: &mut Report) -> Option<Sky> {
     properties(node, &[], report);
     arguments(node, 1, "`sky \"gradient\" { … }`", report);
     let settings = Settings::new(node, GRADIENT, "in a gradient", report);
-    let mut radiance = |word: &str, example: &str| {
-        colour(settings.require(word, example, node, report)?, Range::NOT_NEGATIVE, report)
-    };
+    let mut radiance =
+        |word: &str, example: &str| colour(settings.require(word, example, node, report)?, Range::NOT_NEGATIVE, report);
     let zenith = radiance("zenith", "zenith 0.2 0.4 0.8");
     let horizon = radiance("horizon", "horizon 0.8 0.85 0.9");
     let ground = match settings.get("ground") {
@@ -144,7 +141,8 @@ fn picture(node: &Node, entry: &Entry, scene: &str, report: &mut Report) -> Opti
             let (width, height) = loaded.size;
             if u64::from(width) != 2 * u64::from(height) {
                 let message = format!("This picture is not twice as wide as high, but {width} x {height}.");
-                let help = "It goes once around the sky and from pole to pole, whatever its size: it will look stretched.";
+                let help =
+                    "It goes once around the sky and from pole to pole, whatever its size: it will look stretched.";
                 report.warn(at("pathmarch::stretched_sky", message).label("stretched").help(help));
             }
             if loaded.repaired > 0 {
