@@ -5,11 +5,19 @@
 //! Shapes and operators come from `pathmarch_field`'s registry and materials from [`materials`]: this crate lists
 //! neither, so the language grows with them. No GPU, no file writing.
 
+pub mod atmosphere;
 pub mod diagnostic;
+pub mod environment;
 mod language;
 pub mod materials;
+pub mod render_settings;
 pub mod scene;
+pub mod sky;
 
+pub use atmosphere::Day;
 pub use diagnostic::{Mistake, SceneError};
+pub use environment::Environment;
 pub use materials::{Material, MaterialKind};
-pub use scene::{Camera, Light, Object, RenderSettings, Scene, Tonemap};
+pub use render_settings::{Caustics, RenderSettings, Sampler, Tonemap};
+pub use scene::{Camera, Light, Object, Scene};
+pub use sky::Sky;

@@ -4,6 +4,8 @@
 use crate::diagnostic::{Mistake, SceneError};
 use crate::language;
 use crate::materials::Material;
+use crate::render_settings::RenderSettings;
+use crate::sky::Sky;
 use pathmarch_field::{Field, Node};
 use std::fs::File;
 use std::io::{ErrorKind, Read};
@@ -14,11 +16,11 @@ use std::path::Path;
 pub struct Scene {
     /// At least one; the first is the default. Their names differ.
     pub cameras: Vec<Camera>,
-    /// Picture size and quality.
+    /// Picture size, quality, and how light is followed.
     pub render: RenderSettings,
-    /// Radiance of the surroundings in every direction, W/(m² sr).
-    pub sky: [f32; 3],
-    /// Lights that are not objects.
+    /// Radiance of the surroundings.
+    pub sky: Sky,
+    /// Lights that are not objects, in the order they were written; the sun of a `sky "day"` is the last.
     pub lights: Vec<Light>,
     /// Materials in the order they were written, and last the default one if an object needed it.
     pub materials: Vec<Material>,
@@ -55,55 +57,6 @@ pub struct Camera {
     pub exposure: f32,
 }
 
-/// Picture size and quality; the command line overrides them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RenderSettings {
-    /// Width and height, pixels, each 1 to 16,384.
-    pub size: (u32, u32),
-    /// Samples per pixel, 1 to 1,000,000.
-    pub samples: u32,
-    /// Scattering events after the first hit, 0 to 64.
-    pub bounces: u32,
-    /// How radiance becomes a display's colours.
-    pub tonemap: Tonemap,
-}
-
-impl Default for RenderSettings {
-    fn default() -> Self {
-        Self { size: (1280, 720), samples: 256, bounces: 4, tonemap: Tonemap::Agx }
-    }
-}
-
-/// How radiance becomes a display's colours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Tonemap {
-    /// AgX: soft shoulder, bright colours fade to white.
-    #[default]
-    Agx,
-    /// Khronos neutral: true colours until close to white.
-    Neutral,
-    /// Clipped and encoded, nothing else.
-    Srgb,
-}
-
-impl Tonemap {
-    /// Every one, the default first.
-    pub const ALL: [Self; 3] = [Self::Agx, Self::Neutral, Self::Srgb];
-
-    /// Name in the scene language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Agx => "agx",
-            Self::Neutral => "neutral",
-            Self::Srgb => "srgb",
-        }
-    }
-    /// The one of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|tonemap| tonemap.name() == name)
-    }
-}
-
 /// A light that is not an object and has no place in the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
@@ -115,6 +68,10 @@ pub enum Light {
         irradiance: [f32; 3],
         /// Apparent diameter, degrees, 0 to 180; 0 is parallel light.
         angle: f32,
+        /// An approximation of soft shadows for a light without size: light that passes a surface within the angle
+        /// 1/penumbra of it is dimmed, judged from the nearest misses of the march (Quilez 2010). Above 0; larger is
+        /// sharper. `None` leaves shadows as they are.
+        penumbra: Option<f32>,
     },
     /// Light from a point, the same in every direction.
     Point {
@@ -122,6 +79,8 @@ pub enum Light {
         at: [f32; 3],
         /// W/sr.
         intensity: [f32; 3],
+        /// As that of the sun.
+        penumbra: Option<f32>,
     },
 }
 

@@ -126,6 +126,17 @@ pub(crate) fn string<'n>(entry: &'n Entry, what: &str, report: &mut Report) -> O
     }
 }
 
+/// The truth value of an entry.
+pub(crate) fn flag(entry: &Entry, what: &str, report: &mut Report) -> Option<bool> {
+    match entry.value {
+        Value::Bool(value) => Some(value),
+        _ => {
+            wrong_type(entry, what, "#true or #false", report);
+            None
+        }
+    }
+}
+
 /// The properties among `known`, each at most once; reports all others.
 pub(crate) fn properties<'n, 'k>(
     node: &'n Node,
@@ -225,6 +236,33 @@ pub(crate) fn whole_numbers<const K: usize>(
     }
     let values: Vec<u32> = values.into_iter().collect::<Option<_>>()?;
     values.try_into().ok()
+}
+
+/// One of the things in `all`, by the name that is a node's only argument; `what` as in "There is no …".
+pub(crate) fn choice<T: Copy>(
+    node: &Node,
+    what: &str,
+    all: &[T],
+    name_of: fn(T) -> &'static str,
+    report: &mut Report,
+) -> Option<T> {
+    let names: Vec<&str> = all.iter().map(|&one| name_of(one)).collect();
+    let usage = format!("`{} \"{}\"`", node.name.value, names[0]);
+    properties(node, &[], report);
+    no_children(node, report);
+    let entries = arguments(node, 1, &usage, report);
+    let Some(entry) = entries.first() else {
+        missing_arguments(node, &usage, report);
+        return None;
+    };
+    let text = string(entry, &format!("`{}`", node.name.value), report)?;
+    let found = names.iter().position(|name| *name == text);
+    if found.is_none() {
+        let message = format!("There is no {what} {}.", shown(text));
+        let mistake = draft("pathmarch::unknown_name", entry.value_span, message).label("unknown name");
+        report.add(mistake.help(suggestion(text, &names)));
+    }
+    found.map(|index| all[index])
 }
 
 /// Three numbers that are not all zero, of length one.

@@ -9,6 +9,7 @@ mod characters;
 mod names;
 mod report;
 mod settings;
+mod skies;
 mod solids;
 mod strings;
 mod surfaces;
@@ -16,9 +17,12 @@ mod syntax;
 #[cfg(test)]
 mod syntax_tests;
 mod tree;
+mod warnings;
 
 use crate::diagnostic::SceneError;
-use crate::scene::{Light, RenderSettings, Scene};
+use crate::render_settings::RenderSettings;
+use crate::scene::{Light, Scene};
+use crate::sky::Sky;
 use arguments::{Range, numbers, twice};
 use names::{TOP, unexpected_node};
 use pathmarch_field::Field;
@@ -49,13 +53,16 @@ pub(crate) fn parse(name: &str, text: &str) -> Result<Scene, SceneError> {
     if version(&file, &mut report) == Version::Other {
         return Err(report.into_error());
     }
-    let mut scene = scene(name, text, &file, &mut report);
+    let (mut scene, sky) = scene(name, text, &file, &mut report);
     if report.has_mistakes() {
         return Err(report.into_error());
     }
+    let (sky, sun) = sky.finish();
+    scene.sky = sky;
+    scene.lights.extend(sun);
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
     scene.field = Field::new(&roots);
-    warn(&scene, &file, &mut report);
+    warnings::warn(&scene, &file, &mut report);
     scene.warnings = report.into_warnings();
     Ok(scene)
 }
@@ -99,8 +106,8 @@ fn version(file: &Block, report: &mut Report) -> Version {
     Version::This
 }
 
-/// What the nodes of the file say; the field is still empty.
-fn scene(name: &str, text: &str, file: &Block, report: &mut Report) -> Scene {
+/// What the nodes of the file say; the field is still empty, and the sky black.
+fn scene(name: &str, text: &str, file: &Block, report: &mut Report) -> (Scene, skies::Described) {
     let nodes = |name: &'static str| file.nodes.iter().filter(move |node| node.name.value == name);
     for node in &file.nodes {
         if !TOP.contains(&&*node.name.value) {
@@ -124,7 +131,7 @@ fn scene(name: &str, text: &str, file: &Block, report: &mut Report) -> Scene {
         report.add(mistake.help("For example: camera { position 0 1.5 6; target 0 1 0 }."));
     }
     let render = nodes("render").next().map_or_else(RenderSettings::default, |node| settings::render(node, report));
-    let sky = nodes("sky").next().and_then(|node| settings::sky(node, report)).unwrap_or_default();
+    let sky = nodes("sky").next().and_then(|node| skies::sky(node, name, report)).unwrap_or_default();
     let lights: Vec<Light> = file
         .nodes
         .iter()
@@ -138,10 +145,10 @@ fn scene(name: &str, text: &str, file: &Block, report: &mut Report) -> Scene {
     nodes("material").for_each(|node| materials.add(node, report));
     let mut solids = Solids::new(&mut materials);
     let objects = nodes("object").filter_map(|node| solids.object(node, report)).collect();
-    Scene {
+    let scene = Scene {
         cameras,
         render,
-        sky,
+        sky: Sky::default(),
         lights,
         materials: materials.list,
         objects,
@@ -149,41 +156,6 @@ fn scene(name: &str, text: &str, file: &Block, report: &mut Report) -> Scene {
         warnings: Vec::new(),
         source_name: name.to_owned(),
         source_text: text.to_owned(),
-    }
-}
-
-/// Warns of what is most likely not meant.
-fn warn(scene: &Scene, file: &Block, report: &mut Report) {
-    let Some(first) = file.nodes.first() else { return };
-    let emits = |tag: u32| scene.materials[tag as usize].emits();
-    if scene.objects.is_empty() {
-        let warning = draft("pathmarch::no_objects", first.name.span, "The scene has no objects.");
-        report.warn(warning.label("in this file"));
-    }
-    let bright = |colour: [f32; 3]| colour.iter().any(|&v| v > 0.0);
-    let lit = bright(scene.sky)
-        || scene.field.leaves().iter().any(|leaf| emits(leaf.tag))
-        || scene.lights.iter().any(|light| match light {
-            Light::Sun { irradiance, .. } => bright(*irradiance),
-            Light::Point { intensity, .. } => bright(*intensity),
-        });
-    if !lit {
-        let warning =
-            draft("pathmarch::no_light", first.name.span, "Nothing lights the scene: the picture will be black.");
-        let help = "Add a `sky`, a `sun`, a `point` light, or an object whose material emits.";
-        report.warn(warning.label("in this file").help(help));
-    }
-    let mut emitting = vec![false; scene.objects.len()];
-    for leaf in scene.field.leaves() {
-        emitting[leaf.object as usize] |= emits(leaf.tag);
-    }
-    // Without mistakes every object node has become an object, and every object a part of the field.
-    let objects = file.nodes.iter().filter(|node| node.name.value == "object");
-    let bounds = scene.field.object_bounds().iter();
-    let endless = objects.zip(bounds.zip(emitting)).filter(|(_, (bounds, emitting))| *emitting && !bounds.is_finite());
-    for (node, _) in endless {
-        let warning = draft("pathmarch::endless_light", node.name.span, "This object emits light and has no end.");
-        let help = "It is not sampled as a light, only found by chance; give it an end, or use `sky`.";
-        report.warn(warning.label("endless").help(help));
-    }
+    };
+    (scene, sky)
 }

@@ -10,11 +10,15 @@ pub(crate) const TOP: &[&str] = &["pathmarch", "camera", "render", "sky", "sun",
 /// Nodes in a camera.
 pub(crate) const CAMERA: &[&str] = &["position", "target", "up", "fov", "lens", "exposure"];
 /// Nodes in `render`.
-pub(crate) const RENDER: &[&str] = &["size", "samples", "bounces", "tonemap"];
+pub(crate) const RENDER: &[&str] = &["size", "samples", "bounces", "tonemap", "sampler", "caustics", "clamp"];
+/// Nodes in a sky that is a gradient.
+pub(crate) const GRADIENT: &[&str] = &["zenith", "horizon", "ground"];
+/// Nodes in a sky that is a day.
+pub(crate) const DAY: &[&str] = &["ground"];
 /// Nodes in `sun`.
-pub(crate) const SUN: &[&str] = &["direction", "irradiance", "angle"];
+pub(crate) const SUN: &[&str] = &["direction", "irradiance", "angle", "penumbra"];
 /// Nodes in `point`.
-pub(crate) const POINT: &[&str] = &["at", "intensity"];
+pub(crate) const POINT: &[&str] = &["at", "intensity", "penumbra"];
 /// Nodes in every shape and operator.
 pub(crate) const PLACEMENT: &[&str] = &["at", "rotate", "scale"];
 /// Node in shapes that face somewhere.
@@ -112,8 +116,6 @@ pub(crate) fn suggestion(name: &str, known: &[&str]) -> String {
 
 /// Where a word of this version belongs.
 fn home(name: &str) -> Option<String> {
-    let setting =
-        |words: &[&str], node: &str| words.contains(&name).then(|| format!("It stands in the braces of `{node}`."));
     if TOP.contains(&name) {
         return Some("It stands by itself, outside all braces.".to_owned());
     }
@@ -126,10 +128,16 @@ fn home(name: &str) -> Option<String> {
     if materials::kind(name).is_some() {
         return Some("It stands in the braces of a `material`.".to_owned());
     }
-    setting(CAMERA, "camera")
-        .or_else(|| setting(RENDER, "render"))
-        .or_else(|| setting(SUN, "sun"))
-        .or_else(|| setting(POINT, "point"))
+    let nodes = [
+        (CAMERA, "camera"),
+        (RENDER, "render"),
+        (GRADIENT, "sky \"gradient\""),
+        (DAY, "sky \"day\""),
+        (SUN, "sun"),
+        (POINT, "point"),
+    ];
+    let homes: Vec<&str> = nodes.into_iter().filter(|(words, _)| words.contains(&name)).map(|(_, node)| node).collect();
+    (!homes.is_empty()).then(|| format!("It stands in the braces of {}.", listed(homes, "or")))
 }
 
 /// Reports a node that does not belong where it stands: misspelt, misplaced, or not in this version. `place` is as in

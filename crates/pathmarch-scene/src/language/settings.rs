@@ -1,21 +1,20 @@
-//! Cameras, render settings, sky and lights.
+//! Cameras, render settings and lights.
 
 use super::arguments::{
-    Range, Settings, arguments, colour, direction, in_range, name, no_children, numbers, properties, string, twice,
+    Range, Settings, arguments, choice, colour, direction, in_range, name, no_children, numbers, properties, twice,
     whole_numbers,
 };
-use super::names::{CAMERA, POINT, RENDER, SUN, not_supported, suggestion};
+use super::names::{CAMERA, POINT, RENDER, SUN};
 use super::report::{Report, draft, shown};
-use super::tree::{Node, Span, Text, Value};
-use crate::scene::{Camera, Light, RenderSettings, Tonemap};
+use super::tree::{Node, Span};
+use crate::atmosphere::SUN_ANGLE;
+use crate::render_settings::{Caustics, RenderSettings, Sampler, Tonemap};
+use crate::scene::{Camera, Light};
 use glam::DVec3;
 use std::collections::HashMap;
 
 /// Sine of the angle below which two directions are parallel: a view that f32 cannot hold upright.
 const PARALLEL: f64 = 1e-5;
-
-/// The apparent diameter of our own sun, degrees: that of a `sun` without `angle`.
-const SUN_ANGLE: f32 = 0.53;
 
 /// A camera; `None` after a mistake. `seen` holds the names of those before it.
 pub(crate) fn camera(node: &Node, seen: &mut HashMap<String, Span>, report: &mut Report) -> Option<Camera> {
@@ -108,55 +107,31 @@ pub(crate) fn render(node: &Node, report: &mut Report) -> RenderSettings {
         render.bounces = bounces;
     }
     if let Some(node) = settings.get("tonemap")
-        && let Some(tonemap) = self::tonemap(node, report)
+        && let Some(tonemap) = choice(node, "tone mapping", Tonemap::ALL, Tonemap::name, report)
     {
         render.tonemap = tonemap;
+    }
+    if let Some(node) = settings.get("sampler")
+        && let Some(sampler) = choice(node, "sampler", Sampler::ALL, Sampler::name, report)
+    {
+        render.sampler = sampler;
+    }
+    if let Some(node) = settings.get("caustics")
+        && let Some(caustics) = choice(node, "kind of caustics", Caustics::ALL, Caustics::name, report)
+    {
+        render.caustics = caustics;
+    }
+    if let Some(node) = settings.get("clamp")
+        && let Some([clamp]) = numbers(node, "`clamp 10`", Range::POSITIVE, report)
+    {
+        render.clamp = Some(clamp);
     }
     render
 }
 
-fn tonemap(node: &Node, report: &mut Report) -> Option<Tonemap> {
-    let usage = "`tonemap \"agx\"`";
-    properties(node, &[], report);
-    no_children(node, report);
-    let entries = arguments(node, 1, usage, report);
-    let Some(entry) = entries.first() else {
-        super::arguments::missing_arguments(node, usage, report);
-        return None;
-    };
-    let text = string(entry, "`tonemap`", report)?;
-    let tonemap = Tonemap::from_name(text);
-    if tonemap.is_none() {
-        let names = Tonemap::ALL.map(Tonemap::name);
-        let message = format!("There is no tone mapping {}.", shown(text));
-        let mistake = draft("pathmarch::unknown_name", entry.value_span, message).label("unknown name");
-        report.add(mistake.help(suggestion(text, &names)));
-    }
-    tonemap
-}
-
-/// Radiance of the sky; `None` after a mistake.
-pub(crate) fn sky(node: &Node, report: &mut Report) -> Option<[f32; 3]> {
-    let file = node
-        .entries
-        .iter()
-        .find(|entry| entry.name.is_none() && matches!(&entry.value, Value::Text(text) if !text.starts_with('#')));
-    if let Some(entry) = file {
-        report.add(
-            draft("pathmarch::not_supported", entry.span, "This version of pathmarch has no sky from a file yet.")
-                .label("not supported yet")
-                .help("Give a constant radiance: three numbers, one number, or \"#rrggbb\"."),
-        );
-        return None;
-    }
-    for word in node.entries.iter().filter_map(|entry| entry.name.as_ref()) {
-        if ["strength", "rotate"].contains(&&*word.value) {
-            let name = Text { value: format!("sky {}=", word.value).into(), span: word.span };
-            report.add(not_supported(&name));
-            return None;
-        }
-    }
-    colour(node, Range::NOT_NEGATIVE, report)
+/// Sharpness of soft shadows; `None` without a node, or after a mistake.
+fn penumbra(settings: &Settings, report: &mut Report) -> Option<f32> {
+    numbers(settings.get("penumbra")?, "`penumbra 16`", Range::POSITIVE, report).map(|[penumbra]| penumbra)
 }
 
 /// A sun; `None` after a mistake.
@@ -172,7 +147,8 @@ pub(crate) fn sun(node: &Node, report: &mut Report) -> Option<Light> {
         Some(angle) => numbers(angle, "`angle 0.53`", Range::from_to(0.0, 180.0), report),
         None => Some([SUN_ANGLE]),
     };
-    Some(Light::Sun { direction: towards?, irradiance: irradiance?, angle: angle?[0] })
+    let penumbra = penumbra(&settings, report);
+    Some(Light::Sun { direction: towards?, irradiance: irradiance?, angle: angle?[0], penumbra })
 }
 
 /// A point light; `None` after a mistake.
@@ -184,5 +160,6 @@ pub(crate) fn point(node: &Node, report: &mut Report) -> Option<Light> {
     let at = at.and_then(|at| numbers(at, "`at x y z`", Range::ANY, report));
     let intensity = settings.require("intensity", "intensity 60", node, report);
     let intensity = intensity.and_then(|node| colour(node, Range::NOT_NEGATIVE, report));
-    Some(Light::Point { at: at?, intensity: intensity? })
+    let penumbra = penumbra(&settings, report);
+    Some(Light::Point { at: at?, intensity: intensity?, penumbra })
 }

@@ -1,0 +1,166 @@
+//! The sky: a constant, a gradient, a picture, or a computed day.
+
+use super::arguments::{Range, Settings, arguments, colour, flag, in_range, no_children, properties, string};
+use super::names::{DAY, GRADIENT, listed, nearest};
+use super::report::{Report, draft, shown};
+use super::tree::{Entry, Node, Value};
+use crate::atmosphere::Day;
+use crate::environment::Environment;
+use crate::scene::Light;
+use crate::sky::Sky;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What a `sky` node says.
+pub(crate) enum Described {
+    /// A sky that needs no more work.
+    Ready(Sky),
+    /// A sky that takes a while to compute, and whether its sun shines.
+    Day(Day, bool),
+}
+
+impl Default for Described {
+    fn default() -> Self {
+        Self::Ready(Sky::default())
+    }
+}
+
+impl Described {
+    /// The sky, and the sun in it.
+    pub(crate) fn finish(self) -> (Sky, Option<Light>) {
+        match self {
+            Self::Ready(sky) => (sky, None),
+            Self::Day(day, shines) => {
+                let (environment, sun) = day.bake();
+                (Sky::Map(Arc::new(environment)), sun.filter(|_| shines))
+            }
+        }
+    }
+}
+
+const PICTURE_WORDS: &[&str] = &["strength", "rotate"];
+const DAY_WORDS: &[&str] = &["elevation", "azimuth", "haze", "strength", "sun"];
+
+/// The sky of a node; `None` after a mistake. `scene` is the path of the scene file.
+pub(crate) fn sky(node: &Node, scene: &str, report: &mut Report) -> Option<Described> {
+    let first = node.entries.iter().find(|entry| entry.name.is_none());
+    match first.map(|entry| (entry, &entry.value)) {
+        Some((_, Value::Text(text))) if text == "gradient" => gradient(node, report).map(Described::Ready),
+        Some((_, Value::Text(text))) if text == "day" => day(node, report),
+        Some((entry, Value::Text(text))) if !text.starts_with('#') => {
+            picture(node, entry, scene, report).map(Described::Ready)
+        }
+        _ => constant(node, report).map(|radiance| Described::Ready(Sky::Constant(radiance))),
+    }
+}
+
+fn constant(node: &Node, report: &mut Report) -> Option<[f32; 3]> {
+    let others = |word: &str| PICTURE_WORDS.contains(&word) || DAY_WORDS.contains(&word);
+    if let Some(name) = node.entries.iter().filter_map(|entry| entry.name.as_ref()).find(|name| others(&name.value)) {
+        let word = &*name.value;
+        let homes = [(PICTURE_WORDS, "sky \"studio.hdr\""), (DAY_WORDS, "sky \"day\"")];
+        let homes = homes.into_iter().filter(|(words, _)| words.contains(&word)).map(|(_, home)| home);
+        let mistake = draft("pathmarch::unknown_property", name.span, format!("A constant sky has no `{word}`."));
+        report.add(mistake.label("not here").help(format!("It belongs to {}.", listed(homes, "or to"))));
+        return None;
+    }
+    colour(node, Range::NOT_NEGATIVE, report)
+}
+
+fn gradient(node: &Node, report: &mut Report) -> Option<Sky> {
+    properties(node, &[], report);
+    arguments(node, 1, "`sky \"gradient\" { … }`", report);
+    let settings = Settings::new(node, GRADIENT, "in a gradient", report);
+    let mut radiance =
+        |word: &str, example: &str| colour(settings.require(word, example, node, report)?, Range::NOT_NEGATIVE, report);
+    let zenith = radiance("zenith", "zenith 0.2 0.4 0.8");
+    let horizon = radiance("horizon", "horizon 0.8 0.85 0.9");
+    let ground = match settings.get("ground") {
+        Some(ground) => colour(ground, Range::NOT_NEGATIVE, report),
+        None => horizon,
+    };
+    Some(Sky::Gradient { zenith: zenith?, horizon: horizon?, ground: ground? })
+}
+
+fn day(node: &Node, report: &mut Report) -> Option<Described> {
+    arguments(node, 1, "`sky \"day\" elevation=40 azimuth=135`", report);
+    let mut day = Day::default();
+    let mut shines = true;
+    for (word, entry) in properties(node, DAY_WORDS, report) {
+        let what = format!("`{word}`");
+        let (value, range) = match word {
+            "sun" => {
+                shines = flag(entry, &what, report).unwrap_or(true);
+                continue;
+            }
+            "elevation" => (&mut day.elevation, Range::from_to(-20.0, 90.0)),
+            "azimuth" => (&mut day.azimuth, Range::ANY),
+            "haze" => (&mut day.haze, Range::from_to(0.0, 20.0)),
+            _ => (&mut day.strength, Range::NOT_NEGATIVE),
+        };
+        *value = in_range(entry, &what, range, report).unwrap_or(*value);
+    }
+    let settings = Settings::new(node, DAY, "in a day", report);
+    if let Some(ground) = settings.get("ground") {
+        day.ground = colour(ground, Range::from_to(0.0, 1.0), report)?;
+    }
+    Some(Described::Day(day, shines))
+}
+
+fn picture(node: &Node, entry: &Entry, scene: &str, report: &mut Report) -> Option<Sky> {
+    no_children(node, report);
+    arguments(node, 1, "`sky \"studio.hdr\" strength=1 rotate=90`", report);
+    let (mut strength, mut rotate) = (1.0, 0.0);
+    for (word, entry) in properties(node, PICTURE_WORDS, report) {
+        let what = format!("`{word}`");
+        if word == "strength" {
+            strength = in_range(entry, &what, Range::NOT_NEGATIVE, report).unwrap_or(1.0);
+        } else {
+            rotate = in_range(entry, &what, Range::ANY, report).unwrap_or(0.0);
+        }
+    }
+    let name = string(entry, "A sky", report)?;
+    if name.is_empty() {
+        let mistake = draft("pathmarch::empty_name", entry.value_span, "This name is empty.");
+        report.add(mistake.label("expected the path of a .hdr or .exr file"));
+        return None;
+    }
+    let path = Path::new(scene).parent().unwrap_or(Path::new("")).join(name);
+    if path.extension().is_none() && !path.exists() {
+        let mistake = draft("pathmarch::unknown_name", entry.value_span, format!("There is no sky {}.", shown(name)));
+        let help = match nearest(name, ["gradient", "day"]) {
+            Some(word) => format!("Did you mean `{word}`?"),
+            None => "Expected `gradient`, `day`, the path of a .hdr or .exr file, or a colour.".to_owned(),
+        };
+        report.add(mistake.label("unknown name").help(help));
+        return None;
+    }
+    match Environment::load(&path, strength) {
+        Ok(loaded) => {
+            let at = |code, message: String| draft(code, entry.value_span, message);
+            let (width, height) = loaded.size;
+            if u64::from(width) != 2 * u64::from(height) {
+                let message = format!("This picture is not twice as wide as high, but {width} x {height}.");
+                let help =
+                    "It goes once around the sky and from pole to pole, whatever its size: it will look stretched.";
+                report.warn(at("pathmarch::stretched_sky", message).label("stretched").help(help));
+            }
+            if loaded.repaired > 0 {
+                let message = format!("In this picture {} were negative or not finite.", texels(loaded.repaired));
+                let help = "Negative values and NaN became 0, infinite ones the largest finite value of the picture.";
+                report.warn(at("pathmarch::bad_texels", message).label("repaired").help(help));
+            }
+            Some(Sky::Map(Arc::new(Environment { rotate, ..loaded.environment })))
+        }
+        Err(error) => {
+            let message = format!("The picture {} cannot be the sky.", shown(name));
+            let mistake = draft("pathmarch::sky_picture", entry.value_span, message);
+            report.add(mistake.label(error.to_string()).help(error.help()));
+            None
+        }
+    }
+}
+
+fn texels(count: u64) -> String {
+    if count == 1 { "1 texel".to_owned() } else { format!("{count} texels") }
+}

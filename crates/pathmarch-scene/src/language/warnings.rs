@@ -1,0 +1,64 @@
+//! What is allowed but most likely not meant.
+
+use super::report::{Report, draft, shown};
+use super::tree::Block;
+use crate::scene::{Light, Scene};
+use pathmarch_field::number::Vec3;
+
+/// Warns of what is most likely not meant.
+pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
+    let Some(first) = file.nodes.first() else { return };
+    let emits = |tag: u32| scene.materials[tag as usize].emits();
+    if scene.objects.is_empty() {
+        let warning = draft("pathmarch::no_objects", first.name.span, "The scene has no objects.");
+        report.warn(warning.label("in this file"));
+    }
+    let bright = |colour: [f32; 3]| colour.iter().any(|&v| v > 0.0);
+    let lit = !scene.sky.is_black()
+        || scene.field.leaves().iter().any(|leaf| emits(leaf.tag))
+        || scene.lights.iter().any(|light| match light {
+            Light::Sun { irradiance, .. } => bright(*irradiance),
+            Light::Point { intensity, .. } => bright(*intensity),
+        });
+    if !lit {
+        let warning =
+            draft("pathmarch::no_light", first.name.span, "Nothing lights the scene: the picture will be black.");
+        let help = "Add a `sky`, a `sun`, a `point` light, or an object whose material emits.";
+        report.warn(warning.label("in this file").help(help));
+    }
+    let mut emitting = vec![false; scene.objects.len()];
+    for leaf in scene.field.leaves() {
+        emitting[leaf.object as usize] |= emits(leaf.tag);
+    }
+    // Without mistakes every object node has become an object, and every object a part of the field.
+    let objects = file.nodes.iter().filter(|node| node.name.value == "object");
+    let bounds = scene.field.object_bounds().iter();
+    let endless = objects.zip(bounds.zip(emitting)).filter(|(_, (bounds, emitting))| *emitting && !bounds.is_finite());
+    for (node, _) in endless {
+        let warning = draft("pathmarch::endless_light", node.name.span, "This object emits light and has no end.");
+        let help = "It is not sampled as a light, only found by chance; give it an end, or use `sky`.";
+        report.warn(warning.label("endless").help(help));
+    }
+    hidden_points(scene, file, report);
+}
+
+/// Warns of point lights inside solids, as far as the time for it is bounded: for the first of very many points.
+fn hidden_points(scene: &Scene, file: &Block, report: &mut Report) {
+    const EVALUATIONS: usize = 10_000_000;
+    let leaves = scene.field.leaves();
+    let points = scene.lights.iter().filter_map(|light| match light {
+        Light::Point { at, .. } => Some(*at),
+        Light::Sun { .. } => None,
+    });
+    // Without mistakes every point node has become a light.
+    let nodes = file.nodes.iter().filter(|node| node.name.value == "point");
+    for (node, [x, y, z]) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
+        let surface = scene.field.surface(Vec3 { x, y, z }, 0);
+        if surface.field.value < 0.0 {
+            let object = &scene.objects[leaves[surface.leaf as usize].object as usize];
+            let message = format!("This point light is inside of the object {}, which hides it.", shown(&object.name));
+            let warning = draft("pathmarch::hidden_light", node.name.span, message).label("shines nowhere");
+            report.warn(warning.help("Move it out, or make the object emit."));
+        }
+    }
+}
