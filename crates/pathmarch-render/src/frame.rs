@@ -8,7 +8,8 @@ use glam::Vec3;
 use pathmarch_field::graph::Leaf;
 use pathmarch_field::{Aabb, Field};
 use pathmarch_scene::materials::{self, Bsdf, Numbers, albedo};
-use pathmarch_scene::{Camera, Material, Scene};
+use pathmarch_scene::sky::GROUND_EDGE;
+use pathmarch_scene::{Camera, Caustics, Material, Scene, Sky as Source};
 use std::collections::HashMap;
 
 /// What every ray of a picture shares; the layout is that of `Frame` in `transport/path.wgsl`.
@@ -47,8 +48,23 @@ pub(crate) struct Frame {
     pub(crate) clamp: f32,
     /// Lights that are suns; they come first.
     pub(crate) sun_count: u32,
+    /// The number of the sampler.
     pub(crate) sampler: u32,
-    padding: u32,
+    /// Of the sky's picture, texels.
+    pub(crate) sky_width: u32,
+    /// Straight up, or everywhere, W/(m² sr).
+    pub(crate) sky_zenith: [f32; 3],
+    pub(crate) sky_height: u32,
+    pub(crate) sky_horizon: [f32; 3],
+    /// Density of a direction of the picture over the mean luminance of the texels around it.
+    pub(crate) sky_density: f32,
+    pub(crate) sky_ground: [f32; 3],
+    /// Sine of the depth at which the ground has its own colour.
+    pub(crate) sky_edge: f32,
+    /// Of the picture's turn.
+    pub(crate) sky_sine: f32,
+    pub(crate) sky_cosine: f32,
+    padding: [u32; 2],
 }
 
 /// What is known of a leaf of the field; the layout is that of `LeafRecord` in `transport/path.wgsl`.
@@ -142,6 +158,8 @@ pub(crate) struct Prepared {
     pub(crate) sky: Sky,
     /// Tables of numbers that the kernel reads.
     pub(crate) tables: Vec<u32>,
+    /// Where the alias tables of the sky's picture start in the tables.
+    pub(crate) sky_table: usize,
     /// Where the albedos of GGX surfaces start in the tables.
     pub(crate) ggx_table: usize,
 }
@@ -172,7 +190,17 @@ impl Prepared {
         let bounds =
             if bounds.min[0] > bounds.max[0] { Aabb { min: [UNLIMITED; 3], max: [UNLIMITED; 3] } } else { bounds };
         let limited = |v: f32, margin: f32| (v + margin).clamp(-UNLIMITED, UNLIMITED);
-        let lights = lights::records(scene, centre, radius);
+        let mut sky = Sky::new(scene);
+        let lights = lights::records(scene, &mut sky, centre, radius);
+        let [zenith, horizon, ground] = match scene.sky {
+            Source::Constant(radiance) => [radiance; 3],
+            Source::Gradient { zenith, horizon, ground } => [zenith, horizon, ground],
+            Source::Map(_) => [[0.0; 3]; 3],
+        };
+        let (texels, turn) = match &scene.sky {
+            Source::Map(picture) => ((picture.width, picture.height), picture.rotate.rem_euclid(360.0).to_radians()),
+            _ => ((0, 0), 0.0),
+        };
         let frame = Frame {
             position: camera.position,
             lens_radius: camera.lens_radius,
@@ -192,12 +220,20 @@ impl Prepared {
             height,
             bounces: settings.bounces,
             seed: settings.seed,
-            clamp: f32::INFINITY,
+            clamp: scene.render.clamp.unwrap_or(f32::INFINITY),
             sun_count: lights.iter().filter(|light| light.is_sun()).count() as u32,
-            sampler: 0,
-            padding: 0,
+            sampler: scene.render.sampler as u32,
+            sky_width: texels.0,
+            sky_zenith: zenith,
+            sky_height: texels.1,
+            sky_horizon: horizon,
+            sky_density: sky.density(),
+            sky_ground: ground,
+            sky_edge: GROUND_EDGE,
+            sky_sine: turn.sin(),
+            sky_cosine: turn.cos(),
+            padding: [0; 2],
         };
-        let sky = Sky::new(scene);
         let light_of_leaf: HashMap<u32, u32> =
             (0..).zip(&lights).filter_map(|(index, light)| Some((light.emitting_leaf()?, index))).collect();
         let direct: Vec<u32> = scene.field.direct_leaves().collect();
@@ -219,16 +255,30 @@ impl Prepared {
             absorption: materials.iter().any(|material| material.absorption != [0.0; 3]),
             transmission: any(TRANSMITS),
             chooses_lobes: scene.materials.iter().any(|material| material.kind.bsdf.is_some_and(|b| b.chooses_lobes)),
-            fast_caustics: false,
-            penumbra: false,
+            fast_caustics: scene.render.caustics == Caustics::Fast && any(TRANSMITS),
+            penumbra: lights.iter().any(|light| light.penumbra > 0.0),
         };
         let bsdfs = scene.materials.iter().map(|material| material.kind.bsdf).collect();
         let mut tables: Vec<u32> = Vec::new();
+        let sky_table = tables.len();
+        tables.extend(sky.tables());
         let ggx_table = tables.len();
         if scene.materials.iter().any(|material| material.kind.name == "principled") {
             tables.extend(albedo::table().iter().flatten().map(|value| value.to_bits()));
         }
-        Self { frame, features, field: scene.field.clone(), leaves, materials, bsdfs, lights, sky, tables, ggx_table }
+        Self {
+            frame,
+            features,
+            field: scene.field.clone(),
+            leaves,
+            materials,
+            bsdfs,
+            lights,
+            sky,
+            tables,
+            sky_table,
+            ggx_table,
+        }
     }
 }
 

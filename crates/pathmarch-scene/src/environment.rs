@@ -119,20 +119,27 @@ impl EnvironmentError {
 impl Environment {
     /// Radiance from `direction`, which is of length one, W/(m² sr): bilinear between texels.
     pub fn radiance(&self, direction: [f32; 3]) -> [f32; 3] {
+        self.around(direction).0
+    }
+
+    /// Radiance from `direction`, and the four texels that it is mixed of.
+    pub fn around(&self, direction: [f32; 3]) -> ([f32; 3], [[f32; 3]; 4]) {
         let [x, y, z] = direction;
         let (sin, cos) = self.rotate.rem_euclid(360.0).to_radians().sin_cos();
         let (x, z) = (x * cos - z * sin, x * sin + z * cos);
         let u = (x.atan2(-z) / TAU).rem_euclid(1.0);
-        let v = y.clamp(-1.0, 1.0).acos() / PI;
+        let v = x.hypot(z).atan2(y) / PI;
         let column = u * self.width as f32 - 0.5;
         let row = (v * self.height as f32 - 0.5).clamp(0.0, self.height as f32 - 1.0);
         let left = (column.floor() as i64).rem_euclid(i64::from(self.width)) as usize;
         let right = (left + 1) % self.width as usize;
         let upper = row as usize;
         let lower = (upper + 1).min(self.height as usize - 1);
-        let texel = |column: usize, row: usize| Vec3::from(self.texels[row * self.width as usize + column]);
-        let across = |row: usize| texel(left, row).lerp(texel(right, row), column - column.floor());
-        across(upper).lerp(across(lower), row.fract()).into()
+        let texel = |column: usize, row: usize| self.texels[row * self.width as usize + column];
+        let corners = [texel(left, upper), texel(right, upper), texel(left, lower), texel(right, lower)];
+        let [a, b, c, d] = corners.map(Vec3::from);
+        let across = column - column.floor();
+        (a.lerp(b, across).lerp(c.lerp(d, across), row.fract()).into(), corners)
     }
 
     /// The picture in the file at `path`, its radiance multiplied by `strength`, which is 0 or more.

@@ -22,6 +22,9 @@ pub type Parameters = Vec<[f32; 4]>;
 pub struct Program {
     /// WGSL text; equal for scenes of equal structure.
     pub code: String,
+    /// WGSL text of `whole_distance(p: vec3f) -> f32`, the distance to all that `code` only marches in part: for those
+    /// who need it, behind `code`.
+    pub whole_distance: String,
     /// The numbers, at least one vector.
     pub parameters: Parameters,
 }
@@ -64,6 +67,13 @@ impl Program {
                 None => composer.distances(tree, &mut functions),
             }
         }
+        let mut code_of_distances = BTreeSet::new();
+        for tree in field.objects() {
+            composer.distances(tree, &mut code_of_distances);
+        }
+        let mut whole_distance: String =
+            code_of_distances.difference(&functions).map(|(_, f)| format!("{f}\n")).collect();
+        whole_distance += &composer.whole_distance();
         let distance = composer.distance();
         let direct = composer.direct_hit();
         let surface = composer.surface();
@@ -80,7 +90,7 @@ impl Program {
             code += function;
         }
         let code = format!("{code}\n{distance}\n{direct}\n{surface}");
-        Self { code, parameters: composer.parameters }
+        Self { code, whole_distance, parameters: composer.parameters }
     }
 }
 
@@ -172,6 +182,19 @@ impl Composer<'_> {
         for object in self.field.objects().iter().filter(|object| self.field.direct(object).is_none()) {
             let value = self.tree_distance(object, &mut text, &mut counter);
             writeln!(text, "    nearest = min(nearest, abs({value}));").expect("writing to a string");
+        }
+        text + "    return nearest;\n}\n"
+    }
+
+    fn whole_distance(&self) -> String {
+        let mut text = String::from(
+            "/// Signed distance from `p` to the nearest surface, metres.\n\
+             fn whole_distance(p: vec3f) -> f32 {\n    var nearest = 1e30;\n",
+        );
+        let mut counter = 0;
+        for object in self.field.objects() {
+            let value = self.tree_distance(object, &mut text, &mut counter);
+            writeln!(text, "    nearest = min(nearest, {value});").expect("writing to a string");
         }
         text + "    return nearest;\n}\n"
     }

@@ -123,6 +123,7 @@ impl GpuJob {
             constant("materials", bytemuck::cast_slice(&prepared.materials), storage),
             constant("lights", bytemuck::cast_slice(&prepared.lights), storage),
             constant("tables", bytemuck::cast_slice(&prepared.tables), storage),
+            constant("sky", bytemuck::cast_slice(&prepared.sky.texels()), storage),
         ];
         let slice = wgpu::BufferBinding { buffer: &slices, offset: 0, size: wgpu::BufferSize::new(16) };
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
@@ -138,6 +139,7 @@ impl GpuJob {
                 entry(5, buffers[4].as_entire_binding()),
                 entry(6, film.as_entire_binding()),
                 entry(7, buffers[5].as_entire_binding()),
+                entry(8, buffers[6].as_entire_binding()),
             ],
         });
         for scope in [memory, validation] {
@@ -309,6 +311,7 @@ fn bind_group_layout(gpu: &wgpu::Device, uniform_parameters: bool) -> wgpu::Bind
             entry(5, table, false),
             entry(6, film, false),
             entry(7, table, false),
+            entry(8, table, false),
         ],
     })
 }

@@ -14,6 +14,10 @@ pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
     let space = if count <= MAX_UNIFORM_VECTORS { "uniform" } else { "storage, read" };
     let mut code =
         format!("@group(0) @binding(2) var<{space}> field_parameters: array<vec4f, {count}>;\n\n{}", program.code);
+    if prepared.features.penumbra {
+        code.push('\n');
+        code.push_str(&program.whole_distance);
+    }
     code += &constants(prepared);
     code += &scattering(prepared);
     for part in transport::KERNEL {
@@ -30,16 +34,13 @@ fn constants(prepared: &Prepared) -> String {
     } else {
         "fn near_misses(ray: Ray, limit: f32, sharpness: f32) -> f32 {\n    return 1.0;\n}\n"
     };
+    let (sky, sky_table, ggx_table) = (prepared.sky.form(), prepared.sky_table, prepared.ggx_table);
+    let (roughnesses, cosines) = (albedo::ROUGHNESSES, albedo::COSINES);
     format!(
         "\nconst ABSORPTION = {absorption};\nconst TRANSMISSION = {transmission};\nconst CHOOSES_LOBES = {chooses_lobes};\n\
-         const FAST_CAUSTICS = {fast_caustics};\nconst PENUMBRA = {penumbra};\nconst SKY_COLOUR = vec3f({:?}, {:?}, {:?});\n\
-         const GGX_ROUGHNESSES = {}u;\nconst GGX_COSINES = {}u;\nconst GGX_TABLE = {}u;\n\n{near_misses}",
-        prepared.sky.colour.x,
-        prepared.sky.colour.y,
-        prepared.sky.colour.z,
-        albedo::ROUGHNESSES,
-        albedo::COSINES,
-        prepared.ggx_table,
+         const FAST_CAUSTICS = {fast_caustics};\nconst PENUMBRA = {penumbra};\nconst SKY = {sky}u;\n\
+         const SKY_TABLE = {sky_table}u;\nconst GGX_TABLE = {ggx_table}u;\nconst GGX_ROUGHNESSES = {roughnesses}u;\n\
+         const GGX_COSINES = {cosines}u;\n\n{near_misses}"
     )
 }
 

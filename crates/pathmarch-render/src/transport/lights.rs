@@ -1,15 +1,16 @@
 //! Lights, sampled at every hit (next-event estimation; Kajiya 1986, "The Rendering Equation"): points, suns, and every
-//! object that emits.
+//! object that emits, and the sky where it is a picture.
 //!
-//! One light is chosen for each hit through an alias table (Walker 1977; Vose 1991), with a probability after its
+//! One light is chosen for each hit through an alias table, with a probability after its
 //! irradiance at the middle of the scene, so that many lights cost what one does. A sphere is sampled uniformly in the
 //! cone it fills (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"), a
 //! rectangle, a disc and the visible faces of a box by area; any other shape by the cone of its bounding sphere, where the
 //! ray then meets it or not. The same lights are found by scattered rays; both are weighed by the power heuristic (Veach
 //! and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
+use super::alias;
 use super::basis::basis;
-use super::sky::EnvironmentSample;
+use super::sky::{EnvironmentSample, Sky};
 use crate::frame::Prepared;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -39,7 +40,7 @@ pub(crate) struct LightRecord {
     /// Half edges along the local axes; of a sheet, y is the unit vector it faces.
     x: [f32; 3],
     /// Sharpness of shadows from near misses; 0 for shadows as they are.
-    penumbra: f32,
+    pub(crate) penumbra: f32,
     y: [f32; 3],
     padding_y: u32,
     z: [f32; 3],
@@ -97,23 +98,26 @@ fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-/// The records of a scene's lights; `centre` and `radius` say where the scene is.
-pub(crate) fn records(scene: &Scene, centre: Vec3, radius: f32) -> Vec<LightRecord> {
+/// The records of a scene's lights, of which the sky learns its probability; `centre` and `radius` say where the scene is.
+pub(crate) fn records(scene: &Scene, sky: &mut Sky, centre: Vec3, radius: f32) -> Vec<LightRecord> {
     let mut records = Vec::new();
     let mut weights = Vec::new();
     let falloff = |place: Vec3| place.distance_squared(centre).max(radius * radius).max(1e-12);
     for light in &scene.lights {
-        let (place, kind, power, extent, weight) = match light {
-            Light::Point { at, intensity } => {
-                (*at, POINT, *intensity, 0.0, luminance(*intensity) / falloff(Vec3::from(*at)))
+        let record = match *light {
+            Light::Point { at, intensity, penumbra } => {
+                weights.push(luminance(intensity) / falloff(Vec3::from(at)));
+                let penumbra = penumbra.unwrap_or(0.0);
+                LightRecord { place: at, kind: POINT, power: intensity, penumbra, ..LightRecord::zeroed() }
             }
-            Light::Sun { direction, irradiance, angle } => {
-                let direction = Vec3::from(*direction).normalize_or(Vec3::Y);
-                (direction.into(), SUN, *irradiance, one_minus_cosine(*angle), luminance(*irradiance))
+            Light::Sun { direction, irradiance, angle, penumbra } => {
+                weights.push(luminance(irradiance));
+                let place = Vec3::from(direction).normalize_or(Vec3::Y).into();
+                let (extent, penumbra) = (one_minus_cosine(angle), penumbra.unwrap_or(0.0));
+                LightRecord { place, kind: SUN, power: irradiance, extent, penumbra, ..LightRecord::zeroed() }
             }
         };
-        records.push(LightRecord { place, kind, power, extent, ..LightRecord::zeroed() });
-        weights.push(weight);
+        records.push(record);
     }
     for leaf in 0..scene.field.leaves().len() {
         let material = &scene.materials[scene.field.leaves()[leaf].tag as usize];
@@ -124,10 +128,26 @@ pub(crate) fn records(scene: &Scene, centre: Vec3, radius: f32) -> Vec<LightReco
             weights.push(luminance(record.power) * area / falloff(Vec3::from(record.place)));
         }
     }
-    let mut keep = weights.iter().map(|&weight| weight > 0.0);
-    records.retain(|_| keep.next().unwrap_or(false));
-    weights.retain(|&weight| weight > 0.0);
-    build_alias_table(&mut records, &weights);
+    if sky.sampled_power() > 0.0 {
+        records.push(LightRecord { kind: ENVIRONMENT, ..LightRecord::zeroed() });
+        weights.push(sky.sampled_power());
+    }
+    let mut weighed: Vec<_> = records.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0).collect();
+    // Suns come first: rays that leave the scene look for them.
+    weighed.sort_by_key(|(record, _)| !record.is_sun());
+    let weights: Vec<f64> = weighed.iter().map(|(_, weight)| f64::from(*weight)).collect();
+    let total: f64 = weights.iter().sum();
+    let cells = alias::table(&weights).into_iter();
+    let records = weighed.into_iter().zip(cells).map(|((record, weight), (threshold, alias))| LightRecord {
+        probability: (f64::from(weight) / total) as f32,
+        threshold,
+        alias,
+        ..record
+    });
+    let records: Vec<_> = records.collect();
+    if let Some(record) = records.iter().find(|record| record.kind == ENVIRONMENT) {
+        sky.set_probability(record.probability);
+    }
     records
 }
 
@@ -185,30 +205,6 @@ fn surface_record(field: &Field, index: usize, radiance: [f32; 3]) -> Option<(Li
     Some((record, area))
 }
 
-/// Vose's method: cells of less than the mean are filled up by cells of more.
-fn build_alias_table(records: &mut [LightRecord], weights: &[f32]) {
-    let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
-    let count = records.len() as f64;
-    let mut shares: Vec<f64> = weights.iter().map(|&w| f64::from(w) / total * count).collect();
-    for (record, share) in records.iter_mut().zip(&shares) {
-        record.probability = (share / count) as f32;
-    }
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..shares.len()).partition(|&k| shares[k] < 1.0);
-    while let (Some(&low), Some(&high)) = (small.last(), large.last()) {
-        small.pop();
-        records[low].threshold = shares[low] as f32;
-        records[low].alias = high as u32;
-        shares[high] -= 1.0 - shares[low];
-        if shares[high] < 1.0 {
-            large.pop();
-            small.push(high);
-        }
-    }
-    for rest in small.into_iter().chain(large) {
-        records[rest].threshold = 1.0;
-    }
-}
-
 /// Chooses a light with `choice` and a point on it with `position`, as seen from `p`.
 pub(crate) fn sample(prepared: &Prepared, p: Vec3, choice: f32, position: [f32; 2]) -> Option<LightSample> {
     let records = &prepared.lights;
@@ -239,7 +235,8 @@ pub(crate) fn sample(prepared: &Prepared, p: Vec3, choice: f32, position: [f32; 
         }
         ENVIRONMENT => {
             let EnvironmentSample { direction, radiance, pdf } = prepared.sky.sample(position)?;
-            sample(direction, f32::INFINITY, radiance / (pdf * light.probability), pdf, None)
+            // The density holds the choice of the light already.
+            sample(direction, f32::INFINITY, radiance / pdf, pdf / light.probability, None)
         }
         SPHERE | BOUNDED => {
             let offset = place - p;

@@ -63,10 +63,9 @@ fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
     }
     if light.kind == ENVIRONMENT {
         let sample = environment_sample(position);
-        return LightSample(
-            sample.direction, AT_INFINITY, sample.radiance / (sample.pdf * light.probability),
-            sample.pdf * light.probability, NO_TARGET, 0.0,
-        );
+        // The density holds the choice of the light already.
+        let irradiance = select(vec3f(0.0), sample.radiance / sample.pdf, sample.pdf > 0.0);
+        return LightSample(sample.direction, AT_INFINITY, irradiance, sample.pdf, NO_TARGET, 0.0);
     }
     if light.kind == SPHERE || light.kind == BOUNDED {
         let open = cone_of_sphere(square, light.extent);

@@ -4,6 +4,7 @@
 //! path tracer in plain Rust and the oracle the kernel is tested against. Both draw the same random numbers in the same
 //! order, so pictures of one seed differ only by rounding.
 
+pub(crate) mod alias;
 pub(crate) mod basis;
 pub(crate) mod camera;
 pub(crate) mod lights;

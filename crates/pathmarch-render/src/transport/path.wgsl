@@ -25,7 +25,19 @@ struct Frame {
     /// Lights that are suns; they come first.
     sun_count: u32,
     sampler: u32,
-    padding: u32,
+    sky_width: u32,
+    /// Straight up, or everywhere.
+    sky_zenith: vec3f,
+    sky_height: u32,
+    sky_horizon: vec3f,
+    /// Density of a direction of the picture over the mean luminance of the texels around it.
+    sky_density: f32,
+    sky_ground: vec3f,
+    /// Sine of the depth at which the ground has its own colour.
+    sky_edge: f32,
+    /// Of the picture's turn.
+    sky_sine: f32,
+    sky_cosine: f32,
 }
 
 /// Which sample of which rows a dispatch computes.
@@ -79,6 +91,8 @@ const TRANSMITS = 4u;
 @group(0) @binding(6) var<storage, read_write> film: array<vec4f>;
 /// Tables of numbers, at the places that the constants of the scene say.
 @group(0) @binding(7) var<storage, read> tables: array<u32>;
+/// The sky's picture, row by row from straight up.
+@group(0) @binding(8) var<storage, read> sky_texels: array<vec4f>;
 
 /// A light's contribution, within the limit that is set.
 fn limited(contribution: vec3f, surface_index: u32) -> vec3f {

@@ -1,9 +1,87 @@
-// stub
+// What lies beyond the scene. Twin of sky.rs, which explains it.
+
+const SKY_CONSTANT = 0u;
+const SKY_GRADIENT = 1u;
+
 struct EnvironmentSample {
     direction: vec3f,
-    radiance: vec3f,
     pdf: f32,
+    radiance: vec3f,
 }
-fn sky_beyond(direction: vec3f, scatter_pdf: f32) -> vec3f { return SKY_COLOUR; }
-fn sky_not_sampled(direction: vec3f) -> vec3f { return SKY_COLOUR; }
-fn environment_sample(position: vec2f) -> EnvironmentSample { return EnvironmentSample(vec3f(0.0), vec3f(0.0), 0.0); }
+
+/// Radiance of a direction, and the mean luminance of the four texels around it.
+fn sky_lookup(direction: vec3f) -> vec4f {
+    if SKY == SKY_CONSTANT {
+        return vec4f(frame.sky_zenith, 0.0);
+    }
+    if SKY == SKY_GRADIENT {
+        if direction.y >= 0.0 {
+            let low = 1.0 - min(direction.y, 1.0);
+            return vec4f(mix(frame.sky_zenith, frame.sky_horizon, low * low * low), 0.0);
+        }
+        return vec4f(mix(frame.sky_horizon, frame.sky_ground, smoothstep(0.0, frame.sky_edge, -direction.y)), 0.0);
+    }
+    let x = direction.x * frame.sky_cosine - direction.z * frame.sky_sine;
+    let z = direction.x * frame.sky_sine + direction.z * frame.sky_cosine;
+    let size = vec2f(f32(frame.sky_width), f32(frame.sky_height));
+    let column = fract(atan2(x, -z) / 6.2831853) * size.x - 0.5;
+    let angle = atan2(length(vec2f(x, z)), direction.y);
+    let row = clamp(angle / 3.14159265 * size.y - 0.5, 0.0, size.y - 1.0);
+    let left = u32(floor(column) + size.x) % frame.sky_width;
+    let right = (left + 1u) % frame.sky_width;
+    let upper = u32(row);
+    let lower = min(upper + 1u, frame.sky_height - 1u);
+    let a = sky_texels[upper * frame.sky_width + left].xyz;
+    let b = sky_texels[upper * frame.sky_width + right].xyz;
+    let c = sky_texels[lower * frame.sky_width + left].xyz;
+    let d = sky_texels[lower * frame.sky_width + right].xyz;
+    let s = column - floor(column);
+    let radiance = mix(mix(a, b, s), mix(c, d, s), fract(row));
+    return vec4f(radiance, 0.25 * dot(a + b + c + d, vec3f(0.2126, 0.7152, 0.0722)));
+}
+
+/// Radiance that a ray of this density found, weighed.
+fn sky_beyond(direction: vec3f, scatter_pdf: f32) -> vec3f {
+    let sky = sky_lookup(direction);
+    if frame.sky_density > 0.0 {
+        return sky.xyz * found_weight(scatter_pdf, frame.sky_density * sky.w);
+    }
+    return sky.xyz;
+}
+
+/// Radiance of a sky that is not sampled as a light.
+fn sky_not_sampled(direction: vec3f) -> vec3f {
+    return select(sky_lookup(direction).xyz, vec3f(0.0), frame.sky_density > 0.0);
+}
+
+/// A direction of the picture, in proportion to its luminance.
+fn environment_sample(position: vec2f) -> EnvironmentSample {
+    let row = alias_draw(SKY_TABLE, frame.sky_height + 1u, position.y);
+    let columns = SKY_TABLE + 2u * (frame.sky_height + 1u + u32(row.x) * frame.sky_width);
+    let column = alias_draw(columns, frame.sky_width, position.x);
+    let height = f32(frame.sky_height);
+    let high = sin(1.57079633 * max(row.x - 0.5, 0.0) / height);
+    let low = sin(1.57079633 * min(row.x + 0.5, height) / height);
+    let q = mix(high * high, low * low, row.y);
+    let angle = 6.2831853 * (column.x + 0.5 + column.y) / f32(frame.sky_width);
+    let radius = 2.0 * sqrt(max(q * (1.0 - q), 0.0));
+    let x = radius * sin(angle);
+    let z = -radius * cos(angle);
+    let direction = normalize(vec3f(
+        x * frame.sky_cosine + z * frame.sky_sine, 1.0 - 2.0 * q, z * frame.sky_cosine - x * frame.sky_sine,
+    ));
+    let sky = sky_lookup(direction);
+    return EnvironmentSample(direction, frame.sky_density * sky.w, sky.xyz);
+}
+
+/// A cell of an alias table of `count` cells for a uniform number, and what is left of the number.
+fn alias_draw(table: u32, count: u32, u: f32) -> vec2f {
+    let place = u * f32(count);
+    let cell = min(u32(place), count - 1u);
+    let rest = place - f32(cell);
+    let threshold = bitcast<f32>(tables[table + 2u * cell]);
+    if rest < threshold {
+        return vec2f(f32(cell), clamp(rest / threshold, 0.0, 1.0));
+    }
+    return vec2f(f32(tables[table + 2u * cell + 1u]), clamp((rest - threshold) / (1.0 - threshold), 0.0, 1.0));
+}
