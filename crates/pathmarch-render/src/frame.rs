@@ -119,7 +119,7 @@ impl Prepared {
             tolerance,
             forward: forward.into(),
             rounding: ROUNDING,
-            sky: scene.sky,
+            sky: scene.sky.radiance([0.0, 1.0, 0.0]),
             step_factor: 1.0 / scene.field.lipschitz(),
             bounds_min: bounds.min.map(|v| limited(v, -margin)),
             far: FAR_SIZES * (radius + position.distance(centre)),
