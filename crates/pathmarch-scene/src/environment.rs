@@ -74,25 +74,25 @@ pub struct Loaded {
 #[derive(Debug, thiserror::Error)]
 pub enum EnvironmentError {
     /// Nothing has this name.
-    #[error("there is no such file")]
+    #[error("no such file")]
     Missing,
     /// It is a directory, a pipe or a device.
-    #[error("it is a directory or another thing that is no file")]
+    #[error("a directory, or no file for other reasons")]
     NoFile,
     /// The file is of a kind that holds colours of a screen, or no picture.
-    #[error("it holds no radiance")]
+    #[error("holds no radiance")]
     NoRadiance,
     /// The system could not read it.
-    #[error("it cannot be read: {0}")]
+    #[error("not readable: {0}")]
     Unreadable(std::io::Error),
     /// The file holds nothing.
-    #[error("it is empty")]
+    #[error("an empty file")]
     Empty,
     /// The file is damaged, cut short, or of a variety that is not read.
-    #[error("it cannot be decoded: {0}")]
+    #[error("not readable: {0}")]
     Damaged(String),
     /// No texels, or too many.
-    #[error("it has {0} x {1} texels")]
+    #[error("{0} x {1} texels")]
     BadSize(u32, u32),
     /// Not a single number in it is finite.
     #[error("not one of its values is finite")]
@@ -180,7 +180,7 @@ fn read(path: &Path) -> Result<Texels, EnvironmentError> {
     file.read_exact(&mut magic[..1]).map_err(system)?;
     let _ = file.read(&mut magic[1..]);
     file.rewind().map_err(system)?;
-    // The decoders are other people's and the file may be anything: should one give up its thread, the file is damaged.
+    // The file may be anything, and decoders have been known to overflow on such: then it is damaged.
     let decoded = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| match magic {
         [b'#', b'?', ..] => decode_hdr(file),
         [0x76, 0x2f, 0x31, 0x01] => decode(OpenExrDecoder::with_alpha_preference(file, Some(false))),
@@ -192,9 +192,6 @@ fn read(path: &Path) -> Result<Texels, EnvironmentError> {
 fn decode_hdr(file: BufReader<File>) -> Result<Texels, EnvironmentError> {
     let decoder = HdrDecoder::new_nonstrict(file).map_err(damaged)?;
     let meta = decoder.metadata();
-    if meta.custom_attributes.iter().any(|(name, value)| name == "FORMAT" && value.contains("xyze")) {
-        return Err(EnvironmentError::Damaged("its colours are CIE XYZ, not RGB".to_owned()));
-    }
     // A file says by how much its radiance has been multiplied.
     let exposure = meta.exposure.filter(|exposure| exposure.is_normal() && *exposure > 0.0).unwrap_or(1.0);
     let (mut texels, size) = decode(Ok(decoder))?;
@@ -205,6 +202,9 @@ fn decode_hdr(file: BufReader<File>) -> Result<Texels, EnvironmentError> {
 }
 
 fn damaged(error: image::ImageError) -> EnvironmentError {
+    if matches!(&error, image::ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof) {
+        return EnvironmentError::Damaged("it ends too early".to_owned());
+    }
     let reason = error.to_string();
     // Some decoders tell a story; its first line is the one that people understand.
     EnvironmentError::Damaged(reason.lines().next().unwrap_or_default().chars().take(200).collect())

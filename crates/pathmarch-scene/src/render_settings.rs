@@ -39,7 +39,7 @@ macro_rules! named {
     ($type:ident { $($variant:ident = $name:literal),+ $(,)? }) => {
         impl $type {
             /// Every one, the default first.
-            pub const ALL: &[Self] = &[$(Self::$variant),+];
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
 
             /// Name in the scene language.
             pub fn name(self) -> &'static str {
@@ -49,7 +49,7 @@ macro_rules! named {
             }
             /// The one of this name.
             pub fn from_name(name: &str) -> Option<Self> {
-                Self::ALL.iter().copied().find(|one| one.name() == name)
+                Self::ALL.into_iter().find(|one| one.name() == name)
             }
         }
     };

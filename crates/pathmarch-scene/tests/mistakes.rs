@@ -1,7 +1,7 @@
 //! Every kind of mistake, as people see it. The reports are in `snapshots/`; review changes there word by word.
 
 use miette::{GraphicalReportHandler, GraphicalTheme};
-use pathmarch_scene::{Scene, SceneError};
+use pathmarch_scene::{Mistake, Scene, SceneError};
 
 /// The report without colours, 100 columns wide.
 fn rendered(diagnostic: &dyn miette::Diagnostic) -> String {
@@ -75,8 +75,23 @@ body!(
 object \"a\" material=\"gold\" { mandelbulb power=8; shell 0.1 { sphere } }
 field \"gyroid\" { param cell 4 }"
 );
-file!(sky_file, "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky \"studio.hdr\" strength=1 rotate=90");
-file!(sky_strength, "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky 1 strength=2");
+file!(
+    skies,
+    "pathmarch 1
+camera { position 0 1 5; target 0 1 0 }
+sky \"gradient\" 2 strength=1 { zenith -1; horizn 0.5; colour 1 }
+sky 1"
+);
+file!(sky_constant, "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky 1 strength=2");
+file!(sky_misspelt, "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky \"gradent\" { zenith 1 }");
+file!(sky_unknown, "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky \"red\"");
+file!(sky_empty_name, "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky \"\"");
+file!(
+    sky_day,
+    "pathmarch 1
+camera { position 0 1 5; target 0 1 0 }
+sky \"day\" elevation=91 azimuth=north haze=21 strength=-1 sun=1 rotate=3 { ground 1.5; zenith 1 }"
+);
 body!(
     unknown_properties,
     "object \"a\" materail=\"x\" { sphere raduis=1; sphere 1 { at x=1 0 0 0 }; union smoth=1 { sphere } }
@@ -149,6 +164,15 @@ body!(
     "material \"a\" { diffuse \"#ggg\" }\nmaterial \"b\" { diffuse \"red\" }\nmaterial \"c\" { emit \"#12345\" }"
 );
 body!(unknown_tonemap, "render { tonemap \"agz\" }\n");
+body!(
+    unknown_settings,
+    "render { sampler \"sobl\"; caustics \"slow\"; clamp 0 }
+sun { direction 0 1 0; irradiance 1; penumbra 0 }
+point { at 0 1 0; intensity 1; penumbra -1 }
+penumbra 16
+zenith 1
+ground 1"
+);
 body!(missing_nodes, "camera \"a\" { fov 30 }\nsun { }\npoint { at 0 1 0 }\nmaterial \"b\" { }\nmaterial \"c\"");
 body!(empty_names, "camera \"\" { position 0 0 0; target 0 0 1 }\nobject \"\" { sphere }\nmaterial \"\" { diffuse 1 }");
 file!(
@@ -213,9 +237,34 @@ fn unreadable() {
     std::fs::remove_dir_all(&folder).expect("the folder is ours");
 }
 
+/// The only warning of a text.
+fn warning(text: &str) -> Mistake {
+    let mut scene = Scene::parse("scene.kdl", text).expect("only a warning");
+    assert_eq!(scene.warnings.len(), 1, "{text}");
+    scene.warnings.remove(0)
+}
+
+const CAMERA: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\n";
+
 #[test]
 fn warnings() {
-    let text = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nobject \"a\" { sphere }";
-    let scene = Scene::parse("scene.kdl", text).expect("only a warning");
-    snapshot("warnings", &scene.warnings[0]);
+    snapshot("warnings", &warning(&format!("{CAMERA}object \"a\" {{ sphere }}")));
+}
+
+#[test]
+fn hidden_light() {
+    let text = "object \"far\" { sphere { at 9 0 0 } }\nobject \"near\" { sphere }\npoint { at 0 0.5 0; intensity 1 }";
+    snapshot("hidden_light", &warning(&format!("{CAMERA}{text}")));
+}
+
+/// Black in whatever form, a sky lights nothing.
+#[test]
+fn no_light() {
+    for sky in ["", "sky 0", "sky \"gradient\" { zenith 0; horizon 0 }", "sky \"day\" strength=0"] {
+        assert_eq!(warning(&format!("{CAMERA}{sky}\nobject \"a\" {{ sphere }}")).code, "pathmarch::no_light", "{sky}");
+    }
+    for sky in ["sky 0 0 1", "sky \"gradient\" { zenith 0; horizon 0; ground 0.1 }", "sky \"day\" elevation=-10"] {
+        let scene = Scene::parse("scene.kdl", &format!("{CAMERA}{sky}\nobject \"a\" {{ sphere }}"));
+        assert!(scene.expect("nothing is wrong").warnings.is_empty(), "{sky}");
+    }
 }

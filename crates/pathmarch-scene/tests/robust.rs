@@ -11,6 +11,13 @@ const FILES: &[&str] = &[
      material \"g\" { diffuse \"#fff\" } /* b */\nobject \"c\" material=\"g\" { subtract smooth=0.05 { at 0 0 1; box 2 1 \\\n 2\n\
      /-torus { a }\nsphere radius=0.7 { at 0.4 1 0.4 } } // d\n }\nobject #\"e\"# { plane { normal 0 1 1 } }\n\
      sun { direction 0.3 0.8 0.5; irradiance 3 2.9 2.7; angle 0.53 }",
+    "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky \"gradient\" { zenith 0.2 0.4 0.8; horizon 1; ground 0.3 }\n\
+     render { sampler \"sobol\"; caustics \"fast\"; clamp 10 }\npoint { at 0 1 0; intensity 1; penumbra 16 }\n\
+     object \"a\" { sphere }",
+    "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky \"tests/data/small.hdr\" strength=2 rotate=90\nmisspelt",
+    // One mistake, so that no day is computed.
+    "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nmisspelt\n\
+     sky \"day\" elevation=35 azimuth=120 haze=1 strength=1 sun=#true { ground 0.2 }",
 ];
 
 /// Pieces worth inserting.
@@ -145,6 +152,7 @@ fn hostile_texts() {
         ("cameras", "camera\n"),
         ("materials", "material a{difuse 1}\n"),
         ("lights", "point{at 0 0 0;intensity 1}\n"),
+        ("skies", "sky \"day\"\n"),
         ("objects", "object a{sphere}\n"),
         ("one long name", "a"),
         ("one long number", "9"),
@@ -153,6 +161,9 @@ fn hostile_texts() {
         let room = largest - head.len();
         timed(what, &format!("{head}{}", piece.repeat(room / piece.len())), limit);
     }
+    let points = "point { at 0 0 0; intensity 1 }\n".repeat(200_000);
+    let shapes = format!("object a {{\n{}}}", "sphere\n".repeat(100_000));
+    timed("points in solids", &format!("{head}{points}{shapes}"), limit);
     let string = "\\ \n".repeat(1 << 20);
     timed("one long string", &format!("{head}object \"{string}\" {{ sphere }}"), limit);
     timed("long lines", &format!("{head}object \"\"\"\n{}\n\"\"\" {{ sphere }}", "a\n".repeat(1 << 22)), limit);

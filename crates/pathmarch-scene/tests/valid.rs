@@ -1,7 +1,7 @@
 //! Files that are right, and what becomes of them.
 
 use pathmarch_field::graph::Kind;
-use pathmarch_scene::{Light, Scene, Tonemap};
+use pathmarch_scene::{Caustics, Light, Sampler, Scene, Sky, Tonemap};
 
 const HEAD: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky 1\n";
 
@@ -30,8 +30,8 @@ fn reference_scenes() {
     assert_eq!(scene.render.size, (320, 180));
     assert_eq!((scene.render.bounces, scene.render.samples), (4, 256));
     assert_eq!(scene.render.tonemap, Tonemap::Agx);
-    assert_eq!(scene.sky, [0.3, 0.375, 0.5]);
-    assert_eq!(scene.lights, [Light::Point { at: [4.0, 6.0, 4.0], intensity: [120.0; 3] }]);
+    assert_eq!(scene.sky, Sky::Constant([0.3, 0.375, 0.5]));
+    assert_eq!(scene.lights, [Light::Point { at: [4.0, 6.0, 4.0], intensity: [120.0; 3], penumbra: None }]);
     assert_eq!(scene.cameras.len(), 1);
     let camera = &scene.cameras[0];
     assert_eq!((camera.name.as_str(), camera.position, camera.fov), ("main", [0.0, 4.0, 7.0], 35.0));
@@ -57,7 +57,7 @@ fn reference_scenes() {
 fn scene_defaults() {
     let scene = parse("pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }");
     assert_eq!((scene.render.size, scene.render.samples, scene.render.bounces), ((1280, 720), 256, 4));
-    assert_eq!(scene.sky, [0.0; 3]);
+    assert_eq!(scene.sky, Sky::Constant([0.0; 3]));
     let camera = &scene.cameras[0];
     assert_eq!(camera.name, "main");
     assert_eq!((camera.up, camera.fov, camera.exposure), ([0.0, 1.0, 0.0], 40.0, 0.0));
@@ -83,11 +83,46 @@ fn settings() {
     assert_eq!(scene.cameras[1].name, "two words");
     assert_eq!((scene.render.size, scene.render.samples, scene.render.bounces), ((64, 32), 1, 0));
     assert_eq!(scene.render.tonemap, Tonemap::Srgb);
-    assert_eq!(scene.sky, [1.0; 3]);
-    assert_eq!(scene.lights[0], Light::Sun { direction: [0.0, 1.0, 0.0], irradiance: [3.0; 3], angle: 0.0 });
+    assert_eq!(scene.sky, Sky::Constant([1.0; 3]));
+    assert_eq!(
+        scene.lights[0],
+        Light::Sun { direction: [0.0, 1.0, 0.0], irradiance: [3.0; 3], angle: 0.0, penumbra: None }
+    );
     let Light::Sun { irradiance, angle, .. } = scene.lights[1] else { panic!("not a sun") };
     assert_eq!(angle, 0.53);
     assert!((irradiance[2] - 0.215_860_5).abs() < 1e-6 && irradiance[0] == 0.0);
+    let defaults = body("").render;
+    assert_eq!((defaults.sampler, defaults.caustics, defaults.clamp), (Sampler::Sobol, Caustics::Traced, None));
+    let other = body("render { sampler \"independent\"; caustics \"fast\"; clamp 10 }").render;
+    assert_eq!((other.sampler, other.caustics, other.clamp), (Sampler::Independent, Caustics::Fast, Some(10.0)));
+}
+
+#[test]
+fn penumbrae() {
+    let lights = body(
+        "sun { direction 0 1 0; irradiance 3; penumbra 16 }
+        point { at 0 1 0; intensity 3; penumbra 0.5 }
+        point { at 0 1 0; intensity 3 }",
+    )
+    .lights;
+    let penumbrae = lights.iter().map(|light| match light {
+        Light::Sun { penumbra, .. } | Light::Point { penumbra, .. } => *penumbra,
+    });
+    assert_eq!(penumbrae.collect::<Vec<_>>(), [Some(16.0), Some(0.5), None]);
+}
+
+/// Every name of every setting is read as what it names.
+#[test]
+fn named_settings() {
+    for tonemap in Tonemap::ALL {
+        assert_eq!(body(&format!("render {{ tonemap \"{}\" }}", tonemap.name())).render.tonemap, tonemap);
+    }
+    for sampler in Sampler::ALL {
+        assert_eq!(body(&format!("render {{ sampler \"{}\" }}", sampler.name())).render.sampler, sampler);
+    }
+    for caustics in Caustics::ALL {
+        assert_eq!(body(&format!("render {{ caustics \"{}\" }}", caustics.name())).render.caustics, caustics);
+    }
 }
 
 #[test]
@@ -204,4 +239,15 @@ fn endless_light_warns() {
     assert_eq!(scene.warnings[0].code, "pathmarch::endless_light");
     let cut = body("material \"lamp\" { emit 1 }\nobject \"o\" material=\"lamp\" { intersect { plane; box } }");
     assert!(cut.warnings.is_empty());
+}
+
+#[test]
+fn hidden_point_warns() {
+    let codes = |text: &str| body(text).warnings.iter().map(|warning| warning.code).collect::<Vec<_>>();
+    let solid = "object \"a\" { sphere { at 9 0 0 } }\nobject \"b\" { box 2 { at 0 1 0 } }";
+    assert_eq!(codes(&format!("point {{ at 0 1.9 0; intensity 1 }}\n{solid}")), ["pathmarch::hidden_light"]);
+    assert!(codes(&format!("point {{ at 0 2.1 0; intensity 1 }}\n{solid}")).is_empty());
+    // A hollow is outside.
+    let hollow = "object \"a\" { subtract { box 2; box 1 } }";
+    assert!(codes(&format!("point {{ at 0 0 0; intensity 1 }}\n{hollow}")).is_empty());
 }

@@ -107,17 +107,17 @@ pub(crate) fn render(node: &Node, report: &mut Report) -> RenderSettings {
         render.bounces = bounces;
     }
     if let Some(node) = settings.get("tonemap")
-        && let Some(tonemap) = choice(node, "tone mapping", Tonemap::ALL, Tonemap::name, report)
+        && let Some(tonemap) = choice(node, "tone mapping", &Tonemap::ALL, Tonemap::name, report)
     {
         render.tonemap = tonemap;
     }
     if let Some(node) = settings.get("sampler")
-        && let Some(sampler) = choice(node, "sampler", Sampler::ALL, Sampler::name, report)
+        && let Some(sampler) = choice(node, "sampler", &Sampler::ALL, Sampler::name, report)
     {
         render.sampler = sampler;
     }
     if let Some(node) = settings.get("caustics")
-        && let Some(caustics) = choice(node, "kind of caustics", Caustics::ALL, Caustics::name, report)
+        && let Some(caustics) = choice(node, "kind of caustics", &Caustics::ALL, Caustics::name, report)
     {
         render.caustics = caustics;
     }

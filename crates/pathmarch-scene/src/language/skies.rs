@@ -108,17 +108,6 @@ fn day(node: &Node, report: &mut Report) -> Option<Described> {
 }
 
 fn picture(node: &Node, entry: &Entry, scene: &str, report: &mut Report) -> Option<Sky> {
-    no_children(node, report);
-    arguments(node, 1, "`sky \"studio.hdr\" strength=1 rotate=90`", report);
-    let (mut strength, mut rotate) = (1.0, 0.0);
-    for (word, entry) in properties(node, PICTURE_WORDS, report) {
-        let what = format!("`{word}`");
-        if word == "strength" {
-            strength = in_range(entry, &what, Range::NOT_NEGATIVE, report).unwrap_or(1.0);
-        } else {
-            rotate = in_range(entry, &what, Range::ANY, report).unwrap_or(0.0);
-        }
-    }
     let name = string(entry, "A sky", report)?;
     if name.is_empty() {
         let mistake = draft("pathmarch::empty_name", entry.value_span, "This name is empty.");
@@ -134,6 +123,17 @@ fn picture(node: &Node, entry: &Entry, scene: &str, report: &mut Report) -> Opti
         };
         report.add(mistake.label("unknown name").help(help));
         return None;
+    }
+    no_children(node, report);
+    arguments(node, 1, "`sky \"studio.hdr\" strength=1 rotate=90`", report);
+    let (mut strength, mut rotate) = (1.0, 0.0);
+    for (word, entry) in properties(node, PICTURE_WORDS, report) {
+        let what = format!("`{word}`");
+        if word == "strength" {
+            strength = in_range(entry, &what, Range::NOT_NEGATIVE, report).unwrap_or(1.0);
+        } else {
+            rotate = in_range(entry, &what, Range::ANY, report).unwrap_or(0.0);
+        }
     }
     match Environment::load(&path, strength) {
         Ok(loaded) => {
