@@ -447,12 +447,19 @@ impl Field {
     }
 
     /// The nearest surface of an object from each point: signed distance to that object, gradient, and the leaf whose
-    /// material shows. Where smooth operators
-    /// blend materials, one of them is chosen with the probability of its weight, by the point's seed.
+    /// material shows. Where smooth operators blend materials, one of them is chosen with the probability of its weight,
+    /// by the point's seed.
     pub fn surface<N: Batch>(&self, p: Vec3<N>, seeds: N::Seeds) -> Surface<N> {
+        self.surface_by(p, &|index| N::choice(seeds, index))
+    }
+
+    /// The nearest surface from each point, as [`surface`](Self::surface); where a smooth operator blends two materials, the
+    /// second one shows if its weight exceeds the threshold of the blend's number. With 0.5 for every blend, the heavier one
+    /// shows.
+    pub fn surface_by<N: Batch>(&self, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         let mut nearest = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
         for object in &self.objects {
-            let surface = self.tree_surface(object, p, seeds);
+            let surface = self.tree_surface(object, p, threshold);
             let closer = surface.field.value.abs().lt(nearest.field.value.abs());
             nearest = Surface {
                 field: Dual::select(closer, surface.field, nearest.field),
@@ -462,7 +469,7 @@ impl Field {
         nearest
     }
 
-    fn tree_surface<N: Batch>(&self, tree: &Tree, p: Vec3<N>, seeds: N::Seeds) -> Surface<N> {
+    fn tree_surface<N: Batch>(&self, tree: &Tree, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         match tree {
             Tree::Leaf(index) => {
                 let leaf = &self.leaves[*index as usize];
@@ -479,15 +486,15 @@ impl Field {
                 Surface { field, leaf: N::constant(*index as f32) }
             }
             Tree::Combine { operator, smooth, children, first_choice } => {
-                let mut result = self.tree_surface(&children[0], p, seeds);
+                let mut result = self.tree_surface(&children[0], p, threshold);
                 for (k, child) in children[1..].iter().enumerate() {
-                    let other = self.tree_surface(child, p, seeds);
+                    let other = self.tree_surface(child, p, threshold);
                     let weight = N::weight(*operator, result.field.value, other.field.value, *smooth);
-                    let threshold = match smooth {
-                        Some(_) => N::choice(seeds, first_choice + k as u32),
+                    let least = match smooth {
+                        Some(_) => threshold(first_choice + k as u32),
                         None => N::constant(0.5),
                     };
-                    let other_shows = threshold.lt(weight);
+                    let other_shows = least.lt(weight);
                     result = Surface {
                         field: N::combined_gradient(*operator, result.field, other.field, *smooth),
                         leaf: N::select(other_shows, other.leaf, result.leaf),

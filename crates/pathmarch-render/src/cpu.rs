@@ -3,6 +3,7 @@
 use crate::film::Film;
 use crate::frame::Prepared;
 use crate::transport::path;
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Pixels along a tile's edge: enough paths to keep eight lanes full for all bounces, few enough for all cores.
@@ -36,13 +37,14 @@ impl CpuJob {
             self.tiles.par_iter().map(|pixels| path::trace(&self.prepared, pixels, sample)).collect();
         for (pixels, values) in self.tiles.iter().zip(rendered) {
             for (&(x, y), value) in pixels.iter().zip(values) {
-                if value.is_finite() && value.min_element() >= 0.0 {
-                    let sum = &mut self.film.sums[(y * self.film.width + x) as usize];
-                    for (sum, value) in sum.iter_mut().zip(value.to_array()) {
+                let pixel = (y * self.film.width + x) as usize;
+                // As the kernel, so that both leave out the same samples; comparisons with NaN are false.
+                if value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all() {
+                    for (sum, value) in self.film.sums[pixel].iter_mut().zip(value.to_array()) {
                         *sum += value;
                     }
                 } else {
-                    self.film.non_finite += 1;
+                    self.film.leave_out(pixel, 1);
                 }
             }
         }

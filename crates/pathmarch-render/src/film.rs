@@ -1,13 +1,14 @@
 //! Film: the sums of radiance that a render accumulates, and their mean.
 //!
 //! **Idea.** A pixel is the mean of its samples. The film keeps the *sum* and the count, never the mean, so that sample
-//! ranges rendered apart (0..64 here, 64..128 there) add up to the film of the whole range.
+//! ranges rendered apart (0..64 here, 64..128 there) add up to the film of the whole range. Samples that came out as NaN,
+//! infinity or beyond 1e30 are left out of both.
 //!
 //! **Source.** The box-filtered film of any Monte Carlo renderer; Pharr, Jakob, Humphreys, *Physically Based Rendering*,
 //! 4th edition 2023, section 5.4. We keep every sample in its own pixel (no reconstruction filter wider than a pixel),
 //! which makes the pixels independent.
 //!
-//! **Cost.** Twelve bytes a pixel. A sum in 32-bit floats of `n` samples of like size has a relative error of about
+//! **Cost.** Twelve bytes a pixel, and four more once a sample was left out. A sum in 32-bit floats of `n` samples of like size has a relative error of about
 //! `sqrt(n) * 6e-8`: 1.5e-5 at 65,536 samples, far below their noise.
 
 use crate::image::Picture;
@@ -19,13 +20,12 @@ pub struct Film {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Samples accumulated in every pixel.
+    /// Samples taken of every pixel.
     pub samples: u32,
     /// Sums over the samples of linear Rec. 709 radiance, W/(m² sr); `width * height` of them, the top row first.
     pub sums: Vec<[f32; 3]>,
-    /// Samples that came out as NaN or infinity. Renderers leave them out of `sums` (they count as black) and count them
-    /// here; anything but 0 is a fault to report.
-    pub non_finite: u64,
+    /// How many of each pixel's samples are not in `sums`; empty where none was left out of any pixel.
+    left_out: Vec<u32>,
 }
 
 /// Why two films could not be added.
@@ -59,14 +59,42 @@ impl Film {
     /// An empty film: no samples, every sum zero.
     pub fn new(width: u32, height: u32) -> Self {
         let pixels = width as usize * height as usize;
-        Film { width, height, samples: 0, sums: vec![[0.0; 3]; pixels], non_finite: 0 }
+        Film { width, height, samples: 0, sums: vec![[0.0; 3]; pixels], left_out: Vec::new() }
     }
 
-    /// The picture so far: each sum divided by the number of samples. Black when there are no samples.
+    /// Says that `samples` more samples of a pixel were not finite and are not in its sum.
+    ///
+    /// # Panics
+    /// Where there is no pixel of this index.
+    pub fn leave_out(&mut self, pixel: usize, samples: u32) {
+        if samples > 0 {
+            self.left_out.resize(self.sums.len(), 0);
+            self.left_out[pixel] += samples;
+        }
+    }
+
+    /// Samples that came out as NaN, infinity or beyond 1e30, and were left out; anything but 0 is a fault to report.
+    pub fn non_finite(&self) -> u64 {
+        self.left_out.iter().copied().map(u64::from).sum()
+    }
+
+    /// For each pixel, how many samples are in its sum.
+    pub fn sample_counts(&self) -> Vec<u32> {
+        let mut counts = vec![self.samples; self.sums.len()];
+        for (count, left_out) in counts.iter_mut().zip(&self.left_out) {
+            *count = count.saturating_sub(*left_out);
+        }
+        counts
+    }
+
+    /// The picture so far: each sum divided by the number of samples in it. A pixel without any is black.
     pub fn mean(&self) -> Picture {
-        let scale = if self.samples == 0 { 0.0 } else { 1.0 / f64::from(self.samples) };
-        let mean = |sum: &[f32; 3]| sum.map(|channel| (f64::from(channel) * scale) as f32);
-        Picture { width: self.width, height: self.height, pixels: self.sums.iter().map(mean).collect() }
+        let mean = |(sum, count): (&[f32; 3], u32)| {
+            let scale = 1.0 / f64::from(count.max(1));
+            sum.map(|channel| (f64::from(channel) * scale) as f32)
+        };
+        let pixels = self.sums.iter().zip(self.sample_counts()).map(mean).collect();
+        Picture { width: self.width, height: self.height, pixels }
     }
 
     /// Adds the samples of another film of the same size; the caller sees to it that the two hold different samples.
@@ -86,7 +114,9 @@ impl Film {
             .samples
             .checked_add(other.samples)
             .ok_or(FilmError::TooManySamples { samples: self.samples, other_samples: other.samples })?;
-        self.non_finite = self.non_finite.saturating_add(other.non_finite);
+        for (pixel, &samples) in other.left_out.iter().enumerate() {
+            self.leave_out(pixel, samples);
+        }
         for (sum, more) in self.sums.iter_mut().zip(&other.sums) {
             for channel in 0..3 {
                 sum[channel] += more[channel];
@@ -116,14 +146,26 @@ mod tests {
     #[test]
     fn sample_ranges_rendered_apart_add_up_to_the_whole() {
         let mut parts = film_of(0..3);
-        parts.non_finite = 2;
-        let mut rest = film_of(3..8);
-        rest.non_finite = 1;
-        parts.add(&rest).expect("same size");
-        assert_eq!(parts.non_finite, 3);
-        parts.non_finite = 0;
+        parts.add(&film_of(3..8)).expect("same size");
         assert_eq!(parts, film_of(0..8));
         assert_eq!(parts.mean().pixels[4], [4.875, 9.75, 2.4375]);
+    }
+
+    #[test]
+    fn the_mean_is_over_the_samples_that_count() {
+        let mut whole = Film::new(3, 1);
+        for (left_out, sum) in [([1, 0, 2], [3.0, 8.0, 0.0]), ([0, 0, 2], [6.0, 4.0, 0.0])] {
+            let mut part = Film::new(3, 1);
+            part.samples = 2;
+            for pixel in 0..3 {
+                part.leave_out(pixel, left_out[pixel]);
+                part.sums[pixel] = [sum[pixel]; 3];
+            }
+            whole.add(&part).expect("same size");
+        }
+        assert_eq!((whole.samples, whole.non_finite()), (4, 5));
+        assert_eq!(whole.sample_counts(), [3, 4, 0]);
+        assert_eq!(whole.mean().pixels, [[3.0; 3], [3.0; 3], [0.0; 3]]);
     }
 
     #[test]

@@ -14,6 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod aov;
 pub mod film;
 pub mod image;
 pub mod metrics;

@@ -103,7 +103,8 @@ impl Renderer {
     }
 }
 
-fn check(scene: &Scene, settings: &Settings) -> Result<(), RenderError> {
+/// Refuses settings that are out of range.
+pub(crate) fn check(scene: &Scene, settings: &Settings) -> Result<(), RenderError> {
     let fail = |message: String| Err(RenderError::Settings(message));
     let [width, height] = settings.size;
     let limit = crate::image::MAX_SIDE;

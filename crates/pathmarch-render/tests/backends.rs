@@ -42,7 +42,7 @@ fn renderers() -> Vec<Renderer> {
 
 fn render(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Film {
     let film = renderer.render(scene, settings).expect("renders");
-    assert_eq!(film.non_finite, 0, "every sample is finite");
+    assert_eq!(film.non_finite(), 0, "every sample is finite");
     film
 }
 
@@ -156,6 +156,27 @@ fn a_sheet_emits_on_the_side_it_faces_only() {
             let scene = scene(facing);
             let settings = Settings { size: [8, 8], samples: 1, ..Settings::of(&scene) };
             assert_eq!(mean(&render(renderer, &scene, &settings).mean(), |_, _| true), expected);
+        }
+    }
+}
+
+#[test]
+fn samples_that_are_not_finite_are_left_out_of_their_pixels_mean() {
+    // A lamp too bright for a film, before a part of the sky.
+    let scene = parse(
+        "pathmarch 1\ncamera { position 0 0 5; target 0 0 0; fov 40 }\nsky 0.5\nmaterial \"lamp\" { emit 1e35 }\n\
+         object \"lamp\" material=\"lamp\" { disc 1 { normal 0 0 1 } }",
+    );
+    for renderer in &mut renderers() {
+        let settings = Settings { size: [24, 24], samples: 16, ..Settings::of(&scene) };
+        let film = renderer.render(&scene, &settings).expect("renders");
+        let counts = film.sample_counts();
+        assert_eq!(film.non_finite(), counts.iter().map(|count| u64::from(16 - count)).sum::<u64>());
+        for edge in [counts.contains(&0), counts.contains(&16), counts.iter().any(|count| (1..16).contains(count))] {
+            assert!(edge, "{counts:?}");
+        }
+        for (pixel, count) in film.mean().pixels.iter().zip(counts) {
+            assert_eq!(*pixel, if count == 0 { [0.0; 3] } else { [0.5; 3] });
         }
     }
 }

@@ -3,7 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use pathmarch_render::image::{Display, ImageError, ImageFormat, Loaded, Picture, PictureKind, Provenance, load, save};
+use pathmarch_render::image::{
+    Channel, ChannelValues, Display, ImageError, ImageFormat, Loaded, Picture, PictureKind, Provenance, load, save,
+    save_with,
+};
 use pathmarch_render::metrics::{self, flip};
 use pathmarch_render::tonemap::{Tonemap, srgb_decode};
 
@@ -89,6 +92,42 @@ fn exr_of_other_programs_is_read_whatever_its_numbers_and_layout() {
     Image::from_channels((8, 8), depth).write().to_file(&path).expect("writable");
     let error = load(&path).expect_err("no colour");
     assert!(error.to_string().contains("no channels named R, G and B"), "{error}");
+}
+
+#[test]
+fn exr_holds_further_channels_as_they_are() {
+    use exr::prelude::*;
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let path = directory.path().join("out.exr");
+    let picture = radiance(67, 41);
+    let depths: Vec<f32> = (0..67 * 41).map(|k| if k % 5 == 0 { f32::INFINITY } else { k as f32 / 3.0 }).collect();
+    let ids: Vec<u32> = (0..67 * 41).map(|k| u32::MAX - k).collect();
+    let channel = |name: &str, values| Channel { name: name.to_owned(), values };
+    let channels = vec![
+        channel("objectId.X", ChannelValues::U32(ids.clone())),
+        channel("depth.Z", ChannelValues::F32(depths.clone())),
+    ];
+    save_with(&path, &picture, channels.clone(), &srgb(), &provenance()).expect("writable");
+
+    let loaded = load(&path).expect("just written");
+    assert_eq!((loaded.picture, loaded.provenance), (picture.clone(), Some(provenance())));
+    let image = read_all_flat_layers_from_file(&path).expect("just written");
+    assert_eq!(image.layer_data.len(), 1, "one part");
+    let found = &image.layer_data[0].channel_data.list;
+    let names: Vec<String> = found.iter().map(|channel| channel.name.to_string()).collect();
+    assert_eq!(names, ["B", "G", "R", "depth.Z", "objectId.X"], "in the order that the format asks for");
+    assert_eq!(found[3].sample_data, FlatSamples::F32(depths));
+    assert_eq!(found[4].sample_data, FlatSamples::U32(ids));
+
+    let before = fs::read(&path).expect("just written");
+    let twice = vec![channels[0].clone(), channels[0].clone()];
+    for wrong in [vec![channel("depth.Z", ChannelValues::F32(vec![0.0; 3]))], twice] {
+        let error = save_with(&path, &picture, wrong, &srgb(), &provenance());
+        assert!(matches!(error, Err(ImageError::Encode { .. })), "{error:?}");
+    }
+    assert_eq!(fs::read(&path).expect("still there"), before);
+    let error = save_with(&directory.path().join("out.png"), &picture, channels, &srgb(), &provenance());
+    assert!(error.is_err_and(|error| error.to_string().contains(".exr")));
 }
 
 #[test]

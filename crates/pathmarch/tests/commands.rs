@@ -43,6 +43,47 @@ fn render_writes_a_picture_and_says_where_it_ran() {
 }
 
 #[test]
+fn layers_are_written_beside_the_picture() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let scene = scene("diffuse-sphere.kdl");
+    let small = ["render", &scene, "--size", "64x36", "--samples", "2", "-o", "a.exr"];
+    let all = ["albedo.R", "normal.X", "depth.Z", "position.Z", "objectId.X", "materialId.X", "sampleCount.X"];
+    for (arguments, expected) in [
+        (&[][..], &[][..]),
+        (&["--aov"], &all),
+        (&["--aov", "all"], &all),
+        (&["--aov", "depth, albedo,depth"], &["albedo.R", "depth.Z"]),
+        (&["--aov", "--backend", "cpu"], &all),
+    ] {
+        let output = pathmarch(&[&small[..], arguments].concat(), directory.path());
+        assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));
+        let bytes = std::fs::read(directory.path().join("a.exr")).expect("written");
+        let has = |name: &&&str| bytes.windows(name.len() + 1).any(|part| part == format!("{name}\0").as_bytes());
+        assert_eq!(all.iter().filter(has).collect::<Vec<_>>(), expected.iter().collect::<Vec<_>>(), "{arguments:?}");
+    }
+    let same = pathmarch(&["compare", "a.exr", "a.exr", "--max-relmse", "0"], directory.path());
+    assert_eq!(code(&same), 0, "{}", stderr(&same));
+    std::fs::remove_file(directory.path().join("a.exr")).expect("removed");
+    for (wrong, words) in [
+        (&["render", &scene, "--aov"][..], &["diffuse-sphere.png", "-o diffuse-sphere.exr"][..]),
+        (&["render", &scene, "-o", "b.png", "--aov=depth"], &["b.png", "-o b.exr"]),
+        (
+            &["render", &scene, "-o", "b.exr", "--aov", "depth,colour"],
+            &["\"colour\"", "albedo, normal, depth, position"],
+        ),
+        (&["render", &scene, "-o", "b.exr", "--aov="], &["albedo"]),
+        (&["render", "-o", "b.exr", "--aov", &scene], &["comes before --aov"]),
+    ] {
+        let output = pathmarch(wrong, directory.path());
+        assert_eq!(code(&output), 2, "{wrong:?}: {}", stderr(&output));
+        for word in words {
+            assert!(stderr(&output).contains(word), "{wrong:?}: {}", stderr(&output));
+        }
+    }
+    assert_eq!(directory.path().read_dir().expect("a directory").count(), 0, "nothing is written");
+}
+
+#[test]
 fn compare_measures_and_judges() {
     let directory = tempfile::tempdir().expect("a directory");
     let scene = scene("diffuse-sphere.kdl");

@@ -284,8 +284,10 @@ impl GpuJob {
         let sums: &[[f32; 4]] = bytemuck::cast_slice(&view);
         let mut film = Film::new(self.size[0], self.size[1]);
         film.samples = self.submitted.0;
-        film.non_finite = sums.iter().map(|sum| sum[3] as u64).sum();
-        film.sums = sums.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+        for (pixel, &[r, g, b, left_out]) in sums.iter().enumerate() {
+            film.sums[pixel] = [r, g, b];
+            film.leave_out(pixel, left_out as u32);
+        }
         Ok(film)
     }
 }

@@ -1,6 +1,7 @@
 //! OpenEXR: linear radiance, lossless, with its provenance.
 //!
-//! **Idea.** Going out, three 32-bit float channels R, G, B in blocks of 16 scanlines, deflated (ZIP): every bit survives.
+//! **Idea.** Going out, one part with 32-bit float channels R, G, B and any further channels, in blocks of 16 scanlines,
+//! deflated (ZIP): every bit survives. A layer is what the names of its channels say, as in `normal.X`.
 //! Coming in, the first part that has R, G and B is read, whatever its numbers (half, float, integer) and layout
 //! (scanlines, tiles, mip levels: the largest); alpha and other channels are left out.
 //!
@@ -18,25 +19,33 @@ use ::exr::meta::attribute::AttributeValue;
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::*;
 
-use super::{ImageError, Picture, Provenance, check_size};
+use super::{Channel, ChannelValues, ImageError, Picture, Provenance, check_size};
 
-/// Writes the picture; `path` only names it in errors.
+/// Writes the picture and further channels; `path` only names it in errors.
 pub(super) fn write(
     path: &Path,
     writer: &mut (impl Write + Seek),
     picture: &Picture,
+    channels: Vec<Channel>,
     provenance: &Provenance,
 ) -> std::result::Result<(), ImageError> {
-    let width = picture.width as usize;
-    let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
-        let [r, g, b] = picture.pixels[at.y() * width + at.x()];
-        (r, g, b)
+    let colours = ["R", "G", "B"].into_iter().enumerate().map(|(k, name)| {
+        let values = picture.pixels.iter().map(|pixel| pixel[k]).collect();
+        Channel { name: name.to_owned(), values: ChannelValues::F32(values) }
     });
+    let channels = colours.chain(channels).map(|channel| {
+        let samples = match channel.values {
+            ChannelValues::F32(values) => FlatSamples::F32(values),
+            ChannelValues::U32(values) => FlatSamples::U32(values),
+        };
+        AnyChannel::new(text_of(&channel.name), samples)
+    });
+    let channels = AnyChannels::sort(channels.collect());
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let mut attributes = LayerAttributes::default();
     attributes.other.extend(attributes_of(provenance));
-    let layer = Layer::new((width, picture.height as usize), attributes, encoding, channels);
+    let layer = Layer::new((picture.width as usize, picture.height as usize), attributes, encoding, channels);
     Image::from_layer(layer).write().to_buffered(writer).map_err(|error| match error {
         Error::Io(source) => ImageError::Write { path: path.to_owned(), source },
         other => ImageError::Encode { path: path.to_owned(), reason: other.to_string() },

@@ -1,7 +1,7 @@
 //! Pictures, and the files they are kept in.
 //!
-//! **Idea.** A [`Picture`] is linear radiance. Saved as OpenEXR it stays what it is (32-bit float, lossless) and carries its
-//! [`Provenance`]; saved as PNG or JPEG it goes through the exposure and tone curve of a [`Display`]. A file is written
+//! **Idea.** A [`Picture`] is linear radiance. Saved as OpenEXR it stays what it is (32-bit float, lossless), carries its
+//! [`Provenance`], and may have further [`Channel`]s beside it; saved as PNG or JPEG it goes through the exposure and tone curve of a [`Display`]. A file is written
 //! under a temporary name beside its target and renamed when it is whole: whoever looks sees the old file or the new one,
 //! never half of one.
 //!
@@ -72,6 +72,33 @@ impl Picture {
     /// How many pixels have a channel that is NaN or infinite.
     pub fn non_finite(&self) -> u64 {
         self.pixels.iter().filter(|pixel| !pixel.iter().all(|channel| channel.is_finite())).count() as u64
+    }
+}
+
+/// One more number for each pixel, kept in an OpenEXR file beside R, G and B.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Its name in the file: a layer, a dot and what it is in the layer, as in `normal.X`. Printable ASCII.
+    pub name: String,
+    /// One value for each pixel, the top row first.
+    pub values: ChannelValues,
+}
+
+/// The numbers of a [`Channel`].
+#[derive(Debug, Clone, PartialEq)]
+pub enum ChannelValues {
+    /// 32-bit floats.
+    F32(Vec<f32>),
+    /// 32-bit integers.
+    U32(Vec<u32>),
+}
+
+impl ChannelValues {
+    fn len(&self) -> usize {
+        match self {
+            ChannelValues::F32(values) => values.len(),
+            ChannelValues::U32(values) => values.len(),
+        }
     }
 }
 
@@ -240,12 +267,32 @@ fn check_size(path: &Path, width: u64, height: u64) -> Result<(), ImageError> {
 /// # Errors
 /// [`ImageError`]: an unknown extension, a missing or unwritable directory, a full disk, a picture of bad size.
 pub fn save(path: &Path, picture: &Picture, display: &Display, provenance: &Provenance) -> Result<(), ImageError> {
+    save_with(path, picture, Vec::new(), display, provenance)
+}
+
+/// As [`save`], with further channels, which only EXR can hold.
+///
+/// # Errors
+/// Those of [`save`], and [`ImageError::Encode`] for channels in another format, of another size, or of one name.
+pub fn save_with(
+    path: &Path,
+    picture: &Picture,
+    channels: Vec<Channel>,
+    display: &Display,
+    provenance: &Provenance,
+) -> Result<(), ImageError> {
     let format = ImageFormat::from_path(path)?;
     check_size(path, picture.width.into(), picture.height.into())?;
-    if picture.pixels.len() != picture.width as usize * picture.height as usize {
-        let (width, height, found) = (picture.width, picture.height, picture.pixels.len());
-        let reason = format!("a picture of {width}x{height} needs {} pixels and has {found}", width * height);
-        return Err(ImageError::Encode { path: path.to_owned(), reason });
+    let encode_error = |reason| Err(ImageError::Encode { path: path.to_owned(), reason });
+    if format != ImageFormat::Exr && !channels.is_empty() {
+        return encode_error("only OpenEXR can hold further channels; let its name end in .exr".to_owned());
+    }
+    let (width, height) = (picture.width, picture.height);
+    let needed = width as usize * height as usize;
+    for found in channels.iter().map(|channel| channel.values.len()).chain([picture.pixels.len()]) {
+        if found != needed {
+            return encode_error(format!("a picture of {width}x{height} needs {needed} pixels and has {found}"));
+        }
     }
 
     let directory = match path.parent() {
@@ -274,7 +321,7 @@ pub fn save(path: &Path, picture: &Picture, display: &Display, provenance: &Prov
     let file = builder.tempfile_in(directory).map_err(write_error)?;
     let mut writer = BufWriter::new(file);
     match format {
-        ImageFormat::Exr => exr::write(path, &mut writer, picture, provenance)?,
+        ImageFormat::Exr => exr::write(path, &mut writer, picture, channels, provenance)?,
         ImageFormat::Png => writer.write_all(&ldr::encode_png(path, picture, display)?).map_err(write_error)?,
         ImageFormat::Jpeg => writer.write_all(&ldr::encode_jpeg(path, picture, display)?).map_err(write_error)?,
     }

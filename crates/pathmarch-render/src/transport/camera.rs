@@ -16,10 +16,8 @@ pub(crate) struct Ray {
 /// The ray of one sample of the pixel (`x`, `y`), row 0 the top.
 pub(crate) fn camera_ray(frame: &Frame, x: u32, y: u32, random: Random) -> Ray {
     let [jitter_x, jitter_y] = random.pair(pair::PIXEL);
-    let across = 2.0 * (x as f32 + jitter_x) / frame.width as f32 - 1.0;
-    let up = 1.0 - 2.0 * (y as f32 + jitter_y) / frame.height as f32;
     let position = Vec3::from(frame.position);
-    let view = Vec3::from(frame.forward) + Vec3::from(frame.right) * across + Vec3::from(frame.up) * up;
+    let view = view(frame, x as f32 + jitter_x, y as f32 + jitter_y);
     if frame.lens_radius == 0.0 {
         return Ray { origin: position, direction: view.normalize() };
     }
@@ -29,4 +27,16 @@ pub(crate) fn camera_ray(frame: &Frame, x: u32, y: u32, random: Random) -> Ray {
     let offset =
         Vec3::from(frame.right).normalize() * (radius * cosine) + Vec3::from(frame.up).normalize() * (radius * sine);
     Ray { origin: position + offset, direction: (view * frame.focus - offset).normalize() }
+}
+
+/// The ray through the middle of the lens and a position in the picture, in pixels from its top left corner.
+pub(crate) fn central_ray(frame: &Frame, x: f32, y: f32) -> Ray {
+    Ray { origin: Vec3::from(frame.position), direction: view(frame, x, y).normalize() }
+}
+
+/// From the lens to a position in the picture, at distance one from the lens.
+fn view(frame: &Frame, x: f32, y: f32) -> Vec3 {
+    let across = 2.0 * x / frame.width as f32 - 1.0;
+    let up = 1.0 - 2.0 * y / frame.height as f32;
+    Vec3::from(frame.forward) + Vec3::from(frame.right) * across + Vec3::from(frame.up) * up
 }

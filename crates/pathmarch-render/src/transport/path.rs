@@ -137,33 +137,44 @@ fn beyond(prepared: &Prepared, path: &Path) -> Vec3 {
     prepared.sky.found(direction, path.scatter_pdf) + lights::suns_found(prepared, direction, path.scatter_pdf)
 }
 
-struct Near {
-    distance: f32,
-    gradient: Vec3,
-    leaf: usize,
+pub(crate) struct Near {
+    pub(crate) distance: f32,
+    pub(crate) gradient: Vec3,
+    pub(crate) leaf: usize,
 }
 
 /// The nearest surface at the end of each path, eight at a time.
 fn surfaces(prepared: &Prepared, paths: &[Path], surface_index: u32) -> Vec<Near> {
     let mut result = Vec::with_capacity(paths.len());
     for chunk in paths.chunks(8) {
-        let lane = |value: &dyn Fn(&Path) -> f32| f32x8::from(std::array::from_fn(|k| chunk.get(k).map_or(0.0, value)));
-        let p = FieldVec3::new(
-            lane(&|path| path.ray.origin.x),
-            lane(&|path| path.ray.origin.y),
-            lane(&|path| path.ray.origin.z),
-        );
+        let points = std::array::from_fn(|k| chunk.get(k).map_or(Vec3::ZERO, |path| path.ray.origin));
         let seeds = std::array::from_fn(|k| chunk.get(k).map_or(0, |path| path.random.loose(surface_index)));
-        let Surface { field, leaf } = prepared.field.surface(p, seeds);
-        let (x, y, z) = (field.gradient.x.to_array(), field.gradient.y.to_array(), field.gradient.z.to_array());
-        let (distance, leaf) = (field.value.to_array(), leaf.to_array());
-        result.extend((0..chunk.len()).map(|k| Near {
-            distance: distance[k],
-            gradient: Vec3::new(x[k], y[k], z[k]),
-            leaf: leaf[k] as usize,
-        }));
+        result.extend(near(points, |p| prepared.field.surface(p, seeds)).into_iter().take(chunk.len()));
     }
     result
+}
+
+/// What `surface` says of eight points.
+pub(crate) fn near(points: [Vec3; 8], surface: impl Fn(FieldVec3<f32x8>) -> Surface<f32x8>) -> [Near; 8] {
+    let lane = |value: fn(Vec3) -> f32| f32x8::from(points.map(value));
+    let Surface { field, leaf } = surface(FieldVec3::new(lane(|p| p.x), lane(|p| p.y), lane(|p| p.z)));
+    let (x, y, z) = (field.gradient.x.to_array(), field.gradient.y.to_array(), field.gradient.z.to_array());
+    let (distance, leaf) = (field.value.to_array(), leaf.to_array());
+    std::array::from_fn(|k| Near {
+        distance: distance[k],
+        gradient: Vec3::new(x[k], y[k], z[k]),
+        leaf: leaf[k] as usize,
+    })
+}
+
+/// The normal on the side that a ray which ends here after `length` metres comes from.
+pub(crate) fn facing(prepared: &Prepared, near: &Near, outward: Vec3, ray: &Ray, length: f32) -> Vec3 {
+    let leaf = &prepared.leaves[near.leaf];
+    let off = direct_tolerance(&prepared.frame, ray.origin, Vec3::from(leaf.at));
+    // On the surface but for rounding, the side is the one the ray comes from; else the field says it.
+    let on_surface = leaf.flags & DIRECT != 0 || near.distance.abs() <= off + prepared.frame.rounding * length;
+    let inside = if on_surface { outward.dot(ray.direction) > 0.0 } else { near.distance < 0.0 };
+    if inside { -outward } else { outward }
 }
 
 /// What happens at a surface; gives the path's continuation, if it has one.
@@ -182,10 +193,8 @@ fn shade(
     let reached = path.ray.origin;
     let off = direct_tolerance(frame, reached, Vec3::from(leaf.at));
     let is_direct = leaf.flags & DIRECT != 0;
-    // On the surface but for rounding, the side is the one the ray comes from; else the field says it.
-    let on_surface = is_direct || near.distance.abs() <= off + frame.rounding * path.last;
-    let inside = if on_surface { outward.dot(path.ray.direction) > 0.0 } else { near.distance < 0.0 };
-    let normal = if inside { -outward } else { outward };
+    let normal = facing(prepared, near, outward, &path.ray, path.last);
+    let inside = normal.dot(outward) < 0.0;
     let material = &prepared.materials[leaf.material as usize];
     if material.flags & EMITS != 0 {
         if (leaf.flags & SHEET == 0 || normal.dot(Vec3::from(leaf.facing)) > 0.0) && !path.passing {
@@ -241,7 +250,7 @@ fn shade(
         }
     }
     let [u, v] = path.random.pair(pairs + pair::SCATTER);
-    let [lobe, _] = path.random.pair(pairs + pair::LOBE);
+    let [lobe, _] = if bsdf.chooses_lobes { path.random.pair(pairs + pair::LOBE) } else { [0.0; 2] };
     let scattered = (bsdf.sample)(&material.numbers, wo, inside, [u, v, lobe])?;
     let mut throughput = path.throughput * scattered.weight;
     let index_square = path.index_square * scattered.eta * scattered.eta;

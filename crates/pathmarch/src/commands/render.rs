@@ -3,6 +3,7 @@
 use super::{BackendArgument, parse_size};
 use crate::exit::{DONE, Failure, INTERRUPTED};
 use indicatif::{ProgressBar, ProgressStyle};
+use pathmarch_render::aov::{self, Layer};
 use pathmarch_render::image::{self, ImageFormat, Provenance};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::{Display, Tonemap};
@@ -43,6 +44,17 @@ pub struct Arguments {
     /// Stops of exposure for PNG and JPEG [default: the camera's]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
+    /// Write layers beside R, G and B, without noise; .exr only [default: all; or a list, such as albedo,normal]
+    ///
+    /// albedo.R .G .B: the fraction of light reflected diffusely, or a lamp's radiance clipped to 1; mean over the pixel.
+    /// normal.X .Y .Z: in the world, towards the camera; mean over the pixel, of length one.
+    /// depth.Z: metres along the camera's view axis; infinite where nothing is.
+    /// position.X .Y .Z: in the world, metres.
+    /// objectId.X, materialId.X: integers, 1 for the first in the scene, 0 where nothing is.
+    /// sampleCount.X: integer, the samples in the pixel's mean.
+    /// Depth, position and the ids are those at the pixel's centre.
+    #[arg(long, value_name = "LAYERS", num_args = 0..=1, default_missing_value = "all", value_parser = parse_layers, verbatim_doc_comment)]
+    aov: Option<Layers>,
     /// What to render on
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendArgument,
@@ -56,6 +68,27 @@ fn parse_tonemap(text: &str) -> Result<Tonemap, String> {
         let names: Vec<_> = Tonemap::ALL.iter().map(|tonemap| tonemap.name()).collect();
         format!("expected one of {}", names.join(", "))
     })
+}
+
+/// `--aov`
+#[derive(Clone)]
+struct Layers(Vec<Layer>);
+
+fn parse_layers(text: &str) -> Result<Layers, String> {
+    if text == "all" {
+        return Ok(Layers(Layer::ALL.to_vec()));
+    }
+    let mut layers = Vec::new();
+    for name in text.split(',') {
+        let layer = Layer::from_name(name.trim()).ok_or_else(|| {
+            let names = Layer::ALL.map(Layer::name).join(", ");
+            format!("there is no layer \"{name}\"; there are {names}, and all; the scene comes before --aov")
+        })?;
+        if !layers.contains(&layer) {
+            layers.push(layer);
+        }
+    }
+    Ok(Layers(layers))
 }
 
 impl Arguments {
@@ -83,7 +116,14 @@ impl Arguments {
             Some(output) => output.clone(),
             None => PathBuf::from(self.scene.file_stem().unwrap_or_default()).with_extension("png"),
         };
-        ImageFormat::from_path(&output).map_err(|error| Failure::Usage(error.to_string()))?;
+        let format = ImageFormat::from_path(&output).map_err(|error| Failure::Usage(error.to_string()))?;
+        if self.aov.is_some() && format != ImageFormat::Exr {
+            return Err(Failure::Usage(format!(
+                "--aov: {} cannot hold layers, only OpenEXR can; write to -o {}",
+                output.display(),
+                output.with_extension("exr").display()
+            )));
+        }
         // Better now than after an hour of rendering.
         let directory = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !directory.is_dir() {
@@ -123,6 +163,11 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     accumulate(&mut job, &settings, &interrupted).map_err(Failure::other)?;
     let film = job.film().map_err(Failure::other)?;
     let seconds = started.elapsed().as_secs_f64();
+    let mut channels = Vec::new();
+    if let Some(Layers(layers)) = &arguments.aov {
+        let aovs = aov::render(&scene, &settings).map_err(Failure::other)?;
+        channels.extend(layers.iter().flat_map(|layer| layer.channels(&aovs, &film)));
+    }
 
     let camera = &scene.cameras[settings.camera];
     let display = Display {
@@ -139,9 +184,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         backend: renderer.backend_name(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
-    image::save(&output, &film.mean(), &display, &provenance).map_err(Failure::other)?;
-    if film.non_finite > 0 {
-        eprintln!("warning: {} samples were not finite and were left out", film.non_finite);
+    image::save_with(&output, &film.mean(), channels, &display, &provenance).map_err(Failure::other)?;
+    if film.non_finite() > 0 {
+        eprintln!("warning: {} samples were not finite and were left out", film.non_finite());
     }
     let complete = film.samples == settings.samples;
     eprintln!(
