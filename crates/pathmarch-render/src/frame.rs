@@ -40,6 +40,9 @@ pub(crate) struct Frame {
     pub(crate) height: u32,
     pub(crate) bounces: u32,
     pub(crate) seed: u32,
+    /// A [`Sampler`](crate::Sampler).
+    pub(crate) sampler: u32,
+    padding: [u32; 3],
 }
 
 /// What is known of a leaf of the field; the layout is that of `LeafRecord` in `transport/path.wgsl`.
@@ -129,6 +132,8 @@ impl Prepared {
             height,
             bounces: settings.bounces,
             seed: settings.seed,
+            sampler: settings.sampler as u32,
+            padding: [0; 3],
         };
         let light_of_leaf: HashMap<u32, u32> =
             (0..).zip(&lights).filter_map(|(index, light)| Some((light.emitting_leaf()?, index))).collect();

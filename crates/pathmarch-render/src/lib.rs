@@ -32,7 +32,7 @@ pub use gpu::{AdapterDescription, adapters};
 pub use pathmarch_field;
 pub use pathmarch_scene;
 pub use renderer::{Backend, Job, Renderer};
-pub use settings::{MAX_BOUNCES, Settings};
+pub use settings::{MAX_BOUNCES, Sampler, Settings};
 
 /// SHA-256 of the scene's text, in hexadecimal: which scene a picture shows.
 pub fn scene_hash(scene: &pathmarch_scene::Scene) -> String {

@@ -50,7 +50,7 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
         .iter()
         .enumerate()
         .map(|(slot, &(x, y))| {
-            let random = Random::new(x, y, sample, frame.seed);
+            let random = Random::of(frame, x, y, sample);
             Path {
                 slot,
                 random,

@@ -19,6 +19,7 @@ struct Frame {
     height: u32,
     bounces: u32,
     seed: u32,
+    sampler: u32,
 }
 
 /// Which sample of which rows a dispatch computes.

@@ -74,6 +74,7 @@ impl Arguments {
             first_sample: self.first_sample,
             bounces: self.bounces.unwrap_or(defaults.bounces),
             seed: self.seed,
+            sampler: defaults.sampler,
             camera,
         })
     }
