@@ -1,6 +1,6 @@
 //! A scene and its settings in the form both backends read.
 
-use crate::settings::Settings;
+use crate::settings::{LightSearch, Settings};
 use crate::transport::lights::{self, LightRecord};
 use crate::transport::sky::Sky;
 use bytemuck::{Pod, Zeroable};
@@ -142,6 +142,8 @@ pub(crate) struct Features {
     pub(crate) fast_caustics: bool,
     /// Some light's shadows are softened by near misses.
     pub(crate) penumbra: bool,
+    /// How lights are found.
+    pub(crate) light_search: LightSearch,
 }
 
 /// Everything a backend needs to trace a picture.
@@ -220,9 +222,9 @@ impl Prepared {
             height,
             bounces: settings.bounces,
             seed: settings.seed,
-            clamp: scene.render.clamp.unwrap_or(f32::INFINITY),
+            clamp: settings.clamp.unwrap_or(f32::INFINITY),
             sun_count: lights.iter().filter(|light| light.is_sun()).count() as u32,
-            sampler: scene.render.sampler as u32,
+            sampler: settings.sampler as u32,
             sky_width: texels.0,
             sky_zenith: zenith,
             sky_height: texels.1,
@@ -255,8 +257,9 @@ impl Prepared {
             absorption: materials.iter().any(|material| material.absorption != [0.0; 3]),
             transmission: any(TRANSMITS),
             chooses_lobes: scene.materials.iter().any(|material| material.kind.bsdf.is_some_and(|b| b.chooses_lobes)),
-            fast_caustics: scene.render.caustics == Caustics::Fast && any(TRANSMITS),
+            fast_caustics: settings.caustics == Caustics::Fast && any(TRANSMITS),
             penumbra: lights.iter().any(|light| light.penumbra > 0.0),
+            light_search: settings.light_search,
         };
         let bsdfs = scene.materials.iter().map(|material| material.kind.bsdf).collect();
         let mut tables: Vec<u32> = Vec::new();

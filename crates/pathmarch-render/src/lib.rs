@@ -33,10 +33,15 @@ pub use gpu::{AdapterDescription, adapters};
 pub use pathmarch_field;
 pub use pathmarch_scene;
 pub use renderer::{Backend, Job, Renderer};
-pub use settings::{MAX_BOUNCES, Settings};
+pub use settings::{LightSearch, MAX_BOUNCES, Settings};
 
-/// SHA-256 of the scene's text, in hexadecimal: which scene a picture shows.
+/// SHA-256 of the scene's text and of its sky's picture, in hexadecimal: which scene a picture shows.
 pub fn scene_hash(scene: &pathmarch_scene::Scene) -> String {
     use sha2::{Digest, Sha256};
-    Sha256::digest(scene.source_text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    let mut hash = Sha256::new();
+    hash.update(scene.source_text.as_bytes());
+    if let pathmarch_scene::Sky::Map(picture) = &scene.sky {
+        hash.update(bytemuck::cast_slice(&picture.texels));
+    }
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,9 +1,22 @@
 //! What to render of a scene, and how well.
 
-use pathmarch_scene::Scene;
+use pathmarch_scene::{Caustics, Sampler, Scene};
 
 /// The largest number of bounces a path may have.
 pub const MAX_BOUNCES: u32 = 64;
+
+/// How the light of what paths can meet, that is of all lights but points, is found. All ways converge to the same
+/// picture; the others are there to be compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightSearch {
+    /// Lights are sampled and met by chance, weighed by multiple importance sampling.
+    #[default]
+    Both,
+    /// Lights are sampled at every surface that scatters in more than single directions.
+    Sampled,
+    /// Lights are met by chance.
+    Met,
+}
 
 /// Size, samples and limits of one picture. A picture is a pure function of the scene and these on one adapter.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +31,14 @@ pub struct Settings {
     pub bounces: u32,
     /// Pictures of different seeds have independent noise.
     pub seed: u32,
+    /// Where random numbers come from.
+    pub sampler: Sampler,
+    /// What becomes of light that goes through clear glass.
+    pub caustics: Caustics,
+    /// The largest radiance of a contribution after the first hit, W/(m² sr), above 0; none where absent.
+    pub clamp: Option<f32>,
+    /// How lights are found.
+    pub light_search: LightSearch,
     /// Index into the scene's cameras.
     pub camera: usize,
 }
@@ -31,6 +52,10 @@ impl Settings {
             first_sample: 0,
             bounces: scene.render.bounces,
             seed: 0,
+            sampler: scene.render.sampler,
+            caustics: scene.render.caustics,
+            clamp: scene.render.clamp,
+            light_search: LightSearch::Both,
             camera: 0,
         }
     }

@@ -28,7 +28,8 @@ pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
 }
 
 fn constants(prepared: &Prepared) -> String {
-    let Features { absorption, transmission, chooses_lobes, fast_caustics, penumbra } = prepared.features;
+    let Features { absorption, transmission, chooses_lobes, fast_caustics, penumbra, light_search } = prepared.features;
+    let (search, sampler) = (light_search as u32, prepared.frame.sampler);
     let near_misses = if penumbra {
         transport::PENUMBRA
     } else {
@@ -38,7 +39,7 @@ fn constants(prepared: &Prepared) -> String {
     let (roughnesses, cosines) = (albedo::ROUGHNESSES, albedo::COSINES);
     format!(
         "\nconst ABSORPTION = {absorption};\nconst TRANSMISSION = {transmission};\nconst CHOOSES_LOBES = {chooses_lobes};\n\
-         const FAST_CAUSTICS = {fast_caustics};\nconst PENUMBRA = {penumbra};\nconst SKY = {sky}u;\n\
+         const FAST_CAUSTICS = {fast_caustics};\nconst PENUMBRA = {penumbra};\nconst LIGHT_SEARCH = {search}u;\nconst SAMPLER = {sampler}u;\nconst SKY = {sky}u;\n\
          const SKY_TABLE = {sky_table}u;\nconst GGX_TABLE = {ggx_table}u;\nconst GGX_ROUGHNESSES = {roughnesses}u;\n\
          const GGX_COSINES = {cosines}u;\n\n{near_misses}"
     )

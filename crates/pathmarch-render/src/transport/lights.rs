@@ -12,6 +12,7 @@ use super::alias;
 use super::basis::basis;
 use super::sky::{EnvironmentSample, Sky};
 use crate::frame::Prepared;
+use crate::settings::LightSearch;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use pathmarch_field::{Emitter, Field};
@@ -362,14 +363,31 @@ pub(crate) fn pdf(light: &LightRecord, p: Vec3, t: f32, cosine: f32) -> f32 {
 }
 
 /// The power heuristic: how much a sample of density `a` counts where another strategy has density `b`.
-pub(crate) fn heuristic(a: f32, b: f32) -> f32 {
+fn heuristic(a: f32, b: f32) -> f32 {
     let ratio = b / a.max(1e-30);
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// Weight of light that a ray of this density found, where lights are sampled with the other.
-pub(crate) fn found_weight(scatter_pdf: f32, light_pdf: f32) -> f32 {
-    if scatter_pdf > 0.0 { heuristic(scatter_pdf, light_pdf) } else { 1.0 }
+/// Weight of light that a ray of density `scatter_pdf` met, where lights are sampled with `light_pdf`; all of it counts
+/// where the ray was of a single direction or no light was sampled.
+pub(crate) fn met_weight(search: LightSearch, scatter_pdf: f32, light_pdf: f32) -> f32 {
+    match search {
+        _ if scatter_pdf <= 0.0 => 1.0,
+        LightSearch::Both => heuristic(scatter_pdf, light_pdf),
+        LightSearch::Sampled => 0.0,
+        LightSearch::Met => 1.0,
+    }
+}
+
+/// Weight of a light sampled with density `light_pdf`, where rays are of density `scatter_pdf`; all of it counts where no
+/// ray meets the light.
+pub(crate) fn sampled_weight(search: LightSearch, light_pdf: f32, scatter_pdf: f32) -> f32 {
+    match search {
+        _ if light_pdf <= 0.0 => 1.0,
+        LightSearch::Both => heuristic(light_pdf, scatter_pdf),
+        LightSearch::Sampled => 1.0,
+        LightSearch::Met => 0.0,
+    }
 }
 
 /// Radiance of the suns' discs in the direction of a ray of this density, weighed.
@@ -379,7 +397,7 @@ pub(crate) fn suns_found(prepared: &Prepared, direction: Vec3, scatter_pdf: f32)
         let x = light.extent;
         // |a - b|²/2 = 1 - cosine of the angle between unit vectors, without cancellation.
         if 0.5 * (direction - Vec3::from(light.place)).length_squared() < x {
-            let weight = found_weight(scatter_pdf, light.probability / (TAU * x));
+            let weight = met_weight(prepared.features.light_search, scatter_pdf, light.probability / (TAU * x));
             // Irradiance / (π sin²) of the disc facing a surface: sin² = x(2 - x).
             radiance += Vec3::from(light.power) * (weight / (PI * x * (2.0 - x)));
         }

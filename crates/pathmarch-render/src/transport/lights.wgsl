@@ -35,6 +35,10 @@ const BOX = 5u;
 const BOUNDED = 6u;
 const ENVIRONMENT = 7u;
 
+// LIGHT_SEARCH: the order is that of `LightSearch` in settings.rs.
+const LIGHTS_SAMPLED = 1u;
+const LIGHTS_MET = 2u;
+
 const NO_TARGET = 0xffffffffu;
 /// A distance beyond every scene, for lights at infinity.
 const AT_INFINITY = 1e30;
@@ -199,6 +203,22 @@ fn heuristic(a: f32, b: f32) -> f32 {
     return 1.0 / (1.0 + ratio * ratio);
 }
 
+/// Weight of light that a ray met, where lights are sampled with the other density.
+fn met_weight(scatter_pdf: f32, light_pdf: f32) -> f32 {
+    if scatter_pdf <= 0.0 || LIGHT_SEARCH == LIGHTS_MET {
+        return 1.0;
+    }
+    return select(heuristic(scatter_pdf, light_pdf), 0.0, LIGHT_SEARCH == LIGHTS_SAMPLED);
+}
+
+/// Weight of a sampled light, where rays are of the other density.
+fn sampled_weight(light_pdf: f32, scatter_pdf: f32) -> f32 {
+    if light_pdf <= 0.0 || LIGHT_SEARCH == LIGHTS_SAMPLED {
+        return 1.0;
+    }
+    return select(heuristic(light_pdf, scatter_pdf), 0.0, LIGHT_SEARCH == LIGHTS_MET);
+}
+
 /// Radiance of the suns' discs in the direction of a ray of this density, weighed.
 fn suns_beyond(direction: vec3f, scatter_pdf: f32) -> vec3f {
     var radiance = vec3f(0.0);
@@ -206,14 +226,9 @@ fn suns_beyond(direction: vec3f, scatter_pdf: f32) -> vec3f {
         let x = lights[k].extent;
         let offset = direction - lights[k].place;
         if 0.5 * dot(offset, offset) < x {
-            let weight = found_weight(scatter_pdf, lights[k].probability / (6.2831853 * x));
+            let weight = met_weight(scatter_pdf, lights[k].probability / (6.2831853 * x));
             radiance += lights[k].power * (weight / (3.14159265 * x * (2.0 - x)));
         }
     }
     return radiance;
-}
-
-/// Weight of light that a ray of this density found, where lights are sampled with the other.
-fn found_weight(scatter_pdf: f32, light_pdf: f32) -> f32 {
-    return select(1.0, heuristic(scatter_pdf, light_pdf), scatter_pdf > 0.0);
 }

@@ -70,7 +70,7 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
         .iter()
         .enumerate()
         .map(|(slot, &(x, y))| {
-            let random = Random::new(x, y, sample, frame.seed);
+            let random = Random::of(frame, x, y, sample);
             let ray = camera_ray(frame, x, y, random);
             Path {
                 slot,
@@ -134,7 +134,8 @@ fn beyond(prepared: &Prepared, path: &Path) -> Vec3 {
     if path.passing {
         return prepared.sky.not_sampled(direction);
     }
-    prepared.sky.found(direction, path.scatter_pdf) + lights::suns_found(prepared, direction, path.scatter_pdf)
+    prepared.sky.found(prepared.features.light_search, direction, path.scatter_pdf)
+        + lights::suns_found(prepared, direction, path.scatter_pdf)
 }
 
 pub(crate) struct Near {
@@ -200,11 +201,11 @@ fn shade(
         if (leaf.flags & SHEET == 0 || normal.dot(Vec3::from(leaf.facing)) > 0.0) && !path.passing {
             let light = leaf.flags >> LIGHT_SHIFT;
             let mut weight = 1.0;
-            if path.scatter_pdf > 0.0 && light > 0 {
+            if light > 0 {
                 let cosine = normal.dot(path.ray.direction).abs();
                 let distance = path.reference.distance(reached);
                 let light_pdf = lights::pdf(&prepared.lights[light as usize - 1], path.reference, distance, cosine);
-                weight = lights::heuristic(path.scatter_pdf, light_pdf);
+                weight = lights::met_weight(prepared.features.light_search, path.scatter_pdf, light_pdf);
             }
             let contribution = path.throughput * Vec3::from(material.emission) * weight;
             radiance[path.slot] += limited(prepared, contribution, surface_index);

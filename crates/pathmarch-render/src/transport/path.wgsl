@@ -157,9 +157,9 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
             if ((leaf.flags & SHEET) == 0u || dot(normal, leaf.facing) > 0.0) && !(FAST_CAUSTICS && passing) {
                 let light = leaf.flags >> LIGHT_SHIFT;
                 var weight = 1.0;
-                if scatter_pdf > 0.0 && light > 0u {
+                if light > 0u {
                     let cosine = abs(dot(normal, ray.direction));
-                    weight = heuristic(scatter_pdf, light_pdf(lights[light - 1u], reference, distance(reference, reached), cosine));
+                    weight = met_weight(scatter_pdf, light_pdf(lights[light - 1u], reference, distance(reference, reached), cosine));
                 }
                 radiance += limited(throughput * materials[m].emission * weight, surface_index);
             }

@@ -42,9 +42,8 @@ pub(super) fn arriving(prepared: &Prepared, connections: Vec<Connection>) -> Vec
             let light = near_misses(prepared, connection.ray, connection.light.distance, connection.light.penumbra);
             arrived.push((connection.slot, connection.radiance * light));
         } else {
-            if connection.light.pdf > 0.0 {
-                connection.light.weight = lights::heuristic(connection.light.pdf, connection.scatter_pdf);
-            }
+            let (light_pdf, scatter_pdf) = (connection.light.pdf, connection.scatter_pdf);
+            connection.light.weight = lights::sampled_weight(prepared.features.light_search, light_pdf, scatter_pdf);
             under_way.push(connection);
         }
     }

@@ -8,7 +8,7 @@ fn light_through(start: Ray, before: f32, light: LightSample, scatter_pdf: f32, 
     if PENUMBRA && light.penumbra > 0.0 {
         return vec3f(near_misses(start, light.distance, light.penumbra));
     }
-    var weight = select(1.0, heuristic(light.pdf, scatter_pdf), light.pdf > 0.0);
+    var weight = sampled_weight(light.pdf, scatter_pdf);
     var passed = vec3f(1.0);
     var medium = between;
     var ray = start;

@@ -8,7 +8,8 @@
 //! which is as good where light comes from everywhere.
 
 use super::alias::{self, Alias};
-use super::lights::found_weight;
+use super::lights::met_weight;
+use crate::settings::LightSearch;
 use glam::Vec3;
 use pathmarch_scene::{Environment, Scene, Sky as Source};
 use std::f32::consts::{PI, TAU};
@@ -76,11 +77,11 @@ impl Sky {
     }
 
     /// Radiance that a ray of this density found, weighed.
-    pub(crate) fn found(&self, direction: Vec3, scatter_pdf: f32) -> Vec3 {
+    pub(crate) fn found(&self, search: LightSearch, direction: Vec3, scatter_pdf: f32) -> Vec3 {
         let radiance = Vec3::from(self.source.radiance(direction.into()));
         match &self.source {
             Source::Map(environment) if self.density > 0.0 => {
-                radiance * found_weight(scatter_pdf, self.density * corners(environment, direction))
+                radiance * met_weight(search, scatter_pdf, self.density * corners(environment, direction))
             }
             _ => radiance,
         }

@@ -44,7 +44,7 @@ fn sky_lookup(direction: vec3f) -> vec4f {
 fn sky_beyond(direction: vec3f, scatter_pdf: f32) -> vec3f {
     let sky = sky_lookup(direction);
     if frame.sky_density > 0.0 {
-        return sky.xyz * found_weight(scatter_pdf, frame.sky_density * sky.w);
+        return sky.xyz * met_weight(scatter_pdf, frame.sky_density * sky.w);
     }
     return sky.xyz;
 }

@@ -5,7 +5,7 @@ use crate::exit::{DONE, Failure, INTERRUPTED};
 use indicatif::{ProgressBar, ProgressStyle};
 use pathmarch_render::aov::{self, Layer};
 use pathmarch_render::image::{self, ImageFormat, Provenance};
-use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::pathmarch_scene::{Caustics, Sampler, Scene};
 use pathmarch_render::tonemap::{Display, Tonemap};
 use pathmarch_render::{Job, MAX_BOUNCES, RenderError, Renderer, Settings, scene_hash};
 use std::path::{Path, PathBuf};
@@ -39,8 +39,17 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
     /// How PNG and JPEG show radiance: agx, neutral or srgb [default: the scene's]
-    #[arg(long, value_name = "NAME", value_parser = parse_tonemap)]
+    #[arg(long, value_name = "NAME", value_parser = one_of(Tonemap::ALL, Tonemap::name))]
     tonemap: Option<Tonemap>,
+    /// Random numbers: sobol, or independent to compare with [default: the scene's]
+    #[arg(long, value_name = "NAME", value_parser = one_of(Sampler::ALL, Sampler::name))]
+    sampler: Option<Sampler>,
+    /// Light through clear glass: traced, or fast, which is free of noise and biased [default: the scene's]
+    #[arg(long, value_name = "NAME", value_parser = one_of(Caustics::ALL, Caustics::name))]
+    caustics: Option<Caustics>,
+    /// Largest radiance of a contribution after the first hit, against fireflies; darkens [default: the scene's]
+    #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
+    clamp: Option<f32>,
     /// Stops of exposure for PNG and JPEG [default: the camera's]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
@@ -63,11 +72,24 @@ pub struct Arguments {
     adapter: Option<String>,
 }
 
-fn parse_tonemap(text: &str) -> Result<Tonemap, String> {
-    Tonemap::from_name(text).ok_or_else(|| {
-        let names: Vec<_> = Tonemap::ALL.iter().map(|tonemap| tonemap.name()).collect();
-        format!("expected one of {}", names.join(", "))
-    })
+/// One of a setting's names.
+fn one_of<T: Copy, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| {
+        all.into_iter().find(|one| name(*one) == text).ok_or_else(|| {
+            let names: Vec<_> = all.iter().map(|one| name(*one)).collect();
+            format!("expected one of {}", names.join(", "))
+        })
+    }
+}
+
+fn parse_clamp(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|limit: &f32| *limit > 0.0 && limit.is_finite())
+        .ok_or("expected a number above 0".to_owned())
 }
 
 /// `--aov`
@@ -107,6 +129,10 @@ impl Arguments {
             first_sample: self.first_sample,
             bounces: self.bounces.unwrap_or(defaults.bounces),
             seed: self.seed,
+            sampler: self.sampler.unwrap_or(defaults.sampler),
+            caustics: self.caustics.unwrap_or(defaults.caustics),
+            clamp: self.clamp.or(defaults.clamp),
+            light_search: defaults.light_search,
             camera,
         })
     }
