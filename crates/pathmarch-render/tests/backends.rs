@@ -1,96 +1,13 @@
 //! The light is right, and both backends agree.
-//!
-//! GPU tests need an adapter (Mesa's software Vulkan will do). Without one they say so and pass, unless
-//! `PATHMARCH_REQUIRE_GPU` is set, as in CI: then they fail.
 
-use pathmarch_render::film::Film;
-use pathmarch_render::image::{self, Picture, PictureKind};
-use pathmarch_render::metrics::{block_means, compare};
+mod common;
+
+use common::{data, mean, parse, render, renderers, scenes};
+use pathmarch_render::image::PictureKind;
+use pathmarch_render::metrics::compare;
 use pathmarch_render::pathmarch_field::registry::shapes;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings};
-use std::path::{Path, PathBuf};
-
-fn data(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
-}
-
-fn scenes() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-    let mut found = Vec::new();
-    for directory in [root.clone(), root.join("thesis")] {
-        for file in std::fs::read_dir(&directory).expect("the scenes are there") {
-            let path = file.expect("a file").path();
-            if path.extension().is_some_and(|extension| extension == "kdl") {
-                found.push(path);
-            }
-        }
-    }
-    found
-}
-
-/// Every backend to test.
-fn renderers() -> Vec<Renderer> {
-    let mut renderers = vec![Renderer::open(Backend::Cpu, None).expect("the CPU is there")];
-    match Renderer::open(Backend::Gpu, None) {
-        Ok(renderer) => renderers.push(renderer),
-        Err(error) if std::env::var_os("PATHMARCH_REQUIRE_GPU").is_some() => panic!("{error}"),
-        Err(error) => println!("NOT TESTED on a GPU: {error}"),
-    }
-    renderers
-}
-
-fn render(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Film {
-    let film = renderer.render(scene, settings).expect("renders");
-    assert_eq!(film.non_finite(), 0, "every sample is finite");
-    film
-}
-
-fn parse(text: &str) -> Scene {
-    Scene::parse("test.kdl", text).expect("a valid scene")
-}
-
-fn mean(picture: &Picture, inside: impl Fn(u32, u32) -> bool) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
-    for y in 0..picture.height {
-        for x in 0..picture.width {
-            if inside(x, y) {
-                sum += f64::from(picture.pixels[(y * picture.width + x) as usize][1]);
-                count += 1;
-            }
-        }
-    }
-    sum / f64::from(count)
-}
-
-#[test]
-fn pictures_agree_with_mitsuba() {
-    for name in ["furnace_050", "diffuse_sphere_plane"] {
-        let scene = Scene::load(data(&format!("{name}.kdl"))).expect("a valid scene");
-        let reference = image::load(&data(&format!("{name}.exr"))).expect("a picture").picture;
-        for renderer in &mut renderers() {
-            let settings = Settings { samples: 1024, ..Settings::of(&scene) };
-            let picture = render(renderer, &scene, &settings).mean();
-            let result = compare(&picture, &reference, PictureKind::Hdr).expect("two of a size");
-            let (a, b) = (block_means(&picture, 16), block_means(&reference, 16));
-            let worst = a
-                .pixels
-                .iter()
-                .zip(&b.pixels)
-                .flat_map(|(a, b)| (0..3).map(|k| (a[k] / b[k] - 1.0).abs()))
-                .fold(0.0, f32::max);
-            println!(
-                "{name} on {}: relMSE {:.2e}, FLIP {:.4}, worst 16x16 block {:.2} %",
-                renderer.backend_name(),
-                result.relmse,
-                result.flip,
-                worst * 100.0
-            );
-            assert!(result.relmse < 1e-3);
-            assert!(worst < 0.01);
-        }
-    }
-}
 
 #[test]
 fn a_white_furnace_shows_the_albedo() {

@@ -74,6 +74,7 @@ struct Material {
     b: vec4f,
     c: vec4f,
     d: vec4f,
+    table: array<vec4f, 4>,
 }
 
 const EMITS = 1u;

@@ -194,7 +194,8 @@ mod tests {
             integral += f64::from(luminance(sample.radiance.into()) / sample.pdf) / f64::from(N);
         }
         let total = sky.cells.as_ref().expect("a picture").total;
-        assert!((integral / total - 1.0).abs() < 0.01, "{integral} {total}");
+        // Bilinear radiance differs a little from the mean of its corners, over the wide cells of this picture.
+        assert!((integral / total - 1.0).abs() < 0.03, "{integral} {total}");
         let mut expected = [[0.0f64; 20]; 10];
         const FINE: usize = 1000;
         for k in 0..FINE * FINE {

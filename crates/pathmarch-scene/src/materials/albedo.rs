@@ -14,7 +14,7 @@ pub const ROUGHNESSES: usize = 32;
 /// Columns of the table, over the square root of the cosine, 0 to 1.
 pub const COSINES: usize = 32;
 /// Along each edge of the grid of sampled normals.
-const SAMPLES: usize = 24;
+const SAMPLES: usize = 20;
 
 /// The table of (a, b): row by row of rising roughness, in each the columns of rising cosine.
 pub fn table() -> &'static [[f32; 2]] {
@@ -23,29 +23,28 @@ pub fn table() -> &'static [[f32; 2]] {
         let cell = |index: usize| {
             let root = (index % COSINES) as f32 / (COSINES - 1) as f32;
             let roughness = (index / COSINES) as f32 / (ROUGHNESSES - 1) as f32;
-            integrate((root * root).max(1e-4), (roughness * roughness).max(super::principled::MIN_ALPHA))
+            let (cosine, alpha) = ((root * root).max(1e-4), (roughness * roughness).max(super::principled::MIN_ALPHA));
+            let grazing = |cosine: f32| fifth_power(1.0 - cosine);
+            [integrate(cosine, alpha, |c| 1.0 - grazing(c)), integrate(cosine, alpha, grazing)]
         };
         (0..ROUGHNESSES * COSINES).map(cell).collect()
     })
 }
 
-fn integrate(cosine: f32, alpha: f32) -> [f32; 2] {
+/// What a surface reflects of what falls in at a cosine, under a Fresnel factor of the cosine to its facets.
+pub(super) fn integrate(cosine: f32, alpha: f32, factor: impl Fn(f32) -> f32) -> f32 {
     let wo = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
-    let (mut straight, mut grazing) = (0.0, 0.0);
-    for k in 0..SAMPLES * SAMPLES {
+    let facet = |k: usize| {
         let at = |k: usize| (k as f32 + 0.5) / SAMPLES as f32;
         let h = visible_normal(wo, alpha, [at(k % SAMPLES), at(k / SAMPLES)]);
         let wi = reflect(wo, h);
-        if wi.z > 0.0 {
-            let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
-            let unshadowed = wi.z * (o + wo.z) / (wi.z * o + wo.z * i);
-            let share = fifth_power(1.0 - wo.dot(h));
-            straight += unshadowed * (1.0 - share);
-            grazing += unshadowed * share;
+        if wi.z <= 0.0 {
+            return 0.0;
         }
-    }
-    let count = (SAMPLES * SAMPLES) as f32;
-    [straight / count, grazing / count]
+        let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
+        wi.z * (o + wo.z) / (wi.z * o + wo.z * i) * factor(wo.dot(h))
+    };
+    (0..SAMPLES * SAMPLES).map(facet).sum::<f32>() / (SAMPLES * SAMPLES) as f32
 }
 
 /// (a, b) for a cosine and a roughness, both 0 to 1, between the table's points.

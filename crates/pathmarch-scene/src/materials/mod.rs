@@ -52,8 +52,9 @@ impl MaterialParam {
 /// A colour for each set of parameter values, in the order of [`MaterialKind::params`].
 pub type ColourOf = fn(values: &[[f32; 3]]) -> [f32; 3];
 
-/// The numbers of a material as its scattering functions read them, in Rust and in WGSL (there as the vectors a, b, c, d).
-pub type Numbers = [f32; 16];
+/// The numbers of a material as its scattering functions read them, in Rust and in WGSL (there as the vectors a, b, c, d and
+/// the array `table` of four more).
+pub type Numbers = [f32; 32];
 
 /// What a kind of material says of itself.
 #[derive(Debug)]

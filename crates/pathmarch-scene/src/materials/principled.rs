@@ -2,8 +2,8 @@
 //! as in glTF 2.0 (KHR_materials_clearcoat, _transmission, _ior) and OpenPBR 1.1, with fewer knobs.
 //!
 //! From the top: a **coat** (GGX, index 1.5); below it, mixed by `metallic`, a **metal** (GGX, F0 the colour) and a
-//! **dielectric**, whose GGX reflection lies over Lambert's surface or, mixed by `transmission`, over refraction. Schlick's
-//! Fresnel factor throughout.
+//! **dielectric**, whose GGX reflection lies over Lambert's surface or, mixed by `transmission`, over refraction. Fresnel's
+//! law for the dielectric, Schlick's approximation for metal and coat.
 //!
 //! Energy: what a layer reflects is taken from what lies below by its directional albedo, on the way in and on the way out
 //! (Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks"), so that with a white colour a diffuse base
@@ -12,10 +12,10 @@
 //! Refraction is of single scattering and is not compensated. From within the solid, the coat does not act, and what is
 //! not transmitted is absorbed. A `roughness` below 0.03 looks like 0.03.
 
-use super::albedo::{hemisphere_mean, lookup};
+use super::albedo::{self, hemisphere_mean, lookup};
 use super::diffuse::cosine_direction;
 use super::microfacet::{
-    fifth_power, reflect, reflection, refract, refracted_cosine, refracting_normal, refraction_pdf, schlick, unhidden,
+    fifth_power, fresnel, reflect, reflection, refract, refracting_normal, refraction_pdf, schlick, unhidden,
     visible_normal,
 };
 use super::{
@@ -73,9 +73,11 @@ const COAT: usize = 8;
 const COAT_ROUGHNESS: usize = 9;
 const COAT_MEAN: usize = 10;
 const TRANSMISSION: usize = 11;
+const TABLE: usize = 16;
 
 fn pack(values: &[[f32; 3]]) -> Numbers {
     let [metallic, rough, ior, coat, coat_rough, transmission] = std::array::from_fn(|k| values[k + 1][0]);
+    let ior = ior.max(1.001);
     let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
     let least = MIN_ALPHA.sqrt();
     let (rough, coat_rough) = (rough.max(least), coat_rough.max(least));
@@ -83,9 +85,12 @@ fn pack(values: &[[f32; 3]]) -> Numbers {
     numbers[..3].copy_from_slice(&values[0]);
     numbers[METALLIC] = metallic;
     numbers[ROUGHNESS] = rough;
-    numbers[IOR] = ior.max(1.001);
+    numbers[IOR] = ior;
     numbers[F0] = f0;
-    numbers[SPECULAR_MEAN] = hemisphere_mean(|cosine| specular_albedo(cosine, rough, f0));
+    for k in 0..SHARES {
+        numbers[TABLE + k] = integrated_albedo(k, rough, ior, f0);
+    }
+    numbers[SPECULAR_MEAN] = hemisphere_mean(|cosine| specular_albedo(&numbers, cosine));
     numbers[COAT] = coat;
     numbers[COAT_ROUGHNESS] = coat_rough;
     numbers[COAT_MEAN] = hemisphere_mean(|cosine| coat_albedo(cosine, coat_rough));
@@ -98,10 +103,23 @@ fn compensation(f0: f32, [a, b]: [f32; 2]) -> f32 {
     1.0 + f0 * (1.0 / (a + b) - 1.0)
 }
 
+/// Cosines at which the numbers hold the share of light that the dielectric interface reflects.
+const SHARES: usize = 16;
+
 /// Share of the light from a direction that the dielectric interface reflects.
-fn specular_albedo(cosine: f32, roughness: f32, f0: f32) -> f32 {
-    let [a, b] = lookup(cosine, roughness);
-    ((f0 * a + b) * compensation(f0, [a, b])).min(1.0)
+fn specular_albedo(numbers: &Numbers, cosine: f32) -> f32 {
+    let place = cosine.clamp(0.0, 1.0).sqrt() * (SHARES - 1) as f32;
+    let k = (place as usize).min(SHARES - 2);
+    let share = |k: usize| numbers[TABLE + k];
+    share(k) + (share(k + 1) - share(k)) * (place - k as f32)
+}
+
+/// That share at the cosine of a place in the table, by integration.
+fn integrated_albedo(k: usize, roughness: f32, ior: f32, f0: f32) -> f32 {
+    let root = k as f32 / (SHARES - 1) as f32;
+    let cosine = (root * root).max(1e-4);
+    let single = albedo::integrate(cosine, roughness * roughness, |cosine| fresnel(cosine, ior));
+    (single * compensation(f0, lookup(cosine, roughness))).min(1.0)
 }
 
 /// Share of the light from a direction that a full coat reflects.
@@ -110,10 +128,9 @@ fn coat_albedo(cosine: f32, roughness: f32) -> f32 {
     COAT_F0 * a + b
 }
 
-/// Schlick's factor of the dielectric; from within, of the cosine outside, and 1 where all is reflected.
+/// Fresnel's factor of the dielectric.
 fn dielectric(numbers: &Numbers, cosine: f32, inside: bool) -> f32 {
-    let outside = if inside { refracted_cosine(cosine, 1.0 / numbers[IOR]) } else { cosine };
-    numbers[F0] + (1.0 - numbers[F0]) * fifth_power(1.0 - outside)
+    fresnel(cosine, if inside { 1.0 / numbers[IOR] } else { numbers[IOR] })
 }
 
 /// What is the same for all light that leaves towards `wo`.
@@ -137,7 +154,7 @@ fn view(numbers: &Numbers, wo: Vec3, inside: bool) -> View {
     let coat = if inside { 0.0 } else { numbers[COAT] };
     let coat_reflects = coat * coat_albedo(wo.z, numbers[COAT_ROUGHNESS]);
     let split = lookup(wo.z, rough);
-    let specular = specular_albedo(wo.z, rough, numbers[F0]);
+    let specular = specular_albedo(numbers, wo.z);
     let colour = colour_of(numbers).max_element();
     let interface = metallic * colour.max(split[1]) + (1.0 - metallic) * (specular + transmission * (1.0 - specular));
     let scattered = (1.0 - metallic) * (1.0 - transmission) * (1.0 - specular) * colour;
@@ -197,7 +214,7 @@ fn eval(numbers: &Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
     pdf += view.coat_chance * coat_density;
 
     if !inside {
-        let below = (1.0 - view.specular) * (1.0 - specular_albedo(wi.z, numbers[ROUGHNESS], numbers[F0]))
+        let below = (1.0 - view.specular) * (1.0 - specular_albedo(numbers, wi.z))
             / (1.0 - numbers[SPECULAR_MEAN]).max(1e-3);
         let below_coat = through_coat / (1.0 - view.coat * numbers[COAT_MEAN]);
         let share = (1.0 - metallic) * (1.0 - transmission) * below * below_coat;

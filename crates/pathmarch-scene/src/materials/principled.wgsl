@@ -24,18 +24,19 @@ fn compensation(f0: f32, split: vec2f) -> f32 {
     return 1.0 + f0 * (1.0 / (split.x + split.y) - 1.0);
 }
 
-fn specular_albedo(split: vec2f, f0: f32) -> f32 {
-    return min((f0 * split.x + split.y) * compensation(f0, split), 1.0);
+fn specular_share(m: u32, k: u32) -> f32 {
+    return materials[m].table[k / 4u][k % 4u];
+}
+
+fn specular_albedo(m: u32, cosine: f32) -> f32 {
+    let place = sqrt(clamp(cosine, 0.0, 1.0)) * 15.0;
+    let k = min(u32(place), 14u);
+    return mix(specular_share(m, k), specular_share(m, k + 1u), place - f32(k));
 }
 
 fn coat_albedo(cosine: f32, roughness: f32) -> f32 {
     let split = ggx_split(cosine, roughness);
     return COAT_F0 * split.x + split.y;
-}
-
-fn principled_dielectric(ior: f32, f0: f32, cosine: f32, inside: bool) -> f32 {
-    let outside = select(cosine, refracted_cosine(cosine, 1.0 / ior), inside);
-    return f0 + (1.0 - f0) * fifth_power(1.0 - outside);
 }
 
 struct PrincipledView {
@@ -56,7 +57,7 @@ fn principled_view(m: u32, wo: vec3f, inside: bool) -> PrincipledView {
     let coat = select(c.x, 0.0, inside);
     let coat_reflects = coat * coat_albedo(wo.z, c.y);
     let split = ggx_split(wo.z, b.x);
-    let specular = specular_albedo(split, b.z);
+    let specular = specular_albedo(m, wo.z);
     let colour = largest(a.xyz);
     let interface_ = a.w * max(colour, split.y) + (1.0 - a.w) * (specular + c.w * (1.0 - specular));
     let scattered = select((1.0 - a.w) * (1.0 - c.w) * (1.0 - specular) * colour, 0.0, inside);
@@ -87,7 +88,7 @@ fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, insi
         if h.z == 0.0 {
             return vec4f(0.0);
         }
-        let facet = principled_dielectric(b.y, b.z, dot(wo, h), inside);
+        let facet = fresnel(dot(wo, h), select(b.y, 1.0 / b.y, inside));
         let density = refraction_pdf(wo, wi, h, view.alpha, eta);
         let share = (1.0 - a.w) * c.w * (1.0 - facet) * view.below_coat;
         let value = a.xyz * (share * density * unhidden(wi, view.alpha) / (eta * eta));
@@ -101,7 +102,7 @@ fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, insi
     let coat_reflects = view.coat * coat_albedo(wi.z, c.y);
     let through_coat = view.below_coat * (1.0 - coat_reflects);
 
-    let facet = principled_dielectric(b.y, b.z, cosine, inside);
+    let facet = fresnel(cosine, select(b.y, 1.0 / b.y, inside));
     let lost = 1.0 / (view.split.x + view.split.y) - 1.0;
     let metal = schlick(a.xyz, vec3f(1.0), cosine) * (1.0 + a.xyz * lost);
     let interface_ = metal * a.w + vec3f((1.0 - a.w) * facet * compensation(b.z, view.split));
@@ -114,7 +115,7 @@ fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, insi
     pdf += view.coat_chance * coat.y;
 
     if !inside {
-        let below = (1.0 - view.specular) * (1.0 - specular_albedo(ggx_split(wi.z, b.x), b.z)) / max(1.0 - b.w, 1e-3);
+        let below = (1.0 - view.specular) * (1.0 - specular_albedo(m, wi.z)) / max(1.0 - b.w, 1e-3);
         let below_coat = through_coat / (1.0 - view.coat * c.z);
         sum += a.xyz * ((1.0 - a.w) * (1.0 - c.w) * below * below_coat * wi.z / 3.14159265);
         pdf += (1.0 - view.coat_chance - view.interface_chance) * wi.z / 3.14159265;
@@ -132,7 +133,7 @@ fn principled_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
     } else if u.z < view.coat_chance + view.interface_chance {
         let h = visible_normal(wo, view.alpha, u.xy);
         let facet_choice = (u.z - view.coat_chance) / view.interface_chance;
-        let facet = principled_dielectric(ior, materials[m].b.z, dot(wo, h), inside);
+        let facet = fresnel(dot(wo, h), select(ior, 1.0 / ior, inside));
         if facet_choice < reflect_chance(m, facet) {
             wi = mirrored(wo, h);
         } else {

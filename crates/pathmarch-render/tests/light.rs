@@ -1,0 +1,343 @@
+//! What the estimator promises beyond single pictures: all ways of finding light agree, nothing leaks, no scale is special,
+//! and each approximation is what it says it is.
+
+mod common;
+
+use common::{mean, parse, render, renderers};
+use pathmarch_render::image::Picture;
+use pathmarch_render::metrics::{block_means, mean_colour, relmse};
+use pathmarch_render::pathmarch_scene::{Caustics, Scene, Sky};
+use pathmarch_render::{Backend, LightSearch, Renderer, Settings};
+use std::f32::consts::PI;
+
+fn cpu() -> Renderer {
+    Renderer::open(Backend::Cpu, None).expect("the CPU is there")
+}
+
+/// A room with every kind of light that paths can meet, and surfaces of several widths of lobe.
+const LIT_ROOM: &str = r##"pathmarch 1
+camera { position 0 1.2 4; target 0 0.8 0; fov 45 }
+render { bounces 3 }
+sky 0.05
+material "white" { diffuse 0.7 }
+material "metal" { metal 0.9 0.7 0.4; roughness 0.3 }
+material "glossy" { principled 0.2 0.3 0.6; roughness 0.25; coat 0.5 }
+material "frosted" { glass 0.95; roughness 0.5 }
+material "warm" { emit 5 4 3 }
+material "cool" { emit 2 3 5 }
+sun { direction 1 2 1; irradiance 1; angle 20 }
+object "floor" material="white" { plane }
+object "back" material="white" { rect 8 8 { rotate 90 0 0; at 0 2 -2 } }
+object "metal" material="metal" { sphere 0.5 { at -1.1 0.5 0 } }
+object "glossy" material="glossy" { rounded-box 0.7 0.7 0.7 0.1 { rotate 0 30 0; at 0 0.35 0 } }
+object "frosted" material="frosted" { sphere 0.5 { at 1.1 0.5 0 } }
+object "ball" material="warm" { sphere 0.3 { at -1 2 0.5 } }
+object "panel" material="cool" { rect 0.8 0.5 { rotate 150 0 0; at 0.3 2.1 0.3 } }
+object "box" material="warm" { box 0.3 0.2 0.4 { rotate 10 20 30; at 1.2 1.6 0.2 } }
+object "ring" material="cool" { torus 0.25 0.08 { rotate 60 0 0; at 0 1.4 -0.8 } }
+object "disc" material="warm" { disc 0.3 { rotate 120 0 0; at -0.4 1.5 -1 } }
+"##;
+
+/// Mean and variance of the mean of every block's channels over pictures of different seeds.
+fn blocks(scene: &Scene, search: LightSearch, samples: u32) -> Vec<(f64, f64)> {
+    const SEEDS: u32 = 12;
+    let mut renderer = cpu();
+    let pictures: Vec<Picture> = (0..SEEDS)
+        .map(|seed| {
+            let settings = Settings { size: [96, 64], samples, seed, light_search: search, ..Settings::of(scene) };
+            block_means(&render(&mut renderer, scene, &settings).mean(), 16)
+        })
+        .collect();
+    let count = f64::from(SEEDS);
+    (0..pictures[0].pixels.len() * 3)
+        .map(|k| {
+            let values = pictures.iter().map(|picture| f64::from(picture.pixels[k / 3][k % 3]));
+            let mean = values.clone().sum::<f64>() / count;
+            (mean, values.map(|v| (v - mean).powi(2)).sum::<f64>() / (count * (count - 1.0)))
+        })
+        .collect()
+}
+
+/// A Z-test over the blocks of the picture: with the right estimator, Z² is one on average.
+#[test]
+fn lights_sampled_met_and_both_make_the_same_picture() {
+    let environment = format!("{LIT_ROOM}\nobject \"roof\" {{ rect 1 1 {{ at 0 9 0 }} }}");
+    let mut scene = parse(&environment);
+    for with_picture in [false, true] {
+        if with_picture {
+            // A picture of a sky with a bright spot instead of the constant one.
+            let texels = (0..32 * 16).map(|k| if k % 32 == 20 && k / 32 == 4 { [60.0; 3] } else { [0.1, 0.15, 0.2] });
+            let picture = pathmarch_render::pathmarch_scene::Environment {
+                width: 32,
+                height: 16,
+                texels: texels.collect(),
+                rotate: 30.0,
+            };
+            scene.sky = Sky::Map(std::sync::Arc::new(picture));
+        }
+        let both = blocks(&scene, LightSearch::Both, 16);
+        for (search, samples) in [(LightSearch::Sampled, 32), (LightSearch::Met, 256)] {
+            let other = blocks(&scene, search, samples);
+            let z: Vec<f64> =
+                both.iter().zip(&other).map(|(a, b)| (a.0 - b.0) / (a.1 + b.1).sqrt().max(1e-9)).collect();
+            let square = z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64;
+            let worst = z.iter().fold(0.0f64, |worst, z| worst.max(z.abs()));
+            let bias = z.iter().sum::<f64>() / z.len() as f64;
+            println!("{search:?}, picture {with_picture}: mean Z² {square:.2}, mean Z {bias:.2}, worst {worst:.1}");
+            assert!(square < 2.0 && worst < 6.0, "{search:?}: {square} {worst}");
+        }
+    }
+}
+
+/// What is refracted in and out again in a uniform surrounding is that surrounding: nothing is lost, nothing leaks, at any
+/// scale, whether the surface is met in closed form or marched.
+#[test]
+fn clear_glass_is_invisible_in_a_furnace_at_every_scale() {
+    for scale in ["0.001", "1", "1000"] {
+        for shape in
+            ["sphere 1", "box 1.4", "torus 0.8 0.3", "rounded-box 1.2 1.2 1.2 0.2", "subtract { sphere 1; sphere 0.9 }"]
+        {
+            let scene = parse(&format!(
+                "pathmarch 1\ncamera {{ position 0 {0}e0 {0}e0; target 0 0 0; fov 100 }}\nrender {{ bounces 64 }}\nsky 1\n\
+                 material \"glass\" {{ glass 1 }}\nobject \"o\" material=\"glass\" {{ {shape} {{ rotate 20 30 0; scale {0} }} }}",
+                scale
+            )
+            .replace("position 0 0.001e0 0.001e0", "position 0 0.0012 0.0018")
+            .replace("position 0 1e0 1e0", "position 0 1.2 1.8")
+            .replace("position 0 1000e0 1000e0", "position 0 1200 1800")
+            .replace("subtract { sphere 1; sphere 0.9 } {", "subtract { sphere 1; sphere 0.9;"));
+            for renderer in &mut renderers() {
+                let settings = Settings { size: [48, 48], samples: 16, ..Settings::of(&scene) };
+                let picture = render(renderer, &scene, &settings).mean();
+                let mean = mean_colour(&picture)[1];
+                let darkest = picture.pixels.iter().map(|p| p[1]).fold(1.0, f32::min);
+                assert!((mean - 1.0).abs() < 2e-3, "{shape} at {scale} on {}: {mean}", renderer.backend_name());
+                assert!(darkest > 0.7, "{shape} at {scale} on {}: {darkest}", renderer.backend_name());
+            }
+        }
+    }
+}
+
+/// The same scene in millimetres, metres and kilometres is the same picture.
+#[test]
+fn no_scale_is_special() {
+    let at = |scale: f32| {
+        let [s, s2] = [scale, scale * scale];
+        let n = |v: f32| v * s;
+        parse(&format!(
+            "pathmarch 1\ncamera {{ position {} {} {}; target 0 {} 0; fov 40 }}\nrender {{ bounces 4 }}\nsky 0.3\n\
+             point {{ at {} {} {}; intensity {} }}\nmaterial \"m\" {{ metal 0.9; roughness 0.3 }}\nmaterial \"g\" {{ glass 1; absorb {} }}\n\
+             material \"l\" {{ emit 4 }}\nobject \"floor\" {{ plane }}\nobject \"a\" material=\"m\" {{ sphere {} {{ at {} {} 0 }} }}\n\
+             object \"b\" material=\"g\" {{ torus {} {} {{ rotate 70 0 0; at {} {} 0 }} }}\n\
+             object \"c\" {{ subtract smooth={} {{ box {}; sphere {} {{ at 0 {} 0 }}; at 0 {} {} }} }}\n\
+             object \"l\" material=\"l\" {{ rect {} {} {{ rotate 180 0 0; at 0 {} 0 }} }}",
+            n(0.4),
+            n(1.6),
+            n(4.0),
+            n(0.5),
+            n(3.0),
+            n(4.0),
+            n(2.0),
+            8.0 * s2,
+            1.5 / s,
+            n(0.5),
+            n(-0.9),
+            n(0.5),
+            n(0.4),
+            n(0.15),
+            n(0.9),
+            n(0.5),
+            n(0.1),
+            n(0.7),
+            n(0.4),
+            n(0.3),
+            n(0.35),
+            n(-1.2),
+            n(1.0),
+            n(1.0),
+            n(3.0),
+        ))
+    };
+    let mut pictures = [0.001, 1.0, 1000.0].map(|scale| {
+        let scene = at(scale);
+        render(&mut cpu(), &scene, &Settings { size: [96, 64], samples: 64, ..Settings::of(&scene) }).mean()
+    });
+    let [small, metres, large] = &mut pictures;
+    for (name, other) in [("millimetres", small), ("kilometres", large)] {
+        let difference = relmse(other, metres).expect("two of a size");
+        println!("{name}: relMSE {difference:.1e}");
+        assert!(difference < 1e-3, "{name}: {difference}");
+    }
+}
+
+/// A far, small light out of focus is a disc of the diameter that the thin lens formula says.
+#[test]
+fn the_lens_blurs_by_its_formula() {
+    let (radius, focus, distance, fov) = (0.05f32, 2.0f32, 10.0f32, 20.0f32);
+    let scene = parse(&format!(
+        "pathmarch 1\ncamera {{ position 0 0 {distance}; target 0 0 0; fov {fov}; lens radius={radius} focus={focus} }}\n\
+         render {{ bounces 0 }}\nmaterial \"l\" {{ emit 10 }}\nobject \"l\" material=\"l\" {{ sphere 0.05 }}"
+    ));
+    const SIZE: u32 = 128;
+    // Radii in the plane of focus, in pixels: of the lens seen from the light, and of the light.
+    let pixel = 2.0 * focus * (0.5 * fov.to_radians()).tan() / SIZE as f32;
+    let (blur, light) = (radius * (distance - focus) / distance / pixel, 0.05 * focus / distance / pixel);
+    // Mean squares add up; that of a disc is half of its squared radius, that of a pixel a sixth.
+    let expected = 0.5 * (blur * blur + light * light) + 1.0 / 6.0;
+    for renderer in &mut renderers() {
+        let settings = Settings { size: [SIZE, SIZE], samples: 256, ..Settings::of(&scene) };
+        let picture = render(renderer, &scene, &settings).mean();
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for (k, pixel) in picture.pixels.iter().enumerate() {
+            let (x, y) = (k as u32 % SIZE, k as u32 / SIZE);
+            let middle = 0.5 * SIZE as f32 - 0.5;
+            sum += pixel[1] * ((x as f32 - middle).powi(2) + (y as f32 - middle).powi(2));
+            weight += pixel[1];
+        }
+        let found = sum / weight;
+        println!("{}: mean square {found:.2} pixels, {expected:.2} by the formula", renderer.backend_name());
+        assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
+    }
+}
+
+/// Straight down through a slab of glass: two interfaces at right angles, and what the slab absorbs.
+#[test]
+fn fast_caustics_weigh_by_fresnel_and_absorption() {
+    let scene = |caustics: &str| {
+        parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 0.5 0.01; target 0 0 0; fov 2 }}\nrender {{ bounces 0; caustics \"{caustics}\" }}\n\
+             point {{ at 0 4 0; intensity 16 }}\nmaterial \"g\" {{ glass 1 0.5 1; ior 1.5; absorb 0.4 0 0.2 }}\n\
+             material \"w\" {{ diffuse 0.5 }}\nobject \"floor\" material=\"w\" {{ plane }}\n\
+             object \"slab\" material=\"g\" {{ box 2 0.5 2 {{ at 0 2 0 }} }}"
+        ))
+    };
+    for renderer in &mut renderers() {
+        for (caustics, shows) in [("fast", 1.0), ("traced", 0.0)] {
+            let scene = scene(caustics);
+            let settings = Settings { size: [8, 8], samples: 4, ..Settings::of(&scene) };
+            let found = mean_colour(&render(renderer, &scene, &settings).mean());
+            let clear = 0.5 / f64::from(PI) * 0.96 * 0.96 * shows;
+            let expected = [clear * (-0.2f64).exp(), clear * 0.25, clear * (-0.1f64).exp()];
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 2e-3 * expected.max(0.01), "{caustics}: {found} {expected}");
+            }
+        }
+    }
+}
+
+/// With `fast`, light that shadow rays let through is not counted again by paths that meet it through glass.
+#[test]
+fn fast_caustics_count_no_light_twice() {
+    // A glass whose index is almost that of air bends nothing: both ways must agree.
+    let scene = parse(
+        "pathmarch 1\ncamera { position 0 1 5; target 0 0.5 0; fov 40 }\nrender { bounces 4; caustics \"fast\" }\n\
+         material \"g\" { glass 0.8; ior 1.002 }\nmaterial \"l\" { emit 8 }\nsun { direction 0 1 0.2; irradiance 1; angle 8 }\n\
+         object \"floor\" { plane }\nobject \"slab\" material=\"g\" { box 3 0.3 3 { at 0 1.5 0 } }\n\
+         object \"l\" material=\"l\" { sphere 0.3 { at 0.5 2.5 0 } }",
+    );
+    for renderer in &mut renderers() {
+        let [fast, traced] = [Caustics::Fast, Caustics::Traced].map(|caustics| {
+            let settings = Settings { size: [48, 32], samples: 512, caustics, ..Settings::of(&scene) };
+            mean_colour(&render(renderer, &scene, &settings).mean())[1]
+        });
+        println!("{}: fast {fast:.4}, traced {traced:.4}", renderer.backend_name());
+        assert!((fast / traced - 1.0).abs() < 0.01, "{fast} {traced}");
+    }
+}
+
+#[test]
+fn a_penumbra_softens_a_hard_shadow_and_leaves_the_rest() {
+    let scene = |penumbra: &str| {
+        parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 4 0.01; target 0 0 0; fov 5 }}\nrender {{ bounces 0 }}\n\
+             sun {{ direction 0 1 0; irradiance 1; angle 0; {penumbra} }}\nobject \"floor\" {{ plane }}\n\
+             object \"edge\" {{ box 4 0.1 4 {{ at -2 1 0 }} }}"
+        ))
+    };
+    for renderer in &mut renderers() {
+        let mut shadow = |penumbra: &str| {
+            let scene = scene(penumbra);
+            let settings = Settings { size: [64, 8], samples: 16, ..Settings::of(&scene) };
+            render(renderer, &scene, &settings).mean()
+        };
+        let (hard, soft) = (shadow(""), shadow("penumbra 4"));
+        // The slab is seen up to the middle of the picture and beyond; what lies behind its edge is floor.
+        let row = |picture: &Picture| (33..60).map(|x| picture.pixels[4 * 64 + x][1]).collect::<Vec<_>>();
+        let (hard, soft) = (row(&hard), row(&soft));
+        println!("{}: {soft:.2?}", renderer.backend_name());
+        assert!(soft.windows(2).all(|pair| pair[0] <= pair[1] + 0.02), "brighter and brighter: {soft:?}");
+        assert!(soft[0] < 0.9 * hard[0] && (soft[26] / hard[26] - 1.0).abs() < 0.02, "{hard:?} {soft:?}");
+    }
+}
+
+#[test]
+fn the_camera_may_stand_in_what_absorbs() {
+    let scene = parse(
+        "pathmarch 1\ncamera { position 0 0 0; target 0 0 -1; fov 1 }\nrender { bounces 4 }\n\
+         material \"water\" { glass 1; ior 1.33; absorb 0.5 0.1 0 }\nmaterial \"lamp\" { emit 1 }\n\
+         object \"sea\" material=\"water\" { sphere 10 }\nobject \"lamp\" material=\"lamp\" { sphere 1 { at 0 0 -4 } }",
+    );
+    for renderer in &mut renderers() {
+        let settings = Settings { size: [4, 4], samples: 4, ..Settings::of(&scene) };
+        let found = mean_colour(&render(renderer, &scene, &settings).mean());
+        for (found, absorb) in found.iter().zip([0.5, 0.1, 0.0f64]) {
+            assert!((found / (-3.0 * absorb).exp() - 1.0).abs() < 1e-3, "{found}");
+        }
+    }
+}
+
+/// Each object keeps its own surface, so that what lies in clear glass is seen, marched or not.
+#[test]
+fn what_lies_in_glass_is_seen() {
+    for (glass, inner) in
+        [("sphere 1", "sphere 0.4"), ("rounded-box 2 2 2 0.2", "torus 0.3 0.2"), ("box 2", "torus 0.3 0.2")]
+    {
+        let scene = parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 0 6; target 0 0 0; fov 30 }}\nrender {{ bounces 8 }}\nsky 1\n\
+             material \"g\" {{ glass 1 }}\nmaterial \"black\" {{ diffuse 0 }}\n\
+             object \"g\" material=\"g\" {{ {glass} }}\nobject \"i\" material=\"black\" {{ {inner} {{ rotate 90 0 0 }} }}"
+        ));
+        for renderer in &mut renderers() {
+            let settings = Settings { size: [64, 64], samples: 16, ..Settings::of(&scene) };
+            let picture = render(renderer, &scene, &settings).mean();
+            let at = |x: u32, y: u32| mean(&picture, |a, b| a == x && b == y);
+            // The ring's hole is clear in its middle; the ball is not.
+            let dark = (16..48).flat_map(|y| (16..48).map(move |x| (x, y))).filter(|&(x, y)| at(x, y) < 0.2).count();
+            assert!(dark > 60, "{inner} in {glass} on {}: {dark} dark pixels", renderer.backend_name());
+            assert!(at(1, 1) > 0.99);
+        }
+    }
+}
+
+/// A mirror shows the sun's disc as bright as it is.
+#[test]
+fn mirrors_show_the_sun() {
+    let scene = parse(
+        "pathmarch 1\ncamera { position 0 0 4; target 0 0 0; fov 2 }\nrender { bounces 1 }\n\
+         sun { direction 0 0 1; irradiance 2; angle 30 }\nmaterial \"m\" { metal 1; roughness 0 }\n\
+         object \"m\" material=\"m\" { box 2 }",
+    );
+    let expected = 2.0 / (PI * 15f32.to_radians().sin().powi(2));
+    for renderer in &mut renderers() {
+        let settings = Settings { size: [4, 4], samples: 4, ..Settings::of(&scene) };
+        let found = mean_colour(&render(renderer, &scene, &settings).mean())[1] as f32;
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+    }
+}
+
+#[test]
+fn a_limit_takes_fireflies_and_nothing_else() {
+    let scene = parse(LIT_ROOM);
+    let settings = Settings { size: [48, 32], samples: 64, ..Settings::of(&scene) };
+    for renderer in &mut renderers() {
+        let free = render(renderer, &scene, &settings).mean();
+        let high = render(renderer, &scene, &Settings { clamp: Some(1e6), ..settings.clone() }).mean();
+        let low = render(renderer, &scene, &Settings { clamp: Some(0.02), ..settings.clone() }).mean();
+        assert!(relmse(&free, &high).expect("two of a size") < 1e-9, "a limit that nothing meets changes nothing");
+        assert!(low.pixels.iter().zip(&free.pixels).all(|(l, f)| (0..3).all(|k| l[k] <= f[k] + 1e-4)));
+        // Light that is seen or falls on what is seen stays as it is.
+        let direct = render(renderer, &scene, &Settings { bounces: 0, ..settings.clone() }).mean();
+        let ratio = mean_colour(&low)[1] / mean_colour(&direct)[1];
+        assert!(ratio > 0.9, "{ratio}");
+    }
+}

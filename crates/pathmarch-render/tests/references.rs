@@ -1,0 +1,82 @@
+//! Pictures against those of an established path tracer, and both backends against each other on them.
+//! `data/README.md` says what each reference is and where a match is not exact.
+
+mod common;
+
+use common::{data, render, renderers, worst_block};
+use pathmarch_render::image::{self, PictureKind};
+use pathmarch_render::metrics::{compare, mean_colour, relmse};
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::{Backend, Renderer, Settings};
+
+/// Each reference, the samples that bring our own noise well below the limits, and the limit for the mean of a block of 16
+/// by 16 pixels.
+const REFERENCES: [(&str, u32, f32); 17] = [
+    ("furnace_050", 256, 0.005),
+    ("diffuse_sphere_plane", 256, 0.01),
+    ("diffuse_sphere_plane_area", 256, 0.01),
+    ("cornell", 192, 0.03),
+    // A separable Smith term there: 2 % less on the roughest ball, more at its edge.
+    ("rough_metal", 512, 0.04),
+    ("rough_metal_correlated", 512, 0.02),
+    ("mirror", 512, 0.02),
+    ("glass", 512, 0.02),
+    ("glass_absorb", 512, 0.02),
+    ("rough_glass", 512, 0.02),
+    ("environment", 512, 0.02),
+    ("environment_rotated", 512, 0.02),
+    ("sun", 512, 0.02),
+    ("many_lights", 512, 0.02),
+    // No compensation for single scattering there: 0.6 % less on the metal.
+    ("principled", 512, 0.03),
+    ("lens", 256, 0.02),
+    ("box_light", 512, 0.02),
+];
+
+#[test]
+fn pictures_agree_with_mitsuba() {
+    let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+    let mut wrong = Vec::new();
+    for (name, samples, limit) in REFERENCES {
+        let scene = Scene::load(data(&format!("{name}.kdl"))).expect("a valid scene");
+        let reference = image::load(&data(&format!("{name}.exr"))).expect("a picture").picture;
+        let picture = render(&mut cpu, &scene, &Settings { samples, ..Settings::of(&scene) }).mean();
+        let result = compare(&picture, &reference, PictureKind::Hdr).expect("two of a size");
+        let worst = worst_block(&picture, &reference, 16);
+        let line = format!(
+            "{name}, {samples} samples: relMSE {:.2e}, FLIP {:.4}, worst 16x16 block {:.2} %",
+            result.relmse,
+            result.flip,
+            worst * 100.0
+        );
+        println!("{line}");
+        if result.relmse > 2e-3 || worst > limit {
+            wrong.push(line);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn references_render_alike_on_both_backends() {
+    let mut renderers = renderers();
+    if renderers.len() < 2 {
+        return;
+    }
+    let mut wrong = Vec::new();
+    for (name, ..) in REFERENCES {
+        let scene = Scene::load(data(&format!("{name}.kdl"))).expect("a valid scene");
+        let settings = Settings { size: [128, 96], samples: 8, ..Settings::of(&scene) };
+        let [a, b] = [0, 1].map(|k| render(&mut renderers[k], &scene, &settings).mean());
+        let difference = relmse(&a, &b).expect("two of a size");
+        let (a, b) = (mean_colour(&a), mean_colour(&b));
+        let mean = (0..3).map(|k| (a[k] / b[k] - 1.0).abs()).fold(0.0, f64::max);
+        let line = format!("{name}: relMSE {difference:.1e}, means {:.3} % apart", mean * 100.0);
+        println!("{line}");
+        // Paths through glass and over mirrors part by rounding, now and then.
+        if difference > 5e-3 || mean > 2e-3 {
+            wrong.push(line);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
