@@ -309,6 +309,28 @@ fn what_lies_in_glass_is_seen() {
     }
 }
 
+/// A ray that leaves a marched surface does not start beyond what lies a millimetre off it.
+#[test]
+fn nothing_leaks_through_a_thin_gap() {
+    for floor in ["rect 12 12", "box 12 0.2 12 { at 0 -0.1 0 }", "rounded-box 12 0.2 12 0.05 { at 0 -0.1 0 }"] {
+        let scene = parse(&format!(
+            "pathmarch 1\ncamera {{ position 2.2 1.6 3.2; target -0.5 0.1 0; fov 16 }}\nrender {{ bounces 16 }}\n\
+             sky \"gradient\" {{ zenith 1; horizon 1; ground 2 0 2 }}\nmaterial \"glass\" {{ glass 1; ior 1.33 }}\n\
+             object \"slab\" material=\"glass\" {{ rounded-box 1.4 0.1 1.4 0.01 {{ at -0.8 0.051 0 }} }}\n\
+             object \"floor\" {{ {floor} }}"
+        ));
+        for renderer in &mut renderers() {
+            let settings = Settings { size: [96, 54], samples: 32, ..Settings::of(&scene) };
+            let picture = render(renderer, &scene, &settings).mean();
+            let tint = |p: &[f32; 3]| (p[0] - p[1]).abs() / p[1].max(0.1);
+            let tinted = picture.pixels.iter().map(tint).sum::<f32>() / picture.pixels.len() as f32;
+            let darkest = block_means(&picture, 6).pixels.iter().map(|p| p[1]).fold(1.0, f32::min);
+            println!("{floor} on {}: tint {tinted:.4}, darkest block {darkest:.2}", renderer.backend_name());
+            assert!(tinted < 0.01 && darkest > 0.3, "{floor}: {tinted} {darkest}");
+        }
+    }
+}
+
 /// A mirror shows the sun's disc as bright as it is.
 #[test]
 fn mirrors_show_the_sun() {

@@ -4,9 +4,10 @@
 //! or has no closed form is marched, within its box and up to the nearest direct hit.
 //!
 //! Negligible means a tenth of what a pixel covers at the length of the path so far, and never less than what `f32`
-//! resolves at the point. A ray starts three such lengths off a surface that was marched, so that it is outside it by the
-//! field's own word, and three roundings off a shape that was met directly. The magnitude of the field is marched, so that the inside of a solid can be seen. One that has used up its steps close to a surface (under a hundredth of
-//! its length, as towards a horizon) hits it there, else it is lost.
+//! resolves at the point. A ray starts off its surface by three roundings and half of what the march left, far less than
+//! is negligible, so that it does not pass what touches the surface; while the distance rises from there, closeness is no
+//! hit. The magnitude of the field is marched, so that the inside of a solid can be seen. One that has used up its steps
+//! close to a surface (under a hundredth of its length, as towards a horizon) hits it there, else it is lost.
 //!
 //! On the CPU, eight rays march side by side; a lane whose ray has ended takes the next one.
 
@@ -20,8 +21,8 @@ use wide::f32x8;
 /// Steps after which a march gives up.
 pub(crate) const MAX_STEPS: u32 = 256;
 
-/// How far off a surface a ray starts, in tolerances.
-pub(crate) const START_OFFSET: f32 = 3.0;
+/// How far off a surface a ray starts, in roundings.
+const START_OFFSET: f32 = 3.0;
 
 /// The part of a ray to march.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +39,13 @@ pub(crate) fn tolerance(frame: &Frame, p: Vec3, path_length: f32) -> f32 {
     (frame.tolerance * path_length).max(frame.rounding * p.abs().max_element())
 }
 
-/// How far from a shape with a closed form a hit on it may be by rounding; `at` is the origin of its coordinates.
-pub(crate) fn direct_tolerance(frame: &Frame, p: Vec3, at: Vec3) -> f32 {
+/// How far off a surface a ray starts; `off` is the rounding there and `distance` that of the point that was reached.
+pub(crate) fn start_offset(off: f32, distance: f32) -> f32 {
+    START_OFFSET * off + 0.5 * distance.abs()
+}
+
+/// How far from a surface a point on it may be by rounding; `at` is the origin of its coordinates.
+pub(crate) fn rounding_at(frame: &Frame, p: Vec3, at: Vec3) -> f32 {
     frame.rounding * p.abs().max((p - at).abs()).max_element()
 }
 
@@ -113,13 +119,16 @@ pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<
     let mut queue = marched.into_iter();
     let mut lane_ray = [IDLE; 8];
     let mut steps = [0u32; 8];
-    // Per lane: origin, direction, t, limit, length before.
-    let mut state = [[0.0f32; 8]; 9];
-    let mut refill = |lane: usize, lane_ray: &mut [usize; 8], state: &mut [[f32; 8]; 9], steps: &mut [u32; 8]| {
+    // Per lane: origin, direction, t, limit, length before, last distance; the last one is infinite once the ray has left
+    // the surface that it starts on.
+    let mut state = [[0.0f32; 8]; 10];
+    let mut refill = |lane: usize, lane_ray: &mut [usize; 8], state: &mut [[f32; 8]; 10], steps: &mut [u32; 8]| {
         lane_ray[lane] = IDLE;
         if let Some((index, span)) = queue.next() {
             let March { ray: Ray { origin: o, direction: d }, before, .. } = rays[index];
-            for (slot, value) in state.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z, span.start, span.end, before]) {
+            let last = if span.start == 0.0 { 0.0 } else { f32::INFINITY };
+            let values = [o.x, o.y, o.z, d.x, d.y, d.z, span.start, span.end, before, last];
+            for (slot, value) in state.iter_mut().zip(values) {
                 slot[lane] = value;
             }
             steps[lane] = 0;
@@ -135,15 +144,17 @@ pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<
     let (coefficient, precision) = (f32x8::splat(frame.tolerance), f32x8::splat(frame.rounding));
     let factor = f32x8::splat(frame.step_factor);
     while lane_ray.iter().any(|&ray| ray != IDLE) {
-        let [ox, oy, oz, dx, dy, dz, mut t, limit, before] = state.map(f32x8::from);
+        let [ox, oy, oz, dx, dy, dz, mut t, limit, before, mut last] = state.map(f32x8::from);
         // March until some lane ends.
         let (ended, was_hit) = loop {
             let p = FieldVec3::new(ox + dx * t, oy + dy * t, oz + dz * t);
             let distance = field.marched_distance(p) * factor;
             let extent = p.x.abs().fast_max(p.y.abs().fast_max(p.z.abs()));
             let tolerance = (coefficient * (before + t)).fast_max(precision * extent);
-            let hit = distance.simd_lt(tolerance);
-            let stepped = t + distance;
+            let close = distance.simd_lt(tolerance);
+            let hit = close & distance.simd_lt(last);
+            last = Real::select(Mask8(close), distance, f32x8::splat(f32::INFINITY));
+            let stepped = t + distance.fast_max(tolerance);
             t = Real::select(Mask8(hit), t, stepped);
             let beyond = limit.simd_lt(t);
             let mut ended = (hit | beyond).to_bitmask();
@@ -162,6 +173,7 @@ pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<
             }
         };
         state[6] = t.to_array();
+        state[9] = last.to_array();
         for lane in 0..8 {
             if ended >> lane & 1 == 1 {
                 if was_hit >> lane & 1 == 1 {

@@ -13,9 +13,14 @@ fn tolerance(p: vec3f, path_length: f32) -> f32 {
     return max(frame.tolerance * path_length, frame.rounding * largest(abs(p)));
 }
 
-/// How far from a shape with a closed form a hit on it may be by rounding; `at` is the origin of its coordinates.
-fn direct_tolerance(p: vec3f, at: vec3f) -> f32 {
+/// How far from a surface a point on it may be by rounding; `at` is the origin of its coordinates.
+fn rounding_at(p: vec3f, at: vec3f) -> f32 {
     return frame.rounding * largest(max(abs(p), abs(p - at)));
+}
+
+/// How far off a surface a ray starts; `off` is the rounding there and `distance` that of the point that was reached.
+fn start_offset(off: f32, distance: f32) -> f32 {
+    return START_OFFSET * off + 0.5 * abs(distance);
 }
 
 /// Follows a ray after a path of length `before` up to `limit` metres; gives the metres to the hit, or NO_HIT.
@@ -34,13 +39,22 @@ fn march(ray: Ray, before: f32, limit: f32) -> f32 {
         return otherwise;
     }
     var distance = 0.0;
+    var last_distance = 0.0;
+    // On the way off the surface that the ray starts on, closeness is no hit.
+    var leaving = t == 0.0;
     for (var step = 0u; step < MAX_STEPS; step++) {
         let p = ray.origin + ray.direction * t;
         distance = marched_distance(p) * frame.step_factor;
-        if distance < tolerance(p, before + t) {
+        let close = tolerance(p, before + t);
+        if distance >= close {
+            leaving = false;
+            t += distance;
+        } else if leaving && distance >= last_distance {
+            t += close;
+        } else {
             return t;
         }
-        t += distance;
+        last_distance = distance;
         if t > end {
             return otherwise;
         }

@@ -15,7 +15,7 @@
 use super::basis::basis;
 use super::camera::{Ray, camera_ray};
 use super::lights;
-use super::march::{March, START_OFFSET, direct_tolerance, march, tolerance};
+use super::march::{March, march, rounding_at, start_offset};
 use super::random::{Random, pair};
 use super::shadow::{self, Connection};
 use crate::frame::{DELTA, DIRECT, EMITS, LIGHT_SHIFT, Prepared, SHEET, TRANSMITS};
@@ -171,7 +171,7 @@ pub(crate) fn near(points: [Vec3; 8], surface: impl Fn(FieldVec3<f32x8>) -> Surf
 /// The normal on the side that a ray which ends here after `length` metres comes from.
 pub(crate) fn facing(prepared: &Prepared, near: &Near, outward: Vec3, ray: &Ray, length: f32) -> Vec3 {
     let leaf = &prepared.leaves[near.leaf];
-    let off = direct_tolerance(&prepared.frame, ray.origin, Vec3::from(leaf.at));
+    let off = rounding_at(&prepared.frame, ray.origin, Vec3::from(leaf.at));
     // On the surface but for rounding, the side is the one the ray comes from; else the field says it.
     let on_surface = leaf.flags & DIRECT != 0 || near.distance.abs() <= off + prepared.frame.rounding * length;
     let inside = if on_surface { outward.dot(ray.direction) > 0.0 } else { near.distance < 0.0 };
@@ -192,8 +192,7 @@ fn shade(
     let outward = near.gradient / steepness;
     let leaf = &prepared.leaves[near.leaf];
     let reached = path.ray.origin;
-    let off = direct_tolerance(frame, reached, Vec3::from(leaf.at));
-    let is_direct = leaf.flags & DIRECT != 0;
+    let off = rounding_at(frame, reached, Vec3::from(leaf.at));
     let normal = facing(prepared, near, outward, &path.ray, path.last);
     let inside = normal.dot(outward) < 0.0;
     let material = &prepared.materials[leaf.material as usize];
@@ -217,7 +216,7 @@ fn shade(
     }
     let bsdf = prepared.bsdfs[leaf.material as usize]?;
     let p = reached - outward * (near.distance / steepness);
-    let away = normal * (START_OFFSET * if is_direct { off } else { tolerance(frame, p, path.length) });
+    let away = normal * start_offset(off, near.distance / steepness);
     let world_from_local = basis(normal);
     let local_from_world = world_from_local.transpose();
     let back = local_from_world * -path.ray.direction;

@@ -147,7 +147,7 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         let steepness = max(length(near.gradient), 1e-6);
         let outward = near.gradient / steepness;
         let leaf = leaves[near.leaf];
-        let off = direct_tolerance(reached, leaf.at);
+        let off = rounding_at(reached, leaf.at);
         // On the surface but for rounding, the side is the one the ray comes from; else the field says it.
         let on_surface = (leaf.flags & DIRECT) != 0u || abs(near.distance) <= off + frame.rounding * t;
         let inside = select((near.distance < 0.0), (dot(outward, ray.direction) > 0.0), on_surface);
@@ -170,7 +170,7 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
             break;
         }
         let p = reached - outward * (near.distance / steepness);
-        let away = normal * (START_OFFSET * select(tolerance(p, path_length), off, (leaf.flags & DIRECT) != 0u));
+        let away = normal * start_offset(off, near.distance / steepness);
         let world_from_local = basis(normal);
         let back = -ray.direction * world_from_local;
         let wo = vec3f(back.xy, max(back.z, 1e-5));

@@ -9,9 +9,9 @@
 
 use super::camera::Ray;
 use super::lights::{self, LightSample};
-use super::march::{MAX_STEPS, March, START_OFFSET, direct_tolerance, march, tolerance};
+use super::march::{MAX_STEPS, March, march, rounding_at, start_offset, tolerance};
 use super::path::{left_after, medium_beyond};
-use crate::frame::{CLEAR, DIRECT, Prepared, SHEET};
+use crate::frame::{CLEAR, Prepared, SHEET};
 use glam::Vec3;
 use pathmarch_field::number::Vec3 as FieldVec3;
 
@@ -109,9 +109,8 @@ fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<f32>) 
     // No path finds this light again.
     connection.light.weight = 1.0;
     let on = reached - outward * (met.field.value / steepness);
-    let off = direct_tolerance(&prepared.frame, reached, Vec3::from(leaf.at));
-    let exact = leaf.flags & DIRECT != 0;
-    let margin = START_OFFSET * if exact { off } else { tolerance(&prepared.frame, on, connection.before) };
+    let off = rounding_at(&prepared.frame, reached, Vec3::from(leaf.at));
+    let margin = start_offset(off, met.field.value / steepness);
     connection.ray.origin = on + outward * if cosine > 0.0 { margin } else { -margin };
     connection.light.distance -= t;
     Meeting::GoesOn(connection)

@@ -44,8 +44,8 @@ fn light_through(start: Ray, before: f32, light: LightSample, scatter_pdf: f32, 
         // No path finds this light again.
         weight = 1.0;
         let on = reached - outward * (met.distance / steepness);
-        let off = direct_tolerance(reached, leaf.at);
-        let margin = START_OFFSET * select(tolerance(on, before), off, (leaf.flags & DIRECT) != 0u);
+        let off = rounding_at(reached, leaf.at);
+        let margin = start_offset(off, met.distance / steepness);
         ray.origin = on + outward * select(-margin, margin, cosine > 0.0);
         limit -= obstacle;
     }
