@@ -450,17 +450,29 @@ impl Field {
     /// material shows. Where smooth operators blend materials, one of them is chosen with the probability of its weight,
     /// by the point's seed.
     pub fn surface<N: Batch>(&self, p: Vec3<N>, seeds: N::Seeds) -> Surface<N> {
-        self.surface_by(p, &|index| N::choice(seeds, index))
+        self.nearest_surface(p, |_| N::truth(true), &|index| N::choice(seeds, index))
     }
 
-    /// The nearest surface from each point, as [`surface`](Self::surface); where a smooth operator blends two materials, the
-    /// second one shows if its weight exceeds the threshold of the blend's number. With 0.5 for every blend, the heavier one
-    /// shows.
-    pub fn surface_by<N: Batch>(&self, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
+    /// The surface that a ray met at each point, as [`surface`](Self::surface): only of the objects that have a closed form
+    /// where `direct` is 1, only of the others where it is 0. Where a smooth operator blends two materials, the second one
+    /// shows if its weight exceeds the threshold of the blend's number: [`Batch::choice`], or 0.5 for the heavier one.
+    pub fn surface_met<N: Batch>(&self, p: Vec3<N>, direct: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
+        let half = N::constant(0.5);
+        let of_kind = |closed: bool| if closed { half.lt(direct) } else { direct.lt(half) };
+        self.nearest_surface(p, of_kind, threshold)
+    }
+
+    fn nearest_surface<N: Batch>(
+        &self,
+        p: Vec3<N>,
+        counts: impl Fn(bool) -> N::Mask,
+        threshold: &dyn Fn(u32) -> N,
+    ) -> Surface<N> {
         let mut nearest = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
         for object in &self.objects {
             let surface = self.tree_surface(object, p, threshold);
-            let closer = surface.field.value.abs().lt(nearest.field.value.abs());
+            let closer =
+                surface.field.value.abs().lt(nearest.field.value.abs()) & counts(self.direct(object).is_some());
             nearest = Surface {
                 field: Dual::select(closer, surface.field, nearest.field),
                 leaf: N::select(closer, surface.leaf, nearest.leaf),

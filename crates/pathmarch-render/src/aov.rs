@@ -20,7 +20,7 @@ use crate::image::{Channel, ChannelValues};
 use crate::renderer::check;
 use crate::settings::Settings;
 use crate::transport::camera::{Ray, central_ray};
-use crate::transport::march::{March, march};
+use crate::transport::march::{self, March, march};
 use crate::transport::path::{Near, facing, near};
 use glam::Vec3;
 use pathmarch_scene::Scene;
@@ -171,6 +171,8 @@ struct Hit {
     /// Its origin moved to what it met.
     ray: Ray,
     length: f32,
+    /// Whether it met an object that has a closed form.
+    direct: bool,
 }
 
 /// What a range of pixels sees.
@@ -192,10 +194,10 @@ fn batch(prepared: &Prepared, colours: &[Vec3], range: std::ops::Range<u32>) -> 
         .iter()
         .zip(march(&prepared.field, frame, &marches))
         .enumerate()
-        .filter_map(|(index, (&March { ray: Ray { origin, direction }, .. }, length))| {
+        .filter_map(|(index, (&March { ray: Ray { origin, direction }, .. }, end))| {
             let (pixel, place) = (index / (GRID as usize + 1), index as u32 % (GRID + 1));
-            let length = length?;
-            Some(Hit { pixel, place, ray: Ray { origin: origin + direction * length, direction }, length })
+            let march::Hit { t: length, direct } = end?;
+            Some(Hit { pixel, place, ray: Ray { origin: origin + direction * length, direction }, length, direct })
         })
         .collect();
     let nothing = Pixel {
@@ -212,7 +214,8 @@ fn batch(prepared: &Prepared, colours: &[Vec3], range: std::ops::Range<u32>) -> 
         let points = std::array::from_fn(|k| lane(k).ray.origin);
         let surfaces = near(points, |p| {
             let threshold = |blend| f32x8::from(std::array::from_fn(|k| blend_threshold(lane(k).place, blend)));
-            prepared.field.surface_by(p, &threshold)
+            let direct = f32x8::from(std::array::from_fn(|k| f32::from(lane(k).direct)));
+            prepared.field.surface_met(p, direct, &threshold)
         });
         for (hit, near) in chunk.iter().zip(&surfaces) {
             add(prepared, colours, hit, near, &mut pixels[hit.pixel]);

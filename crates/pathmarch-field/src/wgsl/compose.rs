@@ -16,8 +16,8 @@ pub type Parameters = Vec<[f32; 4]>;
 /// A field's code and numbers.
 ///
 /// The code expects an array `field_parameters` of `vec4f` and declares `marched_distance(p: vec3f) -> f32`,
-/// `direct_hit(origin: vec3f, direction: vec3f) -> f32`, the struct `Surface` and `surface(p: vec3f, seed: u32) ->
-/// Surface`: the WGSL of the [`Field`] methods of these names.
+/// `direct_hit(origin: vec3f, direction: vec3f) -> f32`, the struct `Surface` and `surface(p: vec3f, direct: bool, seed: u32)
+/// -> Surface`: the WGSL of the [`Field`] methods of these names, the last one that of [`Field::surface_met`].
 #[derive(Clone, Debug)]
 pub struct Program {
     /// WGSL text; equal for scenes of equal structure.
@@ -255,15 +255,17 @@ impl Composer<'_> {
 
     fn surface(&self) -> String {
         let mut text = String::from(
-            "/// The nearest surface of an object from `p`: its signed distance, gradient, and the leaf whose material shows.\n\
-             fn surface(p: vec3f, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
+            "/// The surface that a ray met at `p`, of an object with a closed form or of one that is marched: its signed \
+             distance,\n/// gradient, and the leaf whose material shows.\n\
+             fn surface(p: vec3f, direct: bool, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
         );
         let mut counter = 0;
         for object in self.field.objects() {
             let (value, leaf) = self.tree_surface(object, &mut text, &mut counter);
+            let not = if self.field.direct(object).is_some() { "" } else { "!" };
             writeln!(
                 text,
-                "    if abs({value}.w) < abs(nearest.w) {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
+                "    if {not}direct && abs({value}.w) < abs(nearest.w) {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
             )
             .expect("writing to a string");
         }

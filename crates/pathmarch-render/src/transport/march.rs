@@ -4,7 +4,7 @@
 //! or has no closed form is marched, within its box and up to the nearest direct hit.
 //!
 //! Negligible means a tenth of what a pixel covers at the length of the path so far, and never less than what `f32`
-//! resolves at the point. A ray starts off its surface by three roundings and half of what the march left, far less than
+//! resolves at the point. A ray starts off its surface by three roundings and a twentieth of what the march left, far less than
 //! is negligible, so that it does not pass what touches the surface; while the distance rises from there, closeness is no
 //! hit. The magnitude of the field is marched, so that the inside of a solid can be seen. One that has used up its steps
 //! close to a surface (under a hundredth of its length, as towards a horizon) hits it there, else it is lost.
@@ -41,7 +41,7 @@ pub(crate) fn tolerance(frame: &Frame, p: Vec3, path_length: f32) -> f32 {
 
 /// How far off a surface a ray starts; `off` is the rounding there and `distance` that of the point that was reached.
 pub(crate) fn start_offset(off: f32, distance: f32) -> f32 {
-    START_OFFSET * off + 0.5 * distance.abs()
+    START_OFFSET * off + 0.05 * distance.abs()
 }
 
 /// How far from a surface a point on it may be by rounding; `at` is the origin of its coordinates.
@@ -72,12 +72,21 @@ impl Rays8 {
     }
 }
 
+/// Where a ray ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hit {
+    /// Metres from its origin.
+    pub(crate) t: f32,
+    /// Whether the object has a closed form.
+    pub(crate) direct: bool,
+}
+
 /// What of a ray must be marched, metres from its origin, and its hit if nothing is met there.
 #[derive(Clone, Copy)]
 struct Span {
     start: f32,
     end: f32,
-    otherwise: Option<f32>,
+    otherwise: Option<Hit>,
 }
 
 /// Meets eight rays with the shapes that have a closed form, and with the box of the others.
@@ -99,12 +108,12 @@ fn spans(field: &Field, frame: &Frame, rays: &Rays8) -> [Span; 8] {
     std::array::from_fn(|lane| Span {
         start: start[lane],
         end: end[lane],
-        otherwise: (direct[lane] < last[lane]).then_some(direct[lane]),
+        otherwise: (direct[lane] < last[lane]).then_some(Hit { t: direct[lane], direct: true }),
     })
 }
 
-/// Follows every ray; gives for each the metres to its hit, or `None`.
-pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<f32>> {
+/// Follows every ray; gives for each its hit, or `None`.
+pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<Hit>> {
     const IDLE: usize = usize::MAX;
     let mut hits = Vec::with_capacity(rays.len());
     let mut marched = Vec::new();
@@ -177,7 +186,7 @@ pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<
         for lane in 0..8 {
             if ended >> lane & 1 == 1 {
                 if was_hit >> lane & 1 == 1 {
-                    hits[lane_ray[lane]] = Some(state[6][lane]);
+                    hits[lane_ray[lane]] = Some(Hit { t: state[6][lane], direct: false });
                 }
                 refill(lane, &mut lane_ray, &mut state, &mut steps);
             }

@@ -20,14 +20,21 @@ fn rounding_at(p: vec3f, at: vec3f) -> f32 {
 
 /// How far off a surface a ray starts; `off` is the rounding there and `distance` that of the point that was reached.
 fn start_offset(off: f32, distance: f32) -> f32 {
-    return START_OFFSET * off + 0.5 * abs(distance);
+    return START_OFFSET * off + 0.05 * abs(distance);
 }
 
-/// Follows a ray after a path of length `before` up to `limit` metres; gives the metres to the hit, or NO_HIT.
-fn march(ray: Ray, before: f32, limit: f32) -> f32 {
+/// Where a ray ends.
+struct Hit {
+    /// Metres, or NO_HIT.
+    t: f32,
+    /// Whether the object has a closed form.
+    direct: bool,
+}
+
+/// Follows a ray after a path of length `before` up to `limit` metres.
+fn march(ray: Ray, before: f32, limit: f32) -> Hit {
     let direct = direct_hit(ray.origin, ray.direction);
     let last = min(limit, frame.far);
-    let otherwise = select(NO_HIT, direct, direct < last);
     let inverse = 1.0 / select(ray.direction, vec3f(1e-12), abs(ray.direction) < vec3f(1e-12));
     let a = (frame.bounds_min - ray.origin) * inverse;
     let b = (frame.bounds_max - ray.origin) * inverse;
@@ -35,29 +42,27 @@ fn march(ray: Ray, before: f32, limit: f32) -> f32 {
     let far = max(a, b);
     let end = min(min(far.x, min(far.y, far.z)), min(direct, last));
     var t = max(largest(near), 0.0);
-    if t >= end {
-        return otherwise;
-    }
+    let otherwise = select(NO_HIT, direct, direct < last);
+    // On the way off the surface that the ray starts on, while the distance rises, closeness is no hit.
+    var last_distance = select(AT_INFINITY, 0.0, t == 0.0);
     var distance = 0.0;
-    var last_distance = 0.0;
-    // On the way off the surface that the ray starts on, closeness is no hit.
-    var leaving = t == 0.0;
     for (var step = 0u; step < MAX_STEPS; step++) {
+        if t >= end {
+            distance = AT_INFINITY;
+            break;
+        }
         let p = ray.origin + ray.direction * t;
         distance = marched_distance(p) * frame.step_factor;
         let close = tolerance(p, before + t);
-        if distance >= close {
-            leaving = false;
-            t += distance;
-        } else if leaving && distance >= last_distance {
-            t += close;
-        } else {
-            return t;
+        if distance < min(close, last_distance) {
+            break;
         }
-        last_distance = distance;
-        if t > end {
-            return otherwise;
-        }
+        last_distance = select(AT_INFINITY, distance, distance < close);
+        t += max(distance, close);
     }
-    return select(otherwise, t, distance < 0.01 * (before + t));
+    // Out of steps, close to a surface counts as on it.
+    if distance < 0.01 * (before + t) {
+        return Hit(t, false);
+    }
+    return Hit(otherwise, true);
 }

@@ -15,12 +15,12 @@
 use super::basis::basis;
 use super::camera::{Ray, camera_ray};
 use super::lights;
-use super::march::{March, march, rounding_at, start_offset};
+use super::march::{Hit, March, march, rounding_at, start_offset};
 use super::random::{Random, pair};
 use super::shadow::{self, Connection};
 use crate::frame::{DELTA, DIRECT, EMITS, LIGHT_SHIFT, Prepared, SHEET, TRANSMITS};
 use glam::Vec3;
-use pathmarch_field::graph::Surface;
+use pathmarch_field::graph::{Batch, Surface};
 use pathmarch_field::number::Vec3 as FieldVec3;
 use wide::f32x8;
 
@@ -34,6 +34,8 @@ struct Path {
     length: f32,
     /// Length of the last ray.
     last: f32,
+    /// Whether it met an object that has a closed form.
+    direct: bool,
     /// Density of the ray's direction over solid angle; 0 for a single direction.
     scatter_pdf: f32,
     /// What the medium that the path is in absorbs, per metre.
@@ -80,6 +82,7 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
                 throughput: Vec3::ONE,
                 length: 0.0,
                 last: 0.0,
+                direct: false,
                 scatter_pdf: 0.0,
                 medium: Vec3::from(frame.medium),
                 passing: false,
@@ -97,12 +100,13 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
         let mut reached = Vec::with_capacity(paths.len());
         for (mut path, hit) in paths.into_iter().zip(hits) {
             if prepared.features.absorption {
-                path.throughput *= left_after(path.medium, hit.unwrap_or(f32::INFINITY));
+                path.throughput *= left_after(path.medium, hit.map_or(f32::INFINITY, |hit| hit.t));
             }
             match hit {
-                Some(t) => {
+                Some(Hit { t, direct }) => {
                     path.length += t;
                     path.last = t;
+                    path.direct = direct;
                     path.ray.origin += path.ray.direction * t;
                     reached.push(path);
                 }
@@ -144,13 +148,15 @@ pub(crate) struct Near {
     pub(crate) leaf: usize,
 }
 
-/// The nearest surface at the end of each path, eight at a time.
+/// The surface that each path met, eight at a time.
 fn surfaces(prepared: &Prepared, paths: &[Path], surface_index: u32) -> Vec<Near> {
     let mut result = Vec::with_capacity(paths.len());
     for chunk in paths.chunks(8) {
         let points = std::array::from_fn(|k| chunk.get(k).map_or(Vec3::ZERO, |path| path.ray.origin));
         let seeds = std::array::from_fn(|k| chunk.get(k).map_or(0, |path| path.random.loose(surface_index)));
-        result.extend(near(points, |p| prepared.field.surface(p, seeds)).into_iter().take(chunk.len()));
+        let direct = std::array::from_fn(|k| chunk.get(k).map_or(0.0, |path| f32::from(path.direct)));
+        let surface = |p| prepared.field.surface_met(p, f32x8::from(direct), &|index| f32x8::choice(seeds, index));
+        result.extend(near(points, surface).into_iter().take(chunk.len()));
     }
     result
 }

@@ -128,7 +128,8 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
     // Square of the refractive index where the path is.
     var index_square = 1.0;
     for (var surface_index = 0u; surface_index <= frame.bounces + 1u; surface_index++) {
-        let t = march(ray, path_length, AT_INFINITY);
+        let hit = march(ray, path_length, AT_INFINITY);
+        let t = hit.t;
         if ABSORPTION {
             throughput *= left_after(medium, select(t, 1e9, t < 0.0));
         }
@@ -143,13 +144,13 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         }
         path_length += t;
         let reached = ray.origin + ray.direction * t;
-        let near = surface(reached, random_loose(random, surface_index));
+        let near = surface(reached, hit.direct, random_loose(random, surface_index));
         let steepness = max(length(near.gradient), 1e-6);
         let outward = near.gradient / steepness;
         let leaf = leaves[near.leaf];
         let off = rounding_at(reached, leaf.at);
         // On the surface but for rounding, the side is the one the ray comes from; else the field says it.
-        let on_surface = (leaf.flags & DIRECT) != 0u || abs(near.distance) <= off + frame.rounding * t;
+        let on_surface = hit.direct || abs(near.distance) <= off + frame.rounding * t;
         let inside = select((near.distance < 0.0), (dot(outward, ray.direction) > 0.0), on_surface);
         let normal = select(outward, -outward, inside);
         let m = leaf.material;

@@ -9,10 +9,11 @@
 
 use super::camera::Ray;
 use super::lights::{self, LightSample};
-use super::march::{MAX_STEPS, March, march, rounding_at, start_offset, tolerance};
+use super::march::{Hit, MAX_STEPS, March, march, rounding_at, start_offset, tolerance};
 use super::path::{left_after, medium_beyond};
 use crate::frame::{CLEAR, Prepared, SHEET};
 use glam::Vec3;
+use pathmarch_field::graph::Batch;
 use pathmarch_field::number::Vec3 as FieldVec3;
 
 /// Clear glass that a shadow ray passes at most.
@@ -73,14 +74,14 @@ enum Meeting {
     Blocked,
 }
 
-fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<f32>) -> Meeting {
+fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<Hit>) -> Meeting {
     if prepared.features.absorption {
-        let length = obstacle.unwrap_or(connection.light.distance);
+        let length = obstacle.map_or(connection.light.distance, |hit| hit.t);
         connection.radiance *= left_after(connection.medium, length);
     }
     let arrives = |c: &Connection| Meeting::Arrives(c.slot, c.radiance * c.light.weight);
     let target = connection.light.target;
-    let Some(t) = obstacle else {
+    let Some(Hit { t, direct }) = obstacle else {
         return if target.is_none() { arrives(&connection) } else { Meeting::Blocked };
     };
     let fast = prepared.features.fast_caustics;
@@ -89,7 +90,9 @@ fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<f32>) 
     }
     let Ray { origin, direction } = connection.ray;
     let reached = origin + direction * t;
-    let met = prepared.field.surface(FieldVec3::new(reached.x, reached.y, reached.z), connection.seed);
+    let p = FieldVec3::new(reached.x, reached.y, reached.z);
+    let threshold = |index| f32::choice(connection.seed, index);
+    let met = prepared.field.surface_met(p, f32::from(direct), &threshold);
     let leaf = &prepared.leaves[met.leaf as usize];
     if target == Some(met.leaf as u32) {
         // A sheet's gradient points to the side it is seen from.

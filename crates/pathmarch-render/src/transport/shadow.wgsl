@@ -14,7 +14,8 @@ fn light_through(start: Ray, before: f32, light: LightSample, scatter_pdf: f32, 
     var ray = start;
     var limit = light.distance;
     for (var k = 0u; k <= select(0u, MAX_PASSED, FAST_CAUSTICS); k++) {
-        let obstacle = march(ray, before, limit);
+        let hit = march(ray, before, limit);
+        let obstacle = hit.t;
         if ABSORPTION {
             passed *= left_after(medium, select(obstacle, limit, obstacle < 0.0));
         }
@@ -25,7 +26,7 @@ fn light_through(start: Ray, before: f32, light: LightSample, scatter_pdf: f32, 
             return vec3f(0.0);
         }
         let reached = ray.origin + ray.direction * obstacle;
-        let met = surface(reached, seed);
+        let met = surface(reached, hit.direct, seed);
         let leaf = leaves[met.leaf];
         if met.leaf == light.target_leaf {
             // A sheet's gradient points to the side it is seen from.
