@@ -95,7 +95,7 @@ pub struct Aovs {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Linear Rec. 709, 0 to 1: the fraction of light that is reflected diffusely; of a lamp, its radiance, clipped. Black
+    /// Linear Rec. 709, 0 to 1: the colour of the material; of a lamp, its radiance, clipped. Black
     /// where nothing is hit. Blended materials are blended in sixteenths.
     pub albedo: Vec<[f32; 3]>,
     /// In the world, on the side towards the camera, of length one; zero where nothing is hit.

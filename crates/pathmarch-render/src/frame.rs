@@ -44,7 +44,7 @@ pub(crate) struct Frame {
     pub(crate) height: u32,
     pub(crate) bounces: u32,
     pub(crate) seed: u32,
-    /// The largest contribution after the first hit, W/(m² sr); infinite where none is set.
+    /// The largest contribution of light that bounced, W/(m² sr); infinite where none is set.
     pub(crate) clamp: f32,
     /// Lights that are suns; they come first.
     pub(crate) sun_count: u32,
@@ -117,7 +117,8 @@ impl MaterialRecord {
         let mut numbers = Numbers::default();
         if let Some(bsdf) = material.kind.bsdf {
             numbers = (bsdf.pack)(&material.values);
-            flags |= DELTA * u32::from((bsdf.is_delta)(&numbers)) | TRANSMITS * u32::from((bsdf.transmits)(&numbers));
+            let flag = |flag: u32, set: bool| if set { flag } else { 0 };
+            flags |= flag(DELTA, (bsdf.is_delta)(&numbers)) | flag(TRANSMITS, (bsdf.transmits)(&numbers));
         }
         Self { emission: material.emission(), flags, absorption: material.absorption(), kind: kind as u32, numbers }
     }
@@ -289,7 +290,11 @@ impl Prepared {
 fn medium_at(scene: &Scene, p: [f32; 3]) -> [f32; 3] {
     let p = pathmarch_field::number::Vec3::new(p[0], p[1], p[2]);
     let holding = scene.objects.iter().zip(scene.field.object_distances(p)).filter(|(_, distance)| *distance < 0.0);
-    let absorption = holding.map(|(object, _)| Vec3::from(scene.materials[object.material].absorption()));
+    let absorption = holding.map(|(object, _)| {
+        let alone = Field::new(std::slice::from_ref(&object.root));
+        let leaf = &alone.leaves()[alone.surface(p, 0).leaf as usize];
+        Vec3::from(scene.materials[leaf.tag as usize].absorption())
+    });
     absorption.fold(Vec3::ZERO, |sum, absorption| sum + absorption).into()
 }
 

@@ -35,7 +35,7 @@ pub struct Settings {
     pub sampler: Sampler,
     /// What becomes of light that goes through clear glass.
     pub caustics: Caustics,
-    /// The largest radiance of a contribution after the first hit, W/(m² sr), above 0; none where absent.
+    /// The largest radiance of a contribution of light that bounced, W/(m² sr), above 0; none where absent.
     pub clamp: Option<f32>,
     /// How lights are found.
     pub light_search: LightSearch,

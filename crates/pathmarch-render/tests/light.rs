@@ -111,7 +111,8 @@ fn clear_glass_is_invisible_in_a_furnace_at_every_scale() {
                 let picture = render(renderer, &scene, &settings).mean();
                 let mean = mean_colour(&picture)[1];
                 let darkest = picture.pixels.iter().map(|p| p[1]).fold(1.0, f32::min);
-                assert!((mean - 1.0).abs() < 2e-3, "{shape} at {scale} on {}: {mean}", renderer.backend_name());
+                // Light that creeps along the inside runs out of bounces, a little.
+                assert!((mean - 1.0).abs() < 4e-3, "{shape} at {scale} on {}: {mean}", renderer.backend_name());
                 assert!(darkest > 0.7, "{shape} at {scale} on {}: {darkest}", renderer.backend_name());
             }
         }
@@ -245,6 +246,47 @@ fn fast_caustics_count_no_light_twice() {
     }
 }
 
+/// What is not sampled as a light stays to be met, behind clear glass, too.
+#[test]
+fn fast_caustics_leave_what_is_not_sampled() {
+    let scene = |caustics: &str| {
+        parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 1 4; target 0 0 0; fov 30 }}\nrender {{ bounces 6; caustics \"{caustics}\" }}\n\
+             material \"g\" {{ glass 1; ior 1.002 }}\nmaterial \"l\" {{ emit 1 }}\nobject \"floor\" {{ plane }}\n\
+             object \"slab\" material=\"g\" {{ box 3 0.3 3 {{ at 0 1.5 0 }} }}\n\
+             object \"ceiling\" material=\"l\" {{ plane {{ normal 0 -1 0; at 0 5 0 }} }}"
+        ))
+    };
+    for renderer in &mut renderers() {
+        let [fast, traced] = ["fast", "traced"].map(|caustics| {
+            let scene = scene(caustics);
+            let settings = Settings { size: [32, 24], samples: 64, ..Settings::of(&scene) };
+            mean_colour(&render(renderer, &scene, &settings).mean())[1]
+        });
+        assert!((fast / traced - 1.0).abs() < 0.01, "{fast} {traced}");
+    }
+}
+
+/// A sun whose disc near misses stand for is not met as well.
+#[test]
+fn a_penumbra_counts_no_light_twice() {
+    let scene = |penumbra: &str| {
+        parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 1 3; target 0 0.5 0; fov 40 }}\nrender {{ bounces 2 }}\n\
+             sun {{ direction 1 2 2; irradiance 1; angle 6; {penumbra} }}\nmaterial \"m\" {{ metal 0.9; roughness 0.3 }}\n\
+             object \"ball\" material=\"m\" {{ sphere 0.7 {{ at 0 0.7 0 }} }}"
+        ))
+    };
+    for renderer in &mut renderers() {
+        let [plain, soft] = ["", "penumbra 1000"].map(|penumbra| {
+            let scene = scene(penumbra);
+            let settings = Settings { size: [48, 32], samples: 256, ..Settings::of(&scene) };
+            mean_colour(&render(renderer, &scene, &settings).mean())[1]
+        });
+        assert!((soft / plain - 1.0).abs() < 0.02, "{soft} {plain}");
+    }
+}
+
 #[test]
 fn a_penumbra_softens_a_hard_shadow_and_leaves_the_rest() {
     let scene = |penumbra: &str| {
@@ -359,8 +401,8 @@ fn a_limit_takes_fireflies_and_nothing_else() {
         assert!(relmse(&free, &high).expect("two of a size") < 1e-9, "a limit that nothing meets changes nothing");
         assert!(low.pixels.iter().zip(&free.pixels).all(|(l, f)| (0..3).all(|k| l[k] <= f[k] + 1e-4)));
         // Light that is seen or falls on what is seen stays as it is.
-        let direct = render(renderer, &scene, &Settings { bounces: 0, ..settings.clone() }).mean();
-        let ratio = mean_colour(&low)[1] / mean_colour(&direct)[1];
-        assert!(ratio > 0.9, "{ratio}");
+        let direct = Settings { bounces: 0, ..settings.clone() };
+        let limited = render(renderer, &scene, &Settings { clamp: Some(0.02), ..direct.clone() }).mean();
+        assert!(relmse(&limited, &render(renderer, &scene, &direct).mean()).expect("two of a size") < 1e-9);
     }
 }

@@ -257,6 +257,21 @@ fn hidden_light() {
     snapshot("hidden_light", &warning(&format!("{CAMERA}{text}")));
 }
 
+/// A light in clear glass is not hidden.
+#[test]
+fn lights_in_glass_shine() {
+    let text =
+        "material \"g\" { glass 1 }\nobject \"bulb\" material=\"g\" { sphere }\npoint { at 0 0.5 0; intensity 1 }";
+    let scene = Scene::parse("scene.kdl", &format!("{CAMERA}{text}")).expect("no mistake");
+    assert!(scene.warnings.is_empty());
+}
+
+#[test]
+fn clear_sheet() {
+    let text = "sky 1\nmaterial \"g\" { glass 1 }\nobject \"pane\" material=\"g\" { rect 1 1 }";
+    snapshot("clear_sheet", &warning(&format!("{CAMERA}{text}")));
+}
+
 /// Black in whatever form, a sky lights nothing.
 #[test]
 fn no_light() {

@@ -36,7 +36,7 @@ impl Failure {
     /// Prints it to standard error.
     pub fn print(&self) {
         match self {
-            Self::Scene(error) => print_scene_error(error),
+            Self::Scene(error) => print_report(&**error),
             Self::Usage(message) | Self::Other(message) => eprintln!("pathmarch: {message}"),
         }
     }
@@ -48,12 +48,12 @@ impl From<SceneError> for Failure {
     }
 }
 
-/// Prints every mistake of a scene, its place underlined.
-pub fn print_scene_error(error: &SceneError) {
+/// Prints every mistake of a scene, or one warning, its place underlined.
+pub fn print_report(report: &dyn miette::Diagnostic) {
     let mut text = String::new();
-    match miette::GraphicalReportHandler::new().render_report(&mut text, error) {
+    match miette::GraphicalReportHandler::new().render_report(&mut text, report) {
         Ok(()) => eprint!("{text}"),
-        Err(_) => eprintln!("pathmarch: {error}"),
+        Err(_) => eprintln!("pathmarch: {report}"),
     }
 }
 

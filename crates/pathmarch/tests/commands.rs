@@ -43,6 +43,21 @@ fn render_writes_a_picture_and_says_where_it_ran() {
 }
 
 #[test]
+fn a_render_may_be_bounded_in_time() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let scene = scene("diffuse-sphere.kdl");
+    let arguments = ["render", &scene, "--size", "64x36", "--samples", "1000000", "--backend", "cpu", "-o", "a.exr"];
+    let output = pathmarch(&[&arguments[..], &["--seconds", "0.2"]].concat(), directory.path());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(stderr(&output).contains("of 1000000 samples in"), "{}", stderr(&output));
+    assert!(directory.path().join("a.exr").is_file());
+    for bad in ["0", "-1", "NaN", "soon"] {
+        let output = pathmarch(&[&arguments[..], &[&format!("--seconds={bad}")]].concat(), directory.path());
+        assert_eq!(code(&output), 2, "{bad}");
+    }
+}
+
+#[test]
 fn layers_are_written_beside_the_picture() {
     let directory = tempfile::tempdir().expect("a directory");
     let scene = scene("diffuse-sphere.kdl");

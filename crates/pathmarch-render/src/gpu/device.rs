@@ -28,7 +28,7 @@ fn instance(backends: wgpu::Backends) -> wgpu::Instance {
 fn describe(adapter: &wgpu::Adapter) -> AdapterDescription {
     let info = adapter.get_info();
     let compute = adapter.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS);
-    let buffers = adapter.limits().max_storage_buffers_per_shader_stage >= 4;
+    let buffers = adapter.limits().max_storage_buffers_per_shader_stage >= super::job::STORAGE_BUFFERS;
     AdapterDescription {
         name: info.name.clone(),
         backend: format!("{:?}", info.backend),

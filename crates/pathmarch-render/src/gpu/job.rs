@@ -1,6 +1,6 @@
 //! A picture being rendered on the GPU.
 //!
-//! The kernel is the fixed WGSL of `transport/` with the scene's field printed for it. A dispatch computes one sample of
+//! The kernel ([`super::kernel`]) is printed for the scene. A dispatch computes one sample of
 //! a band of rows; bands and the number of dispatches in a submission adapt so that a submission takes about
 //! [`TARGET`], which keeps displays alive on weak adapters and strong ones busy. Two submissions are in flight.
 
@@ -22,6 +22,9 @@ const TARGET: Duration = Duration::from_millis(25);
 const MAX_DISPATCHES: usize = 256;
 /// A submission that takes this long has hung.
 const HUNG: Duration = Duration::from_secs(120);
+/// Storage buffers that the kernel binds at most: leaves, materials, lights, film, tables, sky, and the parameters of a
+/// large field.
+pub(crate) const STORAGE_BUFFERS: u32 = 7;
 /// Shapes beyond which a field is too large to be compiled as code.
 pub(crate) const MAX_LEAVES: usize = 2048;
 

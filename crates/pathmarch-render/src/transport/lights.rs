@@ -114,7 +114,9 @@ pub(crate) fn records(scene: &Scene, sky: &mut Sky, centre: Vec3, radius: f32) -
             Light::Sun { direction, irradiance, angle, penumbra } => {
                 weights.push(luminance(irradiance));
                 let place = Vec3::from(direction).normalize_or(Vec3::Y).into();
-                let (extent, penumbra) = (one_minus_cosine(angle), penumbra.unwrap_or(0.0));
+                // Near misses stand for the disc's size.
+                let extent = if penumbra.is_some() { 0.0 } else { one_minus_cosine(angle) };
+                let penumbra = penumbra.unwrap_or(0.0);
                 LightRecord { place, kind: SUN, power: irradiance, extent, penumbra, ..LightRecord::zeroed() }
             }
         };
@@ -186,8 +188,7 @@ fn surface_record(field: &Field, index: usize, radiance: [f32; 3]) -> Option<(Li
                 return None;
             }
             let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
-            // Blends may carry the material a little beyond its shape: an eighth, by which the sphere of a box is wider
-            // than most solids anyway; what they carry farther is found by the path alone.
+            // What blends carry beyond this sphere is met by the path alone.
             let radius = 0.5 * (max - min).length() * 1.001;
             (BOUNDED, (min + max) * 0.5, radius, [none; 3], PI * radius * radius)
         }
@@ -347,12 +348,16 @@ fn box_areas(light: &LightRecord, p: Vec3) -> ([f32; 3], f32) {
 }
 
 /// Density over solid angle, the choice of the light included, with which [`sample`] gives the direction from `p` in
-/// which a ray met the light after `t` metres, at this cosine to its normal.
-pub(crate) fn pdf(light: &LightRecord, p: Vec3, t: f32, cosine: f32) -> f32 {
+/// which a ray met the light at `reached`, at this cosine to its normal.
+pub(crate) fn pdf(light: &LightRecord, p: Vec3, reached: Vec3, cosine: f32) -> f32 {
+    let t = p.distance(reached);
     let area = match light.kind {
         SPHERE | BOUNDED => {
-            let square = (Vec3::from(light.place) - p).length_squared();
-            return light.probability / (TAU * cone_of_sphere(square, light.extent));
+            let offset = Vec3::from(light.place) - p;
+            let open = cone_of_sphere(offset.length_squared(), light.extent);
+            // A blend may carry the light's material beyond its sphere.
+            let outside = light.kind == BOUNDED && (reached - p).dot(offset) < (1.0 - open) * t * offset.length();
+            return if outside { 0.0 } else { light.probability / (TAU * open) };
         }
         RECT => 4.0 * Vec3::from(light.x).length() * Vec3::from(light.z).length(),
         DISC => PI * light.extent * light.extent,
@@ -450,7 +455,7 @@ mod tests {
                         let normal = Vec3::new(surface.x, surface.y, surface.z).normalize();
                         let cosine = normal.dot(sample.direction).abs();
                         if cosine > 0.05 && light.kind != BOX {
-                            let density = pdf(light, p, t, cosine);
+                            let density = pdf(light, p, hit, cosine);
                             assert!((density / sample.pdf - 1.0).abs() < 0.02, "{shape}: {density} {}", sample.pdf);
                         }
                     }

@@ -181,10 +181,14 @@ fn box_areas(light: Light, p: vec3f) -> vec4f {
 }
 
 /// Density over solid angle with which `light_sample` gives the direction from `p` in which a ray met the light.
-fn light_pdf(light: Light, p: vec3f, t: f32, cosine: f32) -> f32 {
+fn light_pdf(light: Light, p: vec3f, reached: vec3f, cosine: f32) -> f32 {
+    let t = distance(p, reached);
     if light.kind == SPHERE || light.kind == BOUNDED {
         let offset = light.place - p;
-        return light.probability / (6.2831853 * cone_of_sphere(dot(offset, offset), light.extent));
+        let open = cone_of_sphere(dot(offset, offset), light.extent);
+        // A blend may carry the light's material beyond its sphere.
+        let outside = light.kind == BOUNDED && dot(reached - p, offset) < (1.0 - open) * t * length(offset);
+        return select(light.probability / (6.2831853 * open), 0.0, outside);
     }
     var area = 0.0;
     if light.kind == RECT {

@@ -2,9 +2,9 @@
 //!
 //! A path scatters at most `bounces + 1` times, the first time at the surface the camera sees. At every surface that
 //! scatters in more than single directions a light is sampled: points, suns, emitting surfaces, the environment. The path
-//! finds all of these but points, too, and both ways are weighed by multiple importance sampling. A constant or gradient
+//! meets all of these but points and suns without size, too, and both ways are weighed by multiple importance sampling. A constant or gradient
 //! sky is found by the path alone. Beyond the fourth bounce a path goes on with the probability of its throughput (Russian
-//! roulette; Arvo and Kirk 1990). Unbiased but for the march's tolerance, a tenth of a pixel, unless `clamp`,
+//! roulette; Arvo and Kirk 1990). Unbiased but for the march (its tolerance of a tenth of a pixel, its steps, its end), unless `clamp`,
 //! `caustics "fast"` or a `penumbra` is set.
 //!
 //! Clear solids: a surface that transmits starts the path on its other side. What the medium absorbs is added where a path
@@ -56,9 +56,9 @@ pub(super) fn medium_beyond(medium: Vec3, absorption: Vec3, inside: bool) -> Vec
     (if inside { medium - absorption } else { medium + absorption }).max(Vec3::ZERO)
 }
 
-/// A light's contribution, within the limit that is set.
-fn limited(prepared: &Prepared, contribution: Vec3, surface_index: u32) -> Vec3 {
-    if surface_index == 0 {
+/// A contribution of light after this many bounces, within the limit that is set.
+fn limited(prepared: &Prepared, contribution: Vec3, bounces: u32) -> Vec3 {
+    if bounces == 0 {
         return contribution;
     }
     contribution * (prepared.frame.clamp / contribution.max_element().max(1e-30)).min(1.0)
@@ -112,7 +112,8 @@ pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> 
                 }
                 None => {
                     let contribution = path.throughput * beyond(prepared, &path);
-                    radiance[path.slot] += limited(prepared, contribution, surface_index);
+                    // Light that a ray meets fell on the surface before.
+                    radiance[path.slot] += limited(prepared, contribution, surface_index.saturating_sub(1));
                 }
             }
         }
@@ -203,17 +204,19 @@ fn shade(
     let inside = normal.dot(outward) < 0.0;
     let material = &prepared.materials[leaf.material as usize];
     if material.flags & EMITS != 0 {
-        if (leaf.flags & SHEET == 0 || normal.dot(Vec3::from(leaf.facing)) > 0.0) && !path.passing {
-            let light = leaf.flags >> LIGHT_SHIFT;
+        let light = leaf.flags >> LIGHT_SHIFT;
+        let seen = leaf.flags & SHEET == 0 || normal.dot(Vec3::from(leaf.facing)) > 0.0;
+        // Shadow rays have brought it already.
+        let counted = path.passing && light > 0;
+        if seen && !counted {
             let mut weight = 1.0;
             if light > 0 {
                 let cosine = normal.dot(path.ray.direction).abs();
-                let distance = path.reference.distance(reached);
-                let light_pdf = lights::pdf(&prepared.lights[light as usize - 1], path.reference, distance, cosine);
+                let light_pdf = lights::pdf(&prepared.lights[light as usize - 1], path.reference, reached, cosine);
                 weight = lights::met_weight(prepared.features.light_search, path.scatter_pdf, light_pdf);
             }
             let contribution = path.throughput * Vec3::from(material.emission) * weight;
-            radiance[path.slot] += limited(prepared, contribution, surface_index);
+            radiance[path.slot] += limited(prepared, contribution, surface_index.saturating_sub(1));
         }
         return None;
     }

@@ -20,7 +20,7 @@ struct Frame {
     height: u32,
     bounces: u32,
     seed: u32,
-    /// The largest contribution after the first hit.
+    /// The largest contribution of light that bounced.
     clamp: f32,
     /// Lights that are suns; they come first.
     sun_count: u32,
@@ -95,9 +95,9 @@ const TRANSMITS = 4u;
 /// The sky's picture, row by row from straight up.
 @group(0) @binding(8) var<storage, read> sky_texels: array<vec4f>;
 
-/// A light's contribution, within the limit that is set.
-fn limited(contribution: vec3f, surface_index: u32) -> vec3f {
-    if surface_index == 0u {
+/// A contribution of light after this many bounces, within the limit that is set.
+fn limited(contribution: vec3f, bounces: u32) -> vec3f {
+    if bounces == 0u {
         return contribution;
     }
     return contribution * min(frame.clamp / max(largest(contribution), 1e-30), 1.0);
@@ -128,6 +128,8 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
     // Square of the refractive index where the path is.
     var index_square = 1.0;
     for (var surface_index = 0u; surface_index <= frame.bounces + 1u; surface_index++) {
+        // Light that a ray meets fell on the surface before.
+        let bounces_met = max(surface_index, 1u) - 1u;
         let hit = march(ray, path_length, AT_INFINITY);
         let t = hit.t;
         if ABSORPTION {
@@ -136,9 +138,9 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         if t < 0.0 {
             if !(FAST_CAUSTICS && passing) {
                 let beyond = sky_beyond(ray.direction, scatter_pdf) + suns_beyond(ray.direction, scatter_pdf);
-                radiance += limited(throughput * beyond, surface_index);
+                radiance += limited(throughput * beyond, bounces_met);
             } else {
-                radiance += limited(throughput * sky_not_sampled(ray.direction), surface_index);
+                radiance += limited(throughput * sky_not_sampled(ray.direction), bounces_met);
             }
             break;
         }
@@ -156,14 +158,17 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         let m = leaf.material;
         let flags = materials[m].flags;
         if (flags & EMITS) != 0u {
-            if ((leaf.flags & SHEET) == 0u || dot(normal, leaf.facing) > 0.0) && !(FAST_CAUSTICS && passing) {
-                let light = leaf.flags >> LIGHT_SHIFT;
+            let light = leaf.flags >> LIGHT_SHIFT;
+            let seen = (leaf.flags & SHEET) == 0u || dot(normal, leaf.facing) > 0.0;
+            // Shadow rays have brought it already.
+            let counted = FAST_CAUSTICS && passing && light > 0u;
+            if seen && !counted {
                 var weight = 1.0;
                 if light > 0u {
                     let cosine = abs(dot(normal, ray.direction));
-                    weight = met_weight(scatter_pdf, light_pdf(lights[light - 1u], reference, distance(reference, reached), cosine));
+                    weight = met_weight(scatter_pdf, light_pdf(lights[light - 1u], reference, reached, cosine));
                 }
-                radiance += limited(throughput * materials[m].emission * weight, surface_index);
+                radiance += limited(throughput * materials[m].emission * weight, bounces_met);
             }
             break;
         }

@@ -5,7 +5,7 @@
 //! simplification of Carvalho 2020, section 4.4, with the physics of the interface): biased, but free of noise, and the
 //! only light that a `point` or a `sun` without size can send through glass. A `penumbra` on such a light softens its
 //! shadows by the near misses of the march (Quilez 2010, "Soft shadows in raymarched SDFs"): an approximation that knows
-//! neither the light's size nor its distance.
+//! neither the light's size nor its distance, in which glass casts the shadow of a solid.
 
 use super::camera::Ray;
 use super::lights::{self, LightSample};
@@ -41,7 +41,8 @@ pub(super) fn arriving(prepared: &Prepared, connections: Vec<Connection>) -> Vec
     for mut connection in connections {
         if connection.light.penumbra > 0.0 {
             let light = near_misses(prepared, connection.ray, connection.light.distance, connection.light.penumbra);
-            arrived.push((connection.slot, connection.radiance * light));
+            let left = left_after(connection.medium, connection.light.distance);
+            arrived.push((connection.slot, connection.radiance * left * light));
         } else {
             let (light_pdf, scatter_pdf) = (connection.light.pdf, connection.scatter_pdf);
             connection.light.weight = lights::sampled_weight(prepared.features.light_search, light_pdf, scatter_pdf);

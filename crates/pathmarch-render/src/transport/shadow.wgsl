@@ -6,7 +6,7 @@ const MAX_PASSED = 8u;
 /// The share of a sampled light that arrives along a ray, its weight against the density of scattering included.
 fn light_through(start: Ray, before: f32, light: LightSample, scatter_pdf: f32, between: vec3f, seed: u32) -> vec3f {
     if PENUMBRA && light.penumbra > 0.0 {
-        return vec3f(near_misses(start, light.distance, light.penumbra));
+        return near_misses(start, light.distance, light.penumbra) * left_after(between, light.distance);
     }
     var weight = sampled_weight(light.pdf, scatter_pdf);
     var passed = vec3f(1.0);

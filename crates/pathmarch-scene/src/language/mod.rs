@@ -2,7 +2,7 @@
 //!
 //! Three steps: [`syntax`] reads the text as KDL 2 nodes, the modules beside it give the nodes meaning (materials first,
 //! so that they may be used before they are declared), and [`Field`] is built of the objects. Each step goes on after
-//! a mistake; a file is a scene only if none was found. Source: the project's SCENE.md. Cost: linear in the text.
+//! a mistake; a file is a scene only if none was found. Reference: docs/scene-language.md. Cost: linear in the text.
 
 mod arguments;
 mod characters;

@@ -24,7 +24,7 @@ pub(crate) const PLACEMENT: &[&str] = &["at", "rotate", "scale"];
 /// Node in shapes that face somewhere.
 pub(crate) const NORMAL: &str = "normal";
 
-/// Words of SCENE.md that this version may not have yet. What the registries know is had, whatever stands here.
+/// Words of the language that this version may not have yet. What the registries know is had, whatever stands here.
 const LANGUAGE: &[&str] = &[
     "cylinder",
     "cone",

@@ -39,7 +39,22 @@ pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
         let help = "It is not sampled as a light, only found by chance; give it an end, or use `sky`.";
         report.warn(warning.label("endless").help(help));
     }
+    clear_sheets(scene, file, report);
     hidden_points(scene, file, report);
+}
+
+/// Warns of glass on surfaces that have no inside.
+fn clear_sheets(scene: &Scene, file: &Block, report: &mut Report) {
+    let mut clear = vec![false; scene.objects.len()];
+    for leaf in scene.field.leaves() {
+        clear[leaf.object as usize] |= leaf.shape.info().sheet && scene.materials[leaf.tag as usize].transmits();
+    }
+    let objects = file.nodes.iter().filter(|node| node.name.value == "object");
+    for (node, _) in objects.zip(clear).filter(|(_, clear)| *clear) {
+        let message = "This object is of a clear material and has no inside: light that enters it never leaves.";
+        let warning = draft("pathmarch::clear_sheet", node.name.span, message).label("a rect or a disc");
+        report.warn(warning.help("Use a thin `box` or `cylinder`."));
+    }
 }
 
 /// Warns of point lights inside solids, as far as the time for it is bounded: for the first of very many points.
@@ -53,9 +68,10 @@ fn hidden_points(scene: &Scene, file: &Block, report: &mut Report) {
     // Without mistakes every point node has become a light.
     let nodes = file.nodes.iter().filter(|node| node.name.value == "point");
     for (node, [x, y, z]) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
-        let surface = scene.field.surface(Vec3 { x, y, z }, 0);
-        if surface.field.value < 0.0 {
-            let object = &scene.objects[leaves[surface.leaf as usize].object as usize];
+        let hides = |index: usize| !scene.materials[scene.objects[index].material].transmits();
+        let inside = scene.field.object_distances(Vec3 { x, y, z }).enumerate().filter(|(_, distance)| *distance < 0.0);
+        if let Some(index) = inside.map(|(index, _)| index).find(|&index| hides(index)) {
+            let object = &scene.objects[index];
             let message = format!("This point light is inside of the object {}, which hides it.", shown(&object.name));
             let warning = draft("pathmarch::hidden_light", node.name.span, message).label("shines nowhere");
             report.warn(warning.help("Move it out, or make the object emit."));

@@ -215,6 +215,10 @@ impl Material {
     pub fn emission(&self) -> [f32; 3] {
         (self.kind.emission)(&self.values)
     }
+    /// Whether light passes to its other side.
+    pub fn transmits(&self) -> bool {
+        self.kind.bsdf.is_some_and(|bsdf| (bsdf.transmits)(&(bsdf.pack)(&self.values)))
+    }
     /// Whether it emits at all.
     pub fn emits(&self) -> bool {
         self.emission().iter().any(|&v| v > 0.0)

@@ -1,6 +1,6 @@
 //! `pathmarch check`: read scenes, report every mistake.
 
-use crate::exit::{DONE, Failure, USAGE, print_scene_error};
+use crate::exit::{DONE, Failure, USAGE, print_report};
 use pathmarch_render::pathmarch_scene::Scene;
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         match Scene::load(path) {
             Ok(scene) => {
                 for warning in &scene.warnings {
-                    eprintln!("{}: warning: {warning}", path.display());
+                    print_report(warning);
                 }
                 println!(
                     "{}: good: {} shapes in {} objects, {} materials, {} lights, {} cameras",
@@ -30,7 +30,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 );
             }
             Err(error) => {
-                print_scene_error(&error);
+                print_report(&error);
                 code = USAGE;
             }
         }

@@ -1,7 +1,7 @@
 //! `pathmarch render`: a scene to a picture.
 
 use super::{BackendArgument, parse_size};
-use crate::exit::{DONE, Failure, INTERRUPTED};
+use crate::exit::{DONE, Failure, INTERRUPTED, print_report};
 use indicatif::{ProgressBar, ProgressStyle};
 use pathmarch_render::aov::{self, Layer};
 use pathmarch_render::image::{self, ImageFormat, Provenance};
@@ -26,6 +26,9 @@ pub struct Arguments {
     /// Samples for each pixel [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     samples: Option<u32>,
+    /// Stop after this many seconds, whatever is done by then; at least one sample is
+    #[arg(long, value_name = "N", value_parser = parse_seconds)]
+    seconds: Option<f64>,
     /// Index of the first sample; ranges rendered apart add up to the whole
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=2_000_000_000))]
     first_sample: u32,
@@ -47,7 +50,7 @@ pub struct Arguments {
     /// Light through clear glass: traced, or fast, which is free of noise and biased [default: the scene's]
     #[arg(long, value_name = "NAME", value_parser = one_of(Caustics::ALL, Caustics::name))]
     caustics: Option<Caustics>,
-    /// Largest radiance of a contribution after the first hit, against fireflies; darkens [default: the scene's]
+    /// Largest radiance of a contribution of light that bounced, against fireflies; darkens [default: the scene's]
     #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
     clamp: Option<f32>,
     /// Stops of exposure for PNG and JPEG [default: the camera's]
@@ -55,7 +58,7 @@ pub struct Arguments {
     exposure: Option<f32>,
     /// Write layers beside R, G and B, without noise; .exr only [default: all; or a list, such as albedo,normal]
     ///
-    /// albedo.R .G .B: the fraction of light reflected diffusely, or a lamp's radiance clipped to 1; mean over the pixel.
+    /// albedo.R .G .B: the material's colour, or a lamp's radiance clipped to 1; mean over the pixel.
     /// normal.X .Y .Z: in the world, towards the camera; mean over the pixel, of length one.
     /// depth.Z: metres along the camera's view axis; infinite where nothing is.
     /// position.X .Y .Z: in the world, metres.
@@ -83,6 +86,13 @@ fn one_of<T: Copy, const N: usize>(
             format!("expected one of {}", names.join(", "))
         })
     }
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|seconds: &f64| *seconds > 0.0 && seconds.is_finite())
+        .ok_or("expected a number above 0".to_owned())
 }
 
 fn parse_clamp(text: &str) -> Result<f32, String> {
@@ -163,7 +173,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let output = arguments.output()?;
     let scene = Scene::load(&arguments.scene)?;
     for warning in &scene.warnings {
-        eprintln!("warning: {warning}");
+        print_report(warning);
     }
     let settings = arguments.settings(&scene)?;
     let interrupted = watch_interrupts()?;
@@ -186,7 +196,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         renderer.adapter_name(),
     );
     let started = Instant::now();
-    accumulate(&mut job, &settings, &interrupted).map_err(Failure::other)?;
+    accumulate(&mut job, &settings, arguments.seconds, &interrupted).map_err(Failure::other)?;
     let film = job.film().map_err(Failure::other)?;
     let seconds = started.elapsed().as_secs_f64();
     let mut channels = Vec::new();
@@ -214,16 +224,16 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     if film.non_finite() > 0 {
         eprintln!("warning: {} samples were not finite and were left out", film.non_finite());
     }
-    let complete = film.samples == settings.samples;
+    let cut_short = film.samples < settings.samples && interrupted.load(Ordering::SeqCst);
     eprintln!(
         "{}wrote {} after {} of {} samples in {seconds:.1} s ({:.2} samples/s)",
-        if complete { "" } else { "interrupted: " },
+        if cut_short { "interrupted: " } else { "" },
         output.display(),
         film.samples,
         settings.samples,
         f64::from(film.samples) / seconds,
     );
-    Ok(if complete { DONE } else { INTERRUPTED })
+    Ok(if cut_short { INTERRUPTED } else { DONE })
 }
 
 /// A flag that Ctrl-C raises; a second Ctrl-C ends the program at once.
@@ -239,8 +249,13 @@ fn watch_interrupts() -> Result<Arc<AtomicBool>, Failure> {
     Ok(flag)
 }
 
-/// Renders until all samples are done or an interrupt comes, and shows how far it is.
-fn accumulate(job: &mut Job, settings: &Settings, interrupted: &AtomicBool) -> Result<(), RenderError> {
+/// Renders until all samples are done, the time is over or an interrupt comes, and shows how far it is.
+fn accumulate(
+    job: &mut Job,
+    settings: &Settings,
+    seconds: Option<f64>,
+    interrupted: &AtomicBool,
+) -> Result<(), RenderError> {
     // Thousandths of a sample, so that a sample that takes long is seen to move.
     let total = u64::from(settings.samples) * 1000;
     let bar = ProgressBar::new(total);
@@ -248,7 +263,11 @@ fn accumulate(job: &mut Job, settings: &Settings, interrupted: &AtomicBool) -> R
         bar.set_style(style.progress_chars("█▉▊▋▌▍▎▏ "));
     }
     let started = Instant::now();
-    while job.samples_done() < f64::from(settings.samples) && !interrupted.load(Ordering::SeqCst) {
+    let over = |job: &Job| {
+        let late = seconds.is_some_and(|seconds| started.elapsed().as_secs_f64() >= seconds);
+        interrupted.load(Ordering::SeqCst) || late && job.samples_done() >= 1.0
+    };
+    while job.samples_done() < f64::from(settings.samples) && !over(job) {
         job.advance(settings.samples)?;
         let done = job.samples_done();
         bar.set_position((done * 1000.0) as u64);
