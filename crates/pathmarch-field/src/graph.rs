@@ -102,7 +102,8 @@ impl Leaf {
             Turn::None => offset,
             Turn::Scaled => offset * N::constant(1.0 / self.scale),
             Turn::Turned => {
-                let [x, y, z] = self.local_from_world().map(|row| Vec3::constant(row).dot(offset));
+                let inverse = N::constant(1.0 / self.scale);
+                let [x, y, z] = self.axes.map(|axis| Vec3::constant(axis).dot(offset) * inverse);
                 Vec3::new(x, y, z)
             }
         }

@@ -6,8 +6,8 @@ use crate::transport::path;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Pixels along a tile's edge: enough paths to keep eight lanes full for all bounces, few enough for all cores.
-const TILE: u32 = 32;
+/// Pixels along a tile's edge: enough paths to keep eight lanes full for most bounces, few enough for the caches.
+const TILE: u32 = 16;
 
 /// A picture being rendered on the CPU.
 pub(crate) struct CpuJob {
