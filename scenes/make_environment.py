@@ -43,8 +43,8 @@ def smoothstep(low, high, x):
 def backdrop(y):
     """The room without its lights; y is the upward component of the direction."""
     if y < 0.0:
-        return mix((0.16, 0.12, 0.11), (0.035, 0.03, 0.035), min(-y * 2.0, 1.0))
-    return mix((0.34, 0.25, 0.23), (0.03, 0.045, 0.09), smoothstep(0.0, 0.8, y))
+        return mix((0.12, 0.1, 0.1), (0.02, 0.02, 0.025), min(-y * 2.0, 1.0))
+    return mix((0.16, 0.13, 0.13), (0.02, 0.03, 0.06), smoothstep(0.0, 0.6, y))
 
 
 def radiance(d):
