@@ -44,7 +44,7 @@ pub(crate) struct Frame {
     pub(crate) height: u32,
     pub(crate) bounces: u32,
     pub(crate) seed: u32,
-    /// The largest contribution of light that bounced, W/(m² sr); infinite where none is set.
+    /// The largest contribution of light that bounced, W/(m² sr); 1e30 where none is set.
     pub(crate) clamp: f32,
     /// Lights that are suns; they come first.
     pub(crate) sun_count: u32,
@@ -171,6 +171,8 @@ pub(crate) struct Prepared {
 const TOLERANCE_PIXELS: f32 = 0.1;
 /// About four times the rounding of an `f32` coordinate.
 const ROUNDING: f32 = 4e-7;
+/// More than any contribution that is kept.
+const NO_CLAMP: f32 = 1e30;
 /// Rays end this many scene sizes away; an endless plane ends there.
 const FAR_SIZES: f32 = 2000.0;
 /// Stands for infinity in the scene's box, so that no product with it is undefined.
@@ -223,7 +225,7 @@ impl Prepared {
             height,
             bounces: settings.bounces,
             seed: settings.seed,
-            clamp: settings.clamp.unwrap_or(f32::INFINITY),
+            clamp: settings.clamp.unwrap_or(NO_CLAMP),
             sun_count: lights.iter().filter(|light| light.is_sun()).count() as u32,
             sampler: settings.sampler as u32,
             sky_width: texels.0,

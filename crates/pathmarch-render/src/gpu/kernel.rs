@@ -1,12 +1,12 @@
 //! The whole kernel of a scene as text: the fixed parts, the scene's field, its materials, and what it needs of the
 //! estimator as constants, so that a scene pays for nothing that it does not use.
 
-use crate::frame::{Features, Prepared};
-use crate::transport;
+use crate::frame::{EMITS, Features, Prepared};
+use crate::transport::{self, lights};
 use pathmarch_field::wgsl::{MAX_UNIFORM_VECTORS, Program};
 use pathmarch_scene::materials::{self, albedo};
 use std::collections::BTreeSet;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// The kernel, in WGSL.
 pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
@@ -29,7 +29,6 @@ pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
 
 fn constants(prepared: &Prepared) -> String {
     let Features { absorption, transmission, chooses_lobes, fast_caustics, penumbra, light_search } = prepared.features;
-    let (search, sampler) = (light_search as u32, prepared.frame.sampler);
     let near_misses = if penumbra {
         transport::PENUMBRA
     } else {
@@ -37,12 +36,37 @@ fn constants(prepared: &Prepared) -> String {
     };
     let (sky, sky_table, ggx_table) = (prepared.sky.form(), prepared.sky_table, prepared.ggx_table);
     let (roughnesses, cosines) = (albedo::ROUGHNESSES, albedo::COSINES);
-    format!(
-        "\nconst ABSORPTION = {absorption};\nconst TRANSMISSION = {transmission};\nconst CHOOSES_LOBES = {chooses_lobes};\n\
-         const FAST_CAUSTICS = {fast_caustics};\nconst PENUMBRA = {penumbra};\nconst LIGHT_SEARCH = {search}u;\nconst SAMPLER = {sampler}u;\nconst SKY = {sky}u;\n\
-         const SKY_TABLE = {sky_table}u;\nconst GGX_TABLE = {ggx_table}u;\nconst GGX_ROUGHNESSES = {roughnesses}u;\n\
-         const GGX_COSINES = {cosines}u;\n\n{near_misses}"
-    )
+    let mut code = String::from("\n");
+    let mut constant = |name: &str, value: &dyn Display| {
+        writeln!(code, "const {name} = {value};").expect("writing to a string");
+    };
+    for (name, value) in [
+        ("ABSORPTION", absorption),
+        ("TRANSMISSION", transmission),
+        ("CHOOSES_LOBES", chooses_lobes),
+        ("FAST_CAUSTICS", fast_caustics),
+        ("PENUMBRA", penumbra),
+        ("HAS_EMITTERS", prepared.materials.iter().any(|material| material.flags & EMITS != 0)),
+        ("HAS_LIGHTS", !prepared.lights.is_empty()),
+        ("HAS_SURFACE_LIGHTS", prepared.lights.iter().any(|light| light.emitting_leaf().is_some())),
+    ] {
+        constant(name, &value);
+    }
+    for (kind, name) in (0..).zip(lights::KIND_NAMES) {
+        constant(&format!("HAS_{name}"), &prepared.lights.iter().any(|light| light.kind() == kind));
+    }
+    for (name, value) in [
+        ("LIGHT_SEARCH", light_search as u32),
+        ("SAMPLER", prepared.frame.sampler),
+        ("SKY", sky),
+        ("SKY_TABLE", sky_table as u32),
+        ("GGX_TABLE", ggx_table as u32),
+        ("GGX_ROUGHNESSES", roughnesses as u32),
+        ("GGX_COSINES", cosines as u32),
+    ] {
+        constant(name, &format_args!("{value}u"));
+    }
+    code + "\n" + near_misses
 }
 
 /// The functions of the materials in use, and the choice among them.

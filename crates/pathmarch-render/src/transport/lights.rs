@@ -54,6 +54,11 @@ impl LightRecord {
         (self.kind > SUN && self.kind != ENVIRONMENT).then_some(self.leaf)
     }
 
+    /// Its kind, the index into [`KIND_NAMES`].
+    pub(crate) fn kind(&self) -> u32 {
+        self.kind
+    }
+
     /// Whether it is a sun.
     pub(crate) fn is_sun(&self) -> bool {
         self.kind == SUN
@@ -70,6 +75,9 @@ const BOX: u32 = 5;
 const BOUNDED: u32 = 6;
 /// The sky's picture.
 const ENVIRONMENT: u32 = 7;
+
+/// The names of the kinds in the constants of the kernel, in their order.
+pub(crate) const KIND_NAMES: [&str; 8] = ["POINT", "SUN", "SPHERE", "RECT", "DISC", "BOX", "BOUNDED", "ENVIRONMENT"];
 
 /// Light that arrives at a point if nothing is in its way.
 pub(crate) struct LightSample {

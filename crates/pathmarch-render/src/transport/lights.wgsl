@@ -56,35 +56,38 @@ fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
     let power = light.power / light.probability;
     let offset = light.place - p;
     let square = dot(offset, offset);
-    if light.kind == POINT {
+    if HAS_POINT && light.kind == POINT {
         let distance = sqrt(square);
         return LightSample(offset / distance, distance, power / square, 0.0, NO_TARGET, light.penumbra);
     }
-    if light.kind == SUN {
+    if HAS_SUN && light.kind == SUN {
         let direction = cone_direction(light.place, light.extent, position);
         let pdf = select(0.0, light.probability / (6.2831853 * light.extent), light.extent > 0.0);
         return LightSample(direction, AT_INFINITY, power * (2.0 / (2.0 - light.extent)), pdf, NO_TARGET, light.penumbra);
     }
-    if light.kind == ENVIRONMENT {
+    if HAS_ENVIRONMENT && light.kind == ENVIRONMENT {
         let sample = environment_sample(position);
         // The density holds the choice of the light already.
         let irradiance = select(vec3f(0.0), sample.radiance / sample.pdf, sample.pdf > 0.0);
         return LightSample(sample.direction, AT_INFINITY, irradiance, sample.pdf, NO_TARGET, 0.0);
     }
-    if light.kind == SPHERE || light.kind == BOUNDED {
+    if (HAS_SPHERE || HAS_BOUNDED) && (light.kind == SPHERE || light.kind == BOUNDED) {
         let open = cone_of_sphere(square, light.extent);
         let axis = select(vec3f(0.0, 1.0, 0.0), offset * inverseSqrt(max(square, 1e-30)), square > 1e-30);
         let direction = cone_direction(axis, open, position);
         let pdf = 1.0 / (6.2831853 * open);
         var distance = AT_INFINITY;
         var leaf = light.leaf;
-        if light.kind == SPHERE {
+        if HAS_SPHERE && light.kind == SPHERE {
             distance = sphere_entry(offset, direction, light.extent) * SHORT_OF_LIGHT;
             leaf = NO_TARGET;
         }
         return LightSample(direction, distance, power / pdf, pdf * light.probability, leaf, 0.0);
     }
-    return area_sample(light, p, power, position);
+    if HAS_RECT || HAS_DISC || HAS_BOX {
+        return area_sample(light, p, power, position);
+    }
+    return LightSample(vec3f(0.0), 0.0, vec3f(0.0), 0.0, NO_TARGET, 0.0);
 }
 
 /// 1 - cosine of the half angle of the cone that a sphere fills; 2, all directions, from within.
@@ -114,15 +117,15 @@ fn area_sample(light: Light, p: vec3f, power: vec3f, position: vec2f) -> LightSa
     var point = light.place;
     var normal = light.y;
     var area = 0.0;
-    if light.kind == RECT {
+    if HAS_RECT && light.kind == RECT {
         point += light.x * (2.0 * position.x - 1.0) + light.z * (2.0 * position.y - 1.0);
         area = 4.0 * length(light.x) * length(light.z);
-    } else if light.kind == DISC {
+    } else if HAS_DISC && light.kind == DISC {
         let radius = light.extent * sqrt(position.x);
         let angle = 6.2831853 * position.y;
         point += light.x * (radius * cos(angle)) + light.z * (radius * sin(angle));
         area = 3.14159265 * light.extent * light.extent;
-    } else {
+    } else if HAS_BOX {
         let areas = box_areas(light, p);
         area = areas.w;
         let sum = areas.x + areas.y + areas.z;
@@ -183,7 +186,7 @@ fn box_areas(light: Light, p: vec3f) -> vec4f {
 /// Density over solid angle with which `light_sample` gives the direction from `p` in which a ray met the light.
 fn light_pdf(light: Light, p: vec3f, reached: vec3f, cosine: f32) -> f32 {
     let t = distance(p, reached);
-    if light.kind == SPHERE || light.kind == BOUNDED {
+    if (HAS_SPHERE || HAS_BOUNDED) && (light.kind == SPHERE || light.kind == BOUNDED) {
         let offset = light.place - p;
         let open = cone_of_sphere(dot(offset, offset), light.extent);
         // A blend may carry the light's material beyond its sphere.
@@ -191,11 +194,11 @@ fn light_pdf(light: Light, p: vec3f, reached: vec3f, cosine: f32) -> f32 {
         return select(light.probability / (6.2831853 * open), 0.0, outside);
     }
     var area = 0.0;
-    if light.kind == RECT {
+    if HAS_RECT && light.kind == RECT {
         area = 4.0 * length(light.x) * length(light.z);
-    } else if light.kind == DISC {
+    } else if HAS_DISC && light.kind == DISC {
         area = 3.14159265 * light.extent * light.extent;
-    } else {
+    } else if HAS_BOX {
         area = box_areas(light, p).w;
     }
     return light.probability * t * t / (area * max(cosine, 1e-6));
@@ -226,6 +229,9 @@ fn sampled_weight(light_pdf: f32, scatter_pdf: f32) -> f32 {
 /// Radiance of the suns' discs in the direction of a ray of this density, weighed.
 fn suns_beyond(direction: vec3f, scatter_pdf: f32) -> vec3f {
     var radiance = vec3f(0.0);
+    if !HAS_SUN {
+        return radiance;
+    }
     for (var k = 0u; k < frame.sun_count; k++) {
         let x = lights[k].extent;
         let offset = direction - lights[k].place;

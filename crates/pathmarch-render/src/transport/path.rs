@@ -61,7 +61,7 @@ fn limited(prepared: &Prepared, contribution: Vec3, bounces: u32) -> Vec3 {
     if bounces == 0 {
         return contribution;
     }
-    contribution * (prepared.frame.clamp / contribution.max_element().max(1e-30)).min(1.0)
+    contribution * (prepared.frame.clamp / contribution.max_element().max(prepared.frame.clamp))
 }
 
 /// The radiance of one sample of each of these pixels.

@@ -100,7 +100,7 @@ fn limited(contribution: vec3f, bounces: u32) -> vec3f {
     if bounces == 0u {
         return contribution;
     }
-    return contribution * min(frame.clamp / max(largest(contribution), 1e-30), 1.0);
+    return contribution * (frame.clamp / max(largest(contribution), frame.clamp));
 }
 
 /// What a medium leaves of light over a length.
@@ -157,14 +157,14 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         let normal = select(outward, -outward, inside);
         let m = leaf.material;
         let flags = materials[m].flags;
-        if (flags & EMITS) != 0u {
+        if HAS_EMITTERS && (flags & EMITS) != 0u {
             let light = leaf.flags >> LIGHT_SHIFT;
             let seen = (leaf.flags & SHEET) == 0u || dot(normal, leaf.facing) > 0.0;
             // Shadow rays have brought it already.
             let counted = FAST_CAUSTICS && passing && light > 0u;
             if seen && !counted {
                 var weight = 1.0;
-                if light > 0u {
+                if HAS_SURFACE_LIGHTS && light > 0u {
                     let cosine = abs(dot(normal, ray.direction));
                     weight = met_weight(scatter_pdf, light_pdf(lights[light - 1u], reference, reached, cosine));
                 }
@@ -184,7 +184,7 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         let beyond = medium_beyond(medium, materials[m].absorption, inside);
         let pair = PAIR_SURFACE + PAIRS_PER_SURFACE * surface_index;
         let choice = random_pair(random, pair + PAIR_CHOICE);
-        if frame.light_count > 0u && (flags & DELTA) == 0u {
+        if HAS_LIGHTS && (flags & DELTA) == 0u {
             reference = select(p + away, p, transmits);
             let light = light_sample(reference, choice.x, random_pair(random, pair + PAIR_LIGHT));
             let wi = light.direction * world_from_local;

@@ -22,13 +22,13 @@ fn light_through(start: Ray, before: f32, light: LightSample, scatter_pdf: f32, 
         if obstacle < 0.0 {
             return select(vec3f(0.0), passed * weight, light.target_leaf == NO_TARGET);
         }
-        if light.target_leaf == NO_TARGET && !FAST_CAUSTICS {
+        if (!HAS_BOUNDED || light.target_leaf == NO_TARGET) && !FAST_CAUSTICS {
             return vec3f(0.0);
         }
         let reached = ray.origin + ray.direction * obstacle;
         let met = surface(reached, hit.direct, seed);
         let leaf = leaves[met.leaf];
-        if met.leaf == light.target_leaf {
+        if HAS_BOUNDED && met.leaf == light.target_leaf {
             // A sheet's gradient points to the side it is seen from.
             let seen = (leaf.flags & SHEET) == 0u || dot(ray.direction, leaf.facing) < 0.0;
             return select(vec3f(0.0), passed * weight, seen);
