@@ -255,21 +255,21 @@ impl Prepared {
         };
         let leaves = scene.field.leaves().iter().enumerate().map(record).collect();
         let materials: Vec<_> = scene.materials.iter().map(MaterialRecord::new).collect();
+        let bsdfs: Vec<_> = scene.materials.iter().map(|material| material.kind.bsdf).collect();
         let any = |flag: u32| materials.iter().any(|material| material.flags & flag != 0);
         let features = Features {
             absorption: materials.iter().any(|material| material.absorption != [0.0; 3]),
             transmission: any(TRANSMITS),
-            chooses_lobes: scene.materials.iter().any(|material| material.kind.bsdf.is_some_and(|b| b.chooses_lobes)),
+            chooses_lobes: bsdfs.iter().flatten().any(|bsdf| bsdf.chooses_lobes),
             fast_caustics: settings.caustics == Caustics::Fast && any(TRANSMITS),
             penumbra: lights.iter().any(|light| light.penumbra > 0.0),
             light_search: settings.light_search,
         };
-        let bsdfs = scene.materials.iter().map(|material| material.kind.bsdf).collect();
         let mut tables: Vec<u32> = Vec::new();
         let sky_table = tables.len();
         tables.extend(sky.tables());
         let ggx_table = tables.len();
-        if scene.materials.iter().any(|material| material.kind.name == "principled") {
+        if bsdfs.iter().flatten().any(|bsdf| bsdf.reads_albedos) {
             tables.extend(albedo::table().iter().flatten().map(|value| value.to_bits()));
         }
         Self {

@@ -1,8 +1,8 @@
-//! Lights, sampled at every hit (next-event estimation; Kajiya 1986, "The Rendering Equation"): points, suns, and every
+//! Lights, sampled at every hit (next-event estimation; Kajiya 1986, "The Rendering Equation"): points, suns, every
 //! object that emits, and the sky where it is a picture.
 //!
 //! One light is chosen for each hit through an alias table, with a probability after its
-//! irradiance at the middle of the scene, so that many lights cost what one does. A sphere is sampled uniformly in the
+//! irradiance at the middle of the scene, so that the choice among many costs what one does. A sphere is sampled uniformly in the
 //! cone it fills (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"), a
 //! rectangle, a disc and the visible faces of a box by area; any other shape by the cone of its bounding sphere, where the
 //! ray then meets it or not. The same lights are found by scattered rays; both are weighed by the power heuristic (Veach
@@ -103,7 +103,8 @@ fn one_minus_cosine(diameter_degrees: f32) -> f32 {
     2.0 * half.sin() * half.sin()
 }
 
-fn luminance([r, g, b]: [f32; 3]) -> f32 {
+/// Luminance of linear Rec. 709.
+pub(crate) fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 

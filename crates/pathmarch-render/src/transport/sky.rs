@@ -8,7 +8,7 @@
 //! which is as good where light comes from everywhere.
 
 use super::alias::{self, Alias};
-use super::lights::met_weight;
+use super::lights::{luminance, met_weight};
 use crate::settings::LightSearch;
 use glam::Vec3;
 use pathmarch_scene::{Environment, Scene, Sky as Source};
@@ -38,10 +38,6 @@ struct Cells {
     columns: Vec<Alias>,
     /// Integral of luminance over all directions.
     total: f64,
-}
-
-fn luminance([r, g, b]: [f32; 3]) -> f32 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 impl Sky {
@@ -78,12 +74,12 @@ impl Sky {
 
     /// Radiance that a ray of this density found, weighed.
     pub(crate) fn found(&self, search: LightSearch, direction: Vec3, scatter_pdf: f32) -> Vec3 {
-        let radiance = Vec3::from(self.source.radiance(direction.into()));
         match &self.source {
             Source::Map(environment) if self.density > 0.0 => {
-                radiance * met_weight(search, scatter_pdf, self.density * corners(environment, direction))
+                let (radiance, around) = around(environment, direction);
+                radiance * met_weight(search, scatter_pdf, self.density * around)
             }
-            _ => radiance,
+            source => Vec3::from(source.radiance(direction.into())),
         }
     }
 
@@ -108,8 +104,8 @@ impl Sky {
         let (x, y, z) = (radius * sine, 1.0 - 2.0 * q, -radius * cosine);
         let (s, c) = environment.rotate.rem_euclid(360.0).to_radians().sin_cos();
         let direction = Vec3::new(x * c + z * s, y, z * c - x * s).normalize();
-        let radiance = Vec3::from(environment.radiance(direction.into()));
-        Some(EnvironmentSample { direction, radiance, pdf: self.density * corners(environment, direction) })
+        let (radiance, around) = around(environment, direction);
+        Some(EnvironmentSample { direction, radiance, pdf: self.density * around })
     }
 
     /// The alias tables as the kernel reads them.
@@ -127,10 +123,10 @@ impl Sky {
     }
 }
 
-/// The mean luminance of the four texels around a direction.
-fn corners(environment: &Environment, direction: Vec3) -> f32 {
-    let (_, corners) = environment.around(direction.into());
-    0.25 * corners.map(luminance).iter().sum::<f32>()
+/// Radiance of a direction, and the mean luminance of the four texels around it.
+fn around(environment: &Environment, direction: Vec3) -> (Vec3, f32) {
+    let (radiance, corners) = environment.around(direction.into());
+    (radiance.into(), 0.25 * corners.map(luminance).iter().sum::<f32>())
 }
 
 impl Cells {
@@ -205,7 +201,7 @@ mod tests {
             let d = Vec3::new(radius * cosine, y, radius * sine);
             let (row, column) = bin(d);
             expected[row][column] +=
-                f64::from(sky.density * corners(environment, d)) * 4.0 * std::f64::consts::PI / (FINE * FINE) as f64;
+                f64::from(sky.density * around(environment, d).1) * 4.0 * std::f64::consts::PI / (FINE * FINE) as f64;
         }
         for (counted, expected) in counted.iter().flatten().zip(expected.iter().flatten()) {
             assert!((counted - expected).abs() < 0.002 + 0.03 * expected, "{counted} {expected}");

@@ -203,19 +203,29 @@ pub(crate) fn missing_arguments(node: &Node, usage: &str, report: &mut Report) {
     report.add(mistake);
 }
 
-/// Exactly `K` numbers and nothing else; `usage` is as in "`at x y z`".
-pub(crate) fn numbers<const K: usize>(node: &Node, usage: &str, range: Range, report: &mut Report) -> Option<[f32; K]> {
+/// Exactly `K` arguments and nothing else, each as `read` reads it; it is given the name of what it reads.
+fn exactly<const K: usize, T>(
+    node: &Node,
+    usage: &str,
+    report: &mut Report,
+    read: impl Fn(&Entry, &str, &mut Report) -> Option<T>,
+) -> Option<[T; K]> {
     let what = format!("`{}`", node.name.value);
     properties(node, &[], report);
     no_children(node, report);
     let entries = arguments(node, K, usage, report);
-    let values: Vec<Option<f32>> = entries.iter().map(|entry| in_range(entry, &what, range, report)).collect();
+    let values: Vec<Option<T>> = entries.iter().map(|entry| read(entry, &what, report)).collect();
     if values.len() < K {
         missing_arguments(node, usage, report);
         return None;
     }
-    let values: Vec<f32> = values.into_iter().collect::<Option<_>>()?;
+    let values: Vec<T> = values.into_iter().collect::<Option<_>>()?;
     values.try_into().ok()
+}
+
+/// Exactly `K` numbers and nothing else; `usage` is as in "`at x y z`".
+pub(crate) fn numbers<const K: usize>(node: &Node, usage: &str, range: Range, report: &mut Report) -> Option<[f32; K]> {
+    exactly(node, usage, report, |entry, what, report| in_range(entry, what, range, report))
 }
 
 /// Exactly `K` whole numbers and nothing else.
@@ -225,17 +235,7 @@ pub(crate) fn whole_numbers<const K: usize>(
     range: (u32, u32),
     report: &mut Report,
 ) -> Option<[u32; K]> {
-    let what = format!("`{}`", node.name.value);
-    properties(node, &[], report);
-    no_children(node, report);
-    let entries = arguments(node, K, usage, report);
-    let values: Vec<Option<u32>> = entries.iter().map(|entry| whole(entry, &what, range, report)).collect();
-    if values.len() < K {
-        missing_arguments(node, usage, report);
-        return None;
-    }
-    let values: Vec<u32> = values.into_iter().collect::<Option<_>>()?;
-    values.try_into().ok()
+    exactly(node, usage, report, |entry, what, report| whole(entry, what, range, report))
 }
 
 /// One of the things in `all`, by the name that is a node's only argument; `what` as in "There is no …".

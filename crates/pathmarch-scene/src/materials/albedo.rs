@@ -5,7 +5,7 @@
 //! numbers for each cosine and roughness are exact for every colour (Karis 2013, "Real Shading in Unreal Engine 4", stores
 //! the same split). Computed once, when first asked for, in about ten milliseconds.
 
-use super::microfacet::{fifth_power, reflect, stretched, visible_normal};
+use super::microfacet::{fifth_power, reflect, unshadowed, visible_normal};
 use glam::Vec3;
 use std::sync::OnceLock;
 
@@ -41,8 +41,7 @@ pub(super) fn integrate(cosine: f32, alpha: f32, factor: impl Fn(f32) -> f32) ->
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
-        wi.z * (o + wo.z) / (wi.z * o + wo.z * i) * factor(wo.dot(h))
+        unshadowed(wo, wi, alpha) * factor(wo.dot(h))
     };
     (0..SAMPLES * SAMPLES).map(facet).sum::<f32>() / (SAMPLES * SAMPLES) as f32
 }

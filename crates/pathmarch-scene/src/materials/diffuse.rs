@@ -31,6 +31,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         is_delta: |_| false,
         transmits: |_| false,
         chooses_lobes: false,
+        reads_albedos: false,
         eval,
         sample,
         wgsl: include_str!("diffuse.wgsl"),

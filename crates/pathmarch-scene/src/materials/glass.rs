@@ -10,7 +10,7 @@
 //! `roughness` below 0.01, or an `ior` within 0.001 of 1, is perfectly smooth.
 
 use super::microfacet::{
-    MIRROR_ALPHA, fresnel, reflect, reflection, refract, refracting_normal, refraction_pdf, stretched, unhidden,
+    MIRROR_ALPHA, fresnel, reflect, reflection, refract, refracting_normal, refraction_pdf, unhidden, unshadowed,
     visible_normal,
 };
 use super::{Bsdf, Eval, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, ior, roughness};
@@ -56,6 +56,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         is_delta: |numbers| numbers[3] < MIRROR_ALPHA,
         transmits: |_| true,
         chooses_lobes: true,
+        reads_albedos: false,
         eval,
         sample,
         wgsl: include_str!("glass.wgsl"),
@@ -96,10 +97,8 @@ fn sample(numbers: &Numbers, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -
         if wi.z <= 0.0 {
             return None;
         }
-        let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
-        let unshadowed = wi.z * (o + wo.z) / (wi.z * o + wo.z * i);
         let (_, pdf) = reflection(wo, wi, h, alpha);
-        return Some(Scattered { wi, weight: Vec3::splat(unshadowed), pdf: reflected * pdf, eta: 1.0 });
+        return Some(Scattered { wi, weight: Vec3::splat(unshadowed(wo, wi, alpha)), pdf: reflected * pdf, eta: 1.0 });
     }
     let wi = refract(wo, h, eta);
     if wi.z >= 0.0 {

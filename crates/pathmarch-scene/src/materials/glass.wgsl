@@ -38,10 +38,7 @@ fn glass_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
         if wi.z <= 0.0 {
             return ABSORBED;
         }
-        let o = stretched(wo, a.w);
-        let i = stretched(wi, a.w);
-        let unshadowed = wi.z * (o + wo.z) / (wi.z * o + wo.z * i);
-        return Scattered(wi, reflected * microfacet_reflection(wo, wi, h, a.w).y, vec3f(unshadowed), 1.0);
+        return Scattered(wi, reflected * microfacet_reflection(wo, wi, h, a.w).y, vec3f(unshadowed(wo, wi, a.w)), 1.0);
     }
     let wi = refracted(wo, h, eta);
     if wi.z >= 0.0 {

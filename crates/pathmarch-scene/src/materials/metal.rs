@@ -2,7 +2,7 @@
 //! from `metal` at normal incidence to `edge` at grazing. Light that would bounce between the facets is lost: at
 //! roughness 1 up to half of it (`principled` makes up for it). A `roughness` below 0.01 is a perfect mirror.
 
-use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, stretched, visible_normal};
+use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
 use super::{Bsdf, Eval, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, roughness};
 use glam::Vec3;
 
@@ -43,6 +43,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         is_delta: |numbers| numbers[3] < MIRROR_ALPHA,
         transmits: |_| false,
         chooses_lobes: false,
+        reads_albedos: false,
         eval,
         sample,
         wgsl: include_str!("metal.wgsl"),
@@ -75,7 +76,5 @@ fn sample(numbers: &Numbers, wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Op
         return None;
     }
     let (_, pdf) = reflection(wo, wi, h, alpha);
-    let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
-    let unshadowed = wi.z * (o + wo.z) / (wi.z * o + wo.z * i);
-    Some(Scattered { wi, weight: fresnel(numbers, wo.dot(h)) * unshadowed, pdf, eta: 1.0 })
+    Some(Scattered { wi, weight: fresnel(numbers, wo.dot(h)) * unshadowed(wo, wi, alpha), pdf, eta: 1.0 })
 }

@@ -22,8 +22,5 @@ fn metal_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
         return ABSORBED;
     }
     let pdf = microfacet_reflection(wo, wi, h, a.w).y;
-    let o = stretched(wo, a.w);
-    let i = stretched(wi, a.w);
-    let unshadowed = wi.z * (o + wo.z) / (wi.z * o + wo.z * i);
-    return Scattered(wi, pdf, schlick(a.xyz, edge, dot(wo, h)) * unshadowed, 1.0);
+    return Scattered(wi, pdf, schlick(a.xyz, edge, dot(wo, h)) * unshadowed(wo, wi, a.w), 1.0);
 }

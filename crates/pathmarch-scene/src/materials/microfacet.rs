@@ -37,6 +37,13 @@ pub(super) fn reflection(wo: Vec3, wi: Vec3, h: Vec3, alpha: f32) -> (f32, f32) 
     (d * wi.z / (2.0 * (wi.z * o + wo.z * i)).max(1e-20), d / (2.0 * (o + wo.z)))
 }
 
+/// Share of what is reflected from a visible facet into `wi` that nothing shadows: the weight of a sample of a Fresnel factor
+/// of one.
+pub(super) fn unshadowed(wo: Vec3, wi: Vec3, alpha: f32) -> f32 {
+    let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
+    wi.z * (o + wo.z) / (wi.z * o + wo.z * i)
+}
+
 /// Density over solid angle of `wi` where `h` is drawn by [`visible_normal`] and `wo` is refracted by it into a medium of
 /// relative index `eta`.
 pub(super) fn refraction_pdf(wo: Vec3, wi: Vec3, h: Vec3, alpha: f32, eta: f32) -> f32 {

@@ -23,6 +23,13 @@ fn microfacet_reflection(wo: vec3f, wi: vec3f, h: vec3f, alpha: f32) -> vec2f {
     return vec2f(d * wi.z / max(2.0 * (wi.z * o + wo.z * i), 1e-20), d / (2.0 * (o + wo.z)));
 }
 
+/// The weight of a sample of reflection with a Fresnel factor of one.
+fn unshadowed(wo: vec3f, wi: vec3f, alpha: f32) -> f32 {
+    let o = stretched(wo, alpha);
+    let i = stretched(wi, alpha);
+    return wi.z * (o + wo.z) / (wi.z * o + wo.z * i);
+}
+
 fn refraction_pdf(wo: vec3f, wi: vec3f, h: vec3f, alpha: f32, eta: f32) -> f32 {
     let cos_o = dot(wo, h);
     let cos_i = dot(wi, h);

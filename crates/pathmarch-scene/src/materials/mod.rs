@@ -92,6 +92,8 @@ pub struct Bsdf {
     pub transmits: fn(&Numbers) -> bool,
     /// Whether [`sample`](Self::sample) uses its third number.
     pub chooses_lobes: bool,
+    /// Whether its WGSL reads the table of [`albedo`].
+    pub reads_albedos: bool,
     /// The value and density of one direction.
     pub eval: fn(&Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval,
     /// A random direction of three uniform numbers in 0..1, the first two of them its position; `None` where the light

@@ -57,6 +57,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         is_delta: |_| false,
         transmits: |numbers| numbers[TRANSMISSION] * (1.0 - numbers[METALLIC]) > 0.0,
         chooses_lobes: true,
+        reads_albedos: true,
         eval,
         sample,
         wgsl: include_str!("principled.wgsl"),
