@@ -2,9 +2,12 @@
 
 use crate::film::Film;
 use crate::frame::Prepared;
+use crate::tonemap::Display;
 use crate::transport::path;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::time::{Duration, Instant};
+use wide::f32x8;
 
 /// Pixels along a tile's edge: enough paths to keep eight lanes full for most bounces, few enough for the caches.
 const TILE: u32 = 16;
@@ -12,46 +15,133 @@ const TILE: u32 = 16;
 /// A picture being rendered on the CPU.
 pub(crate) struct CpuJob {
     prepared: Prepared,
-    tiles: Vec<Vec<(u32, u32)>>,
+    tiles: Vec<Tile>,
     film: Film,
+    /// Tiles of the sample that is begun which are done.
+    done: usize,
     first_sample: u32,
+}
+
+/// The first row and column of some pixels, and their ends.
+#[derive(Clone, Copy)]
+struct Tile {
+    x: [u32; 2],
+    y: [u32; 2],
+}
+
+impl Tile {
+    fn pixels(self) -> Vec<(u32, u32)> {
+        (self.y[0]..self.y[1]).flat_map(|y| (self.x[0]..self.x[1]).map(move |x| (x, y))).collect()
+    }
+}
+
+fn tiles(width: u32, height: u32) -> Vec<Tile> {
+    let starts = |length: u32| (0..length).step_by(TILE as usize).map(move |at| [at, (at + TILE).min(length)]);
+    starts(height).flat_map(|y| starts(width).map(move |x| Tile { x, y })).collect()
 }
 
 impl CpuJob {
     pub(crate) fn new(prepared: Prepared, first_sample: u32) -> Self {
         let (width, height) = (prepared.frame.width, prepared.frame.height);
-        let tiles = (0..height)
-            .step_by(TILE as usize)
-            .flat_map(|y| (0..width).step_by(TILE as usize).map(move |x| (x, y)))
-            .map(|(x0, y0)| {
-                (y0..(y0 + TILE).min(height)).flat_map(|y| (x0..(x0 + TILE).min(width)).map(move |x| (x, y))).collect()
-            })
-            .collect();
-        Self { prepared, tiles, film: Film::new(width, height), first_sample }
+        Self { prepared, tiles: tiles(width, height), film: Film::new(width, height), done: 0, first_sample }
     }
 
-    /// Renders one more sample of every pixel.
+    /// Starts again with what [`Prepared::reframe`] made of its scene.
+    pub(crate) fn reframe(&mut self, prepared: &Prepared) {
+        let (width, height) = (prepared.frame.width, prepared.frame.height);
+        if (width, height) != (self.film.width, self.film.height) {
+            self.tiles = tiles(width, height);
+        }
+        self.prepared.frame = prepared.frame;
+        self.film = Film::new(width, height);
+        self.done = 0;
+    }
+
+    /// Finishes the sample that is begun, or renders one more, of every pixel.
     pub(crate) fn advance(&mut self) {
-        let sample = self.first_sample + self.film.samples;
-        let rendered: Vec<_> =
-            self.tiles.par_iter().map(|pixels| path::trace(&self.prepared, pixels, sample)).collect();
-        for (pixels, values) in self.tiles.iter().zip(rendered) {
-            for (&(x, y), value) in pixels.iter().zip(values) {
-                let pixel = (y * self.film.width + x) as usize;
-                // As the kernel, so that both leave out the same samples; comparisons with NaN are false.
-                if value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all() {
-                    for (sum, value) in self.film.sums[pixel].iter_mut().zip(value.to_array()) {
-                        *sum += value;
-                    }
-                } else {
-                    self.film.leave_out(pixel, 1);
-                }
+        self.trace(self.tiles.len() - self.done);
+    }
+
+    /// Renders some tiles more, until this much time is over.
+    pub(crate) fn advance_for(&mut self, budget: Duration) {
+        let started = Instant::now();
+        // As many at a time as keep every core busy to the end.
+        let some = 4 * rayon::current_num_threads();
+        loop {
+            self.trace(some);
+            if started.elapsed() >= budget || self.done == 0 {
+                return;
             }
         }
-        self.film.samples += 1;
     }
 
+    /// The next tiles of the sample, at most `count`.
+    fn trace(&mut self, count: usize) {
+        let sample = self.first_sample + self.film.samples;
+        let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];
+        let rendered: Vec<_> = tiles
+            .par_iter()
+            .map(|tile| {
+                let pixels = tile.pixels();
+                let values = path::trace(&self.prepared, &pixels, sample);
+                (pixels, values)
+            })
+            .collect();
+        self.done += rendered.len();
+        for ((x, y), value) in rendered.into_iter().flat_map(|(pixels, values)| pixels.into_iter().zip(values)) {
+            let pixel = (y * self.film.width + x) as usize;
+            // As the kernel, so that both leave out the same samples; comparisons with NaN are false.
+            if value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all() {
+                for (sum, value) in self.film.sums[pixel].iter_mut().zip(value.to_array()) {
+                    *sum += value;
+                }
+            } else {
+                self.film.leave_out(pixel, 1);
+            }
+        }
+        if self.done == self.tiles.len() {
+            self.done = 0;
+            self.film.samples += 1;
+        }
+    }
+
+    /// Samples of every pixel, with a fraction for one that is begun.
+    pub(crate) fn samples_done(&self) -> f64 {
+        f64::from(self.film.samples) + self.done as f64 / self.tiles.len() as f64
+    }
+
+    /// The film; the caller has seen to it that no sample is half done.
     pub(crate) fn film(&self) -> &Film {
         &self.film
+    }
+
+    /// The film so far as the codes of a screen, red, green, blue and 255 for each pixel.
+    pub(crate) fn show(&self, display: &Display) -> Vec<u8> {
+        let mut counts = self.film.sample_counts();
+        for tile in &self.tiles[..self.done] {
+            for (x, y) in tile.pixels() {
+                counts[(y * self.film.width + x) as usize] += 1;
+            }
+        }
+        let mut codes = vec![255; 4 * counts.len()];
+        // Eight pixels to a group, many groups to a task.
+        const TASK: usize = 8 * 256;
+        let films = self.film.sums.par_chunks(TASK).zip(counts.par_chunks(TASK));
+        codes.par_chunks_mut(4 * TASK).zip(films).for_each(|(codes, (sums, counts))| {
+            for ((codes, sums), counts) in codes.chunks_mut(32).zip(sums.chunks(8)).zip(counts.chunks(8)) {
+                let lanes = |channel: usize| {
+                    f32x8::new(std::array::from_fn(|k| {
+                        sums.get(k).zip(counts.get(k)).map_or(0.0, |(sum, &count)| sum[channel] / count.max(1) as f32)
+                    }))
+                };
+                let shown = display.encode_lanes([lanes(0), lanes(1), lanes(2)]).map(f32x8::to_array);
+                for (k, code) in codes.chunks_mut(4).enumerate() {
+                    for channel in 0..3 {
+                        code[channel] = (shown[channel][k] * 255.0).round() as u8;
+                    }
+                }
+            }
+        });
+        codes
     }
 }

@@ -178,9 +178,9 @@ const FAR_SIZES: f32 = 2000.0;
 /// Stands for infinity in the scene's box, so that no product with it is undefined.
 const UNLIMITED: f32 = 1e18;
 
-impl Prepared {
-    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
-        let camera = &scene.cameras[settings.camera];
+impl Frame {
+    fn new(scene: &Scene, settings: &Settings, sky: &Sky, lights: &[LightRecord]) -> Self {
+        let camera = settings.camera_of(scene);
         let bounds = scene.field.marched_bounds();
         let (centre, radius) = extent(scene, camera);
         let [width, height] = settings.size;
@@ -195,8 +195,6 @@ impl Prepared {
         let bounds =
             if bounds.min[0] > bounds.max[0] { Aabb { min: [UNLIMITED; 3], max: [UNLIMITED; 3] } } else { bounds };
         let limited = |v: f32, margin: f32| (v + margin).clamp(-UNLIMITED, UNLIMITED);
-        let mut sky = Sky::new(scene);
-        let lights = lights::records(scene, &mut sky, centre, radius);
         let [zenith, horizon, ground] = match scene.sky {
             Source::Constant(radiance) => [radiance; 3],
             Source::Gradient { zenith, horizon, ground } => [zenith, horizon, ground],
@@ -206,7 +204,7 @@ impl Prepared {
             Source::Map(picture) => ((picture.width, picture.height), picture.rotate.rem_euclid(360.0).to_radians()),
             _ => ((0, 0), 0.0),
         };
-        let frame = Frame {
+        Self {
             position: camera.position,
             lens_radius: camera.lens_radius,
             right: (right * half_height * width as f32 / height as f32).into(),
@@ -238,7 +236,16 @@ impl Prepared {
             sky_sine: turn.sin(),
             sky_cosine: turn.cos(),
             padding: [0; 2],
-        };
+        }
+    }
+}
+
+impl Prepared {
+    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
+        let mut sky = Sky::new(scene);
+        let (centre, radius) = extent(scene, settings.camera_of(scene));
+        let lights = lights::records(scene, &mut sky, centre, radius);
+        let frame = Frame::new(scene, settings, &sky, &lights);
         let light_of_leaf: HashMap<u32, u32> =
             (0..).zip(&lights).filter_map(|(index, light)| Some((light.emitting_leaf()?, index))).collect();
         let direct: Vec<u32> = scene.field.direct_leaves().collect();
@@ -286,6 +293,16 @@ impl Prepared {
             ggx_table,
         }
     }
+
+    /// The same scene with another camera, size, seed, number of bounces or limit; other settings stay as they were.
+    /// False where the scene's lights depend on the camera, so that everything must be prepared anew.
+    pub(crate) fn reframe(&mut self, scene: &Scene, settings: &Settings) -> bool {
+        let same_lights = limited_bounds(scene).is_finite();
+        if same_lights {
+            self.frame = Frame::new(scene, settings, &self.sky, &self.lights);
+        }
+        same_lights
+    }
 }
 
 /// What the solids that hold the camera absorb together, per metre.
@@ -300,14 +317,15 @@ fn medium_at(scene: &Scene, p: [f32; 3]) -> [f32; 3] {
     absorption.fold(Vec3::ZERO, |sum, absorption| sum + absorption).into()
 }
 
+/// The box of what of the scene is limited.
+fn limited_bounds(scene: &Scene) -> Aabb {
+    let bounds = scene.field.object_bounds().iter().filter(|bounds| bounds.is_finite());
+    bounds.fold(Aabb::NOTHING, |all, bounds| all.union(*bounds))
+}
+
 /// Middle and radius of what of the scene is limited; of the camera's view where nothing is.
 fn extent(scene: &Scene, camera: &Camera) -> (Vec3, f32) {
-    let limited = scene
-        .field
-        .object_bounds()
-        .iter()
-        .filter(|bounds| bounds.is_finite())
-        .fold(Aabb::NOTHING, |all, bounds| all.union(*bounds));
+    let limited = limited_bounds(scene);
     if limited.is_finite() {
         let (min, max) = (Vec3::from(limited.min), Vec3::from(limited.max));
         ((min + max) * 0.5, ((max - min).length() * 0.5).max(1e-6))

@@ -17,6 +17,7 @@
 pub mod aov;
 pub mod film;
 pub mod image;
+pub mod live;
 pub mod metrics;
 pub mod tonemap;
 

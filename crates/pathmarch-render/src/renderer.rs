@@ -4,7 +4,7 @@ use crate::cpu::CpuJob;
 use crate::error::RenderError;
 use crate::film::Film;
 use crate::frame::Prepared;
-use crate::gpu::{Device, GpuJob};
+use crate::gpu::{self, Device, GpuJob};
 use crate::settings::{MAX_BOUNCES, Settings};
 use pathmarch_scene::Scene;
 use std::sync::Arc;
@@ -78,7 +78,7 @@ impl Renderer {
         check(scene, settings)?;
         let prepared = Prepared::new(scene, settings);
         if let Some(device) = &self.gpu {
-            match GpuJob::new(device.clone(), &prepared, settings.first_sample) {
+            match GpuJob::new(device.clone(), &prepared, settings.first_sample, gpu::WHOLE) {
                 Ok(job) => return Ok(Job { kind: Kind::Gpu(Box::new(job)), settings: settings.clone() }),
                 Err(error) if self.may_fall_back => {
                     self.notice = Some(error.to_string());
@@ -120,7 +120,7 @@ pub(crate) fn check(scene: &Scene, settings: &Settings) -> Result<(), RenderErro
     if settings.bounces > MAX_BOUNCES {
         return fail(format!("{} bounces: at most {MAX_BOUNCES}", settings.bounces));
     }
-    if settings.camera >= scene.cameras.len() {
+    if settings.viewpoint.is_none() && settings.camera >= scene.cameras.len() {
         return fail(format!("camera {} of {}", settings.camera, scene.cameras.len()));
     }
     Ok(())
@@ -148,7 +148,7 @@ impl Job {
         match &mut self.kind {
             Kind::Gpu(job) => job.advance(samples),
             Kind::Cpu(job) => {
-                if job.film().samples < samples {
+                if job.samples_done() < f64::from(samples) {
                     job.advance();
                 }
                 Ok(())
@@ -159,11 +159,8 @@ impl Job {
     /// Samples of every pixel that are done or on their way, with a fraction for one that is begun.
     pub fn samples_done(&self) -> f64 {
         match &self.kind {
-            Kind::Gpu(job) => {
-                let (samples, rows) = job.submitted();
-                f64::from(samples) + f64::from(rows) / f64::from(self.settings.size[1])
-            }
-            Kind::Cpu(job) => f64::from(job.film().samples),
+            Kind::Gpu(job) => job.samples_done(),
+            Kind::Cpu(job) => job.samples_done(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! What to render of a scene, and how well.
 
-use pathmarch_scene::{Caustics, Sampler, Scene};
+use pathmarch_scene::{Camera, Caustics, Sampler, Scene};
 
 /// The largest number of bounces a path may have.
 pub const MAX_BOUNCES: u32 = 64;
@@ -41,6 +41,8 @@ pub struct Settings {
     pub light_search: LightSearch,
     /// Index into the scene's cameras.
     pub camera: usize,
+    /// A camera that is not in the scene, in place of the scene's.
+    pub viewpoint: Option<Camera>,
 }
 
 impl Settings {
@@ -57,6 +59,15 @@ impl Settings {
             clamp: scene.render.clamp,
             light_search: LightSearch::Both,
             camera: 0,
+            viewpoint: None,
         }
+    }
+
+    /// Where the picture is taken from.
+    ///
+    /// # Panics
+    /// Without a [`viewpoint`](Self::viewpoint), where the scene has no camera of this index.
+    pub fn camera_of<'a>(&'a self, scene: &'a Scene) -> &'a Camera {
+        self.viewpoint.as_ref().unwrap_or_else(|| &scene.cameras[self.camera])
     }
 }

@@ -11,19 +11,49 @@
 //!
 //! **Bad pixels.** NaN and negative radiance map as 0; infinity as a very bright colour. The result is always finite.
 //!
-//! **Cost.** Nine `log2` and `powf` a pixel for AgX: 90 ms a megapixel on one core.
+//! **Once for all.** The curves are written over [`Real`]: the same text gives one pixel of a file, eight pixels side by
+//! side for the window, and the WGSL of the pass that shows a film.
+//!
+//! **Cost.** Nine logarithms and exponentials a pixel for AgX: 90 ms a megapixel on one core, one by one.
 
+use pathmarch_field::number::Real;
+use pathmarch_field::wgsl::Function;
 pub use pathmarch_scene::Tonemap;
+use wide::f32x8;
 
 /// Maps linear Rec. 709 radiance, exposure already applied, to sRGB codes in 0..=1.
 pub fn map(tonemap: Tonemap, linear: [f32; 3]) -> [f32; 3] {
+    codes(tonemap, linear)
+}
+
+/// [`map`] over any number: one pixel, eight, or the text of a WGSL function.
+fn codes<N: Real>(tonemap: Tonemap, linear: [N; 3]) -> [N; 3] {
     let linear = linear.map(defined);
     match tonemap {
         Tonemap::Agx => agx(linear),
         Tonemap::Neutral => neutral(linear),
         Tonemap::Srgb => linear,
     }
-    .map(srgb_encode)
+    .map(encoded)
+}
+
+/// Every curve as a WGSL function `NAME_codes(linear: vec4f) -> vec4f`, and `codes(tonemap, linear)`, which chooses one
+/// by its place in [`Tonemap::ALL`].
+pub(crate) fn wgsl() -> String {
+    let mut text = String::new();
+    let mut choice = String::new();
+    for (k, tonemap) in Tonemap::ALL.into_iter().enumerate() {
+        let name = format!("{}_codes", tonemap.name());
+        choice += &format!("    if tonemap == {k}u {{\n        return {name}(linear);\n    }}\n");
+        let doc = format!("Linear radiance to sRGB codes by the curve `{}`.", tonemap.name());
+        let function = Function { name, doc, parameters: vec![("linear", "vec4f")] };
+        text += &function.print(|inputs| {
+            let [r, g, b] = codes(tonemap, [inputs[0], inputs[1], inputs[2]]);
+            vec![r, g, b, inputs[3]]
+        });
+        text.push('\n');
+    }
+    text + &format!("fn codes(tonemap: u32, linear: vec4f) -> vec4f {{\n{choice}    return linear;\n}}\n")
 }
 
 /// What stands between a linear picture and a screen: a tone curve and an exposure.
@@ -38,20 +68,35 @@ pub struct Display {
 impl Display {
     /// Linear Rec. 709 radiance to sRGB codes in 0..=1.
     pub fn encode(&self, linear: [f32; 3]) -> [f32; 3] {
-        let gain = self.exposure_stops.exp2();
-        map(self.tonemap, linear.map(|channel| channel * gain))
+        map(self.tonemap, linear.map(|channel| channel * self.gain()))
     }
 
     /// The same in 8 bits, rounded to nearest.
     pub fn encode_8bit(&self, linear: [f32; 3]) -> [u8; 3] {
         self.encode(linear).map(|code| (code * 255.0).round() as u8)
     }
+
+    /// [`encode`](Self::encode) for eight pixels, side by side.
+    pub(crate) fn encode_lanes(&self, linear: [f32x8; 3]) -> [f32x8; 3] {
+        let gain = f32x8::splat(self.gain());
+        codes(self.tonemap, linear.map(|channel| channel * gain))
+    }
+
+    /// What radiance is multiplied by.
+    pub(crate) fn gain(&self) -> f32 {
+        self.exposure_stops.exp2()
+    }
 }
 
 /// The sRGB curve (IEC 61966-2-1): linear light to a code. Clamps to 0..=1; NaN gives 0.
 pub fn srgb_encode(linear: f32) -> f32 {
-    let linear = defined(linear).min(1.0);
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    encoded(linear)
+}
+
+fn encoded<N: Real>(linear: N) -> N {
+    let linear = defined(linear).min(N::one());
+    let curved = N::constant(1.055) * power(linear, 1.0 / 2.4) - N::constant(0.055);
+    N::select(N::constant(0.003_130_8).lt(linear), curved, N::constant(12.92) * linear)
 }
 
 /// The inverse of [`srgb_encode`]: a code in 0..=1 to linear light.
@@ -60,13 +105,19 @@ pub fn srgb_decode(code: f32) -> f32 {
     if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }
 
+/// `x`, zero or more, to a power, also where a logarithm of zero is not defined.
+fn power<N: Real>(x: N, exponent: f32) -> N {
+    let least = N::constant(1e-20);
+    N::select(x.lt(least), N::zero(), x.max(least).pow(N::constant(exponent)))
+}
+
 /// The brightest radiance that curves are asked to map; large, and safe to multiply.
 const BRIGHTEST: f32 = 1e18;
 
 /// NaN and negatives to 0, infinity to [`BRIGHTEST`].
-fn defined(channel: f32) -> f32 {
+fn defined<N: Real>(channel: N) -> N {
     // NaN compares false.
-    if channel > 0.0 { channel.min(BRIGHTEST) } else { 0.0 }
+    N::select(N::zero().lt(channel), channel.min(N::constant(BRIGHTEST)), N::zero())
 }
 
 /// Rec. 709 to the AgX working space (rows), and back.
@@ -85,27 +136,29 @@ const AGX_MIN_LOG2: f32 = -12.473_93;
 const AGX_MAX_LOG2: f32 = 4.026_069;
 
 /// AgX, base look; linear light out, in 0..=1.
-fn agx(linear: [f32; 3]) -> [f32; 3] {
+fn agx<N: Real>(linear: [N; 3]) -> [N; 3] {
     let log_encoded = transform(&AGX_INSET, linear).map(|channel| {
-        (channel.log2().clamp(AGX_MIN_LOG2, AGX_MAX_LOG2) - AGX_MIN_LOG2) / (AGX_MAX_LOG2 - AGX_MIN_LOG2)
+        let log2 = channel.max(N::constant(1e-20)).ln() * N::constant(std::f32::consts::LOG2_E);
+        (log2.clamp(N::constant(AGX_MIN_LOG2), N::constant(AGX_MAX_LOG2)) - N::constant(AGX_MIN_LOG2))
+            * N::constant(1.0 / (AGX_MAX_LOG2 - AGX_MIN_LOG2))
     });
     // Through the sigmoid, back to Rec. 709 in codes for a screen of power 2.2, then to the light that such a screen emits.
-    transform(&AGX_OUTSET, log_encoded.map(agx_sigmoid)).map(|code| code.clamp(0.0, 1.0).powf(2.2))
+    transform(&AGX_OUTSET, log_encoded.map(agx_sigmoid)).map(|code| power(code.clamp(N::zero(), N::one()), 2.2))
 }
 
 /// Wrensch's polynomial of sixth order for the AgX contrast curve.
-fn agx_sigmoid(x: f32) -> f32 {
+fn agx_sigmoid<N: Real>(x: N) -> N {
     [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.002_32]
         .into_iter()
-        .fold(0.0, |sum, coefficient| sum * x + coefficient)
+        .fold(N::zero(), |sum, coefficient| sum * x + N::constant(coefficient))
 }
 
-fn transform(rows: &[[f32; 3]; 3], v: [f32; 3]) -> [f32; 3] {
-    rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+fn transform<N: Real>(rows: &[[f32; 3]; 3], v: [N; 3]) -> [N; 3] {
+    rows.map(|row| N::constant(row[0]) * v[0] + N::constant(row[1]) * v[1] + N::constant(row[2]) * v[2])
 }
 
 /// Khronos PBR Neutral; linear light out, in 0..=1.
-fn neutral(linear: [f32; 3]) -> [f32; 3] {
+fn neutral<N: Real>(linear: [N; 3]) -> [N; 3] {
     /// Reflectance at normal incidence of the common dielectric, which the curve takes off again.
     const F90_OFFSET: f32 = 0.04;
     const COMPRESSION_START: f32 = 0.8 - F90_OFFSET;
@@ -113,18 +166,19 @@ fn neutral(linear: [f32; 3]) -> [f32; 3] {
 
     let [r, g, b] = linear;
     let darkest = r.min(g).min(b);
-    let offset = if darkest < 0.08 { darkest - 6.25 * darkest * darkest } else { F90_OFFSET };
+    let all_of_it = N::constant(F90_OFFSET);
+    let offset = N::select(darkest.lt(N::constant(0.08)), darkest - N::constant(6.25) * darkest * darkest, all_of_it);
     let base = linear.map(|channel| channel - offset);
     let peak = base[0].max(base[1]).max(base[2]);
-    if peak < COMPRESSION_START {
-        return base;
-    }
-    let room = 1.0 - COMPRESSION_START;
-    let new_peak = 1.0 - room * room / (peak + room - COMPRESSION_START);
-    let white = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+    let start = N::constant(COMPRESSION_START);
+    let room = N::constant(1.0 - COMPRESSION_START);
+    // The shoulder, which is not used below its start.
+    let over = peak.max(start);
+    let new_peak = N::one() - room * room / (over + room - start);
+    let white = N::one() - N::one() / (N::constant(DESATURATION) * (over - new_peak) + N::one());
     base.map(|channel| {
-        let compressed = channel * (new_peak / peak);
-        compressed + (new_peak - compressed) * white
+        let compressed = channel * (new_peak / over);
+        N::select(peak.lt(start), channel, compressed + (new_peak - compressed) * white)
     })
 }
 

@@ -11,7 +11,8 @@ mod print;
 
 pub use compose::{MAX_UNIFORM_VECTORS, Parameters, Program};
 pub use expr::Expr;
-pub(crate) use print::{Function, identifier};
+pub use print::Function;
+pub(crate) use print::identifier;
 
 use crate::number::{Dual, Vec3};
 

@@ -24,18 +24,18 @@ pub(crate) fn identifier(name: &str) -> String {
 }
 
 /// The signature of a function to be recorded.
-pub(crate) struct Function<'a> {
+pub struct Function<'a> {
     /// Name, already an identifier.
-    pub(crate) name: String,
+    pub name: String,
     /// Documentation, one line.
-    pub(crate) doc: String,
+    pub doc: String,
     /// Parameters as declared: name and type (`f32`, `vec3f`, `vec4f`); the body gets the scalar components in order.
-    pub(crate) parameters: Vec<(&'a str, &'static str)>,
+    pub parameters: Vec<(&'a str, &'static str)>,
 }
 
 impl Function<'_> {
     /// Records `body` and prints it; one output gives an `f32`, four a `vec4f`.
-    pub(crate) fn print(&self, body: impl FnOnce(&[Expr]) -> Vec<Expr>) -> String {
+    pub fn print(&self, body: impl FnOnce(&[Expr]) -> Vec<Expr>) -> String {
         let mut inputs = Vec::new();
         for (name, kind) in &self.parameters {
             let name = identifier(name);

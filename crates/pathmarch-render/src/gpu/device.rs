@@ -1,7 +1,16 @@
 //! Adapters and the device opened on one of them.
 
+use super::compiled::Kernels;
+use super::display::DisplayPass;
 use crate::error::RenderError;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
+use std::time::Duration;
+
+/// Work that takes this long has hung.
+pub(super) const HUNG: Duration = Duration::from_secs(120);
+
+/// The kind of an adapter that runs on the processor.
+const SOFTWARE: &str = "software";
 
 /// One adapter that this machine offers.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,7 +45,7 @@ fn describe(adapter: &wgpu::Adapter) -> AdapterDescription {
             wgpu::DeviceType::DiscreteGpu => "discrete GPU",
             wgpu::DeviceType::IntegratedGpu => "integrated GPU",
             wgpu::DeviceType::VirtualGpu => "virtual GPU",
-            wgpu::DeviceType::Cpu => "software",
+            wgpu::DeviceType::Cpu => SOFTWARE,
             wgpu::DeviceType::Other => "other",
         },
         driver: [info.driver.as_str(), info.driver_info.as_str()].join(" ").trim().to_owned(),
@@ -80,6 +89,9 @@ pub(crate) struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(crate) description: AdapterDescription,
+    /// What has been compiled for it.
+    pub(super) kernels: Kernels,
+    display: OnceLock<DisplayPass>,
     /// The first failure that the device reported on its own.
     failure: Arc<Mutex<Option<String>>>,
 }
@@ -127,7 +139,55 @@ impl Device {
                 keep(&slot, format!("the device was lost: {message}"));
             }
         });
-        Ok(Self { device, queue, description, failure })
+        Ok(Self { device, queue, description, kernels: Kernels::default(), display: OnceLock::new(), failure })
+    }
+
+    /// Whether it runs on the processor.
+    pub(crate) fn is_software(&self) -> bool {
+        self.description.kind == SOFTWARE
+    }
+
+    /// The pass that shows films.
+    pub(super) fn display(&self) -> &DisplayPass {
+        self.display.get_or_init(|| DisplayPass::new(&self.device))
+    }
+
+    /// A buffer, or why there is no room for it.
+    pub(super) fn allocate(&self, descriptor: &wgpu::BufferDescriptor) -> Result<wgpu::Buffer, RenderError> {
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let buffer = self.device.create_buffer(descriptor);
+        match pollster::block_on(memory.pop()) {
+            Some(error) => Err(self.error(error)),
+            None => Ok(buffer),
+        }
+    }
+
+    /// Waits for everything submitted, and hands the first `bytes` bytes of a buffer that can be mapped to `take`.
+    pub(super) fn read<T>(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        take: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, RenderError> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        buffer.slice(..bytes).map_async(wgpu::MapMode::Read, move |result| {
+            // The receiver is gone only if this function has already failed.
+            let _ = sender.send(result);
+        });
+        self.device
+            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(HUNG) })
+            .map_err(|error| self.error(error))?;
+        self.check()?;
+        match receiver.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(self.error(error)),
+            Err(error) => return Err(self.error(error)),
+        }
+        let view = buffer.slice(..bytes).get_mapped_range().map_err(|error| self.error(error))?;
+        let taken = take(&view);
+        drop(view);
+        buffer.unmap();
+        Ok(taken)
     }
 
     /// What the device reported on its own since it was opened, as an error.

@@ -2,26 +2,28 @@
 //!
 //! The kernel ([`super::kernel`]) is printed for the scene. A dispatch computes one sample of
 //! a band of rows; bands and the number of dispatches in a submission adapt so that a submission takes about
-//! [`TARGET`], which keeps displays alive on weak adapters and strong ones busy. Two submissions are in flight.
+//! as long as it is asked to, which keeps displays alive on weak adapters and strong ones busy. Two submissions are in
+//! flight. The camera and the size of the picture may change without a new job.
 
 use super::Device;
-use super::kernel::kernel;
+use super::compiled::{Kernel, Printed};
+use super::device::HUNG;
+use super::display::Screen;
 use crate::error::RenderError;
 use crate::film::Film;
-use crate::frame::Prepared;
+use crate::frame::{Frame, Prepared};
+use crate::tonemap::Display;
 use bytemuck::{Pod, Zeroable};
-use pathmarch_field::wgsl::{MAX_UNIFORM_VECTORS, Program};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use wgpu::util::DeviceExt;
 
-/// Aim for the time of one submission.
-const TARGET: Duration = Duration::from_millis(25);
+/// Aim for the time of one submission where only the picture matters.
+pub(crate) const WHOLE: Duration = Duration::from_millis(25);
+/// Aim for the time of one submission while somebody looks on and may want something else at once.
+pub(crate) const LIVE: Duration = Duration::from_millis(10);
 /// The most dispatches in a submission.
 const MAX_DISPATCHES: usize = 256;
-/// A submission that takes this long has hung.
-const HUNG: Duration = Duration::from_secs(120);
 /// Storage buffers that the kernel binds at most: leaves, materials, lights, film, tables, sky, and the parameters of a
 /// large field.
 pub(crate) const STORAGE_BUFFERS: u32 = 7;
@@ -35,93 +37,122 @@ struct Slice {
     sample: u32,
     first_row: u32,
     rows: u32,
-    padding: u32,
+    first_column: u32,
 }
+
+/// How far the samples of a film are: every pixel has `samples`; those above `row`, and of the eight rows from there
+/// those left of `column`, have one more.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Progress {
+    pub(super) samples: u32,
+    pub(super) row: u32,
+    pub(super) column: u32,
+}
+
+/// Rows of a workgroup.
+const BAND: u32 = 8;
 
 pub(crate) struct GpuJob {
     device: Arc<Device>,
-    pipeline: wgpu::ComputePipeline,
+    kernel: Arc<Kernel>,
     bindings: wgpu::BindGroup,
+    frame: wgpu::Buffer,
     slices: wgpu::Buffer,
     slice_stride: u32,
     film: wgpu::Buffer,
+    screen: Option<Screen>,
     size: [u32; 2],
     first_sample: u32,
-    /// Samples and rows handed to the GPU.
-    submitted: (u32, u32),
-    /// Rows of one sample that take about [`TARGET`].
+    /// What was handed to the GPU.
+    submitted: Progress,
+    /// Aim for the time of one submission.
+    target: Duration,
+    /// Pixels of one sample that take about as long.
     quota: f64,
+    /// With the number of pixels in each.
     in_flight: VecDeque<(wgpu::SubmissionIndex, f64, Instant)>,
     last_completion: Instant,
     pub(crate) compile_time: Duration,
 }
 
+/// Why a picture of this size, or a field of so many shapes, is too large for the device.
+fn check_limits(device: &Device, size: [u32; 2], shapes: usize) -> Result<(), RenderError> {
+    let too_large = |what| Err(RenderError::TooLarge { adapter: device.description.name.clone(), what });
+    let limits = device.device.limits();
+    if film_bytes(size) > limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) {
+        return too_large(format!("a picture of {}x{} pixels", size[0], size[1]));
+    }
+    if shapes > MAX_LEAVES {
+        return too_large(format!("a field of {shapes} shapes (at most {MAX_LEAVES} are compiled)"));
+    }
+    Ok(())
+}
+
+fn film_bytes([width, height]: [u32; 2]) -> u64 {
+    16 * u64::from(width) * u64::from(height)
+}
+
 impl GpuJob {
-    pub(crate) fn new(device: Arc<Device>, prepared: &Prepared, first_sample: u32) -> Result<Self, RenderError> {
+    /// `target` is the aim for the time of one submission: [`WHOLE`] or [`LIVE`].
+    pub(crate) fn new(
+        device: Arc<Device>,
+        prepared: &Prepared,
+        first_sample: u32,
+        target: Duration,
+    ) -> Result<Self, RenderError> {
+        check_limits(&device, [prepared.frame.width, prepared.frame.height], prepared.leaves.len())?;
+        Self::of_printed(device, prepared, &Printed::new(prepared), first_sample, target)
+    }
+
+    /// As [`new`](Self::new), with the kernel's text at hand.
+    pub(crate) fn of_printed(
+        device: Arc<Device>,
+        prepared: &Prepared,
+        printed: &Printed,
+        first_sample: u32,
+        target: Duration,
+    ) -> Result<Self, RenderError> {
         let frame = &prepared.frame;
-        let gpu = &device.device;
-        let limits = gpu.limits();
-        let film_bytes = 16 * u64::from(frame.width) * u64::from(frame.height);
-        if film_bytes > limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) {
-            return Err(RenderError::TooLarge {
-                adapter: device.description.name.clone(),
-                what: format!("a picture of {}x{} pixels", frame.width, frame.height),
-            });
-        }
-        if prepared.leaves.len() > MAX_LEAVES {
-            return Err(RenderError::TooLarge {
-                adapter: device.description.name.clone(),
-                what: format!("a field of {} shapes (at most {MAX_LEAVES} are compiled)", prepared.leaves.len()),
-            });
-        }
-        let program = Program::new(&prepared.field);
+        let size = [frame.width, frame.height];
+        check_limits(&device, size, prepared.leaves.len())?;
         let started = Instant::now();
+        let kernel = device.kernels.compile(&device, printed)?;
+        let gpu = &device.device;
         let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
         let memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let uniform_parameters = program.parameters.len() <= MAX_UNIFORM_VECTORS;
-        let layout = bind_group_layout(gpu, uniform_parameters);
-        let descriptor = wgpu::ShaderModuleDescriptor {
-            label: Some("trace"),
-            source: wgpu::ShaderSource::Wgsl(kernel(prepared, &program).into()),
-        };
-        // SAFETY: every loop of the kernel counts to a constant or to `bounces`, lights or iterations checked on the CPU,
-        // and every index comes from tables built together with it; no text of a user is in it.
-        let module = unsafe { gpu.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) };
-        let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("trace"),
-            layout: Some(&gpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("trace"),
-                bind_group_layouts: &[Some(&layout)],
-                immediate_size: 0,
-            })),
-            module: &module,
-            entry_point: Some("trace"),
-            compilation_options: Default::default(),
-            cache: None,
-        });
         let constant = |label, contents: &[u8], usage| {
             // A binding may not be empty.
             let contents = if contents.is_empty() { &[0; 256] } else { contents };
-            gpu.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+            let size = contents.len() as u64;
+            let usage = usage | wgpu::BufferUsages::COPY_DST;
+            let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            });
+            device.queue.write_buffer(&buffer, 0, contents);
+            buffer
         };
         let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
-        let slice_stride = limits.min_uniform_buffer_offset_alignment.max(16);
+        let copied = wgpu::BufferUsages::COPY_DST;
+        let slice_stride = gpu.limits().min_uniform_buffer_offset_alignment.max(16);
         let slices = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("slices"),
             size: u64::from(slice_stride) * MAX_DISPATCHES as u64,
-            usage: uniform | wgpu::BufferUsages::COPY_DST,
+            usage: uniform | copied,
             mapped_at_creation: false,
         });
         let film = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("film"),
-            size: film_bytes,
-            usage: storage | wgpu::BufferUsages::COPY_SRC,
+            size: film_bytes(size),
+            usage: storage | copied | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let parameters_usage = if uniform_parameters { uniform } else { storage };
-        let buffers = [
-            constant("frame", bytemuck::bytes_of(frame), uniform),
-            constant("parameters", bytemuck::cast_slice(&program.parameters), parameters_usage),
+        let parameters_usage = if printed.is_uniform() { uniform } else { storage };
+        let frame = constant("frame", bytemuck::bytes_of(frame), uniform);
+        let tables = [
+            constant("parameters", bytemuck::cast_slice(&printed.parameters), parameters_usage),
             constant("leaves", bytemuck::cast_slice(&prepared.leaves), storage),
             constant("materials", bytemuck::cast_slice(&prepared.materials), storage),
             constant("lights", bytemuck::cast_slice(&prepared.lights), storage),
@@ -132,17 +163,17 @@ impl GpuJob {
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let bindings = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("trace"),
-            layout: &layout,
+            layout: &kernel.layout,
             entries: &[
-                entry(0, buffers[0].as_entire_binding()),
+                entry(0, frame.as_entire_binding()),
                 entry(1, wgpu::BindingResource::Buffer(slice)),
-                entry(2, buffers[1].as_entire_binding()),
-                entry(3, buffers[2].as_entire_binding()),
-                entry(4, buffers[3].as_entire_binding()),
-                entry(5, buffers[4].as_entire_binding()),
+                entry(2, tables[0].as_entire_binding()),
+                entry(3, tables[1].as_entire_binding()),
+                entry(4, tables[2].as_entire_binding()),
+                entry(5, tables[3].as_entire_binding()),
                 entry(6, film.as_entire_binding()),
-                entry(7, buffers[5].as_entire_binding()),
-                entry(8, buffers[6].as_entire_binding()),
+                entry(7, tables[4].as_entire_binding()),
+                entry(8, tables[5].as_entire_binding()),
             ],
         });
         for scope in [memory, validation] {
@@ -150,33 +181,68 @@ impl GpuJob {
                 return Err(device.error(error));
             }
         }
-        let now = Instant::now();
         let mut job = Self {
             device,
-            pipeline,
+            kernel,
             bindings,
+            frame,
             slices,
             slice_stride,
             film,
-            size: [frame.width, frame.height],
+            screen: None,
+            size,
             first_sample,
-            submitted: (0, 0),
-            quota: 8.0,
+            submitted: Progress::default(),
+            target,
+            quota: f64::from(BAND * 64),
             in_flight: VecDeque::new(),
-            last_completion: now,
+            last_completion: Instant::now(),
             compile_time: Duration::ZERO,
         };
-        // Drivers compile at the first dispatch: make one of no rows.
-        job.submit(&[Slice { sample: 0, first_row: 0, rows: 0, padding: 0 }], 0.0);
-        job.complete_oldest()?;
+        if !job.kernel.is_warm() {
+            // Drivers compile at the first dispatch: make one of no rows.
+            job.submit(&[(Slice { sample: 0, first_row: 0, rows: 0, first_column: 0 }, 1)]);
+            job.complete_oldest()?;
+            job.kernel.set_warm();
+        }
         job.compile_time = started.elapsed();
         Ok(job)
     }
 
-    fn submit(&mut self, slices: &[Slice], rows: f64) {
+    /// Starts again with another camera or a smaller picture of the same scene; false where the film is too small.
+    pub(crate) fn reframe(&mut self, frame: &Frame) -> Result<bool, RenderError> {
+        let size = [frame.width, frame.height];
+        if film_bytes(size) > self.film.size() {
+            return Ok(false);
+        }
+        self.wait()?;
+        self.size = size;
+        self.submitted = Progress::default();
+        self.device.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
+        let mut encoder =
+            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("clear") });
+        encoder.clear_buffer(&self.film, 0, Some(film_bytes(size)));
+        self.device.queue.submit([encoder.finish()]);
+        Ok(true)
+    }
+
+    /// The film so far as the codes of a screen, red, green, blue and 255 for each pixel; waits for what was handed to
+    /// the GPU.
+    pub(crate) fn show(&mut self, display: &Display) -> Result<Vec<u8>, RenderError> {
+        self.wait()?;
+        let pass = self.device.display();
+        if self.screen.is_none() {
+            self.screen = Some(pass.screen(&self.device, &self.film)?);
+        }
+        let Some(screen) = &self.screen else { return Ok(Vec::new()) };
+        pass.show(&self.device, screen, self.size, self.submitted, display)
+    }
+
+    /// Hands over slices, each with its number of columns.
+    fn submit(&mut self, slices: &[(Slice, u32)]) {
         let gpu = &self.device.device;
         let mut bytes = vec![0; self.slice_stride as usize * slices.len()];
-        for (place, slice) in bytes.chunks_mut(self.slice_stride as usize).zip(slices) {
+        for (place, (slice, _)) in bytes.chunks_mut(self.slice_stride as usize).zip(slices) {
             place[..16].copy_from_slice(bytemuck::bytes_of(slice));
         }
         self.device.queue.write_buffer(&self.slices, 0, &bytes);
@@ -184,19 +250,20 @@ impl GpuJob {
         {
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("trace"), timestamp_writes: None });
-            pass.set_pipeline(&self.pipeline);
-            for (k, slice) in slices.iter().enumerate() {
+            pass.set_pipeline(&self.kernel.pipeline);
+            for (k, (slice, columns)) in slices.iter().enumerate() {
                 pass.set_bind_group(0, &self.bindings, &[k as u32 * self.slice_stride]);
-                pass.dispatch_workgroups(self.size[0].div_ceil(8), slice.rows.div_ceil(8).max(1), 1);
+                pass.dispatch_workgroups(columns.div_ceil(8), slice.rows.div_ceil(BAND).max(1), 1);
             }
         }
         let index = self.device.queue.submit([encoder.finish()]);
-        self.in_flight.push_back((index, rows, Instant::now()));
+        let pixels = slices.iter().map(|(slice, columns)| f64::from(slice.rows) * f64::from(*columns)).sum();
+        self.in_flight.push_back((index, pixels, Instant::now()));
     }
 
     /// Waits for the oldest submission and learns from its time.
     fn complete_oldest(&mut self) -> Result<(), RenderError> {
-        let Some((index, rows, submitted)) = self.in_flight.pop_front() else { return Ok(()) };
+        let Some((index, pixels, submitted)) = self.in_flight.pop_front() else { return Ok(()) };
         self.device
             .device
             .poll(wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(HUNG) })
@@ -206,33 +273,53 @@ impl GpuJob {
         // It ran from the completion of the one before, or from its own submission.
         let took = now.duration_since(self.last_completion.max(submitted)).as_secs_f64().max(1e-6);
         self.last_completion = now;
-        if rows > 0.0 {
-            let fitting = rows * TARGET.as_secs_f64() / took;
-            let rows_of_all = f64::from(self.size[1]) * MAX_DISPATCHES as f64;
-            self.quota = fitting.clamp(self.quota * 0.25, self.quota * 4.0).clamp(8.0, rows_of_all);
+        if pixels > 0.0 {
+            let fitting = pixels * self.target.as_secs_f64() / took;
+            let most = f64::from(self.size[0]) * f64::from(self.size[1]) * MAX_DISPATCHES as f64;
+            self.quota = fitting.clamp(self.quota * 0.25, self.quota * 4.0).clamp(f64::from(BAND * 8), most);
         }
         Ok(())
     }
 
-    /// Does about [`TARGET`] of work towards `samples` samples of every pixel.
+    /// The next piece of work of at most about `pixels` pixels: whole workgroups, whole bands where there is room.
+    fn next_slice(&mut self, pixels: f64) -> (Slice, u32) {
+        let [width, height] = self.size;
+        let Progress { samples, row, column } = self.submitted;
+        let slice = |rows: u32| Slice {
+            sample: self.first_sample + samples,
+            first_row: row,
+            rows: rows.min(height - row),
+            first_column: column,
+        };
+        let band = f64::from(width) * f64::from(BAND);
+        let (slice, columns) = if column > 0 || pixels < band {
+            let columns = ((pixels / f64::from(BAND)) as u32).max(1).next_multiple_of(8).min(width - column);
+            (slice(BAND), columns)
+        } else {
+            (slice((pixels / band) as u32 * BAND), width)
+        };
+        let next = &mut self.submitted;
+        next.column = column + columns;
+        if next.column == width {
+            (next.row, next.column) = (row + slice.rows, 0);
+        }
+        if next.row == height {
+            *next = Progress { samples: samples + 1, ..Progress::default() };
+        }
+        (slice, columns)
+    }
+
+    /// Does about a submission of work towards `samples` samples of every pixel.
     pub(crate) fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
         let mut slices = Vec::new();
-        let mut rows_left = self.quota as u32;
-        let (mut sample, mut row) = self.submitted;
-        while rows_left > 0 && sample < samples && slices.len() < MAX_DISPATCHES {
-            // Whole workgroups of eight rows, so that no lane is idle.
-            let rows = rows_left.next_multiple_of(8).min(self.size[1] - row);
-            slices.push(Slice { sample: self.first_sample + sample, first_row: row, rows, padding: 0 });
-            rows_left = rows_left.saturating_sub(rows);
-            row += rows;
-            if row == self.size[1] {
-                (sample, row) = (sample + 1, 0);
-            }
+        let mut left = self.quota;
+        while left > 0.0 && self.submitted.samples < samples && slices.len() < MAX_DISPATCHES {
+            let (slice, columns) = self.next_slice(left);
+            left -= f64::from(slice.rows) * f64::from(columns);
+            slices.push((slice, columns));
         }
         if !slices.is_empty() {
-            let rows = slices.iter().map(|slice| f64::from(slice.rows)).sum();
-            self.submit(&slices, rows);
-            self.submitted = (sample, row);
+            self.submit(&slices);
         }
         while self.in_flight.len() > usize::from(!slices.is_empty()) {
             self.complete_oldest()?;
@@ -240,9 +327,12 @@ impl GpuJob {
         Ok(())
     }
 
-    /// Whole samples handed to the GPU, and rows of the next one.
-    pub(crate) fn submitted(&self) -> (u32, u32) {
-        self.submitted
+    /// Samples of every pixel handed to the GPU, with a fraction for one that is begun.
+    pub(crate) fn samples_done(&self) -> f64 {
+        let [width, height] = self.size.map(f64::from);
+        let Progress { samples, row, column } = self.submitted;
+        let band = f64::from(BAND).min(height - f64::from(row));
+        f64::from(samples) + (f64::from(row) + band * f64::from(column) / width) / height
     }
 
     /// Waits for everything handed to the GPU.
@@ -256,67 +346,24 @@ impl GpuJob {
     /// Reads the film back; the caller has seen to it that no sample is half done.
     pub(crate) fn film(&mut self) -> Result<Film, RenderError> {
         self.wait()?;
-        let gpu = &self.device.device;
-        let memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let copy = gpu.create_buffer(&wgpu::BufferDescriptor {
+        let bytes = film_bytes(self.size);
+        let copy = self.device.allocate(&wgpu::BufferDescriptor {
             label: Some("film copy"),
-            size: self.film.size(),
+            size: bytes,
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,
-        });
-        if let Some(error) = pollster::block_on(memory.pop()) {
-            return Err(self.device.error(error));
-        }
+        })?;
+        let gpu = &self.device.device;
         let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("film copy") });
-        encoder.copy_buffer_to_buffer(&self.film, 0, &copy, 0, self.film.size());
+        encoder.copy_buffer_to_buffer(&self.film, 0, &copy, 0, bytes);
         self.device.queue.submit([encoder.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        copy.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            // The receiver is gone only if this function has already failed.
-            let _ = sender.send(result);
-        });
-        gpu.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(HUNG) })
-            .map_err(|error| self.device.error(error))?;
-        self.device.check()?;
-        match receiver.try_recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(self.device.error(error)),
-            Err(error) => return Err(self.device.error(error)),
-        }
-        let view = copy.slice(..).get_mapped_range().map_err(|error| self.device.error(error))?;
-        let sums: &[[f32; 4]] = bytemuck::cast_slice(&view);
+        let sums: Vec<[f32; 4]> = self.device.read(&copy, bytes, |bytes| bytemuck::cast_slice(bytes).to_vec())?;
         let mut film = Film::new(self.size[0], self.size[1]);
-        film.samples = self.submitted.0;
-        for (pixel, &[r, g, b, left_out]) in sums.iter().enumerate() {
+        film.samples = self.submitted.samples;
+        for (pixel, [r, g, b, left_out]) in sums.into_iter().enumerate() {
             film.sums[pixel] = [r, g, b];
             film.leave_out(pixel, left_out as u32);
         }
         Ok(film)
     }
-}
-
-fn bind_group_layout(gpu: &wgpu::Device, uniform_parameters: bool) -> wgpu::BindGroupLayout {
-    let entry = |binding, ty, has_dynamic_offset| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None },
-        count: None,
-    };
-    let uniform = wgpu::BufferBindingType::Uniform;
-    let table = wgpu::BufferBindingType::Storage { read_only: true };
-    let film = wgpu::BufferBindingType::Storage { read_only: false };
-    gpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("trace"),
-        entries: &[
-            entry(0, uniform, false),
-            entry(1, uniform, true),
-            entry(2, if uniform_parameters { uniform } else { table }, false),
-            entry(3, table, false),
-            entry(4, table, false),
-            entry(5, table, false),
-            entry(6, film, false),
-            entry(7, table, false),
-            entry(8, table, false),
-        ],
-    })
 }

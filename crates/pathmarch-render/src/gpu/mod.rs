@@ -1,9 +1,12 @@
 //! The GPU backend, through wgpu: Vulkan, Metal, Direct3D 12, OpenGL, and software adapters.
 
+mod compiled;
 mod device;
+mod display;
 mod job;
 mod kernel;
 
+pub(crate) use compiled::Printed;
 pub(crate) use device::Device;
 pub use device::{AdapterDescription, adapters};
-pub(crate) use job::GpuJob;
+pub(crate) use job::{GpuJob, LIVE, WHOLE};

@@ -45,7 +45,7 @@ struct Slice {
     sample: u32,
     first_row: u32,
     rows: u32,
-    padding: u32,
+    first_column: u32,
 }
 
 /// What is known of a leaf of the field.
@@ -234,13 +234,14 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
 
 @compute @workgroup_size(8, 8)
 fn trace(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= frame.width || id.y >= slice.rows {
+    let x = slice.first_column + id.x;
+    if x >= frame.width || id.y >= slice.rows {
         return;
     }
     let y = slice.first_row + id.y;
-    let random = random_new(id.x, y, slice.sample, frame.seed);
-    let radiance = radiance_along(camera_ray(id.x, y, random), random);
-    let pixel = y * frame.width + id.x;
+    let random = random_new(x, y, slice.sample, frame.seed);
+    let radiance = radiance_along(camera_ray(x, y, random), random);
+    let pixel = y * frame.width + x;
     // Comparisons with what is not a number are false, so this also catches NaN.
     if all(radiance >= vec3f(0.0)) && all(radiance < vec3f(1e30)) {
         film[pixel] += vec4f(radiance, 0.0);

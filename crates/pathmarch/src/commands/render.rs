@@ -144,6 +144,7 @@ impl Arguments {
             clamp: self.clamp.or(defaults.clamp),
             light_search: defaults.light_search,
             camera,
+            viewpoint: None,
         })
     }
 
@@ -205,7 +206,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         channels.extend(layers.iter().flat_map(|layer| layer.channels(&aovs, &film)));
     }
 
-    let camera = &scene.cameras[settings.camera];
+    let camera = settings.camera_of(&scene);
     let display = Display {
         tonemap: arguments.tonemap.unwrap_or(scene.render.tonemap),
         exposure_stops: arguments.exposure.unwrap_or(camera.exposure),

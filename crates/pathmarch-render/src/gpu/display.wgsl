@@ -1,0 +1,31 @@
+// The sums of a film as the codes that a screen shows, four bytes a pixel. Twin of display.rs.
+
+struct Shown {
+    width: u32,
+    height: u32,
+    /// Whole samples of every pixel.
+    samples: u32,
+    /// Pixels above this row, and of eight rows from here those left of the column, have one more.
+    row: u32,
+    column: u32,
+    /// What radiance is multiplied by.
+    gain: f32,
+    tonemap: u32,
+}
+
+@group(0) @binding(0) var<uniform> shown: Shown;
+@group(0) @binding(1) var<storage, read> film: array<vec4f>;
+@group(0) @binding(2) var<storage, read_write> picture: array<u32>;
+
+@compute @workgroup_size(8, 8)
+fn show(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= shown.width || id.y >= shown.height {
+        return;
+    }
+    let pixel = id.y * shown.width + id.x;
+    let sum = film[pixel];
+    let one_more = id.y < shown.row || (id.y < shown.row + 8u && id.x < shown.column);
+    let samples = f32(shown.samples + select(0u, 1u, one_more)) - sum.w;
+    let mean = sum.xyz * (shown.gain / max(samples, 1.0));
+    picture[pixel] = pack4x8unorm(vec4f(codes(shown.tonemap, vec4f(mean, 1.0)).xyz, 1.0));
+}

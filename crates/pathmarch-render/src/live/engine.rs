@@ -1,0 +1,597 @@
+//! The thread of a [`Live`](super::Live): what to compute next.
+
+use super::pace::Pace;
+use super::{Inbox, Order, Shared, Shown, Status, lock};
+use crate::cpu::CpuJob;
+use crate::error::RenderError;
+use crate::film::Film;
+use crate::frame::Prepared;
+use crate::gpu::{self, Device, GpuJob, Printed};
+use crate::renderer::{Backend, check};
+use crate::settings::Settings;
+use crate::tonemap::Display;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long the CPU works before it looks for orders.
+const CPU_SLICE: Duration = Duration::from_millis(12);
+/// A picture that accumulates is shown anew this often, at least.
+const SHOW_EVERY: Duration = Duration::from_millis(150);
+/// A kernel that is compiled within this time needs no other picture meanwhile.
+const COMPILED_AT_ONCE: Duration = Duration::from_millis(30);
+/// Times that a GPU that was lost is opened again, and how long after.
+const REOPENINGS: u32 = 3;
+const REOPEN_AFTER: Duration = Duration::from_secs(1);
+
+/// A picture being rendered, by one backend or the other.
+enum Tracer {
+    Gpu(Box<GpuJob>),
+    Cpu(Box<CpuJob>),
+}
+
+impl Tracer {
+    /// Does a little work towards `samples` samples.
+    fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
+        match self {
+            Self::Gpu(job) => job.advance(samples),
+            Self::Cpu(job) => {
+                job.advance_for(CPU_SLICE);
+                Ok(())
+            }
+        }
+    }
+    fn samples_done(&self) -> f64 {
+        match self {
+            Self::Gpu(job) => job.samples_done(),
+            Self::Cpu(job) => job.samples_done(),
+        }
+    }
+    fn show(&mut self, display: &Display) -> Result<Vec<u8>, RenderError> {
+        match self {
+            Self::Gpu(job) => job.show(display),
+            Self::Cpu(job) => Ok(job.show(display)),
+        }
+    }
+    /// The film, once no sample is half done.
+    fn film(&mut self) -> Result<Film, RenderError> {
+        match self {
+            Self::Gpu(job) => {
+                while job.samples_done().fract() > 0.0 {
+                    job.advance(job.samples_done().ceil() as u32)?;
+                }
+                job.film()
+            }
+            Self::Cpu(job) => {
+                if job.samples_done().fract() > 0.0 {
+                    job.advance();
+                }
+                Ok(job.film().clone())
+            }
+        }
+    }
+    /// Starts again, where it can; false otherwise.
+    fn reframe(&mut self, prepared: &Prepared) -> Result<bool, RenderError> {
+        match self {
+            Self::Gpu(job) => job.reframe(&prepared.frame),
+            Self::Cpu(job) => {
+                job.reframe(prepared);
+                Ok(true)
+            }
+        }
+    }
+}
+
+/// What became of the GPU.
+enum Gpu {
+    /// Not asked for, or given up.
+    None,
+    /// To be opened with the first kernel, not before then.
+    Closed {
+        from: Instant,
+    },
+    Open(Arc<Device>),
+}
+
+/// What a thread that compiles sends: the device, with the kernel among its own.
+type Compiled = Result<Arc<Device>, RenderError>;
+
+pub(super) struct Engine {
+    shared: Arc<Shared>,
+    backend: Backend,
+    adapter: Option<String>,
+    gpu: Gpu,
+    reopenings: u32,
+    order: Option<(u64, Order)>,
+    prepared: Option<Prepared>,
+    /// The kernel's text for the prepared scene.
+    printed: Option<Printed>,
+    compiling: Option<Receiver<Compiled>>,
+    tracer: Option<Tracer>,
+    /// The GPU refused this scene.
+    refused: bool,
+    /// Size of the picture being rendered.
+    level: [u32; 2],
+    gpu_pace: Pace,
+    cpu_pace: Pace,
+    /// When the tracer started on this picture, what it had done when last looked at, and when that was.
+    measured: (f64, Instant),
+    shown: Option<Instant>,
+    /// Samples of the picture shown last.
+    shown_samples: f64,
+    serial: u64,
+}
+
+/// Whether both want the same of the estimator, and only the view, the size or a limit changes.
+fn same_kernel(a: &Settings, b: &Settings) -> bool {
+    let rest = |settings: &Settings| Settings {
+        size: [1, 1],
+        samples: 1,
+        bounces: 0,
+        seed: 0,
+        clamp: None,
+        camera: 0,
+        viewpoint: None,
+        ..settings.clone()
+    };
+    rest(a) == rest(b)
+}
+
+/// Whether the picture of `b` is that of `a` with more or fewer samples.
+fn same_picture(a: &Settings, b: &Settings) -> bool {
+    Settings { samples: 1, ..a.clone() } == Settings { samples: 1, ..b.clone() }
+}
+
+impl Engine {
+    pub(super) fn new(shared: Arc<Shared>, backend: Backend, adapter: Option<String>) -> Self {
+        let now = Instant::now();
+        Self {
+            shared,
+            backend,
+            adapter,
+            gpu: if backend == Backend::Cpu { Gpu::None } else { Gpu::Closed { from: now } },
+            reopenings: 0,
+            order: None,
+            prepared: None,
+            printed: None,
+            compiling: None,
+            tracer: None,
+            refused: false,
+            level: [0; 2],
+            gpu_pace: Pace::default(),
+            cpu_pace: Pace::default(),
+            measured: (0.0, now),
+            shown: None,
+            shown_samples: 0.0,
+            serial: 0,
+        }
+    }
+
+    pub(super) fn run(mut self) {
+        loop {
+            let inbox = self.take_inbox();
+            if inbox.stop {
+                return;
+            }
+            let done = catch_unwind(AssertUnwindSafe(|| self.turn(inbox)));
+            match done {
+                Ok(Ok(())) => {}
+                Ok(Err(error)) => self.failed(&error),
+                Err(panic) => {
+                    let words = panic.downcast_ref::<String>().cloned();
+                    let words = words.or_else(|| panic.downcast_ref::<&str>().map(|&words| words.to_owned()));
+                    let reason = format!("the renderer failed: {}", words.unwrap_or_default());
+                    let adapter = lock(&self.shared.status).adapter.clone();
+                    self.failed(&RenderError::Device { adapter, reason });
+                }
+            }
+        }
+    }
+
+    /// Messages; waits for one while there is nothing to do.
+    fn take_inbox(&mut self) -> Inbox {
+        let mut inbox = lock(&self.shared.inbox);
+        while !inbox.woken && !self.has_work() {
+            inbox = match self.reopens_at() {
+                Some(at) => {
+                    let left = at.saturating_duration_since(Instant::now());
+                    let woken = self.shared.wake.wait_timeout(inbox, left);
+                    let (inbox, _) = woken.unwrap_or_else(PoisonError::into_inner);
+                    if Instant::now() >= at {
+                        drop(inbox);
+                        return std::mem::take(&mut *lock(&self.shared.inbox));
+                    }
+                    inbox
+                }
+                None => self.shared.wake.wait(inbox).unwrap_or_else(PoisonError::into_inner),
+            };
+        }
+        std::mem::take(&mut inbox)
+    }
+
+    /// When a GPU that was lost is to be opened again.
+    fn reopens_at(&self) -> Option<Instant> {
+        match self.gpu {
+            Gpu::Closed { from } if self.order.is_some() && self.compiling.is_none() && !self.refused => Some(from),
+            _ => None,
+        }
+    }
+
+    fn has_work(&self) -> bool {
+        let (Some((_, order)), Some(tracer)) = (&self.order, &self.tracer) else { return false };
+        let target = if self.level == order.settings.size { order.settings.samples } else { LEVEL_SAMPLES };
+        tracer.samples_done() < f64::from(target) || !order.moving && self.level != order.settings.size
+    }
+
+    /// One round: orders, then what the background has finished, then a little work.
+    fn turn(&mut self, inbox: Inbox) -> Result<(), RenderError> {
+        if inbox.lose_device
+            && let Gpu::Open(device) = &self.gpu
+        {
+            device.device.destroy();
+        }
+        if let Some((number, order)) = inbox.order {
+            self.follow(number, order)?;
+        }
+        self.receive_kernel()?;
+        if self.reopens_at().is_some_and(|at| Instant::now() >= at) {
+            self.compile();
+        }
+        for sender in inbox.films {
+            let film = self.film();
+            // Who asked may be gone.
+            let _ = sender.send(film);
+        }
+        if self.has_work() {
+            self.work()?;
+        }
+        self.report();
+        Ok(())
+    }
+
+    /// Takes an order on.
+    fn follow(&mut self, number: u64, order: Order) -> Result<(), RenderError> {
+        if let Err(error) = check(&order.scene, &order.settings) {
+            self.order = Some((number, order));
+            self.give_up(error.to_string());
+            return Ok(());
+        }
+        lock(&self.shared.status).error = None;
+        let old = self.order.replace((number, order.clone()));
+        let old = old.map(|(_, old)| old).filter(|_| self.prepared.is_some() && self.tracer.is_some());
+        let (same_scene, same_picture) = old.as_ref().map_or((false, false), |old| {
+            let scene = Arc::ptr_eq(&old.scene, &order.scene) && same_kernel(&old.settings, &order.settings);
+            (scene, scene && same_picture(&old.settings, &order.settings))
+        });
+        if same_picture {
+            // More samples, another look, or the end of a movement.
+            if old.is_some_and(|old| old.display != order.display) && self.shown.is_some() {
+                self.publish()?;
+            }
+            return Ok(());
+        }
+        self.level = self.first_level(&order);
+        let settings = self.level_settings(&order);
+        let reframed =
+            same_scene && self.prepared.as_mut().is_some_and(|prepared| prepared.reframe(&order.scene, &settings));
+        if reframed {
+            return self.restart();
+        }
+        self.prepared = Some(Prepared::new(&order.scene, &settings));
+        self.printed = None;
+        self.refused = false;
+        self.compile();
+        if let Some(compiling) = &self.compiling {
+            // Mostly it is ready at once, and the picture need not be made twice.
+            if let Ok(compiled) = compiling.recv_timeout(COMPILED_AT_ONCE) {
+                self.compiling = None;
+                self.take_kernel(compiled)?;
+            }
+        }
+        self.tracer = None;
+        self.restart()
+    }
+
+    /// The size to begin with.
+    fn first_level(&self, order: &Order) -> [u32; 2] {
+        let time = if order.moving { order.frame_time } else { order.frame_time.max(Duration::from_millis(60)) };
+        let level = self.pace().size_within(order.settings.size, time);
+        if order.moving {
+            level
+        } else {
+            self.pace().next_level(level.map(|side| side.div_ceil(2)), order.settings.size)
+        }
+    }
+
+    fn level_settings(&self, order: &Order) -> Settings {
+        Settings { size: self.level, ..order.settings.clone() }
+    }
+
+    fn pace(&self) -> &Pace {
+        if matches!(self.tracer, Some(Tracer::Gpu(_))) { &self.gpu_pace } else { &self.cpu_pace }
+    }
+
+    /// Sees to it that the kernel of the prepared scene is ready or on its way.
+    fn compile(&mut self) {
+        if self.compiling.is_some() || self.refused {
+            return;
+        }
+        let Some(prepared) = &self.prepared else { return };
+        let device = match &self.gpu {
+            Gpu::None => return,
+            Gpu::Open(device) => Some(device.clone()),
+            Gpu::Closed { from } if *from > Instant::now() => return,
+            Gpu::Closed { .. } => None,
+        };
+        let printed = Printed::new(prepared);
+        let ready = device.as_ref().is_some_and(|device| printed.is_compiled(device));
+        self.printed = Some(printed);
+        if ready {
+            return;
+        }
+        // A picture of one workgroup is enough to have it compiled.
+        let mut sample = prepared.clone();
+        (sample.frame.width, sample.frame.height) = (8, 8);
+        let (adapter, software) = (self.adapter.clone(), self.backend == Backend::Gpu || self.adapter.is_some());
+        let (sender, receiver) = channel();
+        let shared = self.shared.clone();
+        let work = move || {
+            let compiled = catch_unwind(AssertUnwindSafe(|| -> Compiled {
+                let device = match device {
+                    Some(device) => device,
+                    None => Arc::new(Device::open(adapter.as_deref())?),
+                };
+                if device.is_software() && !software {
+                    return Ok(device);
+                }
+                GpuJob::new(device.clone(), &sample, 0, gpu::LIVE)?;
+                Ok(device)
+            }));
+            let compiled = compiled.unwrap_or_else(|_| {
+                Err(RenderError::Device { adapter: "the GPU".to_owned(), reason: "its driver failed".to_owned() })
+            });
+            // The renderer may be gone.
+            let _ = sender.send(compiled);
+            shared.wake();
+        };
+        match std::thread::Builder::new().name("compile".to_owned()).spawn(work) {
+            Ok(_) => self.compiling = Some(receiver),
+            Err(error) => self.notice(error.to_string()),
+        }
+    }
+
+    /// Takes a kernel that is ready, if there is one.
+    fn receive_kernel(&mut self) -> Result<(), RenderError> {
+        let Some(compiled) = self.compiling.as_ref().and_then(|compiling| compiling.try_recv().ok()) else {
+            return Ok(());
+        };
+        self.compiling = None;
+        let was_cpu = !matches!(self.tracer, Some(Tracer::Gpu(_)));
+        self.take_kernel(compiled)?;
+        // The scene may have changed meanwhile.
+        self.compile();
+        if was_cpu && self.kernel_is_ready() {
+            self.tracer = None;
+            let Some((_, order)) = self.order.clone() else { return Ok(()) };
+            self.level = self.first_level(&order);
+            return self.restart();
+        }
+        Ok(())
+    }
+
+    fn take_kernel(&mut self, compiled: Compiled) -> Result<(), RenderError> {
+        match compiled {
+            Ok(device) if device.is_software() && self.backend == Backend::Auto && self.adapter.is_none() => {
+                self.gpu = Gpu::None;
+            }
+            Ok(device) => self.gpu = Gpu::Open(device),
+            Err(error) if matches!(self.gpu, Gpu::Open(_)) && !self.device_is_lost() => {
+                // This scene is what it does not want.
+                self.refused = true;
+                self.notice(format!("{error}: rendering on the CPU"));
+            }
+            Err(error) => self.lose(&error),
+        }
+        Ok(())
+    }
+
+    fn device_is_lost(&self) -> bool {
+        match &self.gpu {
+            Gpu::Open(device) => device.check().is_err(),
+            _ => false,
+        }
+    }
+
+    fn kernel_is_ready(&self) -> bool {
+        match (&self.gpu, &self.printed) {
+            (Gpu::Open(device), Some(printed)) => !self.refused && printed.is_compiled(device),
+            _ => false,
+        }
+    }
+
+    /// Begins the picture of the present level.
+    fn restart(&mut self) -> Result<(), RenderError> {
+        let Some((_, order)) = &self.order else { return Ok(()) };
+        let settings = self.level_settings(order);
+        let Some(prepared) = &mut self.prepared else { return Ok(()) };
+        if [prepared.frame.width, prepared.frame.height] != self.level && !prepared.reframe(&order.scene, &settings) {
+            *prepared = Prepared::new(&order.scene, &settings);
+            self.tracer = None;
+        }
+        let kept = match &mut self.tracer {
+            Some(tracer) => tracer.reframe(prepared)?,
+            None => false,
+        };
+        if !kept {
+            let first = settings.first_sample;
+            let gpu = match (&self.gpu, &self.printed) {
+                (Gpu::Open(device), Some(printed)) if !self.refused && printed.is_compiled(device) => {
+                    match GpuJob::of_printed(device.clone(), prepared, printed, first, gpu::LIVE) {
+                        Ok(job) => Some(job),
+                        Err(error @ RenderError::TooLarge { .. }) => {
+                            self.refused = true;
+                            lock(&self.shared.status).notice = Some(format!("{error}: rendering on the CPU"));
+                            None
+                        }
+                        Err(error) => return Err(error),
+                    }
+                }
+                _ => None,
+            };
+            self.tracer = Some(match gpu {
+                Some(job) => Tracer::Gpu(Box::new(job)),
+                None => Tracer::Cpu(Box::new(CpuJob::new(prepared.clone(), first))),
+            });
+        }
+        self.measured = (0.0, Instant::now());
+        self.shown_samples = 0.0;
+        Ok(())
+    }
+
+    /// A little work, and a picture if it is time for one.
+    fn work(&mut self) -> Result<(), RenderError> {
+        let Some((_, order)) = self.order.clone() else { return Ok(()) };
+        let whole = self.level == order.settings.size;
+        let target = if whole { order.settings.samples } else { LEVEL_SAMPLES };
+        let Some(tracer) = &mut self.tracer else { return Ok(()) };
+        if tracer.samples_done() < f64::from(target) {
+            // What is shown first is one sample, as soon as can be.
+            let upto = if tracer.samples_done() < 1.0 { 1 } else { target };
+            tracer.advance(upto)?;
+        }
+        let done = tracer.samples_done();
+        self.measure(done);
+        let first = self.shown_samples < 1.0 && done >= 1.0;
+        let better =
+            done >= 1.0 && self.shown.is_none_or(|shown| shown.elapsed() >= SHOW_EVERY) && done > self.shown_samples;
+        let last = done >= f64::from(target) && done > self.shown_samples;
+        if first || better || last {
+            self.publish()?;
+        }
+        if !order.moving && !whole && done >= 1.0 {
+            self.level = self.pace().next_level(self.level, order.settings.size);
+            self.restart()?;
+        }
+        Ok(())
+    }
+
+    /// Learns from what was done since the last time.
+    fn measure(&mut self, done: f64) {
+        let (before, since) = self.measured;
+        // A piece of a GPU's work is only on its way: some of them tell the pace.
+        let took = since.elapsed();
+        if done - before >= 1.0 || took > Duration::from_millis(100) && done > before {
+            let pixels = (done - before) * f64::from(self.level[0]) * f64::from(self.level[1]);
+            let pace = match &self.tracer {
+                Some(Tracer::Gpu(_)) => &mut self.gpu_pace,
+                _ => &mut self.cpu_pace,
+            };
+            pace.learn(pixels, took);
+            self.measured = (done, Instant::now());
+        }
+    }
+
+    fn publish(&mut self) -> Result<(), RenderError> {
+        let (Some((number, order)), Some(tracer)) = (&self.order, &mut self.tracer) else { return Ok(()) };
+        let samples = tracer.samples_done();
+        let codes = tracer.show(&order.display)?;
+        let now = Instant::now();
+        self.serial += 1;
+        let shown = Shown { size: self.level, codes, samples, order: *number, serial: self.serial, at: now };
+        *lock(&self.shared.picture) = Some(Arc::new(shown));
+        self.shown = Some(now);
+        self.shown_samples = samples;
+        self.report();
+        (self.shared.notify)();
+        Ok(())
+    }
+
+    /// The film of the whole picture, and what it was rendered with.
+    fn film(&mut self) -> Result<(Film, Settings), String> {
+        let Some((_, order)) = self.order.clone() else { return Err("nothing is shown yet".to_owned()) };
+        let Some(tracer) = &mut self.tracer else { return Err("nothing is shown yet".to_owned()) };
+        if self.level != order.settings.size {
+            return Err("the picture does not have its whole size yet".to_owned());
+        }
+        let film = tracer.film().map_err(|error| error.to_string())?;
+        if film.samples == 0 {
+            return Err("no sample of the picture is done yet".to_owned());
+        }
+        let settings = Settings { samples: film.samples, ..order.settings };
+        Ok((film, settings))
+    }
+
+    /// Goes on without the GPU, and perhaps with it again later.
+    fn failed(&mut self, error: &RenderError) {
+        if matches!(self.gpu, Gpu::Open(_)) || self.compiling.is_some() {
+            self.lose(error);
+            self.tracer = None;
+            if let Err(error) = self.restart() {
+                self.give_up(error.to_string());
+            }
+        } else {
+            self.give_up(error.to_string());
+        }
+    }
+
+    fn lose(&mut self, error: &RenderError) {
+        let again = self.reopenings < REOPENINGS && !matches!(error, RenderError::NoSuchAdapter { .. });
+        self.reopenings += 1;
+        self.gpu = match (again, error) {
+            (true, RenderError::Device { .. }) => Gpu::Closed { from: Instant::now() + REOPEN_AFTER },
+            _ => Gpu::None,
+        };
+        self.compiling = None;
+        self.printed = None;
+        self.notice(format!("{error}: rendering on the CPU"));
+    }
+
+    fn notice(&self, words: String) {
+        lock(&self.shared.status).notice = Some(words);
+        (self.shared.notify)();
+    }
+
+    /// No picture, and why.
+    fn give_up(&mut self, why: String) {
+        self.tracer = None;
+        self.prepared = None;
+        lock(&self.shared.status).error = Some(why);
+        self.report();
+        (self.shared.notify)();
+    }
+
+    /// Says what it is doing.
+    fn report(&self) {
+        let mut status = lock(&self.shared.status);
+        let whole = self.order.as_ref().map(|(_, order)| order.settings.size);
+        let Status { backend, adapter, samples, samples_per_second, compiling, resting, notice, .. } = &mut *status;
+        match (&self.tracer, &self.gpu) {
+            (Some(Tracer::Gpu(_)), Gpu::Open(device)) => {
+                backend.clone_from(&device.description.backend);
+                adapter.clone_from(&device.description.name);
+                *notice = None;
+            }
+            (Some(_), _) => {
+                "CPU".clone_into(backend);
+                *adapter = format!("{} threads", rayon::current_num_threads());
+            }
+            (None, _) => {}
+        }
+        *samples = match &self.tracer {
+            Some(tracer) if whole == Some(self.level) => tracer.samples_done(),
+            _ => 0.0,
+        };
+        *samples_per_second = whole.map_or(0.0, |whole| 1.0 / self.pace().seconds(whole));
+        *compiling = self.compiling.is_some();
+        let was_resting = std::mem::replace(resting, self.tracer.is_some() && !self.has_work());
+        let changed = was_resting != *resting;
+        drop(status);
+        if changed {
+            (self.shared.notify)();
+        }
+    }
+}
+
+/// Samples of a picture that is not of its whole size: enough to see something while the hand rests.
+const LEVEL_SAMPLES: u32 = 64;

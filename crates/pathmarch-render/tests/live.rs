@@ -1,0 +1,192 @@
+//! A picture that follows its scene: it comes, gets better, rests, follows changes, and survives the loss of a device.
+
+mod common;
+
+use common::{parse, renderers};
+use pathmarch_render::live::{Live, Order, Shown, Status};
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::tonemap::Display;
+use pathmarch_render::{Backend, Renderer, Settings};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+const SCENE: &str = "pathmarch 1\ncamera { position 0 1 4; target 0 0.5 0 }\nsky 0.6 0.8 1\n\
+    sun { direction 1 2 1; irradiance 2 }\nmaterial \"red\" { diffuse 0.8 0.1 0.1 }\n\
+    object \"ball\" material=\"red\" { sphere 1 { at 0 0.5 0 } }\nobject \"floor\" { plane { at 0 -0.5 0 } }";
+
+/// Long enough for any machine that is not stuck.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn backends() -> Vec<Backend> {
+    [Backend::Cpu, Backend::Gpu].into_iter().take(renderers().len()).collect()
+}
+
+fn scene() -> Arc<Scene> {
+    Arc::new(parse(SCENE))
+}
+
+fn order(scene: &Arc<Scene>, size: [u32; 2], samples: u32) -> Order {
+    Order {
+        scene: scene.clone(),
+        settings: Settings { size, samples, ..Settings::of(scene) },
+        display: Display::default(),
+        moving: false,
+        frame_time: Duration::from_millis(30),
+    }
+}
+
+/// Waits for a picture and state that are as wished.
+fn until(live: &Live, what: &str, wished: impl Fn(&Shown, &Status) -> bool) -> Arc<Shown> {
+    let started = Instant::now();
+    loop {
+        let (picture, status) = (live.picture(), live.status());
+        if let Some(picture) = picture.filter(|picture| wished(picture, &status)) {
+            return picture;
+        }
+        assert!(started.elapsed() < PATIENCE, "waited too long for {what}: {status:?}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn the_picture_is_that_of_render_and_then_rests() {
+    let scene = scene();
+    for backend in backends() {
+        let order = order(&scene, [96, 54], 12);
+        let mut live = Live::new(backend, None, || {});
+        let number = live.show(order.clone());
+        let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
+        let shown = until(&live, "the whole picture", |shown, status| {
+            shown.order == number && shown.samples == 12.0 && status.resting && on_gpu(status)
+        });
+        assert_eq!(shown.size, order.settings.size);
+        let (film, settings) = live.film().recv().expect("an answer").expect("a film");
+        let expected =
+            Renderer::open(backend, None).expect("a backend").render(&scene, &order.settings).expect("a film");
+        assert_eq!(settings, order.settings);
+        assert!(film == expected, "{backend:?}: the films differ");
+        let mean = film.mean();
+        for (pixel, codes) in mean.pixels.iter().zip(shown.codes.chunks(4)) {
+            let expected = order.display.encode_8bit(*pixel);
+            for channel in 0..3 {
+                assert!(expected[channel].abs_diff(codes[channel]) <= 1, "{codes:?} for {expected:?}");
+            }
+            assert_eq!(codes[3], 255);
+        }
+        // Nothing happens any more.
+        let serial = live.picture().expect("a picture").serial;
+        std::thread::sleep(Duration::from_millis(300));
+        assert_eq!(live.picture().expect("a picture").serial, serial);
+        // More samples go on where it stopped.
+        live.show(Order { settings: Settings { samples: 16, ..order.settings.clone() }, ..order.clone() });
+        until(&live, "more samples", |shown, status| shown.samples == 16.0 && status.resting);
+        // Another exposure shows the same film.
+        let brighter = Display { exposure_stops: 2.0, ..order.display };
+        let number = live.show(Order {
+            display: brighter,
+            settings: Settings { samples: 16, ..order.settings.clone() },
+            ..order.clone()
+        });
+        let bright = until(&live, "another exposure", |shown, _| shown.order == number);
+        let sum = |shown: &Shown| shown.codes.iter().map(|&code| u64::from(code)).sum::<u64>();
+        assert!(bright.samples == 16.0 && sum(&bright) > sum(&shown));
+    }
+}
+
+#[test]
+fn a_moving_picture_is_small_and_grows_when_it_rests() {
+    let scene = scene();
+    for backend in backends() {
+        let mut live = Live::new(backend, None, || {});
+        let whole = order(&scene, [640, 360], 1);
+        live.show(whole.clone());
+        until(&live, "a picture", |shown, status| shown.samples >= 1.0 && status.resting);
+        let mut camera = scene.cameras[0].clone();
+        let mut last = 0;
+        for step in 0..10 {
+            camera.position[0] = 0.05 * step as f32;
+            let moving = Order {
+                settings: Settings { viewpoint: Some(camera.clone()), ..whole.settings.clone() },
+                moving: true,
+                frame_time: Duration::from_micros(100),
+                ..whole.clone()
+            };
+            last = live.show(moving);
+            let shown = until(&live, "a frame", |shown, _| shown.order == last);
+            assert!(shown.size[0] < 640 && shown.samples >= 1.0, "{:?}", shown.size);
+        }
+        let resting =
+            Order { settings: Settings { viewpoint: Some(camera), ..whole.settings.clone() }, ..whole.clone() };
+        live.show(resting.clone());
+        let shown = until(&live, "the whole picture", |shown, status| shown.order > last && status.resting);
+        assert_eq!(shown.size, [640, 360]);
+        let (film, _) = live.film().recv().expect("an answer").expect("a film");
+        let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &resting.settings);
+        assert!(film == expected.expect("a film"), "{backend:?}: moving leaves traces");
+    }
+}
+
+#[test]
+fn a_changed_scene_is_shown() {
+    for backend in backends() {
+        let mut live = Live::new(backend, None, || {});
+        // Numbers; then structure, twice and back.
+        let texts = [
+            SCENE.to_owned(),
+            SCENE.replace("0.8 0.1 0.1", "0.1 0.8 0.1"),
+            SCENE.replace("sphere 1", "torus 1 0.4"),
+            SCENE.to_owned(),
+        ];
+        for text in texts {
+            let scene = Arc::new(parse(&text));
+            let order = order(&scene, [64, 36], 4);
+            let number = live.show(order.clone());
+            let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
+            until(&live, "the changed scene", |shown, status| {
+                shown.order == number && status.resting && !status.compiling && on_gpu(status)
+            });
+            let (film, _) = live.film().recv().expect("an answer").expect("a film");
+            let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &order.settings);
+            assert!(film == expected.expect("a film"), "{backend:?}: not the picture of\n{text}");
+        }
+    }
+}
+
+#[test]
+fn a_lost_device_loses_no_picture() {
+    if !backends().contains(&Backend::Gpu) {
+        return;
+    }
+    let scene = scene();
+    let mut live = Live::new(Backend::Gpu, None, || {});
+    let order = order(&scene, [64, 36], 64);
+    live.show(order.clone());
+    until(&live, "a picture on the GPU", |shown, status| shown.samples >= 1.0 && status.backend != "CPU");
+    live.lose_device();
+    let changed = Arc::new(parse(&SCENE.replace("sphere 1", "sphere 0.7")));
+    let number = live.show(Order { scene: changed.clone(), ..order.clone() });
+    until(&live, "a picture on the CPU", |shown, status| {
+        shown.order == number && shown.samples >= 1.0 && status.backend == "CPU" && status.notice.is_some()
+    });
+    until(&live, "the GPU to come back", |_, status| status.backend != "CPU" && status.resting);
+    let (film, _) = live.film().recv().expect("an answer").expect("a film");
+    let expected = Renderer::open(Backend::Gpu, None).expect("a backend").render(&changed, &order.settings);
+    assert!(film == expected.expect("a film"));
+}
+
+#[test]
+fn what_cannot_be_rendered_is_said_and_done_with() {
+    let scene = scene();
+    let mut live = Live::new(Backend::Cpu, None, || {});
+    assert!(live.film().recv().expect("an answer").is_err());
+    let bad = order(&scene, [0, 0], 4);
+    live.show(bad.clone());
+    let started = Instant::now();
+    while live.status().error.is_none() {
+        assert!(started.elapsed() < PATIENCE, "no error");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!(live.status().error.expect("an error").contains("0x0"));
+    live.show(order(&scene, [32, 18], 2));
+    until(&live, "a picture", |shown, status| shown.samples == 2.0 && status.error.is_none());
+}
