@@ -7,6 +7,7 @@
 
 pub mod atmosphere;
 pub mod diagnostic;
+pub mod document;
 pub mod environment;
 mod language;
 pub mod materials;
@@ -16,6 +17,7 @@ pub mod sky;
 
 pub use atmosphere::Day;
 pub use diagnostic::{Mistake, SceneError};
+pub use document::Document;
 pub use environment::Environment;
 pub use materials::{Material, MaterialKind};
 pub use render_settings::{Caustics, RenderSettings, Sampler, Tonemap};
