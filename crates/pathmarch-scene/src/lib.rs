@@ -5,6 +5,7 @@
 //! Shapes and operators come from `pathmarch_field`'s registry and materials from [`materials`]: this crate lists
 //! neither, so the language grows with them. No GPU, no file writing.
 
+mod assets;
 pub mod atmosphere;
 pub mod diagnostic;
 pub mod document;
