@@ -154,11 +154,17 @@ impl Environment {
         }
         let (mut texels, size) = read(path)?;
         let repaired = repair(&mut texels)?;
-        let (mut texels, (width, height)) = averaged(texels, size);
-        for channel in texels.as_flattened_mut() {
+        let (texels, (width, height)) = averaged(texels, size);
+        let mut environment = Self { width, height, texels, rotate: 0.0 };
+        environment.scale(strength);
+        Ok(Loaded { environment, size, repaired })
+    }
+
+    /// Multiplies its radiance.
+    pub(crate) fn scale(&mut self, strength: f32) {
+        for channel in self.texels.as_flattened_mut() {
             *channel = (*channel * strength).min(MAX_RADIANCE);
         }
-        Ok(Loaded { environment: Self { width, height, texels, rotate: 0.0 }, size, repaired })
     }
 }
 

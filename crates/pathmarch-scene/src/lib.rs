@@ -5,8 +5,10 @@
 //! Shapes and operators come from `pathmarch_field`'s registry and materials from [`materials`]: this crate lists
 //! neither, so the language grows with them. No GPU, no file writing.
 
+mod assets;
 pub mod atmosphere;
 pub mod diagnostic;
+pub mod document;
 pub mod environment;
 mod language;
 pub mod materials;
@@ -16,6 +18,7 @@ pub mod sky;
 
 pub use atmosphere::Day;
 pub use diagnostic::{Mistake, SceneError};
+pub use document::Document;
 pub use environment::Environment;
 pub use materials::{Material, MaterialKind};
 pub use render_settings::{Caustics, RenderSettings, Sampler, Tonemap};

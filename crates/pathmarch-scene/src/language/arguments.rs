@@ -9,10 +9,10 @@ use super::tree::{Entry, Node, Span, Value};
 /// The numbers that are allowed.
 #[derive(Clone, Copy)]
 pub(crate) struct Range {
-    min: f32,
-    min_allowed: bool,
-    max: f32,
-    max_allowed: bool,
+    pub(crate) min: f32,
+    pub(crate) min_allowed: bool,
+    pub(crate) max: f32,
+    pub(crate) max_allowed: bool,
 }
 
 impl Range {

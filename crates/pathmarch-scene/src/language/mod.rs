@@ -5,9 +5,10 @@
 //! a mistake; a file is a scene only if none was found. Reference: docs/scene-language.md. Cost: linear in the text.
 
 mod arguments;
-mod characters;
+pub(crate) mod characters;
 mod names;
 mod report;
+pub(crate) mod schema;
 mod settings;
 mod skies;
 mod solids;
@@ -16,11 +17,11 @@ mod surfaces;
 mod syntax;
 #[cfg(test)]
 mod syntax_tests;
-mod tree;
+pub(crate) mod tree;
 mod warnings;
 
+use crate::assets::Assets;
 use crate::diagnostic::SceneError;
-use crate::render_settings::RenderSettings;
 use crate::scene::{Light, Scene};
 use crate::sky::Sky;
 use arguments::{Range, numbers, twice};
@@ -44,25 +45,48 @@ pub(crate) fn too_large() -> (String, String) {
 
 /// The scene of `text`, which came from `name`.
 pub(crate) fn parse(name: &str, text: &str) -> Result<Scene, SceneError> {
+    read(name, text, &mut Assets::default()).1
+}
+
+/// The nodes of `text`, as far as they could be read, and the scene.
+pub(crate) fn read<'t>(
+    name: &str,
+    text: &'t str,
+    assets: &mut Assets,
+) -> (Option<Block<'t>>, Result<Scene, SceneError>) {
     if text.len() > MAX_BYTES {
         let (reason, help) = too_large();
-        return Err(SceneError::Unreadable { name: name.to_owned(), reason, help });
+        return (None, Err(SceneError::Unreadable { name: name.to_owned(), reason, help }));
     }
     let mut report = Report::new(name, text);
-    let Some(file) = syntax::read(text, &mut report) else { return Err(report.into_error()) };
-    if version(&file, &mut report) == Version::Other {
+    let file = syntax::read(text, &mut report);
+    let scene = match &file {
+        Some(file) => meaning(name, text, file, assets, report),
+        None => Err(report.into_error()),
+    };
+    (file, scene)
+}
+
+/// The nodes of `text`, as far as they could be read.
+pub(crate) fn nodes(text: &str) -> Option<Block<'_>> {
+    syntax::read(text, &mut Report::new("", ""))
+}
+
+/// The scene of the nodes of `text`.
+fn meaning(name: &str, text: &str, file: &Block, assets: &mut Assets, mut report: Report) -> Result<Scene, SceneError> {
+    if version(file, &mut report) == Version::Other {
         return Err(report.into_error());
     }
-    let (mut scene, sky) = scene(name, text, &file, &mut report);
+    let (mut scene, sky) = scene(name, text, file, assets, &mut report);
     if report.has_mistakes() {
         return Err(report.into_error());
     }
-    let (sky, sun) = sky.finish();
+    let (sky, sun) = sky.finish(assets);
     scene.sky = sky;
     scene.lights.extend(sun);
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
     scene.field = Field::new(&roots);
-    warnings::warn(&scene, &file, &mut report);
+    warnings::warn(&scene, file, &mut report);
     scene.warnings = report.into_warnings();
     Ok(scene)
 }
@@ -107,7 +131,7 @@ fn version(file: &Block, report: &mut Report) -> Version {
 }
 
 /// What the nodes of the file say; the field is still empty, and the sky black.
-fn scene(name: &str, text: &str, file: &Block, report: &mut Report) -> (Scene, skies::Described) {
+fn scene(name: &str, text: &str, file: &Block, assets: &mut Assets, report: &mut Report) -> (Scene, skies::Described) {
     let nodes = |name: &'static str| file.nodes.iter().filter(move |node| node.name.value == name);
     for node in &file.nodes {
         if !TOP.contains(&&*node.name.value) {
@@ -130,8 +154,8 @@ fn scene(name: &str, text: &str, file: &Block, report: &mut Report) -> (Scene, s
             draft("pathmarch::missing_node", span, "The scene has no camera.").label("expected a `camera` below");
         report.add(mistake.help("For example: camera { position 0 1.5 6; target 0 1 0 }."));
     }
-    let render = nodes("render").next().map_or_else(RenderSettings::default, |node| settings::render(node, report));
-    let sky = nodes("sky").next().and_then(|node| skies::sky(node, name, report)).unwrap_or_default();
+    let render = nodes("render").next().and_then(|node| settings::render(node, report));
+    let sky = nodes("sky").next().and_then(|node| skies::sky(node, name, assets, report)).unwrap_or_default();
     let lights: Vec<Light> = file
         .nodes
         .iter()
@@ -147,7 +171,7 @@ fn scene(name: &str, text: &str, file: &Block, report: &mut Report) -> (Scene, s
     let objects = nodes("object").filter_map(|node| solids.object(node, report)).collect();
     let scene = Scene {
         cameras,
-        render,
+        render: render.unwrap_or_default(),
         sky: Sky::default(),
         lights,
         materials: materials.list,

@@ -1,28 +1,18 @@
 //! The words of the scene language: which are nearest to a misspelt one, and which of them this version does not know.
 
 use super::report::{Draft, Report, draft, shown};
+use super::schema;
 use super::tree::Text;
 use crate::materials;
 use pathmarch_field::registry;
 
 /// Nodes of the file.
 pub(crate) const TOP: &[&str] = &["pathmarch", "camera", "render", "sky", "sun", "point", "material", "object"];
-/// Nodes in a camera.
-pub(crate) const CAMERA: &[&str] = &["position", "target", "up", "fov", "lens", "exposure"];
-/// Nodes in `render`.
-pub(crate) const RENDER: &[&str] = &["size", "samples", "bounces", "tonemap", "sampler", "caustics", "clamp"];
-/// Nodes in a sky that is a gradient.
-pub(crate) const GRADIENT: &[&str] = &["zenith", "horizon", "ground"];
-/// Nodes in a sky that is a day.
-pub(crate) const DAY: &[&str] = &["ground"];
-/// Nodes in `sun`.
-pub(crate) const SUN: &[&str] = &["direction", "irradiance", "angle", "penumbra"];
-/// Nodes in `point`.
-pub(crate) const POINT: &[&str] = &["at", "intensity", "penumbra"];
 /// Nodes in every shape and operator.
-pub(crate) const PLACEMENT: &[&str] = &["at", "rotate", "scale"];
+pub(crate) const PLACEMENT: &[&str] =
+    &[schema::PLACEMENT[0].name, schema::PLACEMENT[1].name, schema::PLACEMENT[2].name];
 /// Node in shapes that face somewhere.
-pub(crate) const NORMAL: &str = "normal";
+pub(crate) const NORMAL: &str = schema::NORMAL.name;
 
 /// Words of the language that this version may not have yet. What the registries know is had, whatever stands here.
 const LANGUAGE: &[&str] = &[
@@ -129,14 +119,15 @@ fn home(name: &str) -> Option<String> {
         return Some("It stands in the braces of a `material`.".to_owned());
     }
     let nodes = [
-        (CAMERA, "camera"),
-        (RENDER, "render"),
-        (GRADIENT, "sky \"gradient\""),
-        (DAY, "sky \"day\""),
-        (SUN, "sun"),
-        (POINT, "point"),
+        (schema::CAMERA, "camera"),
+        (schema::RENDER, "render"),
+        (schema::GRADIENT, "sky \"gradient\""),
+        (schema::DAY_GROUND, "sky \"day\""),
+        (schema::SUN, "sun"),
+        (schema::POINT, "point"),
     ];
-    let homes: Vec<&str> = nodes.into_iter().filter(|(words, _)| words.contains(&name)).map(|(_, node)| node).collect();
+    let has = |table: &[schema::Setting]| table.iter().any(|setting| setting.name == name);
+    let homes: Vec<&str> = nodes.into_iter().filter(|(table, _)| has(table)).map(|(_, node)| node).collect();
     (!homes.is_empty()).then(|| format!("It stands in the braces of {}.", listed(homes, "or")))
 }
 

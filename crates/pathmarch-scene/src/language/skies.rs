@@ -1,15 +1,15 @@
 //! The sky: a constant, a gradient, a picture, or a computed day.
 
-use super::arguments::{Range, Settings, arguments, colour, flag, in_range, no_children, properties, string};
-use super::names::{DAY, GRADIENT, listed, nearest};
+use super::arguments::{Range, arguments, colour, no_children, properties, string};
+use super::names::{listed, nearest};
 use super::report::{Report, draft, shown};
+use super::schema::{Braces, DAY, DAY_GROUND, GRADIENT, PICTURE, Properties, Setting};
 use super::tree::{Entry, Node, Value};
+use crate::assets::Assets;
 use crate::atmosphere::Day;
-use crate::environment::Environment;
 use crate::scene::Light;
 use crate::sky::Sky;
 use std::path::Path;
-use std::sync::Arc;
 
 /// What a `sky` node says.
 pub(crate) enum Described {
@@ -27,39 +27,37 @@ impl Default for Described {
 
 impl Described {
     /// The sky, and the sun in it.
-    pub(crate) fn finish(self) -> (Sky, Option<Light>) {
+    pub(crate) fn finish(self, assets: &mut Assets) -> (Sky, Option<Light>) {
         match self {
             Self::Ready(sky) => (sky, None),
             Self::Day(day, shines) => {
-                let (environment, sun) = day.bake();
-                (Sky::Map(Arc::new(environment)), sun.filter(|_| shines))
+                let (environment, sun) = assets.day(&day);
+                (Sky::Map(environment), sun.filter(|_| shines))
             }
         }
     }
 }
 
-const PICTURE_WORDS: &[&str] = &["strength", "rotate"];
-const DAY_WORDS: &[&str] = &["elevation", "azimuth", "haze", "strength", "sun"];
-
 /// The sky of a node; `None` after a mistake. `scene` is the path of the scene file.
-pub(crate) fn sky(node: &Node, scene: &str, report: &mut Report) -> Option<Described> {
+pub(crate) fn sky(node: &Node, scene: &str, assets: &mut Assets, report: &mut Report) -> Option<Described> {
     let first = node.entries.iter().find(|entry| entry.name.is_none());
     match first.map(|entry| (entry, &entry.value)) {
         Some((_, Value::Text(text))) if text == "gradient" => gradient(node, report).map(Described::Ready),
         Some((_, Value::Text(text))) if text == "day" => day(node, report),
         Some((entry, Value::Text(text))) if !text.starts_with('#') => {
-            picture(node, entry, scene, report).map(Described::Ready)
+            picture(node, entry, scene, assets, report).map(Described::Ready)
         }
         _ => constant(node, report).map(|radiance| Described::Ready(Sky::Constant(radiance))),
     }
 }
 
 fn constant(node: &Node, report: &mut Report) -> Option<[f32; 3]> {
-    let others = |word: &str| PICTURE_WORDS.contains(&word) || DAY_WORDS.contains(&word);
+    let homes = [(PICTURE, "sky \"studio.hdr\""), (DAY, "sky \"day\"")];
+    let has = |table: &[Setting], word: &str| table.iter().any(|setting| setting.name == word);
+    let others = |word: &str| homes.iter().any(|(table, _)| has(table, word));
     if let Some(name) = node.entries.iter().filter_map(|entry| entry.name.as_ref()).find(|name| others(&name.value)) {
         let word = &*name.value;
-        let homes = [(PICTURE_WORDS, "sky \"studio.hdr\""), (DAY_WORDS, "sky \"day\"")];
-        let homes = homes.into_iter().filter(|(words, _)| words.contains(&word)).map(|(_, home)| home);
+        let homes = homes.into_iter().filter(|(table, _)| has(table, word)).map(|(_, home)| home);
         let mistake = draft("pathmarch::unknown_property", name.span, format!("A constant sky has no `{word}`."));
         report.add(mistake.label("not here").help(format!("It belongs to {}.", listed(homes, "or to"))));
         return None;
@@ -70,13 +68,11 @@ fn constant(node: &Node, report: &mut Report) -> Option<[f32; 3]> {
 fn gradient(node: &Node, report: &mut Report) -> Option<Sky> {
     properties(node, &[], report);
     arguments(node, 1, "`sky \"gradient\" { … }`", report);
-    let settings = Settings::new(node, GRADIENT, "in a gradient", report);
-    let mut radiance =
-        |word: &str, example: &str| colour(settings.require(word, example, node, report)?, Range::NOT_NEGATIVE, report);
-    let zenith = radiance("zenith", "zenith 0.2 0.4 0.8");
-    let horizon = radiance("horizon", "horizon 0.8 0.85 0.9");
+    let settings = Braces::new(node, GRADIENT, "in a gradient", report);
+    let zenith = settings.colour("zenith", report);
+    let horizon = settings.colour("horizon", report);
     let ground = match settings.get("ground") {
-        Some(ground) => colour(ground, Range::NOT_NEGATIVE, report),
+        Some(_) => settings.colour("ground", report),
         None => horizon,
     };
     Some(Sky::Gradient { zenith: zenith?, horizon: horizon?, ground: ground? })
@@ -84,30 +80,16 @@ fn gradient(node: &Node, report: &mut Report) -> Option<Sky> {
 
 fn day(node: &Node, report: &mut Report) -> Option<Described> {
     arguments(node, 1, "`sky \"day\" elevation=40 azimuth=135`", report);
-    let mut day = Day::default();
-    let mut shines = true;
-    for (word, entry) in properties(node, DAY_WORDS, report) {
-        let what = format!("`{word}`");
-        let (value, range) = match word {
-            "sun" => {
-                shines = flag(entry, &what, report).unwrap_or(true);
-                continue;
-            }
-            "elevation" => (&mut day.elevation, Range::from_to(-20.0, 90.0)),
-            "azimuth" => (&mut day.azimuth, Range::ANY),
-            "haze" => (&mut day.haze, Range::from_to(0.0, 20.0)),
-            _ => (&mut day.strength, Range::NOT_NEGATIVE),
-        };
-        *value = in_range(entry, &what, range, report).unwrap_or(*value);
-    }
-    let settings = Settings::new(node, DAY, "in a day", report);
-    if let Some(ground) = settings.get("ground") {
-        day.ground = colour(ground, Range::from_to(0.0, 1.0), report)?;
-    }
+    let properties = Properties::new(node, DAY, report);
+    let shines = properties.flag("sun", report);
+    let [elevation, azimuth, haze, strength] =
+        ["elevation", "azimuth", "haze", "strength"].map(|word| properties.number(word, report));
+    let ground = Braces::new(node, DAY_GROUND, "in a day", report).colour("ground", report);
+    let day = Day { elevation: elevation?, azimuth: azimuth?, haze: haze?, strength: strength?, ground: ground? };
     Some(Described::Day(day, shines))
 }
 
-fn picture(node: &Node, entry: &Entry, scene: &str, report: &mut Report) -> Option<Sky> {
+fn picture(node: &Node, entry: &Entry, scene: &str, assets: &mut Assets, report: &mut Report) -> Option<Sky> {
     let name = string(entry, "A sky", report)?;
     if name.is_empty() {
         let mistake = draft("pathmarch::empty_name", entry.value_span, "This name is empty.");
@@ -126,16 +108,9 @@ fn picture(node: &Node, entry: &Entry, scene: &str, report: &mut Report) -> Opti
     }
     no_children(node, report);
     arguments(node, 1, "`sky \"studio.hdr\" strength=1 rotate=90`", report);
-    let (mut strength, mut rotate) = (1.0, 0.0);
-    for (word, entry) in properties(node, PICTURE_WORDS, report) {
-        let what = format!("`{word}`");
-        if word == "strength" {
-            strength = in_range(entry, &what, Range::NOT_NEGATIVE, report).unwrap_or(1.0);
-        } else {
-            rotate = in_range(entry, &what, Range::ANY, report).unwrap_or(0.0);
-        }
-    }
-    match Environment::load(&path, strength) {
+    let properties = Properties::new(node, PICTURE, report);
+    let (strength, rotate) = (properties.number("strength", report)?, properties.number("rotate", report)?);
+    match assets.picture(&path, strength, rotate) {
         Ok(loaded) => {
             let at = |code, message: String| draft(code, entry.value_span, message);
             let (width, height) = loaded.size;
@@ -150,7 +125,7 @@ fn picture(node: &Node, entry: &Entry, scene: &str, report: &mut Report) -> Opti
                 let help = "Negative values and NaN became 0, infinite ones the largest finite value of the picture.";
                 report.warn(at("pathmarch::bad_texels", message).label("repaired").help(help));
             }
-            Some(Sky::Map(Arc::new(Environment { rotate, ..loaded.environment })))
+            Some(Sky::Map(loaded.environment))
         }
         Err(error) => {
             let message = format!("The picture {} cannot be the sky.", shown(name));

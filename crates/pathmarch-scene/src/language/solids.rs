@@ -2,11 +2,10 @@
 //!
 //! Names, parameters and ranges come from [`pathmarch_field::registry`]; nothing here knows a shape.
 
-use super::arguments::{
-    Range, arguments, direction, in_range, missing_arguments, name, numbers, out_of_range, properties, string, twice,
-};
+use super::arguments::{Range, arguments, in_range, missing_arguments, name, out_of_range, properties, string, twice};
 use super::names::{NORMAL, PLACEMENT, nearest, solids, unexpected_node};
 use super::report::{Report, draft, shown};
+use super::schema::{self, SMOOTH, property, single, triple};
 use super::surfaces::Materials;
 use super::tree::{Entry, Node, Span};
 use crate::materials::Material;
@@ -169,7 +168,7 @@ impl<'m> Solids<'m> {
         let (mut smooth, mut material) = (None, material);
         for (word, entry) in properties(node, &["smooth", "material"], report) {
             if word == "smooth" {
-                smooth = in_range(entry, "`smooth`", Range::NOT_NEGATIVE, report);
+                smooth = property(entry, &SMOOTH, report);
             } else {
                 material = Some(self.material(entry, report));
             }
@@ -296,12 +295,11 @@ impl Placements {
             return true;
         }
         self.seen.push((word.to_owned(), node.name.span));
-        let usage = format!("`{word} x y z`");
         match word {
-            "at" => self.value.at = numbers(node, &usage, Range::ANY, report),
-            "rotate" => self.value.rotate = numbers(node, &usage, Range::ANY, report),
-            "scale" => self.value.scale = numbers(node, "`scale s`", Range::POSITIVE, report).map(|[scale]| scale),
-            _ => self.value.normal = direction(node, report),
+            "at" => self.value.at = triple(node, &schema::PLACEMENT[0], report),
+            "rotate" => self.value.rotate = triple(node, &schema::PLACEMENT[1], report),
+            "scale" => self.value.scale = single(node, &schema::PLACEMENT[2], report),
+            _ => self.value.normal = triple(node, &schema::NORMAL, report),
         }
         true
     }

@@ -182,7 +182,8 @@ impl<'t> Reader<'t, '_> {
 
     /// Nodes up to the brace that closes `open`, or to the end of the file without `open`.
     fn block(&mut self, open: Option<Span>, depth: usize) -> Block<'t> {
-        let mut block = Block::default();
+        let start = open.map_or(self.at, |open| open.start as usize);
+        let mut block = Block { nodes: Vec::new(), broken: false, span: self.since(start), closed: false };
         if let Some(open) = open.filter(|_| depth > MAX_NESTING) {
             let message = format!("Braces are nested more than {MAX_NESTING} levels deep.");
             self.refuse(draft("pathmarch::nesting", open, message).label("one level too many"));
@@ -197,11 +198,15 @@ impl<'t> Reader<'t, '_> {
                         self.report.add(syntax(open, "This { is never closed.").label("expected a matching }"));
                         block.broken = true;
                     }
+                    block.closed = open.is_none();
+                    block.span = self.since(start);
                     return block;
                 }
                 Some('}') => {
                     self.at += 1;
                     if open.is_some() {
+                        block.closed = true;
+                        block.span = self.since(start);
                         return block;
                     }
                     let message = "This } closes nothing.";
@@ -251,6 +256,7 @@ impl<'t> Reader<'t, '_> {
 
     /// One node with its end of line; `None` where it has no name that could be read.
     fn node(&mut self, depth: usize) -> Option<Node<'t>> {
+        let first = self.at;
         self.annotation();
         self.spaces();
         let start = self.at;
@@ -269,6 +275,7 @@ impl<'t> Reader<'t, '_> {
         let mut entries = Vec::new();
         let mut children = None;
         let mut closed = false;
+        let mut whole = self.since(first);
         loop {
             let spaced = self.spaces();
             let here = self.at;
@@ -306,6 +313,7 @@ impl<'t> Reader<'t, '_> {
                             self.commented_out -= 1;
                         }
                     }
+                    whole = self.since(first);
                 }
                 Some('{') => {
                     self.at += 1;
@@ -318,6 +326,7 @@ impl<'t> Reader<'t, '_> {
                     }
                     children.get_or_insert(block);
                     closed = true;
+                    whole = self.since(first);
                 }
                 Some(_) if closed => {
                     self.report.add(
@@ -335,10 +344,11 @@ impl<'t> Reader<'t, '_> {
                         self.report.add(syntax(entry.span, "A space is missing.").label("expected a space before it"));
                     }
                     entries.push(entry);
+                    whole = self.since(first);
                 }
             }
         }
-        Some(Node { name: name?, entries, children })
+        Some(Node { name: name?, entries, children, whole })
     }
 
     /// `(type)`, which no node or value of a scene has.

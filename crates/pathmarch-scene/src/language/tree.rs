@@ -60,14 +60,20 @@ pub(crate) struct Node<'t> {
     pub(crate) name: Text<'t>,
     pub(crate) entries: Vec<Entry<'t>>,
     pub(crate) children: Option<Block<'t>>,
+    /// From its first character to its last, braces and what is commented out with `/-` behind its name included.
+    pub(crate) whole: Span,
 }
 
 /// The nodes between braces, or those of the file.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Block<'t> {
     pub(crate) nodes: Vec<Node<'t>>,
     /// Whether a node in it could not be read, so that something may seem missing that is not.
     pub(crate) broken: bool,
+    /// The braces and what is between them; of the file, all of it but a byte order mark.
+    pub(crate) span: Span,
+    /// Whether the brace at its end is there.
+    pub(crate) closed: bool,
 }
 
 impl<'t> Node<'t> {
@@ -85,5 +91,41 @@ impl<'t> Node<'t> {
             Some(block) => block.broken,
             None => self.entries.iter().any(|entry| entry.value == Value::Bad),
         }
+    }
+}
+
+fn owned(text: Cow<str>) -> Cow<'static, str> {
+    Cow::Owned(text.into_owned())
+}
+
+impl Text<'_> {
+    fn into_owned(self) -> Text<'static> {
+        Text { value: owned(self.value), span: self.span }
+    }
+}
+
+impl Entry<'_> {
+    fn into_owned(self) -> Entry<'static> {
+        let value = match self.value {
+            Value::Text(text) => Value::Text(owned(text)),
+            Value::Number(number) => Value::Number(number),
+            Value::Bool(value) => Value::Bool(value),
+            Value::Null => Value::Null,
+            Value::Bad => Value::Bad,
+        };
+        Entry { name: self.name.map(Text::into_owned), value, value_span: self.value_span, span: self.span }
+    }
+}
+
+impl Block<'_> {
+    /// The same without the text.
+    pub(crate) fn into_owned(self) -> Block<'static> {
+        let nodes = self.nodes.into_iter().map(|node| Node {
+            name: node.name.into_owned(),
+            entries: node.entries.into_iter().map(Entry::into_owned).collect(),
+            children: node.children.map(Block::into_owned),
+            whole: node.whole,
+        });
+        Block { nodes: nodes.collect(), broken: self.broken, span: self.span, closed: self.closed }
     }
 }

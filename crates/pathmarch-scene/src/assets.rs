@@ -1,0 +1,96 @@
+//! What a scene needs besides its text and is costly to make: pictures of the sky and computed days.
+//!
+//! A text that is edited is read again after every change, and most changes leave the sky as it is. The cache holds what
+//! the last readings used: a picture as its file was when it was read, a day by its parameters. The same sky is the same
+//! `Arc`, so that others can tell by its address that it has not changed. Cost: the picture of the last sky, twice once its
+//! strength or turn has been changed, at most 192 MiB; 1.5 MiB for each day.
+
+use crate::atmosphere::Day;
+use crate::environment::{Environment, EnvironmentError, Loaded};
+use crate::scene::Light;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+/// Days that are kept: enough for steps back and forth.
+const DAYS: usize = 8;
+
+/// A file as it was when it was read.
+#[derive(PartialEq)]
+struct Source {
+    path: PathBuf,
+    modified: Option<SystemTime>,
+    bytes: u64,
+}
+
+/// A picture of the sky as a scene uses it.
+#[derive(Clone)]
+pub(crate) struct Picture {
+    pub(crate) environment: Arc<Environment>,
+    /// Width and height in the file, texels.
+    pub(crate) size: (u32, u32),
+    /// As in [`Loaded`].
+    pub(crate) repaired: u64,
+}
+
+/// Skies of the last readings of a text.
+#[derive(Default)]
+pub(crate) struct Assets {
+    source: Option<Source>,
+    /// The picture of `source` as it was used last, and its strength.
+    picture: Option<(f32, Picture)>,
+    /// The picture of `source` as it stands in the file, once it has been used in two ways.
+    original: Option<Environment>,
+    days: Vec<(Day, Arc<Environment>, Option<Light>)>,
+}
+
+impl Assets {
+    /// The picture in the file at `path`, with this factor of radiance and turn in degrees.
+    pub(crate) fn picture(&mut self, path: &Path, strength: f32, rotate: f32) -> Result<Picture, EnvironmentError> {
+        let meta = std::fs::metadata(path).ok();
+        let source = Source {
+            path: path.to_owned(),
+            modified: meta.as_ref().and_then(|meta| meta.modified().ok()),
+            bytes: meta.map_or(0, |meta| meta.len()),
+        };
+        let known = self.picture.take().filter(|_| self.source.as_ref() == Some(&source));
+        let picture = match known {
+            Some((factor, known)) if factor == strength && known.environment.rotate == rotate => known,
+            Some((_, known)) => {
+                let original = match self.original.take() {
+                    Some(original) => original,
+                    None => Environment::load(path, 1.0)?.environment,
+                };
+                let mut environment = Environment { rotate, ..original.clone() };
+                environment.scale(strength);
+                self.original = Some(original);
+                Picture { environment: Arc::new(environment), ..known }
+            }
+            None => {
+                self.original = None;
+                let Loaded { environment, size, repaired } = Environment::load(path, strength)?;
+                Picture { environment: Arc::new(Environment { rotate, ..environment }), size, repaired }
+            }
+        };
+        self.source = Some(source);
+        self.picture = Some((strength, picture.clone()));
+        Ok(picture)
+    }
+
+    /// The sky of a day and its sun.
+    pub(crate) fn day(&mut self, day: &Day) -> (Arc<Environment>, Option<Light>) {
+        let (environment, sun) = match self.days.iter().position(|(known, ..)| known == day) {
+            Some(index) => {
+                let (_, environment, sun) = self.days.remove(index);
+                (environment, sun)
+            }
+            None => {
+                let (environment, sun) = day.bake();
+                (Arc::new(environment), sun)
+            }
+        };
+        self.days.truncate(DAYS - 1);
+        self.days.insert(0, (day.clone(), environment.clone(), sun));
+        (environment, sun)
+    }
+}

@@ -1,0 +1,57 @@
+//! Why an edit was refused. The text is then as it was.
+
+use super::path::Path;
+
+/// Why an edit was refused, in sentences for people: what, where, what to do.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EditError {
+    /// The path names no node of this text.
+    #[error("There is no node {0} in this scene. Select one of those that it has.")]
+    NoSuchNode(Path),
+    /// The node has no control of this key.
+    #[error("`{node}` has no `{key}`.")]
+    NoSuchControl {
+        /// Word of the node.
+        node: String,
+        /// The key that was asked for.
+        key: String,
+    },
+    /// The value is of another type than the control's.
+    #[error("`{label}` must be {expected}.")]
+    WrongValue {
+        /// Label of the control.
+        label: String,
+        /// As in "a colour".
+        expected: String,
+    },
+    /// The value is not one of those allowed.
+    #[error("`{label}` must be {range}.")]
+    OutOfRange {
+        /// Label of the control.
+        label: String,
+        /// As in "above 0".
+        range: String,
+    },
+    /// A name that is empty or taken, or a node that has none.
+    #[error("{0}")]
+    Name(String),
+    /// The node cannot stand where it should go, or not be what it should become.
+    #[error("{0}")]
+    NotHere(String),
+    /// The node is needed where it is.
+    #[error("{0}")]
+    Needed(String),
+    /// The text around the node could not be read well enough to change it safely.
+    #[error(
+        "The text of `{0}` has mistakes of form, such as a brace that is never closed: correct them in the text first."
+    )]
+    Unreadable(String),
+    /// The scene would have a mistake that it has not now.
+    #[error("This would make a mistake of the scene: {message}{}", .help.as_ref().map(|help| format!(" {help}")).unwrap_or_default())]
+    Mistake {
+        /// The first mistake.
+        message: String,
+        /// What to do about it.
+        help: Option<String>,
+    },
+}
