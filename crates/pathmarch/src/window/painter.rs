@@ -1,0 +1,223 @@
+//! Draws egui's shapes into the window, on a device of its own.
+//!
+//! It shares nothing with the renderer: a scene that takes long to compile or to trace does not hold up the window, and a
+//! device that is lost takes only its own half with it. What egui has handed over of textures is kept, so that a new
+//! painter can take over from one that was lost.
+
+use egui::epaint::textures::TexturesDelta;
+use egui::epaint::{ImageData, ImageDelta};
+use egui::{ClippedPrimitive, TextureId};
+use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use winit::event_loop::OwnedDisplayHandle;
+use winit::window::Window;
+
+/// Copies of egui's textures.
+#[derive(Default)]
+pub(super) struct Textures(HashMap<TextureId, ImageDelta>);
+
+impl Textures {
+    /// Takes changes on that nobody paints.
+    pub(super) fn take(&mut self, changes: &mut TexturesDelta) {
+        for (id, deltas) in changes.set.drain() {
+            deltas.iter().for_each(|delta| self.apply(id, delta));
+        }
+        for id in changes.free.drain() {
+            self.0.remove(&id);
+        }
+    }
+
+    fn apply(&mut self, id: TextureId, delta: &ImageDelta) {
+        let Some([x, y]) = delta.pos else {
+            self.0.insert(id, delta.clone());
+            return;
+        };
+        let Some(ImageDelta { image: ImageData::Color(whole), .. }) = self.0.get_mut(&id) else { return };
+        let ImageData::Color(patch) = &delta.image;
+        let whole = Arc::make_mut(whole);
+        let [width, height] = patch.size;
+        for row in 0..height {
+            let (to, from) = ((y + row) * whole.size[0] + x, row * width);
+            whole.pixels[to..to + width].copy_from_slice(&patch.pixels[from..from + width]);
+        }
+    }
+}
+
+/// Why nothing was drawn.
+#[derive(Debug)]
+pub(super) enum PaintError {
+    /// A new painter is needed.
+    Lost(String),
+}
+
+pub(super) struct Painter {
+    surface: wgpu::Surface<'static>,
+    configuration: wgpu::SurfaceConfiguration,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    renderer: Renderer,
+    lost: Arc<AtomicBool>,
+    failure: Arc<Mutex<Option<String>>>,
+    /// Largest side of a window, pixels.
+    limit: u32,
+    pub(super) adapter: String,
+}
+
+impl Painter {
+    /// A painter for the window, or why there can be none.
+    pub(super) fn new(window: &Arc<Window>, display: OwnedDisplayHandle, textures: &Textures) -> Result<Self, String> {
+        let mut descriptor = wgpu::InstanceDescriptor::new_with_display_handle(Box::new(display));
+        descriptor.flags = wgpu::InstanceFlags::empty();
+        let instance = wgpu::Instance::new(descriptor);
+        let surface = instance.create_surface(window.clone()).map_err(|error| error.to_string())?;
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            compatible_surface: Some(&surface),
+            ..Default::default()
+        }))
+        .map_err(|error| error.to_string())?;
+        let limits = wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits());
+        let limit = limits.max_texture_dimension_2d;
+        let request = adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("window"),
+            required_limits: limits,
+            ..Default::default()
+        });
+        let (device, queue) = pollster::block_on(request).map_err(|error| error.to_string())?;
+        let lost = Arc::new(AtomicBool::new(false));
+        let failure = Arc::new(Mutex::new(None));
+        let keep = |slot: &Mutex<Option<String>>, message: String| {
+            slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
+        };
+        let (flag, slot) = (lost.clone(), failure.clone());
+        device.set_device_lost_callback(move |_, message| {
+            keep(&slot, message);
+            flag.store(true, Ordering::Release);
+        });
+        let (flag, slot) = (lost.clone(), failure.clone());
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            keep(&slot, error.to_string());
+            flag.store(true, Ordering::Release);
+        }));
+        let size = window.inner_size();
+        let mut configuration = surface
+            .get_default_config(&adapter, size.width.clamp(1, limit), size.height.clamp(1, limit))
+            .ok_or_else(|| format!("{} cannot draw into this window", adapter.get_info().name))?;
+        // Colours are codes already; a format that encodes would do it once more.
+        let formats = surface.get_capabilities(&adapter).formats;
+        let plain = formats.iter().copied().find(|format| {
+            matches!(format, wgpu::TextureFormat::Bgra8Unorm | wgpu::TextureFormat::Rgba8Unorm)
+        });
+        configuration.format = plain.unwrap_or(configuration.format);
+        configuration.desired_maximum_frame_latency = 1;
+        surface.configure(&device, &configuration);
+        let mut renderer = Renderer::new(&device, configuration.format, RendererOptions::default());
+        for (id, whole) in &textures.0 {
+            renderer.update_texture(&device, &queue, *id, whole);
+        }
+        let adapter = adapter.get_info().name;
+        Ok(Self { surface, configuration, device, queue, renderer, lost, failure, limit, adapter })
+    }
+
+    /// The largest side of a texture.
+    pub(super) fn max_texture_side(&self) -> usize {
+        self.limit as usize
+    }
+
+    /// Loses the device, as happens when a driver is restarted: to try what comes then.
+    pub(super) fn lose_device(&self) {
+        self.device.destroy();
+    }
+
+    /// Draws a frame of the size of the window. Textures are taken on whatever happens.
+    pub(super) fn paint(
+        &mut self,
+        window: &Window,
+        primitives: &[ClippedPrimitive],
+        mut changes: TexturesDelta,
+        pixels_per_point: f32,
+        kept: &mut Textures,
+    ) -> Result<(), PaintError> {
+        for (id, deltas) in changes.set.drain() {
+            for delta in deltas {
+                kept.apply(id, &delta);
+                if !self.is_lost() {
+                    self.renderer.update_texture(&self.device, &self.queue, id, &delta);
+                }
+            }
+        }
+        let result = self.paint_primitives(window, primitives, pixels_per_point);
+        for id in changes.free.drain() {
+            kept.0.remove(&id);
+            self.renderer.free_texture(&id);
+        }
+        result?;
+        if self.is_lost() { Err(self.why_lost()) } else { Ok(()) }
+    }
+
+    fn is_lost(&self) -> bool {
+        self.lost.load(Ordering::Acquire)
+    }
+
+    fn why_lost(&self) -> PaintError {
+        let why = self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        PaintError::Lost(why.unwrap_or_else(|| "the graphics device was lost".to_owned()))
+    }
+
+    fn paint_primitives(
+        &mut self,
+        window: &Window,
+        primitives: &[ClippedPrimitive],
+        pixels_per_point: f32,
+    ) -> Result<(), PaintError> {
+        let size = window.inner_size();
+        if size.width == 0 || size.height == 0 {
+            return Ok(());
+        }
+        if self.is_lost() {
+            return Err(self.why_lost());
+        }
+        let size = [size.width.min(self.limit), size.height.min(self.limit)];
+        if [self.configuration.width, self.configuration.height] != size {
+            [self.configuration.width, self.configuration.height] = size;
+            self.surface.configure(&self.device, &self.configuration);
+        }
+        let texture = match self.surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(texture) | wgpu::CurrentSurfaceTexture::Suboptimal(texture) => texture,
+            wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Occluded => return Ok(()),
+            wgpu::CurrentSurfaceTexture::Outdated => {
+                self.surface.configure(&self.device, &self.configuration);
+                window.request_redraw();
+                return Ok(());
+            }
+            wgpu::CurrentSurfaceTexture::Lost => return Err(PaintError::Lost("the window's surface was lost".to_owned())),
+            wgpu::CurrentSurfaceTexture::Validation => return Err(self.why_lost()),
+        };
+        let screen = ScreenDescriptor { size_in_pixels: size, pixels_per_point };
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("window") });
+        let buffers = self.renderer.update_buffers(&self.device, &self.queue, &mut encoder, primitives, &screen);
+        let view = texture.texture.create_view(&wgpu::TextureViewDescriptor::default());
+        {
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("window"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+                    depth_slice: None,
+                })],
+                depth_stencil_attachment: None,
+                timestamp_writes: None,
+                occlusion_query_set: None,
+                multiview_mask: None,
+            });
+            self.renderer.render(&mut pass.forget_lifetime(), primitives, &screen);
+        }
+        self.queue.submit(buffers.into_iter().chain([encoder.finish()]));
+        window.pre_present_notify();
+        self.queue.present(texture);
+        Ok(())
+    }
+}
