@@ -2,7 +2,7 @@
 
 use crate::film::Film;
 use crate::frame::Prepared;
-use crate::transport::path;
+use crate::transport::trace;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -33,8 +33,8 @@ impl CpuJob {
     /// Renders one more sample of every pixel.
     pub(crate) fn advance(&mut self) {
         let sample = self.first_sample + self.film.samples;
-        let rendered: Vec<_> =
-            self.tiles.par_iter().map(|pixels| path::trace(&self.prepared, pixels, sample)).collect();
+        let trace = trace(self.prepared.mode);
+        let rendered: Vec<_> = self.tiles.par_iter().map(|pixels| trace(&self.prepared, pixels, sample)).collect();
         for (pixels, values) in self.tiles.iter().zip(rendered) {
             for (&(x, y), value) in pixels.iter().zip(values) {
                 let pixel = (y * self.film.width + x) as usize;

@@ -75,7 +75,9 @@ impl Mode {
     pub fn doc(self) -> &'static str {
         match self {
             Self::Path => "Light as it is: path tracing.",
-            Self::Preview => "A quick look without noise: direct light, soft shadows, ambient occlusion, one reflection.",
+            Self::Preview => {
+                "A quick look without noise: direct light, soft shadows, ambient occlusion, one reflection."
+            }
             Self::Albedo => "The colour of the material; of a lamp, its radiance clipped to 1.",
             Self::Normal => "Where the surface faces in the world: red x, green y, blue z, from -1 to 1.",
             Self::Depth => "Distance along the camera's axis: white near, grey at the target, black far away.",
@@ -116,7 +118,7 @@ impl Mode {
         if self != Self::Variance {
             return film.mean();
         }
-        let error = |([sum, square, _], samples)| uncertainty(sum, square, samples);
+        let error = |([sum, square, _], samples): ([f32; 3], u32)| uncertainty(sum, square, samples);
         let pixels = film.sums.iter().copied().zip(film.sample_counts()).map(error).collect();
         Picture { width: film.width, height: film.height, pixels }
     }

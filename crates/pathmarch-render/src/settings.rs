@@ -1,5 +1,6 @@
 //! What to render of a scene, and how well.
 
+use crate::mode::Mode;
 use pathmarch_scene::{Caustics, Sampler, Scene};
 
 /// The largest number of bounces a path may have.
@@ -41,6 +42,8 @@ pub struct Settings {
     pub light_search: LightSearch,
     /// Index into the scene's cameras.
     pub camera: usize,
+    /// What the picture shows.
+    pub mode: Mode,
 }
 
 impl Settings {
@@ -57,6 +60,7 @@ impl Settings {
             clamp: scene.render.clamp,
             light_search: LightSearch::Both,
             camera: 0,
+            mode: Mode::Path,
         }
     }
 }

@@ -89,7 +89,8 @@ impl Program {
             let counted: Vec<&Tree> =
                 field.objects().iter().zip(*counts).filter(|(_, counts)| **counts).map(|(tree, _)| tree).collect();
             counted.iter().for_each(|tree| composer.distances(tree, &mut of_distances));
-            let doc = "Distance from `p` to the nearest surface of the objects that count here, from either side, metres.";
+            let doc =
+                "Distance from `p` to the nearest surface of the objects that count here, from either side, metres.";
             text += &composer.unsigned_distance(name, doc, &counted);
         }
         of_distances.difference(&functions).map(|(_, function)| format!("{function}\n")).collect::<String>() + &text

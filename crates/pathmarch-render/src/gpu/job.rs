@@ -28,7 +28,7 @@ pub(crate) const STORAGE_BUFFERS: u32 = 7;
 /// Shapes beyond which a field is too large to be compiled as code.
 pub(crate) const MAX_LEAVES: usize = 2048;
 
-/// The layout is that of `Slice` in `transport/path.wgsl`.
+/// The layout is that of `Slice` in `transport/frame.wgsl`.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Slice {
