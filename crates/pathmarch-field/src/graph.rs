@@ -413,6 +413,16 @@ impl Field {
         nearest
     }
 
+    /// Distance from each point to the nearest surface of the objects that count, from outside or inside; infinite where
+    /// there is none. `counts` has one entry for each object, in their order.
+    pub fn distance_to<N: Batch>(&self, p: Vec3<N>, counts: &[bool]) -> N {
+        let mut nearest = N::constant(f32::INFINITY);
+        for (object, _) in self.objects.iter().zip(counts).filter(|(_, counts)| **counts) {
+            nearest = nearest.min(self.tree_distance(object, p).abs());
+        }
+        nearest
+    }
+
     /// Signed distance from each point to each object, in their order, metres.
     pub fn object_distances<N: Batch>(&self, p: Vec3<N>) -> impl Iterator<Item = N> {
         self.objects.iter().map(move |object| self.tree_distance(object, p))

@@ -22,6 +22,7 @@ use crate::settings::Settings;
 use crate::transport::camera::{Ray, central_ray};
 use crate::transport::march::{self, March, march};
 use crate::transport::path::{Near, facing, near};
+use crate::transport::views::shown_colour;
 use glam::Vec3;
 use pathmarch_scene::Scene;
 use rayon::prelude::*;
@@ -137,14 +138,7 @@ const BATCH: u32 = 256;
 pub fn render(scene: &Scene, settings: &Settings) -> Result<Aovs, RenderError> {
     check(scene, settings)?;
     let prepared = Prepared::new(scene, settings);
-    let colours: Vec<Vec3> = scene
-        .materials
-        .iter()
-        .map(|material| {
-            let colour = if material.emits() { material.emission() } else { material.albedo() };
-            Vec3::from(colour).min(Vec3::ONE)
-        })
-        .collect();
+    let colours: Vec<Vec3> = (0..scene.materials.len() as u32).map(|m| shown_colour(scene, m).into()).collect();
     let [width, height] = settings.size;
     let starts: Vec<u32> = (0..width * height).step_by(BATCH as usize).collect();
     let pixels: Vec<Pixel> = starts

@@ -2,8 +2,9 @@
 
 use crate::film::Film;
 use crate::frame::Prepared;
+use crate::mode::{Mode, uncertainty_shown};
 use crate::tonemap::Display;
-use crate::transport::path;
+use crate::transport::trace;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -79,11 +80,12 @@ impl CpuJob {
     fn trace(&mut self, count: usize) {
         let sample = self.first_sample + self.film.samples;
         let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];
+        let trace = trace(self.prepared.mode);
         let rendered: Vec<_> = tiles
             .par_iter()
             .map(|tile| {
                 let pixels = tile.pixels();
-                let values = path::trace(&self.prepared, &pixels, sample);
+                let values = trace(&self.prepared, &pixels, sample);
                 (pixels, values)
             })
             .collect();
@@ -116,7 +118,7 @@ impl CpuJob {
     }
 
     /// The film so far as the codes of a screen, red, green, blue and 255 for each pixel.
-    pub(crate) fn show(&self, display: &Display) -> Vec<u8> {
+    pub(crate) fn show(&self, display: &Display, mode: Mode) -> Vec<u8> {
         let mut counts = self.film.sample_counts();
         for tile in &self.tiles[..self.done] {
             for (x, y) in tile.pixels() {
@@ -129,12 +131,15 @@ impl CpuJob {
         let films = self.film.sums.par_chunks(TASK).zip(counts.par_chunks(TASK));
         codes.par_chunks_mut(4 * TASK).zip(films).for_each(|(codes, (sums, counts))| {
             for ((codes, sums), counts) in codes.chunks_mut(32).zip(sums.chunks(8)).zip(counts.chunks(8)) {
-                let lanes = |channel: usize| {
-                    f32x8::new(std::array::from_fn(|k| {
-                        sums.get(k).zip(counts.get(k)).map_or(0.0, |(sum, &count)| sum[channel] / count.max(1) as f32)
-                    }))
+                let lanes =
+                    |channel: usize| f32x8::new(std::array::from_fn(|k| sums.get(k).map_or(0.0, |sum| sum[channel])));
+                let count = f32x8::new(std::array::from_fn(|k| counts.get(k).map_or(0.0, |&count| count as f32)));
+                let colour = if mode == Mode::Variance {
+                    uncertainty_shown(lanes(0), lanes(1), count)
+                } else {
+                    [lanes(0), lanes(1), lanes(2)].map(|sum| sum / count.fast_max(f32x8::ONE))
                 };
-                let shown = display.encode_lanes([lanes(0), lanes(1), lanes(2)]).map(f32x8::to_array);
+                let shown = display.encode_lanes(colour).map(f32x8::to_array);
                 for (k, code) in codes.chunks_mut(4).enumerate() {
                     for channel in 0..3 {
                         code[channel] = (shown[channel][k] * 255.0).round() as u8;

@@ -1,8 +1,11 @@
 //! A scene and its settings in the form both backends read.
 
+use crate::mode::Mode;
 use crate::settings::{LightSearch, Settings};
 use crate::transport::lights::{self, LightRecord};
+use crate::transport::preview::Preview;
 use crate::transport::sky::Sky;
+use crate::transport::views;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use pathmarch_field::graph::Leaf;
@@ -12,7 +15,7 @@ use pathmarch_scene::sky::GROUND_EDGE;
 use pathmarch_scene::{Camera, Caustics, Material, Scene, Sky as Source};
 use std::collections::HashMap;
 
-/// What every ray of a picture shares; the layout is that of `Frame` in `transport/path.wgsl`.
+/// What every ray of a picture shares; the layout is that of `Frame` in `transport/frame.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Frame {
@@ -67,7 +70,7 @@ pub(crate) struct Frame {
     padding: [u32; 2],
 }
 
-/// What is known of a leaf of the field; the layout is that of `LeafRecord` in `transport/path.wgsl`.
+/// What is known of a leaf of the field; the layout is that of `LeafRecord` in `transport/frame.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct LeafRecord {
@@ -87,7 +90,7 @@ pub(crate) const DIRECT: u32 = 2;
 /// Where the light's number starts in the flags.
 pub(crate) const LIGHT_SHIFT: u32 = 2;
 
-/// A material as both backends read it; the layout is that of `Material` in `transport/path.wgsl`.
+/// A material as both backends read it; the layout is that of `Material` in `transport/frame.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct MaterialRecord {
@@ -165,6 +168,13 @@ pub(crate) struct Prepared {
     pub(crate) sky_table: usize,
     /// Where the albedos of GGX surfaces start in the tables.
     pub(crate) ggx_table: usize,
+    pub(crate) mode: Mode,
+    /// Numbers of the mode, for those that are views.
+    pub(crate) mode_numbers: Vec<f32>,
+    /// What a preview needs.
+    pub(crate) preview: Option<Preview>,
+    /// Where the numbers of the mode or of the preview start in the tables.
+    pub(crate) mode_table: usize,
 }
 
 /// What is negligible, in pixels: small against the half pixel by which an edge may be off unnoticed.
@@ -206,7 +216,8 @@ impl Frame {
         };
         Self {
             position: camera.position,
-            lens_radius: camera.lens_radius,
+            // Modes without noise have nothing to spread rays over a lens by.
+            lens_radius: if settings.mode.traces_paths() { camera.lens_radius } else { 0.0 },
             right: (right * half_height * width as f32 / height as f32).into(),
             focus: camera.focus.unwrap_or_else(|| position.distance(Vec3::from(camera.target))),
             up: (up * half_height).into(),
@@ -279,7 +290,10 @@ impl Prepared {
         if bsdfs.iter().flatten().any(|bsdf| bsdf.reads_albedos) {
             tables.extend(albedo::table().iter().flatten().map(|value| value.to_bits()));
         }
-        Self {
+        let mode_table = tables.len();
+        let mode_numbers = views::numbers(settings.mode, scene, settings.camera_of(scene), radius);
+        tables.extend(mode_numbers.iter().map(|number| number.to_bits()));
+        let mut prepared = Self {
             frame,
             features,
             field: scene.field.clone(),
@@ -291,17 +305,27 @@ impl Prepared {
             tables,
             sky_table,
             ggx_table,
+            mode: settings.mode,
+            mode_numbers,
+            preview: None,
+            mode_table,
+        };
+        if settings.mode == Mode::Preview {
+            let preview = Preview::new(scene, &mut prepared);
+            prepared.tables.extend(preview.words());
+            prepared.preview = Some(preview);
         }
+        prepared
     }
 
     /// The same scene with another camera, size, seed, number of bounces or limit; other settings stay as they were.
-    /// False where the scene's lights depend on the camera, so that everything must be prepared anew.
+    /// False where more depends on the camera, so that everything must be prepared anew.
     pub(crate) fn reframe(&mut self, scene: &Scene, settings: &Settings) -> bool {
-        let same_lights = limited_bounds(scene).is_finite();
-        if same_lights {
+        let only_the_frame = limited_bounds(scene).is_finite() && settings.mode != Mode::Depth;
+        if only_the_frame {
             self.frame = Frame::new(scene, settings, &self.sky, &self.lights);
         }
-        same_lights
+        only_the_frame
     }
 }
 

@@ -25,14 +25,18 @@ mod cpu;
 mod error;
 mod frame;
 mod gpu;
+mod mode;
+mod pick;
 mod renderer;
 mod settings;
 mod transport;
 
 pub use error::RenderError;
 pub use gpu::{AdapterDescription, adapters};
+pub use mode::{Mode, relative_error};
 pub use pathmarch_field;
 pub use pathmarch_scene;
+pub use pick::{Picked, clearance, pick};
 pub use renderer::{Backend, Job, Renderer};
 pub use settings::{LightSearch, MAX_BOUNCES, Settings};
 

@@ -1,5 +1,6 @@
 //! What to render of a scene, and how well.
 
+use crate::mode::Mode;
 use pathmarch_scene::{Camera, Caustics, Sampler, Scene};
 
 /// The largest number of bounces a path may have.
@@ -43,6 +44,8 @@ pub struct Settings {
     pub camera: usize,
     /// A camera that is not in the scene, in place of the scene's.
     pub viewpoint: Option<Camera>,
+    /// What the picture shows.
+    pub mode: Mode,
 }
 
 impl Settings {
@@ -60,6 +63,7 @@ impl Settings {
             light_search: LightSearch::Both,
             camera: 0,
             viewpoint: None,
+            mode: Mode::Path,
         }
     }
 

@@ -101,8 +101,14 @@ fn encoded<N: Real>(linear: N) -> N {
 
 /// The inverse of [`srgb_encode`]: a code in 0..=1 to linear light.
 pub fn srgb_decode(code: f32) -> f32 {
-    let code = defined(code).min(1.0);
-    if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
+    decoded(code)
+}
+
+/// [`srgb_decode`] over any number.
+pub(crate) fn decoded<N: Real>(code: N) -> N {
+    let code = defined(code).min(N::one());
+    let curved = power((code + N::constant(0.055)) * N::constant(1.0 / 1.055), 2.4);
+    N::select(N::constant(0.040_45).lt(code), curved, code * N::constant(1.0 / 12.92))
 }
 
 /// `x`, zero or more, to a power, also where a logarithm of zero is not defined.

@@ -17,6 +17,7 @@ fn provenance() -> Provenance {
         first_sample: 64,
         seed: u32::MAX,
         bounces: 4,
+        mode: "preview".to_owned(),
         adapter: "llvmpipe (LLVM 15, 256 bits)".to_owned(),
         backend: "vulkan".to_owned(),
         version: "0.1.0".to_owned(),

@@ -38,7 +38,9 @@ struct Surface {
 }
 ";
 
-const CHOICE: &str = "\
+/// WGSL text of `choice(seed: u32, index: u32) -> f32`, as it stands in the code of a field that blends: for those who
+/// choose among blended materials in another way.
+pub const CHOICE: &str = "\
 /// A uniform number in 0..1 for the choice of this index (PCG hash; Jarzynski and Olano 2020).
 fn choice(seed: u32, index: u32) -> f32 {
     let state = (seed ^ (index * 0x9e3779b9u)) * 747796405u + 2891336453u;
@@ -50,23 +52,7 @@ fn choice(seed: u32, index: u32) -> f32 {
 impl Program {
     /// Prints a field.
     pub fn new(field: &Field) -> Self {
-        let mut composer = Composer { field, parameters: Vec::new(), widths: Vec::new(), starts: Vec::new() };
-        let mut functions = BTreeSet::new();
-        for leaf in field.leaves() {
-            composer.starts.push(composer.parameters.len());
-            composer.place(leaf);
-            functions.insert((0, leaf.shape.wgsl_gradient()));
-        }
-        let mut has_choice = false;
-        for tree in field.objects() {
-            has_choice |= composer.operators(tree, &mut functions);
-            match field.direct(tree) {
-                Some(leaf) => {
-                    functions.insert((0, field.leaves()[leaf as usize].shape.wgsl_ray()));
-                }
-                None => composer.distances(tree, &mut functions),
-            }
-        }
+        let Composed { mut composer, functions, has_choice } = Composed::new(field);
         let mut code_of_distances = BTreeSet::new();
         for tree in field.objects() {
             composer.distances(tree, &mut code_of_distances);
@@ -91,6 +77,54 @@ impl Program {
         }
         let code = format!("{code}\n{distance}\n{direct}\n{surface}");
         Self { code, whole_distance, parameters: composer.parameters }
+    }
+
+    /// WGSL text, to stand behind [`code`](Self::code), of functions `NAME(p: vec3f) -> f32`: each is
+    /// [`Field::distance_to`] the objects that count.
+    pub fn distances_to(field: &Field, named: &[(&str, &[bool])]) -> String {
+        let Composed { composer, functions, .. } = Composed::new(field);
+        let mut of_distances = BTreeSet::new();
+        let mut text = String::new();
+        for (name, counts) in named {
+            let counted: Vec<&Tree> =
+                field.objects().iter().zip(*counts).filter(|(_, counts)| **counts).map(|(tree, _)| tree).collect();
+            counted.iter().for_each(|tree| composer.distances(tree, &mut of_distances));
+            let doc =
+                "Distance from `p` to the nearest surface of the objects that count here, from either side, metres.";
+            text += &composer.unsigned_distance(name, doc, &counted);
+        }
+        of_distances.difference(&functions).map(|(_, function)| format!("{function}\n")).collect::<String>() + &text
+    }
+}
+
+/// A field's numbers in their places, and the functions that its code calls.
+struct Composed<'a> {
+    composer: Composer<'a>,
+    functions: BTreeSet<(u32, String)>,
+    /// Whether any operator blends.
+    has_choice: bool,
+}
+
+impl<'a> Composed<'a> {
+    fn new(field: &'a Field) -> Self {
+        let mut composer = Composer { field, parameters: Vec::new(), widths: Vec::new(), starts: Vec::new() };
+        let mut functions = BTreeSet::new();
+        for leaf in field.leaves() {
+            composer.starts.push(composer.parameters.len());
+            composer.place(leaf);
+            functions.insert((0, leaf.shape.wgsl_gradient()));
+        }
+        let mut has_choice = false;
+        for tree in field.objects() {
+            has_choice |= composer.operators(tree, &mut functions);
+            match field.direct(tree) {
+                Some(leaf) => {
+                    functions.insert((0, field.leaves()[leaf as usize].shape.wgsl_ray()));
+                }
+                None => composer.distances(tree, &mut functions),
+            }
+        }
+        Self { composer, functions, has_choice }
     }
 }
 
@@ -174,12 +208,16 @@ impl Composer<'_> {
     }
 
     fn distance(&self) -> String {
-        let mut text = String::from(
-            "/// Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.\n\
-             fn marched_distance(p: vec3f) -> f32 {\n    var nearest = 1e30;\n",
-        );
+        let marched: Vec<&Tree> =
+            self.field.objects().iter().filter(|object| self.field.direct(object).is_none()).collect();
+        let doc = "Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.";
+        self.unsigned_distance("marched_distance", doc, &marched)
+    }
+
+    fn unsigned_distance(&self, name: &str, doc: &str, objects: &[&Tree]) -> String {
+        let mut text = format!("/// {doc}\nfn {name}(p: vec3f) -> f32 {{\n    var nearest = 1e30;\n");
         let mut counter = 0;
-        for object in self.field.objects().iter().filter(|object| self.field.direct(object).is_none()) {
+        for object in objects {
             let value = self.tree_distance(object, &mut text, &mut counter);
             writeln!(text, "    nearest = min(nearest, abs({value}));").expect("writing to a string");
         }

@@ -6,6 +6,7 @@
 use super::Device;
 use super::job::Progress;
 use crate::error::RenderError;
+use crate::mode::{Mode, uncertainty_wgsl};
 use crate::tonemap::{self, Display};
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
@@ -21,7 +22,7 @@ struct Shown {
     column: u32,
     gain: f32,
     tonemap: u32,
-    padding: u32,
+    variance: u32,
 }
 
 /// The compiled pass of a device.
@@ -39,7 +40,7 @@ pub(crate) struct Screen {
 
 impl DisplayPass {
     pub(crate) fn new(gpu: &wgpu::Device) -> Self {
-        let code = tonemap::wgsl() + include_str!("display.wgsl");
+        let code = tonemap::wgsl() + &uncertainty_wgsl() + include_str!("display.wgsl");
         let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("display"),
             source: wgpu::ShaderSource::Wgsl(code.into()),
@@ -90,9 +91,11 @@ impl DisplayPass {
         [width, height]: [u32; 2],
         Progress { samples, row, column }: Progress,
         display: &Display,
+        mode: Mode,
     ) -> Result<Vec<u8>, RenderError> {
         let (gain, tonemap) = (display.gain(), display.tonemap as u32);
-        let shown = Shown { width, height, samples, row, column, gain, tonemap, padding: 0 };
+        let variance = u32::from(mode == Mode::Variance);
+        let shown = Shown { width, height, samples, row, column, gain, tonemap, variance };
         device.queue.write_buffer(&self.shown, 0, bytemuck::bytes_of(&shown));
         let mut encoder =
             device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("display") });

@@ -11,6 +11,8 @@ struct Shown {
     /// What radiance is multiplied by.
     gain: f32,
     tonemap: u32,
+    /// Not 0 where the film holds sums of luminance and of its square.
+    variance: u32,
 }
 
 @group(0) @binding(0) var<uniform> shown: Shown;
@@ -26,6 +28,10 @@ fn show(@builtin(global_invocation_id) id: vec3u) {
     let sum = film[pixel];
     let one_more = id.y < shown.row || (id.y < shown.row + 8u && id.x < shown.column);
     let samples = f32(shown.samples + select(0u, 1u, one_more)) - sum.w;
-    let mean = sum.xyz * (shown.gain / max(samples, 1.0));
-    picture[pixel] = pack4x8unorm(vec4f(codes(shown.tonemap, vec4f(mean, 1.0)).xyz, 1.0));
+    var colour = sum.xyz / max(samples, 1.0);
+    if shown.variance != 0u {
+        colour = uncertainty(vec4f(sum.xyz, samples)).xyz;
+    }
+    colour *= shown.gain;
+    picture[pixel] = pack4x8unorm(vec4f(codes(shown.tonemap, vec4f(colour, 1.0)).xyz, 1.0));
 }

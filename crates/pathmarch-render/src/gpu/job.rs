@@ -12,6 +12,7 @@ use super::display::Screen;
 use crate::error::RenderError;
 use crate::film::Film;
 use crate::frame::{Frame, Prepared};
+use crate::mode::Mode;
 use crate::tonemap::Display;
 use bytemuck::{Pod, Zeroable};
 use std::collections::VecDeque;
@@ -30,7 +31,7 @@ pub(crate) const STORAGE_BUFFERS: u32 = 7;
 /// Shapes beyond which a field is too large to be compiled as code.
 pub(crate) const MAX_LEAVES: usize = 2048;
 
-/// The layout is that of `Slice` in `transport/path.wgsl`.
+/// The layout is that of `Slice` in `transport/frame.wgsl`.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Slice {
@@ -228,14 +229,14 @@ impl GpuJob {
 
     /// The film so far as the codes of a screen, red, green, blue and 255 for each pixel; waits for what was handed to
     /// the GPU.
-    pub(crate) fn show(&mut self, display: &Display) -> Result<Vec<u8>, RenderError> {
+    pub(crate) fn show(&mut self, display: &Display, mode: Mode) -> Result<Vec<u8>, RenderError> {
         self.wait()?;
         let pass = self.device.display();
         if self.screen.is_none() {
             self.screen = Some(pass.screen(&self.device, &self.film)?);
         }
         let Some(screen) = &self.screen else { return Ok(Vec::new()) };
-        pass.show(&self.device, screen, self.size, self.submitted, display)
+        pass.show(&self.device, screen, self.size, self.submitted, display, mode)
     }
 
     /// Hands over slices, each with its number of columns.

@@ -2,34 +2,75 @@
 //! estimator as constants, so that a scene pays for nothing that it does not use.
 
 use crate::frame::{EMITS, Features, Prepared};
+use crate::mode::Mode;
 use crate::transport::{self, lights};
-use pathmarch_field::wgsl::{MAX_UNIFORM_VECTORS, Program};
+use pathmarch_field::wgsl::{CHOICE, MAX_UNIFORM_VECTORS, Program};
 use pathmarch_scene::materials::{self, albedo};
 use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
+
+/// The field's distance, which says how often a march called it.
+const COUNTING: &str = "
+fn marched_distance(p: vec3f) -> f32 {
+    steps += 1u;
+    return uncounted_distance(p);
+}
+";
 
 /// The kernel, in WGSL.
 pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
     let count = program.parameters.len();
     let space = if count <= MAX_UNIFORM_VECTORS { "uniform" } else { "storage, read" };
+    let mode = prepared.mode;
     let mut code =
         format!("@group(0) @binding(2) var<{space}> field_parameters: array<vec4f, {count}>;\n\n{}", program.code);
-    if prepared.features.penumbra {
-        code.push('\n');
-        code.push_str(&program.whole_distance);
+    if mode.traces_paths() {
+        if prepared.features.penumbra {
+            code.push('\n');
+            code.push_str(&program.whole_distance);
+        }
+        code += &constants(prepared);
+        code += &scattering(prepared);
+    } else {
+        // `steady.wgsl` has one without noise.
+        code = code.replace(CHOICE, "");
+        if mode == Mode::Steps {
+            code = code.replace("fn marched_distance(", "fn uncounted_distance(") + COUNTING;
+        }
+        code += &numbers_of_mode(prepared);
     }
-    code += &constants(prepared);
-    code += &scattering(prepared);
-    for part in transport::KERNEL {
+    for part in transport::kernel(mode) {
         code.push('\n');
         code.push_str(part);
     }
+    code.push('\n');
+    code + &transport::TRACE.replace(transport::PATH_WGSL, transport::trace_wgsl(mode))
+}
+
+/// What a mode without noise needs of the scene.
+fn numbers_of_mode(prepared: &Prepared) -> String {
+    let mut code = String::from("\n");
+    if let Some(preview) = &prepared.preview {
+        // Near misses are those of what casts shadows.
+        let distances = [("whole_distance", &preview.occluders[..]), ("near_distance", &preview.neighbours[..])];
+        code += &Program::distances_to(&prepared.field, &distances);
+        code += &constants(prepared);
+    } else {
+        let views = [Mode::Normal, Mode::Depth, Mode::Albedo, Mode::Steps];
+        for (number, name) in ["NORMAL", "DEPTH", "ALBEDO", "STEPS"].into_iter().enumerate() {
+            writeln!(code, "const VIEW_{name} = {number}u;").expect("writing to a string");
+        }
+        // The others show a colour of the leaf and nothing else.
+        let view = views.iter().position(|&view| view == prepared.mode).unwrap_or(views.len());
+        writeln!(code, "const VIEW = {view}u;").expect("writing to a string");
+    }
+    writeln!(code, "const MODE_TABLE = {}u;", prepared.mode_table).expect("writing to a string");
     code
 }
 
 fn constants(prepared: &Prepared) -> String {
     let Features { absorption, transmission, chooses_lobes, fast_caustics, penumbra, light_search } = prepared.features;
-    let near_misses = if penumbra {
+    let near_misses = if penumbra || prepared.preview.is_some() {
         transport::PENUMBRA
     } else {
         "fn near_misses(ray: Ray, limit: f32, sharpness: f32) -> f32 {\n    return 1.0;\n}\n"

@@ -103,8 +103,8 @@ impl ChannelValues {
 }
 
 /// Where a picture came from; kept in the header of an EXR file as attributes `pathmarch:sceneHash`, `pathmarch:samples`,
-/// `pathmarch:firstSample`, `pathmarch:seed`, `pathmarch:bounces`, `pathmarch:adapter`, `pathmarch:backend` and
-/// `pathmarch:version`.
+/// `pathmarch:firstSample`, `pathmarch:seed`, `pathmarch:bounces`, `pathmarch:mode`, `pathmarch:adapter`,
+/// `pathmarch:backend` and `pathmarch:version`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Provenance {
     /// Hash of everything in the scene that bears on the light.
@@ -117,6 +117,8 @@ pub struct Provenance {
     pub seed: u32,
     /// Scattering events after the first hit.
     pub bounces: u32,
+    /// What it shows, [`Mode::name`](crate::Mode::name); `path` in files that do not say.
+    pub mode: String,
     /// The graphics adapter, or the processor.
     pub adapter: String,
     /// The graphics interface ("vulkan", "metal", ...) or "cpu".

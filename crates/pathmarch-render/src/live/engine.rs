@@ -7,6 +7,7 @@ use crate::error::RenderError;
 use crate::film::Film;
 use crate::frame::Prepared;
 use crate::gpu::{self, Device, GpuJob, Printed};
+use crate::mode::Mode;
 use crate::renderer::{Backend, check};
 use crate::settings::Settings;
 use crate::tonemap::Display;
@@ -48,10 +49,10 @@ impl Tracer {
             Self::Cpu(job) => job.samples_done(),
         }
     }
-    fn show(&mut self, display: &Display) -> Result<Vec<u8>, RenderError> {
+    fn show(&mut self, display: &Display, mode: Mode) -> Result<Vec<u8>, RenderError> {
         match self {
-            Self::Gpu(job) => job.show(display),
-            Self::Cpu(job) => Ok(job.show(display)),
+            Self::Gpu(job) => job.show(display, mode),
+            Self::Cpu(job) => Ok(job.show(display, mode)),
         }
     }
     /// The film, once no sample is half done.
@@ -495,7 +496,7 @@ impl Engine {
     fn publish(&mut self) -> Result<(), RenderError> {
         let (Some((number, order)), Some(tracer)) = (&self.order, &mut self.tracer) else { return Ok(()) };
         let samples = tracer.samples_done();
-        let codes = tracer.show(&order.display)?;
+        let codes = tracer.show(&order.display, order.settings.mode)?;
         let now = Instant::now();
         self.serial += 1;
         let shown = Shown { size: self.level, codes, samples, order: *number, serial: self.serial, at: now };

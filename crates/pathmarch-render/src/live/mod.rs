@@ -29,7 +29,7 @@ pub struct Order {
     pub scene: Arc<Scene>,
     /// Size of the whole picture, when it is done, and everything else about it.
     pub settings: Settings,
-    /// How radiance is shown.
+    /// How the picture is shown; see [`Mode::display`](crate::Mode::display).
     pub display: Display,
     /// Whether something is being moved, so that the next picture matters more than its size.
     pub moving: bool,

@@ -24,27 +24,27 @@ use std::f32::consts::{PI, TAU};
 #[repr(C)]
 pub(crate) struct LightRecord {
     /// Middle of the light, or the unit direction towards the sun.
-    place: [f32; 3],
+    pub(super) place: [f32; 3],
     /// One of the constants below.
-    kind: u32,
+    pub(super) kind: u32,
     /// A point's intensity, the sun's irradiance on a surface facing it, or an object's radiance.
-    power: [f32; 3],
+    pub(super) power: [f32; 3],
     /// Probability of being chosen.
-    probability: f32,
+    pub(super) probability: f32,
     /// The alias table: below this share of its cell the cell is this light, above it is the alias.
     threshold: f32,
     alias: u32,
     /// The leaf of the field that emits.
-    leaf: u32,
+    pub(super) leaf: u32,
     /// 1 - cosine of the sun's angular radius; radius of a sphere, a disc or the bounding sphere.
-    extent: f32,
+    pub(super) extent: f32,
     /// Half edges along the local axes; of a sheet, y is the unit vector it faces.
-    x: [f32; 3],
+    pub(super) x: [f32; 3],
     /// Sharpness of shadows from near misses; 0 for shadows as they are.
     pub(crate) penumbra: f32,
-    y: [f32; 3],
+    pub(super) y: [f32; 3],
     padding_y: u32,
-    z: [f32; 3],
+    pub(super) z: [f32; 3],
     padding_z: u32,
 }
 
@@ -65,16 +65,16 @@ impl LightRecord {
     }
 }
 
-const POINT: u32 = 0;
-const SUN: u32 = 1;
-const SPHERE: u32 = 2;
-const RECT: u32 = 3;
-const DISC: u32 = 4;
-const BOX: u32 = 5;
+pub(super) const POINT: u32 = 0;
+pub(super) const SUN: u32 = 1;
+pub(super) const SPHERE: u32 = 2;
+pub(super) const RECT: u32 = 3;
+pub(super) const DISC: u32 = 4;
+pub(super) const BOX: u32 = 5;
 /// Somewhere in a bounding sphere.
-const BOUNDED: u32 = 6;
+pub(super) const BOUNDED: u32 = 6;
 /// The sky's picture.
-const ENVIRONMENT: u32 = 7;
+pub(super) const ENVIRONMENT: u32 = 7;
 
 /// The names of the kinds in the constants of the kernel, in their order.
 pub(crate) const KIND_NAMES: [&str; 8] = ["POINT", "SUN", "SPHERE", "RECT", "DISC", "BOX", "BOUNDED", "ENVIRONMENT"];

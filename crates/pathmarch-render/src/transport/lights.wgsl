@@ -26,6 +26,8 @@ struct LightSample {
     penumbra: f32,
 }
 
+@group(0) @binding(5) var<storage, read> lights: array<Light>;
+
 const POINT = 0u;
 const SUN = 1u;
 const SPHERE = 2u;
@@ -40,8 +42,6 @@ const LIGHTS_SAMPLED = 1u;
 const LIGHTS_MET = 2u;
 
 const NO_TARGET = 0xffffffffu;
-/// A distance beyond every scene, for lights at infinity.
-const AT_INFINITY = 1e30;
 /// A shadow ray ends this share of the way to a light's surface.
 const SHORT_OF_LIGHT = 0.9999;
 

@@ -114,6 +114,16 @@ fn spans(field: &Field, frame: &Frame, rays: &Rays8) -> [Span; 8] {
 
 /// Follows every ray; gives for each its hit, or `None`.
 pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<Hit>> {
+    march_counting(field, frame, rays, &mut [])
+}
+
+/// [`march`], which also says how often each ray evaluated the field; `evaluations` has a place for each ray, or none.
+pub(super) fn march_counting(
+    field: &Field,
+    frame: &Frame,
+    rays: &[March],
+    evaluations: &mut [u32],
+) -> Vec<Option<Hit>> {
     const IDLE: usize = usize::MAX;
     let mut hits = Vec::with_capacity(rays.len());
     let mut marched = Vec::new();
@@ -185,6 +195,9 @@ pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<
         state[9] = last.to_array();
         for lane in 0..8 {
             if ended >> lane & 1 == 1 {
+                if let Some(count) = evaluations.get_mut(lane_ray[lane]) {
+                    *count = steps[lane];
+                }
                 if was_hit >> lane & 1 == 1 {
                     hits[lane_ray[lane]] = Some(Hit { t: state[6][lane], direct: false });
                 }

@@ -3,6 +3,8 @@
 const MAX_STEPS = 256u;
 const START_OFFSET = 3.0;
 const NO_HIT = -1.0;
+/// A distance beyond every scene.
+const AT_INFINITY = 1e30;
 
 fn largest(v: vec3f) -> f32 {
     return max(v.x, max(v.y, v.z));

@@ -7,24 +7,86 @@
 pub(crate) mod alias;
 pub(crate) mod basis;
 pub(crate) mod camera;
+mod irradiance;
 pub(crate) mod lights;
 pub(crate) mod march;
 pub(crate) mod path;
+pub(crate) mod preview;
+mod probe;
 pub(crate) mod random;
 mod shadow;
 pub(crate) mod sky;
+mod steady;
+mod variance;
+pub(crate) mod views;
+pub(crate) mod visible;
 
-/// The kernel's WGSL but for the scene's field; declarations may stand in any order.
-pub(crate) const KERNEL: [&str; 8] = [
-    include_str!("basis.wgsl"),
-    include_str!("camera.wgsl"),
-    include_str!("lights.wgsl"),
-    include_str!("march.wgsl"),
-    include_str!("path.wgsl"),
-    include_str!("random.wgsl"),
-    include_str!("shadow.wgsl"),
-    include_str!("sky.wgsl"),
-];
+use crate::frame::Prepared;
+use crate::mode::Mode;
+use glam::Vec3;
 
-/// Only for scenes whose shadows are softened by near misses.
+/// What computes one sample of each of some pixels on the CPU.
+pub(crate) type Trace = fn(&Prepared, pixels: &[(u32, u32)], sample: u32) -> Vec<Vec3>;
+
+/// The function of a mode on the CPU.
+pub(crate) fn trace(mode: Mode) -> Trace {
+    match mode {
+        Mode::Path => path::trace,
+        Mode::Preview => preview::trace,
+        Mode::Variance => variance::moments,
+        _ => views::view,
+    }
+}
+
+/// The name of its twin on the GPU: `NAME(camera: Ray, random: Random) -> vec3f`.
+pub(crate) fn trace_wgsl(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Path => PATH_WGSL,
+        Mode::Preview => "preview_along",
+        Mode::Variance => "moments_along",
+        _ => "view_along",
+    }
+}
+
+/// The function of [`Mode::Path`], which [`TRACE`] calls.
+pub(crate) const PATH_WGSL: &str = "radiance_along";
+
+/// The entry point of the kernel, as it is for [`Mode::Path`].
+pub(crate) const TRACE: &str = include_str!("trace.wgsl");
+
+/// The kernel's WGSL but for the scene's field and the entry point; declarations may stand in any order.
+pub(crate) fn kernel(mode: Mode) -> &'static [&'static str] {
+    const BASIS: &str = include_str!("basis.wgsl");
+    const CAMERA: &str = include_str!("camera.wgsl");
+    const FRAME: &str = include_str!("frame.wgsl");
+    const LIGHTS: &str = include_str!("lights.wgsl");
+    const MARCH: &str = include_str!("march.wgsl");
+    const PATH: &str = include_str!("path.wgsl");
+    const RANDOM: &str = include_str!("random.wgsl");
+    const SHADOW: &str = include_str!("shadow.wgsl");
+    const SKY: &str = include_str!("sky.wgsl");
+    const STEADY: &str = include_str!("steady.wgsl");
+    const VISIBLE: &str = include_str!("visible.wgsl");
+    match mode {
+        Mode::Path => &[BASIS, CAMERA, LIGHTS, MARCH, FRAME, PATH, RANDOM, SHADOW, SKY],
+        Mode::Variance => {
+            &[BASIS, CAMERA, LIGHTS, MARCH, FRAME, PATH, RANDOM, SHADOW, SKY, include_str!("variance.wgsl")]
+        }
+        Mode::Preview => &[
+            BASIS,
+            CAMERA,
+            LIGHTS,
+            MARCH,
+            FRAME,
+            SKY,
+            STEADY,
+            VISIBLE,
+            include_str!("irradiance.wgsl"),
+            include_str!("preview.wgsl"),
+        ],
+        _ => &[CAMERA, MARCH, FRAME, STEADY, VISIBLE, include_str!("views.wgsl")],
+    }
+}
+
+/// For scenes whose shadows are softened by near misses, and for previews.
 pub(crate) const PENUMBRA: &str = include_str!("penumbra.wgsl");

@@ -67,29 +67,34 @@ fn limited(prepared: &Prepared, contribution: Vec3, bounces: u32) -> Vec3 {
 /// The radiance of one sample of each of these pixels.
 pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> Vec<Vec3> {
     let frame = &prepared.frame;
-    let mut radiance = vec![Vec3::ZERO; pixels.len()];
-    let mut paths: Vec<Path> = pixels
-        .iter()
+    let rays = pixels.iter().map(|&(x, y)| {
+        let random = Random::of(frame, x, y, sample);
+        (camera_ray(frame, x, y, random), random)
+    });
+    radiance_along(prepared, rays)
+}
+
+/// The radiance along each of these rays, which start where the camera is or in the same medium.
+pub(super) fn radiance_along(prepared: &Prepared, rays: impl Iterator<Item = (Ray, Random)>) -> Vec<Vec3> {
+    let frame = &prepared.frame;
+    let mut paths: Vec<Path> = rays
         .enumerate()
-        .map(|(slot, &(x, y))| {
-            let random = Random::of(frame, x, y, sample);
-            let ray = camera_ray(frame, x, y, random);
-            Path {
-                slot,
-                random,
-                ray,
-                reference: ray.origin,
-                throughput: Vec3::ONE,
-                length: 0.0,
-                last: 0.0,
-                direct: false,
-                scatter_pdf: 0.0,
-                medium: Vec3::from(frame.medium),
-                passing: false,
-                index_square: 1.0,
-            }
+        .map(|(slot, (ray, random))| Path {
+            slot,
+            random,
+            ray,
+            reference: ray.origin,
+            throughput: Vec3::ONE,
+            length: 0.0,
+            last: 0.0,
+            direct: false,
+            scatter_pdf: 0.0,
+            medium: Vec3::from(frame.medium),
+            passing: false,
+            index_square: 1.0,
         })
         .collect();
+    let mut radiance = vec![Vec3::ZERO; paths.len()];
     for surface_index in 0..=frame.bounces + 1 {
         if paths.is_empty() {
             break;

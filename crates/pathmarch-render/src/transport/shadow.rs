@@ -11,7 +11,7 @@ use super::camera::Ray;
 use super::lights::{self, LightSample};
 use super::march::{Hit, MAX_STEPS, March, march, rounding_at, start_offset, tolerance};
 use super::path::{left_after, medium_beyond};
-use crate::frame::{CLEAR, Prepared, SHEET};
+use crate::frame::{CLEAR, Frame, Prepared, SHEET};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_field::number::Vec3 as FieldVec3;
@@ -40,7 +40,11 @@ pub(super) fn arriving(prepared: &Prepared, connections: Vec<Connection>) -> Vec
     let mut under_way = Vec::with_capacity(connections.len());
     for mut connection in connections {
         if connection.light.penumbra > 0.0 {
-            let light = near_misses(prepared, connection.ray, connection.light.distance, connection.light.penumbra);
+            let Connection { light, ray, .. } = &connection;
+            let reach = [tolerance(&prepared.frame, ray.origin, 0.0), light.distance];
+            let ray = [ray.origin, ray.direction].map(|v| FieldVec3::new(v.x, v.y, v.z));
+            let distance = |p| prepared.field.distance(p);
+            let light = near_misses(&prepared.frame, ray, reach, light.penumbra, distance);
             let left = left_after(connection.medium, connection.light.distance);
             arrived.push((connection.slot, connection.radiance * left * light));
         } else {
@@ -120,25 +124,24 @@ fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<Hit>) 
     Meeting::GoesOn(connection)
 }
 
-/// The share of a light that the nearest of the near misses leaves. Everything is marched, for nothing met in closed
-/// form is nearly met.
-fn near_misses(prepared: &Prepared, ray: Ray, limit: f32, sharpness: f32) -> f32 {
-    let frame = &prepared.frame;
-    let mut light = 1.0f32;
-    let last = limit.min(frame.far);
-    let mut t = tolerance(frame, ray.origin, 0.0);
-    for _ in 0..MAX_STEPS {
-        let p = ray.origin + ray.direction * t;
-        let distance = prepared.field.distance(FieldVec3::new(p.x, p.y, p.z)) * frame.step_factor;
-        light = light.min(sharpness * distance / t);
-        if light < 0.001 {
-            return 0.0;
-        }
-        t += distance;
-        if t > last {
-            break;
-        }
-    }
+/// The share of a light that the nearest of the near misses leaves, for as many rays as the number is wide; `start` is where
+/// they begin. Everything is marched, for nothing met in closed form is nearly met.
+pub(super) fn near_misses<N: Batch>(
+    frame: &Frame,
+    [origin, direction]: [FieldVec3<N>; 2],
+    [start, limit]: [N; 2],
+    sharpness: N,
+    distance: impl Fn(FieldVec3<N>) -> N,
+) -> N {
+    let last = limit.min(N::constant(frame.far));
+    let (none, factor) = (N::constant(0.001), N::constant(frame.step_factor));
+    let [light, _] = N::iterate(N::constant(MAX_STEPS as f32), MAX_STEPS, [N::one(), start], |[light, t]| {
+        let distance = distance(origin + direction * t) * factor;
+        let light = light.min(sharpness * distance / t);
+        let t = t + distance;
+        ([light, t], !(light.lt(none) | last.lt(t)))
+    });
     // Smooth at both ends.
-    light * light * (3.0 - 2.0 * light)
+    let light = N::select(light.lt(none), N::zero(), light);
+    light * light * (N::constant(3.0) - N::constant(2.0) * light)
 }

@@ -2,7 +2,7 @@
 //! "Photometria"). BRDF albedo / π, sampled by the cosine (Malley's method; Pharr, Jakob and Humphreys, "Physically Based
 //! Rendering", 4th ed. 2023, section A.5.3), so that the weight of a sample is the albedo itself.
 
-use super::{Bsdf, Eval, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of};
+use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
@@ -21,6 +21,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: |values| values[0],
     emission: black,
     absorption: black,
+    look: |values| Look { diffuse: values[0], ..Look::default() },
     bsdf: Some(&Bsdf {
         pack: |values| {
             let [r, g, b] = values[0];

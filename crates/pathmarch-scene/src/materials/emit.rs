@@ -1,7 +1,7 @@
 //! A lamp: the same radiance in every outward direction, reflecting nothing. Power of a surface of area A is π A times
 //! the radiance.
 
-use super::{MaterialKind, MaterialParam, ParamKind, black};
+use super::{Look, MaterialKind, MaterialParam, ParamKind, black};
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "emit",
@@ -18,5 +18,6 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: black,
     emission: |values| values[0],
     absorption: black,
+    look: |_| Look::default(),
     bsdf: None,
 };

@@ -10,10 +10,10 @@
 //! `roughness` below 0.01, or an `ior` within 0.001 of 1, is perfectly smooth.
 
 use super::microfacet::{
-    MIRROR_ALPHA, fresnel, reflect, reflection, refract, refracting_normal, refraction_pdf, unhidden, unshadowed,
+    MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, unhidden, unshadowed,
     visible_normal,
 };
-use super::{Bsdf, Eval, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, ior, roughness};
+use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, ior, roughness};
 use glam::Vec3;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
@@ -43,6 +43,12 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: |values| values[0],
     emission: black,
     absorption: |values| values[3],
+    look: |values| Look {
+        mirrored: [[head_on(values[1][0]); 3], if values[1][0] > 1.0 { [1.0; 3] } else { [0.0; 3] }],
+        roughness: values[2][0],
+        transmitted: values[0],
+        ..Look::default()
+    },
     bsdf: Some(&Bsdf {
         pack: |values| {
             let (ior, roughness) = (values[1][0], values[2][0]);

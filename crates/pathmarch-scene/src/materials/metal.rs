@@ -3,7 +3,7 @@
 //! roughness 1 up to half of it (`principled` makes up for it). A `roughness` below 0.01 is a perfect mirror.
 
 use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
-use super::{Bsdf, Eval, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, roughness};
+use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, roughness};
 use glam::Vec3;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
@@ -32,6 +32,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: |values| values[0],
     emission: black,
     absorption: black,
+    look: |values| Look { mirrored: [values[0], values[1]], roughness: values[2][0], ..Look::default() },
     bsdf: Some(&Bsdf {
         pack: |values| {
             let mut numbers = Numbers::default();

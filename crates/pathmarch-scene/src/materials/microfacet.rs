@@ -91,6 +91,11 @@ pub fn fresnel(cosine: f32, eta: f32) -> f32 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
+/// The share that an interface of this relative index reflects of light that falls in at right angles.
+pub(super) fn head_on(eta: f32) -> f32 {
+    ((eta - 1.0) / (eta + 1.0)).powi(2)
+}
+
 /// `wo` mirrored by `h`.
 pub(super) fn reflect(wo: Vec3, h: Vec3) -> Vec3 {
     h * (2.0 * wo.dot(h)) - wo

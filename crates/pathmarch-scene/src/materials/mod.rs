@@ -74,8 +74,24 @@ pub struct MaterialKind {
     pub emission: ColourOf,
     /// What its inside absorbs, per metre.
     pub absorption: ColourOf,
+    /// What a quick picture shows of it.
+    pub look: fn(values: &[[f32; 3]]) -> Look,
     /// How it scatters light; `None` for what only emits.
     pub bsdf: Option<&'static Bsdf>,
+}
+
+/// A material in the few numbers of a quick picture, which scatters nothing at random: Lambert's surface under one glossy
+/// reflection, and what goes straight through. Colours are linear Rec. 709.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Look {
+    /// Albedo of what scatters in all directions.
+    pub diffuse: [f32; 3],
+    /// What is mirrored straight on (F0), and grazing (F90).
+    pub mirrored: [[f32; 3]; 2],
+    /// How blurred that is; 0 is a mirror.
+    pub roughness: f32,
+    /// Share of what is not mirrored that goes straight on through the surface.
+    pub transmitted: [f32; 3],
 }
 
 /// How a kind of material scatters light.
@@ -212,6 +228,10 @@ impl Material {
     /// What its inside absorbs, per metre.
     pub fn absorption(&self) -> [f32; 3] {
         (self.kind.absorption)(&self.values)
+    }
+    /// What a quick picture shows of it.
+    pub fn look(&self) -> Look {
+        (self.kind.look)(&self.values)
     }
     /// Radiance in every outward direction, W/(m² sr); black for what is no light.
     pub fn emission(&self) -> [f32; 3] {

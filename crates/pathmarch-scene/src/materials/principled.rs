@@ -15,11 +15,11 @@
 use super::albedo::{self, hemisphere_mean, lookup};
 use super::diffuse::cosine_direction;
 use super::microfacet::{
-    fifth_power, fresnel, reflect, reflection, refract, refracting_normal, refraction_pdf, schlick, unhidden,
+    fifth_power, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, schlick, unhidden,
     visible_normal,
 };
 use super::{
-    Bsdf, Eval, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, fraction, ior, roughness,
+    Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, fraction, ior, roughness,
 };
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -52,6 +52,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: |values| values[0],
     emission: black,
     absorption: black,
+    look,
     bsdf: Some(&Bsdf {
         pack,
         is_delta: |_| false,
@@ -63,6 +64,23 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         wgsl: include_str!("principled.wgsl"),
     }),
 };
+
+/// Coat and interface as one, as rough as the one that reflects more.
+fn look(values: &[[f32; 3]]) -> Look {
+    let [colour, [metallic, ..], [roughness, ..], [ior, ..], [coat, ..], [coat_roughness, ..], [transmission, ..]] =
+        std::array::from_fn(|k| values[k]);
+    let below = colour.map(|channel| metallic * channel + (1.0 - metallic) * head_on(ior));
+    let strongest = below.into_iter().fold(0.0, f32::max);
+    // What the eye takes from a sharp reflection over a blurred one is more than its share of the light.
+    let (sharp, blurred) = (4.0 * COAT_F0 * coat, strongest);
+    let share = sharp / (sharp + blurred).max(1e-6);
+    Look {
+        diffuse: colour.map(|channel| channel * (1.0 - metallic) * (1.0 - transmission)),
+        mirrored: [below.map(|channel| channel + (1.0 - channel) * COAT_F0 * coat), [1.0; 3]],
+        roughness: roughness + (coat_roughness - roughness) * share,
+        transmitted: colour.map(|channel| channel * (1.0 - metallic) * transmission),
+    }
+}
 
 // Places in the numbers, after the colour.
 const METALLIC: usize = 3;
@@ -79,7 +97,7 @@ const TABLE: usize = 16;
 fn pack(values: &[[f32; 3]]) -> Numbers {
     let [metallic, rough, ior, coat, coat_rough, transmission] = std::array::from_fn(|k| values[k + 1][0]);
     let ior = ior.max(1.001);
-    let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
+    let f0 = head_on(ior);
     let least = MIN_ALPHA.sqrt();
     let (rough, coat_rough) = (rough.max(least), coat_rough.max(least));
     let mut numbers = Numbers::default();

@@ -7,7 +7,7 @@ use pathmarch_render::aov::{self, Layer};
 use pathmarch_render::image::{self, ImageFormat, Provenance};
 use pathmarch_render::pathmarch_scene::{Caustics, Sampler, Scene};
 use pathmarch_render::tonemap::{Display, Tonemap};
-use pathmarch_render::{Job, MAX_BOUNCES, RenderError, Renderer, Settings, scene_hash};
+use pathmarch_render::{Job, MAX_BOUNCES, Mode, RenderError, Renderer, Settings, scene_hash};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,7 +23,20 @@ pub struct Arguments {
     /// Size in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[u32; 2]>,
-    /// Samples for each pixel [default: the scene's]
+    /// What the picture shows [default: path]
+    ///
+    /// path: light as it is.
+    /// preview: a quick look without noise: direct light, soft shadows, ambient occlusion, one reflection.
+    /// albedo: the colour of the material; of a lamp, its radiance clipped to 1.
+    /// normal: where the surface faces in the world: red x, green y, blue z, from -1 to 1.
+    /// depth: distance along the camera's axis: white near, grey at the target, black far away.
+    /// object-id, material-id: a colour for each object, or for each material.
+    /// steps: evaluations of the field by the camera's ray: blue few, red 256; black where none.
+    /// variance: relative standard error of the path-traced pixel: blue 0.1 %, green 3 %, red 100 %.
+    /// Exposure and tone curve act on path and preview only.
+    #[arg(long, value_name = "NAME", value_parser = one_of(Mode::ALL, Mode::name), verbatim_doc_comment)]
+    mode: Option<Mode>,
+    /// Samples for each pixel [default: the scene's; 16 in modes that trace no paths]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     samples: Option<u32>,
     /// Stop after this many seconds, whatever is done by then; at least one sample is
@@ -126,6 +139,7 @@ fn parse_layers(text: &str) -> Result<Layers, String> {
 impl Arguments {
     fn settings(&self, scene: &Scene) -> Result<Settings, Failure> {
         let defaults = Settings::of(scene);
+        let mode = self.mode.unwrap_or_default();
         let camera = match &self.camera {
             None => 0,
             Some(name) => scene.cameras.iter().position(|camera| camera.name == *name).ok_or_else(|| {
@@ -135,7 +149,7 @@ impl Arguments {
         };
         Ok(Settings {
             size: self.size.unwrap_or(defaults.size),
-            samples: self.samples.unwrap_or(defaults.samples),
+            samples: self.samples.unwrap_or(mode.samples(defaults.samples)),
             first_sample: self.first_sample,
             bounces: self.bounces.unwrap_or(defaults.bounces),
             seed: self.seed,
@@ -145,6 +159,7 @@ impl Arguments {
             light_search: defaults.light_search,
             camera,
             viewpoint: None,
+            mode,
         })
     }
 
@@ -189,10 +204,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     }
     let [width, height] = settings.size;
     eprintln!(
-        "{}: {width}x{height}, {} samples, {} bounces, on {} ({})",
+        "{}: {width}x{height}, {}, on {} ({})",
         arguments.scene.display(),
-        settings.samples,
-        settings.bounces,
+        described(&settings),
         renderer.backend_name(),
         renderer.adapter_name(),
     );
@@ -206,22 +220,24 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         channels.extend(layers.iter().flat_map(|layer| layer.channels(&aovs, &film)));
     }
 
-    let camera = settings.camera_of(&scene);
-    let display = Display {
+    let camera = &scene.cameras[settings.camera];
+    let display = settings.mode.display(Display {
         tonemap: arguments.tonemap.unwrap_or(scene.render.tonemap),
         exposure_stops: arguments.exposure.unwrap_or(camera.exposure),
-    };
+    });
     let provenance = Provenance {
         scene_hash: scene_hash(&scene),
         samples: film.samples,
         first_sample: settings.first_sample,
         seed: settings.seed,
         bounces: settings.bounces,
+        mode: settings.mode.name().to_owned(),
         adapter: renderer.adapter_name(),
         backend: renderer.backend_name(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
-    image::save_with(&output, &film.mean(), channels, &display, &provenance).map_err(Failure::other)?;
+    image::save_with(&output, &settings.mode.picture(&film), channels, &display, &provenance)
+        .map_err(Failure::other)?;
     if film.non_finite() > 0 {
         eprintln!("warning: {} samples were not finite and were left out", film.non_finite());
     }
@@ -235,6 +251,16 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         f64::from(film.samples) / seconds,
     );
     Ok(if cut_short { INTERRUPTED } else { DONE })
+}
+
+/// What is rendered, in words.
+fn described(settings: &Settings) -> String {
+    let Settings { samples, bounces, mode, .. } = settings;
+    match mode {
+        Mode::Path => format!("{samples} samples, {bounces} bounces"),
+        Mode::Variance => format!("mode {}, {samples} samples, {bounces} bounces", mode.name()),
+        _ => format!("mode {}, {samples} samples", mode.name()),
+    }
 }
 
 /// A flag that Ctrl-C raises; a second Ctrl-C ends the program at once.

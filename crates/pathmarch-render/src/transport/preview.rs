@@ -1,0 +1,431 @@
+//! A quick look without noise: what ray marching showed before it traced paths.
+//!
+//! **Idea.** One ray through the pixel; at what it meets, direct light of every light as if nothing were in its way, shadows
+//! of the strongest [`SHADOWED`] by near misses of the march, one glossy highlight, light from all around times ambient
+//! occlusion, and one mirror reflection that is shaded in the same way. Clear surfaces let the ray go straight on. Nothing is
+//! drawn at random: a sample is the same for every seed, and the first one goes through the middle of the pixel.
+//!
+//! **Sources.** Carvalho 2020, section 3.3. Penumbrae: Quilez 2010, "Soft shadows in raymarched SDFs", here as wide as the
+//! light is seen. Ambient occlusion from a few evaluations of the field along the normal: Quilez 2008, "Rendering Worlds
+//! with Two Triangles". Highlights: Blinn 1977 with a normalised exponent that follows roughness, widened by what the light
+//! fills (Karis 2013, "Real Shading in Unreal Engine 4"). Schlick 1994 for Fresnel's law. Light from all around:
+//! [`probe`](super::probe).
+//!
+//! **What it is not.** Light from all around is one function of the normal for the whole picture; what hides it is guessed.
+//! Lamps and glass cast no shadows. Near misses darken outwards from the edge of the shadow only. Refraction is straight.
+//! Rough reflections are a mixture of a sharp one and of light from all around. Only the strongest lights of a point have
+//! shadows there, and at most [`MAX_LIGHTS`] are known. A picture of the sky lights from all around, without shadows.
+//!
+//! **Cost.** Up to [`THROUGH`] + [`REFLECTED`] marches, and for each surface that is shaded [`SHADOWED`] more and five
+//! evaluations of the field.
+
+use super::camera::{Ray, central_ray};
+use super::irradiance::{Falling, falling, seen_radius};
+use super::lights::{self, BOUNDED, ENVIRONMENT, SUN};
+use super::march::{March, march, tolerance};
+use super::path::{left_after, medium_beyond};
+use super::probe;
+use super::shadow::near_misses;
+use super::steady;
+use super::visible::{Visible, shines, visible};
+use crate::frame::{EMITS, Prepared};
+use crate::settings::LightSearch;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use pathmarch_field::number::Vec3 as FieldVec3;
+use pathmarch_scene::Scene;
+use std::f32::consts::PI;
+use wide::f32x8;
+
+/// Surfaces along the camera's ray at most: it passes clear ones.
+const THROUGH: u32 = 8;
+/// Surfaces along the reflection.
+const REFLECTED: u32 = 3;
+/// Lights that have shadows at a point.
+const SHADOWED: usize = 4;
+/// Lights that are known.
+const MAX_LIGHTS: usize = 64;
+/// Reflections that add less than this are left out.
+const FAINT: f32 = 0.01;
+/// The hardest shadow: one over the sine of half the angle that its light fills.
+const HARDEST: f32 = 128.0;
+
+/// Numbers of a material; the layout is that of `look` in `preview.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct LookRecord {
+    diffuse: [f32; 3],
+    roughness: f32,
+    /// Mirrored straight on and grazing.
+    mirrored: [[f32; 3]; 2],
+    transmitted: [f32; 3],
+}
+
+/// What a preview needs beyond what paths do.
+#[derive(Clone, Debug)]
+pub(crate) struct Preview {
+    /// Irradiance from all around: factors of the nine polynomials of [`probe::basis`].
+    around: [Vec3; 9],
+    /// How far ambient occlusion looks, metres.
+    reach: f32,
+    /// Indices of lights, and the radius as which each is seen.
+    lights: Vec<(u32, f32)>,
+    looks: Vec<LookRecord>,
+    /// Objects that cast shadows.
+    pub(crate) occluders: Vec<bool>,
+    /// Objects that darken what is beside them.
+    pub(crate) neighbours: Vec<bool>,
+}
+
+impl Preview {
+    /// Looks at the scene from all around, by the paths of [`probe`]; `prepared` is as before when it is done.
+    pub(crate) fn new(scene: &Scene, prepared: &mut Prepared) -> Self {
+        let mut order: Vec<u32> =
+            (0..prepared.lights.len() as u32).filter(|&k| prepared.lights[k as usize].kind != ENVIRONMENT).collect();
+        // The sort is stable, so that lights of the same power are known in the order they are written.
+        order.sort_by(|&a, &b| {
+            prepared.lights[b as usize].probability.total_cmp(&prepared.lights[a as usize].probability)
+        });
+        order.truncate(MAX_LIGHTS);
+        let radius = |index: u32| {
+            let light = &prepared.lights[index as usize];
+            let share = if light.kind == BOUNDED { probe::shown_share(prepared, light) } else { 1.0 };
+            (index, seen_radius(light) * share.sqrt())
+        };
+        let lights: Vec<(u32, f32)> = order.into_iter().map(radius).collect();
+        let look = |material: &pathmarch_scene::Material| {
+            let look = material.look();
+            LookRecord {
+                diffuse: look.diffuse,
+                roughness: look.roughness,
+                mirrored: look.mirrored,
+                transmitted: look.transmitted,
+            }
+        };
+        let objects = scene.field.object_bounds().len();
+        let (mut occluders, mut neighbours) = (vec![true; objects], vec![true; objects]);
+        for leaf in scene.field.leaves() {
+            let (material, object) = (&scene.materials[leaf.tag as usize], leaf.object as usize);
+            neighbours[object] &= !material.emits();
+            occluders[object] &= !material.emits() && !material.transmits();
+        }
+        let known: Vec<u32> = lights.iter().map(|(index, _)| *index).collect();
+        let around = probe::light_from_all_around(prepared, &known);
+        let looks = scene.materials.iter().map(look).collect();
+        Self { around, reach: reach(scene), lights, looks, occluders, neighbours }
+    }
+
+    /// The numbers as `preview.wgsl` reads them.
+    pub(crate) fn words(&self) -> Vec<u32> {
+        let mut words: Vec<u32> = self.around.iter().flat_map(|factor| factor.to_array().map(f32::to_bits)).collect();
+        words.extend([self.reach.to_bits(), self.lights.len() as u32]);
+        words.extend(self.lights.iter().flat_map(|(index, radius)| [*index, radius.to_bits()]));
+        words.extend(bytemuck::cast_slice::<LookRecord, u32>(&self.looks));
+        words
+    }
+
+    /// Irradiance from all around on a surface with this normal.
+    fn irradiance(&self, n: Vec3) -> Vec3 {
+        let sum: Vec3 = self.around.iter().zip(probe::basis(n)).map(|(factor, value)| *factor * value).sum();
+        sum.max(Vec3::ZERO)
+    }
+
+    /// Radiance of what a reflection into this direction would blur.
+    fn blurred(&self, direction: Vec3) -> Vec3 {
+        self.irradiance(direction) / PI
+    }
+}
+
+/// How far ambient occlusion looks: a part of the size of the object in the middle of all sizes.
+fn reach(scene: &Scene) -> f32 {
+    let mut radii: Vec<f32> = scene
+        .field
+        .object_bounds()
+        .iter()
+        .filter(|bounds| bounds.is_finite())
+        .map(|bounds| 0.5 * Vec3::from(bounds.min).distance(Vec3::from(bounds.max)))
+        .collect();
+    radii.sort_by(f32::total_cmp);
+    0.35 * radii.get(radii.len() / 2).copied().unwrap_or(1.0)
+}
+
+/// A ray on its way.
+#[derive(Clone, Copy)]
+struct Walk {
+    slot: usize,
+    ray: Ray,
+    /// Length of the path before it.
+    before: f32,
+    weight: Vec3,
+    medium: Vec3,
+}
+
+/// Light that a shadow may hide.
+#[derive(Clone, Copy)]
+struct Hidable {
+    slot: usize,
+    colour: Vec3,
+    ray: Ray,
+    limit: f32,
+    sharpness: f32,
+}
+
+/// One sample of each of these pixels.
+pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> Vec<Vec3> {
+    let mut colours = vec![Vec3::ZERO; pixels.len()];
+    let Some(preview) = &prepared.preview else { return colours };
+    let [dx, dy] = steady::position(sample);
+    let frame = &prepared.frame;
+    let walks: Vec<Walk> = pixels
+        .iter()
+        .enumerate()
+        .map(|(slot, &(x, y))| Walk {
+            slot,
+            ray: central_ray(frame, x as f32 + dx, y as f32 + dy),
+            before: 0.0,
+            weight: Vec3::ONE,
+            medium: Vec3::from(frame.medium),
+        })
+        .collect();
+    let mut follower = Follower { prepared, preview, sample, colours: &mut colours, reflections: Vec::new() };
+    follower.follow(walks, THROUGH, true);
+    let reflections = std::mem::take(&mut follower.reflections);
+    follower.follow(reflections, REFLECTED, false);
+    colours
+}
+
+struct Follower<'a> {
+    prepared: &'a Prepared,
+    preview: &'a Preview,
+    sample: u32,
+    colours: &'a mut [Vec3],
+    /// At most one for each slot.
+    reflections: Vec<Walk>,
+}
+
+impl Follower<'_> {
+    /// Follows rays to the last of `surfaces`; those that may be mirrored leave their reflections.
+    fn follow(&mut self, mut walks: Vec<Walk>, surfaces: u32, mirrored: bool) {
+        let prepared = self.prepared;
+        let mut has_reflection = vec![!mirrored; self.colours.len()];
+        for surface in 0..surfaces {
+            if walks.is_empty() {
+                return;
+            }
+            let marches: Vec<March> =
+                walks.iter().map(|walk| March { ray: walk.ray, before: walk.before, limit: f32::INFINITY }).collect();
+            let mut met = Vec::with_capacity(walks.len());
+            let mut reached = Vec::with_capacity(walks.len());
+            for ((mut walk, hit), march) in
+                walks.into_iter().zip(march(&prepared.field, &prepared.frame, &marches)).zip(&marches)
+            {
+                if prepared.features.absorption {
+                    walk.weight *= left_after(walk.medium, hit.map_or(f32::INFINITY, |hit| hit.t));
+                }
+                match hit {
+                    Some(hit) => {
+                        walk.before += hit.t;
+                        met.push((*march, hit));
+                        reached.push(walk);
+                    }
+                    None => {
+                        let direction = walk.ray.direction;
+                        let beyond = prepared.sky.found(LightSearch::Met, direction, 0.0)
+                            + lights::suns_found(prepared, direction, 0.0);
+                        self.colours[walk.slot] += walk.weight * beyond;
+                    }
+                }
+            }
+            let seen = visible(prepared, &met, self.sample);
+            let open = self.unoccluded(&seen);
+            let mut hidable = Vec::new();
+            walks = Vec::new();
+            for ((walk, seen), open) in reached.iter().zip(&seen).zip(open) {
+                let goes_on = self.shade(walk, seen, open, &mut has_reflection[walk.slot], &mut hidable);
+                match goes_on {
+                    Some(next) if surface + 1 == surfaces => {
+                        self.colours[next.slot] += next.weight * self.preview.blurred(next.ray.direction);
+                    }
+                    Some(next) => walks.push(next),
+                    None => {}
+                }
+            }
+            self.cast_shadows(&hidable);
+        }
+    }
+
+    /// Adds what a surface shows but for light that may be hidden; gives the ray beyond it, if it is clear.
+    fn shade(
+        &mut self,
+        walk: &Walk,
+        seen: &Visible,
+        open: f32,
+        has_reflection: &mut bool,
+        hidable: &mut Vec<Hidable>,
+    ) -> Option<Walk> {
+        let (prepared, preview) = (self.prepared, self.preview);
+        let m = prepared.leaves[seen.leaf].material as usize;
+        let material = &prepared.materials[m];
+        if material.flags & EMITS != 0 {
+            if shines(prepared, seen.leaf, seen.normal) {
+                self.colours[walk.slot] += walk.weight * Vec3::from(material.emission);
+            }
+            return None;
+        }
+        let look = &preview.looks[m];
+        let (n, direction) = (seen.normal, walk.ray.direction);
+        let transmitted = Vec3::from(look.transmitted);
+        let clear = transmitted.max_element() > 0.0;
+        let cosine = (-direction.dot(n)).clamp(0.0, 1.0);
+        let straight = Vec3::from(look.mirrored[0]);
+        let grazing = (Vec3::from(look.mirrored[1]) * (1.0 - look.roughness)).max(straight);
+        // What is mirrored within a clear solid is left out.
+        let mirrored =
+            if clear && seen.inside { Vec3::ZERO } else { straight + (grazing - straight) * (1.0 - cosine).powi(5) };
+        let sharp = 1.0 - smoothstep(0.15, 0.5, look.roughness);
+        let reflection = direction + n * (2.0 * cosine);
+        let mut blurred = 1.0;
+        if !*has_reflection && (walk.weight * mirrored).max_element() * sharp > FAINT {
+            *has_reflection = true;
+            blurred = 1.0 - sharp;
+            self.reflections.push(Walk {
+                ray: Ray { origin: seen.p + seen.away, direction: reflection.normalize() },
+                weight: walk.weight * mirrored * sharp,
+                ..*walk
+            });
+        }
+        let diffuse = Vec3::from(look.diffuse) * (Vec3::ONE - mirrored) / PI;
+        let around = diffuse * preview.irradiance(n) + mirrored * preview.blurred(reflection) * blurred;
+        self.colours[walk.slot] += walk.weight * around * open;
+        self.light(walk, seen, diffuse, [straight, grazing], look.roughness, blurred, hidable);
+        if !clear {
+            return None;
+        }
+        let passes = walk.weight * transmitted * (Vec3::ONE - mirrored);
+        self.colours[walk.slot] += passes * preview.blurred(direction) * (1.0 - sharp);
+        Some(Walk {
+            ray: Ray { origin: seen.p - seen.away, direction },
+            weight: passes * sharp,
+            medium: medium_beyond(walk.medium, Vec3::from(material.absorption), seen.inside),
+            ..*walk
+        })
+    }
+
+    /// Adds the light of all lights: the strongest to `hidable`, the others at once.
+    #[expect(clippy::too_many_arguments, reason = "they are what a surface is, and are used once")]
+    fn light(
+        &mut self,
+        walk: &Walk,
+        seen: &Visible,
+        diffuse: Vec3,
+        mirrored: [Vec3; 2],
+        roughness: f32,
+        blurred: f32,
+        hidable: &mut Vec<Hidable>,
+    ) {
+        let prepared = self.prepared;
+        // Off the surface by a pixel, so that the march has a start.
+        let origin = seen.p + seen.away + seen.normal * (10.0 * prepared.frame.tolerance * walk.before);
+        let nothing = Hidable { slot: walk.slot, colour: Vec3::ZERO, ray: walk.ray, limit: 0.0, sharpness: 0.0 };
+        let mut strongest = [nothing; SHADOWED];
+        for &(index, radius) in &self.preview.lights {
+            let light = &prepared.lights[index as usize];
+            let falls = falling(light, radius, seen.p, seen.normal);
+            if falls.irradiance.max_element() <= 0.0 {
+                continue;
+            }
+            // A lamp that the reflection shows needs no highlight.
+            let shown = light.kind > SUN || falls.sine > 0.0;
+            let gloss = highlight(&falls, -walk.ray.direction, seen.normal, mirrored, roughness);
+            let gloss = gloss * if shown { blurred } else { 1.0 };
+            let mut lit = Hidable {
+                slot: walk.slot,
+                colour: walk.weight * (diffuse + gloss) * falls.irradiance,
+                ray: Ray { origin, direction: above(falls.direction, seen.normal) },
+                limit: falls.distance,
+                sharpness: sharpness(&falls, light.penumbra, seen.normal),
+            };
+            for place in &mut strongest {
+                if lit.colour.max_element() > place.colour.max_element() {
+                    std::mem::swap(place, &mut lit);
+                }
+            }
+            self.colours[walk.slot] += lit.colour;
+        }
+        hidable.extend(strongest.into_iter().filter(|lit| lit.colour.max_element() > 0.0));
+    }
+
+    /// How much of all directions is open before each surface, from a few distances along its normal.
+    fn unoccluded(&self, seen: &[Visible]) -> Vec<f32> {
+        let mut result = Vec::with_capacity(seen.len());
+        for chunk in seen.chunks(8) {
+            let lane = |k: usize| chunk.get(k).unwrap_or(&chunk[0]);
+            let vector = |value: fn(&Visible) -> Vec3| {
+                let part = |k: usize| f32x8::from(std::array::from_fn(|lane_index| value(lane(lane_index))[k]));
+                FieldVec3::new(part(0), part(1), part(2))
+            };
+            let (p, n) = (vector(|seen| seen.p), vector(|seen| seen.normal));
+            let mut hidden = f32x8::ZERO;
+            let mut height = self.preview.reach;
+            for _ in 0..5 {
+                let distance = self.prepared.field.distance_to(p + n * f32x8::splat(height), &self.preview.neighbours);
+                hidden += (f32x8::ONE - distance * f32x8::splat(1.0 / height)).fast_max(f32x8::ZERO);
+                height *= 0.5;
+            }
+            result.extend(hidden.to_array().into_iter().take(chunk.len()).map(|hidden| 1.0 - 0.16 * hidden));
+        }
+        result
+    }
+
+    /// Adds what shadows leave, eight rays at a time.
+    fn cast_shadows(&mut self, hidable: &[Hidable]) {
+        let (prepared, preview) = (self.prepared, self.preview);
+        for chunk in hidable.chunks(8) {
+            let lane = |k: usize| chunk.get(k).unwrap_or(&chunk[0]);
+            let number = |value: &dyn Fn(&Hidable) -> f32| f32x8::from(std::array::from_fn(|k| value(lane(k))));
+            let ray = [|ray: &Ray| ray.origin, |ray: &Ray| ray.direction].map(|value| {
+                let part = |k: usize| number(&|lit| value(&lit.ray)[k]);
+                FieldVec3::new(part(0), part(1), part(2))
+            });
+            let start = number(&|lit| tolerance(&prepared.frame, lit.ray.origin, 0.0));
+            let reach = [start, number(&|lit| lit.limit)];
+            let distance = |p| prepared.field.distance_to(p, &preview.occluders);
+            let left = near_misses(&prepared.frame, ray, reach, number(&|lit| lit.sharpness), distance);
+            for (lit, left) in chunk.iter().zip(left.to_array()) {
+                self.colours[lit.slot] += lit.colour * left;
+            }
+        }
+    }
+}
+
+fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// A direction lifted above the surface, where part of a light is below its horizon.
+fn above(direction: Vec3, n: Vec3) -> Vec3 {
+    (direction + n * (0.1 - direction.dot(n)).max(0.0)).normalize()
+}
+
+/// How hard the edge of a shadow is. The surface itself is not taken for a near miss.
+fn sharpness(falls: &Falling, penumbra: f32, n: Vec3) -> f32 {
+    let seen = (1.0 - falls.sine * falls.sine).max(0.0).sqrt() / falls.sine.max(1.0 / HARDEST);
+    let sharpness = if penumbra > 0.0 { penumbra } else { seen };
+    sharpness.max(1.0 / falls.direction.dot(n).max(0.1)).min(HARDEST)
+}
+
+/// BRDF of the highlight of a light, 1/sr; `view` is towards the eye.
+fn highlight(falls: &Falling, view: Vec3, n: Vec3, [straight, grazing]: [Vec3; 2], roughness: f32) -> Vec3 {
+    let alpha = (roughness * roughness).max(0.02);
+    // The direction to the part of the light that is nearest to the reflection.
+    let reflection = n * (2.0 * n.dot(view)) - view;
+    let across = reflection * falls.direction.dot(reflection) - falls.direction;
+    let nearest = falls.direction + across * (falls.sine / across.length().max(1e-6)).min(1.0);
+    let half = (nearest.normalize() + view).normalize_or(n);
+    let widened = alpha / (alpha + 0.5 * falls.sine).min(1.0);
+    let exponent = 2.0 / (alpha * alpha) - 2.0;
+    let peak = (exponent + 8.0) / (8.0 * PI) * widened * widened;
+    let fresnel = straight + (grazing - straight) * (1.0 - half.dot(view).clamp(0.0, 1.0)).powi(5);
+    fresnel * (peak * n.dot(half).max(0.0).powf(exponent))
+}

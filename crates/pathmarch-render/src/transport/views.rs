@@ -1,0 +1,93 @@
+//! Views of what the camera's ray meets: albedo, normal, depth, object, material, and what the march took.
+//!
+//! **Idea.** One ray, no light. What can be a table is one, made here for both backends: a colour for each leaf
+//! (albedo, object, material) or for each number of steps. Normals and depths are codes, which a screen shall show as they
+//! are, and become light by the inverse of the sRGB curve; the mean over a pixel is then one of light.
+//!
+//! - **Depth** z, along the camera's axis, has the code s / (s + z - a) for z beyond a, else 1. With D the distance from the
+//!   camera to its target and R the radius of what of the scene is limited, s = min(R, D) and a = D - s: white at the near
+//!   end of the scene, middle grey at its target, a third at its far end, black infinitely far.
+//! - **Steps** are evaluations of the field of what must be marched, at most 256, on the scale of
+//!   [`heat`](crate::mode::heat): log2(1 + steps) / 8. Rays that evaluate nothing are black, also where they meet an object
+//!   in closed form. On the GPU the field's function counts its calls; the march knows nothing of it.
+//!
+//! **Cost.** One march and one evaluation of the gradient a sample.
+
+use super::camera::central_ray;
+use super::march::{MAX_STEPS, March, march_counting};
+use super::steady;
+use super::visible::{shines, visible};
+use crate::frame::{EMITS, Prepared};
+use crate::mode::{Mode, colour_of_number, heat};
+use crate::tonemap::srgb_decode;
+use glam::Vec3;
+use pathmarch_scene::{Camera, Scene};
+
+/// The colours or numbers of a view, as [`view`] and its twin read them; `radius` is that of the scene, metres.
+pub(crate) fn numbers(mode: Mode, scene: &Scene, camera: &Camera, radius: f32) -> Vec<f32> {
+    let by_leaf = |colour: &dyn Fn(&pathmarch_field::graph::Leaf) -> [f32; 3]| {
+        scene.field.leaves().iter().flat_map(colour).collect()
+    };
+    match mode {
+        Mode::Path | Mode::Preview | Mode::Normal | Mode::Variance => Vec::new(),
+        Mode::Albedo => by_leaf(&|leaf| shown_colour(scene, leaf.tag)),
+        Mode::ObjectId => by_leaf(&|leaf| colour_of_number(leaf.object)),
+        Mode::MaterialId => by_leaf(&|leaf| colour_of_number(leaf.tag)),
+        Mode::Depth => {
+            let distance = Vec3::from(camera.position).distance(Vec3::from(camera.target));
+            let scale = radius.min(distance);
+            vec![distance - scale, scale]
+        }
+        Mode::Steps => (0..=MAX_STEPS)
+            .flat_map(|steps| if steps == 0 { [0.0; 3] } else { heat((1.0 + steps as f32).log2() / 8.0) })
+            .collect(),
+    }
+}
+
+/// The colour of a material for people: of a lamp, its radiance clipped to 1.
+pub(crate) fn shown_colour(scene: &Scene, material: u32) -> [f32; 3] {
+    let material = &scene.materials[material as usize];
+    let colour = if material.emits() { material.emission() } else { material.albedo() };
+    colour.map(|channel| channel.min(1.0))
+}
+
+/// One sample of a view through each of these pixels.
+pub(crate) fn view(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> Vec<Vec3> {
+    let [dx, dy] = steady::position(sample);
+    let frame = &prepared.frame;
+    let marches: Vec<March> = pixels
+        .iter()
+        .map(|&(x, y)| {
+            let ray = central_ray(frame, x as f32 + dx, y as f32 + dy);
+            March { ray, before: 0.0, limit: f32::INFINITY }
+        })
+        .collect();
+    let mut steps = vec![0; marches.len()];
+    let hits = march_counting(&prepared.field, frame, &marches, &mut steps);
+    let numbers = &prepared.mode_numbers;
+    let colour = |k: usize| Vec3::from_slice(&numbers[3 * k..3 * k + 3]);
+    if prepared.mode == Mode::Steps {
+        return steps.into_iter().map(|steps| colour(steps as usize)).collect();
+    }
+    let (slots, met): (Vec<usize>, Vec<_>) =
+        hits.iter().enumerate().filter_map(|(slot, hit)| Some((slot, (marches[slot], (*hit)?)))).unzip();
+    let mut colours = vec![Vec3::ZERO; pixels.len()];
+    for (slot, seen) in slots.into_iter().zip(visible(prepared, &met, sample)) {
+        colours[slot] = match prepared.mode {
+            Mode::Normal => Vec3::from((Vec3::splat(0.5) + 0.5 * seen.normal).to_array().map(srgb_decode)),
+            Mode::Depth => {
+                let depth = (seen.p - Vec3::from(frame.position)).dot(Vec3::from(frame.forward));
+                Vec3::splat(srgb_decode(numbers[1] / (numbers[1] + (depth - numbers[0]).max(0.0))))
+            }
+            Mode::Albedo if is_dark(prepared, seen.leaf, seen.normal) => Vec3::ZERO,
+            _ => colour(seen.leaf),
+        };
+    }
+    colours
+}
+
+/// Whether this is the side of a lamp that does not shine.
+fn is_dark(prepared: &Prepared, leaf: usize, normal: Vec3) -> bool {
+    let material = prepared.leaves[leaf].material as usize;
+    prepared.materials[material].flags & EMITS != 0 && !shines(prepared, leaf, normal)
+}

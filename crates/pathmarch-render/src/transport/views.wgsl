@@ -1,0 +1,39 @@
+// Views of what the camera's ray meets. Twin of views.rs, which explains them.
+
+/// Evaluations of the field so far, where they are counted.
+var<private> steps: u32;
+
+/// A number of the mode.
+fn mode_number(k: u32) -> f32 {
+    return bitcast<f32>(tables[MODE_TABLE + k]);
+}
+
+fn mode_colour(k: u32) -> vec3f {
+    return vec3f(mode_number(3u * k), mode_number(3u * k + 1u), mode_number(3u * k + 2u));
+}
+
+/// Light of these codes on a screen.
+fn light_of_code(code: vec3f) -> vec3f {
+    let bright = pow((code + vec3f(0.055)) / 1.055, vec3f(2.4));
+    return select(bright, code / 12.92, code <= vec3f(0.04045));
+}
+
+fn view_along(ray: Ray, random: Random) -> vec3f {
+    let hit = march(ray, 0.0, AT_INFINITY);
+    if VIEW == VIEW_STEPS {
+        return mode_colour(steps);
+    }
+    if hit.t < 0.0 {
+        return vec3f(0.0);
+    }
+    let seen = visible(ray, hit, random);
+    if VIEW == VIEW_NORMAL {
+        return light_of_code(vec3f(0.5) + 0.5 * seen.normal);
+    }
+    if VIEW == VIEW_DEPTH {
+        let beyond = max(dot(seen.p - frame.position, frame.forward) - mode_number(0u), 0.0);
+        return light_of_code(vec3f(mode_number(1u) / (mode_number(1u) + beyond)));
+    }
+    let dark = VIEW == VIEW_ALBEDO && (materials[leaves[seen.leaf].material].flags & EMITS) != 0u && !shines(seen.leaf, seen.normal);
+    return select(mode_colour(seen.leaf), vec3f(0.0), dark);
+}
