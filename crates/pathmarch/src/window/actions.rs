@@ -36,6 +36,7 @@ pub(super) enum Action {
     Tree,
     Inspector,
     Help,
+    RestartGraphics,
     Dark,
 }
 
@@ -133,6 +134,7 @@ pub(super) const ACTIONS: &[Entry] = &[
     always(entry(Action::Plots, Menu::View, "Plots", "Show or hide times of frames and samples per second.", plain(Key::F5))),
     always(entry(Action::Dark, Menu::View, "Dark or light", "Change the colours of the window.", plain(Key::F6))),
     always(entry(Action::Help, Menu::Help, "Keys and mouse", "Show or hide this page.", plain(Key::F1))),
+    always(entry(Action::RestartGraphics, Menu::Help, "Restart graphics", "Open the graphics devices anew, where a driver misbehaves.", ctrl_shift(Key::F12))),
 ];
 
 /// What the mouse and the keys that are held do in the picture.

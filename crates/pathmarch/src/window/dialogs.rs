@@ -1,0 +1,350 @@
+//! Questions that must be answered before anything else: unsaved work, a file changed by others, what a crash left, and
+//! the settings of a final render.
+
+use super::app::{After, App, For};
+use super::chooser::{Chooser, Purpose};
+use super::export::{self, Export};
+use super::open::Open;
+use super::recovery::Recovered;
+use egui::{Context, Id, Modal, RichText, Ui};
+use pathmarch_render::aov::Layer;
+use pathmarch_render::image::ImageFormat;
+use pathmarch_render::{MAX_BOUNCES, Settings};
+use std::path::{Path, PathBuf};
+
+/// A question.
+pub(super) enum Dialog {
+    /// Unsaved work stands in the way.
+    Unsaved(After),
+    /// The file was changed by someone else while there were unsaved changes here.
+    Conflict,
+    /// What programs that ended without saving have left.
+    Recovered(Vec<Recovered>),
+    /// A final render is to be started.
+    Render(RenderDialog),
+}
+
+/// Settings of a final render.
+pub(super) struct RenderDialog {
+    pub(super) output: String,
+    size: [u32; 2],
+    samples: u32,
+    bounces: u32,
+    layers: bool,
+    /// From where one looks now, not from where the scene's camera stands.
+    own_viewpoint: bool,
+    may_choose_viewpoint: bool,
+}
+
+impl RenderDialog {
+    pub(super) fn new(open: &Open) -> Option<Self> {
+        let scene = open.document.last_good()?;
+        let settings = Settings::of(scene);
+        let path = open.path.clone().unwrap_or_else(|| PathBuf::from("picture.kdl"));
+        let output = std::path::absolute(path.with_extension("png")).unwrap_or(path);
+        Some(Self {
+            output: output.display().to_string(),
+            size: settings.size,
+            samples: open.view.mode.samples(settings.samples),
+            bounces: settings.bounces,
+            layers: false,
+            own_viewpoint: open.view.has_moved_away(),
+            may_choose_viewpoint: open.view.has_moved_away(),
+        })
+    }
+
+    fn format(&self) -> Result<ImageFormat, String> {
+        ImageFormat::from_path(Path::new(&self.output)).map_err(|error| error.to_string())
+    }
+}
+
+/// What was answered.
+enum Answer {
+    None,
+    Close,
+    Save(After),
+    Drop(After),
+    KeepMine,
+    TakeTheirs,
+    SaveMineElsewhere,
+    Recover(usize),
+    Forget(usize),
+    Later,
+    Start,
+    Choose,
+}
+
+impl App {
+    pub(super) fn dialogs(&mut self, ctx: &Context) {
+        let Some(dialog) = &mut self.dialog else { return };
+        if self.chooser.is_some() {
+            return;
+        }
+        let mut answer = Answer::None;
+        let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
+            ui.set_max_width(520.0);
+            match dialog {
+                Dialog::Unsaved(after) => unsaved(ui, *after, &mut answer),
+                Dialog::Conflict => conflict(ui, &mut answer),
+                Dialog::Recovered(left) => recovered(ui, left, &mut answer),
+                Dialog::Render(render) => render_settings(ui, render, &mut answer),
+            }
+        });
+        if matches!(answer, Answer::None) && modal.should_close() && !matches!(dialog, Dialog::Conflict) {
+            answer = Answer::Close;
+        }
+        self.answer_dialog(answer);
+    }
+
+    fn answer_dialog(&mut self, answer: Answer) {
+        match answer {
+            Answer::None => {}
+            Answer::Close | Answer::Later => self.dialog = None,
+            Answer::Save(after) => {
+                self.dialog = None;
+                if self.save(Some(after)) {
+                    self.proceed(after);
+                }
+            }
+            Answer::Drop(after) => {
+                self.dialog = None;
+                self.recovery.clear();
+                self.proceed(after);
+            }
+            Answer::KeepMine => {
+                self.dialog = None;
+                if let Some(open) = &mut self.open {
+                    open.keep_mine();
+                }
+                self.say("Your version stays; the file keeps the other one until you save.");
+            }
+            Answer::TakeTheirs => {
+                self.dialog = None;
+                if let Some(open) = &mut self.open
+                    && let Some(text) = open.conflict.take()
+                {
+                    open.take_from_disk(text);
+                    self.changed();
+                    self.say("This is what the file says now; undo brings your version back.");
+                }
+            }
+            Answer::SaveMineElsewhere => {
+                self.dialog = None;
+                let purpose = Purpose::new("Save your version as", &["kdl"]);
+                let name = self.open.as_ref().map_or_else(String::new, Open::name);
+                let name = format!("{}-mine.kdl", name.trim_end_matches(".kdl"));
+                self.chooser = Some((Chooser::save(&self.directory(), &name, purpose), For::SaveAs));
+            }
+            Answer::Recover(index) | Answer::Forget(index) => {
+                let Some(Dialog::Recovered(left)) = &mut self.dialog else { return };
+                let one = left.remove(index);
+                if left.is_empty() {
+                    self.dialog = None;
+                }
+                if matches!(answer, Answer::Recover(_)) {
+                    self.recover(one);
+                } else if let Err(why) = one.discard() {
+                    self.complain(&why);
+                }
+            }
+            Answer::Start => self.start_render(),
+            Answer::Choose => {
+                let Some(Dialog::Render(render)) = &self.dialog else { return };
+                let purpose = Purpose::new("Render to", &["png", "exr", "jpg"]);
+                let path = PathBuf::from(&render.output);
+                let folder = path.parent().filter(|folder| folder.is_dir()).map(Path::to_owned);
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let folder = folder.unwrap_or_else(|| self.directory());
+                self.chooser = Some((Chooser::save(&folder, &name, purpose), For::Render));
+            }
+        }
+    }
+
+    /// Opens what a program that ended without saving has left, as unsaved changes of its file.
+    fn recover(&mut self, one: Recovered) {
+        let disk = one.scene_path.as_deref().and_then(|path| std::fs::read_to_string(path).ok());
+        let text = one.text.clone();
+        let path = one.scene_path.clone();
+        match (path, disk) {
+            (Some(path), Some(disk)) => {
+                let mut open = Open::new(&path.display().to_string(), disk, Some(path));
+                open.document.replace_text(text, "Recovery");
+                let wake = self.waker.clone();
+                open.watch(move || wake());
+                self.show_scene(open);
+            }
+            (path, _) => {
+                // Its file is gone, or there never was one.
+                let name = path.map_or_else(|| "scene.kdl".to_owned(), |path| path.display().to_string());
+                let mut open = Open::new(&name, String::new(), None);
+                open.document.replace_text(text, "Recovery");
+                self.show_scene(open);
+            }
+        }
+        self.changed();
+        self.recovery.flush();
+        if let Err(why) = one.discard() {
+            self.complain(&why);
+        }
+        self.say("Recovered. Save it to keep it.");
+    }
+
+    fn start_render(&mut self) {
+        let Some(Dialog::Render(render)) = &self.dialog else { return };
+        let Some(open) = &self.open else { return };
+        let Some(scene) = open.document.last_good().cloned() else { return };
+        let camera = scene.cameras.iter().position(|camera| camera.name == open.view.camera_name()).unwrap_or(0);
+        let settings = Settings {
+            size: render.size,
+            samples: render.samples,
+            bounces: render.bounces,
+            camera,
+            viewpoint: render.own_viewpoint.then(|| open.view.camera.clone()),
+            ..App::settings(open, &scene)
+        };
+        let display = App::display(open, &scene);
+        let layers = match render.format() {
+            Ok(ImageFormat::Exr) if render.layers => Layer::ALL.to_vec(),
+            _ => Vec::new(),
+        };
+        let (backend, adapter) = (self.options.backend, self.options.adapter.clone());
+        let wake = self.waker.clone();
+        let output = PathBuf::from(&render.output);
+        match Export::start(scene, settings, display, layers, output, backend, adapter, move || wake()) {
+            Ok(export) => {
+                self.exports.push(export);
+                self.dialog = None;
+            }
+            Err(why) => self.complain(&why),
+        }
+    }
+
+    /// Writes the picture as it is shown: what `render` gives for as many samples.
+    pub(super) fn save_picture(&mut self, path: &Path) {
+        let Some(open) = &self.open else { return };
+        let Some(scene) = open.document.last_good().cloned() else { return };
+        let display = App::display(open, &scene);
+        let answer = self.live.film().recv().unwrap_or_else(|_| Err("the renderer has stopped".to_owned()));
+        let status = self.live.status();
+        let result = answer.and_then(|(film, settings)| {
+            let layers = match ImageFormat::from_path(path).map_err(|error| error.to_string())? {
+                ImageFormat::Exr => Layer::ALL.to_vec(),
+                _ => Vec::new(),
+            };
+            export::save_film(&scene, &settings, &film, display, &layers, path, (&status.backend, &status.adapter))
+        });
+        match result {
+            Ok(words) => self.say(&words),
+            Err(why) => self.complain(&format!("The picture was not saved: {why}.")),
+        }
+    }
+}
+
+fn unsaved(ui: &mut Ui, after: After, answer: &mut Answer) {
+    ui.heading("Save the changes?");
+    ui.label("The scene has changes that are in no file yet.");
+    ui.add_space(8.0);
+    ui.horizontal(|ui| {
+        if ui.button(RichText::new("Save").strong()).clicked() {
+            *answer = Answer::Save(after);
+        }
+        if ui.button("Discard them").clicked() {
+            *answer = Answer::Drop(after);
+        }
+        if ui.button("Cancel").clicked() {
+            *answer = Answer::Close;
+        }
+    });
+}
+
+fn conflict(ui: &mut Ui, answer: &mut Answer) {
+    ui.heading("The file has changed as well");
+    ui.label("Someone else has changed the file while there were unsaved changes here. Both are still there.");
+    ui.add_space(8.0);
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Keep mine").on_hover_text("The file keeps the other version until you save.").clicked() {
+            *answer = Answer::KeepMine;
+        }
+        if ui.button("Take the file's").on_hover_text("Undo brings yours back.").clicked() {
+            *answer = Answer::TakeTheirs;
+        }
+        if ui.button("Save mine as…").on_hover_text("Both versions, in two files.").clicked() {
+            *answer = Answer::SaveMineElsewhere;
+        }
+    });
+}
+
+fn recovered(ui: &mut Ui, left: &[Recovered], answer: &mut Answer) {
+    ui.heading("Unsaved work was found");
+    ui.label("The program ended without saving it.");
+    ui.add_space(6.0);
+    for (index, one) in left.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let name = one.scene_path.as_ref().map_or("an unsaved scene".to_owned(), |path| path.display().to_string());
+            ui.label(format!("{name}, {}", one.age()));
+            if ui.button(RichText::new("Open").strong()).clicked() {
+                *answer = Answer::Recover(index);
+            }
+            if ui.button("Discard").clicked() {
+                *answer = Answer::Forget(index);
+            }
+        });
+    }
+    ui.add_space(6.0);
+    if ui.button("Ask again next time").clicked() {
+        *answer = Answer::Later;
+    }
+}
+
+fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) {
+    ui.heading("Render to a file");
+    egui::Grid::new("render").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
+        let label = ui.label("file");
+        ui.horizontal(|ui| {
+            ui.add(egui::TextEdit::singleline(&mut render.output).desired_width(300.0)).labelled_by(label.id);
+            if ui.button("Choose…").on_hover_text("Choose folder and name.").clicked() {
+                *answer = Answer::Choose;
+            }
+        });
+        ui.end_row();
+        let label = ui.label("size");
+        ui.horizontal(|ui| {
+            for side in &mut render.size {
+                ui.add(egui::DragValue::new(side).range(1..=16_384)).labelled_by(label.id);
+            }
+        });
+        ui.end_row();
+        let label = ui.label("samples");
+        ui.add(egui::DragValue::new(&mut render.samples).range(1..=1_000_000)).labelled_by(label.id);
+        ui.end_row();
+        let label = ui.label("bounces");
+        ui.add(egui::DragValue::new(&mut render.bounces).range(0..=MAX_BOUNCES)).labelled_by(label.id);
+        ui.end_row();
+        if render.may_choose_viewpoint {
+            let label = ui.label("seen from");
+            ui.horizontal(|ui| {
+                ui.radio_value(&mut render.own_viewpoint, true, "here").labelled_by(label.id);
+                ui.radio_value(&mut render.own_viewpoint, false, "the scene's camera").labelled_by(label.id);
+            });
+            ui.end_row();
+        }
+        if matches!(render.format(), Ok(ImageFormat::Exr)) {
+            let label = ui.label("layers");
+            ui.checkbox(&mut render.layers, "albedo, normal, depth, ids").labelled_by(label.id);
+            ui.end_row();
+        }
+    });
+    let format = render.format();
+    if let Err(why) = &format {
+        ui.colored_label(ui.visuals().error_fg_color, why);
+    }
+    ui.add_space(8.0);
+    ui.horizontal(|ui| {
+        if ui.add_enabled(format.is_ok(), egui::Button::new(RichText::new("Start").strong())).clicked() {
+            *answer = Answer::Start;
+        }
+        if ui.button("Cancel").clicked() {
+            *answer = Answer::Close;
+        }
+    });
+}

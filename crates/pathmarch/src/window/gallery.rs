@@ -1,0 +1,204 @@
+//! The first page: example scenes to start from.
+//!
+//! Scenes and their pictures are part of the program, so that it needs no other file. A scene is opened as a copy without
+//! a file of its own: saving asks for one.
+
+use super::app::{After, App};
+use egui::{Image, ImageSource, RichText, Ui, Vec2};
+use std::path::{Path, PathBuf};
+
+/// An example.
+pub(super) struct Example {
+    /// Its file's name without extension.
+    pub(super) name: &'static str,
+    /// One line for people.
+    pub(super) doc: &'static str,
+    file: &'static str,
+    text: &'static str,
+    picture: &'static [u8],
+    picture_name: &'static str,
+}
+
+macro_rules! examples {
+    ($($folder:literal $name:literal $extension:literal $doc:literal;)*) => {
+        &[$(Example {
+            name: $name,
+            doc: $doc,
+            file: concat!($folder, $name, ".kdl"),
+            text: include_str!(concat!("../../../../scenes/", $folder, $name, ".kdl")),
+            picture: include_bytes!(concat!("../../../../docs/images/", $name, ".", $extension)),
+            picture_name: concat!("bytes://gallery/", $name, ".", $extension),
+        }),*]
+    };
+}
+
+/// Every example, in the order of the page.
+pub(super) static EXAMPLES: &[Example] = examples! {
+    "" "glass-still-life" "jpg" "Clear and coloured glass on a table.";
+    "" "day" "jpg" "The sky of a clear day, and its sun.";
+    "" "material-grid" "jpg" "Every kind of material, smooth to rough.";
+    "" "cornell" "jpg" "The box that every path tracer renders.";
+    "" "depth-of-field" "jpg" "A lens: what is near and far blurs.";
+    "" "many-lights" "jpg" "Sixty-four lamps.";
+    "" "environment" "jpg" "Lit by a picture of the sky.";
+    "" "ten-lines" "png" "A whole scene in ten lines of text.";
+    "thesis/" "combinations" "jpg" "Union, subtraction and intersection, sharp and smooth.";
+    "thesis/" "solids" "jpg" "The solids.";
+    "thesis/" "glass-prism" "jpg" "A prism of glass.";
+    "thesis/" "refractive-prisms" "jpg" "Prisms that refract.";
+    "thesis/" "specular-prisms" "jpg" "Prisms that mirror.";
+    "thesis/" "emitting-spheres" "jpg" "Balls that shine.";
+    "thesis/" "three-spheres" "jpg" "Diffuse, mirroring and refracting balls.";
+    "thesis/" "metal-light" "jpg" "A metal ball and a light.";
+    "thesis/" "metal-room-rough-05" "jpg" "Metal in a room, nearly a mirror.";
+    "thesis/" "metal-room-rough-50" "jpg" "Metal in a room, half rough.";
+    "thesis/" "metal-room-rough-90" "jpg" "Metal in a room, rough.";
+    "thesis/" "open-room" "jpg" "A room without a roof, with a light.";
+    "thesis/" "open-room-sky" "jpg" "The same, lit by the sky.";
+    "thesis/" "caustics" "jpg" "Light gathered by glass.";
+    "thesis/" "caustics-fast" "jpg" "The same, simplified: free of noise.";
+    "thesis/" "diffuse-sphere" "png" "The simplest: a ball and a floor.";
+};
+
+/// Pictures of the sky that examples need.
+static ASSETS: &[(&str, &[u8])] = &[("environment.exr", include_bytes!("../../../../scenes/environment.exr"))];
+
+/// Points of an example's picture.
+const CARD: Vec2 = Vec2::new(240.0, 135.0);
+
+#[derive(Default)]
+pub(super) struct Gallery {
+    /// A file that was dragged into the window.
+    pub(super) dropped: Option<PathBuf>,
+    /// Where the pictures that scenes need are.
+    home: Option<PathBuf>,
+}
+
+impl Gallery {
+    /// The name and text of an example.
+    pub(super) fn scene(&mut self, index: usize) -> Option<(String, String)> {
+        let example = EXAMPLES.get(index)?;
+        let home = self.home().join(example.file);
+        Some((home.display().to_string(), example.text.to_owned()))
+    }
+
+    /// The folder of the scenes where they are at hand, else one with what they need.
+    fn home(&mut self) -> PathBuf {
+        self.home.get_or_insert_with(find_home).clone()
+    }
+}
+
+fn find_home() -> PathBuf {
+    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    if sources.is_dir() {
+        return sources.canonicalize().unwrap_or(sources);
+    }
+    let home = super::places::Places::of_user().map_or_else(std::env::temp_dir, |places| places.data).join("gallery");
+    // Without them a scene says which picture it misses.
+    if std::fs::create_dir_all(&home).is_ok() {
+        for (name, bytes) in ASSETS {
+            let path = home.join(name);
+            if std::fs::metadata(&path).map(|meta| meta.len()).ok() != Some(bytes.len() as u64) {
+                drop(super::saving::write_atomically(&path, bytes));
+            }
+        }
+    }
+    home
+}
+
+impl App {
+    pub(super) fn gallery_page(&mut self, ui: &mut Ui) {
+        egui_extras::install_image_loaders(ui.ctx());
+        let mut chosen = None;
+        egui::CentralPanel::default().show(ui, |ui| {
+            egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+                ui.add_space(14.0);
+                ui.vertical_centered(|ui| {
+                    ui.label(RichText::new("pathmarch").size(34.0).strong());
+                    ui.label("Distance fields, path-traced. Choose a scene to start from.");
+                    ui.add_space(8.0);
+                    ui.horizontal(|ui| {
+                        let width = 250.0;
+                        ui.add_space((ui.available_width() - width).max(0.0) * 0.5);
+                        if ui.button("New scene").on_hover_text("A ball on a floor.").clicked() {
+                            chosen = Some(After::New);
+                        }
+                        if ui.button("Open a file…").on_hover_text("A .kdl file.").clicked() {
+                            chosen = Some(After::Open);
+                        }
+                        if let Some(path) = self.preferences.recent.first() {
+                            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                            let words = path.display().to_string();
+                            if ui.button(format!("Go on with {name}")).on_hover_text(words).clicked() {
+                                chosen = Some(After::Recent(0));
+                            }
+                        }
+                    });
+                });
+                ui.add_space(14.0);
+                let columns = ((ui.available_width() + 10.0) / (CARD.x + 22.0)).floor().max(1.0) as usize;
+                let margin = 0.5 * (ui.available_width() - columns as f32 * (CARD.x + 22.0)).max(0.0);
+                for (row, examples) in EXAMPLES.chunks(columns).enumerate() {
+                    ui.horizontal_top(|ui| {
+                        ui.add_space(margin);
+                        for (column, example) in examples.iter().enumerate() {
+                            if card(ui, example) {
+                                chosen = Some(After::Example(row * columns + column));
+                            }
+                        }
+                    });
+                    ui.add_space(6.0);
+                }
+            });
+        });
+        if let Some(after) = chosen {
+            self.proceed(after);
+        }
+    }
+}
+
+/// An example's picture, name and line; whether it was chosen.
+fn card(ui: &mut Ui, example: &'static Example) -> bool {
+    ui.allocate_ui(Vec2::new(CARD.x + 12.0, CARD.y + 48.0), |ui| {
+        ui.vertical(|ui| {
+            let source = ImageSource::Bytes { uri: example.picture_name.into(), bytes: example.picture.into() };
+            let image = Image::new(source).fit_to_exact_size(CARD).corner_radius(4.0).alt_text(example.name);
+            let button = ui.add(egui::Button::image(image).frame(false)).on_hover_text(example.doc);
+            ui.strong(example.name);
+            ui.add(egui::Label::new(RichText::new(example.doc).small().weak()).wrap());
+            button.clicked()
+        })
+        .inner
+    })
+    .inner
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pathmarch_render::pathmarch_scene::Scene;
+
+    /// Every scene of the repository stands on the page, and opens.
+    #[test]
+    fn the_gallery_is_all_scenes() {
+        let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+        let mut files = Vec::new();
+        for folder in ["", "thesis/"] {
+            for entry in std::fs::read_dir(scenes.join(folder)).expect("the scenes are there") {
+                let name = entry.expect("a file").file_name().to_string_lossy().into_owned();
+                if name.ends_with(".kdl") {
+                    files.push(format!("{folder}{name}"));
+                }
+            }
+        }
+        let mut listed: Vec<_> = EXAMPLES.iter().map(|example| example.file.to_owned()).collect();
+        files.sort();
+        listed.sort();
+        assert_eq!(files, listed);
+        let mut gallery = Gallery::default();
+        for index in 0..EXAMPLES.len() {
+            let (name, text) = gallery.scene(index).expect("an example");
+            Scene::parse(&name, &text).expect("a scene");
+        }
+    }
+}
