@@ -5,6 +5,8 @@
 
 mod commands;
 mod exit;
+mod picture;
+mod window;
 
 use clap::{Parser, Subcommand};
 use commands::{bench, check, compare, devices, render, shapes};

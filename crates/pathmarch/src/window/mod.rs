@@ -1,0 +1,10 @@
+//! Files, recovery and preferences of the window.
+#![allow(dead_code)]
+
+mod age;
+mod export;
+mod places;
+mod preferences;
+mod recovery;
+mod saving;
+mod watch;
