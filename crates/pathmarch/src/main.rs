@@ -1,27 +1,33 @@
-//! `pathmarch`: path-traced distance fields from the command line.
+//! `pathmarch`: path-traced distance fields, in a window and from the command line.
 //!
-//! The command line only; everything it does is in the libraries below it. Exit codes: 0 done, 1 failed, 2 bad scene or
+//! No rendering logic: that is in the libraries below. Exit codes: 0 done, 1 failed, 2 bad scene or
 //! usage, 130 interrupted.
 
 mod commands;
 mod exit;
+mod picture;
+mod window;
 
 use clap::{Parser, Subcommand};
-use commands::{bench, check, compare, devices, render, shapes};
+use commands::{bench, check, compare, devices, render, shapes, view};
 use std::process::ExitCode;
 
 /// A path tracer for distance fields: scenes as text, light that is right.
+///
+/// Without a command it opens a window with a gallery to start from.
 ///
 /// Exit codes: 0 done, 1 failed, 2 bad scene or usage, 130 interrupted.
 #[derive(Parser)]
 #[command(version, propagate_version = true)]
 struct Arguments {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Subcommand)]
 enum Command {
+    /// Open a window: see a scene, move through it, change it.
+    View(view::Arguments),
     /// Render a scene to a picture.
     Render(render::Arguments),
     /// Read scenes and report every mistake in them.
@@ -51,7 +57,9 @@ fn main() -> ExitCode {
         return ExitCode::from(exit::FAILED);
     }
     quiet_drivers();
-    let result = match Arguments::parse().command {
+    let command = Arguments::parse().command.unwrap_or_else(|| Command::View(view::Arguments::default()));
+    let result = match command {
+        Command::View(arguments) => view::run(arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),

@@ -6,14 +6,16 @@ pub mod compare;
 pub mod devices;
 pub mod render;
 pub mod shapes;
+pub mod view;
 
 use clap::ValueEnum;
 use pathmarch_render::Backend;
 
 /// `--backend`
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub enum BackendArgument {
     /// The GPU where one works, else the CPU
+    #[default]
     Auto,
     /// The GPU, or fail
     Gpu,

@@ -2,12 +2,13 @@
 
 use super::{BackendArgument, parse_size};
 use crate::exit::{DONE, Failure, INTERRUPTED, print_report};
+use crate::picture::{Rendered, accumulate};
 use indicatif::{ProgressBar, ProgressStyle};
-use pathmarch_render::aov::{self, Layer};
-use pathmarch_render::image::{self, ImageFormat, Provenance};
+use pathmarch_render::aov::Layer;
+use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::{Caustics, Sampler, Scene};
 use pathmarch_render::tonemap::{Display, Tonemap};
-use pathmarch_render::{Job, MAX_BOUNCES, Mode, RenderError, Renderer, Settings, scene_hash};
+use pathmarch_render::{Job, MAX_BOUNCES, Mode, RenderError, Renderer, Settings};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -211,33 +212,23 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         renderer.adapter_name(),
     );
     let started = Instant::now();
-    accumulate(&mut job, &settings, arguments.seconds, &interrupted).map_err(Failure::other)?;
+    accumulate_and_tell(&mut job, &settings, arguments.seconds, &interrupted).map_err(Failure::other)?;
     let film = job.film().map_err(Failure::other)?;
     let seconds = started.elapsed().as_secs_f64();
-    let mut channels = Vec::new();
-    if let Some(Layers(layers)) = &arguments.aov {
-        let aovs = aov::render(&scene, &settings).map_err(Failure::other)?;
-        channels.extend(layers.iter().flat_map(|layer| layer.channels(&aovs, &film)));
-    }
-
-    let camera = &scene.cameras[settings.camera];
+    let camera = settings.camera_of(&scene);
     let display = settings.mode.display(Display {
         tonemap: arguments.tonemap.unwrap_or(scene.render.tonemap),
         exposure_stops: arguments.exposure.unwrap_or(camera.exposure),
     });
-    let provenance = Provenance {
-        scene_hash: scene_hash(&scene),
-        samples: film.samples,
-        first_sample: settings.first_sample,
-        seed: settings.seed,
-        bounces: settings.bounces,
-        mode: settings.mode.name().to_owned(),
-        adapter: renderer.adapter_name(),
+    let rendered = Rendered {
+        scene: &scene,
+        settings: &settings,
+        film: &film,
         backend: renderer.backend_name(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
+        adapter: renderer.adapter_name(),
     };
-    image::save_with(&output, &settings.mode.picture(&film), channels, &display, &provenance)
-        .map_err(Failure::other)?;
+    let layers = arguments.aov.as_ref().map_or(&[][..], |Layers(layers)| layers);
+    rendered.write(&output, &display, layers).map_err(Failure::Other)?;
     if film.non_finite() > 0 {
         eprintln!("warning: {} samples were not finite and were left out", film.non_finite());
     }
@@ -277,7 +268,7 @@ fn watch_interrupts() -> Result<Arc<AtomicBool>, Failure> {
 }
 
 /// Renders until all samples are done, the time is over or an interrupt comes, and shows how far it is.
-fn accumulate(
+fn accumulate_and_tell(
     job: &mut Job,
     settings: &Settings,
     seconds: Option<f64>,
@@ -290,17 +281,15 @@ fn accumulate(
         bar.set_style(style.progress_chars("█▉▊▋▌▍▎▏ "));
     }
     let started = Instant::now();
-    let over = |job: &Job| {
+    let over = |done: f64| {
         let late = seconds.is_some_and(|seconds| started.elapsed().as_secs_f64() >= seconds);
-        interrupted.load(Ordering::SeqCst) || late && job.samples_done() >= 1.0
+        interrupted.load(Ordering::SeqCst) || late && done >= 1.0
     };
-    while job.samples_done() < f64::from(settings.samples) && !over(job) {
-        job.advance(settings.samples)?;
-        let done = job.samples_done();
+    accumulate(job, settings.samples, over, |done| {
         bar.set_position((done * 1000.0) as u64);
         let rate = done / started.elapsed().as_secs_f64().max(1e-9);
         bar.set_message(format!("{}/{} samples, {rate:.2} samples/s", done as u32, settings.samples));
-    }
+    })?;
     bar.finish_and_clear();
     Ok(())
 }

@@ -161,7 +161,8 @@ pub(super) fn pressed(ctx: &egui::Context, has_scene: bool) -> Option<Action> {
     ctx.input_mut(|input| {
         let found = entries.iter().find(|entry| {
             entry.shortcut.is_some_and(|shortcut| {
-                let function_key = shortcut.logical_key.name().starts_with('F') && shortcut.logical_key.name().len() > 1;
+                let function_key =
+                    shortcut.logical_key.name().starts_with('F') && shortcut.logical_key.name().len() > 1;
                 (shortcut.modifiers.any() || !typing || function_key) && input.consume_shortcut(&shortcut)
             })
         });

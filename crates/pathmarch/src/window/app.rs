@@ -8,8 +8,9 @@ use super::gallery::Gallery;
 use super::gizmo::Handle;
 use super::open::{Handles, Kept, Open, Reload};
 use super::panels::Plots;
+use super::places::Places;
 use super::preferences::Preferences;
-use super::recovery::Recovery;
+use super::recovery::{Recovery, left_behind};
 use super::saving::write_atomically;
 use super::viewpoint;
 use egui::{ColorImage, Context, TextureOptions, Ui};
@@ -115,13 +116,20 @@ pub(super) enum After {
     Dropped,
 }
 
+/// What a file is chosen for.
+pub(super) fn purpose(title: &str, extensions: &[&'static str]) -> Purpose {
+    Purpose { title: title.to_owned(), extensions: extensions.to_vec() }
+}
+
 impl App {
     pub(super) fn new(ctx: &Context, options: Options, waker: Waker) -> Self {
         let started = Instant::now();
         let wake = waker.clone();
         let live = Live::new(options.backend, options.adapter.clone(), move || wake());
         let preferences = Preferences::load();
-        let recovery = Recovery::new(Recovery::default_directory());
+        let places = Places::of_user();
+        let kept_in = places.map_or_else(|| std::env::temp_dir().join("pathmarch-recovery"), |places| places.recovery);
+        let recovery = Recovery::new(&kept_in);
         ctx.set_theme(match preferences.dark {
             Some(true) => egui::ThemePreference::Dark,
             Some(false) => egui::ThemePreference::Light,
@@ -150,9 +158,12 @@ impl App {
             waker,
             options,
         };
-        let left_behind = Recovery::left_behind(&Recovery::default_directory());
-        if !left_behind.is_empty() {
-            app.dialog = Some(Dialog::Recovered(left_behind));
+        let left = left_behind(&kept_in);
+        if !left.is_empty() {
+            app.dialog = Some(Dialog::Recovered(left));
+        }
+        for problem in [app.recovery.problem(), app.preferences.notice().map(str::to_owned)].into_iter().flatten() {
+            app.complain(&problem);
         }
         if let Some(path) = app.options.scene.clone() {
             app.open_file(&path);
@@ -219,10 +230,10 @@ impl App {
                 self.source_panel(ui);
             }
             self.mistakes_panel(ui);
-            if self.preferences.show_tree {
+            if self.preferences.left_open {
                 self.tree_panel(ui);
             }
-            if self.preferences.show_inspector {
+            if self.preferences.right_open {
                 self.inspector_panel(ui);
             }
             self.viewport(ui);
@@ -234,7 +245,12 @@ impl App {
         self.choosing(&ctx);
         self.show_toasts(&ctx);
         self.order(&ctx);
-        self.preferences.save();
+        self.save_preferences();
+    }
+
+    /// What cannot be remembered is not worth a word each time.
+    fn save_preferences(&mut self) {
+        let _ = self.preferences.save();
     }
 
     /// Takes on what happened elsewhere: pictures, files, renders.
@@ -270,7 +286,6 @@ impl App {
         if !self.exports.is_empty() {
             ctx.request_repaint_after(Duration::from_millis(200));
         }
-        self.recovery.tick(Instant::now());
     }
 
     /// Brings a new picture to the screen.
@@ -410,8 +425,8 @@ impl App {
                 self.lose_window_device = true;
                 self.live.lose_device();
             }
-            Action::Tree => self.preferences.show_tree = !self.preferences.show_tree,
-            Action::Inspector => self.preferences.show_inspector = !self.preferences.show_inspector,
+            Action::Tree => self.preferences.left_open = !self.preferences.left_open,
+            Action::Inspector => self.preferences.right_open = !self.preferences.right_open,
             Action::Source => self.preferences.show_source = !self.preferences.show_source,
             Action::Plots => self.preferences.show_plots = !self.preferences.show_plots,
             Action::Dark => {
@@ -565,8 +580,8 @@ impl App {
             After::Leave => self.leaving = true,
             After::New => self.show_scene(Open::new("scene.kdl", NEW_SCENE.to_owned(), None)),
             After::Open => {
-                let purpose = Purpose::new("Open a scene", &["kdl"]);
-                self.chooser = Some((Chooser::open(&self.directory(), purpose), For::Open));
+                let purpose = purpose("Open a scene", &["kdl"]);
+                self.chooser = Some((self.with_places(Chooser::open(&self.directory(), purpose)), For::Open));
             }
             After::Recent(index) => {
                 if let Some(path) = self.preferences.recent.get(index).cloned() {
@@ -596,6 +611,12 @@ impl App {
         let open = self.open.as_ref().and_then(|open| of(open.path.as_deref()?));
         let recent = || self.preferences.recent.first().and_then(|path| of(path));
         open.or_else(recent).or_else(|| std::env::current_dir().ok()).unwrap_or_else(|| PathBuf::from("."))
+    }
+
+    /// A chooser that offers the folders of what was open before.
+    pub(super) fn with_places(&self, chooser: Chooser) -> Chooser {
+        let folder = self.open.as_ref().and_then(|open| open.path.as_deref()?.parent());
+        chooser.with_places(folder, &self.preferences.recent)
     }
 
     /// Opens a scene file; says why where it cannot be read.
@@ -665,14 +686,14 @@ impl App {
     fn choose_save(&mut self, what: For) {
         let name = self.open.as_ref().and_then(|open| open.path.clone());
         let name = name.as_deref().and_then(Path::file_name).map_or("scene.kdl".into(), |name| name.to_string_lossy());
-        let purpose = Purpose::new("Save the scene", &["kdl"]);
-        self.chooser = Some((Chooser::save(&self.directory(), &name, purpose), what));
+        let purpose = purpose("Save the scene", &["kdl"]);
+        self.chooser = Some((self.with_places(Chooser::save(&self.directory(), &name, purpose)), what));
     }
 
     fn choose_picture(&mut self) {
-        let purpose = Purpose::new("Save the picture as it is shown", &["png", "exr", "jpg"]);
+        let purpose = purpose("Save the picture as it is shown", &["png", "exr", "jpg"]);
         let name = self.picture_name();
-        self.chooser = Some((Chooser::save(&self.directory(), &name, purpose), For::Picture));
+        self.chooser = Some((self.with_places(Chooser::save(&self.directory(), &name, purpose)), For::Picture));
     }
 
     /// What a picture of the open scene is called.
@@ -705,7 +726,8 @@ impl App {
     }
 
     fn take_dropped(&mut self, ctx: &Context) {
-        let dropped = ctx.input(|input| input.raw.dropped_files.first().and_then(|file| file.path.clone()));
+        let dropped =
+            ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
             self.gallery.dropped = Some(path);
             self.unless_unsaved(After::Dropped);
@@ -736,7 +758,7 @@ impl App {
         } else {
             self.recovery.flush();
         }
-        self.preferences.save();
+        self.save_preferences();
     }
     /// Whether the window's graphics device is to be opened anew.
     pub(super) fn take_lose_device(&mut self) -> bool {

@@ -1,16 +1,19 @@
 //! Questions that must be answered before anything else: unsaved work, a file changed by others, what a crash left, and
 //! the settings of a final render.
 
-use super::app::{After, App, For};
-use super::chooser::{Chooser, Purpose};
-use super::export::{self, Export};
+use super::age::age;
+use super::app::{After, App, For, purpose};
+use super::chooser::Chooser;
+use super::export::{self, Export, Task};
 use super::open::Open;
 use super::recovery::Recovered;
+use crate::picture::Rendered;
 use egui::{Context, Id, Modal, RichText, Ui};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::{MAX_BOUNCES, Settings};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// A question.
 pub(super) enum Dialog {
@@ -130,10 +133,10 @@ impl App {
             }
             Answer::SaveMineElsewhere => {
                 self.dialog = None;
-                let purpose = Purpose::new("Save your version as", &["kdl"]);
+                let purpose = purpose("Save your version as", &["kdl"]);
                 let name = self.open.as_ref().map_or_else(String::new, Open::name);
                 let name = format!("{}-mine.kdl", name.trim_end_matches(".kdl"));
-                self.chooser = Some((Chooser::save(&self.directory(), &name, purpose), For::SaveAs));
+                self.chooser = Some((self.with_places(Chooser::save(&self.directory(), &name, purpose)), For::SaveAs));
             }
             Answer::Recover(index) | Answer::Forget(index) => {
                 let Some(Dialog::Recovered(left)) = &mut self.dialog else { return };
@@ -150,12 +153,12 @@ impl App {
             Answer::Start => self.start_render(),
             Answer::Choose => {
                 let Some(Dialog::Render(render)) = &self.dialog else { return };
-                let purpose = Purpose::new("Render to", &["png", "exr", "jpg"]);
+                let purpose = purpose("Render to", &["png", "exr", "jpg"]);
                 let path = PathBuf::from(&render.output);
                 let folder = path.parent().filter(|folder| folder.is_dir()).map(Path::to_owned);
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 let folder = folder.unwrap_or_else(|| self.directory());
-                self.chooser = Some((Chooser::save(&folder, &name, purpose), For::Render));
+                self.chooser = Some((self.with_places(Chooser::save(&folder, &name, purpose)), For::Render));
             }
         }
     }
@@ -163,7 +166,10 @@ impl App {
     /// Opens what a program that ended without saving has left, as unsaved changes of its file.
     fn recover(&mut self, one: Recovered) {
         let disk = one.scene_path.as_deref().and_then(|path| std::fs::read_to_string(path).ok());
-        let text = one.text.clone();
+        let text = match &one.text {
+            Ok(text) => text.clone(),
+            Err(why) => return self.complain(why),
+        };
         let path = one.scene_path.clone();
         match (path, disk) {
             (Some(path), Some(disk)) => {
@@ -210,13 +216,13 @@ impl App {
         let (backend, adapter) = (self.options.backend, self.options.adapter.clone());
         let wake = self.waker.clone();
         let output = PathBuf::from(&render.output);
-        match Export::start(scene, settings, display, layers, output, backend, adapter, move || wake()) {
-            Ok(export) => {
-                self.exports.push(export);
-                self.dialog = None;
-            }
-            Err(why) => self.complain(&why),
+        if let Err(why) = export::check_output(&output, &layers) {
+            self.complain(&why);
+            return;
         }
+        let task = Task { scene, settings, display, layers, output, backend, adapter };
+        self.exports.push(Export::start(task, move || wake()));
+        self.dialog = None;
     }
 
     /// Writes the picture as it is shown: what `render` gives for as many samples.
@@ -231,7 +237,9 @@ impl App {
                 ImageFormat::Exr => Layer::ALL.to_vec(),
                 _ => Vec::new(),
             };
-            export::save_film(&scene, &settings, &film, display, &layers, path, (&status.backend, &status.adapter))
+            let (backend, adapter) = (status.backend, status.adapter);
+            let rendered = Rendered { scene: &scene, settings: &settings, film: &film, backend, adapter };
+            export::save_film(&rendered, path, &display, &layers)
         });
         match result {
             Ok(words) => self.say(&words),
@@ -281,7 +289,7 @@ fn recovered(ui: &mut Ui, left: &[Recovered], answer: &mut Answer) {
     for (index, one) in left.iter().enumerate() {
         ui.horizontal(|ui| {
             let name = one.scene_path.as_ref().map_or("an unsaved scene".to_owned(), |path| path.display().to_string());
-            ui.label(format!("{name}, {}", one.age()));
+            ui.label(format!("{name}, {}", age(one.saved_at, SystemTime::now())));
             if ui.button(RichText::new("Open").strong()).clicked() {
                 *answer = Answer::Recover(index);
             }

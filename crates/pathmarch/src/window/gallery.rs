@@ -4,7 +4,9 @@
 //! a file of its own: saving asks for one.
 
 use super::app::{After, App};
-use egui::{Image, ImageSource, RichText, Ui, Vec2};
+use super::places::Places;
+use super::saving::write_atomically;
+use egui::{ColorImage, Image, RichText, TextureHandle, TextureOptions, Ui, Vec2};
 use std::path::{Path, PathBuf};
 
 /// An example.
@@ -16,7 +18,6 @@ pub(super) struct Example {
     file: &'static str,
     text: &'static str,
     picture: &'static [u8],
-    picture_name: &'static str,
 }
 
 macro_rules! examples {
@@ -27,7 +28,6 @@ macro_rules! examples {
             file: concat!($folder, $name, ".kdl"),
             text: include_str!(concat!("../../../../scenes/", $folder, $name, ".kdl")),
             picture: include_bytes!(concat!("../../../../docs/images/", $name, ".", $extension)),
-            picture_name: concat!("bytes://gallery/", $name, ".", $extension),
         }),*]
     };
 }
@@ -72,6 +72,8 @@ pub(super) struct Gallery {
     pub(super) dropped: Option<PathBuf>,
     /// Where the pictures that scenes need are.
     home: Option<PathBuf>,
+    /// Pictures of the examples, as far as they are unpacked.
+    textures: Vec<TextureHandle>,
 }
 
 impl Gallery {
@@ -80,6 +82,26 @@ impl Gallery {
         let example = EXAMPLES.get(index)?;
         let home = self.home().join(example.file);
         Some((home.display().to_string(), example.text.to_owned()))
+    }
+
+    /// Unpacks a few more pictures, so that the page is there at once.
+    fn unpack(&mut self, ctx: &egui::Context) {
+        const AT_ONCE: usize = 3;
+        let next = self.textures.len();
+        for example in EXAMPLES.iter().skip(next).take(AT_ONCE) {
+            let image = image::load_from_memory(example.picture).map(|picture| {
+                let (width, height) = (2.0 * CARD.x, 2.0 * CARD.y);
+                let small = picture.resize_to_fill(width as u32, height as u32, image::imageops::FilterType::Triangle);
+                let size = [small.width() as usize, small.height() as usize];
+                ColorImage::from_rgba_unmultiplied(size, &small.to_rgba8())
+            });
+            // The pictures are part of the program, and a test opens each.
+            let image = image.unwrap_or_else(|_| ColorImage::filled([2, 2], egui::Color32::BLACK));
+            self.textures.push(ctx.load_texture(example.name, image, TextureOptions::LINEAR));
+        }
+        if self.textures.len() < EXAMPLES.len() {
+            ctx.request_repaint();
+        }
     }
 
     /// The folder of the scenes where they are at hand, else one with what they need.
@@ -93,13 +115,13 @@ fn find_home() -> PathBuf {
     if sources.is_dir() {
         return sources.canonicalize().unwrap_or(sources);
     }
-    let home = super::places::Places::of_user().map_or_else(std::env::temp_dir, |places| places.data).join("gallery");
+    let home = Places::of_user().map_or_else(std::env::temp_dir, |places| places.recovery).with_file_name("gallery");
     // Without them a scene says which picture it misses.
     if std::fs::create_dir_all(&home).is_ok() {
         for (name, bytes) in ASSETS {
             let path = home.join(name);
             if std::fs::metadata(&path).map(|meta| meta.len()).ok() != Some(bytes.len() as u64) {
-                drop(super::saving::write_atomically(&path, bytes));
+                drop(write_atomically(&path, bytes));
             }
         }
     }
@@ -108,7 +130,7 @@ fn find_home() -> PathBuf {
 
 impl App {
     pub(super) fn gallery_page(&mut self, ui: &mut Ui) {
-        egui_extras::install_image_loaders(ui.ctx());
+        self.gallery.unpack(ui.ctx());
         let mut chosen = None;
         egui::CentralPanel::default().show(ui, |ui| {
             egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
@@ -142,8 +164,9 @@ impl App {
                     ui.horizontal_top(|ui| {
                         ui.add_space(margin);
                         for (column, example) in examples.iter().enumerate() {
-                            if card(ui, example) {
-                                chosen = Some(After::Example(row * columns + column));
+                            let index = row * columns + column;
+                            if card(ui, example, self.gallery.textures.get(index)) {
+                                chosen = Some(After::Example(index));
                             }
                         }
                     });
@@ -158,19 +181,24 @@ impl App {
 }
 
 /// An example's picture, name and line; whether it was chosen.
-fn card(ui: &mut Ui, example: &'static Example) -> bool {
-    ui.allocate_ui(Vec2::new(CARD.x + 12.0, CARD.y + 48.0), |ui| {
+fn card(ui: &mut Ui, example: &'static Example, picture: Option<&TextureHandle>) -> bool {
+    let size = Vec2::new(CARD.x + 12.0, CARD.y + 48.0);
+    let card = ui.allocate_ui(size, |ui| {
         ui.vertical(|ui| {
-            let source = ImageSource::Bytes { uri: example.picture_name.into(), bytes: example.picture.into() };
-            let image = Image::new(source).fit_to_exact_size(CARD).corner_radius(4.0).alt_text(example.name);
-            let button = ui.add(egui::Button::image(image).frame(false)).on_hover_text(example.doc);
+            let clicked = match picture {
+                Some(texture) => {
+                    let image = Image::new((texture.id(), CARD)).corner_radius(4.0).alt_text(example.name);
+                    ui.add(egui::Button::image(image).frame(false)).on_hover_text(example.doc).clicked()
+                }
+                None => ui.add_sized(CARD, egui::Button::new(example.name)).clicked(),
+            };
             ui.strong(example.name);
             ui.add(egui::Label::new(RichText::new(example.doc).small().weak()).wrap());
-            button.clicked()
+            clicked
         })
         .inner
-    })
-    .inner
+    });
+    card.inner
 }
 
 #[cfg(test)]
@@ -199,6 +227,7 @@ mod tests {
         for index in 0..EXAMPLES.len() {
             let (name, text) = gallery.scene(index).expect("an example");
             Scene::parse(&name, &text).expect("a scene");
+            image::load_from_memory(EXAMPLES[index].picture).expect("a picture");
         }
     }
 }

@@ -178,17 +178,21 @@ impl Handle {
     }
 }
 
+/// Depth 0 to 1 from a millimetre to infinity.
+fn perspective(fov: f64, aspect: f64) -> DMat4 {
+    const NEAR: f64 = 1e-3;
+    let y = 1.0 / (0.5 * fov).tan();
+    DMat4::from_cols_array(&[y / aspect, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, 0.0, 0.0, -NEAR, 0.0])
+}
+
 fn configuration(ui: &egui::Ui, picture: Rect, camera: &Camera, modes: EnumSet<GizmoMode>) -> GizmoConfig {
     let axes = axes(camera);
     let [right, up, back] = [axes.right, axes.up, -axes.forward].map(|axis| axis.as_dvec3());
     let position = DVec3::from_array(camera.position.map(f64::from));
-    let world_from_view =
-        DMat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), position.extend(1.0));
+    let world_from_view = DMat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), position.extend(1.0));
     let aspect = f64::from(picture.width() / picture.height().max(1.0));
-    let projection = DMat4::perspective_infinite_rh(f64::from(camera.fov).to_radians(), aspect, 1e-3);
-    let matrix = |matrix: DMat4| {
-        transform_gizmo::math::DMat4::from_cols_array(&matrix.to_cols_array())
-    };
+    let projection = perspective(f64::from(camera.fov).to_radians(), aspect);
+    let matrix = |matrix: DMat4| transform_gizmo::math::DMat4::from_cols_array(&matrix.to_cols_array());
     let [min, max] = [picture.min, picture.max].map(|p| transform_gizmo::math::Pos2::new(p.x, p.y));
     GizmoConfig {
         view_matrix: matrix(world_from_view.inverse()).into(),
@@ -221,10 +225,16 @@ mod tests {
 
     #[test]
     fn what_goes_through_an_operator_comes_back() {
-        let outer =
-            Placed { scale: 2.0, turn: DQuat::from_euler(EulerRot::ZYX, 0.3, -0.7, 1.1), at: DVec3::new(1.0, 2.0, 3.0) };
-        let inner =
-            Placed { scale: 0.5, turn: DQuat::from_euler(EulerRot::ZYX, -1.3, 0.2, 0.4), at: DVec3::new(-4.0, 0.0, 1.0) };
+        let outer = Placed {
+            scale: 2.0,
+            turn: DQuat::from_euler(EulerRot::ZYX, 0.3, -0.7, 1.1),
+            at: DVec3::new(1.0, 2.0, 3.0),
+        };
+        let inner = Placed {
+            scale: 0.5,
+            turn: DQuat::from_euler(EulerRot::ZYX, -1.3, 0.2, 0.4),
+            at: DVec3::new(-4.0, 0.0, 1.0),
+        };
         let back = outer.inside(outer.around(inner));
         assert!(back.at.distance(inner.at) < 1e-12 && (back.scale - inner.scale).abs() < 1e-12);
         assert!(back.turn.dot(inner.turn).abs() > 1.0 - 1e-12);

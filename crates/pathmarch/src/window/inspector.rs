@@ -3,7 +3,7 @@
 
 use super::app::App;
 use super::open::Resolution;
-use egui::{Color32, ComboBox, DragValue, Response, RichText, Slider, SliderClamping, TextEdit, Ui};
+use egui::{ComboBox, DragValue, Response, RichText, Slider, SliderClamping, TextEdit, Ui};
 use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, Item, ItemKind, Path, Value, key};
 
@@ -94,16 +94,18 @@ impl App {
         ui.horizontal(|ui| {
             ui.heading("Camera");
             let mut chosen = None;
-            ComboBox::from_id_salt("cameras").selected_text(open.view.camera_name()).show_ui(ui, |ui| {
-                for camera in &scene.cameras {
-                    let is_it = camera.name == open.view.camera_name();
-                    if ui.selectable_label(is_it, &camera.name).clicked() {
-                        chosen = Some(camera);
+            ComboBox::from_id_salt("cameras")
+                .selected_text(open.view.camera_name())
+                .show_ui(ui, |ui| {
+                    for camera in &scene.cameras {
+                        let is_it = camera.name == open.view.camera_name();
+                        if ui.selectable_label(is_it, &camera.name).clicked() {
+                            chosen = Some(camera);
+                        }
                     }
-                }
-            })
-            .response
-            .on_hover_text("The cameras of the scene.");
+                })
+                .response
+                .on_hover_text("The cameras of the scene.");
             if let Some(camera) = chosen {
                 open.view.look_through(camera);
             }
@@ -123,17 +125,19 @@ impl App {
             let lens = Slider::new(&mut camera.lens_radius, 0.0..=0.5).suffix(" m").logarithmic(true);
             ui.add(lens.smallest_positive(1e-3).clamping(SliderClamping::Never)).labelled_by(label.id);
             ui.end_row();
-            let label = ui.label("focus").on_hover_text("Distance that is sharp; that of the target where none is set.");
+            let label =
+                ui.label("focus").on_hover_text("Distance that is sharp; that of the target where none is set.");
             ui.horizontal(|ui| {
-                let mut distance = camera.focus.unwrap_or_else(|| {
-                    glam::Vec3::from(camera.position).distance(glam::Vec3::from(camera.target))
-                });
+                let mut distance = camera
+                    .focus
+                    .unwrap_or_else(|| glam::Vec3::from(camera.position).distance(glam::Vec3::from(camera.target)));
                 let speed = 0.01 * f64::from(distance.max(0.01));
                 let value = DragValue::new(&mut distance).speed(speed).suffix(" m").range(1e-3..=1e6);
                 if ui.add(value).labelled_by(label.id).changed() {
                     camera.focus = Some(distance);
                 }
-                ui.toggle_value(&mut open.view.focus_click, "by click").on_hover_text("Then click what should be sharp.");
+                ui.toggle_value(&mut open.view.focus_click, "by click")
+                    .on_hover_text("Then click what should be sharp.");
             });
             ui.end_row();
         });
@@ -165,24 +169,30 @@ impl App {
         ui.heading("Picture");
         egui::Grid::new("picture").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
             let label = ui.label("show").on_hover_text("Light, a quick look, or what the renderer knows.");
-            ComboBox::from_id_salt("mode").selected_text(open.view.mode.name()).show_ui(ui, |ui| {
-                for mode in Mode::ALL {
-                    ui.selectable_value(&mut open.view.mode, mode, mode.name()).on_hover_text(mode.doc());
-                }
-            })
-            .response
-            .labelled_by(label.id);
+            ComboBox::from_id_salt("mode")
+                .selected_text(open.view.mode.name())
+                .show_ui(ui, |ui| {
+                    for mode in Mode::ALL {
+                        ui.selectable_value(&mut open.view.mode, mode, mode.name()).on_hover_text(mode.doc());
+                    }
+                })
+                .response
+                .labelled_by(label.id);
             ui.end_row();
-            let label = ui.label("size here").on_hover_text("Of the picture in the window. Files have the size of the scene.");
-            ComboBox::from_id_salt("resolution").selected_text(open.view.resolution.name()).show_ui(ui, |ui| {
-                for resolution in Resolution::ALL {
-                    ui.selectable_value(&mut open.view.resolution, resolution, resolution.name());
-                }
-            })
-            .response
-            .labelled_by(label.id);
+            let label =
+                ui.label("size here").on_hover_text("Of the picture in the window. Files have the size of the scene.");
+            ComboBox::from_id_salt("resolution")
+                .selected_text(open.view.resolution.name())
+                .show_ui(ui, |ui| {
+                    for resolution in Resolution::ALL {
+                        ui.selectable_value(&mut open.view.resolution, resolution, resolution.name());
+                    }
+                })
+                .response
+                .labelled_by(label.id);
             ui.end_row();
-            let label = ui.label("frame rate").on_hover_text("While something moves, the picture is as large as fits it.");
+            let label =
+                ui.label("frame rate").on_hover_text("While something moves, the picture is as large as fits it.");
             let rate = Slider::new(&mut self.preferences.frame_rate, 5.0..=120.0).suffix(" /s").integer();
             ui.add(rate).labelled_by(label.id);
             ui.end_row();
@@ -371,24 +381,26 @@ fn choose(
     let mut chosen = None;
     let names: Vec<_> = names.collect();
     let shown = names.iter().find(|(name, _)| name == value).map_or(value, |(_, shown)| shown);
-    ComboBox::from_id_salt((key, path)).selected_text(shown).width(150.0).show_ui(ui, |ui| {
-        for (name, shown) in &names {
-            if ui.selectable_label(name == value, shown).clicked() && name != value {
-                chosen = Some(name.clone());
+    ComboBox::from_id_salt((key, path))
+        .selected_text(shown)
+        .width(150.0)
+        .show_ui(ui, |ui| {
+            for (name, shown) in &names {
+                if ui.selectable_label(name == value, shown).clicked() && name != value {
+                    chosen = Some(name.clone());
+                }
             }
-        }
-    })
-    .response
-    .labelled_by(label.id);
+        })
+        .response
+        .labelled_by(label.id);
     chosen
 }
 
 /// A text that counts once it is left or Enter is pressed.
 fn text(ui: &mut Ui, path: &Path, key: &str, value: &str, label: &Response) -> Option<Value> {
-    let id = ui.id().with(("text", path, key));
+    let id = ui.scope_id().with(("text", path, key));
     let mut typed = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| value.to_owned());
-    let edit = ui.add(TextEdit::singleline(&mut typed).desired_width(150.0).text_color_opt(colour_of(ui, &typed)));
-    let edit = edit.labelled_by(label.id);
+    let edit = ui.add(TextEdit::singleline(&mut typed).desired_width(150.0)).labelled_by(label.id);
     if edit.has_focus() {
         ui.data_mut(|data| data.insert_temp(id, typed));
         return None;
@@ -396,8 +408,3 @@ fn text(ui: &mut Ui, path: &Path, key: &str, value: &str, label: &Response) -> O
     ui.data_mut(|data| data.remove_temp::<String>(id));
     (edit.lost_focus() && typed != value).then_some(Value::Text(typed))
 }
-
-fn colour_of(ui: &Ui, typed: &str) -> Option<Color32> {
-    typed.is_empty().then(|| ui.visuals().error_fg_color)
-}
-

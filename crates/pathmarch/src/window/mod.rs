@@ -4,6 +4,7 @@
 //! without them. This file is the shell around it: events in, shapes out, and what to do when the graphics device fails.
 
 mod actions;
+mod age;
 mod app;
 mod chooser;
 mod dialogs;
@@ -14,11 +15,10 @@ mod inspector;
 mod open;
 mod painter;
 mod panels;
+mod places;
 mod preferences;
 mod recovery;
 mod saving;
-#[cfg(test)]
-mod tests;
 mod tree;
 mod viewpoint;
 mod viewport;
@@ -161,9 +161,7 @@ impl Shell {
         self.repaint_at = Instant::now().checked_add(delay);
         let mut changes = output.textures_delta;
         let painted = match &mut self.painter {
-            Some(painter) => {
-                painter.paint(window, &primitives, changes, output.pixels_per_point, &mut self.textures)
-            }
+            Some(painter) => painter.paint(window, &primitives, changes, output.pixels_per_point, &mut self.textures),
             None => {
                 self.textures.take(&mut changes);
                 Ok(())

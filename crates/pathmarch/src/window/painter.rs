@@ -107,9 +107,10 @@ impl Painter {
             .ok_or_else(|| format!("{} cannot draw into this window", adapter.get_info().name))?;
         // Colours are codes already; a format that encodes would do it once more.
         let formats = surface.get_capabilities(&adapter).formats;
-        let plain = formats.iter().copied().find(|format| {
-            matches!(format, wgpu::TextureFormat::Bgra8Unorm | wgpu::TextureFormat::Rgba8Unorm)
-        });
+        let plain = formats
+            .iter()
+            .copied()
+            .find(|format| matches!(format, wgpu::TextureFormat::Bgra8Unorm | wgpu::TextureFormat::Rgba8Unorm));
         configuration.format = plain.unwrap_or(configuration.format);
         configuration.desired_maximum_frame_latency = 1;
         surface.configure(&device, &configuration);
@@ -192,7 +193,9 @@ impl Painter {
                 window.request_redraw();
                 return Ok(());
             }
-            wgpu::CurrentSurfaceTexture::Lost => return Err(PaintError::Lost("the window's surface was lost".to_owned())),
+            wgpu::CurrentSurfaceTexture::Lost => {
+                return Err(PaintError::Lost("the window's surface was lost".to_owned()));
+            }
             wgpu::CurrentSurfaceTexture::Validation => return Err(self.why_lost()),
         };
         let screen = ScreenDescriptor { size_in_pixels: size, pixels_per_point };
@@ -205,7 +208,10 @@ impl Painter {
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: &view,
                     resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
                     depth_slice: None,
                 })],
                 depth_stencil_attachment: None,

@@ -126,7 +126,11 @@ impl App {
             asked = Some(Action::Preview);
         }
         let compares = open.view.kept.as_ref().is_some_and(|kept| kept.shown);
-        if ui.selectable_label(compares, "Compare").on_hover_text("Keep this picture and compare later ones with it.").clicked() {
+        if ui
+            .selectable_label(compares, "Compare")
+            .on_hover_text("Keep this picture and compare later ones with it.")
+            .clicked()
+        {
             asked = Some(Action::Compare);
         }
         ui.separator();
@@ -148,7 +152,12 @@ impl App {
                     let progress = export.progress();
                     let share = (progress.samples / f64::from(progress.of.max(1))) as f32;
                     let left = progress.remaining.map_or(String::new(), |left| format!(", {left:.0} s left"));
-                    let words = format!("{}: {:.0} %{left}", export.name(), 100.0 * share);
+                    let name = export.output().file_name().unwrap_or_default().to_string_lossy();
+                    let words = if progress.writing {
+                        format!("{name}: writing")
+                    } else {
+                        format!("{name}: {:.0} %{left}", 100.0 * share)
+                    };
                     ui.add(egui::ProgressBar::new(share).text(words).desired_width(240.0));
                     if ui.small_button("Cancel").on_hover_text("Stop this render; no file is written.").clicked() {
                         cancelled = Some(index);
@@ -203,7 +212,8 @@ impl App {
         }
         if open.view.has_moved_away() {
             ui.separator();
-            ui.weak("own viewpoint").on_hover_text("Home goes back to the scene's camera, Ctrl+K writes this one to it.");
+            ui.weak("own viewpoint")
+                .on_hover_text("Home goes back to the scene's camera, Ctrl+K writes this one to it.");
         }
     }
 
@@ -283,7 +293,8 @@ impl App {
                     ui.add(egui::Label::new(RichText::new(numbers.join("\n")).monospace().weak()).selectable(false));
                     let edit = egui::TextEdit::multiline(&mut text).code_editor().frame(egui::Frame::NONE);
                     let response = ui.add(edit.desired_width(f32::INFINITY).margin(egui::Margin::ZERO));
-                    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::TextEdit, true, "Scene text"));
+                    response
+                        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::MultilineTextInput, true, "Scene text"));
                     changed = response.changed();
                 });
             });
@@ -356,7 +367,7 @@ impl App {
         let Some(next) = self.toasts.iter().map(|toast| toast.until).min() else { return };
         ctx.request_repaint_after(next - now);
         let mut closed = None;
-        egui::Area::new("messages".into())
+        egui::Area::new(egui::Id::unique("messages"))
             .anchor(egui::Align2::CENTER_BOTTOM, [0.0, -46.0])
             .order(egui::Order::Foreground)
             .show(ctx, |ui| {

@@ -76,7 +76,7 @@ impl App {
     fn rows(&mut self, ui: &mut Ui, asks: &mut Vec<Ask>) {
         let Some(open) = &self.open else { return };
         let mut rows = Vec::new();
-        let id = ui.id();
+        let id = ui.scope_id();
         for item in open.document.outline() {
             gather(&open.folded, item, 0, &mut rows);
         }
@@ -85,9 +85,7 @@ impl App {
         let to_selection = ui.data(|data| data.get_temp::<Option<Path>>(id.with("seen"))).flatten() != selection;
         ui.data_mut(|data| data.insert_temp(id.with("seen"), selection.clone()));
         let mut area = egui::ScrollArea::vertical().auto_shrink([false, false]);
-        if to_selection
-            && let Some(at) = rows.iter().position(|row| Some(&row.item.path) == selection.as_ref())
-        {
+        if to_selection && let Some(at) = rows.iter().position(|row| Some(&row.item.path) == selection.as_ref()) {
             let top = at as f32 * (height + ui.spacing().item_spacing.y);
             let seen = ui.data(|data| data.get_temp::<(f32, f32)>(id.with("sight"))).unwrap_or((0.0, f32::MAX));
             if top < seen.0 || top + height > seen.1 {
@@ -99,7 +97,7 @@ impl App {
                 self.row(ui, id, row, selection.as_ref() == Some(&row.item.path), asks);
             }
         });
-        let top = shown.state.offset.y;
+        let top = shown.state.clamped_offset().y;
         ui.data_mut(|data| data.insert_temp(id.with("sight"), (top, top + shown.inner_rect.height())));
     }
 
@@ -116,7 +114,9 @@ impl App {
             let colour = ui.style().interact(&response).fg_stroke.color;
             ui.painter().text(arrow.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), colour);
             let what = if *is_open { "Close" } else { "Open" };
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, format!("{what} {}", heading(item))));
+            response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{what} {}", heading(item)))
+            });
             if response.clicked() {
                 asks.push(Ask::Open(item.path.clone(), !is_open));
             }
@@ -128,9 +128,7 @@ impl App {
             return;
         }
         let response = ui.interact(body, row_id.with("body"), Sense::click_and_drag());
-        response.widget_info(|| {
-            egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, selected, heading(item))
-        });
+        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::TreeItem, true, selected, heading(item)));
         let visuals = ui.style().interact_selectable(&response, selected);
         if selected || response.hovered() {
             ui.painter().rect_filled(body, 3.0, visuals.weak_bg_fill);
@@ -279,7 +277,7 @@ fn gather(folded: &[Path], item: &Item, depth: usize, rows: &mut Vec<Row>) {
 
 fn rename(ui: &mut Ui, body: Rect, row_id: egui::Id, item: &Item, mut typed: String, asks: &mut Vec<Ask>) {
     let edit = ui.put(body, egui::TextEdit::singleline(&mut typed).id(row_id.with("name")));
-    edit.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::TextEdit, true, "New name"));
+    edit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "New name"));
     if !edit.has_focus() && !edit.lost_focus() {
         edit.request_focus();
     }

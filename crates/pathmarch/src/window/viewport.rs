@@ -28,11 +28,17 @@ impl App {
     fn picture(&mut self, ui: &mut Ui) {
         let room = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(room, Sense::click_and_drag());
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "Picture"));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else {
             let words = "This scene has mistakes, and there is no picture yet.\nThey are listed below; correct the text, here or in any editor.";
-            ui.painter().text(room.center(), Align2::CENTER_CENTER, words, FontId::proportional(16.0), ui.visuals().text_color());
+            ui.painter().text(
+                room.center(),
+                Align2::CENTER_CENTER,
+                words,
+                FontId::proportional(16.0),
+                ui.visuals().text_color(),
+            );
             return;
         };
         let pixels_per_point = ui.ctx().pixels_per_point();
@@ -81,8 +87,7 @@ impl App {
             })
         });
         let (camera, kind) = (open.view.camera.clone(), open.view.handles);
-        let (taken, changes) =
-            self.handle.show(ui, picture, &camera, &open.document, &selection, kind, pointer);
+        let (taken, changes) = self.handle.show(ui, picture, &camera, &open.document, &selection, kind, pointer);
         let gesture = self.gesture;
         for (path, key, value) in changes {
             self.edit(|open| open.document.set(&path, key, value, Some(gesture)));

@@ -1,0 +1,164 @@
+//! Tests of final pictures.
+
+use super::*;
+use pathmarch_render::image;
+use std::process::Command;
+use std::sync::mpsc::channel;
+use std::time::Duration;
+
+fn scene_path() -> PathBuf {
+    [env!("CARGO_MANIFEST_DIR"), "../../scenes/thesis/diffuse-sphere.kdl"].iter().collect()
+}
+
+fn task(output: PathBuf) -> Task {
+    let scene = Scene::load(scene_path()).expect("a scene");
+    let settings = Settings { size: [48, 27], samples: 3, seed: 5, ..Settings::of(&scene) };
+    let display = Display { tonemap: scene.render.tonemap, exposure_stops: settings.camera_of(&scene).exposure };
+    let layers = Vec::new();
+    Task { scene: Arc::new(scene), settings, display, layers, output, backend: Backend::Cpu, adapter: None }
+}
+
+/// Whether two files hold the same picture, layers and provenance. The attributes of an OpenEXR file come in any order, so
+/// that headers are of the same length and not the same; all that follows is compared byte for byte.
+fn same(one: &Path, two: &Path) -> bool {
+    let bytes = [one, two].map(|path| std::fs::read(path).expect("written"));
+    let loaded = [one, two].map(|path| image::load(path).expect("a picture"));
+    let header = if loaded[0].provenance.is_some() { 1500 } else { 0 };
+    assert!(bytes[0].len() > 2 * header, "there is more than a header");
+    bytes[0].len() == bytes[1].len() && bytes[0][header..] == bytes[1][header..] && loaded[0] == loaded[1]
+}
+
+/// Waits for the end.
+fn end(export: &Export, woken: &std::sync::mpsc::Receiver<()>) -> Result<String, String> {
+    loop {
+        if let Some(outcome) = export.finished() {
+            return outcome;
+        }
+        woken.recv_timeout(Duration::from_secs(600)).expect("it says when it is finished");
+    }
+}
+
+fn run(task: Task) -> Result<String, String> {
+    let (sender, woken) = channel();
+    let export = Export::start(task, move || sender.send(()).unwrap_or_default());
+    end(&export, &woken)
+}
+
+/// The program's own command line: beside the tests' directory, and only there once it has been built.
+fn program() -> Option<PathBuf> {
+    let tests = std::env::current_exe().ok()?;
+    let program = tests.parent()?.parent()?.join(format!("pathmarch{}", std::env::consts::EXE_SUFFIX));
+    program.is_file().then_some(program)
+}
+
+#[test]
+fn the_file_is_that_of_the_command_line() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let Some(program) = program() else {
+        eprintln!("not compared: the program is not built; `cargo test` builds it for the tests of the command line");
+        return;
+    };
+    for (name, layers) in [("a.png", &[][..]), ("a.exr", &[]), ("b.exr", &[Layer::Depth, Layer::Normal])] {
+        let mut task = task(directory.path().join(name));
+        task.layers = layers.to_vec();
+        let sentence = run(task).expect("written");
+        assert!(sentence.contains(name) && sentence.contains("3 samples in"), "{sentence}");
+        let reference = directory.path().join(format!("reference-{name}"));
+        let mut command = Command::new(&program);
+        command.arg("render").arg(scene_path()).arg("-o").arg(&reference);
+        command.args(["--backend", "cpu", "--size", "48x27", "--samples", "3", "--seed", "5"]);
+        if !layers.is_empty() {
+            command.args(["--aov", "depth,normal"]);
+        }
+        assert!(command.status().expect("it starts").success());
+        assert!(
+            same(&directory.path().join(name), &reference),
+            "{name} differs from that of {}; if that is old, build it again",
+            program.display()
+        );
+    }
+}
+
+#[test]
+fn a_film_at_hand_is_the_same_file() {
+    let directory = tempfile::tempdir().expect("a directory");
+    for name in ["a.png", "a.exr"] {
+        let task = task(directory.path().join(name));
+        let mut renderer = Renderer::open(Backend::Cpu, None).expect("the CPU");
+        let film = renderer.render(&task.scene, &task.settings).expect("a film");
+        let rendered = Rendered {
+            scene: &task.scene,
+            settings: &task.settings,
+            film: &film,
+            backend: renderer.backend_name(),
+            adapter: renderer.adapter_name(),
+        };
+        let second = directory.path().join(format!("film-{name}"));
+        save_film(&rendered, &second, &task.display, &[]).expect("written");
+        let first = task.output.clone();
+        run(task).expect("written");
+        assert!(same(&first, &second), "{name}");
+    }
+}
+
+#[test]
+fn a_cancelled_one_leaves_nothing() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let mut task = task(directory.path().join("a.png"));
+    task.settings.samples = 1_000_000;
+    let (sender, woken) = channel();
+    let export = Export::start(task.clone(), move || sender.send(()).unwrap_or_default());
+    woken.recv_timeout(Duration::from_secs(600)).expect("progress");
+    let progress = export.progress();
+    assert!(progress.samples > 0.0 && progress.of == 1_000_000 && progress.remaining.is_some(), "{progress:?}");
+    export.cancel();
+    let sentence = end(&export, &woken).expect("that is no failure");
+    assert!(sentence.contains("cancelled"), "{sentence}");
+    // Dropping one is cancelling it.
+    let alive = Arc::new(());
+    let weak = Arc::downgrade(&alive);
+    drop(Export::start(task, move || {
+        let _ = &alive;
+    }));
+    let began = Instant::now();
+    while weak.upgrade().is_some() {
+        assert!(began.elapsed() < Duration::from_secs(600), "it goes on");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert_eq!(directory.path().read_dir().expect("there").count(), 0);
+}
+
+#[test]
+fn one_that_is_stopped_early_keeps_what_is_done() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let mut task = task(directory.path().join("a.exr"));
+    task.settings.samples = 1_000_000;
+    let (sender, woken) = channel();
+    let export = Export::start(task, move || sender.send(()).unwrap_or_default());
+    export.stop_and_keep();
+    let sentence = end(&export, &woken).expect("written");
+    assert!(sentence.contains("of 1000000 samples"), "{sentence}");
+    let loaded = image::load(export.output()).expect("a picture");
+    assert!(loaded.provenance.expect("where it comes from").samples >= 1);
+}
+
+#[test]
+fn what_cannot_be_written_is_said_at_once() {
+    let directory = tempfile::tempdir().expect("a directory");
+    for (name, layers, words) in [
+        ("no/a.png", &[][..], "no is not there"),
+        ("a.gif", &[], ".png"),
+        ("a.png", &Layer::ALL, ".exr"),
+        ("", &[], "ends in"),
+    ] {
+        let mut task = task(directory.path().join(name));
+        task.settings.samples = 1_000_000;
+        task.layers = layers.to_vec();
+        let message = run(task).expect_err("it cannot be written");
+        assert!(message.contains(words), "{name}: {message}");
+    }
+    let mut task = task(directory.path().join("a.png"));
+    task.settings.samples = 0;
+    assert!(run(task).expect_err("there is nothing to render").contains("samples"));
+    assert_eq!(directory.path().read_dir().expect("there").count(), 0);
+}

@@ -1,0 +1,151 @@
+//! Tests of keeping work and of finding it again.
+
+use super::*;
+
+fn directory() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a directory")
+}
+
+/// As after a crash: the work is there, and its lock has no owner.
+fn crash(mut recovery: Recovery) {
+    recovery.flush();
+    drop(recovery);
+}
+
+#[test]
+fn texts_and_paths_come_back_byte_for_byte() {
+    let directory = directory();
+    let mut paths = vec![None, Some(PathBuf::from("/a b/ü%41 // x: y.kdl")), Some(PathBuf::from("/line\nbreak\r.kdl"))];
+    #[cfg(unix)]
+    paths.push(Some(PathBuf::from(<OsString as std::os::unix::ffi::OsStringExt>::from_vec(b"/\xff\xfe.kdl".to_vec()))));
+    let texts = ["", "\n", "a\r\nb\r\n", "no end", "// text:\n// scene: /x\n", "\u{feff}ü\0", "pathmarch 1\n"];
+    for path in &paths {
+        for text in texts {
+            let mut recovery = Recovery::new(directory.path());
+            recovery.keep(path.as_deref(), text, None);
+            let file = recovery.file().to_owned();
+            crash(recovery);
+            let mut found = left_behind(directory.path());
+            assert_eq!(found.len(), 1);
+            let found = found.remove(0);
+            assert_eq!((&found.scene_path, found.text.as_deref(), &found.file), (path, Ok(text), &file));
+            assert!(found.saved_at.elapsed().unwrap_or_default() < Duration::from_secs(600));
+            found.discard().expect("removed");
+            assert_eq!(fs::read_dir(directory.path()).expect("there").count(), 0);
+        }
+    }
+}
+
+#[test]
+fn only_unsaved_work_is_kept() {
+    let directory = directory();
+    let mut recovery = Recovery::new(directory.path());
+    let path = Path::new("/a.kdl");
+    recovery.keep(Some(path), "a", Some("a"));
+    recovery.flush();
+    assert!(!recovery.file().exists());
+    recovery.keep(Some(path), "b", Some("a"));
+    recovery.flush();
+    assert!(recovery.file().exists());
+    recovery.keep(Some(path), "a", Some("a"));
+    recovery.flush();
+    assert!(!recovery.file().exists());
+    recovery.keep(Some(path), "c", Some("a"));
+    recovery.clear();
+    drop(recovery);
+    assert_eq!(fs::read_dir(directory.path()).expect("there").count(), 0, "neither work nor lock");
+}
+
+#[test]
+fn the_last_of_many_changes_is_kept() {
+    let directory = directory();
+    let mut recovery = Recovery::new(directory.path());
+    for number in 0..1000 {
+        recovery.keep(None, &number.to_string(), None);
+    }
+    drop(recovery);
+    assert_eq!(left_behind(directory.path())[0].text.as_deref(), Ok("999"));
+}
+
+#[test]
+fn the_work_of_a_running_window_is_not_listed() {
+    let directory = directory();
+    let (mut one, mut two) = (Recovery::new(directory.path()), Recovery::new(directory.path()));
+    one.keep(None, "one", None);
+    two.keep(None, "two", None);
+    one.flush();
+    two.flush();
+    assert_ne!(one.file(), two.file());
+    assert!(left_behind(directory.path()).is_empty());
+    drop(one);
+    let found = left_behind(directory.path());
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].text.as_deref(), Ok("one"));
+}
+
+#[test]
+fn a_process_that_was_killed_leaves_its_work() {
+    let directory = directory();
+    let recovery = {
+        let mut recovery = Recovery::new(directory.path());
+        recovery.keep(None, "work", None);
+        recovery.flush();
+        recovery
+    };
+    // A copy stands for the files that a killed process leaves: the lock is there, and nobody holds it.
+    let elsewhere = tempfile::tempdir().expect("a directory");
+    for entry in fs::read_dir(directory.path()).expect("there") {
+        let path = entry.expect("an entry").path();
+        fs::copy(&path, elsewhere.path().join(path.file_name().expect("a name"))).expect("copied");
+    }
+    assert!(left_behind(directory.path()).is_empty());
+    let found = left_behind(elsewhere.path());
+    assert_eq!(found[0].text.as_deref(), Ok("work"));
+    drop(recovery);
+}
+
+#[test]
+fn damaged_files_are_listed_and_stay() {
+    let directory = directory();
+    let whole = format!("{FIRST_LINE}\n// scene: /x.kdl\n// saved: 7\n// bytes: 4\n{LAST_LINE}\nabcd");
+    let mut contents: Vec<Vec<u8>> = (0..whole.len()).map(|end| whole.as_bytes()[..end].to_vec()).collect();
+    contents.push(b"\xff\xfe\n\n".to_vec());
+    contents.push(whole.replace("abcd", "abcde").into_bytes());
+    contents.push(whole.replace("saved: 7", "saved: 99999999999999999999").replace("abcd", "abc").into_bytes());
+    contents.push([whole.replace("bytes: 4\n", "bytes: x\n").as_bytes(), b"\xff"].concat());
+    let file = directory.path().join(format!("1-1-0.{KEPT}"));
+    for content in contents {
+        fs::write(&file, &content).expect("written");
+        let found = left_behind(directory.path());
+        assert_eq!(found.len(), 1);
+        let message = found[0].text.as_ref().expect_err("it is damaged");
+        assert!(message.contains(KEPT), "{message}");
+        assert!(file.exists());
+    }
+    fs::write(&file, whole).expect("written");
+    let found = left_behind(directory.path());
+    assert_eq!(found[0].text.as_deref(), Ok("abcd"));
+    assert_eq!(found[0].saved_at, UNIX_EPOCH + Duration::from_secs(7));
+    assert_eq!(found[0].scene_path.as_deref(), Some(Path::new("/x.kdl")));
+}
+
+#[test]
+fn what_cannot_be_kept_is_said() {
+    let directory = directory();
+    let in_the_way = directory.path().join("file");
+    fs::write(&in_the_way, "").expect("written");
+    let mut recovery = Recovery::new(&in_the_way.join("recovery"));
+    assert!(recovery.problem().expect("a problem").contains("file"));
+    recovery.keep(None, "a", None);
+    recovery.flush();
+    recovery.clear();
+    assert!(left_behind(&in_the_way).is_empty());
+
+    let mut recovery = Recovery::new(directory.path());
+    assert_eq!(recovery.problem(), None);
+    fs::create_dir(recovery.file()).expect("made");
+    recovery.keep(None, "a", None);
+    recovery.flush();
+    let message = recovery.problem().expect("a problem");
+    assert!(message.contains("could not be kept"), "{message}");
+}
