@@ -455,10 +455,3 @@ pub(super) fn insert_first(text: &str, node: &Node<'static>, chunk: &Chunk, styl
     }
     Patch::insert(open, format!(" {};", chunk.indented("")))
 }
-
-/// Removes braces that hold nothing, with the white space before them; `None` where they hold something.
-pub(super) fn empty_braces(text: &str, node: &Node) -> Option<Patch> {
-    let span = node.children.as_ref().filter(|block| block.closed)?.span;
-    let inside = span.start as usize + 1..span.end as usize - 1;
-    text[inside].trim().is_empty().then(|| Patch::remove(before_spaces(text, span.start as usize)..span.end as usize))
-}

@@ -14,10 +14,6 @@ impl Span {
     pub(crate) fn new(start: usize, end: usize) -> Self {
         Self { start: start as u32, end: end as u32 }
     }
-    /// Bytes.
-    pub(crate) fn len(self) -> usize {
-        (self.end - self.start) as usize
-    }
     /// From the start of this to the end of that.
     pub(crate) fn to(self, last: Self) -> Self {
         Self { start: self.start, end: last.end.max(self.end) }
