@@ -72,7 +72,7 @@ impl History {
         let step = match joined {
             Some(last) => {
                 let hunks = compose(&last.hunks(), hunks);
-                Step::new(label, gesture, (&last.before(old), new), &hunks)
+                Step::new(&last.label, gesture, (&last.before(old), new), &hunks)
             }
             None => Step::new(label, gesture, (old, new), hunks),
         };

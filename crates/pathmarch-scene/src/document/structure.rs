@@ -23,8 +23,14 @@ use pathmarch_field::registry;
 
 /// What to call a node in a message or a label.
 pub(super) fn title(node: &Node<'static>, kind: ItemKind) -> String {
-    let name = kind.is_named().then(|| text_argument(node)).flatten();
-    name.unwrap_or(&node.name.value).to_owned()
+    let name = if kind.is_named() { text_argument(node) } else { None };
+    let unnamed = if kind == ItemKind::Camera { "main" } else { &node.name.value };
+    name.unwrap_or(unnamed).to_owned()
+}
+
+/// A word with its article.
+fn one(word: &str) -> String {
+    format!("{} {word}", if word.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" })
 }
 
 /// A name that is not taken: the one wanted, or with a number behind it.
@@ -99,14 +105,15 @@ pub(super) fn rename(work: &mut Work, path: &Path, new: &str) -> Result<(), Edit
         return Err(EditError::Name(format!("A `{word}` has no name. Cameras, materials and objects have.")));
     }
     if new.is_empty() {
-        return Err(EditError::Name(format!("The name of a {word} must not be empty.")));
+        return Err(EditError::Name(format!("The name of {} must not be empty.", one(&word))));
     }
     let old = text_argument(found.node);
     if old == Some(new) || old.is_none() && found.kind == ItemKind::Camera && new == "main" {
         return Ok(());
     }
     if names(work, &word).iter().any(|name| name == new) {
-        return Err(EditError::Name(format!("There is a {word} called `{new}` already. Choose another name.")));
+        let word = one(&word);
+        return Err(EditError::Name(format!("There is {word} called `{new}` already. Choose another name.")));
     }
     let mut patches = vec![name_patch(work, found, new)];
     if let (ItemKind::Material, Some(old)) = (found.kind, old) {
@@ -169,9 +176,10 @@ pub(super) fn move_to(work: &mut Work, path: &Path, parent: Option<&Path>, index
     }
     let site = work.site(found);
     if parent != path.parent().as_ref() && found.parent.is_some() && shown(found.block, found.parent).count() == 1 {
-        return Err(EditError::Needed(format!(
-            "`{name}` is all that its parent holds. Add something to that first, or move all of it."
-        )));
+        let holder = work.find(&path.parent().unwrap_or_default())?;
+        let holder = title(holder.node, holder.kind);
+        let reason = format!("`{name}` is all that `{holder}` holds. Add something to that first, or move all of it.");
+        return Err(EditError::Needed(reason));
     }
     let chunk = Chunk::of(&work.text, &site, true);
     let parent = parent.and_then(|parent| parent.after_removal(path));
