@@ -1,6 +1,10 @@
 //! The tree of a file as people see it: nodes, not the parameters in them.
 
 use super::path::Path;
+use super::slots::{arguments, material_kind, property, text_argument};
+use crate::language::names::{NORMAL, PLACEMENT};
+use crate::language::tree::{Block, Node, Value};
+use pathmarch_field::registry;
 
 /// What a node is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -29,6 +33,45 @@ pub enum ItemKind {
     Other,
 }
 
+impl ItemKind {
+    /// What a node of this word is, in a node of this kind or at the top of the file.
+    fn of(word: &str, parent: Option<Self>) -> Self {
+        match (parent, word) {
+            (None, "pathmarch") => Self::Version,
+            (None, "camera") => Self::Camera,
+            (None, "render") => Self::Render,
+            (None, "sky") => Self::Sky,
+            (None, "sun") => Self::Sun,
+            (None, "point") => Self::Point,
+            (None, "material") => Self::Material,
+            (None, "object") => Self::Object,
+            (Some(_), word) if registry::shape(word).is_some() => Self::Shape,
+            (Some(_), word) if registry::operator(word).is_some() => Self::Operator,
+            _ => Self::Other,
+        }
+    }
+    /// Whether a node of this word in a node of this kind is one of the outline, and no parameter.
+    fn shows(self, word: &str) -> bool {
+        match self {
+            Self::Object | Self::Operator => !PLACEMENT.contains(&word),
+            Self::Shape => !PLACEMENT.contains(&word) && word != NORMAL,
+            _ => false,
+        }
+    }
+    /// Whether it holds shapes.
+    pub fn holds_shapes(self) -> bool {
+        matches!(self, Self::Object | Self::Operator)
+    }
+    /// Whether it has a name.
+    pub fn is_named(self) -> bool {
+        matches!(self, Self::Camera | Self::Material | Self::Object)
+    }
+    /// Whether it may stand in an object or operator.
+    pub fn is_solid(self) -> bool {
+        matches!(self, Self::Shape | Self::Operator)
+    }
+}
+
 /// A node as it stands in the tree of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
@@ -44,4 +87,88 @@ pub struct Item {
     pub material: Option<String>,
     /// Nodes within it, in the order of the file.
     pub children: Vec<Item>,
+    /// Index of its first shape among those of all objects, and how many it has.
+    pub(super) leaves: (usize, usize),
+}
+
+impl Item {
+    /// What to call it: its name, or its word.
+    pub fn title(&self) -> &str {
+        self.name.as_deref().unwrap_or(&self.word)
+    }
+}
+
+/// The outline of a file.
+pub(super) fn outline(file: &Block<'static>) -> Vec<Item> {
+    let mut leaves = 0;
+    items(file, None, &Path::default(), &mut leaves)
+}
+
+fn items(block: &Block<'static>, parent: Option<ItemKind>, path: &Path, leaves: &mut usize) -> Vec<Item> {
+    let shown = shown(block, parent).enumerate();
+    shown.map(|(index, (_, node))| item(node, parent, path.child(index), leaves)).collect()
+}
+
+fn item(node: &Node<'static>, parent: Option<ItemKind>, path: Path, leaves: &mut usize) -> Item {
+    let word = &*node.name.value;
+    let kind = ItemKind::of(word, parent);
+    let first = *leaves;
+    *leaves += usize::from(kind == ItemKind::Shape);
+    let name = kind.is_named().then(|| text_argument(node).map(str::to_owned)).flatten();
+    let unnamed_camera = kind == ItemKind::Camera && arguments(node).next().is_none();
+    let material = match kind {
+        ItemKind::Material => material_kind(node).map(|kind| kind.name.to_owned()),
+        ItemKind::Object | ItemKind::Shape | ItemKind::Operator => match property(node, "material").map(|e| &e.value) {
+            Some(Value::Text(name)) => Some(name.to_string()),
+            _ => None,
+        },
+        _ => None,
+    };
+    let children = node.children.as_ref().map_or_else(Vec::new, |block| items(block, Some(kind), &path, leaves));
+    Item {
+        kind,
+        word: word.to_owned(),
+        name: name.or_else(|| unnamed_camera.then(|| "main".to_owned())),
+        material,
+        children,
+        leaves: (first, *leaves - first),
+        path,
+    }
+}
+
+/// The nodes of a block that are in the outline, with their indexes among all.
+pub(super) fn shown<'b>(
+    block: &'b Block<'static>,
+    parent: Option<ItemKind>,
+) -> impl Iterator<Item = (usize, &'b Node<'static>)> {
+    let nodes = block.nodes.iter().enumerate();
+    nodes.filter(move |(_, node)| parent.is_none_or(|parent| parent.shows(&node.name.value)))
+}
+
+/// A node found by its path.
+#[derive(Clone, Copy)]
+pub(super) struct Found<'b> {
+    pub(super) node: &'b Node<'static>,
+    pub(super) kind: ItemKind,
+    /// What it stands in.
+    pub(super) block: &'b Block<'static>,
+    /// Its index among all nodes there.
+    pub(super) index: usize,
+    /// Of the node that it stands in.
+    pub(super) parent: Option<ItemKind>,
+}
+
+/// The node of this path.
+pub(super) fn find<'b>(file: &'b Block<'static>, path: &Path) -> Option<Found<'b>> {
+    let mut found: Option<Found> = None;
+    for &at in path.indexes() {
+        let parent = found.map(|found| found.kind);
+        let block = match found {
+            Some(found) => found.node.children.as_ref()?,
+            None => file,
+        };
+        let (index, node) = shown(block, parent).nth(at)?;
+        found = Some(Found { node, kind: ItemKind::of(&node.name.value, parent), block, index, parent });
+    }
+    found
 }

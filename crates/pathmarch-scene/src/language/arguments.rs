@@ -313,7 +313,7 @@ pub(crate) fn colour(node: &Node, range: Range, report: &mut Report) -> Option<[
 }
 
 /// Linear Rec. 709 of "#rrggbb" or "#rgb", which are encoded as sRGB (IEC 61966-2-1).
-fn srgb(text: &str) -> Option<[f32; 3]> {
+pub(crate) fn srgb(text: &str) -> Option<[f32; 3]> {
     let digits = text.strip_prefix('#')?;
     let digits: Vec<u32> = digits.chars().map(|c| c.to_digit(16)).collect::<Option<_>>()?;
     let bytes = match digits[..] {

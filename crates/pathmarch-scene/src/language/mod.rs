@@ -4,9 +4,9 @@
 //! so that they may be used before they are declared), and [`Field`] is built of the objects. Each step goes on after
 //! a mistake; a file is a scene only if none was found. Reference: docs/scene-language.md. Cost: linear in the text.
 
-mod arguments;
+pub(crate) mod arguments;
 pub(crate) mod characters;
-mod names;
+pub(crate) mod names;
 mod report;
 pub(crate) mod schema;
 mod settings;

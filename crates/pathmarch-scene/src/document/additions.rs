@@ -1,0 +1,135 @@
+//! What may be added to a scene, and how it is written at first: valid, in sight, and short.
+
+use super::control::{Addition, Group};
+use super::error::EditError;
+use super::layout::Chunk;
+use super::number::{number, quoted};
+use super::outline::ItemKind;
+use super::path::Path;
+use super::slots::SKIES;
+use super::structure::{free_name, required};
+use super::work::Work;
+use crate::language::schema;
+use crate::materials;
+use pathmarch_field::{Shape, registry};
+
+/// What may be added to a node of this kind, or to the file.
+pub(super) fn additions(work: &Work, parent: Option<ItemKind>) -> Vec<Addition> {
+    let shapes =
+        |group| registry::shapes().iter().map(move |shape| addition(group, shape.info().name, shape.info().doc));
+    let operators = registry::operators();
+    match parent {
+        Some(ItemKind::Object | ItemKind::Operator) => shapes(Group::Shape)
+            .chain(operators.iter().map(|op| addition(Group::Operator, op.info().name, op.info().doc)))
+            .collect(),
+        Some(_) => Vec::new(),
+        None => {
+            let has = |word: &str| work.file.nodes.iter().any(|node| node.name.value == word);
+            let mut all: Vec<Addition> = shapes(Group::Object).collect();
+            all.extend(materials::kinds().iter().map(|kind| addition(Group::Material, kind.name, kind.doc)));
+            all.push(addition(Group::Light, "sun", "Light from far away."));
+            all.push(addition(Group::Light, "point", "Light from a point, the same in every direction."));
+            all.push(addition(Group::Camera, "camera", "Another point of view."));
+            if !has("sky") {
+                let forms = SKIES.iter().filter(|(name, _)| *name != "picture");
+                all.extend(forms.map(|(name, doc)| addition(Group::Sky, name, doc)));
+            }
+            if !has("render") {
+                all.push(addition(Group::Render, "render", "Size and quality of the picture."));
+            }
+            all
+        }
+    }
+}
+
+fn addition(group: Group, name: &'static str, doc: &'static str) -> Addition {
+    Addition { group, name, doc }
+}
+
+/// Adds something to a node, or to the file.
+pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -> Result<Path, EditError> {
+    let kind = parent.map(|parent| work.find(parent).map(|found| found.kind)).transpose()?;
+    if !additions(work, kind).contains(addition) {
+        let name = addition.name;
+        return Err(EditError::NotHere(format!("`{name}` cannot be added here, or there is one already.")));
+    }
+    let word = addition.name;
+    let (node, text) = match addition.group {
+        Group::Shape | Group::Operator => {
+            let text = match registry::shape(word) {
+                Some(shape) => shape_text(shape),
+                None => operator_text(word),
+            };
+            let chunk = Chunk::new(&text, work.style);
+            return work.put_in(parent, usize::MAX, &chunk);
+        }
+        Group::Object => {
+            let name = quoted(&free_name(work, "object", word));
+            let shape = registry::shape(word).map_or_else(String::new, shape_text);
+            ("object", format!("object {name} {{ {shape} }}"))
+        }
+        Group::Material => {
+            let name = quoted(&free_name(work, "material", word));
+            let first = materials::kind(word).and_then(|kind| kind.params.first());
+            let [r, g, b] = first.map_or([0.0; 3], |param| param.default);
+            let value = match first {
+                None => String::new(),
+                Some(_) if r == g && g == b => format!(" {}", number(r)),
+                Some(param) if param.kind == materials::ParamKind::Number => format!(" {}", number(r)),
+                Some(_) => format!(" {} {} {}", number(r), number(g), number(b)),
+            };
+            ("material", format!("material {name} {{ {word}{value} }}"))
+        }
+        Group::Light if word == "sun" => ("sun", format!("sun {{ {} }}", required(schema::SUN, "; "))),
+        Group::Light => ("point", format!("point {{ {} }}", required(schema::POINT, "; "))),
+        Group::Camera => {
+            let name = quoted(&free_name(work, "camera", "camera"));
+            ("camera", format!("camera {name} {{\n\t{}\n}}", required(schema::CAMERA, "\n\t")))
+        }
+        Group::Sky => match word {
+            "gradient" => ("sky", format!("sky \"gradient\" {{ {} }}", required(schema::GRADIENT, "; "))),
+            "day" => ("sky", "sky \"day\"".to_owned()),
+            _ => ("sky", "sky 0.5".to_owned()),
+        },
+        Group::Render => {
+            let words = schema::RENDER.iter().take(2).map(|setting| setting.example);
+            ("render", format!("render {{ {} }}", words.collect::<Vec<_>>().join("; ")))
+        }
+    };
+    add_top(work, node, &text)
+}
+
+/// Adds a node at the top of the file, behind the others of its word, or where files have such nodes.
+pub(super) fn add_top(work: &mut Work, word: &str, template: &str) -> Result<Path, EditError> {
+    const ORDER: [&str; 7] = ["pathmarch", "camera", "render", "sky", "sun", "material", "object"];
+    let rank = |word: &str| {
+        let word = if word == "point" { "sun" } else { word };
+        ORDER.iter().position(|other| *other == word).unwrap_or(ORDER.len())
+    };
+    let nodes = &work.file.nodes;
+    let before = nodes.iter().rposition(|node| rank(&node.name.value) <= rank(word));
+    let alike = before.is_some_and(|index| {
+        let node = &nodes[index];
+        let one_line = !work.text[super::layout::bytes(node.whole)].contains('\n') && !template.contains('\n');
+        rank(&node.name.value) == rank(word) && one_line
+    });
+    let chunk = Chunk::new(template, work.style).apart(!alike);
+    work.put_in(None, before.map_or(0, |index| index + 1), &chunk)
+}
+
+/// A shape with its numbers.
+fn shape_text(shape: &dyn Shape) -> String {
+    let numbers = shape.params().iter().map(|param| number(param.default));
+    std::iter::once(shape.info().name.to_owned()).chain(numbers).collect::<Vec<_>>().join(" ")
+}
+
+/// An operator of two shapes that have an end, the second moved so that it shows what the operator does.
+fn operator_text(word: &str) -> String {
+    let finite = |shape: &&&'static dyn Shape| {
+        let params: Vec<f32> = shape.params().iter().map(|param| param.default).collect();
+        shape.bounds(&params).is_finite()
+    };
+    let mut shapes = registry::shapes().iter().filter(finite).map(|shape| shape_text(*shape));
+    let (first, second) = (shapes.next().unwrap_or_default(), shapes.next().unwrap_or_default());
+    format!("{word} {{\n\t{first}\n\t{second} {{ at 0.4 0.4 0.4 }}\n}}")
+}

@@ -1,0 +1,430 @@
+//! The parameters of a node: what each is and where in the text it stands.
+//!
+//! Shapes, operators and materials say themselves what they have; the rest is in the parser's own table
+//! ([`crate::language::schema`]).
+
+use super::control::{Control, ControlKind, NumberRange, Value};
+use super::key;
+use super::outline::ItemKind;
+use crate::language::arguments::{Range, srgb};
+use crate::language::schema::{self, Form, Setting};
+use crate::language::tree::{self, Block, Entry, Node};
+use crate::materials::{self, MaterialKind, MaterialParam, ParamKind};
+use pathmarch_field::{Param, Shape, Unit, registry};
+use std::borrow::Cow;
+
+/// Where in a node a parameter stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Place {
+    /// The string that is its first argument.
+    Name,
+    /// In the words that say what it is.
+    Kind,
+    /// The number of a shape with this index: an argument or a property.
+    Parameter(usize),
+    /// A property.
+    Property(&'static str),
+    /// The arguments of the node itself.
+    Arguments,
+    /// The arguments of a node in its braces.
+    Node(&'static str),
+    /// A property of a node in its braces.
+    NodeProperty(&'static str, &'static str),
+}
+
+/// A parameter.
+#[derive(Clone, Debug)]
+pub(super) struct Slot {
+    pub(super) control: Control,
+    pub(super) place: Place,
+}
+
+/// The forms of a sky, as they are written and what they are.
+pub(super) const SKIES: &[(&str, &str)] = &[
+    ("colour", "The same radiance from every direction."),
+    ("gradient", "Radiance from up, from the horizon and from below."),
+    ("day", "The sky of a clear day, computed, with its sun."),
+    ("picture", "A picture of radiance in every direction, a .hdr or .exr file."),
+];
+
+/// Which of them a node is.
+pub(super) fn sky_form(node: &Node<'static>) -> &'static str {
+    match text_argument(node) {
+        Some("gradient") => "gradient",
+        Some("day") => "day",
+        Some(text) if !text.starts_with('#') => "picture",
+        _ => "colour",
+    }
+}
+
+/// The first argument, if it is a string.
+pub(super) fn text_argument<'n>(node: &'n Node<'static>) -> Option<&'n str> {
+    match &arguments(node).next()?.value {
+        tree::Value::Text(text) => Some(text),
+        _ => None,
+    }
+}
+
+/// The values without a name.
+pub(super) fn arguments<'n>(node: &'n Node<'static>) -> impl Iterator<Item = &'n Entry<'static>> {
+    node.entries.iter().filter(|entry| entry.name.is_none())
+}
+
+/// The property of this name.
+pub(super) fn property<'n>(node: &'n Node<'static>, name: &str) -> Option<&'n Entry<'static>> {
+    node.entries.iter().find(|entry| entry.name.as_ref().is_some_and(|given| given.value == name))
+}
+
+/// The node of this name in a node's braces.
+pub(super) fn child<'n>(node: &'n Node<'static>, name: &str) -> Option<&'n Node<'static>> {
+    node.child_nodes().iter().find(|child| child.name.value == name)
+}
+
+/// The node that says what kind a material is.
+pub(super) fn material_kind(node: &Node) -> Option<&'static MaterialKind> {
+    node.child_nodes().iter().find_map(|child| materials::kind(&child.name.value))
+}
+
+/// Names of all materials of a file.
+pub(super) fn material_names(file: &Block<'static>) -> Vec<String> {
+    let materials = file.nodes.iter().filter(|node| node.name.value == "material");
+    materials.filter_map(|node| text_argument(node).map(str::to_owned)).collect()
+}
+
+/// The parameters of a node.
+pub(super) fn slots(file: &Block<'static>, kind: ItemKind, node: &Node<'static>) -> Vec<Slot> {
+    let mut list = List { node, slots: Vec::new() };
+    match kind {
+        ItemKind::Camera => {
+            list.name("main");
+            list.nodes(schema::CAMERA);
+        }
+        ItemKind::Render => list.nodes(schema::RENDER),
+        ItemKind::Sky => list.sky(),
+        ItemKind::Sun => list.nodes(schema::SUN),
+        ItemKind::Point => list.nodes(schema::POINT),
+        ItemKind::Material => list.material(),
+        ItemKind::Object => {
+            list.name("");
+            list.material_of(file, "Material of its shapes that name no other.");
+        }
+        ItemKind::Shape => {
+            if let Some(shape) = registry::shape(&node.name.value) {
+                list.shape(file, shape);
+            }
+        }
+        ItemKind::Operator => list.operator(file),
+        ItemKind::Version | ItemKind::Other => {}
+    }
+    list.slots
+}
+
+struct List<'n> {
+    node: &'n Node<'static>,
+    slots: Vec<Slot>,
+}
+
+impl List<'_> {
+    fn push(&mut self, control: Control, place: Place) {
+        let given = given(self.node, place, &control.kind);
+        let value = given.clone().flatten().unwrap_or_else(|| control.default.clone());
+        self.slots.push(Slot { control: Control { value, given: given.is_some(), ..control }, place });
+    }
+
+    fn name(&mut self, default: &str) {
+        let default = Value::Text(default.to_owned());
+        let doc = "Its name, unlike those of the others.";
+        self.push(control(key::NAME, key::NAME, doc, "", ControlKind::Text, default).required(), Place::Name);
+    }
+    fn kind(&mut self, options: Vec<&'static str>, now: &str, doc: &'static str) {
+        let kind = ControlKind::Choice(options.into_iter().map(Cow::Borrowed).collect());
+        let mut control = control(key::KIND, key::KIND, doc, "", kind, Value::Text(now.to_owned())).required();
+        (control.value, control.given) = (control.default.clone(), true);
+        self.slots.push(Slot { control, place: Place::Kind });
+    }
+    fn material_of(&mut self, file: &Block<'static>, doc: &'static str) {
+        let kind = ControlKind::Material(material_names(file));
+        self.push(control(key::MATERIAL, key::MATERIAL, doc, "", kind, Value::None), Place::Property("material"));
+    }
+
+    /// A setting of the parser's table.
+    fn setting(&mut self, key: &'static str, label: &'static str, setting: &'static Setting, place: Place) {
+        let (kind, default) = match setting.form {
+            Form::Number { range, default } => {
+                let kind = ControlKind::Number(number_range(range, false, setting.unit, default));
+                (kind, default.map_or(Value::None, Value::Number))
+            }
+            Form::Whole { range: (min, max), default } => {
+                let range = Range::from_to(min as f32, max as f32);
+                let default = default as f32;
+                (ControlKind::Number(number_range(range, true, setting.unit, Some(default))), Value::Number(default))
+            }
+            Form::Size { range: (min, max), default } => (ControlKind::Size { min, max }, Value::Size(default)),
+            Form::Triple { default } => (ControlKind::Triple { direction: false }, Value::Triple(default)),
+            Form::Direction { default } => (ControlKind::Triple { direction: true }, Value::Triple(default)),
+            Form::Colour { max, default } => (ControlKind::Colour { max }, default.map_or(Value::None, Value::Colour)),
+            Form::Choice { words } => {
+                let words: Vec<Cow<str>> = words().into_iter().map(Cow::Borrowed).collect();
+                let first = Value::Text(words[0].to_string());
+                (ControlKind::Choice(words), first)
+            }
+            Form::Flag { default } => (ControlKind::Flag, Value::Flag(default)),
+            Form::Properties(_) => return,
+        };
+        let mut control = control(key, label, setting.doc, setting.unit, kind, default);
+        control.required = setting.required;
+        if control.default == Value::None {
+            control.initial = example(setting, &control.kind);
+        }
+        self.push(control, place);
+    }
+    /// Settings that are nodes in braces.
+    fn nodes(&mut self, table: &'static [Setting]) {
+        for setting in table {
+            match setting.form {
+                Form::Properties(properties) => {
+                    for property in properties {
+                        let (key, label) = LENS_KEYS
+                            .iter()
+                            .find_map(|(name, key, label)| (*name == property.name).then_some((*key, *label)))
+                            .unwrap_or((property.name, property.name));
+                        self.setting(key, label, property, Place::NodeProperty(setting.name, property.name));
+                    }
+                }
+                _ => self.setting(setting.name, label(setting.name), setting, Place::Node(setting.name)),
+            }
+        }
+    }
+    fn placement(&mut self, facing: bool) {
+        let keys = [key::AT, key::ROTATE, key::SCALE];
+        for (setting, key) in schema::PLACEMENT.iter().zip(keys) {
+            self.setting(key, label(setting.name), setting, Place::Node(setting.name));
+        }
+        if facing {
+            self.setting(key::NORMAL, schema::NORMAL.name, &schema::NORMAL, Place::Node(schema::NORMAL.name));
+        }
+    }
+
+    fn sky(&mut self) {
+        let form = sky_form(self.node);
+        self.kind(SKIES.iter().map(|(name, _)| *name).collect(), form, "What the sky is.");
+        let properties = |list: &mut Self, table: &'static [Setting]| {
+            for setting in table {
+                list.setting(setting.name, setting.name, setting, Place::Property(setting.name));
+            }
+        };
+        match form {
+            "gradient" => self.nodes(schema::GRADIENT),
+            "day" => {
+                properties(self, schema::DAY);
+                self.nodes(schema::DAY_GROUND);
+            }
+            "picture" => {
+                let doc = "A .hdr or .exr file, relative to the scene file.";
+                let none = Value::Text(String::new());
+                let control = control(key::PICTURE, key::PICTURE, doc, "", ControlKind::Picture, none);
+                self.push(control.required(), Place::Name);
+                properties(self, schema::PICTURE);
+            }
+            _ => {
+                let doc = "Radiance from every direction.";
+                let kind = ControlKind::Colour { max: f32::MAX };
+                let control = control("colour", "colour", doc, "W/(m² sr)", kind, Value::Colour([0.0; 3]));
+                self.push(control.required(), Place::Arguments);
+            }
+        }
+    }
+
+    fn material(&mut self) {
+        self.name("");
+        let kinds = materials::kinds().iter().map(|kind| kind.name).collect();
+        let Some(kind) = material_kind(self.node) else { return self.kind(kinds, "", "What it is made of.") };
+        self.kind(kinds, kind.name, kind.doc);
+        for (index, param) in kind.params.iter().enumerate() {
+            let control = material_control(param);
+            self.push(control, Place::Node(if index == 0 { kind.name } else { param.name }));
+        }
+    }
+
+    fn shape(&mut self, file: &Block<'static>, shape: &'static dyn Shape) {
+        let names = registry::shapes().iter().map(|shape| shape.info().name).collect();
+        self.kind(names, shape.info().name, shape.info().doc);
+        let values = parameters(shape, self.node);
+        for (index, param) in shape.params().iter().enumerate() {
+            let control = parameter_control(param);
+            let value = values[index].map_or(control.default.clone(), Value::Number);
+            let given = values[index].is_some();
+            self.slots.push(Slot { control: Control { value, given, ..control }, place: Place::Parameter(index) });
+        }
+        self.material_of(file, "Material of this shape; that of what it stands in when absent.");
+        self.placement(shape.info().facing);
+    }
+
+    fn operator(&mut self, file: &Block<'static>) {
+        let Some(operator) = registry::operator(&self.node.name.value) else { return };
+        let names = registry::operators().iter().map(|operator| operator.info().name).collect();
+        self.kind(names, operator.info().name, operator.info().doc);
+        let smooth = &schema::SMOOTH;
+        self.setting(smooth.name, smooth.name, smooth, Place::Property(smooth.name));
+        self.material_of(file, "Material of its shapes that name no other; that of what it stands in when absent.");
+        self.placement(false);
+    }
+}
+
+/// Word, key and label of what stands behind `lens`.
+const LENS_KEYS: &[(&str, &str, &str)] =
+    &[("radius", "lens.radius", "lens radius"), ("focus", "lens.focus", "focus distance")];
+
+/// The name of a setting for people, where it is not its word.
+fn label(word: &'static str) -> &'static str {
+    match word {
+        "at" => "position",
+        "rotate" => "rotation",
+        "fov" => "field of view",
+        "tonemap" => "tone mapping",
+        word => word,
+    }
+}
+
+fn control(
+    key: &'static str,
+    label: &'static str,
+    doc: &'static str,
+    unit: &'static str,
+    kind: ControlKind,
+    default: Value,
+) -> Control {
+    let initial = default.clone();
+    let (label, doc, value) = (label.into(), doc.into(), default.clone());
+    Control { key, label, doc, unit, kind, value, default, initial, given: false, required: false }
+}
+
+impl Control {
+    fn required(self) -> Self {
+        Self { required: true, ..self }
+    }
+}
+
+/// A parameter of a shape.
+fn parameter_control(param: &'static Param) -> Control {
+    let range = Range { min: param.min, min_allowed: param.min_allowed, max: param.max, max_allowed: true };
+    let unit = if param.unit == Unit::Count { "" } else { param.unit.name() };
+    let range = number_range(range, param.unit == Unit::Count, unit, Some(param.default));
+    control(param.name, param.name, param.doc, unit, ControlKind::Number(range), Value::Number(param.default))
+}
+
+/// A parameter of a kind of material.
+pub(super) fn material_control(param: &'static MaterialParam) -> Control {
+    let (kind, default) = match param.kind {
+        ParamKind::Colour => (ControlKind::Colour { max: param.max }, Value::Colour(param.default)),
+        ParamKind::Number => {
+            let range = number_range(Range::from_to(param.min, param.max), false, "", Some(param.default[0]));
+            (ControlKind::Number(range), Value::Number(param.default[0]))
+        }
+    };
+    control(param.name, param.name, param.doc, "", kind, default)
+}
+
+/// What the example in the table begins with.
+fn example(setting: &Setting, kind: &ControlKind) -> Value {
+    let numbers: Vec<f32> = setting.example.split([' ', '=']).skip(1).filter_map(|word| word.parse().ok()).collect();
+    match (kind, &numbers[..]) {
+        (ControlKind::Number(_), [number, ..]) => Value::Number(*number),
+        (ControlKind::Colour { .. }, [r, g, b]) => Value::Colour([*r, *g, *b]),
+        _ => Value::None,
+    }
+}
+
+fn number_range(range: Range, whole: bool, unit: &str, default: Option<f32>) -> NumberRange {
+    let Range { min, min_allowed, max, max_allowed } = range;
+    let size = default.unwrap_or(1.0).abs();
+    let endless = max - min > 1e4;
+    let logarithmic = min >= 0.0 && endless;
+    let low = match (logarithmic, min > f32::MIN) {
+        _ if unit == "°" && min == f32::MIN => -360.0,
+        (true, _) if min_allowed => min,
+        (true, _) => (0.01 * size).max(0.001),
+        (false, true) if min_allowed => min,
+        (false, true) => min + 0.01 * (max - min),
+        (false, false) => -10.0_f32.max(4.0 * size),
+    };
+    let high = match max < f32::MAX && !endless {
+        _ if unit == "°" && max == f32::MAX => 360.0,
+        true if max_allowed => max,
+        true => max - 0.01 * (max - min),
+        false if whole => (16.0 * size).min(max),
+        false => 10.0_f32.max(4.0 * size),
+    };
+    NumberRange { min, min_allowed, max, max_allowed, whole, soft: (low, high), logarithmic }
+}
+
+/// What stands at a place: nothing, something that cannot be read, or a value.
+fn given(node: &Node<'static>, place: Place, kind: &ControlKind) -> Option<Option<Value>> {
+    let entry = |entry: &Entry<'static>| read(&[entry], kind);
+    let all = |node: &Node<'static>| {
+        let arguments: Vec<_> = arguments(node).collect();
+        (!arguments.is_empty()).then(|| read(&arguments, kind))
+    };
+    match place {
+        Place::Kind | Place::Parameter(_) => None,
+        Place::Name => arguments(node).next().map(entry),
+        Place::Property(name) => property(node, name).map(entry),
+        Place::Arguments => all(node),
+        Place::Node(name) => all(child(node, name)?),
+        Place::NodeProperty(name, word) => property(child(node, name)?, word).map(entry),
+    }
+}
+
+fn read(entries: &[&Entry], kind: &ControlKind) -> Option<Value> {
+    let numbers: Option<Vec<f32>> = entries.iter().map(|entry| read_number(entry)).collect();
+    let text = match entries.first().map(|entry| &entry.value) {
+        Some(tree::Value::Text(text)) if entries.len() == 1 => Some(text.to_string()),
+        _ => None,
+    };
+    match (kind, numbers.as_deref()) {
+        (ControlKind::Number(_), Some([number])) => Some(Value::Number(*number)),
+        (ControlKind::Triple { .. }, Some([x, y, z])) => Some(Value::Triple([*x, *y, *z])),
+        (ControlKind::Colour { .. }, Some([grey])) => Some(Value::Colour([*grey; 3])),
+        (ControlKind::Colour { .. }, Some([r, g, b])) => Some(Value::Colour([*r, *g, *b])),
+        (ControlKind::Colour { .. }, _) => text.and_then(|text| srgb(&text)).map(Value::Colour),
+        (ControlKind::Size { .. }, Some([width, height])) => Some(Value::Size([*width as u32, *height as u32])),
+        (ControlKind::Flag, _) => match entries.first()?.value {
+            tree::Value::Bool(value) => Some(Value::Flag(value)),
+            _ => None,
+        },
+        (ControlKind::Text | ControlKind::Picture | ControlKind::Choice(_) | ControlKind::Material(_), _) => {
+            text.map(Value::Text)
+        }
+        _ => None,
+    }
+}
+
+/// The finite number of an entry.
+pub(super) fn read_number(entry: &Entry) -> Option<f32> {
+    match entry.value {
+        tree::Value::Number(number) => Some(number as f32).filter(|number| number.is_finite()),
+        _ => None,
+    }
+}
+
+/// Whether the first argument of a shape stands for several sizes.
+pub(super) fn has_one_size(shape: &dyn Shape, node: &Node<'static>) -> bool {
+    let sizes = shape.info().size_params;
+    let named = shape.params()[..sizes].iter().any(|param| property(node, param.name).is_some());
+    sizes > 1 && !named && (1..sizes).contains(&arguments(node).count())
+}
+
+/// The numbers of a shape as far as they are given.
+pub(super) fn parameters(shape: &dyn Shape, node: &Node<'static>) -> Vec<Option<f32>> {
+    let sizes = shape.info().size_params;
+    let one_size = has_one_size(shape, node);
+    let number = |index: usize, param: &Param| {
+        let slot = match one_size {
+            true if index < sizes => 0,
+            true => index + 1 - sizes,
+            false => index,
+        };
+        arguments(node).nth(slot).or_else(|| property(node, param.name)).and_then(read_number)
+    };
+    shape.params().iter().enumerate().map(|(index, param)| number(index, param)).collect()
+}

@@ -1,0 +1,519 @@
+//! Edits of the tree: nodes removed, renamed, moved, wrapped, copied, and made into others.
+
+use super::control::Value;
+use super::error::EditError;
+use super::key;
+use super::layout::{Chunk, before_spaces, bytes, indent, starts_line, tail};
+use super::number::{quoted, string_like};
+use super::outline::{Found, ItemKind, shown};
+use super::patch::Patch;
+use super::path::Path;
+use super::slots::{
+    Place, SKIES, arguments, child, material_control, material_kind, parameters, property, sky_form, slots,
+    text_argument,
+};
+use super::work::Work;
+use super::write::check;
+use crate::language::names::{NORMAL, PLACEMENT, listed};
+use crate::language::schema;
+use crate::language::tree::{self, Node};
+use crate::materials;
+use crate::scene::Camera;
+use pathmarch_field::registry;
+
+/// What to call a node in a message or a label.
+pub(super) fn title(node: &Node<'static>, kind: ItemKind) -> String {
+    let name = if kind.is_named() { text_argument(node) } else { None };
+    let unnamed = if kind == ItemKind::Camera { "main" } else { &node.name.value };
+    name.unwrap_or(unnamed).to_owned()
+}
+
+/// A word with its article.
+fn one(word: &str) -> String {
+    format!("{} {word}", if word.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" })
+}
+
+/// A name that is not taken: the one wanted, or with a number behind it.
+pub(super) fn free_name(work: &Work, word: &str, wanted: &str) -> String {
+    let names = names(work, word);
+    if !names.iter().any(|name| name == wanted) {
+        return wanted.to_owned();
+    }
+    let stem = wanted.trim_end_matches(|c: char| c.is_ascii_digit());
+    let stem = if stem.len() < wanted.len() && stem.ends_with(' ') { stem.trim_end() } else { wanted };
+    let mut numbered = (2_usize..).map(|number| format!("{stem} {number}"));
+    numbered.find(|name| !names.contains(name)).unwrap_or_default()
+}
+
+/// The names of all nodes of this word.
+fn names(work: &Work, word: &str) -> Vec<String> {
+    let nodes = work.file.nodes.iter().filter(|node| node.name.value == word);
+    let name = |node| text_argument(node).map(str::to_owned).or_else(|| (word == "camera").then(|| "main".to_owned()));
+    nodes.filter_map(name).collect()
+}
+
+/// Removes a node, unless something needs it.
+pub(super) fn remove(work: &mut Work, path: &Path) -> Result<(), EditError> {
+    let found = work.find(path)?;
+    let name = title(found.node, found.kind);
+    let needed = |reason: String| Err(EditError::Needed(reason));
+    let siblings = shown(found.block, found.parent).count();
+    match found.kind {
+        ItemKind::Version => return needed("A scene starts with its version, which cannot be removed.".to_owned()),
+        ItemKind::Camera if names(work, "camera").len() == 1 => {
+            return needed(format!("`{name}` is the only camera, and a scene needs one. Add another first."));
+        }
+        ItemKind::Material => {
+            let users = users(work, &name);
+            let (others, shared) = (users.len().saturating_sub(3), names(work, "material"));
+            let twice = shared.iter().filter(|other| **other == name).count() > 1;
+            if !users.is_empty() && !twice {
+                let and = if others > 0 { format!(", and {others} more") } else { String::new() };
+                let users = listed(users.iter().take(3).map(String::as_str), "and");
+                return needed(format!(
+                    "`{name}` is the material of {users}{and}. Give them another first, or remove them."
+                ));
+            }
+        }
+        ItemKind::Shape | ItemKind::Operator if siblings == 1 => {
+            let parent = path.parent().unwrap_or_default();
+            let parent = work.find(&parent)?;
+            let parent = title(parent.node, parent.kind);
+            return needed(format!("`{name}` is all that `{parent}` holds. Remove `{parent}` instead."));
+        }
+        _ => {}
+    }
+    work.take_out(path, false)
+}
+
+/// The objects that name a material, or in which something does.
+fn users(work: &Work, material: &str) -> Vec<String> {
+    fn uses(node: &Node<'static>, material: &str) -> bool {
+        let own = property(node, "material").map(|entry| &entry.value);
+        matches!(own, Some(tree::Value::Text(name)) if name == material)
+            || node.child_nodes().iter().any(|child| uses(child, material))
+    }
+    let objects = work.file.nodes.iter().filter(|node| node.name.value == "object");
+    objects.filter(|node| uses(node, material)).map(|node| title(node, ItemKind::Object)).collect()
+}
+
+/// Gives a node another name, and all that refer to it.
+pub(super) fn rename(work: &mut Work, path: &Path, new: &str) -> Result<(), EditError> {
+    let found = work.find(path)?;
+    let word = found.node.name.value.to_string();
+    if !found.kind.is_named() {
+        return Err(EditError::Name(format!("A `{word}` has no name. Cameras, materials and objects have.")));
+    }
+    if new.is_empty() {
+        return Err(EditError::Name(format!("The name of {} must not be empty.", one(&word))));
+    }
+    let old = text_argument(found.node);
+    if old == Some(new) || old.is_none() && found.kind == ItemKind::Camera && new == "main" {
+        return Ok(());
+    }
+    if names(work, &word).iter().any(|name| name == new) {
+        let word = one(&word);
+        return Err(EditError::Name(format!("There is {word} called `{new}` already. Choose another name.")));
+    }
+    let mut patches = vec![name_patch(work, found, new)];
+    if let (ItemKind::Material, Some(old)) = (found.kind, old) {
+        let objects = work.file.nodes.iter().filter(|node| node.name.value == "object");
+        objects.for_each(|object| references(&work.text, object, (old, new), &mut patches));
+    }
+    work.last(patches);
+    Ok(())
+}
+
+fn name_patch(work: &Work, found: Found, new: &str) -> Patch {
+    match arguments(found.node).next() {
+        Some(entry) => {
+            let range = bytes(entry.value_span);
+            let text = string_like(new, &work.text[range.clone()]);
+            Patch::replace(range, text)
+        }
+        None => Patch::insert(bytes(found.node.name.span).end, format!(" {}", quoted(new))),
+    }
+}
+
+fn references(text: &str, node: &Node<'static>, (old, new): (&str, &str), patches: &mut Vec<Patch>) {
+    if let Some(entry) = property(node, "material")
+        && matches!(&entry.value, tree::Value::Text(name) if name == old)
+    {
+        let range = bytes(entry.value_span);
+        let written = string_like(new, &text[range.clone()]);
+        patches.push(Patch::replace(range, written));
+    }
+    node.child_nodes().iter().for_each(|child| references(text, child, (old, new), patches));
+}
+
+/// Moves a node, with its comments.
+pub(super) fn move_to(work: &mut Work, path: &Path, parent: Option<&Path>, index: usize) -> Result<Path, EditError> {
+    let found = work.find(path)?;
+    let name = title(found.node, found.kind);
+    let not_here = |reason: String| Err(EditError::NotHere(reason));
+    if parent.is_some_and(|parent| parent.is_within(path)) {
+        return not_here(format!("`{name}` cannot be moved into itself."));
+    }
+    match parent.map(|parent| work.find(parent)).transpose()? {
+        _ if found.kind == ItemKind::Version => {
+            return not_here("The version stays at the top of the file.".to_owned());
+        }
+        None if found.parent.is_some() => {
+            return not_here(format!(
+                "`{name}` must stand in an object or an operator: add an object and move it there."
+            ));
+        }
+        Some(target) if !target.kind.holds_shapes() || !found.kind.is_solid() => {
+            let target = title(target.node, target.kind);
+            return not_here(format!(
+                "`{name}` cannot stand in `{target}`: objects and operators hold shapes and operators."
+            ));
+        }
+        _ => {}
+    }
+    if path.parent().as_ref() == parent && path.index() == index {
+        return Ok(path.clone());
+    }
+    let site = work.site(found);
+    if parent != path.parent().as_ref() && found.parent.is_some() && shown(found.block, found.parent).count() == 1 {
+        let holder = work.find(&path.parent().unwrap_or_default())?;
+        let holder = title(holder.node, holder.kind);
+        let reason = format!("`{name}` is all that `{holder}` holds. Add something to that first, or move all of it.");
+        return Err(EditError::Needed(reason));
+    }
+    let chunk = Chunk::of(&work.text, &site, true);
+    let parent = parent.and_then(|parent| parent.after_removal(path));
+    work.take_out(path, true)?;
+    work.put_in(parent.as_ref(), index, &chunk)
+}
+
+/// Puts siblings into the braces of an operator.
+pub(super) fn group(work: &mut Work, paths: &[Path], operator: &str) -> Result<Path, EditError> {
+    if registry::operator(operator).is_none() {
+        let names = listed(registry::operators().iter().map(|operator| operator.info().name), "or");
+        return Err(EditError::NotHere(format!("There is no operator `{operator}`. Expected {names}.")));
+    }
+    let mut paths = paths.to_vec();
+    paths.sort();
+    paths.dedup();
+    let Some((first, others)) = paths.split_first() else {
+        return Err(EditError::NotHere("Nothing is selected. Select shapes to group.".to_owned()));
+    };
+    let mut chunks = Vec::new();
+    let mut lines = false;
+    for path in &paths {
+        let found = work.find(path)?;
+        if !found.kind.is_solid() || !path.is_sibling_of(first) {
+            let reason = "Only shapes and operators of one object or operator can be grouped. Select some of those.";
+            return Err(EditError::NotHere(reason.to_owned()));
+        }
+        let site = work.site(found);
+        lines |= path == first && site.lines(&work.text).is_some();
+        chunks.push(Chunk::of(&work.text, &site, true));
+    }
+    let chunk = Chunk::wrapped(operator, &chunks, lines, work.style);
+    for path in others.iter().rev() {
+        work.take_out(path, true)?;
+    }
+    let site = work.site(work.find(first)?);
+    let range = site.range(&work.text);
+    let patch = Patch::replace(range, chunk.indented(&site.indent(&work.text, work.style)));
+    work.last(vec![patch]);
+    Ok(first.clone())
+}
+
+/// Puts the children of an operator in its place.
+pub(super) fn ungroup(work: &mut Work, path: &Path) -> Result<Vec<Path>, EditError> {
+    let found = work.find(path)?;
+    let name = title(found.node, found.kind);
+    if found.kind != ItemKind::Operator {
+        return Err(EditError::NotHere(format!("`{name}` is no operator and holds nothing to take out.")));
+    }
+    work.writer(found).check_braces()?;
+    if let Some(placed) = PLACEMENT.iter().find(|word| child(found.node, word).is_some()) {
+        return Err(EditError::Needed(format!(
+            "The `{placed}` of this `{name}` moves all that it holds. Reset it first, or move it to the shapes."
+        )));
+    }
+    let children: Vec<Found> = shown_in(found);
+    let count = children.len();
+    if let Some(entry) = property(found.node, "material") {
+        // What names no material of its own keeps the one that it has.
+        let written = &work.text[bytes(entry.value_span)];
+        let without = children.iter().filter(|child| property(child.node, "material").is_none());
+        let patches =
+            without.map(|child| Patch::insert(child.node.span().end as usize, format!(" material={written}")));
+        work.then(patches.collect())?;
+    }
+    let found = work.find(path)?;
+    let Some(block) = &found.node.children else { return Ok(Vec::new()) };
+    let text = &work.text;
+    let whole = bytes(found.node.whole);
+    let inside = block.span.start as usize + 1..block.span.end as usize - 1;
+    let inner = text[inside.clone()].trim_end().trim_end_matches(['\\', ';']).trim_end();
+    let start = inside.end - text[inside.clone()].trim_start().len();
+    let range = start..(inside.start + inner.len()).max(start);
+    let site = work.site(found);
+    let like = block.nodes.iter().map(|node| node.whole.start as usize).find(|at| starts_line(text, *at));
+    let base = like.map_or("", |at| indent(text, at)).to_owned();
+    let outer = match starts_line(text, whole.start) {
+        true => indent(text, whole.start).to_owned(),
+        false => format!("{}{}", indent(text, whole.start), work.style.unit),
+    };
+    let chunk = Chunk::piece(text, range, base, &block.nodes);
+    let mut piece = chunk.indented(&outer);
+    // A comment at its end must not swallow what follows.
+    if piece.contains("//") && !tail(text, whole.end).ends_line {
+        piece.push_str(work.style.newline);
+        piece.push_str(&outer);
+    }
+    let patch = Patch::replace(bytes(site.node().whole), piece);
+    work.last(vec![patch]);
+    let parent = path.parent();
+    let sibling = |index| parent.as_ref().map_or_else(|| Path::top(index), |parent| parent.child(index));
+    Ok((path.index()..path.index() + count).map(sibling).collect())
+}
+
+/// The nodes in the outline that are in a node.
+fn shown_in(found: Found) -> Vec<Found> {
+    let Some(block) = &found.node.children else { return Vec::new() };
+    let nodes = shown(block, Some(found.kind));
+    nodes.map(|(index, node)| Found { node, kind: ItemKind::Other, block, index, parent: Some(found.kind) }).collect()
+}
+
+/// Copies a node; the copy stands behind it.
+pub(super) fn duplicate(work: &mut Work, path: &Path) -> Result<Path, EditError> {
+    let found = work.find(path)?;
+    let word = &*found.node.name.value;
+    if matches!(found.kind, ItemKind::Version | ItemKind::Render | ItemKind::Sky) {
+        return Err(EditError::NotHere(format!("A scene has only one `{word}`.")));
+    }
+    let site = work.site(found);
+    let mut chunk = Chunk::of(&work.text, &site, false);
+    if found.kind.is_named() {
+        let name = text_argument(found.node).unwrap_or("main");
+        let Patch { range, text } = name_patch(work, found, &free_name(work, word, name));
+        let start = found.node.whole.start as usize;
+        chunk = chunk.with(&Patch::replace(range.start - start..range.end - start, text));
+    }
+    let patch = site.insert_behind(&work.text, &chunk, work.style);
+    work.last(vec![patch]);
+    let index = path.index() + 1;
+    Ok(path.parent().map_or_else(|| Path::top(index), |parent| parent.child(index)))
+}
+
+/// Makes a node one of another kind.
+pub(super) fn set_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> {
+    let found = work.find(path)?;
+    let name = title(found.node, found.kind);
+    let unknown = |names: Vec<&str>| {
+        Err(EditError::NotHere(format!("`{name}` cannot become `{kind}`. Expected {}.", listed(names, "or"))))
+    };
+    match found.kind {
+        ItemKind::Operator => {
+            if registry::operator(kind).is_none() {
+                return unknown(registry::operators().iter().map(|operator| operator.info().name).collect());
+            }
+            let patch = Patch::replace(bytes(found.node.name.span), kind);
+            work.last(vec![patch]);
+            Ok(())
+        }
+        ItemKind::Shape => match registry::shape(kind) {
+            Some(_) => set_shape(work, path, kind),
+            None => unknown(registry::shapes().iter().map(|shape| shape.info().name).collect()),
+        },
+        ItemKind::Material => match materials::kind(kind) {
+            Some(_) => set_material_kind(work, path, kind),
+            None => unknown(materials::kinds().iter().map(|kind| kind.name).collect()),
+        },
+        ItemKind::Sky => match kind {
+            "picture" => Err(EditError::NotHere("Choose a .hdr or .exr file to be the sky.".to_owned())),
+            kind if SKIES.iter().any(|(name, _)| *name == kind) => {
+                let form = sky_text(work, found, kind);
+                set_sky(work, path, &form)
+            }
+            _ => unknown(SKIES.iter().map(|(name, _)| *name).collect()),
+        },
+        _ => Err(EditError::NotHere(format!("`{name}` is of no kind that could be changed."))),
+    }
+}
+
+/// Makes a shape another one, which keeps the numbers that have the same name there and are allowed.
+fn set_shape(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> {
+    let found = work.find(path)?;
+    let (Some(old), Some(new)) = (registry::shape(&found.node.name.value), registry::shape(kind)) else {
+        return Ok(());
+    };
+    if old.info().name == new.info().name {
+        return Ok(());
+    }
+    let given = parameters(old, found.node);
+    let kept: Vec<(&str, f32)> = old
+        .params()
+        .iter()
+        .zip(given)
+        .filter_map(|(param, value)| {
+            let value = value?;
+            let same = new.params().iter().find(|other| other.name == param.name)?;
+            same.accepts(value).then_some((same.name, value))
+        })
+        .collect();
+    let material = |entry: &&tree::Entry| entry.name.as_ref().is_some_and(|name| name.value == "material");
+    let text = &work.text;
+    let mut patches = vec![Patch::replace(bytes(found.node.name.span), kind)];
+    for entry in found.node.entries.iter().filter(|entry| !material(entry)) {
+        let span = bytes(entry.span);
+        patches.push(Patch::remove(before_spaces(text, span.start)..span.end));
+    }
+    work.then(patches)?;
+    for (name, value) in kept {
+        let slot = work.slot(path, name)?;
+        let patches = work.writer(work.find(path)?).write(&slot, &Value::Number(value))?;
+        work.then(patches)?;
+    }
+    if !new.info().facing && child(work.find(path)?.node, NORMAL).is_some() {
+        let patches = work.writer(work.find(path)?).erase_node(NORMAL)?;
+        work.then(patches)?;
+    }
+    Ok(())
+}
+
+/// Makes a material one of another kind, which keeps the parameters that it has, too.
+fn set_material_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> {
+    let found = work.find(path)?;
+    let name = title(found.node, found.kind);
+    let Some(old) = material_kind(found.node) else {
+        let patches = work.writer(found).insert(kind)?;
+        work.last(patches);
+        return Ok(());
+    };
+    let Some(new) = materials::kind(kind).filter(|new| new.name != old.name) else { return Ok(()) };
+    let slots = slots(&work.file, found.kind, found.node);
+    let fits = |param: &'static materials::MaterialParam, value: &Value| {
+        let slot = super::slots::Slot { control: material_control(param), place: Place::Kind };
+        check(&slot, value).is_ok()
+    };
+    let Some(node) = child(found.node, old.name) else { return Err(EditError::Unreadable(name)) };
+    let mut patches = vec![Patch::replace(bytes(node.name.span), new.name)];
+    let first = slots.iter().find(|slot| slot.place == Place::Node(old.name));
+    let keeps_first = match (first, new.params.first()) {
+        (Some(slot), Some(param)) => fits(param, &slot.control.value),
+        _ => false,
+    };
+    if !keeps_first {
+        for entry in &node.entries {
+            let span = bytes(entry.span);
+            patches.push(Patch::remove(before_spaces(&work.text, span.start)..span.end));
+        }
+    }
+    let beside = new.params.get(1..).unwrap_or_default();
+    let dropped: Vec<&str> = old.params[1.min(old.params.len())..]
+        .iter()
+        .filter(|param| {
+            let value = slots.iter().find(|slot| slot.control.key == param.name).map(|slot| &slot.control.value);
+            let same = beside.iter().find(|other| other.name == param.name);
+            !same.zip(value).is_some_and(|(same, value)| fits(same, value))
+        })
+        .map(|param| param.name)
+        .collect();
+    work.then(patches)?;
+    for name in dropped {
+        let patches = work.writer(work.find(path)?).erase_node(name)?;
+        work.then(patches)?;
+    }
+    Ok(())
+}
+
+/// What stands behind `sky` for a sky of this form.
+fn sky_text(work: &Work, found: Found, form: &str) -> String {
+    let slots = slots(&work.file, ItemKind::Sky, found.node);
+    let strength = slots.iter().find(|slot| slot.control.key == "strength" && slot.control.given);
+    let strength = strength.map(|slot| format!(" strength={}", super::number::fresh(&slot.control.value)));
+    match form {
+        "day" => format!("\"day\"{}", strength.unwrap_or_default()),
+        "gradient" => format!("\"gradient\" {{ {} }}", required(schema::GRADIENT, "; ")),
+        _ => {
+            let horizon = slots.iter().find(|slot| slot.control.key == "horizon").map(|slot| &slot.control.value);
+            super::number::fresh(horizon.unwrap_or(&Value::Colour([0.5; 3])))
+        }
+    }
+}
+
+/// The settings of a table that must be given, as they are written.
+pub(super) fn required(table: &'static [schema::Setting], between: &str) -> String {
+    let settings: Vec<&str> = table.iter().filter(|setting| setting.required).map(|setting| setting.example).collect();
+    settings.join(between)
+}
+
+fn set_sky(work: &mut Work, path: &Path, form: &str) -> Result<(), EditError> {
+    let found = work.find(path)?;
+    let range = bytes(found.node.name.span).end..bytes(found.node.whole).end;
+    work.last(vec![Patch::replace(range, format!(" {form}"))]);
+    Ok(())
+}
+
+/// Makes a sky a picture.
+pub(super) fn set_picture(work: &mut Work, path: &Path, file: &str) -> Result<(), EditError> {
+    if file.is_empty() {
+        return Err(EditError::Name("The path of a picture must not be empty.".to_owned()));
+    }
+    let found = work.find(path)?;
+    if sky_form(found.node) == "picture" {
+        let slot = work.slot(path, key::PICTURE)?;
+        let patches = work.writer(found).write(&slot, &Value::Text(file.to_owned()))?;
+        work.last(patches);
+        return Ok(());
+    }
+    set_sky(work, path, &quoted(file))
+}
+
+/// The parameters of a camera.
+fn camera_values(camera: &Camera) -> [(&'static str, Value); 7] {
+    [
+        ("position", Value::Triple(camera.position)),
+        ("target", Value::Triple(camera.target)),
+        ("up", Value::Triple(camera.up)),
+        ("fov", Value::Number(camera.fov)),
+        ("lens.radius", Value::Number(camera.lens_radius)),
+        ("lens.focus", camera.focus.map_or(Value::None, Value::Number)),
+        ("exposure", Value::Number(camera.exposure)),
+    ]
+}
+
+/// Writes a camera into a node, or as a new one.
+pub(super) fn write_camera(work: &mut Work, camera: &Camera, into: Option<&Path>) -> Result<Path, EditError> {
+    let path = match into {
+        Some(path) => path.clone(),
+        None => {
+            let name = free_name(work, "camera", if camera.name.is_empty() { "camera" } else { &camera.name });
+            let template = format!("camera {} {{\n\tposition 0 0 0\n\ttarget 0 0 0\n}}", quoted(&name));
+            super::additions::add_top(work, "camera", &template)?
+        }
+    };
+    let found = work.find(&path)?;
+    if found.kind != ItemKind::Camera {
+        return Err(EditError::NotHere(format!("`{}` is no camera.", title(found.node, found.kind))));
+    }
+    for (key, value) in camera_values(camera) {
+        let slot = work.slot(&path, key)?;
+        let writer = work.writer(work.find(&path)?);
+        // A direction is of length one in a camera, and of any length in the text.
+        let same = match (&value, &slot.control.value) {
+            (Value::Triple(new), Value::Triple(now)) if key == "up" => {
+                let now = glam::DVec3::from_array(now.map(f64::from)).normalize_or_zero();
+                now.as_vec3().to_array() == *new
+            }
+            (new, now) => new == now,
+        };
+        let patches = match &value {
+            _ if same => continue,
+            Value::None => writer.erase(&slot)?,
+            value => {
+                check(&slot, value)?;
+                writer.write(&slot, value)?
+            }
+        };
+        work.then(patches)?;
+    }
+    Ok(path)
+}

@@ -1,0 +1,112 @@
+//! An edit in the making: simple changes of the text one after the other, each found in the tree of the text before it.
+//! Nothing of it shows in the document until it is whole.
+
+use super::error::EditError;
+use super::layout::{Chunk, Site, Style, insert_first};
+use super::outline::{Found, ItemKind, find, shown};
+use super::patch::{Hunk, Patch, apply, compose};
+use super::path::Path;
+use super::slots::{Slot, slots};
+use super::write::Writer;
+use crate::language;
+use crate::language::tree::Block;
+use std::borrow::Cow;
+
+/// A text, its tree, and how it came from the document's.
+pub(super) struct Work<'d> {
+    pub(super) text: Cow<'d, str>,
+    pub(super) file: Cow<'d, Block<'static>>,
+    pub(super) style: &'d Style,
+    hunks: Vec<Hunk>,
+}
+
+impl<'d> Work<'d> {
+    pub(super) fn new(text: &'d str, file: &'d Block<'static>, style: &'d Style) -> Self {
+        Self { text: Cow::Borrowed(text), file: Cow::Borrowed(file), style, hunks: Vec::new() }
+    }
+
+    /// Makes a change that is followed by others.
+    pub(super) fn then(&mut self, patches: Vec<Patch>) -> Result<(), EditError> {
+        if patches.is_empty() {
+            return Ok(());
+        }
+        self.last(patches);
+        let Some(file) = language::nodes(&self.text) else { return Err(EditError::Unreadable("the scene".to_owned())) };
+        self.file = Cow::Owned(file.into_owned());
+        Ok(())
+    }
+
+    /// Makes the last change: the tree is no longer that of the text.
+    pub(super) fn last(&mut self, patches: Vec<Patch>) {
+        let (text, hunks) = apply(&self.text, patches);
+        self.hunks = compose(&self.hunks, &hunks);
+        self.text = Cow::Owned(text);
+    }
+
+    /// The text that was made, and how it came from the document's.
+    pub(super) fn finish(self) -> (String, Vec<Hunk>) {
+        (self.text.into_owned(), self.hunks)
+    }
+
+    /// The node of this path, of which everything around it could be read.
+    pub(super) fn find(&self, path: &Path) -> Result<Found<'_>, EditError> {
+        let found = find(&self.file, path).ok_or_else(|| EditError::NoSuchNode(path.clone()))?;
+        match found.block.closed {
+            true => Ok(found),
+            false => Err(EditError::Unreadable(found.node.name.value.to_string())),
+        }
+    }
+    pub(super) fn site<'f>(&self, found: Found<'f>) -> Site<'f> {
+        Site { block: found.block, top: found.parent.is_none(), index: found.index }
+    }
+    pub(super) fn writer<'w>(&'w self, found: Found<'w>) -> Writer<'w> {
+        Writer { text: &self.text, style: self.style, node: found.node }
+    }
+    pub(super) fn slots(&self, path: &Path) -> Result<Vec<Slot>, EditError> {
+        let found = self.find(path)?;
+        Ok(slots(&self.file, found.kind, found.node))
+    }
+    pub(super) fn slot(&self, path: &Path, key: &str) -> Result<Slot, EditError> {
+        let word = self.find(path)?.node.name.value.to_string();
+        let slot = self.slots(path)?.into_iter().find(|slot| slot.control.key == key);
+        slot.ok_or_else(|| EditError::NoSuchControl { node: word, key: key.to_owned() })
+    }
+
+    /// Removes a node from the text.
+    pub(super) fn take_out(&mut self, path: &Path, comments: bool) -> Result<(), EditError> {
+        let patch = self.site(self.find(path)?).removal(&self.text, comments);
+        self.then(vec![patch])
+    }
+
+    /// Puts a chunk into a node, or at the top of the file, so that its first node has this index or the last possible.
+    pub(super) fn put_in(&mut self, parent: Option<&Path>, index: usize, chunk: &Chunk) -> Result<Path, EditError> {
+        let found = parent.map(|parent| self.find(parent)).transpose()?;
+        if let Some(found) = found {
+            self.writer(found).check_braces()?;
+        }
+        let block = match found {
+            Some(found) => found.node.children.as_ref(),
+            None => Some(&*self.file),
+        };
+        let kind: Option<ItemKind> = found.map(|found| found.kind);
+        let items: Vec<usize> =
+            block.map_or_else(Vec::new, |block| shown(block, kind).map(|(index, _)| index).collect());
+        // Nothing goes before the version, which is the first node of a file.
+        let index = index.min(items.len()).max(usize::from(parent.is_none() && !items.is_empty()));
+        let before = match index.checked_sub(1) {
+            Some(before) => items.get(before).copied(),
+            None => match items.first() {
+                Some(first) => first.checked_sub(1),
+                None => block.and_then(|block| block.nodes.len().checked_sub(1)),
+            },
+        };
+        let top = parent.is_none();
+        let patch = match (block, before, found) {
+            (Some(block), Some(index), _) => Site { block, top, index }.insert_behind(&self.text, chunk, self.style),
+            (_, None, Some(found)) => insert_first(&self.text, found.node, chunk, self.style),
+            _ => Patch::insert(self.text.len(), format!("{}{}", chunk.indented(""), self.style.newline)),
+        };
+        self.then(vec![patch])?;
+        Ok(parent.map_or_else(|| Path::top(index), |parent| parent.child(index)))
+    }
+}
