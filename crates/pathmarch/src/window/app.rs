@@ -540,11 +540,11 @@ impl App {
     fn frame_selection(&mut self) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else { return };
-        let leaves: Vec<usize> = match &open.view.selection {
+        let leaves = match &open.view.selection {
             Some(path) => open.document.leaves_of(path),
-            None => (0..scene.field.leaves().len()).collect(),
+            None => 0..scene.field.leaves().len(),
         };
-        let boxes = leaves.iter().filter_map(|&leaf| scene.field.leaves().get(leaf)).map(|leaf| leaf.world_bounds());
+        let boxes = leaves.filter_map(|leaf| scene.field.leaves().get(leaf)).map(|leaf| leaf.world_bounds());
         let bounds = boxes.filter(|bounds| bounds.is_finite()).reduce(|all, bounds| all.union(bounds));
         let Some(bounds) = bounds else {
             self.say("What is selected has no limited size.");
@@ -726,8 +726,7 @@ impl App {
     }
 
     fn take_dropped(&mut self, ctx: &Context) {
-        let dropped =
-            ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
+        let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
             self.gallery.dropped = Some(path);
             self.unless_unsaved(After::Dropped);

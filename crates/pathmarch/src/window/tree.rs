@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 const INDENT: f32 = 16.0;
 
 /// A row in sight.
-struct Row {
+struct Row<'a> {
     depth: usize,
-    item: Item,
+    item: &'a Item,
     /// Whether its children are shown; none where it has none.
     is_open: Option<bool>,
 }
@@ -73,7 +73,7 @@ impl App {
         }
     }
 
-    fn rows(&mut self, ui: &mut Ui, asks: &mut Vec<Ask>) {
+    fn rows(&self, ui: &mut Ui, asks: &mut Vec<Ask>) {
         let Some(open) = &self.open else { return };
         let mut rows = Vec::new();
         let id = ui.scope_id();
@@ -101,7 +101,7 @@ impl App {
         ui.data_mut(|data| data.insert_temp(id.with("sight"), (top, top + shown.inner_rect.height())));
     }
 
-    fn row(&self, ui: &mut Ui, id: egui::Id, row: &Row, selected: bool, asks: &mut Vec<Ask>) {
+    fn row(&self, ui: &mut Ui, id: egui::Id, row: &Row<'_>, selected: bool, asks: &mut Vec<Ask>) {
         let Row { depth, item, is_open } = row;
         let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
@@ -261,13 +261,12 @@ fn label(item: &Item) -> String {
 }
 
 /// The rows of an item and of what is in it.
-fn gather(folded: &[Path], item: &Item, depth: usize, rows: &mut Vec<Row>) {
+fn gather<'a>(folded: &[Path], item: &'a Item, depth: usize, rows: &mut Vec<Row<'a>>) {
     if item.kind == ItemKind::Version {
         return;
     }
     let is_open = (!item.children.is_empty()).then(|| !folded.contains(&item.path));
-    let row = Item { children: Vec::new(), ..item.clone() };
-    rows.push(Row { depth, item: row, is_open });
+    rows.push(Row { depth, item, is_open });
     if is_open == Some(true) {
         for child in &item.children {
             gather(folded, child, depth + 1, rows);
