@@ -22,6 +22,8 @@ const CPU_SLICE: Duration = Duration::from_millis(12);
 const SHOW_EVERY: Duration = Duration::from_millis(150);
 /// A kernel that is compiled within this time needs no other picture meanwhile.
 const COMPILED_AT_ONCE: Duration = Duration::from_millis(30);
+/// A first picture that is not there after this time was chosen too large.
+const TOO_LONG: Duration = Duration::from_millis(300);
 /// Times that a GPU that was lost is opened again, and how long after.
 const REOPENINGS: u32 = 3;
 const REOPEN_AFTER: Duration = Duration::from_secs(1);
@@ -119,6 +121,8 @@ pub(super) struct Engine {
     /// When the tracer started on this picture, what it had done when last looked at, and when that was.
     measured: (f64, Instant),
     shown: Option<Instant>,
+    /// When the first picture of the present order was begun; none once it is there.
+    awaited: Option<Instant>,
     /// Samples of the picture shown last.
     shown_samples: f64,
     serial: u64,
@@ -164,6 +168,7 @@ impl Engine {
             cpu_pace: Pace::default(),
             measured: (0.0, now),
             shown: None,
+            awaited: None,
             shown_samples: 0.0,
             serial: 0,
         }
@@ -273,6 +278,7 @@ impl Engine {
             return Ok(());
         }
         self.level = self.first_level(&order);
+        self.awaited = Some(Instant::now());
         let settings = self.level_settings(&order);
         let reframed =
             same_scene && self.prepared.as_mut().is_some_and(|prepared| prepared.reframe(&order.scene, &settings));
@@ -463,6 +469,18 @@ impl Engine {
         }
         let done = tracer.samples_done();
         self.measure(done);
+        if done >= 1.0 {
+            self.awaited = None;
+        } else if self.awaited.is_some_and(|begun| begun.elapsed() > TOO_LONG) && done > 0.0 {
+            // Slower than thought: what was learnt tells which size is ready soon.
+            self.awaited = None;
+            self.learn(done);
+            let smaller = self.pace().size_within(order.settings.size, TOO_LONG / 3);
+            if smaller[0] < self.level[0] {
+                self.level = smaller;
+                return self.restart();
+            }
+        }
         let first = self.shown_samples < 1.0 && done >= 1.0;
         let better =
             done >= 1.0 && self.shown.is_none_or(|shown| shown.elapsed() >= SHOW_EVERY) && done > self.shown_samples;
@@ -483,6 +501,14 @@ impl Engine {
         // A piece of a GPU's work is only on its way: some of them tell the pace.
         let took = since.elapsed();
         if done - before >= 1.0 || took > Duration::from_millis(100) && done > before {
+            self.learn(done);
+        }
+    }
+
+    fn learn(&mut self, done: f64) {
+        let (before, since) = self.measured;
+        if done > before {
+            let took = since.elapsed();
             let pixels = (done - before) * f64::from(self.level[0]) * f64::from(self.level[1]);
             let pace = match &self.tracer {
                 Some(Tracer::Gpu(_)) => &mut self.gpu_pace,

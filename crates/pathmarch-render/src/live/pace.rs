@@ -10,8 +10,8 @@ use std::time::Duration;
 const LEAST_SIDE: u32 = 48;
 /// A picture of the whole size that is ready within this time is shown at once.
 const AT_ONCE: f64 = 0.25;
-/// A pixel's time until one is known, seconds: that of an average scene on two cores.
-const GUESS: f64 = 4e-7;
+/// A pixel's time until one is known, seconds: that of a slow scene on two cores, so that there soon is some picture.
+const GUESS: f64 = 5e-6;
 
 /// What a sample of a pixel costs.
 #[derive(Clone, Copy, Debug, Default)]

@@ -258,7 +258,7 @@ fn row(ui: &mut Ui, path: &Path, control: &Control) -> Option<Change> {
             change = Some(Change::Set(value));
         }
         if control.given && !control.required {
-            let back = ui.small_button("⟲").on_hover_text(format!("{}: back to the default.", control.label));
+            let back = ui.small_button("×").on_hover_text(format!("{}: back to the default.", control.label));
             if back.clicked() {
                 change = Some(Change::Reset);
             }

@@ -182,7 +182,7 @@ impl App {
         };
         let status = self.live.status();
         let Some((_, _, [width, height])) = &open.view.picture else {
-            ui.weak("…");
+            ui.label(status.error.as_deref().unwrap_or("The first picture is on its way."));
             return;
         };
         let target = open.document.last_good().map_or(0, |scene| open.view.mode.samples(scene.render.samples));
@@ -226,7 +226,7 @@ impl App {
                 let warnings: Vec<String> = scene.warnings.iter().map(ToString::to_string).collect();
                 egui::Panel::bottom("warnings").show(ui, |ui| {
                     for warning in warnings {
-                        ui.colored_label(ui.visuals().warn_fg_color, format!("⚠ {warning}"));
+                        ui.colored_label(ui.visuals().warn_fg_color, format!("warning: {warning}"));
                     }
                 });
                 return;
@@ -377,7 +377,7 @@ impl App {
                         ui.set_max_width(640.0);
                         ui.horizontal(|ui| {
                             ui.add(egui::Label::new(RichText::new(&toast.text).color(Color32::WHITE)).wrap());
-                            if ui.small_button("✖").on_hover_text("Close this message.").clicked() {
+                            if ui.small_button("×").on_hover_text("Close this message.").clicked() {
                                 closed = Some(index);
                             }
                         });

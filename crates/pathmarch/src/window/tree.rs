@@ -4,7 +4,7 @@
 
 use super::app::App;
 use super::inspector::heading;
-use egui::{Align2, FontId, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 use pathmarch_render::pathmarch_scene::document::{Addition, Group, Item, ItemKind, Path};
 use std::collections::BTreeMap;
 
@@ -110,9 +110,8 @@ impl App {
         if let Some(is_open) = is_open {
             let arrow = Rect::from_min_size(rect.min + Vec2::new(indent, 0.0), Vec2::new(INDENT, size.y));
             let response = ui.interact(arrow, row_id.with("arrow"), Sense::click());
-            let text = if *is_open { "⏷" } else { "⏵" };
             let colour = ui.style().interact(&response).fg_stroke.color;
-            ui.painter().text(arrow.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), colour);
+            ui.painter().add(triangle(arrow.center(), *is_open, colour));
             let what = if *is_open { "Close" } else { "Open" };
             response.widget_info(|| {
                 egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{what} {}", heading(item)))
@@ -248,6 +247,14 @@ impl App {
             }
         }
     }
+}
+
+/// Points down where what is in a row is shown, else to the right.
+fn triangle(centre: Pos2, is_open: bool, colour: Color32) -> egui::Shape {
+    let points =
+        if is_open { [(-4.0, -2.5), (4.0, -2.5), (0.0, 3.5)] } else { [(-2.5, -4.0), (3.5, 0.0), (-2.5, 4.0)] };
+    let points = points.map(|(x, y)| centre + Vec2::new(x, y)).to_vec();
+    egui::Shape::convex_polygon(points, colour, Stroke::NONE)
 }
 
 /// What a row says.

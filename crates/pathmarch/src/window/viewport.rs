@@ -57,6 +57,7 @@ impl App {
                 ui.put(Rect::from_center_size(picture.center(), Vec2::splat(32.0)), egui::Spinner::new());
             }
         }
+        outline(ui, picture, open, &scene);
         let comparing = compare(ui, picture, open, &response);
         let handled = self.handles(ui, picture, &response);
         if !comparing && !handled {
@@ -185,6 +186,57 @@ impl App {
             open.view.touch();
             ui.ctx().request_repaint();
         }
+    }
+}
+
+/// The box around what is selected.
+fn outline(ui: &Ui, picture: Rect, open: &Open, scene: &Scene) {
+    let Some(selection) = &open.view.selection else { return };
+    let leaves = open.document.leaves_of(selection).filter_map(|leaf| scene.field.leaves().get(leaf));
+    let boxes = leaves.map(|leaf| leaf.world_bounds()).filter(|bounds| bounds.is_finite());
+    let Some(bounds) = boxes.reduce(|all, bounds| all.union(bounds)) else { return };
+    let seen = Seen::new(&open.view.camera, picture);
+    let painter = ui.painter_at(picture);
+    let corner = |k: usize| {
+        glam::Vec3::from_array(std::array::from_fn(|axis| {
+            if k >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] }
+        }))
+    };
+    for a in 0..8 {
+        for b in [1, 2, 4].map(|bit| a | bit).into_iter().filter(|&b| b != a) {
+            if let (Some(from), Some(to)) = (seen.place(corner(a)), seen.place(corner(b))) {
+                painter.line_segment([from, to], Stroke::new(2.5, Color32::from_black_alpha(110)));
+                painter.line_segment([from, to], Stroke::new(1.0, Color32::from_rgb(255, 190, 90)));
+            }
+        }
+    }
+}
+
+/// Where points of the world are in the picture.
+struct Seen {
+    axes: viewpoint::Axes,
+    position: glam::Vec3,
+    /// Points of the window for a height of one at distance one.
+    scale: f32,
+    middle: Pos2,
+}
+
+impl Seen {
+    fn new(camera: &pathmarch_render::pathmarch_scene::Camera, picture: Rect) -> Self {
+        Self {
+            axes: viewpoint::axes(camera),
+            position: camera.position.into(),
+            scale: 0.5 * picture.height() / (0.5 * camera.fov.to_radians()).tan(),
+            middle: picture.center(),
+        }
+    }
+
+    /// Nothing for a point behind the camera.
+    fn place(&self, point: glam::Vec3) -> Option<Pos2> {
+        let from = point - self.position;
+        let depth = from.dot(self.axes.forward);
+        let place = Vec2::new(from.dot(self.axes.right), -from.dot(self.axes.up)) * (self.scale / depth);
+        (depth > 1e-4).then(|| self.middle + place)
     }
 }
 
