@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 mod age;
+mod chooser;
 mod export;
 mod places;
 mod preferences;
