@@ -231,6 +231,7 @@ impl Chooser {
         self.directory = directory;
         self.entries = entries;
         self.error = None;
+        self.replace = None;
         self.filter();
     }
 
@@ -257,6 +258,7 @@ impl Chooser {
     fn select(&mut self, row: usize) {
         self.selected = Some(row);
         self.error = None;
+        self.replace = None;
         if let Some(entry) = self.shown.get(row).map(|index| &self.entries[*index])
             && !entry.is_directory
             && self.name.is_some()

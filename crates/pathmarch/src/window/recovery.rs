@@ -96,6 +96,7 @@ impl Recovery {
         #[cfg(unix)]
         std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
         builder.create(directory)?;
+        sweep(directory);
         let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
         for attempt in 0..100 {
             let name = format!("{time}-{}-{attempt}", std::process::id());
@@ -291,6 +292,20 @@ fn lock_of(kept: &Path) -> PathBuf {
 fn is_owned(lock: &Path) -> bool {
     let Ok(lock) = OpenOptions::new().write(true).open(lock) else { return false };
     matches!(lock.try_lock(), Err(TryLockError::WouldBlock))
+}
+
+/// Removes the locks of programs that are gone and left nothing, a day old at least: a new one may not be held yet.
+fn sweep(directory: &Path) {
+    for path in fs::read_dir(directory).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path())) {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let Some(stem) = name.strip_suffix(LOCK).filter(|stem| stem.ends_with('.')) else { continue };
+        let changed = fs::metadata(&path).and_then(|data| data.modified());
+        let old = changed.is_ok_and(|at| at.elapsed().is_ok_and(|age| age > Duration::from_secs(24 * 60 * 60)));
+        if old && !path.with_file_name(format!("{stem}{KEPT}")).exists() && !is_owned(&path) {
+            // It does no harm where it is.
+            let _ = fs::remove_file(path);
+        }
+    }
 }
 
 fn read(file: PathBuf) -> Recovered {

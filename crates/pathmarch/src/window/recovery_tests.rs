@@ -130,6 +130,26 @@ fn damaged_files_are_listed_and_stay() {
 }
 
 #[test]
+fn old_locks_without_work_are_swept_away() {
+    let directory = directory();
+    let running = Recovery::new(directory.path());
+    let path = |name: &str| directory.path().join(name);
+    for name in ["1-1-0.lock", "2-2-0.lock", "2-2-0.unsaved.kdl"] {
+        fs::write(path(name), "").expect("written");
+    }
+    let long_ago = SystemTime::now() - Duration::from_secs(7 * 24 * 60 * 60);
+    for entry in fs::read_dir(directory.path()).expect("there") {
+        let file = OpenOptions::new().write(true).open(entry.expect("an entry").path()).expect("opened");
+        file.set_modified(long_ago).expect("set");
+    }
+    fs::write(path("3-3-0.lock"), "").expect("written");
+    sweep(directory.path());
+    let left = ["1-1-0.lock", "2-2-0.lock", "2-2-0.unsaved.kdl", "3-3-0.lock"].map(|name| path(name).exists());
+    assert_eq!(left, [false, true, true, true]);
+    assert!(lock_of(running.file()).exists());
+}
+
+#[test]
 fn what_cannot_be_kept_is_said() {
     let directory = directory();
     let in_the_way = directory.path().join("file");

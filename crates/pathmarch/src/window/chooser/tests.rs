@@ -32,7 +32,13 @@ fn harness(chooser: Chooser) -> Harness<'static, State> {
         }
     };
     let state = State { chooser, choice: None };
-    let mut harness = Harness::builder().with_size([900.0, 600.0]).build_ui_state(show, state);
+    let mut harness = Harness::builder()
+        .with_size([900.0, 600.0])
+        // Short enough for double clicks.
+        .with_step_dt(1.0 / 60.0)
+        .with_max_steps(200)
+        .allow_missing_glyphs()
+        .build_ui_state(show, state);
     harness.run();
     harness
 }
@@ -86,7 +92,8 @@ fn a_double_click_opens() {
     for label in ["sub/", "e.kdl"] {
         harness.get_by_label(label).click();
         harness.get_by_label(label).click();
-        harness.run();
+        // Long enough for the next click to be a first one.
+        harness.run_steps(60);
     }
     assert_eq!(harness.state().choice, chosen(directory.path().join("sub/e.kdl")));
 }

@@ -104,6 +104,10 @@ impl Chooser {
                 if self.fresh {
                     field.request_focus();
                 }
+                if field.changed() {
+                    // The name counts from here on.
+                    self.selected = None;
+                }
                 field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
             });
             if entered.inner {
@@ -140,19 +144,20 @@ fn show_entry(ui: &mut Ui, entry: &Entry, selected: bool, height: f32, now: Syst
         ui.painter().rect(rect, style.corner_radius, style.weak_bg_fill, style.bg_stroke, egui::StrokeKind::Inside);
     }
     let inner = rect.shrink2(egui::vec2(4.0, 0.0));
-    let weak = ui.visuals().weak_text_color();
-    let font = TextStyle::Small.resolve(ui.style());
+    let colour = if selected { style.text_color() } else { ui.visuals().weak_text_color() };
+    let font = TextStyle::Body.resolve(ui.style());
     let time = entry.modified.map(|modified| age(modified, now)).unwrap_or_default();
-    ui.painter().text(inner.right_center(), Align2::RIGHT_CENTER, time, font.clone(), weak);
+    ui.painter().text(inner.right_center(), Align2::RIGHT_CENTER, time, font.clone(), colour);
     let size = entry.size.map(listing::size_text).unwrap_or_default();
-    ui.painter().text(inner.right_center() - egui::vec2(85.0, 0.0), Align2::RIGHT_CENTER, size, font, weak);
+    ui.painter().text(inner.right_center() - egui::vec2(95.0, 0.0), Align2::RIGHT_CENTER, size, font, colour);
     let name = egui::WidgetText::from(&entry.label).into_galley(
         ui,
         Some(egui::TextWrapMode::Truncate),
-        (inner.width() - 150.0).max(40.0),
+        (inner.width() - 165.0).max(40.0),
         TextStyle::Button,
     );
+    let elided = name.elided;
     let at = inner.left_center() - egui::vec2(0.0, name.size().y / 2.0);
     ui.painter().galley(at, name, style.text_color());
-    response
+    if elided { response.on_hover_text(&entry.label) } else { response }
 }
