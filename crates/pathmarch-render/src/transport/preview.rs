@@ -51,11 +51,11 @@ const MAX_LIGHTS: usize = 64;
 /// Reflections that add less than this are left out.
 const FAINT: f32 = 0.01;
 /// Steps of a shadow's march, each at least this part of the radius of the light's cone.
-const SHADOW_STEPS: (u32, f32) = (32, 0.5);
+const SHADOW_STEPS: (u32, f32) = (96, 0.5);
 /// How much each of the five distances of ambient occlusion hides at most.
 const HIDES: f32 = 0.15;
 /// The hardest shadow: one over the sine of half the angle that its light fills.
-const HARDEST: f32 = 128.0;
+const HARDEST: f32 = 64.0;
 
 /// Numbers of a material; the layout is that of `look` in `preview.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -5,10 +5,12 @@ const REFLECTED = 3u;
 const SHADOWED = 3u;
 const FAINT = 0.01;
 const WEAK = 0.1;
-const HARDEST = 128.0;
+const HARDEST = 64.0;
 const HIDES = 0.15;
-const SHADOW_STEPS = 32u;
+const SHADOW_STEPS = 96u;
 const COARSE = 0.5;
+/// A long step may pass a surface no farther than half of it: so near is in the shadow.
+const PASSED = 0.25;
 const INVERSE_PI = 0.31830989;
 
 /// Where the lights, and behind them the materials, stand in the mode's numbers.
@@ -239,11 +241,11 @@ fn coarse_near_misses(ray: Ray, limit: f32, sharpness: f32) -> f32 {
         let distance = occluder_distance(ray.origin + ray.direction * t) * frame.step_factor;
         light = min(light, sharpness * distance / t);
         t += max(distance, t * least);
-        if light < 0.001 || t > last {
+        if light < PASSED || t > last {
             break;
         }
     }
-    light = select(light, 0.0, light < 0.001);
+    light = max(light - PASSED, 0.0) / (1.0 - PASSED);
     return light * light * (3.0 - 2.0 * light);
 }
 

@@ -137,14 +137,17 @@ pub(super) fn near_misses<N: Batch>(
 ) -> N {
     let last = limit.min(N::constant(frame.far));
     let least = N::constant(coarse) / sharpness;
-    let (none, factor) = (N::constant(0.001), N::constant(frame.step_factor));
+    let factor = N::constant(frame.step_factor);
+    // A long step may pass a surface no farther than half of it: so near is in the shadow.
+    let passed = 0.5 * coarse;
+    let dark = N::constant(if coarse > 0.0 { passed } else { 0.001 });
     let [light, _] = N::iterate(N::constant(steps as f32), steps, [N::one(), start], |[light, t]| {
         let distance = distance(origin + direction * t) * factor;
         let light = light.min(sharpness * distance / t);
         let t = t + distance.max(t * least);
-        ([light, t], !(light.lt(none) | last.lt(t)))
+        ([light, t], !(light.lt(dark) | last.lt(t)))
     });
+    let light = N::select(light.lt(dark), N::zero(), (light - N::constant(passed)) / N::constant(1.0 - passed));
     // Smooth at both ends.
-    let light = N::select(light.lt(none), N::zero(), light);
     light * light * (N::constant(3.0) - N::constant(2.0) * light)
 }
