@@ -128,7 +128,7 @@ fn views_show_a_ball_as_it_is() {
             near(show(Mode::Normal, [52, 30]), [0.5 + 0.5 * across * along * t, 0.5, 0.5 + 0.5 * (5.0 - along * t)]);
             near(show(Mode::Albedo, middle), [0.735_357, 0.537_099, 0.388_573]);
             // The scene is larger than the way to the target, which is then middle grey; the ball's front is at 4 m of 5.
-            near(show(Mode::Depth, middle), [5.0 / 9.0; 3]);
+            near(show(Mode::Depth, middle), [1.0 / (1.0 + 0.64); 3]);
             for mode in Mode::ALL.into_iter().filter(|mode| !mode.traces_paths() && *mode != Mode::Preview) {
                 assert_eq!(show(mode, corner), [0; 3], "{}: nothing is there", mode.name());
             }
