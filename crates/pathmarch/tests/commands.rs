@@ -1,5 +1,7 @@
 //! The command line: what it prints, what it writes, and its exit codes.
 
+use pathmarch_render::Mode;
+use pathmarch_render::image::load;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -54,6 +56,41 @@ fn a_render_may_be_bounded_in_time() {
     for bad in ["0", "-1", "NaN", "soon"] {
         let output = pathmarch(&[&arguments[..], &[&format!("--seconds={bad}")]].concat(), directory.path());
         assert_eq!(code(&output), 2, "{bad}");
+    }
+}
+
+#[test]
+fn a_picture_shows_what_its_mode_says() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let scene = scene("diffuse-sphere.kdl");
+    let render = |mode: &str, more: &[&str]| {
+        let fixed = ["render", &scene, "--size", "32x18", "--backend", "cpu", "--mode", mode];
+        pathmarch(&[&fixed[..], more].concat(), directory.path())
+    };
+    for mode in Mode::ALL.map(Mode::name) {
+        let path = directory.path().join("a.exr");
+        let samples: &[&str] = if mode == "path" || mode == "variance" { &["--samples", "2"] } else { &[] };
+        let output = render(mode, &[&["-o", "a.exr"], samples].concat());
+        assert_eq!(code(&output), 0, "{mode}: {}", stderr(&output));
+        let loaded = load(&path).expect("written");
+        let provenance = loaded.provenance.expect("our own");
+        // Modes without noise need no more samples than smooth edges do.
+        assert_eq!((provenance.mode.as_str(), provenance.samples), (mode, if samples.is_empty() { 16 } else { 2 }));
+    }
+    // Neither exposure nor tone curve touches a view.
+    for exposure in ["0", "5"] {
+        let output = render("normal", &["-o", &format!("{exposure}.png"), "--exposure", exposure, "--samples", "1"]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+    }
+    let [plain, exposed] = ["0.png", "5.png"].map(|name| std::fs::read(directory.path().join(name)).expect("written"));
+    assert_eq!(plain, exposed);
+    let output = render("fog", &[]);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("expected one of path, preview, albedo"), "{}", stderr(&output));
+    let help = pathmarch(&["render", "--help"], directory.path());
+    let help = String::from_utf8_lossy(&help.stdout).into_owned();
+    for mode in Mode::ALL {
+        assert!(help.contains(mode.name()), "{} in {help}", mode.name());
     }
 }
 

@@ -51,8 +51,7 @@ pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
 fn numbers_of_mode(prepared: &Prepared) -> String {
     let mut code = String::from("\n");
     if let Some(preview) = &prepared.preview {
-        // Near misses are those of what casts shadows.
-        let distances = [("whole_distance", &preview.occluders[..]), ("near_distance", &preview.neighbours[..])];
+        let distances = [("occluder_distance", &preview.occluders[..]), ("near_distance", &preview.neighbours[..])];
         code += &Program::distances_to(&prepared.field, &distances);
         code += &constants(prepared);
     } else {
@@ -70,7 +69,7 @@ fn numbers_of_mode(prepared: &Prepared) -> String {
 
 fn constants(prepared: &Prepared) -> String {
     let Features { absorption, transmission, chooses_lobes, fast_caustics, penumbra, light_search } = prepared.features;
-    let near_misses = if penumbra || prepared.preview.is_some() {
+    let near_misses = if penumbra {
         transport::PENUMBRA
     } else {
         "fn near_misses(ray: Ray, limit: f32, sharpness: f32) -> f32 {\n    return 1.0;\n}\n"
@@ -107,7 +106,11 @@ fn constants(prepared: &Prepared) -> String {
     ] {
         constant(name, &format_args!("{value}u"));
     }
-    code + "\n" + near_misses
+    if prepared.preview.is_none() {
+        code.push('\n');
+        code += near_misses;
+    }
+    code
 }
 
 /// The functions of the materials in use, and the choice among them.

@@ -88,5 +88,5 @@ pub(crate) fn kernel(mode: Mode) -> &'static [&'static str] {
     }
 }
 
-/// For scenes whose shadows are softened by near misses, and for previews.
+/// Only for scenes whose shadows are softened by near misses.
 pub(crate) const PENUMBRA: &str = include_str!("penumbra.wgsl");

@@ -2,7 +2,7 @@
 //!
 //! **Idea.** One ray through the pixel; at what it meets, direct light of every light as if nothing were in its way, shadows
 //! of the strongest [`SHADOWED`] by near misses of the march, one glossy highlight, light from all around times ambient
-//! occlusion, and one mirror reflection that is shaded in the same way. Clear surfaces let the ray go straight on. Nothing is
+//! occlusion, and one mirror reflection that is shaded in the same way. Clear surfaces bend the ray by Snell's law and let it go on. Nothing is
 //! drawn at random: a sample is the same for every seed, and the first one goes through the middle of the pixel.
 //!
 //! **Sources.** Carvalho 2020, section 3.3. Penumbrae: Quilez 2010, "Soft shadows in raymarched SDFs", here as wide as the
@@ -12,7 +12,8 @@
 //! [`probe`](super::probe).
 //!
 //! **What it is not.** Light from all around is one function of the normal for the whole picture; what hides it is guessed.
-//! Lamps and glass cast no shadows. Near misses darken outwards from the edge of the shadow only. Refraction is straight.
+//! Lamps and glass cast no shadows. Near misses darken outwards from the edge of the shadow only. Within clear solids only
+//! total reflection is followed.
 //! Rough reflections are a mixture of a sharp one and of light from all around. Only the strongest lights of a point have
 //! shadows there, and at most [`MAX_LIGHTS`] are known. A picture of the sky lights from all around, without shadows.
 //!
@@ -42,13 +43,19 @@ const THROUGH: u32 = 8;
 /// Surfaces along the reflection.
 const REFLECTED: u32 = 3;
 /// Lights that have shadows at a point.
-const SHADOWED: usize = 4;
+const SHADOWED: usize = 3;
+/// Lights that are weaker than this part of the strongest one cast none.
+const WEAK: f32 = 0.1;
 /// Lights that are known.
 const MAX_LIGHTS: usize = 64;
 /// Reflections that add less than this are left out.
 const FAINT: f32 = 0.01;
+/// Steps of a shadow's march, each at least this part of the radius of the light's cone.
+const SHADOW_STEPS: (u32, f32) = (96, 0.5);
+/// How much each of the five distances of ambient occlusion hides at most.
+const HIDES: f32 = 0.15;
 /// The hardest shadow: one over the sine of half the angle that its light fills.
-const HARDEST: f32 = 128.0;
+const HARDEST: f32 = 64.0;
 
 /// Numbers of a material; the layout is that of `look` in `preview.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -59,6 +66,7 @@ struct LookRecord {
     /// Mirrored straight on and grazing.
     mirrored: [[f32; 3]; 2],
     transmitted: [f32; 3],
+    ior: f32,
 }
 
 /// What a preview needs beyond what paths do.
@@ -100,6 +108,7 @@ impl Preview {
                 roughness: look.roughness,
                 mirrored: look.mirrored,
                 transmitted: look.transmitted,
+                ior: look.ior,
             }
         };
         let objects = scene.field.object_bounds().len();
@@ -158,6 +167,15 @@ struct Walk {
     before: f32,
     weight: Vec3,
     medium: Vec3,
+}
+
+/// What a surface mirrors.
+struct Gloss {
+    straight: Vec3,
+    grazing: Vec3,
+    roughness: f32,
+    /// Share of lamps that the reflection does not show.
+    blurred: f32,
 }
 
 /// Light that a shadow may hide.
@@ -238,10 +256,11 @@ impl Follower<'_> {
             }
             let seen = visible(prepared, &met, self.sample);
             let open = self.unoccluded(&seen);
-            let mut hidable = Vec::new();
+            // By rank, so that the rays of a chunk go towards one light.
+            let mut hidable = std::array::from_fn(|_| Vec::new());
             walks = Vec::new();
             for ((walk, seen), open) in reached.iter().zip(&seen).zip(open) {
-                let goes_on = self.shade(walk, seen, open, &mut has_reflection[walk.slot], &mut hidable);
+                let goes_on = self.shade(walk, seen, open, !mirrored, &mut has_reflection[walk.slot], &mut hidable);
                 match goes_on {
                     Some(next) if surface + 1 == surfaces => {
                         self.colours[next.slot] += next.weight * self.preview.blurred(next.ray.direction);
@@ -250,7 +269,7 @@ impl Follower<'_> {
                     None => {}
                 }
             }
-            self.cast_shadows(&hidable);
+            hidable.iter().for_each(|hidable| self.cast_shadows(hidable));
         }
     }
 
@@ -260,8 +279,9 @@ impl Follower<'_> {
         walk: &Walk,
         seen: &Visible,
         open: f32,
+        is_reflection: bool,
         has_reflection: &mut bool,
-        hidable: &mut Vec<Hidable>,
+        hidable: &mut [Vec<Hidable>; SHADOWED],
     ) -> Option<Walk> {
         let (prepared, preview) = (self.prepared, self.preview);
         let m = prepared.leaves[seen.leaf].material as usize;
@@ -282,7 +302,7 @@ impl Follower<'_> {
         // What is mirrored within a clear solid is left out.
         let mirrored =
             if clear && seen.inside { Vec3::ZERO } else { straight + (grazing - straight) * (1.0 - cosine).powi(5) };
-        let sharp = 1.0 - smoothstep(0.15, 0.5, look.roughness);
+        let sharp = 1.0 - smoothstep(0.05, 0.45, look.roughness);
         let reflection = direction + n * (2.0 * cosine);
         let mut blurred = 1.0;
         if !*has_reflection && (walk.weight * mirrored).max_element() * sharp > FAINT {
@@ -296,63 +316,86 @@ impl Follower<'_> {
         }
         let diffuse = Vec3::from(look.diffuse) * (Vec3::ONE - mirrored) / PI;
         let around = diffuse * preview.irradiance(n) + mirrored * preview.blurred(reflection) * blurred;
-        self.colours[walk.slot] += walk.weight * around * open;
-        self.light(walk, seen, diffuse, [straight, grazing], look.roughness, blurred, hidable);
         if !clear {
+            let open = Vec3::splat(open) / (Vec3::ONE - Vec3::from(look.diffuse) * (1.0 - open));
+            let gloss = Gloss { straight, grazing, roughness: look.roughness, blurred };
+            self.colours[walk.slot] += walk.weight * around * open;
+            self.light(walk, seen, diffuse, &gloss, if is_reflection { 1 } else { SHADOWED }, hidable);
             return None;
         }
+        self.colours[walk.slot] += walk.weight * around;
+        if !seen.inside {
+            let gloss = Gloss { straight, grazing, roughness: look.roughness, blurred };
+            self.light(walk, seen, diffuse, &gloss, 0, hidable);
+        }
+        let eta = if seen.inside { look.ior } else { 1.0 / look.ior };
+        let Some(bent) = refract(direction, n, eta) else {
+            // Total reflection.
+            let ray = Ray { origin: seen.p + seen.away, direction: reflection.normalize() };
+            return Some(Walk { ray, ..*walk });
+        };
         let passes = walk.weight * transmitted * (Vec3::ONE - mirrored);
-        self.colours[walk.slot] += passes * preview.blurred(direction) * (1.0 - sharp);
+        self.colours[walk.slot] += passes * preview.blurred(bent) * (1.0 - sharp);
         Some(Walk {
-            ray: Ray { origin: seen.p - seen.away, direction },
+            ray: Ray { origin: seen.p - seen.away, direction: bent.normalize() },
             weight: passes * sharp,
             medium: medium_beyond(walk.medium, Vec3::from(material.absorption), seen.inside),
             ..*walk
         })
     }
 
-    /// Adds the light of all lights: the strongest to `hidable`, the others at once.
-    #[expect(clippy::too_many_arguments, reason = "they are what a surface is, and are used once")]
+    /// Adds the light of all lights: the strongest, `shadows` of them, to `hidable`, the others at once.
     fn light(
         &mut self,
         walk: &Walk,
         seen: &Visible,
         diffuse: Vec3,
-        mirrored: [Vec3; 2],
-        roughness: f32,
-        blurred: f32,
-        hidable: &mut Vec<Hidable>,
+        gloss: &Gloss,
+        shadows: usize,
+        hidable: &mut [Vec<Hidable>; SHADOWED],
     ) {
         let prepared = self.prepared;
         // Off the surface by a pixel, so that the march has a start.
         let origin = seen.p + seen.away + seen.normal * (10.0 * prepared.frame.tolerance * walk.before);
-        let nothing = Hidable { slot: walk.slot, colour: Vec3::ZERO, ray: walk.ray, limit: 0.0, sharpness: 0.0 };
-        let mut strongest = [nothing; SHADOWED];
-        for &(index, radius) in &self.preview.lights {
+        let falls = |(index, radius): (u32, f32)| {
             let light = &prepared.lights[index as usize];
-            let falls = falling(light, radius, seen.p, seen.normal);
+            (light, falling(light, radius, seen.p, seen.normal))
+        };
+        let mut strongest = [(Vec3::ZERO, 0); SHADOWED];
+        for (k, &known) in self.preview.lights.iter().enumerate() {
+            let (light, falls) = falls(known);
             if falls.irradiance.max_element() <= 0.0 {
                 continue;
             }
-            // A lamp that the reflection shows needs no highlight.
-            let shown = light.kind > SUN || falls.sine > 0.0;
-            let gloss = highlight(&falls, -walk.ray.direction, seen.normal, mirrored, roughness);
-            let gloss = gloss * if shown { blurred } else { 1.0 };
-            let mut lit = Hidable {
-                slot: walk.slot,
-                colour: walk.weight * (diffuse + gloss) * falls.irradiance,
-                ray: Ray { origin, direction: above(falls.direction, seen.normal) },
-                limit: falls.distance,
-                sharpness: sharpness(&falls, light.penumbra, seen.normal),
-            };
+            let mut scattered = diffuse;
+            if gloss.grazing.max_element() > 0.0 {
+                // A lamp that the reflection shows needs no highlight.
+                let shown = light.kind > SUN || falls.sine > 0.0;
+                let highlight = highlight(&falls, -walk.ray.direction, seen.normal, gloss);
+                scattered += highlight * if shown { gloss.blurred } else { 1.0 };
+            }
+            let mut lit = (walk.weight * scattered * falls.irradiance, k);
             for place in &mut strongest {
-                if lit.colour.max_element() > place.colour.max_element() {
+                if lit.0.max_element() > place.0.max_element() {
                     std::mem::swap(place, &mut lit);
                 }
             }
-            self.colours[walk.slot] += lit.colour;
+            self.colours[walk.slot] += lit.0;
         }
-        hidable.extend(strongest.into_iter().filter(|lit| lit.colour.max_element() > 0.0));
+        for (rank, &(colour, k)) in strongest.iter().enumerate() {
+            if colour.max_element() <= WEAK * strongest[0].0.max_element() || rank >= shadows {
+                self.colours[walk.slot] += colour;
+                continue;
+            }
+            let (light, falls) = falls(self.preview.lights[k]);
+            hidable[rank].push(Hidable {
+                slot: walk.slot,
+                colour,
+                ray: Ray { origin, direction: above(falls.direction, seen.normal) },
+                limit: falls.distance,
+                sharpness: sharpness(&falls, light.penumbra, seen.normal),
+            });
+        }
     }
 
     /// How much of all directions is open before each surface, from a few distances along its normal.
@@ -372,7 +415,7 @@ impl Follower<'_> {
                 hidden += (f32x8::ONE - distance * f32x8::splat(1.0 / height)).fast_max(f32x8::ZERO);
                 height *= 0.5;
             }
-            result.extend(hidden.to_array().into_iter().take(chunk.len()).map(|hidden| 1.0 - 0.16 * hidden));
+            result.extend(hidden.to_array().into_iter().take(chunk.len()).map(|hidden| 1.0 - HIDES * hidden));
         }
         result
     }
@@ -390,7 +433,7 @@ impl Follower<'_> {
             let start = number(&|lit| tolerance(&prepared.frame, lit.ray.origin, 0.0));
             let reach = [start, number(&|lit| lit.limit)];
             let distance = |p| prepared.field.distance_to(p, &preview.occluders);
-            let left = near_misses(&prepared.frame, ray, reach, number(&|lit| lit.sharpness), distance);
+            let left = near_misses(&prepared.frame, ray, reach, number(&|lit| lit.sharpness), SHADOW_STEPS, distance);
             for (lit, left) in chunk.iter().zip(left.to_array()) {
                 self.colours[lit.slot] += lit.colour * left;
             }
@@ -401,6 +444,13 @@ impl Follower<'_> {
 fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
+}
+
+/// A direction bent by a surface, `eta` being the index before it over that beyond; `None` where all is mirrored.
+fn refract(direction: Vec3, n: Vec3, eta: f32) -> Option<Vec3> {
+    let cosine = direction.dot(n);
+    let square = 1.0 - eta * eta * (1.0 - cosine * cosine);
+    (square > 0.0).then(|| direction * eta - n * (eta * cosine + square.sqrt()))
 }
 
 /// A direction lifted above the surface, where part of a light is below its horizon.
@@ -416,16 +466,21 @@ fn sharpness(falls: &Falling, penumbra: f32, n: Vec3) -> f32 {
 }
 
 /// BRDF of the highlight of a light, 1/sr; `view` is towards the eye.
-fn highlight(falls: &Falling, view: Vec3, n: Vec3, [straight, grazing]: [Vec3; 2], roughness: f32) -> Vec3 {
-    let alpha = (roughness * roughness).max(0.02);
+fn highlight(falls: &Falling, view: Vec3, n: Vec3, gloss: &Gloss) -> Vec3 {
+    let alpha = (gloss.roughness * gloss.roughness).max(0.02);
     // The direction to the part of the light that is nearest to the reflection.
     let reflection = n * (2.0 * n.dot(view)) - view;
     let across = reflection * falls.direction.dot(reflection) - falls.direction;
     let nearest = falls.direction + across * (falls.sine / across.length().max(1e-6)).min(1.0);
     let half = (nearest.normalize() + view).normalize_or(n);
-    let widened = alpha / (alpha + 0.5 * falls.sine).min(1.0);
     let exponent = 2.0 / (alpha * alpha) - 2.0;
+    let cosine = n.dot(half).max(0.0);
+    // Far from the highlight there is none.
+    if exponent * (1.0 - cosine) > 12.0 {
+        return Vec3::ZERO;
+    }
+    let widened = alpha / (alpha + 0.5 * falls.sine).min(1.0);
     let peak = (exponent + 8.0) / (8.0 * PI) * widened * widened;
-    let fresnel = straight + (grazing - straight) * (1.0 - half.dot(view).clamp(0.0, 1.0)).powi(5);
-    fresnel * (peak * n.dot(half).max(0.0).powf(exponent))
+    let fresnel = gloss.straight + (gloss.grazing - gloss.straight) * (1.0 - half.dot(view).clamp(0.0, 1.0)).powi(5);
+    fresnel * (peak * cosine.powf(exponent))
 }

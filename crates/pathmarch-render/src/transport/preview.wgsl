@@ -2,14 +2,20 @@
 
 const THROUGH = 8u;
 const REFLECTED = 3u;
-const SHADOWED = 4u;
+const SHADOWED = 3u;
 const FAINT = 0.01;
-const HARDEST = 128.0;
+const WEAK = 0.1;
+const HARDEST = 64.0;
+const HIDES = 0.15;
+const SHADOW_STEPS = 96u;
+const COARSE = 0.5;
+/// A long step may pass a surface no farther than half of it: so near is in the shadow.
+const PASSED = 0.25;
 const INVERSE_PI = 0.31830989;
 
 /// Where the lights, and behind them the materials, stand in the mode's numbers.
 const FIRST_LIGHT = 29u;
-const LOOK_SIZE = 13u;
+const LOOK_SIZE = 14u;
 
 /// A material.
 struct Look {
@@ -18,14 +24,7 @@ struct Look {
     straight: vec3f,
     grazing: vec3f,
     transmitted: vec3f,
-}
-
-/// Light that a shadow may hide.
-struct Hidable {
-    colour: vec3f,
-    limit: f32,
-    direction: vec3f,
-    sharpness: f32,
+    ior: f32,
 }
 
 fn mode_number(k: u32) -> f32 {
@@ -38,7 +37,7 @@ fn mode_colour(k: u32) -> vec3f {
 
 fn look_of(m: u32) -> Look {
     let k = FIRST_LIGHT + 2u * tables[MODE_TABLE + 28u] + LOOK_SIZE * m;
-    return Look(mode_colour(k), mode_number(k + 3u), mode_colour(k + 4u), mode_colour(k + 7u), mode_colour(k + 10u));
+    return Look(mode_colour(k), mode_number(k + 3u), mode_colour(k + 4u), mode_colour(k + 7u), mode_colour(k + 10u), mode_number(k + 13u));
 }
 
 /// Irradiance from all around on a surface with this normal.
@@ -65,7 +64,9 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
     var medium = frame.medium;
     var before = 0.0;
     var surfaces_left = THROUGH;
+    // Whether this is the camera's ray and has no reflection yet.
     var may_mirror = true;
+    var is_reflection = false;
     // The reflection that waits; none where its weight is 0.
     var mirror = Ray(vec3f(0.0), vec3f(0.0));
     var mirror_weight = vec3f(0.0);
@@ -93,7 +94,7 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
                 let grazing = max(look.grazing * (1.0 - look.roughness), look.straight);
                 let fresnel = look.straight + (grazing - look.straight) * fifth(1.0 - cosine);
                 let mirrored = select(fresnel, vec3f(0.0), clear && seen.inside);
-                let sharp = 1.0 - smoothstep(0.15, 0.5, look.roughness);
+                let sharp = 1.0 - smoothstep(0.05, 0.45, look.roughness);
                 let reflection = ray.direction + n * (2.0 * cosine);
                 var blurred = 1.0;
                 if may_mirror && largest(weight * mirrored) * sharp > FAINT {
@@ -106,15 +107,29 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
                 }
                 let diffuse = look.diffuse * (vec3f(1.0) - mirrored) * INVERSE_PI;
                 let around = diffuse * irradiance_around(n) + mirrored * blurred_around(reflection) * blurred;
-                colour += weight * around * unoccluded(seen);
-                colour += weight * lit(seen, -ray.direction, before, diffuse, look.straight, grazing, look.roughness, blurred);
+                var open = vec3f(1.0);
+                if !clear {
+                    open = unoccluded(seen, look.diffuse);
+                }
+                colour += weight * around * open;
+                if !(clear && seen.inside) {
+                    let gloss = Gloss(look.straight, grazing, look.roughness, blurred);
+                    let shadows = select(select(SHADOWED, 1u, is_reflection), 0u, clear);
+                    colour += weight * lit(seen, -ray.direction, before, diffuse, gloss, shadows);
+                }
                 if clear {
-                    let passes = weight * look.transmitted * (vec3f(1.0) - mirrored);
-                    colour += passes * blurred_around(ray.direction) * (1.0 - sharp);
-                    weight = passes * sharp;
-                    let absorbed = materials[m].absorption;
-                    medium = max(select(medium + absorbed, medium - absorbed, seen.inside), vec3f(0.0));
-                    ray.origin = seen.p - seen.away;
+                    let bent = refract(ray.direction, n, select(1.0 / look.ior, look.ior, seen.inside));
+                    if all(bent == vec3f(0.0)) {
+                        // Total reflection.
+                        ray = Ray(seen.p + seen.away, normalize(reflection));
+                    } else {
+                        let passes = weight * look.transmitted * (vec3f(1.0) - mirrored);
+                        colour += passes * blurred_around(bent) * (1.0 - sharp);
+                        weight = passes * sharp;
+                        let absorbed = materials[m].absorption;
+                        medium = max(select(medium + absorbed, medium - absorbed, seen.inside), vec3f(0.0));
+                        ray = Ray(seen.p - seen.away, normalize(bent));
+                    }
                     goes_on = true;
                 }
             }
@@ -135,62 +150,103 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
         before = mirror_before;
         mirror_weight = vec3f(0.0);
         may_mirror = false;
+        is_reflection = true;
         surfaces_left = REFLECTED;
     }
     return colour;
 }
 
-/// How much of all directions is open before a surface.
-fn unoccluded(seen: Visible) -> f32 {
+/// How much of the light from all around comes to a surface of this albedo.
+fn unoccluded(seen: Visible, albedo: vec3f) -> vec3f {
     var hidden = 0.0;
     var height = mode_number(27u);
     for (var k = 0u; k < 5u; k++) {
         hidden += max(1.0 - near_distance(seen.p + seen.normal * height) / height, 0.0);
         height *= 0.5;
     }
-    return 1.0 - 0.16 * hidden;
+    let open = 1.0 - HIDES * hidden;
+    return vec3f(open) / (vec3f(1.0) - albedo * (1.0 - open));
 }
 
-/// What a surface shows of all lights; shadows are cast for the strongest.
-fn lit(
-    seen: Visible, view: vec3f, before: f32, diffuse: vec3f, straight: vec3f, grazing: vec3f, roughness: f32, blurred: f32,
-) -> vec3f {
+/// What a surface mirrors.
+struct Gloss {
+    straight: vec3f,
+    grazing: vec3f,
+    roughness: f32,
+    /// Share of lamps that the reflection does not show.
+    blurred: f32,
+}
+
+/// What a surface shows of all lights; the strongest cast shadows.
+fn lit(seen: Visible, view: vec3f, before: f32, diffuse: vec3f, gloss: Gloss, shadows: u32) -> vec3f {
     var colour = vec3f(0.0);
     if !HAS_LIGHTS {
         return colour;
     }
-    var strongest: array<Hidable, SHADOWED>;
+    // Colour, and the place of the light among the known ones.
+    var strongest: array<vec4f, SHADOWED>;
+    let glossy = largest(gloss.grazing) > 0.0;
     let count = tables[MODE_TABLE + 28u];
     for (var k = 0u; k < count; k++) {
-        let light = lights[tables[MODE_TABLE + FIRST_LIGHT + 2u * k]];
-        let falls = falling(light, mode_number(FIRST_LIGHT + 2u * k + 1u), seen.p, seen.normal);
+        let light = known_light(k);
+        let falls = falling(light, known_radius(k), seen.p, seen.normal);
         if largest(falls.irradiance) <= 0.0 {
             continue;
         }
-        let shown = light.kind > SUN || falls.sine > 0.0;
-        let gloss = highlight(falls, view, seen.normal, straight, grazing, roughness) * select(1.0, blurred, shown);
-        let towards = falls.direction + seen.normal * max(0.1 - dot(falls.direction, seen.normal), 0.0);
-        var one = Hidable(
-            (diffuse + gloss) * falls.irradiance, falls.distance, normalize(towards),
-            shadow_sharpness(falls, light.penumbra, seen.normal),
-        );
-        for (var place = 0u; place < SHADOWED; place++) {
-            if largest(one.colour) > largest(strongest[place].colour) {
-                let other = strongest[place];
-                strongest[place] = one;
-                one = other;
-            }
+        var scattered = diffuse;
+        if glossy {
+            let shown = light.kind > SUN || falls.sine > 0.0;
+            scattered += highlight(falls, view, seen.normal, gloss) * select(1.0, gloss.blurred, shown);
         }
-        colour += one.colour;
+        var one = vec4f(scattered * falls.irradiance, f32(k));
+        for (var place = 0u; place < SHADOWED; place++) {
+            let other = strongest[place];
+            let stronger = largest(one.xyz) > largest(other.xyz);
+            strongest[place] = select(other, one, stronger);
+            one = select(one, other, stronger);
+        }
+        colour += one.xyz;
     }
     let origin = seen.p + seen.away + seen.normal * (10.0 * frame.tolerance * before);
     for (var place = 0u; place < min(count, SHADOWED); place++) {
         let one = strongest[place];
-        if largest(one.colour) > 0.0 {
-            colour += one.colour * near_misses(Ray(origin, one.direction), one.limit, one.sharpness);
+        if largest(one.xyz) <= WEAK * largest(strongest[0].xyz) || place >= shadows {
+            colour += one.xyz;
+            continue;
         }
+        let light = known_light(u32(one.w));
+        let falls = falling(light, known_radius(u32(one.w)), seen.p, seen.normal);
+        let towards = falls.direction + seen.normal * max(0.1 - dot(falls.direction, seen.normal), 0.0);
+        let sharpness = shadow_sharpness(falls, light.penumbra, seen.normal);
+        colour += one.xyz * coarse_near_misses(Ray(origin, normalize(towards)), falls.distance, sharpness);
     }
     return colour;
+}
+
+fn known_light(k: u32) -> Light {
+    return lights[tables[MODE_TABLE + FIRST_LIGHT + 2u * k]];
+}
+
+fn known_radius(k: u32) -> f32 {
+    return mode_number(FIRST_LIGHT + 2u * k + 1u);
+}
+
+/// As `near_misses`, in fewer and longer steps: at least a part of the radius of the light's cone.
+fn coarse_near_misses(ray: Ray, limit: f32, sharpness: f32) -> f32 {
+    var light = 1.0;
+    let last = min(limit, frame.far);
+    let least = COARSE / sharpness;
+    var t = tolerance(ray.origin, 0.0);
+    for (var step = 0u; step < SHADOW_STEPS; step++) {
+        let distance = occluder_distance(ray.origin + ray.direction * t) * frame.step_factor;
+        light = min(light, sharpness * distance / t);
+        t += max(distance, t * least);
+        if light < PASSED || t > last {
+            break;
+        }
+    }
+    light = max(light - PASSED, 0.0) / (1.0 - PASSED);
+    return light * light * (3.0 - 2.0 * light);
 }
 
 /// How hard the edge of a shadow is. The surface itself is not taken for a near miss.
@@ -201,16 +257,21 @@ fn shadow_sharpness(falls: Falling, penumbra: f32, n: vec3f) -> f32 {
 }
 
 /// BRDF of the highlight of a light, 1/sr; `view` is towards the eye.
-fn highlight(falls: Falling, view: vec3f, n: vec3f, straight: vec3f, grazing: vec3f, roughness: f32) -> vec3f {
-    let alpha = max(roughness * roughness, 0.02);
+fn highlight(falls: Falling, view: vec3f, n: vec3f, gloss: Gloss) -> vec3f {
+    let alpha = max(gloss.roughness * gloss.roughness, 0.02);
     let reflection = n * (2.0 * dot(n, view)) - view;
     let across = reflection * dot(falls.direction, reflection) - falls.direction;
     let nearest = falls.direction + across * min(falls.sine / max(length(across), 1e-6), 1.0);
     let sum = normalize(nearest) + view;
     let half = select(n, sum / max(length(sum), 1e-6), dot(sum, sum) > 1e-12);
-    let widened = alpha / min(alpha + 0.5 * falls.sine, 1.0);
     let exponent = 2.0 / (alpha * alpha) - 2.0;
+    let cosine = max(dot(n, half), 0.0);
+    // Far from the highlight there is none.
+    if exponent * (1.0 - cosine) > 12.0 {
+        return vec3f(0.0);
+    }
+    let widened = alpha / min(alpha + 0.5 * falls.sine, 1.0);
     let peak = (exponent + 8.0) / (8.0 * 3.14159265) * widened * widened;
-    let fresnel = straight + (grazing - straight) * fifth(1.0 - clamp(dot(half, view), 0.0, 1.0));
-    return fresnel * (peak * pow(max(dot(n, half), 0.0), exponent));
+    let fresnel = gloss.straight + (gloss.grazing - gloss.straight) * fifth(1.0 - clamp(dot(half, view), 0.0, 1.0));
+    return fresnel * (peak * pow(cosine, exponent));
 }

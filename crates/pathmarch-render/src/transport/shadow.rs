@@ -44,7 +44,7 @@ pub(super) fn arriving(prepared: &Prepared, connections: Vec<Connection>) -> Vec
             let reach = [tolerance(&prepared.frame, ray.origin, 0.0), light.distance];
             let ray = [ray.origin, ray.direction].map(|v| FieldVec3::new(v.x, v.y, v.z));
             let distance = |p| prepared.field.distance(p);
-            let light = near_misses(&prepared.frame, ray, reach, light.penumbra, distance);
+            let light = near_misses(&prepared.frame, ray, reach, light.penumbra, (MAX_STEPS, 0.0), distance);
             let left = left_after(connection.medium, connection.light.distance);
             arrived.push((connection.slot, connection.radiance * left * light));
         } else {
@@ -125,23 +125,29 @@ fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<Hit>) 
 }
 
 /// The share of a light that the nearest of the near misses leaves, for as many rays as the number is wide; `start` is where
-/// they begin. Everything is marched, for nothing met in closed form is nearly met.
+/// they begin. Everything is marched, for nothing met in closed form is nearly met. Steps are at least `coarse` times the
+/// radius of the light's cone there.
 pub(super) fn near_misses<N: Batch>(
     frame: &Frame,
     [origin, direction]: [FieldVec3<N>; 2],
     [start, limit]: [N; 2],
     sharpness: N,
+    (steps, coarse): (u32, f32),
     distance: impl Fn(FieldVec3<N>) -> N,
 ) -> N {
     let last = limit.min(N::constant(frame.far));
-    let (none, factor) = (N::constant(0.001), N::constant(frame.step_factor));
-    let [light, _] = N::iterate(N::constant(MAX_STEPS as f32), MAX_STEPS, [N::one(), start], |[light, t]| {
+    let least = N::constant(coarse) / sharpness;
+    let factor = N::constant(frame.step_factor);
+    // A long step may pass a surface no farther than half of it: so near is in the shadow.
+    let passed = 0.5 * coarse;
+    let dark = N::constant(if coarse > 0.0 { passed } else { 0.001 });
+    let [light, _] = N::iterate(N::constant(steps as f32), steps, [N::one(), start], |[light, t]| {
         let distance = distance(origin + direction * t) * factor;
         let light = light.min(sharpness * distance / t);
-        let t = t + distance;
-        ([light, t], !(light.lt(none) | last.lt(t)))
+        let t = t + distance.max(t * least);
+        ([light, t], !(light.lt(dark) | last.lt(t)))
     });
+    let light = N::select(light.lt(dark), N::zero(), (light - N::constant(passed)) / N::constant(1.0 - passed));
     // Smooth at both ends.
-    let light = N::select(light.lt(none), N::zero(), light);
     light * light * (N::constant(3.0) - N::constant(2.0) * light)
 }

@@ -4,9 +4,9 @@
 //! (albedo, object, material) or for each number of steps. Normals and depths are codes, which a screen shall show as they
 //! are, and become light by the inverse of the sRGB curve; the mean over a pixel is then one of light.
 //!
-//! - **Depth** z, along the camera's axis, has the code s / (s + z - a) for z beyond a, else 1. With D the distance from the
-//!   camera to its target and R the radius of what of the scene is limited, s = min(R, D) and a = D - s: white at the near
-//!   end of the scene, middle grey at its target, a third at its far end, black infinitely far.
+//! - **Depth** z, along the camera's axis, has the code 1 / (1 + ((z - a)/s)²) for z beyond a, else 1. With D the distance
+//!   from the camera to its target and R the radius of what of the scene is limited, s = min(R, D) and a = D - s: white at
+//!   the near end of the scene, middle grey at its target, a fifth at its far end, black infinitely far.
 //! - **Steps** are evaluations of the field of what must be marched, at most 256, on the scale of
 //!   [`heat`](crate::mode::heat): log2(1 + steps) / 8. Rays that evaluate nothing are black, also where they meet an object
 //!   in closed form. On the GPU the field's function counts its calls; the march knows nothing of it.
@@ -77,7 +77,8 @@ pub(crate) fn view(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> V
             Mode::Normal => Vec3::from((Vec3::splat(0.5) + 0.5 * seen.normal).to_array().map(srgb_decode)),
             Mode::Depth => {
                 let depth = (seen.p - Vec3::from(frame.position)).dot(Vec3::from(frame.forward));
-                Vec3::splat(srgb_decode(numbers[1] / (numbers[1] + (depth - numbers[0]).max(0.0))))
+                let beyond = (depth - numbers[0]).max(0.0) / numbers[1];
+                Vec3::splat(srgb_decode(1.0 / (1.0 + beyond * beyond)))
             }
             Mode::Albedo if is_dark(prepared, seen.leaf, seen.normal) => Vec3::ZERO,
             _ => colour(seen.leaf),

@@ -31,8 +31,8 @@ fn view_along(ray: Ray, random: Random) -> vec3f {
         return light_of_code(vec3f(0.5) + 0.5 * seen.normal);
     }
     if VIEW == VIEW_DEPTH {
-        let beyond = max(dot(seen.p - frame.position, frame.forward) - mode_number(0u), 0.0);
-        return light_of_code(vec3f(mode_number(1u) / (mode_number(1u) + beyond)));
+        let beyond = max(dot(seen.p - frame.position, frame.forward) - mode_number(0u), 0.0) / mode_number(1u);
+        return light_of_code(vec3f(1.0 / (1.0 + beyond * beyond)));
     }
     let dark = VIEW == VIEW_ALBEDO && (materials[leaves[seen.leaf].material].flags & EMITS) != 0u && !shines(seen.leaf, seen.normal);
     return select(mode_colour(seen.leaf), vec3f(0.0), dark);

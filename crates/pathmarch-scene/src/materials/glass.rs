@@ -47,6 +47,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         mirrored: [[head_on(values[1][0]); 3], if values[1][0] > 1.0 { [1.0; 3] } else { [0.0; 3] }],
         roughness: values[2][0],
         transmitted: values[0],
+        ior: values[1][0],
         ..Look::default()
     },
     bsdf: Some(&Bsdf {

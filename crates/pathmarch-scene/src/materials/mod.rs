@@ -81,7 +81,7 @@ pub struct MaterialKind {
 }
 
 /// A material in the few numbers of a quick picture, which scatters nothing at random: Lambert's surface under one glossy
-/// reflection, and what goes straight through. Colours are linear Rec. 709.
+/// reflection, and what passes. Colours are linear Rec. 709.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Look {
     /// Albedo of what scatters in all directions.
@@ -90,8 +90,10 @@ pub struct Look {
     pub mirrored: [[f32; 3]; 2],
     /// How blurred that is; 0 is a mirror.
     pub roughness: f32,
-    /// Share of what is not mirrored that goes straight on through the surface.
+    /// Share of what is not mirrored that passes the surface.
     pub transmitted: [f32; 3],
+    /// Refractive index, by which that is bent.
+    pub ior: f32,
 }
 
 /// How a kind of material scatters light.

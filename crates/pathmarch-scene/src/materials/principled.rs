@@ -79,6 +79,7 @@ fn look(values: &[[f32; 3]]) -> Look {
         mirrored: [below.map(|channel| channel + (1.0 - channel) * COAT_F0 * coat), [1.0; 3]],
         roughness: roughness + (coat_roughness - roughness) * share,
         transmitted: colour.map(|channel| channel * (1.0 - metallic) * transmission),
+        ior,
     }
 }
 
