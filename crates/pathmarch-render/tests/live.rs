@@ -127,6 +127,31 @@ fn a_moving_picture_is_small_and_grows_when_it_rests() {
 }
 
 #[test]
+fn orders_that_come_faster_than_pictures_still_show_some() {
+    let scene = scene();
+    for backend in backends() {
+        let mut live = Live::new(backend, None, || {});
+        let mut camera = scene.cameras[0].clone();
+        let mut serials = std::collections::BTreeSet::new();
+        let started = Instant::now();
+        // Each of these takes longer than the pause between them: without waiting for any, none would be seen.
+        while serials.len() < 5 {
+            camera.position[0] += 0.001;
+            let order = order(&scene, [1920, 1080], 1);
+            live.show(Order {
+                settings: Settings { viewpoint: Some(camera.clone()), ..order.settings },
+                moving: true,
+                frame_time: Duration::from_millis(40),
+                ..order
+            });
+            std::thread::sleep(Duration::from_millis(2));
+            serials.extend(live.picture().map(|shown| shown.serial));
+            assert!(started.elapsed() < PATIENCE, "{backend:?}: {} pictures", serials.len());
+        }
+    }
+}
+
+#[test]
 fn a_changed_scene_is_shown() {
     for backend in backends() {
         let mut live = Live::new(backend, None, || {});

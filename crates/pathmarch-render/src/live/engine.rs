@@ -22,6 +22,8 @@ const CPU_SLICE: Duration = Duration::from_millis(12);
 const SHOW_EVERY: Duration = Duration::from_millis(150);
 /// A kernel that is compiled within this time needs no other picture meanwhile.
 const COMPILED_AT_ONCE: Duration = Duration::from_millis(30);
+/// A new order waits this long at most for the first picture of the one before.
+const WAITED_FOR: Duration = Duration::from_millis(120);
 /// A first picture that is not there after this time was chosen too large.
 const TOO_LONG: Duration = Duration::from_millis(300);
 /// Times that a GPU that was lost is opened again, and how long after.
@@ -107,6 +109,8 @@ pub(super) struct Engine {
     gpu: Gpu,
     reopenings: u32,
     order: Option<(u64, Order)>,
+    /// What comes after the first picture of the present order.
+    next: Option<(u64, Order)>,
     prepared: Option<Prepared>,
     /// The kernel's text for the prepared scene.
     printed: Option<Printed>,
@@ -158,6 +162,7 @@ impl Engine {
             gpu: if backend == Backend::Cpu { Gpu::None } else { Gpu::Closed { from: now } },
             reopenings: 0,
             order: None,
+            next: None,
             prepared: None,
             printed: None,
             compiling: None,
@@ -225,9 +230,18 @@ impl Engine {
     }
 
     fn has_work(&self) -> bool {
+        if self.next.is_some() {
+            return true;
+        }
         let (Some((_, order)), Some(tracer)) = (&self.order, &self.tracer) else { return false };
         let target = if self.level == order.settings.size { order.settings.samples } else { LEVEL_SAMPLES };
         tracer.samples_done() < f64::from(target) || !order.moving && self.level != order.settings.size
+    }
+
+    /// Whether the first picture of an order is on its way. It is waited for a little while, so that orders that come faster
+    /// than pictures still show some.
+    fn is_about_to_show(&self) -> bool {
+        self.tracer.is_some() && self.awaited.is_some_and(|begun| begun.elapsed() < WAITED_FOR)
     }
 
     /// One round: orders, then what the background has finished, then a little work.
@@ -237,7 +251,10 @@ impl Engine {
         {
             device.device.destroy();
         }
-        if let Some((number, order)) = inbox.order {
+        self.next = inbox.order.or(self.next.take());
+        if (!self.is_about_to_show() || !inbox.films.is_empty())
+            && let Some((number, order)) = self.next.take()
+        {
             self.follow(number, order)?;
         }
         self.receive_kernel()?;

@@ -41,10 +41,15 @@ impl App {
             }
         });
         self.controls_of(ui, &item.path);
-        // Of what it is made, at hand.
-        let material = item.material.clone().filter(|_| item.kind != ItemKind::Material);
-        if let Some(material) = material {
-            self.linked_material(ui, &material);
+        // Of what it is made, at hand; where it does not say, of what it stands in.
+        if matches!(item.kind, ItemKind::Object | ItemKind::Shape | ItemKind::Operator) {
+            let Some(open) = &self.open else { return };
+            let up = |path: &Path| path.parent();
+            let around = std::iter::successors(Some(item.path.clone()), up);
+            let mut named = around.filter_map(|path| open.document.item(&path)?.material.clone());
+            if let Some(material) = named.next() {
+                self.linked_material(ui, &material);
+            }
         }
     }
 
