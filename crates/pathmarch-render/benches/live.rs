@@ -1,0 +1,161 @@
+//! How soon a live picture is there, and what it costs once nothing happens.
+//!
+//! `cargo bench -p pathmarch-render --bench live [SCENE…]` prints, for each scene and backend, medians of: the time from the
+//! order to the first picture and to the whole one (with a kernel that is not compiled yet), from a change of a number to
+//! its picture, from a change of structure to its picture and to the kernel's own, the size and time of pictures while the
+//! camera moves, and the processor time used in a second of rest.
+
+use pathmarch_render::live::{Live, Order, Shown, Status};
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::tonemap::Display;
+use pathmarch_render::{Backend, Settings};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+const SIZE: [u32; 2] = [1280, 720];
+const REPEATS: usize = 5;
+const FRAME_TIME: Duration = Duration::from_millis(33);
+
+fn order(scene: &Arc<Scene>, samples: u32) -> Order {
+    Order {
+        scene: scene.clone(),
+        settings: Settings { size: SIZE, samples, ..Settings::of(scene) },
+        display: Display::default(),
+        moving: false,
+        frame_time: FRAME_TIME,
+    }
+}
+
+/// Waits for a picture as wished; gives it, and the time since `since`.
+fn until(live: &Live, since: Instant, wished: impl Fn(&Shown, &Status) -> bool) -> (Arc<Shown>, Duration) {
+    loop {
+        if let Some(shown) = live.picture().filter(|shown| wished(shown, &live.status())) {
+            return (shown.clone(), shown.at.saturating_duration_since(since));
+        }
+        assert!(since.elapsed() < Duration::from_secs(300), "no picture: {:?}", live.status());
+        std::thread::sleep(Duration::from_micros(300));
+    }
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// Processor time of this process so far, seconds, where the system says so.
+fn processor_seconds() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
+    // User and system time, in hundredths of a second on every Linux of today.
+    Some((fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?) / 100.0)
+}
+
+/// The scene with another albedo-like number, and with one more shape.
+fn variants(text: &str, turn: usize) -> (String, String) {
+    let ball = format!("\nobject \"bench {turn}\" {{ sphere 0.1 {{ at 0 0.5 0 }} }}\n");
+    let box_ = format!("\nobject \"bench {turn}\" {{ link 0.1 0.1 0.0{} {{ at 0 0.5 0 }} }}\n", turn % 9 + 1);
+    let number = format!("{text}{}", ball.replace("0.1", &format!("0.{:02}", 10 + turn)));
+    (number, format!("{text}{box_}"))
+}
+
+struct Row {
+    first: Vec<f64>,
+    whole: Vec<f64>,
+    number: Vec<f64>,
+    structure: Vec<f64>,
+    compiled: Vec<f64>,
+    frame: Vec<f64>,
+    size: [u32; 2],
+    rest: Option<f64>,
+}
+
+fn measure(path: &Path, backend: Backend) -> Row {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).expect("a scene file");
+    let parse = |text: &str| Arc::new(Scene::parse(&name, text).expect("a scene"));
+    let (mut first, mut whole, mut number, mut structure, mut compiled, mut frame) =
+        (vec![], vec![], vec![], vec![], vec![], vec![]);
+    let (mut size, mut rest) = ([0; 2], None);
+    let is_gpu = backend == Backend::Gpu;
+    for turn in 0..REPEATS {
+        let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
+        let started = Instant::now();
+        let mut live = Live::new(backend, None, || {});
+        let scene = parse(&format!("{text}{}", "\nobject \"bench\" { sphere 0.1 { at 0 0.5 0 } }\n"));
+        let asked = live.show(order(&scene, 1));
+        let (_, time) = until(&live, started, |shown, _| shown.order == asked && shown.samples >= 1.0);
+        first.push(milliseconds(time));
+        let ready = |status: &Status| !is_gpu || status.backend != "CPU";
+        let done = |shown: &Shown, status: &Status| shown.size == SIZE && status.resting && ready(status);
+        let (_, time) = until(&live, started, done);
+        whole.push(milliseconds(time));
+        let (changed, other) = variants(&text, turn);
+        let since = Instant::now();
+        let scene = parse(&changed);
+        let asked = live.show(Order { moving: true, ..order(&scene, 1) });
+        let (_, time) = until(&live, since, |shown, _| shown.order == asked);
+        number.push(milliseconds(time));
+        let since = Instant::now();
+        let scene = parse(&other);
+        let asked = live.show(Order { moving: true, ..order(&scene, 1) });
+        let (_, time) = until(&live, since, |shown, _| shown.order == asked);
+        structure.push(milliseconds(time));
+        let (_, time) = until(&live, since, |shown, status| {
+            shown.order == asked && ready(status) && !status.compiling && shown.samples >= 1.0
+        });
+        compiled.push(milliseconds(time));
+        let mut camera = scene.cameras[0].clone();
+        for _ in 0..12 {
+            camera.position[0] += 0.01;
+            let still = order(&scene, 1);
+            let settings = Settings { viewpoint: Some(camera.clone()), ..still.settings };
+            let since = Instant::now();
+            let asked = live.show(Order { settings, moving: true, ..still });
+            let (shown, time) = until(&live, since, |shown, _| shown.order == asked);
+            frame.push(milliseconds(time));
+            size = shown.size;
+        }
+        live.show(order(&scene, 1));
+        until(&live, Instant::now(), done);
+        if let Some(before) = processor_seconds() {
+            std::thread::sleep(Duration::from_secs(1));
+            rest = processor_seconds().map(|after| after - before);
+        }
+    }
+    Row { first, whole, number, structure, compiled, frame, size, rest }
+}
+
+fn main() {
+    let given: Vec<PathBuf> =
+        std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).map(PathBuf::from).collect();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let usual = ["thesis/diffuse-sphere.kdl", "cornell.kdl", "glass-still-life.kdl"];
+    let scenes = if given.is_empty() { usual.iter().map(|scene| root.join(scene)).collect() } else { given };
+    println!("{} x {}, medians of {REPEATS}, milliseconds", SIZE[0], SIZE[1]);
+    println!(
+        "{:22} {:8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8} {:>10} {:>9}",
+        "scene", "backend", "first", "whole", "number", "structure", "compiled", "moving", "size", "rest"
+    );
+    for path in scenes {
+        for backend in [Backend::Cpu, Backend::Gpu] {
+            if backend == Backend::Gpu && pathmarch_render::Renderer::open(backend, None).is_err() {
+                continue;
+            }
+            let row = measure(&path, backend);
+            println!(
+                "{:22} {:8} {:8.1} {:8.1} {:8.1} {:9.1} {:9.1} {:8.1} {:>10} {:>9}",
+                path.file_stem().unwrap_or_default().to_string_lossy(),
+                format!("{backend:?}"),
+                median(row.first),
+                median(row.whole),
+                median(row.number),
+                median(row.structure),
+                median(row.compiled),
+                median(row.frame),
+                format!("{}x{}", row.size[0], row.size[1]),
+                row.rest.map_or("unknown".to_owned(), |seconds| format!("{:.0} ms/s", seconds * 1e3)),
+            );
+        }
+    }
+}
