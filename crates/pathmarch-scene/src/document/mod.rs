@@ -146,7 +146,7 @@ impl Document {
     pub fn last_good(&self) -> Option<&Arc<Scene>> {
         self.last_good.as_ref()
     }
-    /// A number that rises with every change of the text.
+    /// A number that rises whenever the text has changed, or has been read again.
     pub fn revision(&self) -> u64 {
         self.revision
     }
@@ -327,8 +327,8 @@ impl Document {
         objects.nth(object).map(|item| item.path.clone())
     }
     /// Indexes of the field's leaves that are in this node.
-    pub fn leaves_of(&self, path: &Path) -> std::ops::Range<usize> {
-        self.item(path).map_or(0..0, |item| item.leaves.0..item.leaves.0 + item.leaves.1)
+    pub fn leaves_of(&self, path: &Path) -> Vec<usize> {
+        self.item(path).map_or_else(Vec::new, |item| (item.leaves.0..item.leaves.0 + item.leaves.1).collect())
     }
     /// The line that a node starts on; the first is 1.
     pub fn line_of(&self, path: &Path) -> Option<usize> {

@@ -212,7 +212,7 @@ pub(super) fn group(work: &mut Work, paths: &[Path], operator: &str) -> Result<P
     let site = work.site(work.find(first)?);
     let range = site.range(&work.text);
     let patch = Patch::replace(range, chunk.indented(&site.indent(&work.text, work.style)));
-    work.last(vec![patch]);
+    work.then_count(first.parent().as_ref(), 0, patch)?;
     Ok(first.clone())
 }
 
@@ -262,8 +262,8 @@ pub(super) fn ungroup(work: &mut Work, path: &Path) -> Result<Vec<Path>, EditErr
         piece.push_str(&outer);
     }
     let patch = Patch::replace(bytes(site.node().whole), piece);
-    work.last(vec![patch]);
     let parent = path.parent();
+    work.then_count(parent.as_ref(), count as isize - 1, patch)?;
     let sibling = |index| parent.as_ref().map_or_else(|| Path::top(index), |parent| parent.child(index));
     Ok((path.index()..path.index() + count).map(sibling).collect())
 }
@@ -291,9 +291,9 @@ pub(super) fn duplicate(work: &mut Work, path: &Path) -> Result<Path, EditError>
         chunk = chunk.with(&Patch::replace(range.start - start..range.end - start, text));
     }
     let patch = site.insert_behind(&work.text, &chunk, work.style);
-    work.last(vec![patch]);
-    let index = path.index() + 1;
-    Ok(path.parent().map_or_else(|| Path::top(index), |parent| parent.child(index)))
+    let (parent, index) = (path.parent(), path.index() + 1);
+    work.then_count(parent.as_ref(), 1, patch)?;
+    Ok(parent.map_or_else(|| Path::top(index), |parent| parent.child(index)))
 }
 
 /// The parameters of a camera.

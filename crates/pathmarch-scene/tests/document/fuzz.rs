@@ -114,6 +114,13 @@ fn came_and_went(before: &[String], after: &[String]) -> (usize, usize) {
     (without(after, before).len(), without(before, after).len())
 }
 
+/// That so many nodes came and went, if the text is a scene: a mistake can make one node of several.
+fn assert_came_and_went(before: &[String], document: &Document, expected: (usize, usize)) {
+    if document.scene().is_ok() {
+        assert_eq!(came_and_went(before, &inventory(document)), expected, "{}", document.text());
+    }
+}
+
 fn size(item: &Item) -> usize {
     1 + item.children.iter().map(size).sum::<usize>()
 }
@@ -148,12 +155,12 @@ fn edit(document: &mut Document, dice: &mut Dice) -> Result<bool, EditError> {
             let Some(addition) = dice.pick(&additions) else { return Ok(true) };
             let added = document.add(parent, addition)?;
             let added = document.item(&added).expect("added");
-            assert_eq!(came_and_went(&before, &inventory(document)), (size(added), 0));
+            assert_came_and_went(&before, document, (size(added), 0));
             return Ok(true);
         }
         8 => {
             document.remove(path)?;
-            assert_eq!(came_and_went(&before, &inventory(document)), (0, size(&item)));
+            assert_came_and_went(&before, document, (0, size(&item)));
         }
         9 => {
             document.rename(path, dice.name())?;
@@ -165,7 +172,7 @@ fn edit(document: &mut Document, dice: &mut Dice) -> Result<bool, EditError> {
             let moved = document.move_to(path, parent.as_ref(), dice.below(8))?;
             let now = document.item(&moved).expect("moved");
             assert_eq!((&now.word, &now.name, now.children.len()), (&item.word, &item.name, item.children.len()));
-            assert_eq!(before, inventory(document));
+            assert_came_and_went(&before, document, (0, 0));
             return Ok(true);
         }
         12 => {
@@ -179,13 +186,13 @@ fn edit(document: &mut Document, dice: &mut Dice) -> Result<bool, EditError> {
             chosen.sort();
             chosen.dedup();
             assert_eq!(document.item(&group).map(|item| item.children.len()), Some(chosen.len()));
-            assert_eq!(came_and_went(&before, &inventory(document)), (1, 0));
+            assert_came_and_went(&before, document, (1, 0));
             return Ok(true);
         }
         13 => {
             let freed = document.ungroup(path)?;
             if item.material.is_none() {
-                assert_eq!(came_and_went(&before, &inventory(document)), (0, 1));
+                assert_came_and_went(&before, document, (0, 1));
             }
             assert_eq!(freed.len(), item.children.len());
             for (path, child) in freed.iter().zip(&item.children) {
@@ -195,7 +202,7 @@ fn edit(document: &mut Document, dice: &mut Dice) -> Result<bool, EditError> {
         14 => {
             let copy = document.duplicate(path)?;
             assert_eq!(document.item(&copy).map(|item| &item.word), Some(&item.word));
-            assert_eq!(came_and_went(&before, &inventory(document)), (size(&item), 0));
+            assert_came_and_went(&before, document, (size(&item), 0));
         }
         _ => {
             let kinds: Vec<&str> =
@@ -276,6 +283,11 @@ fn run(text: &str, numbers: &[u32]) -> HashMap<String, usize> {
         let fresh = Document::new(document.name(), document.text());
         assert_eq!(fresh.outline(), document.outline());
     }
+    // Another reader of KDL 2 agrees that the text is in form.
+    if was_scene && kdl::KdlDocument::parse_v2(text).is_ok() {
+        let theirs = kdl::KdlDocument::parse_v2(document.text());
+        assert!(theirs.is_ok(), "{theirs:?} of\n{}", document.text());
+    }
     check_history(&mut document, text);
     made
 }
@@ -285,7 +297,7 @@ fn run(text: &str, numbers: &[u32]) -> HashMap<String, usize> {
 fn random_edits_are_made() {
     let mut made: HashMap<String, usize> = HashMap::new();
     let mut state = 1_u32;
-    for round in 0..3 * TEXTS.len() {
+    for round in 0..2 * TEXTS.len() {
         let numbers: Vec<u32> = std::iter::repeat_with(|| {
             state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
             state >> 8
@@ -299,12 +311,12 @@ fn random_edits_are_made() {
     let words =
         ["Change", "Reset", "Add", "Remove", "Rename", "Move", "Group", "Ungroup", "Duplicate", "Make", "Write"];
     for word in words {
-        assert!(made.get(word).is_some_and(|count| *count >= 8), "{word} in {made:?}");
+        assert!(made.get(word).is_some_and(|count| *count >= 4), "{word} in {made:?}");
     }
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 80, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn random_edits_can_all_be_taken_back(which in 0..TEXTS.len(), numbers in prop::collection::vec(any::<u32>(), 0..300)) {
         run(TEXTS[which], &numbers);
