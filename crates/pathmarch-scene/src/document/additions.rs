@@ -2,12 +2,13 @@
 
 use super::control::{Addition, Group};
 use super::error::EditError;
+use super::kinds::required;
 use super::layout::Chunk;
 use super::number::{number, quoted};
 use super::outline::ItemKind;
 use super::path::Path;
 use super::slots::SKIES;
-use super::structure::{free_name, required};
+use super::structure::free_name;
 use super::work::Work;
 use crate::language::schema;
 use crate::materials;

@@ -311,11 +311,18 @@ impl Site<'_> {
             None => tail(text, self.block.span.start as usize + 1).end,
         }
     }
-    /// The node with its comments, if it has its lines to itself; without indentation of the first line.
+    /// The node with its comments, without indentation of the first line: those of its lines if it has them to itself, else
+    /// those before its semicolon.
     pub(super) fn range(&self, text: &str) -> Range<usize> {
-        match self.lines(text) {
-            Some(lines) => after_spaces(text, lines.start)..before_spaces(text, lines.end),
-            None => bytes(self.node().whole),
+        if let Some(lines) = self.lines(text) {
+            return after_spaces(text, lines.start)..before_spaces(text, lines.end);
+        }
+        let whole = bytes(self.node().whole);
+        match tail(text, whole.end).semicolon {
+            Some(semicolon) if !text[whole.end..semicolon].contains(is_newline) => {
+                whole.start..before_spaces(text, semicolon - 1)
+            }
+            _ => whole,
         }
     }
     /// The lines that are its own: comments directly above, the node, and what stands behind it, without the last new

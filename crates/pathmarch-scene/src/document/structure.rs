@@ -1,23 +1,17 @@
-//! Edits of the tree: nodes removed, renamed, moved, wrapped, copied, and made into others.
+//! Edits of the tree: nodes removed, renamed, moved, wrapped and copied, and cameras written.
 
 use super::control::Value;
 use super::error::EditError;
-use super::key;
-use super::layout::{Chunk, before_spaces, bytes, indent, starts_line, tail};
+use super::layout::{Chunk, bytes, indent, starts_line, tail};
 use super::number::{quoted, string_like};
 use super::outline::{Found, ItemKind, shown};
 use super::patch::Patch;
 use super::path::Path;
-use super::slots::{
-    Place, SKIES, arguments, child, material_control, material_kind, parameters, property, sky_form, slots,
-    text_argument,
-};
+use super::slots::{arguments, child, property, text_argument};
 use super::work::Work;
 use super::write::check;
-use crate::language::names::{NORMAL, PLACEMENT, listed};
-use crate::language::schema;
+use crate::language::names::{PLACEMENT, listed};
 use crate::language::tree::{self, Node};
-use crate::materials;
 use crate::scene::Camera;
 use pathmarch_field::registry;
 
@@ -218,7 +212,7 @@ pub(super) fn group(work: &mut Work, paths: &[Path], operator: &str) -> Result<P
     let site = work.site(work.find(first)?);
     let range = site.range(&work.text);
     let patch = Patch::replace(range, chunk.indented(&site.indent(&work.text, work.style)));
-    work.last(vec![patch]);
+    work.then_count(first.parent().as_ref(), 0, patch)?;
     Ok(first.clone())
 }
 
@@ -268,8 +262,8 @@ pub(super) fn ungroup(work: &mut Work, path: &Path) -> Result<Vec<Path>, EditErr
         piece.push_str(&outer);
     }
     let patch = Patch::replace(bytes(site.node().whole), piece);
-    work.last(vec![patch]);
     let parent = path.parent();
+    work.then_count(parent.as_ref(), count as isize - 1, patch)?;
     let sibling = |index| parent.as_ref().map_or_else(|| Path::top(index), |parent| parent.child(index));
     Ok((path.index()..path.index() + count).map(sibling).collect())
 }
@@ -297,174 +291,9 @@ pub(super) fn duplicate(work: &mut Work, path: &Path) -> Result<Path, EditError>
         chunk = chunk.with(&Patch::replace(range.start - start..range.end - start, text));
     }
     let patch = site.insert_behind(&work.text, &chunk, work.style);
-    work.last(vec![patch]);
-    let index = path.index() + 1;
-    Ok(path.parent().map_or_else(|| Path::top(index), |parent| parent.child(index)))
-}
-
-/// Makes a node one of another kind.
-pub(super) fn set_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> {
-    let found = work.find(path)?;
-    let name = title(found.node, found.kind);
-    let unknown = |names: Vec<&str>| {
-        Err(EditError::NotHere(format!("`{name}` cannot become `{kind}`. Expected {}.", listed(names, "or"))))
-    };
-    match found.kind {
-        ItemKind::Operator => {
-            if registry::operator(kind).is_none() {
-                return unknown(registry::operators().iter().map(|operator| operator.info().name).collect());
-            }
-            let patch = Patch::replace(bytes(found.node.name.span), kind);
-            work.last(vec![patch]);
-            Ok(())
-        }
-        ItemKind::Shape => match registry::shape(kind) {
-            Some(_) => set_shape(work, path, kind),
-            None => unknown(registry::shapes().iter().map(|shape| shape.info().name).collect()),
-        },
-        ItemKind::Material => match materials::kind(kind) {
-            Some(_) => set_material_kind(work, path, kind),
-            None => unknown(materials::kinds().iter().map(|kind| kind.name).collect()),
-        },
-        ItemKind::Sky => match kind {
-            "picture" => Err(EditError::NotHere("Choose a .hdr or .exr file to be the sky.".to_owned())),
-            kind if SKIES.iter().any(|(name, _)| *name == kind) => {
-                let form = sky_text(work, found, kind);
-                set_sky(work, path, &form)
-            }
-            _ => unknown(SKIES.iter().map(|(name, _)| *name).collect()),
-        },
-        _ => Err(EditError::NotHere(format!("`{name}` is of no kind that could be changed."))),
-    }
-}
-
-/// Makes a shape another one, which keeps the numbers that have the same name there and are allowed.
-fn set_shape(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> {
-    let found = work.find(path)?;
-    let (Some(old), Some(new)) = (registry::shape(&found.node.name.value), registry::shape(kind)) else {
-        return Ok(());
-    };
-    if old.info().name == new.info().name {
-        return Ok(());
-    }
-    let given = parameters(old, found.node);
-    let kept: Vec<(&str, f32)> = old
-        .params()
-        .iter()
-        .zip(given)
-        .filter_map(|(param, value)| {
-            let value = value?;
-            let same = new.params().iter().find(|other| other.name == param.name)?;
-            same.accepts(value).then_some((same.name, value))
-        })
-        .collect();
-    let material = |entry: &&tree::Entry| entry.name.as_ref().is_some_and(|name| name.value == "material");
-    let text = &work.text;
-    let mut patches = vec![Patch::replace(bytes(found.node.name.span), kind)];
-    for entry in found.node.entries.iter().filter(|entry| !material(entry)) {
-        let span = bytes(entry.span);
-        patches.push(Patch::remove(before_spaces(text, span.start)..span.end));
-    }
-    work.then(patches)?;
-    for (name, value) in kept {
-        let slot = work.slot(path, name)?;
-        let patches = work.writer(work.find(path)?).write(&slot, &Value::Number(value))?;
-        work.then(patches)?;
-    }
-    if !new.info().facing && child(work.find(path)?.node, NORMAL).is_some() {
-        let patches = work.writer(work.find(path)?).erase_node(NORMAL)?;
-        work.then(patches)?;
-    }
-    Ok(())
-}
-
-/// Makes a material one of another kind, which keeps the parameters that it has, too.
-fn set_material_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> {
-    let found = work.find(path)?;
-    let name = title(found.node, found.kind);
-    let Some(old) = material_kind(found.node) else {
-        let patches = work.writer(found).insert(kind)?;
-        work.last(patches);
-        return Ok(());
-    };
-    let Some(new) = materials::kind(kind).filter(|new| new.name != old.name) else { return Ok(()) };
-    let slots = slots(&work.file, found.kind, found.node);
-    let fits = |param: &'static materials::MaterialParam, value: &Value| {
-        let slot = super::slots::Slot { control: material_control(param), place: Place::Kind };
-        check(&slot, value).is_ok()
-    };
-    let Some(node) = child(found.node, old.name) else { return Err(EditError::Unreadable(name)) };
-    let mut patches = vec![Patch::replace(bytes(node.name.span), new.name)];
-    let first = slots.iter().find(|slot| slot.place == Place::Node(old.name));
-    let keeps_first = match (first, new.params.first()) {
-        (Some(slot), Some(param)) => fits(param, &slot.control.value),
-        _ => false,
-    };
-    if !keeps_first {
-        for entry in &node.entries {
-            let span = bytes(entry.span);
-            patches.push(Patch::remove(before_spaces(&work.text, span.start)..span.end));
-        }
-    }
-    let beside = new.params.get(1..).unwrap_or_default();
-    let dropped: Vec<&str> = old.params[1.min(old.params.len())..]
-        .iter()
-        .filter(|param| {
-            let value = slots.iter().find(|slot| slot.control.key == param.name).map(|slot| &slot.control.value);
-            let same = beside.iter().find(|other| other.name == param.name);
-            !same.zip(value).is_some_and(|(same, value)| fits(same, value))
-        })
-        .map(|param| param.name)
-        .collect();
-    work.then(patches)?;
-    for name in dropped {
-        let patches = work.writer(work.find(path)?).erase_node(name)?;
-        work.then(patches)?;
-    }
-    Ok(())
-}
-
-/// What stands behind `sky` for a sky of this form.
-fn sky_text(work: &Work, found: Found, form: &str) -> String {
-    let slots = slots(&work.file, ItemKind::Sky, found.node);
-    let strength = slots.iter().find(|slot| slot.control.key == "strength" && slot.control.given);
-    let strength = strength.map(|slot| format!(" strength={}", super::number::fresh(&slot.control.value)));
-    match form {
-        "day" => format!("\"day\"{}", strength.unwrap_or_default()),
-        "gradient" => format!("\"gradient\" {{ {} }}", required(schema::GRADIENT, "; ")),
-        _ => {
-            let horizon = slots.iter().find(|slot| slot.control.key == "horizon").map(|slot| &slot.control.value);
-            super::number::fresh(horizon.unwrap_or(&Value::Colour([0.5; 3])))
-        }
-    }
-}
-
-/// The settings of a table that must be given, as they are written.
-pub(super) fn required(table: &'static [schema::Setting], between: &str) -> String {
-    let settings: Vec<&str> = table.iter().filter(|setting| setting.required).map(|setting| setting.example).collect();
-    settings.join(between)
-}
-
-fn set_sky(work: &mut Work, path: &Path, form: &str) -> Result<(), EditError> {
-    let found = work.find(path)?;
-    let range = bytes(found.node.name.span).end..bytes(found.node.whole).end;
-    work.last(vec![Patch::replace(range, format!(" {form}"))]);
-    Ok(())
-}
-
-/// Makes a sky a picture.
-pub(super) fn set_picture(work: &mut Work, path: &Path, file: &str) -> Result<(), EditError> {
-    if file.is_empty() {
-        return Err(EditError::Name("The path of a picture must not be empty.".to_owned()));
-    }
-    let found = work.find(path)?;
-    if sky_form(found.node) == "picture" {
-        let slot = work.slot(path, key::PICTURE)?;
-        let patches = work.writer(found).write(&slot, &Value::Text(file.to_owned()))?;
-        work.last(patches);
-        return Ok(());
-    }
-    set_sky(work, path, &quoted(file))
+    let (parent, index) = (path.parent(), path.index() + 1);
+    work.then_count(parent.as_ref(), 1, patch)?;
+    Ok(parent.map_or_else(|| Path::top(index), |parent| parent.child(index)))
 }
 
 /// The parameters of a camera.

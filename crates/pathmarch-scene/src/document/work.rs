@@ -72,10 +72,31 @@ impl<'d> Work<'d> {
         slot.ok_or_else(|| EditError::NoSuchControl { node: word, key: key.to_owned() })
     }
 
+    /// How many nodes of the outline stand in a node, or at the top of the file.
+    fn count(&self, parent: Option<&Path>) -> usize {
+        let found = parent.map(|parent| find(&self.file, parent));
+        match found {
+            Some(Some(found)) => found.node.children.as_ref().map_or(0, |block| shown(block, Some(found.kind)).count()),
+            Some(None) => 0,
+            None => shown(&self.file, None).count(),
+        }
+    }
+
+    /// Makes a change that brings nodes into a node, or takes some away. Where it does not, the text around it is not what
+    /// it was read as: a comment or a string has no end.
+    pub(super) fn then_count(&mut self, parent: Option<&Path>, more: isize, patch: Patch) -> Result<(), EditError> {
+        let expected = self.count(parent).checked_add_signed(more);
+        self.then(vec![patch])?;
+        match expected == Some(self.count(parent)) {
+            true => Ok(()),
+            false => Err(EditError::Unreadable("the scene".to_owned())),
+        }
+    }
+
     /// Removes a node from the text.
     pub(super) fn take_out(&mut self, path: &Path, comments: bool) -> Result<(), EditError> {
         let patch = self.site(self.find(path)?).removal(&self.text, comments);
-        self.then(vec![patch])
+        self.then_count(path.parent().as_ref(), -1, patch)
     }
 
     /// Puts a chunk into a node, or at the top of the file, so that its first node has this index or the last possible.
@@ -106,7 +127,7 @@ impl<'d> Work<'d> {
             (_, None, Some(found)) => insert_first(&self.text, found.node, chunk, self.style),
             _ => Patch::insert(self.text.len(), format!("{}{}", chunk.indented(""), self.style.newline)),
         };
-        self.then(vec![patch])?;
+        self.then_count(parent, 1, patch)?;
         Ok(parent.map_or_else(|| Path::top(index), |parent| parent.child(index)))
     }
 }

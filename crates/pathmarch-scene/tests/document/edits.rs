@@ -436,6 +436,13 @@ fn nodes_move_with_their_comments() {
         1,
         "object \"a\" { box }\nobject \"b\" { union { plane; sphere } }",
     );
+    to(
+        "object \"a\" { sphere /* b */; /* c */ box /* d */ }",
+        "sphere",
+        Some("a"),
+        1,
+        "object \"a\" { /* c */ box /* d */; sphere /* b */ }",
+    );
     let scene = "object \"a\" { union { sphere; box } }\nobject \"b\" { plane }\n";
     let into = |title: &str, parent: Option<&str>| {
         refused(scene, |document| {

@@ -1,8 +1,8 @@
 //! Steps back and forth, gestures, what is saved, and what belongs to what.
 
 use super::{all_items, path};
-use pathmarch_scene::Sky;
 use pathmarch_scene::document::{Document, ItemKind, Path, Value, key};
+use pathmarch_scene::{Scene, Sky};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -93,9 +93,9 @@ fn leaves_belong_to_nodes() {
     for (leaf, shape) in scene.field.leaves().iter().enumerate() {
         assert_eq!(words(leaf), Some(shape.shape.info().name));
     }
-    assert_eq!(document.leaves_of(&path(&document, "subtract")), 1..3);
-    assert_eq!(document.leaves_of(&path(&document, "a")), 0..3);
-    assert_eq!(document.leaves_of(&Path::top(9)), 0..0);
+    assert_eq!(document.leaves_of(&path(&document, "subtract")), [1, 2]);
+    assert_eq!(document.leaves_of(&path(&document, "a")), [0, 1, 2]);
+    assert_eq!(document.leaves_of(&Path::top(9)), []);
     assert_eq!(document.path_of_object(1), Some(path(&document, "b")));
     assert_eq!(document.path_of_object(2), None);
     let lines: Vec<_> = all_items(&document).iter().map(|item| document.line_of(&item.path)).collect();
@@ -146,37 +146,39 @@ fn skies_are_kept() {
     }
 }
 
-/// Set for release builds: 10,000 objects within a tenth of a second, a small scene within a millisecond.
+/// An edit costs little more than one reading of the text, however large; idle, 10,000 objects take less than a tenth of
+/// a second. Compared with a reading at the same time, for a machine may be busy.
 #[test]
 fn edits_are_fast() {
     let mut text =
         String::from("pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nmaterial \"m\" { diffuse 0.5 }\n");
     for index in 0..10_000 {
-        text += &format!(
-            "object \"number {index}\" material=\"m\" {{ sphere 0.25 {{ at {}.5 1 {} }} }}\n",
-            index % 100,
-            index / 100
-        );
+        let (x, z) = (index % 100, index / 100);
+        text += &format!("object \"number {index}\" material=\"m\" {{ sphere 0.25 {{ at {x}.5 1 {z} }} }}\n");
     }
-    let large = Document::new("", text);
-    let small = Document::new("", SCENE);
-    for (mut document, title, limit) in [(large, "number 5000", 0.1), (small, "b", 0.002)] {
-        let shape = path(&document, title).child(0);
-        let key = if document.item(&shape).unwrap().word == "plane" { key::SCALE } else { "radius" };
-        let times = (1..=20).map(|step| {
+    let (large, small) = (Document::new("", text), Document::new("", SCENE));
+    for (mut document, title, limit) in [(large, "number 5000", 1.0), (small, "b", 0.01)] {
+        let plane = path(&document, title).child(0);
+        let (mut set, mut parse) = (f64::INFINITY, f64::INFINITY);
+        for step in 1..=20 {
             let start = Instant::now();
-            document.set(&shape, key, Value::Number(1.0 + step as f32), Some(1)).unwrap();
-            start.elapsed().as_secs_f64()
-        });
-        let best = times.fold(f64::INFINITY, f64::min);
+            document.set(&plane, key::SCALE, Value::Number(1.0 + step as f32), Some(1)).unwrap();
+            set = set.min(start.elapsed().as_secs_f64());
+            let start = Instant::now();
+            let scene = Scene::parse("", document.text()).unwrap();
+            parse = parse.min(start.elapsed().as_secs_f64());
+            drop(scene);
+        }
         let start = Instant::now();
-        let controls = document.controls(&shape).len();
+        let controls = document.controls(&plane).len();
+        let look = start.elapsed().as_secs_f64();
         eprintln!(
-            "{title}: set {:.2} ms, {controls} controls {:.3} ms",
-            best * 1e3,
-            start.elapsed().as_secs_f64() * 1e3
+            "{title}: set {:.3} ms, parse {:.3} ms, {controls} controls {:.3} ms",
+            set * 1e3,
+            parse * 1e3,
+            look * 1e3
         );
-        assert!(best < limit || cfg!(debug_assertions), "{title}: {best} s");
+        assert!(set < limit && set < 4.0 * parse + 1e-4, "{title}: {set} s");
     }
 }
 
