@@ -542,9 +542,10 @@ impl App {
         let Some(scene) = open.document.last_good().cloned() else { return };
         let leaves = match &open.view.selection {
             Some(path) => open.document.leaves_of(path),
-            None => 0..scene.field.leaves().len(),
+            None => (0..scene.field.leaves().len()).collect(),
         };
-        let boxes = leaves.filter_map(|leaf| scene.field.leaves().get(leaf)).map(|leaf| leaf.world_bounds());
+        let boxes =
+            leaves.into_iter().filter_map(|leaf| scene.field.leaves().get(leaf)).map(|leaf| leaf.world_bounds());
         let bounds = boxes.filter(|bounds| bounds.is_finite()).reduce(|all, bounds| all.union(bounds));
         let Some(bounds) = bounds else {
             self.say("What is selected has no limited size.");

@@ -246,7 +246,7 @@ impl App {
         if lines.is_empty() {
             lines.push((0, error.to_string(), None));
         }
-        egui::Panel::bottom("mistakes").resizable(true).max_size(260.0).show(ui, |ui| {
+        egui::Panel::bottom("mistakes").resizable(true).default_size(130.0).max_size(360.0).show(ui, |ui| {
             let title = if lines.len() == 1 { "1 mistake".to_owned() } else { format!("{} mistakes", lines.len()) };
             ui.horizontal(|ui| {
                 ui.colored_label(ui.visuals().error_fg_color, RichText::new(title).strong());
@@ -371,7 +371,7 @@ impl App {
         ctx.request_repaint_after(next - now);
         let mut closed = None;
         egui::Area::new(egui::Id::unique("messages"))
-            .anchor(egui::Align2::CENTER_BOTTOM, [0.0, -46.0])
+            .anchor(egui::Align2::CENTER_TOP, [0.0, 34.0])
             .order(egui::Order::Foreground)
             .show(ctx, |ui| {
                 for (index, toast) in self.toasts.iter().enumerate() {

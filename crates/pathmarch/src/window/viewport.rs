@@ -192,7 +192,8 @@ impl App {
 /// The box around what is selected.
 fn outline(ui: &Ui, picture: Rect, open: &Open, scene: &Scene) {
     let Some(selection) = &open.view.selection else { return };
-    let leaves = open.document.leaves_of(selection).filter_map(|leaf| scene.field.leaves().get(leaf));
+    let leaves = open.document.leaves_of(selection);
+    let leaves = leaves.into_iter().filter_map(|leaf| scene.field.leaves().get(leaf));
     let boxes = leaves.map(|leaf| leaf.world_bounds()).filter(|bounds| bounds.is_finite());
     let Some(bounds) = boxes.reduce(|all, bounds| all.union(bounds)) else { return };
     let seen = Seen::new(&open.view.camera, picture);
