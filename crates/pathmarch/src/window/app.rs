@@ -123,11 +123,16 @@ pub(super) fn purpose(title: &str, extensions: &[&'static str]) -> Purpose {
 
 impl App {
     pub(super) fn new(ctx: &Context, options: Options, waker: Waker) -> Self {
+        Self::in_places(ctx, options, waker, Places::of_user())
+    }
+
+    /// As [`Self::new`], with directories of its own for what it keeps.
+    pub(super) fn in_places(ctx: &Context, options: Options, waker: Waker, places: Option<Places>) -> Self {
         let started = Instant::now();
         let wake = waker.clone();
         let live = Live::new(options.backend, options.adapter.clone(), move || wake());
-        let preferences = Preferences::load();
-        let places = Places::of_user();
+        let preferences =
+            places.as_ref().map_or_else(Preferences::default, |places| Preferences::load_from(&places.preferences));
         let kept_in = places.map_or_else(|| std::env::temp_dir().join("pathmarch-recovery"), |places| places.recovery);
         let recovery = Recovery::new(&kept_in);
         ctx.set_theme(match preferences.dark {
