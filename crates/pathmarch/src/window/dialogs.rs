@@ -111,7 +111,6 @@ impl App {
             }
             Answer::Drop(after) => {
                 self.dialog = None;
-                self.recovery.clear();
                 self.proceed(after);
             }
             Answer::KeepMine => {
