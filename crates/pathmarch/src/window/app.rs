@@ -573,6 +573,14 @@ impl App {
 
     /// Does it, or asks first what is to become of unsaved work.
     pub(super) fn unless_unsaved(&mut self, after: After) {
+        let after = match after {
+            // Saving moves files in the list: what counts is which one it is now.
+            After::Recent(index) => {
+                self.gallery.dropped = self.preferences.recent.get(index).cloned();
+                After::Dropped
+            }
+            after => after,
+        };
         if self.open.as_ref().is_some_and(Open::has_unsaved_work) {
             self.dialog = Some(Dialog::Unsaved(after));
         } else {
