@@ -83,6 +83,8 @@ pub(super) struct App {
     /// Changes between two presses of the pointer are one step of undoing.
     pub(super) gesture: u64,
     ordered: Option<Order>,
+    /// The first order of the scene that is open; earlier pictures are of another.
+    first_order: Option<u64>,
     started: Instant,
     milestones: Vec<&'static str>,
     leaving: bool,
@@ -156,6 +158,7 @@ impl App {
             help: false,
             gesture: 0,
             ordered: None,
+            first_order: None,
             started,
             milestones: Vec::new(),
             leaving: false,
@@ -296,7 +299,8 @@ impl App {
     /// Brings a new picture to the screen.
     fn take_picture(&mut self, ctx: &Context) {
         let (Some(open), Some(shown)) = (&mut self.open, self.live.picture()) else { return };
-        if open.view.picture.as_ref().is_some_and(|(_, serial, _)| *serial == shown.serial) {
+        let is_other_scene = self.first_order.is_none_or(|first| shown.order < first);
+        if is_other_scene || open.view.picture.as_ref().is_some_and(|(_, serial, _)| *serial == shown.serial) {
             return;
         }
         let size = shown.size.map(|side| side as usize);
@@ -337,7 +341,8 @@ impl App {
                 && old.frame_time == order.frame_time
         });
         if !same {
-            self.live.show(order.clone());
+            let number = self.live.show(order.clone());
+            self.first_order.get_or_insert(number);
             self.ordered = Some(order);
         }
         if let Some(left) = moving {
@@ -658,7 +663,7 @@ impl App {
     pub(super) fn show_scene(&mut self, open: Open) {
         self.recovery.clear();
         self.open = Some(open);
-        self.ordered = None;
+        (self.ordered, self.first_order) = (None, None);
         self.plots = Plots::default();
         self.milestone("scene read", "");
         if self.open.as_ref().is_some_and(Open::has_unsaved_work) {
