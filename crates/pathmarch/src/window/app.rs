@@ -80,8 +80,9 @@ pub(super) struct App {
     pub(super) plots: Plots,
     pub(super) handle: Handle,
     pub(super) help: bool,
-    /// Changes between two presses of the pointer are one step of undoing.
+    /// Changes between two presses of the pointer, or from the keyboard in one widget, are one step of undoing.
     pub(super) gesture: u64,
+    focus: Option<egui::Id>,
     ordered: Option<Order>,
     /// The first order of the scene that is open; earlier pictures are of another.
     first_order: Option<u64>,
@@ -157,6 +158,7 @@ impl App {
             handle: Handle::default(),
             help: false,
             gesture: 0,
+            focus: None,
             ordered: None,
             first_order: None,
             started,
@@ -219,9 +221,11 @@ impl App {
         let ctx = ui.ctx().clone();
         self.poll(&ctx);
         let blocked = self.dialog.is_some() || self.chooser.is_some();
-        if ctx.input(|input| input.pointer.any_pressed()) {
+        let focus = ctx.memory(|memory| memory.focused());
+        if ctx.input(|input| input.pointer.any_pressed()) || focus != self.focus {
             self.gesture += 1;
         }
+        self.focus = focus;
         if !blocked {
             if let Some(action) = actions::pressed(&ctx, self.open.is_some()) {
                 self.act(&ctx, action);
