@@ -654,7 +654,10 @@ impl App {
             }
             Err(error) => {
                 let why = match error.kind() {
-                    std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
+                    std::io::ErrorKind::NotFound => {
+                        self.preferences.forget(&path);
+                        "there is no such file".to_owned()
+                    }
                     std::io::ErrorKind::InvalidData => "it is not UTF-8 text".to_owned(),
                     std::io::ErrorKind::IsADirectory => "it is a directory: name a .kdl file in it".to_owned(),
                     _ => error.to_string(),
@@ -729,7 +732,13 @@ impl App {
         let what = *what;
         let Some(choice) = chooser.show(ctx) else { return };
         self.chooser = None;
-        let Choice::Chosen(path) = choice else { return };
+        let Choice::Chosen(path) = choice else {
+            if self.open.as_ref().is_some_and(|open| open.conflict.is_some()) {
+                // It was to be saved elsewhere, and now is not.
+                self.dialog = Some(Dialog::Conflict);
+            }
+            return;
+        };
         match what {
             For::Open => self.open_file(&path),
             For::SaveAs => drop(self.save_to(&path)),
