@@ -80,9 +80,12 @@ pub(super) struct App {
     pub(super) plots: Plots,
     pub(super) handle: Handle,
     pub(super) help: bool,
-    /// Changes between two presses of the pointer are one step of undoing.
+    /// Changes between two presses of the pointer, or from the keyboard in one widget, are one step of undoing.
     pub(super) gesture: u64,
+    focus: Option<egui::Id>,
     ordered: Option<Order>,
+    /// The first order of the scene that is open; earlier pictures are of another.
+    first_order: Option<u64>,
     started: Instant,
     milestones: Vec<&'static str>,
     leaving: bool,
@@ -123,11 +126,16 @@ pub(super) fn purpose(title: &str, extensions: &[&'static str]) -> Purpose {
 
 impl App {
     pub(super) fn new(ctx: &Context, options: Options, waker: Waker) -> Self {
+        Self::in_places(ctx, options, waker, Places::of_user())
+    }
+
+    /// As [`Self::new`], with directories of its own for what it keeps.
+    pub(super) fn in_places(ctx: &Context, options: Options, waker: Waker, places: Option<Places>) -> Self {
         let started = Instant::now();
         let wake = waker.clone();
         let live = Live::new(options.backend, options.adapter.clone(), move || wake());
-        let preferences = Preferences::load();
-        let places = Places::of_user();
+        let preferences =
+            places.as_ref().map_or_else(Preferences::default, |places| Preferences::load_from(&places.preferences));
         let kept_in = places.map_or_else(|| std::env::temp_dir().join("pathmarch-recovery"), |places| places.recovery);
         let recovery = Recovery::new(&kept_in);
         ctx.set_theme(match preferences.dark {
@@ -150,7 +158,9 @@ impl App {
             handle: Handle::default(),
             help: false,
             gesture: 0,
+            focus: None,
             ordered: None,
+            first_order: None,
             started,
             milestones: Vec::new(),
             leaving: false,
@@ -211,9 +221,11 @@ impl App {
         let ctx = ui.ctx().clone();
         self.poll(&ctx);
         let blocked = self.dialog.is_some() || self.chooser.is_some();
-        if ctx.input(|input| input.pointer.any_pressed()) {
+        let focus = ctx.memory(|memory| memory.focused());
+        if ctx.input(|input| input.pointer.any_pressed()) || focus != self.focus {
             self.gesture += 1;
         }
+        self.focus = focus;
         if !blocked {
             if let Some(action) = actions::pressed(&ctx, self.open.is_some()) {
                 self.act(&ctx, action);
@@ -291,7 +303,8 @@ impl App {
     /// Brings a new picture to the screen.
     fn take_picture(&mut self, ctx: &Context) {
         let (Some(open), Some(shown)) = (&mut self.open, self.live.picture()) else { return };
-        if open.view.picture.as_ref().is_some_and(|(_, serial, _)| *serial == shown.serial) {
+        let is_other_scene = self.first_order.is_none_or(|first| shown.order < first);
+        if is_other_scene || open.view.picture.as_ref().is_some_and(|(_, serial, _)| *serial == shown.serial) {
             return;
         }
         let size = shown.size.map(|side| side as usize);
@@ -332,7 +345,8 @@ impl App {
                 && old.frame_time == order.frame_time
         });
         if !same {
-            self.live.show(order.clone());
+            let number = self.live.show(order.clone());
+            self.first_order.get_or_insert(number);
             self.ordered = Some(order);
         }
         if let Some(left) = moving {
@@ -569,6 +583,14 @@ impl App {
 
     /// Does it, or asks first what is to become of unsaved work.
     pub(super) fn unless_unsaved(&mut self, after: After) {
+        let after = match after {
+            // Saving moves files in the list: what counts is which one it is now.
+            After::Recent(index) => {
+                self.gallery.dropped = self.preferences.recent.get(index).cloned();
+                After::Dropped
+            }
+            after => after,
+        };
         if self.open.as_ref().is_some_and(Open::has_unsaved_work) {
             self.dialog = Some(Dialog::Unsaved(after));
         } else {
@@ -633,7 +655,10 @@ impl App {
             }
             Err(error) => {
                 let why = match error.kind() {
-                    std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
+                    std::io::ErrorKind::NotFound => {
+                        self.preferences.forget(&path);
+                        "there is no such file".to_owned()
+                    }
                     std::io::ErrorKind::InvalidData => "it is not UTF-8 text".to_owned(),
                     std::io::ErrorKind::IsADirectory => "it is a directory: name a .kdl file in it".to_owned(),
                     _ => error.to_string(),
@@ -646,7 +671,7 @@ impl App {
     pub(super) fn show_scene(&mut self, open: Open) {
         self.recovery.clear();
         self.open = Some(open);
-        self.ordered = None;
+        (self.ordered, self.first_order) = (None, None);
         self.plots = Plots::default();
         self.milestone("scene read", "");
         if self.open.as_ref().is_some_and(Open::has_unsaved_work) {
@@ -708,7 +733,13 @@ impl App {
         let what = *what;
         let Some(choice) = chooser.show(ctx) else { return };
         self.chooser = None;
-        let Choice::Chosen(path) = choice else { return };
+        let Choice::Chosen(path) = choice else {
+            if self.open.as_ref().is_some_and(|open| open.conflict.is_some()) {
+                // It was to be saved elsewhere, and now is not.
+                self.dialog = Some(Dialog::Conflict);
+            }
+            return;
+        };
         match what {
             For::Open => self.open_file(&path),
             For::SaveAs => drop(self.save_to(&path)),

@@ -111,7 +111,6 @@ impl App {
             }
             Answer::Drop(after) => {
                 self.dialog = None;
-                self.recovery.clear();
                 self.proceed(after);
             }
             Answer::KeepMine => {
@@ -141,7 +140,17 @@ impl App {
             Answer::Recover(index) | Answer::Forget(index) => {
                 let Some(Dialog::Recovered(left)) = &mut self.dialog else { return };
                 let one = left.remove(index);
-                if left.is_empty() {
+                let others = !left.is_empty();
+                if matches!(answer, Answer::Recover(_)) && one.text.is_ok() {
+                    // Another one would take the place of this one, which is not saved.
+                    self.dialog = None;
+                    self.recover(one);
+                    if others {
+                        self.say("What else was found is offered at the next start.");
+                    }
+                    return;
+                }
+                if !others {
                     self.dialog = None;
                 }
                 if matches!(answer, Answer::Recover(_)) {

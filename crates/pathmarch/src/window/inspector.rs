@@ -411,5 +411,6 @@ fn text(ui: &mut Ui, path: &Path, key: &str, value: &str, label: &Response) -> O
         return None;
     }
     ui.data_mut(|data| data.remove_temp::<String>(id));
-    (edit.lost_focus() && typed != value).then_some(Value::Text(typed))
+    let cancelled = ui.input(|input| input.key_pressed(egui::Key::Escape));
+    (edit.lost_focus() && !cancelled && typed != value).then_some(Value::Text(typed))
 }

@@ -51,6 +51,14 @@ impl Open {
     /// Follows changes of the file by others.
     pub(super) fn watch(&mut self, wake: impl Fn() + Send + Sync + 'static) {
         self.watch = self.path.as_deref().map(|path| Watch::new(path, wake));
+        self.tell_watch();
+    }
+
+    /// What was read or written here is no change by others.
+    fn tell_watch(&mut self) {
+        if let (Some(watch), Some(disk)) = (&mut self.watch, &self.disk) {
+            watch.known(disk);
+        }
     }
 
     /// What the title says.
@@ -114,6 +122,7 @@ impl Open {
             self.document.set_name(path.display().to_string());
         }
         self.document.mark_saved();
+        self.tell_watch();
         moved
     }
 }

@@ -1,10 +1,9 @@
 //! What the window remembers from one run to the next.
 //!
-//! A JSON file in the user's directory for preferences ([`Places`]). Fields that are not known are ignored and absent ones
+//! A JSON file in the user's directory for preferences ([`Places`](super::places::Places)). Fields that are not known are ignored and absent ones
 //! have their defaults, so that older and newer versions share it. A file that cannot be understood is set aside as
 //! `preferences.json.bad` and replaced by the defaults: preferences never keep the program from starting.
 
-use super::places::Places;
 use super::saving::{SaveError, write_atomically};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fs;
@@ -68,11 +67,6 @@ fn unicode_only<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok
 }
 
 impl Preferences {
-    /// Those of this user, or the defaults.
-    pub fn load() -> Self {
-        Places::of_user().map_or_else(Self::default, |places| Self::load_from(&places.preferences))
-    }
-
     /// Those kept in a directory, or the defaults.
     pub fn load_from(directory: &Path) -> Self {
         let file = directory.join(FILE);
