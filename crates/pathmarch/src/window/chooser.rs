@@ -144,8 +144,9 @@ impl Chooser {
         }
     }
 
-    /// The directory that is shown; a good one to start from next time.
-    pub fn directory(&self) -> &Path {
+    /// The directory that is shown.
+    #[cfg(test)]
+    fn directory(&self) -> &Path {
         &self.directory
     }
 
