@@ -200,6 +200,26 @@ fn a_lost_device_loses_no_picture() {
 }
 
 #[test]
+fn what_the_gpu_cannot_hold_is_rendered_on_the_cpu() {
+    if !backends().contains(&Backend::Gpu) {
+        return;
+    }
+    let mut live = Live::new(Backend::Gpu, None, || {});
+    // More shapes than are compiled as code.
+    let balls: String = (0..2100).map(|k| format!("sphere 0.01 {{ at {} {} 0 }};", k % 50, k / 50)).collect();
+    let many = Arc::new(parse(&format!("{SCENE}\nobject \"many\" {{ {balls} }}")));
+    let number = live.show(order(&many, [32, 18], 1));
+    until(&live, "many shapes", |shown, status| {
+        shown.order == number && shown.samples >= 1.0 && status.backend == "CPU" && status.notice.is_some()
+    });
+    assert!(live.status().notice.is_some_and(|notice| notice.contains("2102 shapes")), "{:?}", live.status());
+    // The next scene is the GPU's again.
+    let number = live.show(order(&scene(), [32, 18], 1));
+    until(&live, "few shapes", |shown, status| shown.order == number && status.resting && status.backend != "CPU");
+    assert_eq!(live.status().notice, None);
+}
+
+#[test]
 fn what_cannot_be_rendered_is_said_and_done_with() {
     let scene = scene();
     let mut live = Live::new(Backend::Cpu, None, || {});

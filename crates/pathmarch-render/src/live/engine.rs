@@ -99,8 +99,11 @@ enum Gpu {
     Open(Arc<Device>),
 }
 
-/// What a thread that compiles sends: the device, with the kernel among its own.
-type Compiled = Result<Arc<Device>, RenderError>;
+/// What a thread that compiles sends: the device, where it could be opened, and whether the kernel is among its own.
+struct Compiled {
+    device: Option<Arc<Device>>,
+    result: Result<(), RenderError>,
+}
 
 pub(super) struct Engine {
     shared: Arc<Shared>,
@@ -130,6 +133,13 @@ pub(super) struct Engine {
     /// Samples of the picture shown last.
     shown_samples: f64,
     serial: u64,
+}
+
+/// What comes of this, or that a driver failed in a way it should not.
+fn caught<T>(work: impl FnOnce() -> Result<T, RenderError>) -> Result<T, RenderError> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
+        Err(RenderError::Device { adapter: "the GPU".to_owned(), reason: "its driver failed".to_owned() })
+    })
 }
 
 /// Whether both want the same of the estimator, and only the view, the size or a limit changes.
@@ -310,7 +320,7 @@ impl Engine {
             // Mostly it is ready at once, and the picture need not be made twice.
             if let Ok(compiled) = compiling.recv_timeout(COMPILED_AT_ONCE) {
                 self.compiling = None;
-                self.take_kernel(compiled)?;
+                self.take_kernel(compiled);
             }
         }
         self.tracer = None;
@@ -361,20 +371,18 @@ impl Engine {
         let (sender, receiver) = channel();
         let shared = self.shared.clone();
         let work = move || {
-            let compiled = catch_unwind(AssertUnwindSafe(|| -> Compiled {
-                let device = match device {
-                    Some(device) => device,
-                    None => Arc::new(Device::open(adapter.as_deref())?),
-                };
-                if device.is_software() && !software {
-                    return Ok(device);
+            let opened = match device {
+                Some(device) => Ok(device),
+                None => caught(|| Device::open(adapter.as_deref()).map(Arc::new)),
+            };
+            let compiled = match opened {
+                Err(error) => Compiled { device: None, result: Err(error) },
+                Ok(device) if device.is_software() && !software => Compiled { device: Some(device), result: Ok(()) },
+                Ok(device) => {
+                    let result = caught(|| GpuJob::new(device.clone(), &sample, 0, gpu::LIVE).map(drop));
+                    Compiled { device: Some(device), result }
                 }
-                GpuJob::new(device.clone(), &sample, 0, gpu::LIVE)?;
-                Ok(device)
-            }));
-            let compiled = compiled.unwrap_or_else(|_| {
-                Err(RenderError::Device { adapter: "the GPU".to_owned(), reason: "its driver failed".to_owned() })
-            });
+            };
             // The renderer may be gone.
             let _ = sender.send(compiled);
             shared.wake();
@@ -392,7 +400,7 @@ impl Engine {
         };
         self.compiling = None;
         let was_cpu = !matches!(self.tracer, Some(Tracer::Gpu(_)));
-        self.take_kernel(compiled)?;
+        self.take_kernel(compiled);
         // The scene may have changed meanwhile.
         self.compile();
         if was_cpu && self.kernel_is_ready() {
@@ -404,12 +412,13 @@ impl Engine {
         Ok(())
     }
 
-    fn take_kernel(&mut self, compiled: Compiled) -> Result<(), RenderError> {
-        match compiled {
-            Ok(device) if device.is_software() && self.backend == Backend::Auto && self.adapter.is_none() => {
-                self.gpu = Gpu::None;
-            }
-            Ok(device) => self.gpu = Gpu::Open(device),
+    fn take_kernel(&mut self, Compiled { device, result }: Compiled) {
+        if let Some(device) = device {
+            let unwanted = device.is_software() && self.backend == Backend::Auto && self.adapter.is_none();
+            self.gpu = if unwanted { Gpu::None } else { Gpu::Open(device) };
+        }
+        match result {
+            Ok(()) => {}
             Err(error) if matches!(self.gpu, Gpu::Open(_)) && !self.device_is_lost() => {
                 // This scene is what it does not want.
                 self.refused = true;
@@ -417,7 +426,6 @@ impl Engine {
             }
             Err(error) => self.lose(&error),
         }
-        Ok(())
     }
 
     fn device_is_lost(&self) -> bool {

@@ -15,7 +15,8 @@ pub struct Arguments {
     /// The GPU adapter whose name contains this
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Say on standard error how long it took to the first picture, the whole one and all samples
+    /// Say on standard error how long it took to the first picture, the whole one and all samples, and, at the end, how
+    /// long frames of the window took
     #[arg(long)]
     timings: bool,
 }
@@ -24,7 +25,7 @@ pub fn run(arguments: Arguments) -> Result<u8, Failure> {
     let Arguments { scene, backend, adapter, timings } = arguments;
     if let Some(scene) = scene.as_ref().filter(|scene| !scene.is_file()) {
         let why = if scene.is_dir() { "it is a directory; name a .kdl file in it" } else { "there is no such file" };
-        return Err(Failure::Other(format!("cannot open {}: {why}", scene.display())));
+        return Err(Failure::Usage(format!("cannot open {}: {why}", scene.display())));
     }
     window::run(Options { scene, backend: backend.into(), adapter, timings })
 }

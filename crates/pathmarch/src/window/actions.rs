@@ -146,6 +146,7 @@ pub(super) const POINTER: &[(&str, &str)] = &[
     ("Right drag", "Look around from where the camera stands."),
     ("Wheel", "Nearer or farther."),
     ("W A S D", "Fly; faster where surfaces are far. Q and E go down and up, Shift is faster."),
+    ("Ctrl with + and -", "Larger and smaller text; Ctrl with 0 as it was."),
     ("Alt and click", "Set the distance that is sharp."),
 ];
 

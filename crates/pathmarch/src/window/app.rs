@@ -88,6 +88,8 @@ pub(super) struct App {
     first_order: Option<u64>,
     started: Instant,
     milestones: Vec<&'static str>,
+    /// How long frames of the window took, milliseconds; kept only if asked for.
+    frames: Vec<f64>,
     leaving: bool,
     lose_window_device: bool,
 }
@@ -163,6 +165,7 @@ impl App {
             first_order: None,
             started,
             milestones: Vec::new(),
+            frames: Vec::new(),
             leaving: false,
             lose_window_device: false,
             waker,
@@ -200,8 +203,11 @@ impl App {
         }
     }
 
-    /// A frame is on the screen.
-    pub(super) fn painted(&mut self) {
+    /// A frame is on the screen, after this long.
+    pub(super) fn painted(&mut self, took: Duration) {
+        if self.options.timings {
+            self.frames.push(took.as_secs_f64() * 1e3);
+        }
         self.milestone("window drawn", "");
         let whole = self.ordered.as_ref().map(|order| order.settings.size);
         if let Some((_, _, size)) = self.open.as_ref().and_then(|open| open.view.picture.as_ref()) {
@@ -213,6 +219,19 @@ impl App {
                     self.milestone("all samples", "");
                 }
             }
+        }
+    }
+
+    /// Says how long frames of the window took.
+    fn report_frames(&mut self) {
+        self.frames.sort_by(f64::total_cmp);
+        if let (Some(longest), count) = (self.frames.last(), self.frames.len()) {
+            let at = |share: f64| self.frames[((count - 1) as f64 * share) as usize];
+            eprintln!(
+                "{count} frames of the window: median {:.1} ms, 95 % below {:.1} ms, longest {longest:.1} ms",
+                at(0.5),
+                at(0.95)
+            );
         }
     }
 
@@ -257,6 +276,8 @@ impl App {
         self.choosing(&ctx);
         self.show_toasts(&ctx);
         self.order(&ctx);
+        // Ctrl with plus and minus changes it.
+        self.preferences.scale = ctx.zoom_factor();
         self.save_preferences();
     }
 
@@ -790,6 +811,7 @@ impl App {
             self.recovery.flush();
         }
         self.save_preferences();
+        self.report_frames();
     }
     /// Whether the window's graphics device is to be opened anew.
     pub(super) fn take_lose_device(&mut self) -> bool {

@@ -49,7 +49,11 @@ const SIZE: (f64, f64) = (1360.0, 860.0);
 /// Opens the window and returns when it is closed.
 pub fn run(options: Options) -> Result<u8, Failure> {
     let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|error| {
-        Failure::Other(format!("no window can be opened: {error}; `pathmarch render` works without one"))
+        let error = error.to_string();
+        // The library says where in its source it was first.
+        let why = error.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map_or(&*error, |(_, why)| why);
+        let why = why.trim_end_matches('.');
+        Failure::Other(format!("no window can be opened: {why}; `pathmarch render` works without one"))
     })?;
     let proxy = event_loop.create_proxy();
     let waker = Arc::new(move || {
@@ -141,6 +145,7 @@ impl Shell {
             self.repaint_at = Some(Instant::now() + Duration::from_millis(250));
             return;
         }
+        let begun = Instant::now();
         let input = state.take_egui_input(window);
         let app = &mut self.app;
         let output = self.ctx.run_ui(input, |ui| app.ui(ui));
@@ -170,7 +175,7 @@ impl Shell {
         match painted {
             Ok(()) => {
                 self.failures = 0;
-                self.app.painted();
+                self.app.painted(begun.elapsed());
             }
             Err(PaintError::Lost(why)) => self.painter_failed(event_loop, why),
         }
