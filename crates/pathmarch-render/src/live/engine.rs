@@ -1,5 +1,6 @@
 //! The thread of a [`Live`](super::Live): what to compute next.
 
+use super::background::give_way;
 use super::pace::Pace;
 use super::{Inbox, Order, Shared, Shown, Status, lock};
 use crate::cpu::CpuJob;
@@ -371,6 +372,7 @@ impl Engine {
         let (sender, receiver) = channel();
         let shared = self.shared.clone();
         let work = move || {
+            give_way();
             let opened = match device {
                 Some(device) => Ok(device),
                 None => caught(|| Device::open(adapter.as_deref()).map(Arc::new)),

@@ -6,8 +6,11 @@
 //! Moving a camera and changing numbers compile nothing. A scene of a new structure is compiled in the background; until
 //! it is ready, and where no GPU works or one is lost, the CPU renders.
 //!
+//! Its threads give way to others, so that on a machine with few cores windows still answer.
+//!
 //! **Costs.** A GPU gets about 10 ms of work at a time, two pieces of it ahead; a picture comes back as 4 bytes a pixel.
 
+mod background;
 mod engine;
 mod pace;
 
@@ -128,7 +131,8 @@ impl Live {
             notify: Box::new(notify),
         });
         let engine = Engine::new(shared.clone(), backend, adapter);
-        let thread = std::thread::Builder::new().name("live".to_owned()).spawn(move || engine.run());
+        let run = move || background::with_all_cores(|| engine.run());
+        let thread = std::thread::Builder::new().name("live".to_owned()).spawn(run);
         // Without a thread there is no picture; everything else goes on.
         let thread = thread.map_err(|error| lock(&shared.status).error = Some(error.to_string())).ok();
         Self { shared, thread, orders: 0 }
