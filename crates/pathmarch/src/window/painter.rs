@@ -114,7 +114,10 @@ impl Painter {
         configuration.format = plain.unwrap_or(configuration.format);
         configuration.desired_maximum_frame_latency = 1;
         surface.configure(&device, &configuration);
-        let mut renderer = Renderer::new(&device, configuration.format, RendererOptions::default());
+        // Where each pixel costs the processor's time, it is spent on the picture.
+        let dithering = adapter.get_info().device_type != wgpu::DeviceType::Cpu;
+        let options = RendererOptions { dithering, ..RendererOptions::default() };
+        let mut renderer = Renderer::new(&device, configuration.format, options);
         for (id, whole) in &textures.0 {
             renderer.update_texture(&device, &queue, *id, whole);
         }

@@ -21,8 +21,7 @@ enum Ask {
 
 impl App {
     pub(super) fn viewport(&mut self, ui: &mut Ui) {
-        let fill = if ui.visuals().dark_mode { Color32::from_gray(18) } else { Color32::from_gray(150) };
-        egui::CentralPanel::no_frame().frame(egui::Frame::NONE.fill(fill)).show(ui, |ui| self.picture(ui));
+        egui::CentralPanel::no_frame().frame(egui::Frame::NONE).show(ui, |ui| self.picture(ui));
     }
 
     fn picture(&mut self, ui: &mut Ui) {
@@ -31,6 +30,7 @@ impl App {
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else {
+            surround(ui, room, Rect::from_center_size(room.center(), Vec2::ZERO));
             let words = "This scene has mistakes, and there is no picture yet.\nThey are listed below; correct the text, here or in any editor.";
             ui.painter().text(
                 room.center(),
@@ -47,6 +47,7 @@ impl App {
         let (width, height) = scene.render.size;
         let fit = (inner.width() / width as f32).min(inner.height() / height as f32);
         let picture = Rect::from_center_size(room.center(), Vec2::new(width as f32, height as f32) * fit);
+        surround(ui, room, picture);
         match &open.view.picture {
             Some((texture, ..)) => {
                 let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
@@ -186,6 +187,20 @@ impl App {
             open.view.touch();
             ui.ctx().request_repaint();
         }
+    }
+}
+
+/// Fills what the picture leaves of its room: no pixel is drawn twice, which software adapters would feel.
+fn surround(ui: &Ui, room: Rect, picture: Rect) {
+    let fill = if ui.visuals().dark_mode { Color32::from_gray(18) } else { Color32::from_gray(150) };
+    let (x, y) = (
+        [room.min.x, picture.min.x, picture.max.x, room.max.x],
+        [room.min.y, picture.min.y, picture.max.y, room.max.y],
+    );
+    for [x0, y0, x1, y1] in
+        [[x[0], y[0], x[3], y[1]], [x[0], y[2], x[3], y[3]], [x[0], y[1], x[1], y[2]], [x[2], y[1], x[3], y[2]]]
+    {
+        ui.painter().rect_filled(Rect::from_min_max(Pos2::new(x0, y0), Pos2::new(x1, y1)), 0.0, fill);
     }
 }
 
