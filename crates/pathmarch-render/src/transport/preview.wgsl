@@ -1,16 +1,12 @@
 // A quick look without noise. Twin of preview.rs, which explains it.
 
-const THROUGH = 8u;
+const THROUGH = 6u;
 const REFLECTED = 3u;
 const SHADOWED = 3u;
-const FAINT = 0.01;
+const FAINT = 0.02;
 const WEAK = 0.1;
 const HARDEST = 64.0;
 const HIDES = 0.15;
-const SHADOW_STEPS = 96u;
-const COARSE = 0.5;
-/// A long step may pass a surface no farther than half of it: so near is in the shadow.
-const PASSED = 0.25;
 const INVERSE_PI = 0.31830989;
 
 /// Where the lights, and behind them the materials, stand in the mode's numbers.
@@ -161,7 +157,7 @@ fn unoccluded(seen: Visible, albedo: vec3f) -> vec3f {
     var hidden = 0.0;
     var height = mode_number(27u);
     for (var k = 0u; k < 5u; k++) {
-        hidden += max(1.0 - near_distance(seen.p + seen.normal * height) / height, 0.0);
+        hidden += max(1.0 - near_distance(seen.p + seen.normal * height, seen.leaf) / height, 0.0);
         height *= 0.5;
     }
     let open = 1.0 - HIDES * hidden;
@@ -218,7 +214,7 @@ fn lit(seen: Visible, view: vec3f, before: f32, diffuse: vec3f, gloss: Gloss, sh
         let falls = falling(light, known_radius(u32(one.w)), seen.p, seen.normal);
         let towards = falls.direction + seen.normal * max(0.1 - dot(falls.direction, seen.normal), 0.0);
         let sharpness = shadow_sharpness(falls, light.penumbra, seen.normal);
-        colour += one.xyz * coarse_near_misses(Ray(origin, normalize(towards)), falls.distance, sharpness);
+        colour += one.xyz * soft_shadow(Ray(origin, normalize(towards)), seen.leaf, falls.distance, sharpness);
     }
     return colour;
 }
@@ -229,24 +225,6 @@ fn known_light(k: u32) -> Light {
 
 fn known_radius(k: u32) -> f32 {
     return mode_number(FIRST_LIGHT + 2u * k + 1u);
-}
-
-/// As `near_misses`, in fewer and longer steps: at least a part of the radius of the light's cone.
-fn coarse_near_misses(ray: Ray, limit: f32, sharpness: f32) -> f32 {
-    var light = 1.0;
-    let last = min(limit, frame.far);
-    let least = COARSE / sharpness;
-    var t = tolerance(ray.origin, 0.0);
-    for (var step = 0u; step < SHADOW_STEPS; step++) {
-        let distance = occluder_distance(ray.origin + ray.direction * t) * frame.step_factor;
-        light = min(light, sharpness * distance / t);
-        t += max(distance, t * least);
-        if light < PASSED || t > last {
-            break;
-        }
-    }
-    light = max(light - PASSED, 0.0) / (1.0 - PASSED);
-    return light * light * (3.0 - 2.0 * light);
 }
 
 /// How hard the edge of a shadow is. The surface itself is not taken for a near miss.
