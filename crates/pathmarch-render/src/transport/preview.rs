@@ -122,6 +122,11 @@ impl Preview {
         Self { around, reach: reach(scene), lights, looks, occluders, neighbours }
     }
 
+    /// Whether any material mirrors.
+    pub(crate) fn mirrors(&self) -> bool {
+        self.looks.iter().any(|look| look.mirrored.as_flattened().iter().any(|&share| share > 0.0))
+    }
+
     /// The numbers as `preview.wgsl` reads them.
     pub(crate) fn words(&self) -> Vec<u32> {
         let mut words: Vec<u32> = self.around.iter().flat_map(|factor| factor.to_array().map(f32::to_bits)).collect();

@@ -1,7 +1,8 @@
 // A quick look without noise. Twin of preview.rs, which explains it.
 
-const THROUGH = 6u;
-const REFLECTED = 3u;
+// Only clear surfaces let a ray go on.
+const THROUGH = select(1u, 6u, TRANSMISSION);
+const REFLECTED = select(0u, select(1u, 3u, TRANSMISSION), MIRRORS);
 const SHADOWED = 3u;
 const FAINT = 0.02;
 const WEAK = 0.1;
@@ -89,11 +90,11 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
                 let cosine = clamp(-dot(ray.direction, n), 0.0, 1.0);
                 let grazing = max(look.grazing * (1.0 - look.roughness), look.straight);
                 let fresnel = look.straight + (grazing - look.straight) * fifth(1.0 - cosine);
-                let mirrored = select(fresnel, vec3f(0.0), clear && seen.inside);
+                let mirrored = select(fresnel, vec3f(0.0), !MIRRORS || (clear && seen.inside));
                 let sharp = 1.0 - smoothstep(0.05, 0.45, look.roughness);
                 let reflection = ray.direction + n * (2.0 * cosine);
                 var blurred = 1.0;
-                if may_mirror && largest(weight * mirrored) * sharp > FAINT {
+                if MIRRORS && may_mirror && largest(weight * mirrored) * sharp > FAINT {
                     may_mirror = false;
                     blurred = 1.0 - sharp;
                     mirror = Ray(seen.p + seen.away, normalize(reflection));
@@ -102,7 +103,10 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
                     mirror_before = before;
                 }
                 let diffuse = look.diffuse * (vec3f(1.0) - mirrored) * INVERSE_PI;
-                let around = diffuse * irradiance_around(n) + mirrored * blurred_around(reflection) * blurred;
+                var around = diffuse * irradiance_around(n);
+                if MIRRORS {
+                    around += mirrored * blurred_around(reflection) * blurred;
+                }
                 var open = vec3f(1.0);
                 if !clear {
                     open = unoccluded(seen, look.diffuse);
@@ -137,7 +141,7 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
         if goes_on {
             colour += weight * blurred_around(ray.direction);
         }
-        if largest(mirror_weight) == 0.0 {
+        if !MIRRORS || largest(mirror_weight) == 0.0 {
             break;
         }
         ray = mirror;
@@ -181,7 +185,7 @@ fn lit(seen: Visible, view: vec3f, before: f32, diffuse: vec3f, gloss: Gloss, sh
     }
     // Colour, and the place of the light among the known ones.
     var strongest: array<vec4f, SHADOWED>;
-    let glossy = largest(gloss.grazing) > 0.0;
+    let glossy = MIRRORS && largest(gloss.grazing) > 0.0;
     let count = tables[MODE_TABLE + 28u];
     for (var k = 0u; k < count; k++) {
         let light = known_light(k);
