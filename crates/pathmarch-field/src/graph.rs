@@ -414,11 +414,20 @@ impl Field {
     }
 
     /// Distance from each point to the nearest surface of the objects that count, from outside or inside; infinite where
-    /// there is none. `counts` has one entry for each object, in their order.
-    pub fn distance_to<N: Batch>(&self, p: Vec3<N>, counts: &[bool]) -> N {
+    /// there is none. `counts` has one entry for each object, in their order. The object whose only leaf has the number `own`
+    /// does not count if it has a closed form: it is convex, so that nothing of it is before its own surface.
+    pub fn distance_to<N: Batch>(&self, p: Vec3<N>, counts: &[bool], own: N) -> N {
         let mut nearest = N::constant(f32::INFINITY);
         for (object, _) in self.objects.iter().zip(counts).filter(|(_, counts)| **counts) {
-            nearest = nearest.min(self.tree_distance(object, p).abs());
+            let distance = self.tree_distance(object, p).abs();
+            let closer = nearest.min(distance);
+            nearest = match self.direct(object) {
+                Some(leaf) => {
+                    let is_own = (own - N::constant(leaf as f32)).abs().lt(N::constant(0.5));
+                    N::select(is_own, nearest, closer)
+                }
+                None => closer,
+            };
         }
         nearest
     }

@@ -169,3 +169,33 @@ fn a_placement_scales_then_turns_then_moves() {
         assert!((found - distance).abs() < 1e-5, "{p:?}: {found}");
     }
 }
+
+/// Two balls and a block, of which some count; the same printed for the GPU.
+#[test]
+fn the_distance_to_some_objects_leaves_the_others_out() {
+    let shape = |name: &str, params: &[f32], at: [f32; 3]| Node {
+        kind: Kind::Shape {
+            shape: shapes().iter().copied().find(|shape| shape.info().name == name).expect("a shape"),
+            params: params.to_vec(),
+            tag: 0,
+        },
+        placement: Placement { at: Some(at), ..Placement::default() },
+    };
+    let torus = shape("torus", &[1.0, 0.25], [0.0, 0.0, 9.0]);
+    let field = Field::new(&[shape("sphere", &[1.0], [0.0; 3]), shape("sphere", &[1.0], [4.0, 0.0, 0.0]), torus]);
+    let (p, none) = (Vec3::new(0.5, 0.0, 0.0), 99.0);
+    let distance = |counts: [bool; 3], own: f32| field.distance_to(p, &counts, own);
+    assert!((distance([true; 3], none) - 0.5).abs() < 1e-6, "from inside, too");
+    assert!((distance([true; 3], 0.0) - 2.5).abs() < 1e-6, "its own ball does not count");
+    assert!((distance([false, true, true], none) - 2.5).abs() < 1e-6);
+    assert!((distance([false, false, true], 2.0) - distance([false, false, true], none)).abs() < 1e-6, "a ring does");
+    assert_eq!(distance([false; 3], none), f32::INFINITY);
+    let program = Program::new(&field);
+    let text = Program::distances_to(&field, &[("some", &[false, true, true]), ("all", &[true; 3])]);
+    assert!(text.contains("fn some(p: vec3f, own: u32) -> f32") && text.contains("own == 1u"), "{text}");
+    validate(&format!(
+        "@group(0) @binding(0) var<uniform> field_parameters: array<vec4f, {}>;\n{}\n{text}",
+        program.parameters.len(),
+        program.code
+    ));
+}

@@ -79,7 +79,7 @@ impl Program {
         Self { code, whole_distance, parameters: composer.parameters }
     }
 
-    /// WGSL text, to stand behind [`code`](Self::code), of functions `NAME(p: vec3f) -> f32`: each is
+    /// WGSL text, to stand behind [`code`](Self::code), of functions `NAME(p: vec3f, own: u32) -> f32`: each is
     /// [`Field::distance_to`] the objects that count.
     pub fn distances_to(field: &Field, named: &[(&str, &[bool])]) -> String {
         let Composed { composer, functions, .. } = Composed::new(field);
@@ -91,7 +91,7 @@ impl Program {
             counted.iter().for_each(|tree| composer.distances(tree, &mut of_distances));
             let doc =
                 "Distance from `p` to the nearest surface of the objects that count here, from either side, metres.";
-            text += &composer.unsigned_distance(name, doc, &counted);
+            text += &composer.unsigned_distance(&format!("{name}(p: vec3f, own: u32)"), doc, &counted, true);
         }
         of_distances.difference(&functions).map(|(_, function)| format!("{function}\n")).collect::<String>() + &text
     }
@@ -211,15 +211,22 @@ impl Composer<'_> {
         let marched: Vec<&Tree> =
             self.field.objects().iter().filter(|object| self.field.direct(object).is_none()).collect();
         let doc = "Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.";
-        self.unsigned_distance("marched_distance", doc, &marched)
+        self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, false)
     }
 
-    fn unsigned_distance(&self, name: &str, doc: &str, objects: &[&Tree]) -> String {
-        let mut text = format!("/// {doc}\nfn {name}(p: vec3f) -> f32 {{\n    var nearest = 1e30;\n");
+    /// A function of this signature; where it has an `own` leaf, one with a closed form does not count.
+    fn unsigned_distance(&self, signature: &str, doc: &str, objects: &[&Tree], has_own: bool) -> String {
+        let mut text = format!("/// {doc}\nfn {signature} -> f32 {{\n    var nearest = 1e30;\n");
         let mut counter = 0;
         for object in objects {
             let value = self.tree_distance(object, &mut text, &mut counter);
-            writeln!(text, "    nearest = min(nearest, abs({value}));").expect("writing to a string");
+            match self.field.direct(object).filter(|_| has_own) {
+                Some(leaf) => {
+                    writeln!(text, "    nearest = select(min(nearest, abs({value})), nearest, own == {leaf}u);")
+                }
+                None => writeln!(text, "    nearest = min(nearest, abs({value}));"),
+            }
+            .expect("writing to a string");
         }
         text + "    return nearest;\n}\n"
     }

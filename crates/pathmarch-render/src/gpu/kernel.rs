@@ -54,6 +54,7 @@ fn numbers_of_mode(prepared: &Prepared) -> String {
         let distances = [("occluder_distance", &preview.occluders[..]), ("near_distance", &preview.neighbours[..])];
         code += &Program::distances_to(&prepared.field, &distances);
         code += &constants(prepared);
+        writeln!(code, "const MIRRORS = {};", preview.mirrors()).expect("writing to a string");
     } else {
         let views = [Mode::Normal, Mode::Depth, Mode::Albedo, Mode::Steps];
         for (number, name) in ["NORMAL", "DEPTH", "ALBEDO", "STEPS"].into_iter().enumerate() {

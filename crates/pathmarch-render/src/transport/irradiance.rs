@@ -117,15 +117,16 @@ mod tests {
 
     /// A square lamp of half edge `half` at height 1 above the origin, facing down.
     fn square(half: f32) -> LightRecord {
-        LightRecord {
-            place: [0.0, 1.0, 0.0],
-            kind: RECT,
-            power: [1.0; 3],
-            x: [half, 0.0, 0.0],
-            y: [0.0, -1.0, 0.0],
-            z: [0.0, 0.0, half],
-            ..LightRecord::zeroed()
-        }
+        let mut light = above(RECT);
+        (light.x, light.y, light.z) = ([half, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, half]);
+        light
+    }
+
+    /// A light of this kind and power 1, one metre above the origin.
+    fn above(kind: u32) -> LightRecord {
+        let mut light = LightRecord::zeroed();
+        (light.kind, light.power, light.place) = (kind, [1.0; 3], [0.0, 1.0, 0.0]);
+        light
     }
 
     #[test]
@@ -144,8 +145,8 @@ mod tests {
 
     #[test]
     fn a_sphere_that_the_horizon_cuts_fades() {
-        let sphere =
-            LightRecord { kind: SPHERE, power: [1.0; 3], extent: 0.5, place: [0.0, 1.0, 0.0], ..LightRecord::zeroed() };
+        let mut sphere = above(SPHERE);
+        sphere.extent = 0.5;
         let irradiance = |degrees: f32| {
             let (sine, cosine) = degrees.to_radians().sin_cos();
             falling(&sphere, seen_radius(&sphere), Vec3::ZERO, Vec3::new(sine, cosine, 0.0)).irradiance.x

@@ -16,6 +16,7 @@ mod probe;
 pub(crate) mod random;
 mod shadow;
 pub(crate) mod sky;
+mod soft_shadow;
 mod steady;
 mod variance;
 pub(crate) mod views;
@@ -83,6 +84,7 @@ pub(crate) fn kernel(mode: Mode) -> &'static [&'static str] {
             VISIBLE,
             include_str!("irradiance.wgsl"),
             include_str!("preview.wgsl"),
+            include_str!("soft_shadow.wgsl"),
         ],
         _ => &[CAMERA, MARCH, FRAME, STEADY, VISIBLE, include_str!("views.wgsl")],
     }

@@ -5,7 +5,7 @@
 //! occlusion, and one mirror reflection that is shaded in the same way. Clear surfaces bend the ray by Snell's law and let it go on. Nothing is
 //! drawn at random: a sample is the same for every seed, and the first one goes through the middle of the pixel.
 //!
-//! **Sources.** Carvalho 2020, section 3.3. Penumbrae: Quilez 2010, "Soft shadows in raymarched SDFs", here as wide as the
+//! **Sources.** Carvalho 2020, section 3.3. Penumbrae: [`soft_shadow`](super::soft_shadow), as wide as the
 //! light is seen. Ambient occlusion from a few evaluations of the field along the normal: Quilez 2008, "Rendering Worlds
 //! with Two Triangles". Highlights: Blinn 1977 with a normalised exponent that follows roughness, widened by what the light
 //! fills (Karis 2013, "Real Shading in Unreal Engine 4"). Schlick 1994 for Fresnel's law. Light from all around:
@@ -23,10 +23,10 @@
 use super::camera::{Ray, central_ray};
 use super::irradiance::{Falling, falling, seen_radius};
 use super::lights::{self, BOUNDED, ENVIRONMENT, SUN};
-use super::march::{March, march, tolerance};
+use super::march::{March, march};
 use super::path::{left_after, medium_beyond};
 use super::probe;
-use super::shadow::near_misses;
+use super::soft_shadow::{ShadowRay, soft_shadows};
 use super::steady;
 use super::visible::{Visible, shines, visible};
 use crate::frame::{EMITS, Prepared};
@@ -39,7 +39,7 @@ use std::f32::consts::PI;
 use wide::f32x8;
 
 /// Surfaces along the camera's ray at most: it passes clear ones.
-const THROUGH: u32 = 8;
+const THROUGH: u32 = 6;
 /// Surfaces along the reflection.
 const REFLECTED: u32 = 3;
 /// Lights that have shadows at a point.
@@ -49,9 +49,7 @@ const WEAK: f32 = 0.1;
 /// Lights that are known.
 const MAX_LIGHTS: usize = 64;
 /// Reflections that add less than this are left out.
-const FAINT: f32 = 0.01;
-/// Steps of a shadow's march, each at least this part of the radius of the light's cone.
-const SHADOW_STEPS: (u32, f32) = (96, 0.5);
+const FAINT: f32 = 0.02;
 /// How much each of the five distances of ambient occlusion hides at most.
 const HIDES: f32 = 0.15;
 /// The hardest shadow: one over the sine of half the angle that its light fills.
@@ -124,6 +122,11 @@ impl Preview {
         Self { around, reach: reach(scene), lights, looks, occluders, neighbours }
     }
 
+    /// Whether any material mirrors.
+    pub(crate) fn mirrors(&self) -> bool {
+        self.looks.iter().any(|look| look.mirrored.as_flattened().iter().any(|&share| share > 0.0))
+    }
+
     /// The numbers as `preview.wgsl` reads them.
     pub(crate) fn words(&self) -> Vec<u32> {
         let mut words: Vec<u32> = self.around.iter().flat_map(|factor| factor.to_array().map(f32::to_bits)).collect();
@@ -183,9 +186,7 @@ struct Gloss {
 struct Hidable {
     slot: usize,
     colour: Vec3,
-    ray: Ray,
-    limit: f32,
-    sharpness: f32,
+    towards: ShadowRay,
 }
 
 /// One sample of each of these pixels.
@@ -388,13 +389,13 @@ impl Follower<'_> {
                 continue;
             }
             let (light, falls) = falls(self.preview.lights[k]);
-            hidable[rank].push(Hidable {
-                slot: walk.slot,
-                colour,
+            let towards = ShadowRay {
                 ray: Ray { origin, direction: above(falls.direction, seen.normal) },
+                own: seen.leaf,
                 limit: falls.distance,
                 sharpness: sharpness(&falls, light.penumbra, seen.normal),
-            });
+            };
+            hidable[rank].push(Hidable { slot: walk.slot, colour, towards });
         }
     }
 
@@ -408,10 +409,12 @@ impl Follower<'_> {
                 FieldVec3::new(part(0), part(1), part(2))
             };
             let (p, n) = (vector(|seen| seen.p), vector(|seen| seen.normal));
+            let own = f32x8::from(std::array::from_fn(|k| lane(k).leaf as f32));
             let mut hidden = f32x8::ZERO;
             let mut height = self.preview.reach;
             for _ in 0..5 {
-                let distance = self.prepared.field.distance_to(p + n * f32x8::splat(height), &self.preview.neighbours);
+                let distance =
+                    self.prepared.field.distance_to(p + n * f32x8::splat(height), &self.preview.neighbours, own);
                 hidden += (f32x8::ONE - distance * f32x8::splat(1.0 / height)).fast_max(f32x8::ZERO);
                 height *= 0.5;
             }
@@ -425,16 +428,8 @@ impl Follower<'_> {
         let (prepared, preview) = (self.prepared, self.preview);
         for chunk in hidable.chunks(8) {
             let lane = |k: usize| chunk.get(k).unwrap_or(&chunk[0]);
-            let number = |value: &dyn Fn(&Hidable) -> f32| f32x8::from(std::array::from_fn(|k| value(lane(k))));
-            let ray = [|ray: &Ray| ray.origin, |ray: &Ray| ray.direction].map(|value| {
-                let part = |k: usize| number(&|lit| value(&lit.ray)[k]);
-                FieldVec3::new(part(0), part(1), part(2))
-            });
-            let start = number(&|lit| tolerance(&prepared.frame, lit.ray.origin, 0.0));
-            let reach = [start, number(&|lit| lit.limit)];
-            let distance = |p| prepared.field.distance_to(p, &preview.occluders);
-            let left = near_misses(&prepared.frame, ray, reach, number(&|lit| lit.sharpness), SHADOW_STEPS, distance);
-            for (lit, left) in chunk.iter().zip(left.to_array()) {
+            let left = soft_shadows(prepared, &preview.occluders, std::array::from_fn(|k| lane(k).towards));
+            for (lit, left) in chunk.iter().zip(left) {
                 self.colours[lit.slot] += lit.colour * left;
             }
         }

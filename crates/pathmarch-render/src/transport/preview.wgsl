@@ -1,16 +1,13 @@
 // A quick look without noise. Twin of preview.rs, which explains it.
 
-const THROUGH = 8u;
-const REFLECTED = 3u;
+// Only clear surfaces let a ray go on.
+const THROUGH = select(1u, 6u, TRANSMISSION);
+const REFLECTED = select(0u, select(1u, 3u, TRANSMISSION), MIRRORS);
 const SHADOWED = 3u;
-const FAINT = 0.01;
+const FAINT = 0.02;
 const WEAK = 0.1;
 const HARDEST = 64.0;
 const HIDES = 0.15;
-const SHADOW_STEPS = 96u;
-const COARSE = 0.5;
-/// A long step may pass a surface no farther than half of it: so near is in the shadow.
-const PASSED = 0.25;
 const INVERSE_PI = 0.31830989;
 
 /// Where the lights, and behind them the materials, stand in the mode's numbers.
@@ -93,11 +90,11 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
                 let cosine = clamp(-dot(ray.direction, n), 0.0, 1.0);
                 let grazing = max(look.grazing * (1.0 - look.roughness), look.straight);
                 let fresnel = look.straight + (grazing - look.straight) * fifth(1.0 - cosine);
-                let mirrored = select(fresnel, vec3f(0.0), clear && seen.inside);
+                let mirrored = select(fresnel, vec3f(0.0), !MIRRORS || (clear && seen.inside));
                 let sharp = 1.0 - smoothstep(0.05, 0.45, look.roughness);
                 let reflection = ray.direction + n * (2.0 * cosine);
                 var blurred = 1.0;
-                if may_mirror && largest(weight * mirrored) * sharp > FAINT {
+                if MIRRORS && may_mirror && largest(weight * mirrored) * sharp > FAINT {
                     may_mirror = false;
                     blurred = 1.0 - sharp;
                     mirror = Ray(seen.p + seen.away, normalize(reflection));
@@ -106,7 +103,10 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
                     mirror_before = before;
                 }
                 let diffuse = look.diffuse * (vec3f(1.0) - mirrored) * INVERSE_PI;
-                let around = diffuse * irradiance_around(n) + mirrored * blurred_around(reflection) * blurred;
+                var around = diffuse * irradiance_around(n);
+                if MIRRORS {
+                    around += mirrored * blurred_around(reflection) * blurred;
+                }
                 var open = vec3f(1.0);
                 if !clear {
                     open = unoccluded(seen, look.diffuse);
@@ -141,7 +141,7 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
         if goes_on {
             colour += weight * blurred_around(ray.direction);
         }
-        if largest(mirror_weight) == 0.0 {
+        if !MIRRORS || largest(mirror_weight) == 0.0 {
             break;
         }
         ray = mirror;
@@ -161,7 +161,7 @@ fn unoccluded(seen: Visible, albedo: vec3f) -> vec3f {
     var hidden = 0.0;
     var height = mode_number(27u);
     for (var k = 0u; k < 5u; k++) {
-        hidden += max(1.0 - near_distance(seen.p + seen.normal * height) / height, 0.0);
+        hidden += max(1.0 - near_distance(seen.p + seen.normal * height, seen.leaf) / height, 0.0);
         height *= 0.5;
     }
     let open = 1.0 - HIDES * hidden;
@@ -185,7 +185,7 @@ fn lit(seen: Visible, view: vec3f, before: f32, diffuse: vec3f, gloss: Gloss, sh
     }
     // Colour, and the place of the light among the known ones.
     var strongest: array<vec4f, SHADOWED>;
-    let glossy = largest(gloss.grazing) > 0.0;
+    let glossy = MIRRORS && largest(gloss.grazing) > 0.0;
     let count = tables[MODE_TABLE + 28u];
     for (var k = 0u; k < count; k++) {
         let light = known_light(k);
@@ -218,7 +218,7 @@ fn lit(seen: Visible, view: vec3f, before: f32, diffuse: vec3f, gloss: Gloss, sh
         let falls = falling(light, known_radius(u32(one.w)), seen.p, seen.normal);
         let towards = falls.direction + seen.normal * max(0.1 - dot(falls.direction, seen.normal), 0.0);
         let sharpness = shadow_sharpness(falls, light.penumbra, seen.normal);
-        colour += one.xyz * coarse_near_misses(Ray(origin, normalize(towards)), falls.distance, sharpness);
+        colour += one.xyz * soft_shadow(Ray(origin, normalize(towards)), seen.leaf, falls.distance, sharpness);
     }
     return colour;
 }
@@ -229,24 +229,6 @@ fn known_light(k: u32) -> Light {
 
 fn known_radius(k: u32) -> f32 {
     return mode_number(FIRST_LIGHT + 2u * k + 1u);
-}
-
-/// As `near_misses`, in fewer and longer steps: at least a part of the radius of the light's cone.
-fn coarse_near_misses(ray: Ray, limit: f32, sharpness: f32) -> f32 {
-    var light = 1.0;
-    let last = min(limit, frame.far);
-    let least = COARSE / sharpness;
-    var t = tolerance(ray.origin, 0.0);
-    for (var step = 0u; step < SHADOW_STEPS; step++) {
-        let distance = occluder_distance(ray.origin + ray.direction * t) * frame.step_factor;
-        light = min(light, sharpness * distance / t);
-        t += max(distance, t * least);
-        if light < PASSED || t > last {
-            break;
-        }
-    }
-    light = max(light - PASSED, 0.0) / (1.0 - PASSED);
-    return light * light * (3.0 - 2.0 * light);
 }
 
 /// How hard the edge of a shadow is. The surface itself is not taken for a near miss.

@@ -11,7 +11,7 @@ use super::camera::Ray;
 use super::lights::{self, LightSample};
 use super::march::{Hit, MAX_STEPS, March, march, rounding_at, start_offset, tolerance};
 use super::path::{left_after, medium_beyond};
-use crate::frame::{CLEAR, Frame, Prepared, SHEET};
+use crate::frame::{CLEAR, Prepared, SHEET};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_field::number::Vec3 as FieldVec3;
@@ -40,11 +40,7 @@ pub(super) fn arriving(prepared: &Prepared, connections: Vec<Connection>) -> Vec
     let mut under_way = Vec::with_capacity(connections.len());
     for mut connection in connections {
         if connection.light.penumbra > 0.0 {
-            let Connection { light, ray, .. } = &connection;
-            let reach = [tolerance(&prepared.frame, ray.origin, 0.0), light.distance];
-            let ray = [ray.origin, ray.direction].map(|v| FieldVec3::new(v.x, v.y, v.z));
-            let distance = |p| prepared.field.distance(p);
-            let light = near_misses(&prepared.frame, ray, reach, light.penumbra, (MAX_STEPS, 0.0), distance);
+            let light = near_misses(prepared, connection.ray, connection.light.distance, connection.light.penumbra);
             let left = left_after(connection.medium, connection.light.distance);
             arrived.push((connection.slot, connection.radiance * left * light));
         } else {
@@ -124,30 +120,25 @@ fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<Hit>) 
     Meeting::GoesOn(connection)
 }
 
-/// The share of a light that the nearest of the near misses leaves, for as many rays as the number is wide; `start` is where
-/// they begin. Everything is marched, for nothing met in closed form is nearly met. Steps are at least `coarse` times the
-/// radius of the light's cone there.
-pub(super) fn near_misses<N: Batch>(
-    frame: &Frame,
-    [origin, direction]: [FieldVec3<N>; 2],
-    [start, limit]: [N; 2],
-    sharpness: N,
-    (steps, coarse): (u32, f32),
-    distance: impl Fn(FieldVec3<N>) -> N,
-) -> N {
-    let last = limit.min(N::constant(frame.far));
-    let least = N::constant(coarse) / sharpness;
-    let factor = N::constant(frame.step_factor);
-    // A long step may pass a surface no farther than half of it: so near is in the shadow.
-    let passed = 0.5 * coarse;
-    let dark = N::constant(if coarse > 0.0 { passed } else { 0.001 });
-    let [light, _] = N::iterate(N::constant(steps as f32), steps, [N::one(), start], |[light, t]| {
-        let distance = distance(origin + direction * t) * factor;
-        let light = light.min(sharpness * distance / t);
-        let t = t + distance.max(t * least);
-        ([light, t], !(light.lt(dark) | last.lt(t)))
-    });
-    let light = N::select(light.lt(dark), N::zero(), (light - N::constant(passed)) / N::constant(1.0 - passed));
+/// The share of a light that the nearest of the near misses leaves. Everything is marched, for nothing met in closed
+/// form is nearly met.
+fn near_misses(prepared: &Prepared, ray: Ray, limit: f32, sharpness: f32) -> f32 {
+    let frame = &prepared.frame;
+    let mut light = 1.0f32;
+    let last = limit.min(frame.far);
+    let mut t = tolerance(frame, ray.origin, 0.0);
+    for _ in 0..MAX_STEPS {
+        let p = ray.origin + ray.direction * t;
+        let distance = prepared.field.distance(FieldVec3::new(p.x, p.y, p.z)) * frame.step_factor;
+        light = light.min(sharpness * distance / t);
+        if light < 0.001 {
+            return 0.0;
+        }
+        t += distance;
+        if t > last {
+            break;
+        }
+    }
     // Smooth at both ends.
-    light * light * (N::constant(3.0) - N::constant(2.0) * light)
+    light * light * (3.0 - 2.0 * light)
 }

@@ -36,7 +36,7 @@ mod tests {
         assert!(cells.iter().all(|&hit| hit), "{cells:?}");
         for index in 0..4 {
             let mean = (0..64).map(|sample| threshold(sample, index)).sum::<f32>() / 64.0;
-            assert!((mean - 0.5).abs() < 0.02, "{index}: {mean}");
+            assert!((mean - 0.5).abs() < 0.03, "{index}: {mean}");
         }
     }
 }
