@@ -222,7 +222,8 @@ impl App {
         self.poll(&ctx);
         let blocked = self.dialog.is_some() || self.chooser.is_some();
         let focus = ctx.memory(|memory| memory.focused());
-        if ctx.input(|input| input.pointer.any_pressed()) || focus != self.focus {
+        let (pressed, down) = ctx.input(|input| (input.pointer.any_pressed(), input.pointer.any_down()));
+        if pressed || focus != self.focus && !down {
             self.gesture += 1;
         }
         self.focus = focus;
