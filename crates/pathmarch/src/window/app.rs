@@ -83,6 +83,8 @@ pub(super) struct App {
     /// Changes between two presses of the pointer, or from the keyboard in one widget, are one step of undoing.
     pub(super) gesture: u64,
     focus: Option<egui::Id>,
+    /// Text was being typed at the end of the last frame.
+    typing: bool,
     ordered: Option<Order>,
     /// The first order of the scene that is open; earlier pictures are of another.
     first_order: Option<u64>,
@@ -159,6 +161,7 @@ impl App {
             help: false,
             gesture: 0,
             focus: None,
+            typing: false,
             ordered: None,
             first_order: None,
             started,
@@ -227,8 +230,9 @@ impl App {
             self.gesture += 1;
         }
         self.focus = focus;
+        let typed = self.typing;
         if !blocked {
-            if let Some(action) = actions::pressed(&ctx, self.open.is_some()) {
+            if let Some(action) = actions::pressed(&ctx, self.open.is_some(), typed) {
                 self.act(&ctx, action);
             }
             self.take_dropped(&ctx);
@@ -259,6 +263,7 @@ impl App {
         self.show_toasts(&ctx);
         self.order(&ctx);
         self.save_preferences();
+        self.typing = ctx.text_edit_focused();
     }
 
     /// What cannot be remembered is not worth a word each time.
