@@ -15,7 +15,7 @@ use super::open::Open;
 use super::places::Places;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::{By, Queryable};
 use egui_kittest::{Harness, HarnessBuilder, Node};
 use pathmarch_render::Backend;
 use pathmarch_render::pathmarch_scene::Scene;
@@ -30,6 +30,9 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const FRAME: f32 = 0.05;
 /// Frames after which a click is not the second of two.
 const PAUSE: usize = 8;
+
+/// Ctrl, as the system reports it.
+const CTRL: Modifiers = Modifiers { ctrl: true, command: true, ..Modifiers::NONE };
 
 /// A scene of few pixels and samples, with comments and an order of its own.
 const SCENE: &str = r#"// A scene to test with.
@@ -228,7 +231,7 @@ impl Person {
         let (app, open) = (self.app(), self.open());
         let Some(scene) = open.document.last_good() else { return false };
         // The answer comes after everything ordered before, with the samples that there are.
-        let Ok(Ok((film, settings))) = app.live.film().recv() else { return false };
+        let Ok(Ok((_, settings))) = app.live.film().recv() else { return false };
         let shown = open.view.picture.as_ref().map(|(_, serial, _)| *serial);
         settings == App::settings(open, scene)
             && app.live.status().resting
@@ -277,19 +280,32 @@ impl Person {
         self.wait(2);
     }
     fn ctrl(&mut self, key: Key) {
-        self.harness.key_press_modifiers(Modifiers::COMMAND, key);
+        self.harness.key_press_modifiers(CTRL, key);
         self.wait(2);
     }
     fn ctrl_shift(&mut self, key: Key) {
-        self.harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, key);
+        self.harness.key_press_modifiers(CTRL | Modifiers::SHIFT, key);
         self.wait(2);
     }
     /// Puts a text into a field in place of what is there, and leaves it with Enter.
     #[track_caller]
     fn fill(&mut self, role: Role, label: &str, text: &str) {
-        self.harness.get_by_role_and_label(role, label).focus();
+        self.field(role, label).focus();
         self.wait(2);
         self.retype(text);
+    }
+    /// The first widget of this label: that of the selection comes before that of its material.
+    #[track_caller]
+    fn field<'a>(&'a self, role: Role, label: &'a str) -> Node<'a> {
+        let node = self.harness.query_all(By::new().role(role).label(label)).next();
+        node.unwrap_or_else(|| panic!("no {role:?} {label}"))
+    }
+    /// Presses the last button of this label: dialogs are above everything else.
+    #[track_caller]
+    fn answer(&mut self, label: &str) {
+        let button = self.harness.query_all_by_role_and_label(Role::Button, label).last();
+        button.unwrap_or_else(|| panic!("no {label}")).click();
+        self.wait(PAUSE);
     }
     /// Puts a text into the field that has the keyboard.
     fn retype(&mut self, text: &str) {

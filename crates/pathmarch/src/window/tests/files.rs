@@ -119,9 +119,7 @@ fn unsaved_work_is_asked_about_on_leaving() {
     person.key(Key::Escape);
     assert!(!person.app().wants_to_leave() && person.app().dialog.is_none(), "Escape cancels");
     person.ctrl(Key::Q);
-    // The one of the dialog, not that of the tools.
-    person.harness.query_all_by_role_and_label(Role::Button, "Save").last().expect("there").click();
-    person.wait(PAUSE);
+    person.answer("Save");
     assert!(person.app().wants_to_leave());
     assert_eq!(person.on_disk(), changed);
 }
@@ -170,10 +168,10 @@ fn the_recent_file_that_was_chosen_is_opened_also_after_a_save() {
     person.select("ball");
     person.key(Key::Delete);
     person.click_role(Role::Button, "File");
-    person.click_role(Role::Button, "Open recent ⏵");
-    person.click_role(Role::Button, "a.kdl");
-    person.harness.query_all_by_role_and_label(Role::Button, "Save").last().expect("there").click();
+    person.harness.get_by_label_contains("Open recent").click();
     person.wait(PAUSE);
+    person.answer("a.kdl");
+    person.answer("Save");
     person.fill(Role::TextInput, "Name", "c.kdl");
     assert_eq!(person.text(), texts[0]);
 }
@@ -265,12 +263,7 @@ fn of_two_versions_both_are_kept() {
     assert!(person.app().chooser.is_some());
     let name = person.harness.get_by_role_and_label(Role::TextInput, "Name").value();
     assert_eq!(name.as_deref(), Some("scene-mine.kdl"));
-    person.click_role(Role::Button, "Save");
-    person.wait(PAUSE);
-    if person.app().chooser.is_some() {
-        // The tools have a button of this name, too.
-        person.fill(Role::TextInput, "Name", "scene-mine.kdl");
-    }
+    person.answer("Save");
     assert_eq!(person.on_disk(), theirs);
     let other = person.file().with_file_name("scene-mine.kdl");
     assert_eq!(std::fs::read_to_string(other).expect("read"), mine);

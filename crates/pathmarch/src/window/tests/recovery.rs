@@ -16,7 +16,7 @@ fn work_left_behind_is_offered_and_opened() {
     let mut person = person.crash();
     assert_eq!(left(&person), 1);
     assert!(person.has("Unsaved work was found") && person.has("scene.kdl, just now"));
-    person.click_role(Role::Button, "Open");
+    person.answer("Open");
     assert_eq!(person.text(), changed);
     assert_eq!(person.on_disk(), SCENE);
     assert!(person.open().has_unsaved_work() && person.app().dialog.is_none());
@@ -24,7 +24,7 @@ fn work_left_behind_is_offered_and_opened() {
     // It is kept still: another crash loses nothing either.
     let mut person = person.crash();
     assert_eq!(left(&person), 1);
-    person.click_role(Role::Button, "Open");
+    person.answer("Open");
     assert_eq!(person.text(), changed);
     person.ctrl(Key::S);
     assert_eq!(person.on_disk(), changed);

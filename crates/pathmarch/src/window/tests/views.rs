@@ -79,10 +79,10 @@ fn modes_are_shown() {
     person.key(Key::P);
     assert_eq!(person.open().view.mode, Mode::Preview);
     person.rest();
-    assert_ne!(codes(&person), light);
+    assert!(codes(&person) != light);
     person.key(Key::P);
     person.rest();
-    assert_eq!(codes(&person), light, "the CPU renders the same twice");
+    assert!(codes(&person) == light, "the CPU renders the same twice");
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn a_final_render_is_that_of_the_renderer() {
     let written = pathmarch_render::image::load(&output).expect("read");
     let expected = film.mean();
     assert_eq!((written.picture.width, written.picture.height), (64, 48));
-    assert_eq!(written.picture.pixels, expected.pixels, "bit for bit");
+    assert!(written.picture.pixels == expected.pixels, "bit for bit");
 }
 
 #[test]
@@ -132,7 +132,7 @@ fn the_picture_that_is_shown_is_saved() {
     let written = pathmarch_render::image::load(&person.file().with_file_name("shown.exr")).expect("read");
     let settings = Settings::of(person.scene());
     let film = Renderer::open(Backend::Cpu, None).expect("a CPU").render(person.scene(), &settings).expect("rendered");
-    assert_eq!(written.picture.pixels, film.mean().pixels, "bit for bit");
+    assert!(written.picture.pixels == film.mean().pixels, "bit for bit");
 }
 
 #[test]
