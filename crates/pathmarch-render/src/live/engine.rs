@@ -246,7 +246,10 @@ impl Engine {
         }
         let (Some((_, order)), Some(tracer)) = (&self.order, &self.tracer) else { return false };
         let target = if self.level == order.settings.size { order.settings.samples } else { LEVEL_SAMPLES };
-        tracer.samples_done() < f64::from(target) || !order.moving && self.level != order.settings.size
+        let done = tracer.samples_done();
+        // Whoever asked for a film may have had the last sample done.
+        let not_shown = done >= f64::from(target) && done > self.shown_samples;
+        done < f64::from(target) || not_shown || !order.moving && self.level != order.settings.size
     }
 
     /// Whether the first picture of an order is on its way. It is waited for a little while, so that orders that come faster

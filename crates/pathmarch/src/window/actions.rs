@@ -151,8 +151,10 @@ pub(super) const POINTER: &[(&str, &str)] = &[
 ];
 
 /// The action of a shortcut pressed in this frame. Keys without Ctrl act only while no text is being typed.
-pub(super) fn pressed(ctx: &egui::Context, has_scene: bool) -> Option<Action> {
-    let typing = ctx.text_edit_focused();
+/// `typed` says whether text was being typed before this frame: Escape has taken the keyboard from it by now, and is its
+/// own. Menus and lists that are open have their keys for themselves, too.
+pub(super) fn pressed(ctx: &egui::Context, has_scene: bool, typed: bool) -> Option<Action> {
+    let typing = typed || ctx.text_edit_focused() || egui::Popup::is_any_open(ctx);
     // Longer chords first: Ctrl+Shift+Z is also Ctrl+Z to a test that ignores Shift.
     let mut entries: Vec<&Entry> = ACTIONS.iter().filter(|entry| has_scene || !entry.needs_scene).collect();
     entries.sort_by_key(|entry| {

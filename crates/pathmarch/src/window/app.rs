@@ -83,6 +83,8 @@ pub(super) struct App {
     /// Changes between two presses of the pointer, or from the keyboard in one widget, are one step of undoing.
     pub(super) gesture: u64,
     focus: Option<egui::Id>,
+    /// Text was being typed at the end of the last frame.
+    typing: bool,
     ordered: Option<Order>,
     /// The first order of the scene that is open; earlier pictures are of another.
     first_order: Option<u64>,
@@ -161,6 +163,7 @@ impl App {
             help: false,
             gesture: 0,
             focus: None,
+            typing: false,
             ordered: None,
             first_order: None,
             started,
@@ -241,12 +244,14 @@ impl App {
         self.poll(&ctx);
         let blocked = self.dialog.is_some() || self.chooser.is_some();
         let focus = ctx.memory(|memory| memory.focused());
-        if ctx.input(|input| input.pointer.any_pressed()) || focus != self.focus {
+        let (pressed, down) = ctx.input(|input| (input.pointer.any_pressed(), input.pointer.any_down()));
+        if pressed || focus != self.focus && !down {
             self.gesture += 1;
         }
         self.focus = focus;
+        let typed = self.typing;
         if !blocked {
-            if let Some(action) = actions::pressed(&ctx, self.open.is_some()) {
+            if let Some(action) = actions::pressed(&ctx, self.open.is_some(), typed) {
                 self.act(&ctx, action);
             }
             self.take_dropped(&ctx);
@@ -279,6 +284,7 @@ impl App {
         // Ctrl with plus and minus changes it.
         self.preferences.scale = ctx.zoom_factor();
         self.save_preferences();
+        self.typing = ctx.text_edit_focused();
     }
 
     /// What cannot be remembered is not worth a word each time.

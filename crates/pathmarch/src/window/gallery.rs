@@ -16,7 +16,7 @@ pub(super) struct Example {
     /// One line for people.
     pub(super) doc: &'static str,
     file: &'static str,
-    text: &'static str,
+    pub(super) text: &'static str,
     picture: &'static [u8],
 }
 

@@ -19,6 +19,8 @@ mod places;
 mod preferences;
 mod recovery;
 mod saving;
+#[cfg(test)]
+mod tests;
 mod tree;
 mod viewpoint;
 mod viewport;

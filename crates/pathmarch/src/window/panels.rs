@@ -291,7 +291,14 @@ impl App {
                     let count = text.split('\n').count();
                     let numbers: Vec<String> = (1..=count).map(|line| format!("{line:>4}")).collect();
                     ui.add(egui::Label::new(RichText::new(numbers.join("\n")).monospace().weak()).selectable(false));
-                    let edit = egui::TextEdit::multiline(&mut text).code_editor().frame(egui::Frame::NONE);
+                    // Lines stay whole, so that they are beside their numbers.
+                    let mut layout = |ui: &Ui, text: &dyn egui::TextBuffer, _: f32| {
+                        let font = egui::TextStyle::Monospace.resolve(ui.style());
+                        let colour = ui.visuals().widgets.inactive.text_color();
+                        ui.fonts_mut(|fonts| fonts.layout_no_wrap(text.as_str().to_owned(), font, colour))
+                    };
+                    let edit = egui::TextEdit::multiline(&mut text).code_editor().layouter(&mut layout);
+                    let edit = edit.frame(egui::Frame::NONE);
                     let response = ui.add(edit.desired_width(f32::INFINITY).margin(egui::Margin::ZERO));
                     response
                         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::MultilineTextInput, true, "Scene text"));

@@ -1,0 +1,330 @@
+//! The controls of what is selected: every one there is, and what each kind of them does to the text.
+
+use super::*;
+use pathmarch_render::pathmarch_field::registry;
+use pathmarch_render::pathmarch_scene::document::{ControlKind, ItemKind, key};
+use pathmarch_render::pathmarch_scene::materials;
+
+/// A scene with every shape, operator and kind of material, each with all of its parameters or none.
+fn everything() -> String {
+    let mut text = "pathmarch 1\ncamera { position 0 1 5; target 0 0 0 }\nrender { size 32 24; samples 1 }\n\
+                    sky \"day\"\nsun { direction 0 1 0; irradiance 1 }\npoint { at 0 3 0; intensity 1 }\n"
+        .to_owned();
+    for kind in materials::kinds() {
+        let numbers = |param: &materials::MaterialParam| format!("{} {}; ", param.name, param.default[0]);
+        let others: String = kind.params.iter().skip(1).map(numbers).collect();
+        text += &format!("material \"of {0}\" {{ {0} {1}; {others}}}\n", kind.name, kind.params[0].default[0]);
+    }
+    for shape in registry::shapes() {
+        let name = shape.info().name;
+        let normal = if shape.info().facing { "; normal 0 1 0" } else { "" };
+        text += &format!("object \"a {name}\" {{ {name} {{ at 0 0 0; rotate 0 0 0; scale 1{normal} }} }}\n");
+    }
+    for operator in registry::operators() {
+        let name = operator.info().name;
+        text += &format!("object \"an {name}\" {{ {name} smooth=0.1 {{ sphere; box }} }}\n");
+    }
+    text
+}
+
+#[test]
+fn every_control_of_every_node_is_a_widget_with_its_label() {
+    // High enough that no control is out of sight.
+    let mut person = Start::with(&everything()).size(1000.0, 1600.0).go();
+    let mut seen = 0;
+    for item in person.items() {
+        if item.kind == ItemKind::Version {
+            continue;
+        }
+        person.app_mut().select(Some(item.path.clone()));
+        person.wait(3);
+        let controls = person.document().controls(&item.path);
+        if item.kind == ItemKind::Shape || item.kind == ItemKind::Material {
+            assert!(!controls.is_empty(), "{item:?}");
+        }
+        for control in controls {
+            let label = &*control.label;
+            let roles: &[Role] = match (&control.kind, &control.value) {
+                (ControlKind::Material(_), _) => &[Role::ComboBox],
+                (_, Value::None) => &[Role::Button],
+                (ControlKind::Number(_), _) => &[Role::Slider, Role::SpinButton],
+                (ControlKind::Triple { .. } | ControlKind::Size { .. }, _) => &[Role::SpinButton],
+                (ControlKind::Colour { .. }, _) => &[Role::ColorWell, Role::Button],
+                (ControlKind::Choice(_), _) => &[Role::ComboBox],
+                (ControlKind::Flag, _) => &[Role::CheckBox],
+                (ControlKind::Text | ControlKind::Picture, _) => &[Role::TextInput],
+            };
+            let is_there = |role: &Role| person.harness.query_all_by_role_and_label(*role, label).next().is_some();
+            assert!(roles.iter().any(is_there), "{label} of {}: no {roles:?}", item.title());
+            seen += 1;
+        }
+    }
+    assert!(seen > 200, "{seen}");
+    assert_eq!(person.undo_all(), 0, "looking changes nothing");
+}
+
+#[test]
+fn a_number_is_typed_beside_its_slider() {
+    let mut person = Person::at_scene();
+    person.click_role(Role::TreeItem, "object “ball”");
+    person.harness.query_all_by_role_and_label(Role::TreeItem, "sphere").next().expect("there").click();
+    person.wait(PAUSE);
+    assert_eq!(person.selected().as_deref(), Some("sphere"));
+    person.type_number("radius", "0.85");
+    assert_eq!(changed_lines(SCENE, person.text()).len(), 1);
+    assert!(person.text().contains("object \"ball\" material=\"red\" { sphere 0.85 { at 0 0.7 0 } } // round"));
+    assert_eq!(person.value("sphere", "radius"), Value::Number(0.85));
+    let bounds = person.scene().field.leaves()[0].world_bounds();
+    assert!((bounds.max[0] - 0.85).abs() < 1e-3, "the scene has it, too: {bounds:?}");
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn a_drag_of_a_slider_is_one_step() {
+    let mut person = Person::at_scene();
+    person.select("sphere");
+    let slider = person.harness.get_by_role_and_label(Role::Slider, "radius").rect();
+    let from = slider.left_center() + Vec2::new(30.0, 0.0);
+    person.drag(from, from + Vec2::new(45.0, 0.0), PointerButton::Primary, Modifiers::NONE);
+    assert_eq!(changed_lines(SCENE, person.text()).len(), 1);
+    person.drag(from, from + Vec2::new(10.0, 0.0), PointerButton::Primary, Modifiers::NONE);
+    assert_eq!(person.undo_all(), 2);
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn numbers_typed_into_two_controls_are_two_steps() {
+    let mut person = Person::at_scene();
+    person.select("sphere");
+    let gesture = person.app().gesture;
+    person.harness.get_by_role_and_label(Role::Slider, "radius").focus();
+    person.wait(2);
+    person.key(Key::ArrowRight);
+    person.key(Key::ArrowRight);
+    person.harness.get_by_role_and_label(Role::Slider, "scale").focus();
+    person.wait(2);
+    person.key(Key::ArrowRight);
+    assert_ne!(person.app().gesture, gesture);
+    assert_eq!(person.undo_all(), 2, "{}", person.text());
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn a_place_is_typed() {
+    let mut person = Person::at_scene();
+    person.select("sphere");
+    let label = person.document().control(&person.path("sphere"), key::AT).expect("there").label.into_owned();
+    let second = person.harness.query_all_by_role_and_label(Role::SpinButton, &label).nth(1).expect("y");
+    second.click();
+    person.wait(PAUSE);
+    person.retype("1.25");
+    assert!(person.text().contains("sphere 0.7 { at 0 1.25 0 }"), "{}", person.text());
+}
+
+#[test]
+fn a_colour_is_chosen() {
+    let mut person = Person::at_scene();
+    person.select("red");
+    let label = {
+        let controls = person.document().controls(&person.path("red"));
+        let is_colour = |control: &&_| matches!(Value::clone(&pathmarch_value(control)), Value::Colour(_));
+        controls.iter().find(is_colour).expect("a colour").label.clone().into_owned()
+    };
+    let button = person.harness.query_all_by_label(&label).next().expect("a button");
+    button.click();
+    person.wait(PAUSE);
+    // The picker is open: click somewhere in its field.
+    let before = person.text().to_owned();
+    let at = person.harness.query_all_by_label(&label).next().expect("a button").rect().center();
+    person.drag(at + Vec2::new(0.0, 120.0), at + Vec2::new(-20.0, 150.0), PointerButton::Primary, Modifiers::NONE);
+    person.key(Key::Escape);
+    assert_ne!(person.text(), before, "a colour was chosen");
+    assert_eq!(changed_lines(SCENE, person.text()).len(), 1);
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), SCENE);
+}
+
+fn pathmarch_value(control: &pathmarch_render::pathmarch_scene::document::Control) -> Value {
+    control.value.clone()
+}
+
+/// Opens a list and chooses from it.
+fn choose(person: &mut Person, label: &str, name: &str) {
+    person.click_role(Role::ComboBox, label);
+    let entry = person.harness.query_all_by_label(name).last();
+    entry.unwrap_or_else(|| panic!("no {name} in {label}")).click();
+    person.wait(PAUSE);
+}
+
+#[test]
+fn choices_flags_sizes_and_texts_work() {
+    let sky = SCENE.replace("sky 0.6", "sky \"day\"");
+    let mut person = Start::with(&sky).size(1000.0, 1200.0).go();
+    // A choice.
+    person.select("render");
+    person.key(Key::F3);
+    person.key(Key::F3);
+    let label = person.document().control(&person.path("render"), "tonemap").expect("there").label.into_owned();
+    let combo = person.harness.query_all_by_role_and_label(Role::ComboBox, &label).next().expect("there");
+    combo.click();
+    person.wait(PAUSE);
+    person.harness.query_all_by_label("neutral").last().expect("there").click();
+    person.wait(PAUSE);
+    assert_eq!(person.value("render", "tonemap"), Value::Text("neutral".to_owned()));
+    // A size.
+    let label = person.document().control(&person.path("render"), "size").expect("there").label.into_owned();
+    let width = person.harness.query_all_by_role_and_label(Role::SpinButton, &label).next().expect("width");
+    width.click();
+    person.wait(PAUSE);
+    person.retype("80");
+    assert!(person.text().contains("size 80 48"), "{}", person.text());
+    // A flag.
+    person.select("sky");
+    let flag = {
+        let controls = person.document().controls(&person.path("sky"));
+        let flag = controls.iter().find(|control| control.kind == ControlKind::Flag).expect("a flag");
+        flag.label.clone().into_owned()
+    };
+    person.harness.query_all_by_role_and_label(Role::CheckBox, &flag).next().expect("there").click();
+    person.wait(PAUSE);
+    assert!(person.text().contains("#false"), "{}", person.text());
+    // A text.
+    person.select("ball");
+    let label = person.document().control(&person.path("ball"), key::NAME).expect("there").label.into_owned();
+    person.fill(Role::TextInput, &label, "globe");
+    assert!(person.text().contains("object \"globe\""), "{}", person.text());
+    // A text that is left by Escape stays.
+    person.field(Role::TextInput, &label).focus();
+    person.wait(2);
+    person.ctrl(Key::A);
+    person.harness.event(egui::Event::Text("not this".to_owned()));
+    person.wait(2);
+    person.key(Key::Escape);
+    assert!(person.text().contains("object \"globe\"") && !person.text().contains("not this"));
+    // A material.
+    let label = person.document().control(&person.path("globe"), key::MATERIAL).expect("there").label.into_owned();
+    choose(&mut person, &label, "grey");
+    assert!(person.text().contains("object \"globe\" material=\"grey\""), "{}", person.text());
+    // A kind.
+    person.select("grey");
+    let label = person.document().control(&person.path("grey"), key::KIND).expect("there").label.into_owned();
+    choose(&mut person, &label, "glass");
+    assert!(person.text().contains("material \"grey\" { glass"), "{}", person.text());
+    assert_eq!(person.undo_all(), 6);
+    assert_eq!(person.text(), sky);
+}
+
+#[test]
+fn what_is_given_can_be_reset_and_what_is_not_can_be_set() {
+    let mut person = Person::at_scene();
+    person.select("subtract");
+    let crosses: Vec<_> = person.harness.query_all_by_role_and_label(Role::Button, "×").collect();
+    assert!(!crosses.is_empty());
+    let row = person.harness.query_all_by_label("smooth").next().expect("there").rect();
+    let cross = crosses.iter().find(|cross| cross.rect().y_range().contains(row.center().y)).expect("its cross");
+    cross.click();
+    drop(crosses);
+    person.wait(PAUSE);
+    assert!(!person.text().contains("smooth"), "{}", person.text());
+    person.ctrl(Key::Z);
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn undo_and_redo_by_keys_and_menu_return_the_exact_text() {
+    let mut person = Person::at_scene();
+    person.select("sphere");
+    let mut texts = vec![SCENE.to_owned()];
+    for value in ["0.8", "0.9", "1.1"] {
+        person.type_number("radius", value);
+        texts.push(person.text().to_owned());
+    }
+    for text in texts.iter().rev().skip(1) {
+        person.ctrl(Key::Z);
+        assert_eq!(person.text(), text);
+    }
+    assert!(!person.open().has_unsaved_work(), "back where it was saved");
+    for (k, text) in texts.iter().enumerate().skip(1) {
+        if k % 2 == 0 {
+            person.ctrl(Key::Y);
+        } else {
+            person.ctrl_shift(Key::Z);
+        }
+        assert_eq!(person.text(), text);
+    }
+    person.menu("Edit", "Undo: ");
+    assert_eq!(person.text(), texts[2]);
+    person.assert_said("Undone: Change radius");
+    person.menu("Edit", "Redo: ");
+    assert_eq!(person.text(), texts[3]);
+}
+
+#[test]
+fn the_text_is_edited_as_text() {
+    let mut person = Person::at_scene();
+    person.key(Key::F4);
+    let field = Role::MultilineTextInput;
+    person.harness.get_by_role_and_label(field, "Scene text").focus();
+    person.wait(2);
+    person.ctrl(Key::Home);
+    person.harness.event(egui::Event::Text("// first\n".to_owned()));
+    person.wait(2);
+    assert_eq!(person.text(), format!("// first\n{SCENE}"));
+    // Keys without Ctrl are letters here.
+    person.harness.event(egui::Event::Text("// p".to_owned()));
+    person.harness.key_press(Key::P);
+    person.wait(2);
+    assert_eq!(person.open().view.mode, pathmarch_render::Mode::Path);
+    person.undo_all();
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn a_mistake_keeps_the_last_good_picture_and_shows_its_line() {
+    let mut person = Person::at_scene();
+    person.rest();
+    let good = person.document().last_good().expect("a scene").clone();
+    person.key(Key::F4);
+    person.harness.get_by_role_and_label(Role::MultilineTextInput, "Scene text").focus();
+    person.wait(2);
+    person.ctrl(Key::End);
+    person.harness.event(egui::Event::Text("object \"x\" { sfere }\n".to_owned()));
+    person.wait(3);
+    assert!(person.document().scene().is_err());
+    assert!(person.has("1 mistake"));
+    let line = SCENE.lines().count() + 1;
+    assert!(person.has(&format!("line {line}, column 14")), "{:?}", person.harness);
+    assert!(person.has("object \"x\" { sfere }"));
+    assert!(Arc::ptr_eq(person.document().last_good().expect("a scene"), &good));
+    assert!(person.open().view.picture.is_some());
+    person.undo_all();
+    assert!(!person.has("1 mistake"));
+}
+
+#[test]
+fn handles_move_what_is_selected_in_one_step() {
+    let mut person = Person::at_scene();
+    person.select("sphere");
+    person.wait(2);
+    // The arrow along y starts in the middle of the ball.
+    let camera = person.open().view.camera.clone();
+    let middle = super::camera::place(&camera, person.picture(), [0.0, 0.7, 0.0]);
+    let mut caught = false;
+    for up in (10..120).step_by(3) {
+        let from = middle - Vec2::new(0.0, up as f32);
+        person.drag(from, from - Vec2::new(0.0, 25.0), PointerButton::Primary, Modifiers::NONE);
+        caught = person.text() != SCENE;
+        if caught {
+            break;
+        }
+        // That was an orbit.
+        person.key(Key::Home);
+        person.select("sphere");
+    }
+    assert!(caught, "no handle was there");
+    let Value::Triple([x, y, z]) = person.value("sphere", key::AT) else { panic!("a place") };
+    assert!(x.abs() < 0.01 && z.abs() < 0.01 && y > 0.72, "{x} {y} {z}");
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), SCENE);
+}

@@ -1,0 +1,281 @@
+//! Saving, unsaved work, and files that others change.
+
+use super::*;
+use crate::window::dialogs::Dialog;
+
+/// Makes a change that is not saved.
+fn change(person: &mut Person) -> String {
+    person.select("sphere");
+    person.type_number("radius", "0.85");
+    assert!(person.open().has_unsaved_work());
+    person.text().to_owned()
+}
+
+#[test]
+fn saving_writes_the_text_as_it_is() {
+    let mut person = Person::at_scene();
+    assert_eq!(person.app().title(), "scene.kdl - pathmarch");
+    let changed = change(&mut person);
+    assert_eq!(person.app().title(), "• scene.kdl - pathmarch");
+    assert_eq!(person.on_disk(), SCENE, "not before it is asked for");
+    person.ctrl(Key::S);
+    assert_eq!(person.on_disk(), changed);
+    assert_eq!(person.on_disk(), SCENE.replace("sphere 0.7 {", "sphere 0.85 {"), "comments and order stay");
+    assert!(!person.open().has_unsaved_work());
+    person.assert_said("Saved");
+    // The button of the tools does the same.
+    person.ctrl(Key::Z);
+    person.click_role(Role::Button, "Save");
+    assert_eq!(person.on_disk(), SCENE);
+}
+
+#[test]
+fn saves_that_follow_soon_after_each_other_are_no_changes_by_others() {
+    let mut person = Person::at_scene();
+    person.select("sphere");
+    for k in 0..12 {
+        let text = SCENE.replace("sphere 0.7 {", &format!("sphere 0.{} {{", 80 + k));
+        person.app_mut().edit(|open| {
+            open.document.replace_text(text.clone(), "Test");
+            Ok(())
+        });
+        person.ctrl(Key::S);
+        assert_eq!(person.on_disk(), text);
+        // As long as a watch takes to look.
+        std::thread::sleep(Duration::from_millis(15 * (k % 4)));
+        person.wait(1);
+        assert_eq!(person.text(), text, "what was saved before does not come back");
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    person.wait(2);
+    assert_eq!(person.text(), person.on_disk());
+    assert!(!person.messages().iter().any(|message| message.contains("has changed")), "{:?}", person.messages());
+}
+
+#[test]
+fn saving_under_another_name_goes_through_the_chooser() {
+    let mut person = Person::at_scene();
+    let changed = change(&mut person);
+    person.ctrl_shift(Key::S);
+    assert!(person.app().chooser.is_some());
+    person.fill(Role::TextInput, "Name", "other");
+    let other = person.file().with_file_name("other.kdl");
+    assert_eq!(std::fs::read_to_string(&other).expect("read"), changed);
+    assert_eq!(person.on_disk(), SCENE);
+    assert_eq!(person.app().title(), "other.kdl - pathmarch");
+    // From now on that is its file.
+    person.ctrl(Key::Z);
+    person.ctrl(Key::S);
+    assert_eq!(std::fs::read_to_string(&other).expect("read"), SCENE);
+    // A name that is taken is asked about.
+    person.ctrl_shift(Key::S);
+    person.fill(Role::TextInput, "Name", "scene");
+    assert!(person.has("Replace it?"));
+    person.click("Keep it");
+    person.key(Key::Escape);
+    assert!(person.app().chooser.is_none());
+}
+
+#[test]
+fn a_scene_without_a_file_asks_for_one() {
+    let mut person = Start::new().go();
+    person.click("New scene");
+    let text = person.text().to_owned();
+    person.ctrl(Key::S);
+    assert!(person.app().chooser.is_some());
+    let directory = person.directory.path().display().to_string();
+    person.fill(Role::TextInput, "Path", &format!("{directory}/"));
+    person.fill(Role::TextInput, "Name", "mine.kdl");
+    assert_eq!(std::fs::read_to_string(person.file().with_file_name("mine.kdl")).expect("read"), text);
+}
+
+#[test]
+fn a_save_that_fails_says_why_and_keeps_the_work() {
+    let mut person = Person::at_scene();
+    let changed = change(&mut person);
+    let mut permissions = std::fs::metadata(person.file()).expect("there").permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(person.file(), permissions).expect("set");
+    person.ctrl(Key::S);
+    person.assert_said("Not saved");
+    person.assert_said("read-only");
+    assert!(person.open().has_unsaved_work());
+    assert_eq!((person.text(), person.on_disk().as_str()), (changed.as_str(), SCENE));
+    let kept = std::fs::read_to_string(person.app().recovery.file()).expect("kept");
+    assert!(kept.ends_with(&changed), "and it is kept for recovery at once");
+}
+
+#[test]
+fn unsaved_work_is_asked_about_on_leaving() {
+    let mut person = Person::at_scene();
+    let changed = change(&mut person);
+    person.ctrl(Key::Q);
+    assert!(person.has("Save the changes?") && !person.app().wants_to_leave());
+    person.click("Cancel");
+    assert!(!person.app().wants_to_leave() && person.app().dialog.is_none());
+    assert_eq!(person.text(), changed);
+    person.app_mut().ask_to_leave();
+    person.wait(2);
+    person.key(Key::Escape);
+    assert!(!person.app().wants_to_leave() && person.app().dialog.is_none(), "Escape cancels");
+    person.ctrl(Key::Q);
+    person.answer("Save");
+    assert!(person.app().wants_to_leave());
+    assert_eq!(person.on_disk(), changed);
+}
+
+#[test]
+fn unsaved_work_is_discarded_only_on_request() {
+    let mut person = Person::at_scene();
+    change(&mut person);
+    person.ctrl(Key::Q);
+    person.click("Discard them");
+    assert!(person.app().wants_to_leave());
+    assert_eq!(person.on_disk(), SCENE);
+    person.app_mut().leave();
+    let again = person.crash();
+    assert!(again.app().dialog.is_none(), "what was discarded is not offered again");
+    let mut saved = Person::at_scene();
+    saved.ctrl(Key::Q);
+    assert!(saved.app().wants_to_leave(), "where nothing is unsaved nothing is asked");
+}
+
+#[test]
+fn discarding_to_open_another_and_opening_none_loses_nothing() {
+    let mut person = Person::at_scene();
+    let changed = change(&mut person);
+    person.ctrl(Key::O);
+    person.click("Discard them");
+    assert!(person.app().chooser.is_some());
+    person.key(Key::Escape);
+    assert_eq!(person.text(), changed);
+    let person = person.crash();
+    let Some(Dialog::Recovered(left)) = &person.app().dialog else { panic!("it is still kept") };
+    assert_eq!(left[0].text.as_deref(), Ok(changed.as_str()));
+}
+
+#[test]
+fn the_recent_file_that_was_chosen_is_opened_also_after_a_save() {
+    let mut person = Person::at_scene();
+    let texts = ["a", "b"].map(|name| {
+        let path = person.file().with_file_name(format!("{name}.kdl"));
+        let text = format!("// {name}\n{SCENE}");
+        std::fs::write(&path, &text).expect("written");
+        person.app_mut().open_file(&path);
+        text
+    });
+    person.ctrl(Key::N);
+    person.select("ball");
+    person.key(Key::Delete);
+    person.click_role(Role::Button, "File");
+    person.harness.get_by_label_contains("Open recent").click();
+    person.wait(PAUSE);
+    person.answer("a.kdl");
+    person.answer("Save");
+    person.fill(Role::TextInput, "Name", "c.kdl");
+    assert_eq!(person.text(), texts[0]);
+}
+
+#[test]
+fn a_change_on_disk_is_shown() {
+    let mut person = Person::at_scene();
+    let text = SCENE.replace("sphere 0.7 {", "sphere 0.5 {");
+    std::fs::write(person.file(), &text).expect("written");
+    person.until("the file is read", |person| person.text() == text);
+    assert!(!person.open().has_unsaved_work());
+    person.assert_said("The file has changed");
+    // Also where an editor replaces the file, and that can be undone.
+    replace_file(&person.file(), SCENE);
+    person.until("the file is read", |person| person.text() == SCENE);
+    person.ctrl(Key::Z);
+    assert_eq!(person.text(), text);
+    assert!(person.open().has_unsaved_work());
+}
+
+#[test]
+fn a_mistake_on_disk_keeps_the_picture_until_it_is_corrected() {
+    let mut person = Person::at_scene();
+    person.rest();
+    let good = person.document().last_good().expect("a scene").clone();
+    std::fs::write(person.file(), SCENE.replace("sphere 0.7", "sphere -0.7")).expect("written");
+    person.until("the mistake shows", |person| person.has("1 mistake"));
+    let line = 1 + SCENE[..SCENE.find("object \"ball\"").expect("there")].matches('\n').count();
+    assert!(person.has(&format!("line {line}, ")));
+    assert!(person.has("sphere -0.7"), "the line itself");
+    assert!(Arc::ptr_eq(person.document().last_good().expect("a scene"), &good));
+    assert!(person.open().view.picture.is_some());
+    std::fs::write(person.file(), SCENE).expect("written");
+    person.until("it is corrected", |person| !person.has("1 mistake"));
+    assert_eq!(person.text(), SCENE);
+    std::fs::remove_file(person.file()).expect("removed");
+    person.until("it is said", |person| person.messages().iter().any(|message| message.contains("scene.kdl")));
+    assert_eq!(person.text(), SCENE, "what is open stays");
+    person.select("sphere");
+    person.type_number("radius", "0.85");
+    person.ctrl(Key::S);
+    assert_eq!(person.on_disk(), person.text());
+}
+
+/// With unsaved changes here and others in the file.
+fn conflict() -> (Person, String, String) {
+    let mut person = Person::at_scene();
+    let mine = change(&mut person);
+    let theirs = SCENE.replace("sky 0.6", "sky 0.3");
+    std::fs::write(person.file(), &theirs).expect("written");
+    person.until("it is asked", |person| matches!(person.app().dialog, Some(Dialog::Conflict)));
+    person.wait(2);
+    assert!(person.has("The file has changed as well"));
+    person.key(Key::Escape);
+    assert!(matches!(person.app().dialog, Some(Dialog::Conflict)), "that must be answered");
+    assert_eq!(person.text(), mine);
+    (person, mine, theirs)
+}
+
+#[test]
+fn of_two_versions_mine_is_kept() {
+    let (mut person, mine, theirs) = conflict();
+    person.click("Keep mine");
+    assert_eq!((person.text(), person.on_disk()), (mine.as_str(), theirs));
+    person.ctrl(Key::S);
+    assert_eq!(person.on_disk(), mine);
+    assert!(person.app().dialog.is_none());
+}
+
+#[test]
+fn of_two_versions_that_of_the_file_is_taken() {
+    let (mut person, mine, theirs) = conflict();
+    person.click("Take the file's");
+    assert_eq!((person.text(), person.on_disk()), (theirs.as_str(), theirs.clone()));
+    assert!(!person.open().has_unsaved_work());
+    person.ctrl(Key::Z);
+    assert_eq!(person.text(), mine, "undo brings mine back");
+    assert!(person.open().has_unsaved_work());
+}
+
+#[test]
+fn of_two_versions_both_are_kept() {
+    let (mut person, mine, theirs) = conflict();
+    person.click("Save mine as…");
+    person.key(Key::Escape);
+    person.wait(PAUSE);
+    assert!(matches!(person.app().dialog, Some(Dialog::Conflict)), "without a name it is asked again");
+    person.click("Save mine as…");
+    assert!(person.app().chooser.is_some());
+    let name = person.harness.get_by_role_and_label(Role::TextInput, "Name").value();
+    assert_eq!(name.as_deref(), Some("scene-mine.kdl"));
+    person.answer("Save");
+    assert_eq!(person.on_disk(), theirs);
+    let other = person.file().with_file_name("scene-mine.kdl");
+    assert_eq!(std::fs::read_to_string(other).expect("read"), mine);
+    assert!(person.app().dialog.is_none() && !person.open().has_unsaved_work());
+}
+
+#[test]
+fn the_same_change_on_both_sides_is_none() {
+    let mut person = Person::at_scene();
+    let mine = change(&mut person);
+    std::fs::write(person.file(), &mine).expect("written");
+    person.until("it counts as saved", |person| !person.open().has_unsaved_work());
+    assert!(person.app().dialog.is_none());
+    assert_eq!(person.text(), mine);
+}

@@ -1,0 +1,135 @@
+//! How the window looks: pictures of it, compared with those in `tests/snapshots`.
+//!
+//! They are drawn on a software adapter. Where there is none the tests say so and pass, unless `PATHMARCH_REQUIRE_GPU` is
+//! set, as in CI: then they fail. `UPDATE_SNAPSHOTS=1` writes them anew.
+
+use super::*;
+use egui_kittest::SnapshotOptions;
+
+/// A scene that looks like something, of few samples.
+const STILL: &str = r#"pathmarch 1
+camera "main" { position 3.1 2.6 4.5; target 0.05 0.5 0; fov 27 }
+render { size 320 200; samples 16; bounces 3 }
+sky 0.22 0.3 0.45
+sun { direction 0.9 0.8 0.1; irradiance 2.4 2 1.5; angle 2 }
+material "clay" { diffuse 0.7 0.22 0.08 }
+material "slate" { diffuse 0.12 0.2 0.3 }
+object "block" material="clay" { subtract smooth=0.12 { box 1.6 1.3 1.6; sphere 0.85 { at 0.5 0.45 0.5 }; at 0 0.65 0 } }
+object "ball" material="slate" { sphere 0.3 { at 0.5 0.55 0.5 } }
+object "floor" material="slate" { plane }
+"#;
+
+/// Whether windows can be drawn here; says so where not.
+fn can_draw() -> bool {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let found = !pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all())).is_empty();
+    assert!(found || std::env::var_os("PATHMARCH_REQUIRE_GPU").is_none(), "there is no adapter to draw with");
+    if !found {
+        eprintln!("not tested: there is no adapter to draw with");
+    }
+    found
+}
+
+impl Start {
+    fn drawn(self, dark: bool) -> Self {
+        let home = self.directory.path().join("home");
+        std::fs::create_dir_all(&home).expect("made");
+        std::fs::write(home.join("preferences.json"), format!("{{\"dark\": {dark}}}")).expect("written");
+        Self { wgpu: true, ..self }
+    }
+}
+
+impl Person {
+    /// Compares the window with its picture. Edges of letters and lines differ a little from adapter to adapter, and so
+    /// may the last bit of the scene's pixels from processor to processor.
+    #[track_caller]
+    fn looks_like(&mut self, name: &str) {
+        self.harness.remove_cursor();
+        // What is said goes away by itself, at a time of its own.
+        self.app_mut().toasts.clear();
+        self.wait(3);
+        // How many threads there are depends on the machine.
+        let threads = self.harness.query_by_label_contains(" threads)").map(|node| node.rect());
+        if let Some(rect) = threads {
+            let screen = self.harness.ctx.content_rect();
+            self.harness.mask(Rect::from_min_max(rect.min, Pos2::new(screen.max.x, rect.max.y)));
+        }
+        let options = SnapshotOptions::new().threshold(1.2).max_failed_pixels(60).output_path("tests/snapshots");
+        self.harness.snapshot_options(name, &options);
+    }
+}
+
+#[test]
+fn the_gallery() {
+    if !can_draw() {
+        return;
+    }
+    let mut person = Start::new().drawn(true).size(620.0, 420.0).go();
+    person.wait(12);
+    person.looks_like("gallery");
+}
+
+#[test]
+fn a_scene_with_its_controls() {
+    if !can_draw() {
+        return;
+    }
+    let mut person = Start::with(STILL).drawn(true).size(900.0, 600.0).go();
+    person.select("sphere");
+    person.select("ball");
+    person.click_role(Role::TreeItem, "subtract");
+    person.rest();
+    person.looks_like("scene-dark");
+}
+
+#[test]
+fn a_scene_in_light_colours() {
+    if !can_draw() {
+        return;
+    }
+    let mut person = Start::with(STILL).drawn(false).size(900.0, 600.0).go();
+    person.select("clay");
+    person.rest();
+    person.looks_like("scene-light");
+}
+
+#[test]
+fn mistakes_with_the_source() {
+    if !can_draw() {
+        return;
+    }
+    let mut person = Start::with(STILL).drawn(true).size(800.0, 540.0).go();
+    person.rest();
+    let text = STILL
+        .replace("sphere 0.85", "sfere 0.85")
+        .replace("material=\"slate\" { plane }", "material=\"moss\" { plane }");
+    person.app_mut().edit(|open| {
+        open.document.replace_text(text, "Test");
+        Ok(())
+    });
+    person.key(Key::F4);
+    person.until("it rests", |person| person.app().live.status().resting);
+    person.looks_like("mistakes");
+}
+
+#[test]
+fn the_help_page() {
+    if !can_draw() {
+        return;
+    }
+    let mut person = Start::new().drawn(true).size(680.0, 470.0).go();
+    person.wait(12);
+    person.key(Key::F1);
+    person.looks_like("help");
+}
+
+#[test]
+fn twice_as_many_pixels() {
+    if !can_draw() {
+        return;
+    }
+    let start = Start { scale: 2.0, ..Start::with(STILL).drawn(false).size(480.0, 320.0) };
+    let mut person = start.go();
+    person.rest();
+    person.looks_like("scale-2");
+}

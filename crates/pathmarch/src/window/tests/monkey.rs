@@ -1,0 +1,178 @@
+//! A monkey at the window: whatever is clicked, dragged, pressed and typed, nothing panics, and undoing everything returns
+//! the text byte for byte.
+
+use super::*;
+use crate::window::actions::ACTIONS;
+use crate::window::dialogs::Dialog;
+use crate::window::open::Resolution;
+
+const FRAMES: usize = 2000;
+const SEED: u64 = 0x5eed;
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end as u64) as usize
+    }
+    fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1 << 24) as f32
+    }
+}
+
+const TYPED: [&str; 16] =
+    ["0", "1", "-3.5", "1e9", "nan", "}", "{", "\"", "//", "\n", "ü", "🦀", "sphere", "/-", "material=", "\u{202e}"];
+const MODIFIERS: [Modifiers; 5] =
+    [Modifiers::NONE, Modifiers::NONE, Modifiers::SHIFT, Modifiers::ALT, Modifiers::COMMAND];
+const KEYS: [Key; 22] = [
+    Key::Tab,
+    Key::Tab,
+    Key::Enter,
+    Key::Escape,
+    Key::ArrowUp,
+    Key::ArrowDown,
+    Key::ArrowLeft,
+    Key::ArrowRight,
+    Key::Home,
+    Key::End,
+    Key::Backspace,
+    Key::Delete,
+    Key::Space,
+    Key::W,
+    Key::A,
+    Key::S,
+    Key::D,
+    Key::Num1,
+    Key::Num2,
+    Key::Num3,
+    Key::PageDown,
+    Key::Minus,
+];
+
+/// Does something, which takes a frame or some.
+fn act(person: &mut Person, random: &mut Random, size: Vec2) {
+    let at = Pos2::new(random.unit() * size.x, random.unit() * size.y);
+    let to = Pos2::new(random.unit() * size.x, random.unit() * size.y);
+    let modifiers = MODIFIERS[random.below(MODIFIERS.len())];
+    let button = [PointerButton::Primary, PointerButton::Primary, PointerButton::Secondary, PointerButton::Middle]
+        [random.below(4)];
+    match random.below(20) {
+        0..4 => {
+            person.harness.hover_at(at);
+            person.button(at, button, true, modifiers);
+            person.button(at, button, false, modifiers);
+        }
+        // Something that is there: of all that can be pressed, any.
+        4..9 => {
+            let nodes: Vec<_> = person.harness.query_all_by(|node| node.bounding_box().is_some()).collect();
+            let node = &nodes[random.below(nodes.len())];
+            match random.below(6) {
+                0 => node.focus(),
+                1 => node.click_secondary(),
+                2 => node.click_accesskit(),
+                3 => node.increment_accesskit(),
+                _ => node.click(),
+            }
+        }
+        9..12 => {
+            person.harness.hover_at(at);
+            person.button(at, button, true, modifiers);
+            for step in 1..4 {
+                person.harness.event(egui::Event::PointerMoved(at.lerp(to, step as f32 / 3.0)));
+            }
+            // Sometimes it is never let go of, or outside.
+            match random.below(8) {
+                0 => person.harness.event(egui::Event::PointerGone),
+                _ => person.button(to, button, false, modifiers),
+            }
+        }
+        12..15 => person.harness.key_press_modifiers(modifiers, KEYS[random.below(KEYS.len())]),
+        15 => {
+            let shortcut = ACTIONS[random.below(ACTIONS.len())].shortcut;
+            if let Some(shortcut) = shortcut {
+                person.harness.key_press_modifiers(shortcut.modifiers, shortcut.logical_key);
+            }
+        }
+        16 | 17 => person.harness.event(egui::Event::Text(TYPED[random.below(TYPED.len())].to_owned())),
+        18 => person.harness.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: Vec2::new(0.0, 8.0 * (random.unit() - 0.5)),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers,
+        }),
+        _ => {
+            let side = |random: &mut Random| (1100.0 * random.unit() * random.unit()).floor();
+            let sides = [side(random), side(random)];
+            let size = if random.below(3) == 0 { Vec2::from(sides) } else { Vec2::new(1000.0, 700.0) };
+            person.harness.set_size(size);
+        }
+    }
+}
+
+/// Keeps the monkey from files outside of its cage and from pictures that would fill the memory.
+fn hold(person: &mut Person, file: &Path) {
+    let app = person.app_mut();
+    app.chooser = None;
+    if matches!(app.dialog, Some(Dialog::Render(_) | Dialog::Recovered(_))) {
+        app.dialog = None;
+    }
+    if let Some(open) = &mut app.open
+        && open.view.resolution == Resolution::Scene
+    {
+        open.view.resolution = Resolution::Fit;
+    }
+    assert!(app.exports.is_empty());
+    if app.open.as_ref().is_none_or(|open| open.path.as_deref() != Some(file)) {
+        app.open_file(file);
+    }
+}
+
+#[test]
+fn whatever_is_done_nothing_panics_and_undo_returns_the_text() {
+    let mut person = Person::at_scene();
+    let mut random = Random(SEED);
+    let file = person.open().path.clone().expect("a file");
+    let mut opened = SCENE.to_owned();
+    let (mut edits, mut mistakes, mut wrong_for, mut revision) = (0, 0, 0, 0);
+    for _ in 0..FRAMES {
+        let size = person.harness.ctx.content_rect().size();
+        act(&mut person, &mut random, size);
+        // Each event is a frame of its own; the monkey does not reach for the chooser in between.
+        person.harness.step();
+        let was_another = person.app().open.as_ref().is_none_or(|open| open.path.as_ref() != Some(&file));
+        hold(&mut person, &file);
+        if was_another {
+            opened = person.text().to_owned();
+            revision = person.document().revision();
+        }
+        edits += usize::from(person.document().revision() != revision);
+        let is_wrong = person.document().scene().is_err();
+        mistakes += usize::from(is_wrong);
+        wrong_for = if is_wrong { wrong_for + 1 } else { 0 };
+        if wrong_for > 10 {
+            // Otherwise most of what can be done would be refused from here on.
+            person.ctrl(Key::Z);
+        }
+        revision = person.document().revision();
+    }
+    // It has not been idle.
+    println!("{edits} edits, {mistakes} frames with mistakes");
+    assert!(edits > 100 && mistakes > 20, "{edits} edits, {mistakes} frames with mistakes");
+    let app = person.app_mut();
+    app.dialog = None;
+    while let Some(open) = &mut app.open
+        && open.document.can_undo().is_some()
+    {
+        open.document.undo();
+    }
+    assert_eq!(person.text(), opened);
+}

@@ -1,0 +1,187 @@
+//! The tree: what it lists, and what its menus do.
+
+use super::*;
+
+#[test]
+fn everything_is_listed_and_selected_by_a_click() {
+    let mut person = Person::at_scene();
+    let rows = [
+        "camera “main”",
+        "camera “other”",
+        "render",
+        "sky",
+        "material “red”",
+        "material “grey”",
+        "object “ball”",
+        "sphere",
+        "object “carved”",
+        "subtract",
+        "box",
+        "object “floor”",
+        "plane",
+    ];
+    for row in rows {
+        assert!(person.harness.query_all_by_role_and_label(Role::TreeItem, row).next().is_some(), "{row}");
+    }
+    person.click_role(Role::TreeItem, "material “red”");
+    assert_eq!(person.selected().as_deref(), Some("red"));
+    assert!(person.has("line 14"), "the controls say where it stands");
+    person.click_role(Role::TreeItem, "box");
+    assert_eq!(person.selected().as_deref(), Some("box"));
+    person.key(Key::Escape);
+    assert_eq!(person.selected(), None);
+    assert!(person.has("Nothing is selected"));
+}
+
+#[test]
+fn rows_are_folded() {
+    let mut person = Person::at_scene();
+    assert!(person.harness.query_by_role_and_label(Role::TreeItem, "box").is_some());
+    person.click("Close subtract");
+    assert!(person.harness.query_by_role_and_label(Role::TreeItem, "box").is_none());
+    person.click("Open subtract");
+    assert!(person.harness.query_by_role_and_label(Role::TreeItem, "box").is_some());
+}
+
+#[test]
+fn a_row_is_renamed() {
+    let mut person = Person::at_scene();
+    person.context("material “red”", &["Rename"]);
+    person.retype("crimson");
+    let changed = changed_lines(SCENE, person.text());
+    assert_eq!(changed.len(), 2, "the material and what is made of it: {changed:?}");
+    assert!(changed.iter().all(|(_, new)| new.contains("\"crimson\"")), "{changed:?}");
+    // Escape leaves it as it was, and so does a name that is taken.
+    person.context("material “crimson”", &["Rename"]);
+    person.ctrl(Key::A);
+    person.harness.event(egui::Event::Text("blue".to_owned()));
+    person.wait(2);
+    person.key(Key::Escape);
+    assert!(person.text().contains("crimson") && !person.text().contains("blue"));
+    person.context("material “crimson”", &["Rename"]);
+    person.retype("grey");
+    assert!(person.text().contains("crimson"));
+    assert_eq!(person.app().toasts.iter().filter(|toast| toast.is_error).count(), 1, "{:?}", person.messages());
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn a_row_is_duplicated_and_deleted() {
+    let mut person = Person::at_scene();
+    person.context("object “ball”", &["Duplicate"]);
+    assert_eq!(person.scene().objects.len(), 4);
+    let copy = person.selected().expect("the copy is selected");
+    assert_ne!(copy, "ball");
+    assert!(copy.starts_with("ball"), "{copy}");
+    person.key(Key::Delete);
+    assert_eq!(person.text(), SCENE);
+    person.context("object “ball”", &["Delete"]);
+    assert_eq!(person.scene().objects.len(), 2);
+    assert!(!person.text().contains("// round") && person.text().contains("// What it is made of."));
+    assert_eq!(person.undo_all(), 3);
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn shapes_are_grouped_and_freed() {
+    let mut person = Person::at_scene();
+    person.context("object “ball”", &[]);
+    assert!(person.has("Group into") || person.has("Duplicate"));
+    person.key(Key::Escape);
+    assert!(!person.has("Duplicate"), "Escape closes the menu");
+    // The first sphere is that of the ball.
+    let sphere = person.path("sphere");
+    person.app_mut().select(Some(sphere));
+    person.wait(2);
+    person.ctrl(Key::G);
+    assert_eq!(person.selected().as_deref(), Some("union"));
+    assert_eq!(person.scene().objects.len(), 3);
+    let grouped = person.text().to_owned();
+    person.context("union", &["Ungroup"]);
+    assert!(!person.text().contains("union"));
+    assert_eq!(person.selected().as_deref(), Some("sphere"));
+    person.ctrl(Key::Z);
+    assert_eq!(person.text(), grouped);
+    person.ctrl(Key::Z);
+    assert_eq!(person.text(), SCENE);
+    // The menu offers every operator.
+    person.context("plane", &["Group into", "intersect"]);
+    assert!(person.text().contains("intersect"), "{}", person.text());
+    assert_eq!(person.selected().as_deref(), Some("intersect"));
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn rows_are_moved() {
+    let mut person = Person::at_scene();
+    let names =
+        |person: &Person| -> Vec<String> { person.scene().objects.iter().map(|object| object.name.clone()).collect() };
+    person.context("object “ball”", &["Move down"]);
+    assert_eq!(names(&person), ["carved", "ball", "floor"]);
+    assert!(person.text().contains("{ at 0 0.7 0 } } // round"), "its comment goes with it");
+    person.context("object “floor”", &["Move up"]);
+    assert_eq!(names(&person), ["carved", "floor", "ball"]);
+    // By the mouse: onto the lower half of the last row.
+    let rect = |person: &Person, row: &str| person.harness.get_by_role_and_label(Role::TreeItem, row).rect();
+    let from = rect(&person, "object “carved”").center();
+    let target = rect(&person, "object “ball”");
+    let to = Pos2::new(from.x, target.max.y - 2.0);
+    person.drag(from, to, PointerButton::Primary, Modifiers::NONE);
+    assert_eq!(names(&person), ["floor", "ball", "carved"]);
+    assert_eq!(person.undo_all(), 3);
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn a_shape_is_dragged_into_another_object() {
+    let scene = SCENE.replace("{ plane }", "{ plane; box 9 }");
+    let scene = scene.replace("        box 0.6 0.6 0.6\n", "        torus\n        torus\n");
+    let mut person = Start::with(&scene).go();
+    let rect = |person: &Person, row: &str| person.harness.get_by_role_and_label(Role::TreeItem, row).rect();
+    let (from, to) = (rect(&person, "box").center(), rect(&person, "object “ball”").center());
+    person.drag(from, to, PointerButton::Primary, Modifiers::NONE);
+    let ball = person.path("ball");
+    let words: Vec<_> = person.document().item(&ball).expect("there").children.iter().map(|c| c.word.clone()).collect();
+    assert_eq!(words, ["sphere", "box"], "{:?}", person.messages());
+    person.ctrl(Key::Z);
+    assert_eq!(person.text(), scene);
+}
+
+#[test]
+fn everything_that_can_be_added_is_offered() {
+    let mut person = Person::at_scene();
+    person.click("Add…");
+    for group in ["Object", "Material", "Light", "Camera"] {
+        assert!(person.harness.query_all_by_role_and_label(Role::Button, group).next().is_some(), "{group}");
+    }
+    person.harness.query_all_by_role_and_label(Role::Button, "Light").last().expect("there").click();
+    person.wait(PAUSE);
+    person.harness.query_all_by_role_and_label(Role::Button, "point").last().expect("there").click();
+    person.wait(PAUSE);
+    assert_eq!(person.scene().lights.len(), 1);
+    assert_eq!(person.selected().as_deref(), Some("point"));
+    person.context("object “ball”", &["Add…", "Shape", "torus"]);
+    assert_eq!(person.selected().as_deref(), Some("torus"));
+    assert_eq!(person.undo_all(), 2);
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn what_would_be_a_mistake_is_refused_with_its_reason() {
+    let mut person =
+        Start::with(&SCENE.replace(
+            "camera \"other\" {\n    position 3 2 3 // from the side\n    target 0 0.5 0\n    fov 30\n}\n",
+            "",
+        ))
+        .go();
+    let before = person.text().to_owned();
+    person.context("camera “main”", &["Delete"]);
+    assert_eq!(person.text(), before);
+    assert!(person.app().toasts.iter().any(|toast| toast.is_error && toast.text.contains("camera")));
+    let words = person.messages()[0].to_owned();
+    assert!(person.has(&words), "it is on the screen");
+    person.context("material “grey”", &["Delete"]);
+    assert_eq!(person.text(), before, "it is still used");
+}

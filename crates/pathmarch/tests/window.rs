@@ -1,0 +1,295 @@
+//! The program in a window, end to end: started as a person starts it, on a display of its own (Xvfb), driven by the
+//! mouse and the keyboard (XTEST), and watched by its pixels, its title, its files and what it prints.
+//!
+//! Where there is no Xvfb, or nothing to draw with, the tests say so and pass, unless `PATHMARCH_REQUIRE_DISPLAY` is set,
+//! as in CI: then they fail. No window manager runs.
+#![cfg(target_os = "linux")]
+
+mod display;
+
+use display::{Person, Screen};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use x11rb::protocol::xproto::ConfigureWindowAux;
+
+/// A ball that shines red in the dark, beside what the camera looks at, and a green one.
+const SCENE: &str = r#"pathmarch 1
+// The numbers of this scene are changed by tests.
+camera "main" { position 0 0 6; target 0 0 0; fov 40 }
+render { size 320 180; samples 4; bounces 1; tonemap "srgb" }
+sky 0
+material "red" { emit 1 0 0 }
+material "green" { emit 0 1 0 }
+object "ball" material="red" { sphere 0.7 { at 1 0 0 } } // round
+object "other" material="green" { sphere 0.3 { at -1 0 1 } }
+"#;
+
+/// A person at a display, and a directory for files; nothing where there can be no window.
+fn at_display() -> Option<(Screen, tempfile::TempDir)> {
+    let screen = Screen::start()?;
+    Some((screen, tempfile::tempdir().expect("a directory")))
+}
+
+fn scene_in(directory: &Path) -> PathBuf {
+    let path = directory.join("scene.kdl");
+    fs::write(&path, SCENE).expect("written");
+    path
+}
+
+/// Goes to the radius of the ball in the text, and puts another one there, of one digit.
+fn type_radius(person: &Person, from: &str, digit: char) {
+    let line = SCENE.lines().position(|line| line.contains("\"ball\"")).expect("there");
+    let column = SCENE.lines().nth(line).expect("there").find("sphere ").expect("there") + "sphere ".len();
+    person.key("Home", &["Control_L"]);
+    person.keys("Down", line);
+    person.keys("Right", column);
+    person.keys("Delete", from.len());
+    person.text(&digit.to_string());
+}
+
+/// Opens the text of the scene and clicks into it.
+fn open_source(person: &Person) {
+    person.key("F4", &[]);
+    let [width, height] = person.size();
+    person.until("the text is shown", |person| {
+        let image = person.image();
+        // Letters, where the picture was black.
+        image.count_in([0.05, 0.75, 0.5, 0.9], |[r, g, b]| r.min(g).min(b) > 100) > 200
+    });
+    person.click(width / 4, height * 4 / 5);
+}
+
+fn is_red([r, g, b]: [u8; 3]) -> bool {
+    r > 180 && g < 60 && b < 60
+}
+fn is_outline([r, g, b]: [u8; 3]) -> bool {
+    r > 230 && (150..220).contains(&g) && (50..130).contains(&b)
+}
+
+fn red(person: &Person) -> usize {
+    person.image().count(is_red)
+}
+
+/// Waits until the picture is there and stands still.
+fn rested(person: &Person) -> usize {
+    person.until("the ball is seen", |person| red(person) > 300);
+    person.still();
+    red(person)
+}
+
+#[test]
+fn a_scene_is_seen_turned_selected_edited_saved_and_seen_again() {
+    let Some((screen, directory)) = at_display() else { return };
+    let file = scene_in(directory.path());
+    let Some(mut person) = screen.person(directory.path(), Some(&file)) else { return };
+    person.until("the times are printed", |person| person.printed().contains("all samples"));
+    for line in ["window drawn", "first picture", "whole picture"] {
+        assert!(person.printed().contains(line), "{}", person.printed());
+    }
+    assert_eq!(person.title(), "scene.kdl - pathmarch");
+    let seen = rested(&person);
+
+    // Turned: the ball goes elsewhere, and comes back.
+    let [x, y] = person.image().centre_of(is_red);
+    let [width, height] = person.size();
+    let empty = [width / 2, height / 4];
+    person.drag(empty, [empty[0] + 120, empty[1]]);
+    person.until("the ball has moved", |person| {
+        let image = person.image();
+        image.count(is_red) < 50 || image.centre_of(is_red)[0].abs_diff(x) > 20
+    });
+    person.key("Home", &[]);
+    person.until("the ball is back", |person| person.image().centre_of(is_red)[0].abs_diff(x) < 4);
+
+    // Selected: the box around it is drawn.
+    assert_eq!(person.image().count(is_outline), 0);
+    person.click(x, y);
+    person.until("it is selected", |person| person.image().count(is_outline) > 40);
+    person.key("Escape", &[]);
+    person.until("nothing is selected", |person| person.image().count(is_outline) == 0);
+
+    // Edited, which is seen, and saved.
+    open_source(&person);
+    person.still();
+    let before = red(&person);
+    type_radius(&person, "0.7", '1');
+    person.until("the ball has grown", |person| red(person) > before * 3 / 2);
+    assert_eq!(fs::read_to_string(&file).expect("read"), SCENE);
+    person.until("the title says so", |person| person.title() == "• scene.kdl - pathmarch");
+    person.key("s", &["Control_L"]);
+    person.until("it is saved", |person| person.title() == "scene.kdl - pathmarch");
+    let saved = SCENE.replace("sphere 0.7", "sphere 1");
+    assert_eq!(fs::read_to_string(&file).expect("read"), saved, "only that number has changed");
+
+    // Unsaved work is asked about when the window is closed.
+    person.key("z", &["Control_L"]);
+    person.until("there is unsaved work", |person| person.title().starts_with('•'));
+    person.still();
+    let image = person.image();
+    person.close();
+    person.until("it is asked", |person| person.image().differs_from(&image) > 20_000);
+    assert!(person.is_running());
+    person.key("Escape", &[]);
+    person.until("the question is gone", |person| person.image().differs_from(&image) < 2_000);
+    assert!(person.is_running() && fs::read_to_string(&file).expect("read") == saved);
+    // The first button is that for saving.
+    person.close();
+    person.until("it is asked", |person| person.image().differs_from(&image) > 20_000);
+    person.key("Tab", &[]);
+    person.key("Return", &[]);
+    assert!(person.ends().success());
+    let undone = SCENE.replace("sphere 0.7", "sphere ");
+    assert_eq!(fs::read_to_string(&file).expect("read"), undone, "one step was undone: the digit");
+
+    // Seen again as it was.
+    fs::write(&file, SCENE).expect("written");
+    let Some(mut person) = screen.person(directory.path(), Some(&file)) else { return };
+    let again = rested(&person);
+    person.key("F4", &[]);
+    person.until("it is as before", |person| red(person).abs_diff(seen) * 50 < seen + 50);
+    assert!(again > 0);
+    person.close();
+    assert!(person.ends().success(), "nothing is unsaved, nothing is asked");
+}
+
+#[test]
+fn work_survives_a_kill() {
+    let Some((screen, directory)) = at_display() else { return };
+    let file = scene_in(directory.path());
+    let Some(mut person) = screen.person(directory.path(), Some(&file)) else { return };
+    rested(&person);
+    open_source(&person);
+    type_radius(&person, "0.7", '1');
+    let changed = SCENE.replace("sphere 0.7", "sphere 1");
+    let kept = || {
+        let files = fs::read_dir(directory.path().join("home/recovery")).ok()?;
+        let mut files = files.filter_map(|entry| fs::read_to_string(entry.ok()?.path()).ok());
+        files.find(|text| text.ends_with(&changed))
+    };
+    person.until("it is kept", |_| kept().is_some());
+    person.kill();
+    assert_eq!(fs::read_to_string(&file).expect("read"), SCENE);
+
+    // Offered at the next start, whatever is opened; the first button opens it.
+    let Some(mut person) = screen.person(directory.path(), None) else { return };
+    person.still();
+    person.key("Tab", &[]);
+    person.key("Return", &[]);
+    person.until("it is opened", |person| person.title() == "• scene.kdl - pathmarch");
+    rested(&person);
+    person.key("s", &["Control_L"]);
+    person.until("it is saved", |person| person.title() == "scene.kdl - pathmarch");
+    assert_eq!(fs::read_to_string(&file).expect("read"), changed);
+    assert!(kept().is_none(), "what is saved is not kept any more");
+    person.close();
+    assert!(person.ends().success());
+}
+
+#[test]
+fn any_size_and_a_lost_device_are_survived() {
+    let Some((screen, directory)) = at_display() else { return };
+    let file = scene_in(directory.path());
+    let Some(mut person) = screen.person(directory.path(), Some(&file)) else { return };
+    rested(&person);
+    let original = person.size();
+    for round in 0..40_u32 {
+        let size = match round % 4 {
+            0 => [1, 1],
+            1 => [1 + 30 * round, 700 - 15 * round],
+            2 => [1300 - 20 * round, 1],
+            _ => [200 + 10 * round, 200 + 5 * round],
+        };
+        person.configure(&ConfigureWindowAux::new().width(size[0]).height(size[1]));
+        if round % 10 == 9 {
+            person.show(false);
+            person.show(true);
+        }
+    }
+    let size = ConfigureWindowAux::new().width(u32::from(original[0])).height(u32::from(original[1]));
+    person.configure(&size);
+    person.focus();
+    rested(&person);
+    assert!(person.is_running());
+
+    // Both devices are lost, and everything comes back.
+    let [x, _] = person.image().centre_of(is_red);
+    person.key("F12", &["Control_L", "Shift_L"]);
+    person.until("the device is lost", |person| person.printed().contains("graphics device failed"));
+    person.until("the ball is back", |person| red(person) > 300);
+    // It is drawn anew, and not what was left of it.
+    let [width, height] = person.size();
+    let empty = [width / 2, height / 4];
+    person.until("it can be moved", |person| {
+        person.drag(empty, [empty[0] + 60, empty[1]]);
+        person.still();
+        let image = person.image();
+        image.count(is_red) > 0 && image.centre_of(is_red)[0].abs_diff(x) > 20
+    });
+    assert_eq!(person.title(), "scene.kdl - pathmarch");
+    person.close();
+    assert!(person.ends().success());
+}
+
+/// A small disk, where one may be had; it is gone with the directory.
+struct Disk(PathBuf);
+
+impl Disk {
+    fn mounted(at: &Path) -> Option<Self> {
+        fs::create_dir(at).expect("made");
+        let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=64k", "none"]).arg(at).output();
+        mount.is_ok_and(|output| output.status.success()).then(|| Self(at.to_owned()))
+    }
+}
+
+impl Drop for Disk {
+    fn drop(&mut self) {
+        // What cannot be unmounted goes away with the machine.
+        let _ = Command::new("umount").arg("-l").arg(&self.0).status();
+    }
+}
+
+#[test]
+fn a_save_that_fails_is_said_and_loses_nothing() {
+    let Some((screen, directory)) = at_display() else { return };
+    let place = directory.path().join("disk");
+    let disk = Disk::mounted(&place);
+    let file = scene_in(&place);
+    let Some(mut person) = screen.person(directory.path(), Some(&file)) else { return };
+    rested(&person);
+    open_source(&person);
+    type_radius(&person, "0.7", '1');
+    person.until("there is unsaved work", |person| person.title().starts_with('•'));
+    person.still();
+    if disk.is_some() {
+        // What is left of the disk.
+        let filler = place.join("filler");
+        let mut bytes = 64 * 1024;
+        while bytes > 0 && fs::write(&filler, vec![b'x'; bytes]).is_err() {
+            bytes -= 512;
+        }
+    } else {
+        let mut permissions = fs::metadata(&file).expect("there").permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&file, permissions).expect("set");
+    }
+    let image = person.image();
+    person.key("s", &["Control_L"]);
+    person.until("something is said", |person| person.image().differs_from(&image) > 1_000);
+    assert_eq!(person.title(), "• scene.kdl - pathmarch", "it is not saved");
+    assert_eq!(fs::read_to_string(&file).expect("read"), SCENE, "the old file is whole");
+    // With room again it is saved.
+    if disk.is_some() {
+        fs::remove_file(place.join("filler")).expect("removed");
+    } else {
+        let mut permissions = fs::metadata(&file).expect("there").permissions();
+        #[expect(clippy::permissions_set_readonly_false, reason = "a file of this test")]
+        permissions.set_readonly(false);
+        fs::set_permissions(&file, permissions).expect("set");
+    }
+    person.key("s", &["Control_L"]);
+    person.until("it is saved", |person| person.title() == "scene.kdl - pathmarch");
+    assert_eq!(fs::read_to_string(&file).expect("read"), SCENE.replace("sphere 0.7", "sphere 1"));
+    person.close();
+    assert!(person.ends().success());
+}
