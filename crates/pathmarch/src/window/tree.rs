@@ -34,7 +34,9 @@ enum Ask {
 
 impl App {
     pub(super) fn tree_panel(&mut self, ui: &mut Ui) {
-        egui::Panel::left("tree").default_size(235.0).min_size(150.0).max_size(480.0).show(ui, |ui| {
+        let most = (0.3 * ui.available_width()).clamp(100.0, 480.0);
+        let panel = egui::Panel::left("tree").default_size(235.0_f32.min(most)).min_size(100.0).max_size(most);
+        panel.show(ui, |ui| {
             let mut asks = Vec::new();
             ui.horizontal(|ui| {
                 ui.heading("Scene");
