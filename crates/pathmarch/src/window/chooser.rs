@@ -144,7 +144,8 @@ impl Chooser {
         }
     }
 
-    /// The directory that is shown; a good one to start from next time.
+    /// The directory that is shown.
+    #[cfg(test)]
     pub fn directory(&self) -> &Path {
         &self.directory
     }

@@ -124,6 +124,7 @@ impl Recovery {
     }
 
     /// The file that this window's work is kept in while there is any.
+    #[cfg(test)]
     pub fn file(&self) -> &Path {
         &self.file
     }

@@ -4,7 +4,7 @@
 
 use super::app::App;
 use super::inspector::heading;
-use egui::{Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+use egui::{Align2, Color32, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 use pathmarch_render::pathmarch_scene::document::{Addition, Group, Item, ItemKind, Path};
 use std::collections::BTreeMap;
 
