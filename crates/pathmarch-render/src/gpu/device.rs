@@ -51,7 +51,7 @@ fn describe(adapter: &wgpu::Adapter) -> AdapterDescription {
         driver: [info.driver.as_str(), info.driver_info.as_str()].join(" ").trim().to_owned(),
         unusable: match (compute, buffers) {
             (false, _) => Some("it has no compute shaders"),
-            (true, false) => Some("it allows fewer than four storage buffers in a shader"),
+            (true, false) => Some("it allows fewer than seven storage buffers in a shader"),
             (true, true) => None,
         },
     }

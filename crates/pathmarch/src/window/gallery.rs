@@ -224,10 +224,10 @@ mod tests {
         listed.sort();
         assert_eq!(files, listed);
         let mut gallery = Gallery::default();
-        for index in 0..EXAMPLES.len() {
+        for (index, example) in EXAMPLES.iter().enumerate() {
             let (name, text) = gallery.scene(index).expect("an example");
             Scene::parse(&name, &text).expect("a scene");
-            image::load_from_memory(EXAMPLES[index].picture).expect("a picture");
+            image::load_from_memory(example.picture).expect("a picture");
         }
     }
 }

@@ -115,6 +115,7 @@ pub(super) struct Pointer {
 impl Handle {
     /// Draws the handles of what is selected into the picture; what they change of the document is in the values that
     /// come back. Says whether the pointer belongs to them.
+    #[allow(clippy::too_many_arguments, reason = "each is another thing, and there is one caller")]
     pub(super) fn show(
         &mut self,
         ui: &egui::Ui,

@@ -17,6 +17,8 @@ use x11rb::rust_connection::RustConnection;
 const PATIENCE: Duration = Duration::from_secs(90);
 /// Between looks at the screen.
 const PAUSE: Duration = Duration::from_millis(25);
+/// Between keys: a fast typist's.
+const KEY_PAUSE: Duration = Duration::from_millis(15);
 /// Keys that have no letter; X11/keysymdef.h.
 const KEYSYMS: &[(&str, u32)] = &[
     ("Tab", 0xff09),
@@ -53,7 +55,7 @@ pub struct Screen {
 impl Screen {
     /// Starts one on a free number.
     pub fn start() -> Option<Self> {
-        let arguments = ["-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp"];
+        let arguments = ["-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset"];
         let server = Command::new("Xvfb").args(arguments).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
         let Ok(mut server) = server else {
             without("there is no Xvfb");
@@ -206,6 +208,7 @@ impl Person {
         self.input(KEY_PRESS, code, [0; 2]);
         self.input(KEY_RELEASE, code, [0; 2]);
         held.iter().rev().for_each(|code| self.input(KEY_RELEASE, *code, [0; 2]));
+        std::thread::sleep(KEY_PAUSE);
     }
 
     pub fn keys(&self, name: &str, times: usize) {
@@ -228,6 +231,8 @@ impl Person {
         self.input(MOTION, 0, at);
         self.input(BUTTON_PRESS, 1, at);
         self.input(BUTTON_RELEASE, 1, at);
+        // Whoever clicks looks what comes of it before typing.
+        self.still();
     }
 
     pub fn drag(&self, from: [u16; 2], to: [u16; 2]) {
@@ -248,8 +253,8 @@ impl Person {
 
     /// Width and height of the window, pixels.
     pub fn size(&self) -> [u16; 2] {
-        let geometry = self.connection.get_geometry(self.window).expect("asked").reply().expect("a size");
-        [geometry.width, geometry.height]
+        let geometry = self.connection.get_geometry(self.window).ok().and_then(|cookie| cookie.reply().ok());
+        geometry.map_or([0; 2], |geometry| [geometry.width, geometry.height])
     }
 
     pub fn configure(&self, values: &ConfigureWindowAux) {
@@ -337,7 +342,9 @@ impl Person {
 impl Drop for Person {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            eprintln!("{}", self.printed());
+            let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("window-{}.png", self.program.id()));
+            let seen = self.image().save(&path);
+            eprintln!("{}\n{:?}, seen in {}: {seen:?}", self.printed(), self.program.try_wait(), path.display());
         }
         let _ = self.program.kill();
         let _ = self.program.wait();
@@ -374,6 +381,12 @@ impl Image {
             (sum / places.len().max(1)) as u16
         };
         [mean(|at, width| at % width), mean(|at, width| at / width)]
+    }
+
+    /// Writes it to a file, to be looked at.
+    fn save(&self, path: &Path) -> image::ImageResult<()> {
+        let bytes = self.pixels.iter().flatten().copied().collect::<Vec<u8>>();
+        image::save_buffer(path, &bytes, self.width as u32, self.height as u32, image::ColorType::Rgb8)
     }
 
     /// How many pixels are clearly others.

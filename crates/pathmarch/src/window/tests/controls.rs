@@ -2,7 +2,7 @@
 
 use super::*;
 use pathmarch_render::pathmarch_field::registry;
-use pathmarch_render::pathmarch_scene::document::{ControlKind, ItemKind, key};
+use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, ItemKind, key};
 use pathmarch_render::pathmarch_scene::materials;
 
 /// A scene with every shape, operator and kind of material, each with all of its parameters or none.
@@ -128,7 +128,7 @@ fn a_colour_is_chosen() {
     person.select("red");
     let label = {
         let controls = person.document().controls(&person.path("red"));
-        let is_colour = |control: &&_| matches!(Value::clone(&pathmarch_value(control)), Value::Colour(_));
+        let is_colour = |control: &&Control| matches!(control.value, Value::Colour(_));
         controls.iter().find(is_colour).expect("a colour").label.clone().into_owned()
     };
     let button = person.harness.query_all_by_label(&label).next().expect("a button");
@@ -143,10 +143,6 @@ fn a_colour_is_chosen() {
     assert_eq!(changed_lines(SCENE, person.text()).len(), 1);
     assert_eq!(person.undo_all(), 1);
     assert_eq!(person.text(), SCENE);
-}
-
-fn pathmarch_value(control: &pathmarch_render::pathmarch_scene::document::Control) -> Value {
-    control.value.clone()
 }
 
 /// Opens a list and chooses from it.

@@ -30,6 +30,8 @@ impl Random {
 
 const TYPED: [&str; 16] =
     ["0", "1", "-3.5", "1e9", "nan", "}", "{", "\"", "//", "\n", "ü", "🦀", "sphere", "/-", "material=", "\u{202e}"];
+/// What nothing comes of.
+const IDLE: [Role; 3] = [Role::Label, Role::GenericContainer, Role::Image];
 const MODIFIERS: [Modifiers; 5] =
     [Modifiers::NONE, Modifiers::NONE, Modifiers::SHIFT, Modifiers::ALT, Modifiers::COMMAND];
 const KEYS: [Key; 22] = [
@@ -71,18 +73,22 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
             person.button(at, button, false, modifiers);
         }
         // Something that is there: of all that can be pressed, any.
-        4..9 => {
-            let nodes: Vec<_> = person.harness.query_all_by(|node| node.bounding_box().is_some()).collect();
+        4..10 => {
+            let nodes: Vec<_> = person
+                .harness
+                .query_all_by(|node| node.bounding_box().is_some() && !IDLE.contains(&node.role()))
+                .collect();
             let node = &nodes[random.below(nodes.len())];
-            match random.below(6) {
+            match random.below(8) {
                 0 => node.focus(),
                 1 => node.click_secondary(),
                 2 => node.click_accesskit(),
                 3 => node.increment_accesskit(),
+                4 => node.decrement_accesskit(),
                 _ => node.click(),
             }
         }
-        9..12 => {
+        10..12 => {
             person.harness.hover_at(at);
             person.button(at, button, true, modifiers);
             for step in 1..4 {
@@ -101,7 +107,12 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
                 person.harness.key_press_modifiers(shortcut.modifiers, shortcut.logical_key);
             }
         }
-        16 | 17 => person.harness.event(egui::Event::Text(TYPED[random.below(TYPED.len())].to_owned())),
+        16 => {
+            let items = person.items();
+            let item = items[random.below(items.len())].path.clone();
+            person.app_mut().select(Some(item));
+        }
+        17 => person.harness.event(egui::Event::Text(TYPED[random.below(TYPED.len())].to_owned())),
         18 => person.harness.event(egui::Event::MouseWheel {
             unit: egui::MouseWheelUnit::Line,
             delta: Vec2::new(0.0, 8.0 * (random.unit() - 0.5)),
@@ -164,9 +175,8 @@ fn whatever_is_done_nothing_panics_and_undo_returns_the_text() {
         }
         revision = person.document().revision();
     }
-    // It has not been idle.
-    println!("{edits} edits, {mistakes} frames with mistakes");
-    assert!(edits > 100 && mistakes > 20, "{edits} edits, {mistakes} frames with mistakes");
+    // It has not been idle. How much it does depends on when pictures and messages come and go.
+    assert!(edits > 20 && mistakes > 5, "{edits} edits, {mistakes} frames with mistakes");
     let app = person.app_mut();
     app.dialog = None;
     while let Some(open) = &mut app.open
