@@ -146,11 +146,7 @@ impl Chooser {
 
     /// The directory that is shown.
     #[cfg(test)]
-<<<<<<< HEAD
     fn directory(&self) -> &Path {
-=======
-    pub fn directory(&self) -> &Path {
->>>>>>> w-tests
         &self.directory
     }
 
