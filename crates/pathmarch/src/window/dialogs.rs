@@ -2,9 +2,10 @@
 //! the settings of a final render.
 
 use super::age::age;
-use super::app::{After, App, For, purpose};
+use super::app::App;
 use super::chooser::Chooser;
 use super::export::{self, Export, Task};
+use super::files::{After, For, purpose};
 use super::open::Open;
 use super::recovery::Recovered;
 use crate::picture::Rendered;
@@ -25,6 +26,8 @@ pub(super) enum Dialog {
     Recovered(Vec<Recovered>),
     /// A final render is to be started.
     Render(RenderDialog),
+    /// Renders are on their way, and the program is to end.
+    Busy,
 }
 
 /// Settings of a final render.
@@ -75,6 +78,8 @@ enum Answer {
     Later,
     Start,
     Choose,
+    /// Without the renders.
+    Leave,
 }
 
 impl App {
@@ -91,6 +96,7 @@ impl App {
                 Dialog::Conflict => conflict(ui, &mut answer),
                 Dialog::Recovered(left) => recovered(ui, left, &mut answer),
                 Dialog::Render(render) => render_settings(ui, render, &mut answer),
+                Dialog::Busy => busy(ui, &mut answer),
             }
         });
         if matches!(answer, Answer::None) && modal.should_close() && !matches!(dialog, Dialog::Conflict) {
@@ -158,6 +164,11 @@ impl App {
                 } else if let Err(why) = one.discard() {
                     self.complain(&why);
                 }
+            }
+            Answer::Leave => {
+                self.dialog = None;
+                self.exports.clear();
+                self.ask_to_leave();
             }
             Answer::Start => self.start_render(),
             Answer::Choose => {
@@ -270,6 +281,20 @@ fn unsaved(ui: &mut Ui, after: After, answer: &mut Answer) {
         }
         if ui.button("Cancel").clicked() {
             *answer = Answer::Close;
+        }
+    });
+}
+
+fn busy(ui: &mut Ui, answer: &mut Answer) {
+    ui.heading("A render is not finished");
+    ui.label("It would end without a file.");
+    ui.add_space(8.0);
+    ui.horizontal(|ui| {
+        if ui.button(RichText::new("Stay").strong()).clicked() {
+            *answer = Answer::Close;
+        }
+        if ui.button("Cancel it and quit").clicked() {
+            *answer = Answer::Leave;
         }
     });
 }

@@ -3,7 +3,8 @@
 //! Scenes and their pictures are part of the program, so that it needs no other file. A scene is opened as a copy without
 //! a file of its own: saving asks for one.
 
-use super::app::{After, App};
+use super::app::App;
+use super::files::After;
 use super::places::Places;
 use super::saving::write_atomically;
 use egui::{ColorImage, Image, RichText, TextureHandle, TextureOptions, Ui, Vec2};
@@ -193,7 +194,7 @@ fn card(ui: &mut Ui, example: &'static Example, picture: Option<&TextureHandle>)
                 None => ui.add_sized(CARD, egui::Button::new(example.name)).clicked(),
             };
             ui.strong(example.name);
-            ui.add(egui::Label::new(RichText::new(example.doc).small().weak()).wrap());
+            ui.add(egui::Label::new(example.doc).wrap());
             clicked
         })
         .inner

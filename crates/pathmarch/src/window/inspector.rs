@@ -19,7 +19,7 @@ impl App {
         let most = (0.36 * ui.available_width()).clamp(120.0, 560.0);
         let panel = egui::Panel::right("inspector").default_size(310.0_f32.min(most)).min_size(120.0).max_size(most);
         panel.show(ui, |ui| {
-            egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
+            egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                 self.selected_controls(ui);
                 ui.separator();
                 self.camera_controls(ui);

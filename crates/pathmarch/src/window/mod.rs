@@ -3,12 +3,14 @@
 //! `App` holds everything a person sees and does, and knows neither window nor graphics device, so that tests drive it
 //! without them. This file is the shell around it: events in, shapes out, and what to do when the graphics device fails.
 
+mod acting;
 mod actions;
 mod age;
 mod app;
 mod chooser;
 mod dialogs;
 mod export;
+mod files;
 mod gallery;
 mod gizmo;
 mod inspector;

@@ -8,6 +8,8 @@ use pathmarch_render::pathmarch_scene::{Camera, Scene};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// A live picture has at most this many pixels: those of a screen of 3840 by 2160.
+const MOST_PIXELS: f64 = 3840.0 * 2160.0;
 /// For so long after the last movement the picture counts as moving.
 const STILL_AFTER: Duration = Duration::from_millis(160);
 
@@ -272,8 +274,11 @@ impl View {
         let factor = match self.resolution {
             Resolution::Fit => fit,
             Resolution::Half => 0.5 * fit,
-            Resolution::Scene => return [width, height],
+            Resolution::Scene => 1.0,
         };
+        // More than a screen shows is for files.
+        let most = (MOST_PIXELS / (f64::from(width) * f64::from(height))).sqrt();
+        let factor = factor.min(most);
         [width, height].map(|side| ((f64::from(side) * factor).round() as u32).clamp(1, 16_384))
     }
 }

@@ -1,7 +1,8 @@
 //! Menus, status, source, mistakes, plots, help: everything around picture, tree and controls.
 
 use super::actions::{ACTIONS, Action, Entry, Menu, POINTER};
-use super::app::{After, App};
+use super::app::App;
+use super::files::After;
 use super::open::Handles;
 use egui::{Color32, Context, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
