@@ -131,6 +131,8 @@ pub(super) struct Engine {
     shown: Option<Instant>,
     /// When the first picture of the present order was begun; none once it is there.
     awaited: Option<Instant>,
+    /// Orders in a row whose first picture was not waited for to the end.
+    given_up: u32,
     /// Samples of the picture shown last.
     shown_samples: f64,
     serial: u64,
@@ -185,6 +187,7 @@ impl Engine {
             measured: (0.0, now),
             shown: None,
             awaited: None,
+            given_up: 0,
             shown_samples: 0.0,
             serial: 0,
         }
@@ -255,7 +258,9 @@ impl Engine {
     /// Whether the first picture of an order is on its way. It is waited for a little while, so that orders that come faster
     /// than pictures still show some.
     fn is_about_to_show(&self) -> bool {
-        self.tracer.is_some() && self.awaited.is_some_and(|begun| begun.elapsed() < WAITED_FOR)
+        // The more orders went by without a picture, the longer.
+        let patience = WAITED_FOR * (1 << self.given_up.min(4));
+        self.tracer.is_some() && self.awaited.is_some_and(|begun| begun.elapsed() < patience)
     }
 
     /// One round: orders, then what the background has finished, then a little work.
@@ -307,6 +312,14 @@ impl Engine {
                 self.publish()?;
             }
             return Ok(());
+        }
+        if self.awaited.is_some()
+            && let Some(tracer) = &self.tracer
+        {
+            // It took too long: what was done of it tells how large the next one can be.
+            let done = tracer.samples_done();
+            self.learn(done);
+            self.given_up += 1;
         }
         self.level = self.first_level(&order);
         self.awaited = Some(Instant::now());
@@ -500,7 +513,7 @@ impl Engine {
         let done = tracer.samples_done();
         self.measure(done);
         if done >= 1.0 {
-            self.awaited = None;
+            (self.awaited, self.given_up) = (None, 0);
         } else if self.awaited.is_some_and(|begun| begun.elapsed() > TOO_LONG) && done > 0.0 {
             // Slower than thought: what was learnt tells which size is ready soon.
             self.awaited = None;

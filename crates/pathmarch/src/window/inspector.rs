@@ -7,6 +7,9 @@ use egui::{ComboBox, DragValue, Response, RichText, Slider, SliderClamping, Text
 use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, Item, ItemKind, Path, Value, key};
 
+/// Points of a window that has room for controls and a picture.
+const LEAST_WINDOW: f32 = 640.0;
+
 /// A change that a control asks for.
 enum Change {
     Set(Value),
@@ -15,9 +18,11 @@ enum Change {
 
 impl App {
     pub(super) fn inspector_panel(&mut self, ui: &mut Ui) {
-        // The picture keeps a third of a small window.
-        let most = (0.36 * ui.available_width()).clamp(120.0, 560.0);
-        let panel = egui::Panel::right("inspector").default_size(310.0_f32.min(most)).min_size(120.0).max_size(most);
+        // Controls need their width; where that would leave nothing for the picture, they wait for a larger window.
+        if ui.ctx().content_rect().width() < LEAST_WINDOW {
+            return;
+        }
+        let panel = egui::Panel::right("inspector").default_size(310.0).min_size(220.0).max_size(560.0);
         panel.show(ui, |ui| {
             egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                 self.selected_controls(ui);

@@ -34,7 +34,7 @@ enum Ask {
 
 impl App {
     pub(super) fn tree_panel(&mut self, ui: &mut Ui) {
-        let most = (0.3 * ui.available_width()).clamp(100.0, 480.0);
+        let most = (0.27 * ui.ctx().content_rect().width()).clamp(100.0, 480.0);
         let panel = egui::Panel::left("tree").default_size(235.0_f32.min(most)).min_size(100.0).max_size(most);
         panel.show(ui, |ui| {
             let mut asks = Vec::new();
