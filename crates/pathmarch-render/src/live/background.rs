@@ -2,8 +2,8 @@
 
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
-/// Of 0 to 99; on Linux a niceness of 10.
-const PRIORITY: u8 = 25;
+/// Of 0 to 99; on Linux a niceness of 19.
+const PRIORITY: u8 = 3;
 
 /// Lets this thread, and those that it starts on systems where priorities are inherited, give way to others. Where that is
 /// not allowed everything goes on as before.
