@@ -29,6 +29,7 @@ mod mode;
 mod pick;
 mod renderer;
 mod settings;
+mod tracer;
 mod transport;
 
 pub use error::RenderError;

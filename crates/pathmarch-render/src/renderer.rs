@@ -6,6 +6,7 @@ use crate::film::Film;
 use crate::frame::Prepared;
 use crate::gpu::{self, Device, GpuJob};
 use crate::settings::{MAX_BOUNCES, Settings};
+use crate::tracer::Tracer;
 use pathmarch_scene::Scene;
 use std::sync::Arc;
 use std::time::Duration;
@@ -79,7 +80,7 @@ impl Renderer {
         let prepared = Prepared::new(scene, settings);
         if let Some(device) = &self.gpu {
             match GpuJob::new(device.clone(), &prepared, settings.first_sample, gpu::WHOLE) {
-                Ok(job) => return Ok(Job { kind: Kind::Gpu(Box::new(job)), settings: settings.clone() }),
+                Ok(job) => return Ok(Job { tracer: Tracer::Gpu(Box::new(job)), settings: settings.clone() }),
                 Err(error) if self.may_fall_back => {
                     self.notice = Some(error.to_string());
                     self.gpu = None;
@@ -87,7 +88,10 @@ impl Renderer {
                 Err(error) => return Err(error),
             }
         }
-        Ok(Job { kind: Kind::Cpu(Box::new(CpuJob::new(prepared, settings.first_sample))), settings: settings.clone() })
+        Ok(Job {
+            tracer: Tracer::Cpu(Box::new(CpuJob::new(prepared, settings.first_sample))),
+            settings: settings.clone(),
+        })
     }
 
     /// Renders a whole picture.
@@ -128,13 +132,8 @@ pub(crate) fn check(scene: &Scene, settings: &Settings) -> Result<(), RenderErro
 
 /// A picture being rendered.
 pub struct Job {
-    kind: Kind,
+    tracer: Tracer,
     settings: Settings,
-}
-
-enum Kind {
-    Gpu(Box<GpuJob>),
-    Cpu(Box<CpuJob>),
 }
 
 impl Job {
@@ -144,24 +143,12 @@ impl Job {
     /// # Errors
     /// [`RenderError::Device`] where the GPU fails.
     pub fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
-        let samples = samples.min(self.settings.samples);
-        match &mut self.kind {
-            Kind::Gpu(job) => job.advance(samples),
-            Kind::Cpu(job) => {
-                if job.samples_done() < f64::from(samples) {
-                    job.advance();
-                }
-                Ok(())
-            }
-        }
+        self.tracer.advance(samples.min(self.settings.samples))
     }
 
     /// Samples of every pixel that are done or on their way, with a fraction for one that is begun.
     pub fn samples_done(&self) -> f64 {
-        match &self.kind {
-            Kind::Gpu(job) => job.samples_done(),
-            Kind::Cpu(job) => job.samples_done(),
-        }
+        self.tracer.samples_done()
     }
 
     /// The picture so far; finishes a sample that is begun.
@@ -169,14 +156,7 @@ impl Job {
     /// # Errors
     /// [`RenderError::Device`] where the GPU fails.
     pub fn film(&mut self) -> Result<Film, RenderError> {
-        let whole = self.samples_done().ceil() as u32;
-        while self.samples_done() < f64::from(whole) {
-            self.advance(whole)?;
-        }
-        match &mut self.kind {
-            Kind::Gpu(job) => job.film(),
-            Kind::Cpu(job) => Ok(job.film().clone()),
-        }
+        self.tracer.film()
     }
 
     /// Waits for work that is on its way.
@@ -184,17 +164,17 @@ impl Job {
     /// # Errors
     /// [`RenderError::Device`] where the GPU fails.
     pub fn wait(&mut self) -> Result<(), RenderError> {
-        match &mut self.kind {
-            Kind::Gpu(job) => job.wait(),
-            Kind::Cpu(_) => Ok(()),
+        match &mut self.tracer {
+            Tracer::Gpu(job) => job.wait(),
+            Tracer::Cpu(_) => Ok(()),
         }
     }
 
     /// How long the GPU took to compile the scene; zero on the CPU.
     pub fn compile_time(&self) -> Duration {
-        match &self.kind {
-            Kind::Gpu(job) => job.compile_time,
-            Kind::Cpu(_) => Duration::ZERO,
+        match &self.tracer {
+            Tracer::Gpu(job) => job.compile_time,
+            Tracer::Cpu(_) => Duration::ZERO,
         }
     }
 }

@@ -12,6 +12,7 @@ use crate::mode::Mode;
 use crate::renderer::{Backend, check};
 use crate::settings::Settings;
 use crate::tonemap::Display;
+use crate::tracer::Tracer;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, PoisonError};
@@ -21,6 +22,8 @@ use std::time::{Duration, Instant};
 const CPU_SLICE: Duration = Duration::from_millis(12);
 /// A picture that accumulates is shown anew this often, at least.
 const SHOW_EVERY: Duration = Duration::from_millis(150);
+/// Samples of a picture that is not of its whole size: enough to see something while the hand rests.
+const LEVEL_SAMPLES: u32 = 64;
 /// A kernel that is compiled within this time needs no other picture meanwhile.
 const COMPILED_AT_ONCE: Duration = Duration::from_millis(30);
 /// A new order waits this long at most for the first picture of the one before.
@@ -31,15 +34,10 @@ const TOO_LONG: Duration = Duration::from_millis(300);
 const REOPENINGS: u32 = 3;
 const REOPEN_AFTER: Duration = Duration::from_secs(1);
 
-/// A picture being rendered, by one backend or the other.
-enum Tracer {
-    Gpu(Box<GpuJob>),
-    Cpu(Box<CpuJob>),
-}
-
+/// What a live picture asks of a tracer besides.
 impl Tracer {
-    /// Does a little work towards `samples` samples.
-    fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
+    /// Does a little work towards `samples` samples, so that orders are looked for soon.
+    fn advance_a_little(&mut self, samples: u32) -> Result<(), RenderError> {
         match self {
             Self::Gpu(job) => job.advance(samples),
             Self::Cpu(job) => {
@@ -48,33 +46,10 @@ impl Tracer {
             }
         }
     }
-    fn samples_done(&self) -> f64 {
-        match self {
-            Self::Gpu(job) => job.samples_done(),
-            Self::Cpu(job) => job.samples_done(),
-        }
-    }
     fn show(&mut self, display: &Display, mode: Mode) -> Result<Vec<u8>, RenderError> {
         match self {
             Self::Gpu(job) => job.show(display, mode),
             Self::Cpu(job) => Ok(job.show(display, mode)),
-        }
-    }
-    /// The film, once no sample is half done.
-    fn film(&mut self) -> Result<Film, RenderError> {
-        match self {
-            Self::Gpu(job) => {
-                while job.samples_done().fract() > 0.0 {
-                    job.advance(job.samples_done().ceil() as u32)?;
-                }
-                job.film()
-            }
-            Self::Cpu(job) => {
-                if job.samples_done().fract() > 0.0 {
-                    job.advance();
-                }
-                Ok(job.film().clone())
-            }
         }
     }
     /// Starts again, where it can; false otherwise.
@@ -243,12 +218,17 @@ impl Engine {
         }
     }
 
+    /// Samples that the picture of the present level is to have.
+    fn target(&self, order: &Order) -> u32 {
+        if self.level == order.settings.size { order.settings.samples } else { LEVEL_SAMPLES }
+    }
+
     fn has_work(&self) -> bool {
         if self.next.is_some() {
             return true;
         }
         let (Some((_, order)), Some(tracer)) = (&self.order, &self.tracer) else { return false };
-        let target = if self.level == order.settings.size { order.settings.samples } else { LEVEL_SAMPLES };
+        let target = self.target(order);
         let done = tracer.samples_done();
         // Whoever asked for a film may have had the last sample done.
         let not_shown = done >= f64::from(target) && done > self.shown_samples;
@@ -384,7 +364,7 @@ impl Engine {
         // A picture of one workgroup is enough to have it compiled.
         let mut sample = prepared.clone();
         (sample.frame.width, sample.frame.height) = (8, 8);
-        let (adapter, software) = (self.adapter.clone(), self.backend == Backend::Gpu || self.adapter.is_some());
+        let (adapter, software) = (self.adapter.clone(), self.takes_software());
         let (sender, receiver) = channel();
         let shared = self.shared.clone();
         let work = move || {
@@ -421,7 +401,7 @@ impl Engine {
         self.take_kernel(compiled);
         // The scene may have changed meanwhile.
         self.compile();
-        if was_cpu && self.kernel_is_ready() {
+        if was_cpu && self.ready_kernel().is_some() {
             self.tracer = None;
             let Some((_, order)) = self.order.clone() else { return Ok(()) };
             self.level = self.first_level(&order);
@@ -432,8 +412,8 @@ impl Engine {
 
     fn take_kernel(&mut self, Compiled { device, result }: Compiled) {
         if let Some(device) = device {
-            let unwanted = device.is_software() && self.backend == Backend::Auto && self.adapter.is_none();
-            self.gpu = if unwanted { Gpu::None } else { Gpu::Open(device) };
+            let wanted = self.takes_software() || !device.is_software();
+            self.gpu = if wanted { Gpu::Open(device) } else { Gpu::None };
         }
         match result {
             Ok(()) => {}
@@ -446,6 +426,11 @@ impl Engine {
         }
     }
 
+    /// Whether a GPU that is software was asked for.
+    fn takes_software(&self) -> bool {
+        self.backend == Backend::Gpu || self.adapter.is_some()
+    }
+
     fn device_is_lost(&self) -> bool {
         match &self.gpu {
             Gpu::Open(device) => device.check().is_err(),
@@ -453,10 +438,13 @@ impl Engine {
         }
     }
 
-    fn kernel_is_ready(&self) -> bool {
+    /// The device and the kernel of the prepared scene, where it is ready.
+    fn ready_kernel(&self) -> Option<(&Arc<Device>, &Printed)> {
         match (&self.gpu, &self.printed) {
-            (Gpu::Open(device), Some(printed)) => !self.refused && printed.is_compiled(device),
-            _ => false,
+            (Gpu::Open(device), Some(printed)) if !self.refused && printed.is_compiled(device) => {
+                Some((device, printed))
+            }
+            _ => None,
         }
     }
 
@@ -473,42 +461,42 @@ impl Engine {
             Some(tracer) => tracer.reframe(prepared)?,
             None => false,
         };
-        if !kept {
+        if !kept && let Some(prepared) = &self.prepared {
             let first = settings.first_sample;
-            let gpu = match (&self.gpu, &self.printed) {
-                (Gpu::Open(device), Some(printed)) if !self.refused && printed.is_compiled(device) => {
-                    match GpuJob::of_printed(device.clone(), prepared, printed, first, gpu::LIVE) {
-                        Ok(job) => Some(job),
-                        Err(error @ RenderError::TooLarge { .. }) => {
-                            self.refused = true;
-                            lock(&self.shared.status).notice = Some(format!("{error}: rendering on the CPU"));
-                            None
-                        }
-                        Err(error) => return Err(error),
-                    }
+            let cpu = || Tracer::Cpu(Box::new(CpuJob::new(prepared.clone(), first)));
+            let tracer = match self.gpu_tracer(prepared, first) {
+                Some(Err(error @ RenderError::TooLarge { .. })) => {
+                    self.notice(format!("{error}: rendering on the CPU"));
+                    self.refused = true;
+                    cpu()
                 }
-                _ => None,
+                Some(tracer) => tracer?,
+                None => cpu(),
             };
-            self.tracer = Some(match gpu {
-                Some(job) => Tracer::Gpu(Box::new(job)),
-                None => Tracer::Cpu(Box::new(CpuJob::new(prepared.clone(), first))),
-            });
+            self.tracer = Some(tracer);
         }
         self.measured = (0.0, Instant::now());
         self.shown_samples = 0.0;
         Ok(())
     }
 
+    /// A tracer on the GPU, where the kernel is ready and the scene fits.
+    fn gpu_tracer(&self, prepared: &Prepared, first_sample: u32) -> Option<Result<Tracer, RenderError>> {
+        let (device, printed) = self.ready_kernel()?;
+        let job = GpuJob::of_printed(device.clone(), prepared, printed, first_sample, gpu::LIVE);
+        Some(job.map(|job| Tracer::Gpu(Box::new(job))))
+    }
+
     /// A little work, and a picture if it is time for one.
     fn work(&mut self) -> Result<(), RenderError> {
         let Some((_, order)) = self.order.clone() else { return Ok(()) };
         let whole = self.level == order.settings.size;
-        let target = if whole { order.settings.samples } else { LEVEL_SAMPLES };
+        let target = self.target(&order);
         let Some(tracer) = &mut self.tracer else { return Ok(()) };
         if tracer.samples_done() < f64::from(target) {
             // What is shown first is one sample, as soon as can be.
             let upto = if tracer.samples_done() < 1.0 { 1 } else { target };
-            tracer.advance(upto)?;
+            tracer.advance_a_little(upto)?;
         }
         let done = tracer.samples_done();
         self.measure(done);
@@ -662,6 +650,3 @@ impl Engine {
         }
     }
 }
-
-/// Samples of a picture that is not of its whole size: enough to see something while the hand rests.
-const LEVEL_SAMPLES: u32 = 64;

@@ -1,0 +1,49 @@
+//! A picture being rendered, by one backend or the other: what pictures for files and live pictures share.
+
+use crate::cpu::CpuJob;
+use crate::error::RenderError;
+use crate::film::Film;
+use crate::gpu::GpuJob;
+
+/// A picture being rendered.
+pub(crate) enum Tracer {
+    /// On a GPU.
+    Gpu(Box<GpuJob>),
+    /// On the CPU.
+    Cpu(Box<CpuJob>),
+}
+
+impl Tracer {
+    /// Samples of every pixel that are done or on their way, with a fraction for one that is begun.
+    pub(crate) fn samples_done(&self) -> f64 {
+        match self {
+            Self::Gpu(job) => job.samples_done(),
+            Self::Cpu(job) => job.samples_done(),
+        }
+    }
+
+    /// Does a slice of the work towards `samples` samples: a submission on a GPU, one sample of every pixel on the CPU.
+    pub(crate) fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
+        match self {
+            Self::Gpu(job) => job.advance(samples),
+            Self::Cpu(job) => {
+                if job.samples_done() < f64::from(samples) {
+                    job.advance();
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// The picture so far; finishes a sample that is begun.
+    pub(crate) fn film(&mut self) -> Result<Film, RenderError> {
+        let whole = self.samples_done().ceil() as u32;
+        while self.samples_done() < f64::from(whole) {
+            self.advance(whole)?;
+        }
+        match self {
+            Self::Gpu(job) => job.film(),
+            Self::Cpu(job) => Ok(job.film().clone()),
+        }
+    }
+}
