@@ -111,10 +111,16 @@ impl Scene {
     /// 16 MiB, or not UTF-8.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
-        let name = path.display().to_string();
-        let text = read(path).map_err(|(reason, help)| SceneError::Unreadable { name: name.clone(), reason, help })?;
-        Self::parse(&name, &text)
+        Self::parse(&path.display().to_string(), &read_text(path)?)
     }
+}
+
+/// The text of the scene file at `path`, as it is.
+///
+/// # Errors
+/// [`SceneError::Unreadable`] as of [`Scene::load`].
+pub fn read_text(path: &Path) -> Result<String, SceneError> {
+    read(path).map_err(|(reason, help)| SceneError::Unreadable { name: path.display().to_string(), reason, help })
 }
 
 /// The text of a file; otherwise why not, and what to do.

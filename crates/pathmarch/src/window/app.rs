@@ -159,9 +159,10 @@ impl App {
 
     /// A frame is on the screen, after this long.
     pub(super) fn painted(&mut self, took: Duration) {
-        if self.options.timings {
-            self.frames.push(took.as_secs_f64() * 1e3);
+        if !self.options.timings {
+            return;
         }
+        self.frames.push(took.as_secs_f64() * 1e3);
         self.milestone("window drawn", "");
         let whole = self.ordered.as_ref().map(|order| order.settings.size);
         if let Some((_, _, size)) = self.open.as_ref().and_then(|open| open.view.picture.as_ref()) {

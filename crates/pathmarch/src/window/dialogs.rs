@@ -12,6 +12,7 @@ use crate::picture::Rendered;
 use egui::{Context, Id, Modal, RichText, Ui};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
+use pathmarch_render::pathmarch_scene::scene::read_text;
 use pathmarch_render::{MAX_BOUNCES, Settings};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -92,7 +93,7 @@ impl App {
         let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
             ui.set_max_width(520.0);
             match dialog {
-                Dialog::Unsaved(after) => unsaved(ui, *after, &mut answer),
+                Dialog::Unsaved(after) => unsaved(ui, after, &mut answer),
                 Dialog::Conflict => conflict(ui, &mut answer),
                 Dialog::Recovered(left) => recovered(ui, left, &mut answer),
                 Dialog::Render(render) => render_settings(ui, render, &mut answer),
@@ -111,7 +112,7 @@ impl App {
             Answer::Close | Answer::Later => self.dialog = None,
             Answer::Save(after) => {
                 self.dialog = None;
-                if self.save(Some(after)) {
+                if self.save(Some(after.clone())) {
                     self.proceed(after);
                 }
             }
@@ -185,7 +186,7 @@ impl App {
 
     /// Opens what a program that ended without saving has left, as unsaved changes of its file.
     fn recover(&mut self, one: Recovered) {
-        let disk = one.scene_path.as_deref().and_then(|path| std::fs::read_to_string(path).ok());
+        let disk = one.scene_path.as_deref().and_then(|path| read_text(path).ok());
         let text = match &one.text {
             Ok(text) => text.clone(),
             Err(why) => return self.complain(why),
@@ -195,8 +196,7 @@ impl App {
             (Some(path), Some(disk)) => {
                 let mut open = Open::new(&path.display().to_string(), disk, Some(path));
                 open.document.replace_text(text, "Recovery");
-                let wake = self.waker.clone();
-                open.watch(move || wake());
+                open.watch(&self.waker);
                 self.show_scene(open);
             }
             (path, _) => {
@@ -268,16 +268,16 @@ impl App {
     }
 }
 
-fn unsaved(ui: &mut Ui, after: After, answer: &mut Answer) {
+fn unsaved(ui: &mut Ui, after: &After, answer: &mut Answer) {
     ui.heading("Save the changes?");
     ui.label("The scene has changes that are in no file yet.");
     ui.add_space(8.0);
     ui.horizontal(|ui| {
         if ui.button(RichText::new("Save").strong()).clicked() {
-            *answer = Answer::Save(after);
+            *answer = Answer::Save(after.clone());
         }
         if ui.button("Discard them").clicked() {
-            *answer = Answer::Drop(after);
+            *answer = Answer::Drop(after.clone());
         }
         if ui.button("Cancel").clicked() {
             *answer = Answer::Close;

@@ -7,6 +7,8 @@ use super::open::Open;
 use super::panels::Plots;
 use super::saving::write_atomically;
 use egui::Context;
+use pathmarch_render::pathmarch_scene::SceneError;
+use pathmarch_render::pathmarch_scene::scene::read_text;
 use std::path::{Path, PathBuf};
 
 /// A ball on a floor: what a new scene is.
@@ -28,7 +30,7 @@ object "floor" material="grey" { plane }
 "#;
 
 /// What a file is chosen for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum For {
     Open,
     SaveAs,
@@ -41,17 +43,16 @@ pub(super) enum For {
 }
 
 /// What was asked for when unsaved work stood in its way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum After {
     Leave,
     New,
     Open,
-    /// The file at this place of the recent ones.
-    Recent(usize),
+    /// This file, of the recent ones or dragged into the window.
+    OpenFile(PathBuf),
     Gallery,
     /// The scene of the gallery.
     Example(usize),
-    Dropped,
 }
 
 /// What a file is chosen for.
@@ -62,14 +63,6 @@ pub(super) fn purpose(title: &str, extensions: &[&'static str]) -> Purpose {
 impl App {
     /// Does it, or asks first what is to become of unsaved work.
     pub(super) fn unless_unsaved(&mut self, after: After) {
-        let after = match after {
-            // Saving moves files in the list: what counts is which one it is now.
-            After::Recent(index) => {
-                self.gallery.dropped = self.preferences.recent.get(index).cloned();
-                After::Dropped
-            }
-            after => after,
-        };
         if self.open.as_ref().is_some_and(Open::has_unsaved_work) {
             self.dialog = Some(Dialog::Unsaved(after));
         } else {
@@ -85,11 +78,6 @@ impl App {
                 let purpose = purpose("Open a scene", &["kdl"]);
                 self.chooser = Some((self.with_places(Chooser::open(&self.directory(), purpose)), For::Open));
             }
-            After::Recent(index) => {
-                if let Some(path) = self.preferences.recent.get(index).cloned() {
-                    self.open_file(&path);
-                }
-            }
             After::Gallery => {
                 self.recovery.clear();
                 self.open = None;
@@ -99,11 +87,7 @@ impl App {
                     self.show_scene(Open::new(&name, text, None));
                 }
             }
-            After::Dropped => {
-                if let Some(path) = self.gallery.dropped.take() {
-                    self.open_file(&path);
-                }
-            }
+            After::OpenFile(path) => self.open_file(&path),
         }
     }
 
@@ -124,25 +108,22 @@ impl App {
     /// Opens a scene file; says why where it cannot be read.
     pub(super) fn open_file(&mut self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        match std::fs::read_to_string(&path) {
+        match read_text(&path) {
             Ok(text) => {
                 self.preferences.opened(&path);
-                let mut open = Open::new(&path.display().to_string(), text, Some(path.clone()));
-                let wake = self.waker.clone();
-                open.watch(move || wake());
+                let mut open = Open::new(&path.display().to_string(), text, Some(path));
+                open.watch(&self.waker);
                 self.show_scene(open);
             }
             Err(error) => {
-                let why = match error.kind() {
-                    std::io::ErrorKind::NotFound => {
-                        self.preferences.forget(&path);
-                        "there is no such file".to_owned()
-                    }
-                    std::io::ErrorKind::InvalidData => "it is not UTF-8 text".to_owned(),
-                    std::io::ErrorKind::IsADirectory => "it is a directory: name a .kdl file in it".to_owned(),
-                    _ => error.to_string(),
+                if !path.exists() {
+                    self.preferences.forget(&path);
+                }
+                let why = match error {
+                    SceneError::Unreadable { reason, help, .. } => format!("{reason}. {help}"),
+                    other => other.to_string(),
                 };
-                self.complain(&format!("{} cannot be opened: {why}.", path.display()));
+                self.complain(&format!("{} cannot be opened: {why}", path.display()));
             }
         }
     }
@@ -179,8 +160,7 @@ impl App {
             path = absolute;
         }
         if open.saved(&path) {
-            let wake = self.waker.clone();
-            open.watch(move || wake());
+            open.watch(&self.waker);
         }
         self.preferences.opened(&path);
         self.recovery.clear();
@@ -208,10 +188,9 @@ impl App {
     }
 
     pub(super) fn choosing(&mut self, ctx: &Context) {
-        let Some((chooser, what)) = &mut self.chooser else { return };
-        let what = *what;
+        let Some((chooser, _)) = &mut self.chooser else { return };
         let Some(choice) = chooser.show(ctx) else { return };
-        self.chooser = None;
+        let Some((_, what)) = self.chooser.take() else { return };
         let Choice::Chosen(path) = choice else {
             if self.open.as_ref().is_some_and(|open| open.conflict.is_some()) {
                 // It was to be saved elsewhere, and now is not.
@@ -239,8 +218,7 @@ impl App {
     pub(super) fn take_dropped(&mut self, ctx: &Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
-            self.gallery.dropped = Some(path);
-            self.unless_unsaved(After::Dropped);
+            self.unless_unsaved(After::OpenFile(path));
         }
     }
 }

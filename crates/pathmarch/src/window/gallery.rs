@@ -69,8 +69,6 @@ const CARD: Vec2 = Vec2::new(240.0, 135.0);
 
 #[derive(Default)]
 pub(super) struct Gallery {
-    /// A file that was dragged into the window.
-    pub(super) dropped: Option<PathBuf>,
     /// Where the pictures that scenes need are.
     home: Option<PathBuf>,
     /// Pictures of the examples, as far as they are unpacked.
@@ -153,7 +151,7 @@ impl App {
                             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                             let words = path.display().to_string();
                             if ui.button(format!("Go on with {name}")).on_hover_text(words).clicked() {
-                                chosen = Some(After::Recent(0));
+                                chosen = Some(After::OpenFile(path.clone()));
                             }
                         }
                     });

@@ -1,5 +1,6 @@
 //! The scene that is open: its text, its file, and how it is looked at.
 
+use super::app::Waker;
 use super::watch::Watch;
 use egui::TextureHandle;
 use pathmarch_render::Mode;
@@ -51,8 +52,9 @@ impl Open {
     }
 
     /// Follows changes of the file by others.
-    pub(super) fn watch(&mut self, wake: impl Fn() + Send + Sync + 'static) {
-        self.watch = self.path.as_deref().map(|path| Watch::new(path, wake));
+    pub(super) fn watch(&mut self, waker: &Waker) {
+        let waker = waker.clone();
+        self.watch = self.path.as_deref().map(|path| Watch::new(path, move || waker()));
         self.tell_watch();
     }
 

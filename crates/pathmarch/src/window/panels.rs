@@ -96,10 +96,10 @@ impl App {
         let recent = self.preferences.recent.clone();
         ui.add_enabled_ui(!recent.is_empty(), |ui| {
             ui.menu_button("Open recent", |ui| {
-                for (index, path) in recent.iter().enumerate() {
+                for path in recent {
                     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                     if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
-                        self.unless_unsaved(After::Recent(index));
+                        self.unless_unsaved(After::OpenFile(path));
                         ui.close();
                     }
                 }
