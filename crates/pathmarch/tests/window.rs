@@ -187,12 +187,8 @@ fn work_survives_a_kill() {
     assert!(person.ends().success());
 }
 
-#[test]
-fn any_size_and_a_lost_device_are_survived() {
-    let Some((screen, directory)) = at_display() else { return };
-    let file = scene_in(directory.path());
-    let Some(mut person) = screen.person(directory.path(), Some(&file)) else { return };
-    rested(&person);
+/// Makes the window small, large, flat and unseen, and then what it was.
+fn resize(person: &Person) {
     let original = person.size();
     for round in 0..40_u32 {
         let size = match round % 4 {
@@ -210,7 +206,29 @@ fn any_size_and_a_lost_device_are_survived() {
     let size = ConfigureWindowAux::new().width(u32::from(original[0])).height(u32::from(original[1]));
     person.configure(&size);
     person.focus();
+    rested(person);
+}
+
+#[test]
+fn any_size_is_survived_without_a_gpu() {
+    let Some((screen, directory)) = at_display() else { return };
+    let file = scene_in(directory.path());
+    let drawing = ["--drawing", "cpu"];
+    let Some(mut person) = screen.person_with(directory.path(), Some(&file), &drawing) else { return };
     rested(&person);
+    resize(&person);
+    person.close();
+    assert!(person.ends().success());
+}
+
+#[test]
+fn any_size_and_a_lost_device_are_survived() {
+    let Some((screen, directory)) = at_display() else { return };
+    let file = scene_in(directory.path());
+    let drawing = ["--drawing", "gpu"];
+    let Some(mut person) = screen.person_with(directory.path(), Some(&file), &drawing) else { return };
+    rested(&person);
+    resize(&person);
     assert!(person.is_running());
 
     // Both devices are lost, and everything comes back.

@@ -274,14 +274,15 @@ impl Document {
         let label = format!("Write camera {name}");
         self.edit(&label, None, |work| structure::write_camera(work, camera, into))
     }
-    /// Replaces the text, as when the file has changed on disk; one step of undo, called `label`. It may have mistakes.
-    pub fn replace_text(&mut self, text: String, label: &str) {
+    /// Replaces the text, as when the file has changed on disk. It may have mistakes. Replacements in a row with the same
+    /// `gesture`, as of a run of typing, are one step of undo, called `label`.
+    pub fn replace_text(&mut self, text: String, label: &str, gesture: Option<u64>) {
         if text == self.text {
             return;
         }
         let patch = difference(&self.text, &text);
         let new = patch.range.start..patch.range.start + patch.text.len();
-        self.history.push(label, None, &self.text, &text, &[Hunk { old: patch.range, new }]);
+        self.history.push(label, gesture, &self.text, &text, &[Hunk { old: patch.range, new }]);
         self.become_text(text);
     }
     /// Takes back the last step; says which, as in "Change radius of sphere".

@@ -49,7 +49,7 @@ fn what_changes_nothing_is_no_step() {
     document.rename(&b, "b").unwrap();
     document.set_kind(&sphere, "sphere").unwrap();
     document.move_to(&sphere, sphere.parent().as_ref(), 0).unwrap();
-    document.replace_text(SCENE.to_owned(), "Reload");
+    document.replace_text(SCENE.to_owned(), "Reload", None);
     assert_eq!((document.text(), document.can_undo(), document.revision()), (SCENE, None, 0));
 }
 
@@ -66,7 +66,7 @@ fn it_knows_what_is_saved() {
     assert!(document.is_saved());
     document.undo();
     assert!(!document.is_saved());
-    document.replace_text(SCENE.replace("object \"b\" { plane }\n", ""), "Reload from disk");
+    document.replace_text(SCENE.replace("object \"b\" { plane }\n", ""), "Reload from disk", None);
     assert!(document.is_saved());
     assert_eq!(document.can_undo(), Some("Reload from disk"));
     document.undo();
@@ -76,7 +76,7 @@ fn it_knows_what_is_saved() {
 #[test]
 fn broken_texts_keep_the_last_good_scene() {
     let mut document = Document::new("", SCENE);
-    document.replace_text(SCENE.replace("plane", "plan"), "Reload");
+    document.replace_text(SCENE.replace("plane", "plan"), "Reload", None);
     assert!(document.scene().is_err());
     assert_eq!(document.last_good().map(|scene| scene.objects.len()), Some(2));
     assert_eq!(document.outline().len(), 4);

@@ -2,7 +2,7 @@
 
 use super::BackendArgument;
 use crate::exit::Failure;
-use crate::window::{self, Options};
+use crate::window::{self, Drawing, Options};
 use std::path::PathBuf;
 
 #[derive(clap::Args, Default)]
@@ -15,6 +15,9 @@ pub struct Arguments {
     /// The GPU adapter whose name contains this
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+    /// What the window itself is drawn on
+    #[arg(long, value_enum, default_value = "auto", value_name = "WHAT")]
+    drawing: Drawing,
     /// Say on standard error how long it took to the first picture, the whole one and all samples, and, at the end, how
     /// long frames of the window took
     #[arg(long)]
@@ -22,10 +25,10 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: Arguments) -> Result<u8, Failure> {
-    let Arguments { scene, backend, adapter, timings } = arguments;
+    let Arguments { scene, backend, adapter, drawing, timings } = arguments;
     if let Some(scene) = scene.as_ref().filter(|scene| !scene.is_file()) {
         let why = if scene.is_dir() { "it is a directory; name a .kdl file in it" } else { "there is no such file" };
         return Err(Failure::Usage(format!("cannot open {}: {why}", scene.display())));
     }
-    window::run(Options { scene, backend: backend.into(), adapter, timings })
+    window::run(Options { scene, backend: backend.into(), adapter, timings }, drawing)
 }

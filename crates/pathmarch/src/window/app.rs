@@ -64,6 +64,8 @@ pub(super) struct App {
     /// Changes between two presses of the pointer, or from the keyboard in one widget, are one step of undoing.
     pub(super) gesture: u64,
     focus: Option<egui::Id>,
+    /// When the text of the scene was last typed in, seconds.
+    pub(super) typed_at: f64,
     /// Text was being typed at the end of the last frame.
     typing: bool,
     ordered: Option<Order>,
@@ -113,6 +115,7 @@ impl App {
             handle: Handle::default(),
             help: false,
             gesture: 0,
+            typed_at: 0.0,
             focus: None,
             typing: false,
             ordered: None,

@@ -195,7 +195,7 @@ impl App {
         match (path, disk) {
             (Some(path), Some(disk)) => {
                 let mut open = Open::new(&path.display().to_string(), disk, Some(path));
-                open.document.replace_text(text, "Recovery");
+                open.document.replace_text(text, "Recovery", None);
                 open.watch(&self.waker);
                 self.show_scene(open);
             }
@@ -203,7 +203,7 @@ impl App {
                 // Its file is gone, or there never was one.
                 let name = path.map_or_else(|| "scene.kdl".to_owned(), |path| path.display().to_string());
                 let mut open = Open::new(&name, String::new(), None);
-                open.document.replace_text(text, "Recovery");
+                open.document.replace_text(text, "Recovery", None);
                 self.show_scene(open);
             }
         }

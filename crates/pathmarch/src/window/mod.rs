@@ -31,6 +31,7 @@ mod watch;
 use crate::exit::{DONE, Failure};
 use app::App;
 pub use app::Options;
+pub use painter::Drawing;
 use painter::{PaintError, Painter, Textures};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -51,7 +52,7 @@ const RETRIES: u32 = 20;
 const SIZE: (f64, f64) = (1360.0, 860.0);
 
 /// Opens the window and returns when it is closed.
-pub fn run(options: Options) -> Result<u8, Failure> {
+pub fn run(options: Options, drawing: Drawing) -> Result<u8, Failure> {
     let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|error| {
         let error = error.to_string();
         // The library says where in its source it was first.
@@ -69,6 +70,7 @@ pub fn run(options: Options) -> Result<u8, Failure> {
         app: App::new(&ctx, options, waker),
         ctx,
         window: None,
+        drawing,
         painter: None,
         textures: Textures::default(),
         retry: None,
@@ -85,6 +87,7 @@ struct Shell {
     app: App,
     ctx: egui::Context,
     window: Option<(Arc<Window>, egui_winit::State, String)>,
+    drawing: Drawing,
     painter: Option<Painter>,
     textures: Textures,
     /// When to try a new painter.
@@ -115,7 +118,7 @@ impl Shell {
         let Some((window, state, _)) = &mut self.window else { return Ok(()) };
         // The old one goes first: a window has one surface.
         self.painter = None;
-        let painter = Painter::new(window, event_loop.owned_display_handle(), &self.textures)?;
+        let painter = Painter::new(self.drawing, window, event_loop.owned_display_handle(), &self.textures)?;
         state.set_max_texture_side(painter.max_texture_side());
         self.app.milestone("window on", &painter.adapter);
         self.painter = Some(painter);
@@ -131,8 +134,8 @@ impl Shell {
         if self.failures > RETRIES {
             let kept = self.app.where_kept();
             self.failure = Some(Failure::Other(format!(
-                "the window cannot be drawn: {why}; install or restart a graphics driver (Mesa's software Vulkan will do), \
-                 or use `pathmarch render`, which works without a window{kept}"
+                "the window cannot be drawn: {why}; try `--drawing cpu`, or use `pathmarch render`, which works without a \
+                 window{kept}"
             )));
             event_loop.exit();
             return;

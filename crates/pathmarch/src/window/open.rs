@@ -106,7 +106,7 @@ impl Open {
 
     /// Makes the document what the file says. What was here can be had again by undoing.
     pub(super) fn take_from_disk(&mut self, text: String) {
-        self.document.replace_text(text.clone(), "Change of the file");
+        self.document.replace_text(text.clone(), "Change of the file", None);
         self.document.mark_saved();
         (self.disk, self.conflict) = (Some(text), None);
     }

@@ -11,6 +11,8 @@ use pathmarch_render::live::Shown;
 use std::collections::VecDeque;
 use std::time::Instant;
 
+/// Typing after such a pause is a new step of undo, seconds.
+const TYPING_PAUSE: f64 = 1.0;
 /// Pictures that the plots remember.
 const REMEMBERED: usize = 240;
 
@@ -308,8 +310,14 @@ impl App {
             });
         });
         if changed {
+            let now = ui.input(|input| input.time);
+            if now - self.typed_at > TYPING_PAUSE {
+                self.gesture += 1;
+            }
+            self.typed_at = now;
+            let gesture = self.gesture;
             self.edit(|open| {
-                open.document.replace_text(text, "Typing");
+                open.document.replace_text(text, "Typing", Some(gesture));
                 Ok(())
             });
         }

@@ -74,8 +74,13 @@ impl Screen {
 
     /// Starts the program in a window; `home` holds what it keeps.
     pub fn person(&self, home: &Path, scene: Option<&Path>) -> Option<Person> {
+        self.person_with(home, scene, &[])
+    }
+
+    /// The same, with further arguments.
+    pub fn person_with(&self, home: &Path, scene: Option<&Path>, further: &[&str]) -> Option<Person> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pathmarch"));
-        command.arg("view").args(scene).args(["--timings", "--backend", "cpu"]);
+        command.arg("view").args(scene).args(["--timings", "--backend", "cpu"]).args(further);
         command.env("DISPLAY", &self.name).env("PATHMARCH_HOME", home.join("home")).env_remove("WAYLAND_DISPLAY");
         let mut program = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().expect("it starts");
         let printed = Arc::<Mutex<String>>::default();

@@ -272,7 +272,17 @@ fn the_text_is_edited_as_text() {
     person.harness.key_press(Key::P);
     person.wait(2);
     assert_eq!(person.open().view.mode, pathmarch_render::Mode::Path);
-    person.undo_all();
+    // What is typed without a pause is one step of undo.
+    let first = person.text().to_owned();
+    person.wait(20);
+    for letter in ["a", "b", "c"] {
+        person.harness.event(egui::Event::Text(letter.to_owned()));
+        person.wait(1);
+    }
+    assert_eq!(person.text().len(), first.len() + 3);
+    person.menu("Edit", "Undo: Typing");
+    assert_eq!(person.text(), first);
+    assert_eq!(person.undo_all(), 1);
     assert_eq!(person.text(), SCENE);
 }
 

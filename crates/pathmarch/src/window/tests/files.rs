@@ -36,7 +36,7 @@ fn saves_that_follow_soon_after_each_other_are_no_changes_by_others() {
     for k in 0..12 {
         let text = SCENE.replace("sphere 0.7 {", &format!("sphere 0.{} {{", 80 + k));
         person.app_mut().edit(|open| {
-            open.document.replace_text(text.clone(), "Test");
+            open.document.replace_text(text.clone(), "Test", None);
             Ok(())
         });
         person.ctrl(Key::S);

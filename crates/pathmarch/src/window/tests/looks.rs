@@ -104,7 +104,7 @@ fn mistakes_with_the_source() {
         .replace("sphere 0.85", "sfere 0.85")
         .replace("material=\"slate\" { plane }", "material=\"moss\" { plane }");
     person.app_mut().edit(|open| {
-        open.document.replace_text(text, "Test");
+        open.document.replace_text(text, "Test", None);
         Ok(())
     });
     person.key(Key::F4);

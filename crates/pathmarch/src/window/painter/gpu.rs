@@ -1,58 +1,15 @@
-//! Draws egui's shapes into the window, on a device of its own.
-//!
-//! It shares nothing with the renderer: a scene that takes long to compile or to trace does not hold up the window, and a
-//! device that is lost takes only its own half with it. What egui has handed over of textures is kept, so that a new
-//! painter can take over from one that was lost.
+//! Draws the window on a graphics adapter, with a device of its own.
 
+use super::{PaintError, Textures};
+use egui::ClippedPrimitive;
 use egui::epaint::textures::TexturesDelta;
-use egui::epaint::{ImageData, ImageDelta};
-use egui::{ClippedPrimitive, TextureId};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
-use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use winit::event_loop::OwnedDisplayHandle;
 use winit::window::Window;
 
-/// Copies of egui's textures.
-#[derive(Default)]
-pub(super) struct Textures(HashMap<TextureId, ImageDelta>);
-
-impl Textures {
-    /// Takes changes on that nobody paints.
-    pub(super) fn take(&mut self, changes: &mut TexturesDelta) {
-        for (id, deltas) in changes.set.drain() {
-            deltas.iter().for_each(|delta| self.apply(id, delta));
-        }
-        for id in changes.free.drain() {
-            self.0.remove(&id);
-        }
-    }
-
-    fn apply(&mut self, id: TextureId, delta: &ImageDelta) {
-        let Some([x, y]) = delta.pos else {
-            self.0.insert(id, delta.clone());
-            return;
-        };
-        let Some(ImageDelta { image: ImageData::Color(whole), .. }) = self.0.get_mut(&id) else { return };
-        let ImageData::Color(patch) = &delta.image;
-        let whole = Arc::make_mut(whole);
-        let [width, height] = patch.size;
-        for row in 0..height {
-            let (to, from) = ((y + row) * whole.size[0] + x, row * width);
-            whole.pixels[to..to + width].copy_from_slice(&patch.pixels[from..from + width]);
-        }
-    }
-}
-
-/// Why nothing was drawn.
-#[derive(Debug)]
-pub(super) enum PaintError {
-    /// A new painter is needed.
-    Lost(String),
-}
-
-pub(super) struct Painter {
+pub(super) struct GpuPainter {
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
     device: wgpu::Device,
@@ -62,12 +19,25 @@ pub(super) struct Painter {
     failure: Arc<Mutex<Option<String>>>,
     /// Largest side of a window, pixels.
     limit: u32,
-    pub(super) adapter: String,
 }
 
-impl Painter {
-    /// A painter for the window, or why there can be none.
-    pub(super) fn new(window: &Arc<Window>, display: OwnedDisplayHandle, textures: &Textures) -> Result<Self, String> {
+/// Why there can be no such painter.
+pub(super) struct OpenError(pub(super) String);
+
+impl From<String> for OpenError {
+    fn from(why: String) -> Self {
+        Self(why)
+    }
+}
+
+impl GpuPainter {
+    /// A painter for the window and the name of its adapter, or why there can be none.
+    pub(super) fn new(
+        window: &Arc<Window>,
+        display: OwnedDisplayHandle,
+        textures: &Textures,
+        take_software: bool,
+    ) -> Result<(Self, String), OpenError> {
         let mut descriptor = wgpu::InstanceDescriptor::new_with_display_handle(Box::new(display));
         descriptor.flags = wgpu::InstanceFlags::empty();
         let instance = wgpu::Instance::new(descriptor);
@@ -78,6 +48,10 @@ impl Painter {
             ..Default::default()
         }))
         .map_err(|error| error.to_string())?;
+        let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        if is_software && !take_software {
+            return Err(OpenError(format!("{} is software", adapter.get_info().name)));
+        }
         let limits = wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits());
         let limit = limits.max_texture_dimension_2d;
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
@@ -115,14 +89,13 @@ impl Painter {
         configuration.desired_maximum_frame_latency = 1;
         surface.configure(&device, &configuration);
         // Where each pixel costs the processor's time, it is spent on the picture.
-        let dithering = adapter.get_info().device_type != wgpu::DeviceType::Cpu;
-        let options = RendererOptions { dithering, ..RendererOptions::default() };
+        let options = RendererOptions { dithering: !is_software, ..RendererOptions::default() };
         let mut renderer = Renderer::new(&device, configuration.format, options);
         for (id, whole) in &textures.0 {
             renderer.update_texture(&device, &queue, *id, whole);
         }
-        let adapter = adapter.get_info().name;
-        Ok(Self { surface, configuration, device, queue, renderer, lost, failure, limit, adapter })
+        let painter = Self { surface, configuration, device, queue, renderer, lost, failure, limit };
+        Ok((painter, adapter.get_info().name))
     }
 
     /// The largest side of a texture.
