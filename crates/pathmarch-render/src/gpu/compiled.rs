@@ -122,7 +122,7 @@ fn bind_group_layout(gpu: &wgpu::Device, uniform_parameters: bool) -> wgpu::Bind
     gpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("trace"),
         entries: &[
-            entry(0, uniform, false),
+            entry(0, table, false),
             entry(1, uniform, true),
             entry(2, if uniform_parameters { uniform } else { table }, false),
             entry(3, table, false),

@@ -56,7 +56,7 @@ impl DisplayPass {
         let shown = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("display"),
             size: size_of::<Shown>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         Self { pipeline, shown }

@@ -15,7 +15,8 @@ struct Shown {
     variance: u32,
 }
 
-@group(0) @binding(0) var<uniform> shown: Shown;
+// No uniform, for the reason in frame.wgsl.
+@group(0) @binding(0) var<storage, read> shown: Shown;
 @group(0) @binding(1) var<storage, read> film: array<vec4f>;
 @group(0) @binding(2) var<storage, read_write> picture: array<u32>;
 

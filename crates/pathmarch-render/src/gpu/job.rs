@@ -151,7 +151,7 @@ impl GpuJob {
             mapped_at_creation: false,
         });
         let parameters_usage = if printed.is_uniform() { uniform } else { storage };
-        let frame = constant("frame", bytemuck::bytes_of(frame), uniform);
+        let frame = constant("frame", bytemuck::bytes_of(frame), storage);
         let tables = [
             constant("parameters", bytemuck::cast_slice(&printed.parameters), parameters_usage),
             constant("leaves", bytemuck::cast_slice(&prepared.leaves), storage),

@@ -83,7 +83,9 @@ const DELTA = 2u;
 /// Light passes to the other side.
 const TRANSMITS = 4u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+// Not a uniform: Mesa's software Vulkan makes a kernel anew at every dispatch, which takes milliseconds and memory until the
+// program ends, where uniforms alone decide a branch.
+@group(0) @binding(0) var<storage, read> frame: Frame;
 @group(0) @binding(1) var<uniform> slice: Slice;
 @group(0) @binding(3) var<storage, read> leaves: array<LeafRecord>;
 @group(0) @binding(4) var<storage, read> materials: array<Material>;
