@@ -6,10 +6,11 @@ use super::files::After;
 use super::open::Handles;
 use egui::{Color32, Context, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
+use indicatif::HumanDuration;
 use pathmarch_render::Mode;
 use pathmarch_render::live::Shown;
 use std::collections::VecDeque;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Typing after such a pause is a new step of undo, seconds.
 const TYPING_PAUSE: f64 = 1.0;
@@ -154,7 +155,10 @@ impl App {
                 for (index, export) in self.exports.iter().enumerate() {
                     let progress = export.progress();
                     let share = (progress.samples / f64::from(progress.of.max(1))) as f32;
-                    let left = progress.remaining.map_or(String::new(), |left| format!(", {left:.0} s left"));
+                    let left = progress.remaining.map_or(String::new(), |left| {
+                        let left = HumanDuration(Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX));
+                        format!(", {left:#} left")
+                    });
                     let name = export.output().file_name().unwrap_or_default().to_string_lossy();
                     let words = if progress.writing {
                         format!("{name}: writing")
