@@ -291,7 +291,7 @@ impl<'a> Texture<'a> {
         let filter = if magnified { self.delta.options.magnification } else { self.delta.options.minification };
         let mut now = place.map(|axis| fixed(axis.at(column, row) - 0.5));
         if filter == TextureFilter::Nearest {
-            now = now.map(|at| at + (1 << (FRACTION - 1)) & !((1 << FRACTION) - 1));
+            now = now.map(|at| (at + (1 << (FRACTION - 1))) & !((1 << FRACTION) - 1));
         }
         Texels { texture: self, now, step }
     }
