@@ -25,6 +25,10 @@ impl Aabb {
     pub fn is_finite(&self) -> bool {
         self.min.iter().chain(&self.max).all(|v| v.is_finite())
     }
+    /// Whether it holds no point.
+    pub fn is_empty(&self) -> bool {
+        (0..3).any(|k| self.min[k] > self.max[k])
+    }
     /// The smallest box that holds both.
     pub fn union(self, other: Self) -> Self {
         Self {

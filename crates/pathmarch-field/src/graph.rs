@@ -7,7 +7,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Differentiable, Dual, Real, Vec3};
-use crate::registry::{Combine, NO_HIT, Shape};
+use crate::registry::{Combine, Modify, NO_HIT, Shape, union};
 use glam::{EulerRot, Mat3, Quat};
 use wide::f32x8;
 
@@ -54,9 +54,18 @@ pub enum Kind {
         /// At least one.
         children: Vec<Node>,
     },
+    /// An operator that changes the union of its children.
+    Modify {
+        /// The operator.
+        modifier: &'static dyn Modify,
+        /// Its numbers, in the order of [`Modify::params`].
+        params: Vec<f32>,
+        /// At least one.
+        children: Vec<Node>,
+    },
 }
 
-/// How a leaf's local coordinates are scaled and turned; decides which code is printed.
+/// How local coordinates are scaled and turned; decides which code is printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Turn {
     /// Neither.
@@ -67,7 +76,22 @@ pub enum Turn {
     Turned,
 }
 
-/// A shape in the world.
+/// Local coordinates: where a shape stands in the world, or in the space of the modifier that holds it.
+#[derive(Clone, Copy, Debug)]
+pub struct Pose {
+    /// Whether any placement moves it.
+    pub moved: bool,
+    /// Whether any placement scales or turns it.
+    pub turn: Turn,
+    /// Origin of the local coordinates, metres.
+    pub at: [f32; 3],
+    /// Size of a local unit, metres.
+    pub scale: f32,
+    /// The local axes x, y, z in the world, each of length one.
+    pub axes: [[f32; 3]; 3],
+}
+
+/// A shape of the field.
 #[derive(Clone, Debug)]
 pub struct Leaf {
     /// The shape.
@@ -78,19 +102,13 @@ pub struct Leaf {
     pub tag: u32,
     /// Index of the object it belongs to.
     pub object: u32,
-    /// Whether any placement above it moves it.
-    pub moved: bool,
-    /// Whether any placement above it scales or turns it.
-    pub turn: Turn,
-    /// Origin of the local coordinates, metres.
-    pub at: [f32; 3],
-    /// Size of a local unit, metres.
-    pub scale: f32,
-    /// The local axes x, y, z in the world, each of length one.
-    pub axes: [[f32; 3]; 3],
+    /// Where it stands.
+    pub pose: Pose,
+    /// Whether that is in the space of a modifier, not in the world.
+    pub modified: bool,
 }
 
-impl Leaf {
+impl Pose {
     /// Rows of the matrix from world offsets to local coordinates.
     pub fn local_from_world(&self) -> [[f32; 3]; 3] {
         self.axes.map(|axis| axis.map(|v| v / self.scale))
@@ -118,9 +136,19 @@ impl Leaf {
         Vec3::new(x, y, z)
     }
 
-    /// A box in the world that holds the shape.
-    pub fn world_bounds(&self) -> Aabb {
-        let local = self.shape.bounds(&self.params);
+    /// A distance and its gradient in local coordinates as those in the world.
+    fn world<N: Real>(&self, local: Dual<N>) -> Dual<N> {
+        let value = if self.turn == Turn::None { local.value } else { local.value * N::constant(self.scale) };
+        if self.turn != Turn::Turned {
+            return Dual { value, gradient: local.gradient };
+        }
+        let [x, y, z] = self.axes.map(Vec3::constant);
+        let g = local.gradient;
+        Dual { value, gradient: x * g.x + y * g.y + z * g.z }
+    }
+
+    /// A box in the world that holds what this local box holds.
+    fn world_bounds(&self, local: Aabb) -> Aabb {
         if self.turn != Turn::Turned {
             let place = |v: [f32; 3]| std::array::from_fn(|k| v[k] * self.scale + self.at[k]);
             return Aabb { min: place(local.min), max: place(local.max) };
@@ -148,6 +176,22 @@ pub(crate) enum Tree {
         children: Vec<Tree>,
         first_choice: u32,
     },
+    Modify(Box<Modified>),
+}
+
+/// What a modifier holds, in its space.
+#[derive(Clone, Debug)]
+pub(crate) struct Modified {
+    pub(crate) modifier: &'static dyn Modify,
+    /// Counts the modifiers of the field, those inside first.
+    pub(crate) index: u32,
+    /// What it reads.
+    pub(crate) numbers: Vec<f32>,
+    pub(crate) places: u32,
+    pub(crate) pose: Pose,
+    pub(crate) inside: Tree,
+    params: Vec<f32>,
+    inside_bounds: Aabb,
 }
 
 /// The nearest surface as seen from a point.
@@ -170,6 +214,9 @@ pub struct Field {
     bounds: Aabb,
     object_bounds: Vec<Aabb>,
     marched_bounds: Aabb,
+    /// How many choices and modifiers there are so far.
+    choices: u32,
+    modifiers: u32,
 }
 
 /// A number that a [`Field`] can be evaluated over on the CPU.
@@ -182,6 +229,14 @@ pub trait Batch: Differentiable {
     fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<Self>>, params: &[f32]) -> Dual<Self>;
     #[doc(hidden)]
     fn shape_ray(shape: &dyn Shape, origin: Vec3<Self>, direction: Vec3<Self>, params: &[f32]) -> Self;
+    #[doc(hidden)]
+    fn modified_point(modifier: &dyn Modify, p: Vec3<Self>, place: Self, numbers: &[f32]) -> Vec3<Self>;
+    #[doc(hidden)]
+    fn modified_point_gradient(modifier: &dyn Modify, p: Vec3<Self>, place: Self, numbers: &[f32]) -> Vec3<Dual<Self>>;
+    #[doc(hidden)]
+    fn modified(modifier: &dyn Modify, p: Vec3<Self>, inside: Self, numbers: &[f32]) -> Self;
+    #[doc(hidden)]
+    fn modified_gradient(modifier: &dyn Modify, p: Vec3<Self>, inside: Dual<Self>, numbers: &[f32]) -> Dual<Self>;
     #[doc(hidden)]
     fn combined(operator: &dyn Combine, a: Self, b: Self, width: Option<f32>) -> Self;
     #[doc(hidden)]
@@ -203,6 +258,18 @@ impl Batch for f32 {
     }
     fn shape_ray(shape: &dyn Shape, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> f32 {
         shape.ray(origin, direction, params)
+    }
+    fn modified_point(modifier: &dyn Modify, p: Vec3<f32>, place: f32, numbers: &[f32]) -> Vec3<f32> {
+        modifier.point(p, place, numbers)
+    }
+    fn modified_point_gradient(modifier: &dyn Modify, p: Vec3<f32>, place: f32, numbers: &[f32]) -> Vec3<Dual<f32>> {
+        modifier.point_gradient(p, place, numbers)
+    }
+    fn modified(modifier: &dyn Modify, p: Vec3<f32>, inside: f32, numbers: &[f32]) -> f32 {
+        modifier.distance(p, inside, numbers)
+    }
+    fn modified_gradient(modifier: &dyn Modify, p: Vec3<f32>, inside: Dual<f32>, numbers: &[f32]) -> Dual<f32> {
+        modifier.gradient(p, inside, numbers)
     }
     fn combined(operator: &dyn Combine, a: f32, b: f32, width: Option<f32>) -> f32 {
         operator.distance(a, b, width)
@@ -231,6 +298,23 @@ impl Batch for f32x8 {
     }
     fn shape_ray(shape: &dyn Shape, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> f32x8 {
         shape.ray_lanes(origin, direction, params)
+    }
+    fn modified_point(modifier: &dyn Modify, p: Vec3<f32x8>, place: f32x8, numbers: &[f32]) -> Vec3<f32x8> {
+        modifier.point_lanes(p, place, numbers)
+    }
+    fn modified_point_gradient(
+        modifier: &dyn Modify,
+        p: Vec3<f32x8>,
+        place: f32x8,
+        numbers: &[f32],
+    ) -> Vec3<Dual<f32x8>> {
+        modifier.point_gradient_lanes(p, place, numbers)
+    }
+    fn modified(modifier: &dyn Modify, p: Vec3<f32x8>, inside: f32x8, numbers: &[f32]) -> f32x8 {
+        modifier.distance_lanes(p, inside, numbers)
+    }
+    fn modified_gradient(modifier: &dyn Modify, p: Vec3<f32x8>, inside: Dual<f32x8>, numbers: &[f32]) -> Dual<f32x8> {
+        modifier.gradient_lanes(p, inside, numbers)
     }
     fn combined(operator: &dyn Combine, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8 {
         operator.distance_lanes(a, b, width)
@@ -284,6 +368,17 @@ impl Frame {
         }
         frame
     }
+
+    fn pose(self) -> Pose {
+        let axes = Mat3::from_quat(self.turn);
+        Pose {
+            moved: self.moved,
+            turn: self.kind,
+            at: self.at.into(),
+            scale: self.scale,
+            axes: [axes.x_axis.into(), axes.y_axis.into(), axes.z_axis.into()],
+        }
+    }
 }
 
 impl Field {
@@ -295,10 +390,11 @@ impl Field {
             bounds: Aabb::NOTHING,
             object_bounds: Vec::new(),
             marched_bounds: Aabb::NOTHING,
+            choices: 0,
+            modifiers: 0,
         };
-        let mut choices = 0;
         for (index, object) in objects.iter().enumerate() {
-            if let Some(tree) = field.add(object, Frame::WORLD, index as u32, &mut choices) {
+            if let Some(tree) = field.add(object, Frame::WORLD, index as u32, false) {
                 let bounds = field.tree_bounds(&tree);
                 field.bounds = field.bounds.union(bounds);
                 field.object_bounds.push(bounds);
@@ -311,40 +407,61 @@ impl Field {
         field
     }
 
-    fn add(&mut self, node: &Node, frame: Frame, object: u32, choices: &mut u32) -> Option<Tree> {
+    fn add(&mut self, node: &Node, frame: Frame, object: u32, modified: bool) -> Option<Tree> {
         let frame = frame.inside(&node.placement);
         match &node.kind {
             Kind::Shape { shape, params, tag } => {
-                let axes = Mat3::from_quat(frame.turn);
                 self.leaves.push(Leaf {
                     shape: *shape,
                     params: params.clone(),
                     tag: *tag,
                     object,
-                    moved: frame.moved,
-                    turn: frame.kind,
-                    at: frame.at.into(),
-                    scale: frame.scale,
-                    axes: [axes.x_axis.into(), axes.y_axis.into(), axes.z_axis.into()],
+                    pose: frame.pose(),
+                    modified,
                 });
                 Some(Tree::Leaf(self.leaves.len() as u32 - 1))
             }
             Kind::Combine { operator, smooth, children } => {
-                let mut children: Vec<Tree> =
-                    children.iter().filter_map(|child| self.add(child, frame, object, choices)).collect();
-                let first_choice = *choices;
-                *choices += children.len() as u32;
-                match children.len() {
-                    0 => None,
-                    1 => children.pop(),
-                    _ => Some(Tree::Combine {
-                        operator: *operator,
-                        smooth: smooth.map(|width| width * frame.scale),
-                        children,
-                        first_choice,
-                    }),
-                }
+                let smooth = smooth.map(|width| width * frame.scale);
+                self.combine(*operator, smooth, children, frame, object, modified)
             }
+            Kind::Modify { modifier, params, children } => {
+                let inside = self.combine(union(), None, children, Frame::WORLD, object, true)?;
+                // An intersection may hold nothing, and a box that holds nothing has no corners.
+                let inside_bounds = Some(self.tree_bounds(&inside)).filter(|bounds| !bounds.is_empty());
+                let inside_bounds = inside_bounds.unwrap_or(Aabb::centred(0.0, 0.0, 0.0));
+                self.modifiers += 1;
+                Some(Tree::Modify(Box::new(Modified {
+                    modifier: *modifier,
+                    index: self.modifiers - 1,
+                    numbers: modifier.numbers(params, inside_bounds),
+                    places: modifier.places(params, inside_bounds),
+                    pose: frame.pose(),
+                    inside,
+                    params: params.clone(),
+                    inside_bounds,
+                })))
+            }
+        }
+    }
+
+    fn combine(
+        &mut self,
+        operator: &'static dyn Combine,
+        smooth: Option<f32>,
+        children: &[Node],
+        frame: Frame,
+        object: u32,
+        modified: bool,
+    ) -> Option<Tree> {
+        let mut children: Vec<Tree> =
+            children.iter().filter_map(|child| self.add(child, frame, object, modified)).collect();
+        let first_choice = self.choices;
+        self.choices += children.len() as u32;
+        match children.len() {
+            0 => None,
+            1 => children.pop(),
+            _ => Some(Tree::Combine { operator, smooth, children, first_choice }),
         }
     }
 
@@ -378,14 +495,41 @@ impl Field {
     pub(crate) fn objects(&self) -> &[Tree] {
         &self.objects
     }
+    /// A box in the world that holds a leaf: of one that a modifier holds, the box of its object.
+    pub fn leaf_bounds(&self, leaf: usize) -> Aabb {
+        let leaf = &self.leaves[leaf];
+        match leaf.modified {
+            false => leaf.pose.world_bounds(leaf.shape.bounds(&leaf.params)),
+            true => self.object_bounds.get(leaf.object as usize).copied().unwrap_or(Aabb::EVERYTHING),
+        }
+    }
     /// An upper bound of |∇distance|: operators and placements keep the largest of the leaves'.
     pub fn lipschitz(&self) -> f32 {
-        self.leaves.iter().map(|leaf| leaf.shape.lipschitz(&leaf.params)).fold(1.0, f32::max)
+        self.objects.iter().map(|object| self.tree_lipschitz(object)).fold(1.0, f32::max)
+    }
+
+    fn tree_lipschitz(&self, tree: &Tree) -> f32 {
+        match tree {
+            Tree::Leaf(leaf) => {
+                let leaf = &self.leaves[*leaf as usize];
+                leaf.shape.lipschitz(&leaf.params)
+            }
+            Tree::Combine { children, .. } => {
+                children.iter().map(|child| self.tree_lipschitz(child)).fold(1.0, f32::max)
+            }
+            Tree::Modify(modified) => self.tree_lipschitz(&modified.inside),
+        }
     }
 
     fn tree_bounds(&self, tree: &Tree) -> Aabb {
         match tree {
-            Tree::Leaf(leaf) => self.leaves[*leaf as usize].world_bounds(),
+            Tree::Leaf(leaf) => {
+                let leaf = &self.leaves[*leaf as usize];
+                leaf.pose.world_bounds(leaf.shape.bounds(&leaf.params))
+            }
+            Tree::Modify(modified) => {
+                modified.pose.world_bounds(modified.modifier.bounds(&modified.params, modified.inside_bounds))
+            }
             Tree::Combine { operator, smooth, children, .. } => children
                 .iter()
                 .map(|child| self.tree_bounds(child))
@@ -443,8 +587,8 @@ impl Field {
         let mut nearest = N::constant(NO_HIT);
         for leaf in self.direct_leaves() {
             let leaf = &self.leaves[leaf as usize];
-            let t = N::shape_ray(leaf.shape, leaf.local(origin), leaf.turned(direction), &leaf.params);
-            nearest = nearest.min(if leaf.turn == Turn::None { t } else { t * N::constant(leaf.scale) });
+            let t = N::shape_ray(leaf.shape, leaf.pose.local(origin), leaf.pose.turned(direction), &leaf.params);
+            nearest = nearest.min(if leaf.pose.turn == Turn::None { t } else { t * N::constant(leaf.pose.scale) });
         }
         nearest
     }
@@ -453,8 +597,14 @@ impl Field {
         match tree {
             Tree::Leaf(leaf) => {
                 let leaf = &self.leaves[*leaf as usize];
-                let distance = N::shape_distance(leaf.shape, leaf.local(p), &leaf.params);
-                if leaf.turn == Turn::None { distance } else { distance * N::constant(leaf.scale) }
+                let distance = N::shape_distance(leaf.shape, leaf.pose.local(p), &leaf.params);
+                if leaf.pose.turn == Turn::None { distance } else { distance * N::constant(leaf.pose.scale) }
+            }
+            Tree::Modify(modified) => {
+                let p = modified.pose.local(p);
+                let (inside, _) = self.nearest_inside(modified, p);
+                let distance = N::modified(modified.modifier, p, inside, &modified.numbers);
+                if modified.pose.turn == Turn::None { distance } else { distance * N::constant(modified.pose.scale) }
             }
             Tree::Combine { operator, smooth, children, .. } => {
                 let mut result = self.tree_distance(&children[0], p);
@@ -464,6 +614,19 @@ impl Field {
                 result
             }
         }
+    }
+
+    /// The least distance of what a modifier holds at the points of `p`, and the number of that point.
+    fn nearest_inside<N: Batch>(&self, modified: &Modified, p: Vec3<N>) -> (N, N) {
+        let mut nearest = (N::constant(f32::INFINITY), N::zero());
+        for place in 0..modified.places {
+            let place = N::constant(place as f32);
+            let point = N::modified_point(modified.modifier, p, place, &modified.numbers);
+            let distance = self.tree_distance(&modified.inside, point);
+            nearest.1 = N::select(distance.lt(nearest.0), place, nearest.1);
+            nearest.0 = nearest.0.min(distance);
+        }
+        nearest
     }
 
     /// The nearest surface of an object from each point: signed distance to that object, gradient, and the leaf whose
@@ -505,17 +668,18 @@ impl Field {
         match tree {
             Tree::Leaf(index) => {
                 let leaf = &self.leaves[*index as usize];
-                let local = N::shape_gradient(leaf.shape, Dual::variables(leaf.local(p)), &leaf.params);
-                let field = match leaf.turn {
-                    Turn::None => local,
-                    Turn::Scaled => Dual { value: local.value * N::constant(leaf.scale), gradient: local.gradient },
-                    Turn::Turned => {
-                        let [x, y, z] = leaf.axes.map(Vec3::constant);
-                        let g = local.gradient;
-                        Dual { value: local.value * N::constant(leaf.scale), gradient: x * g.x + y * g.y + z * g.z }
-                    }
-                };
+                let local = N::shape_gradient(leaf.shape, Dual::variables(leaf.pose.local(p)), &leaf.params);
+                let field = leaf.pose.world(local);
                 Surface { field, leaf: N::constant(*index as f32) }
+            }
+            Tree::Modify(modified) => {
+                let Modified { modifier, numbers, pose, inside, .. } = &**modified;
+                let p = pose.local(p);
+                let place = if modified.places > 1 { self.nearest_inside(modified, p).1 } else { N::zero() };
+                let point = N::modified_point_gradient(*modifier, p, place, numbers);
+                let Surface { field, leaf } = self.tree_surface(inside, point.values(), threshold);
+                let inside = Dual { value: field.value, gradient: point.pulled(field.gradient) };
+                Surface { field: pose.world(N::modified_gradient(*modifier, p, inside, numbers)), leaf }
             }
             Tree::Combine { operator, smooth, children, first_choice } => {
                 let mut result = self.tree_surface(&children[0], p, threshold);

@@ -9,6 +9,7 @@
 
 pub mod bounds;
 pub mod graph;
+mod modifiers;
 pub mod number;
 mod operators;
 pub mod registry;
@@ -17,4 +18,4 @@ pub mod wgsl;
 
 pub use bounds::Aabb;
 pub use graph::{Field, Node, Placement};
-pub use registry::{Combine, Emitter, Info, Param, Shape, Unit};
+pub use registry::{Combine, Emitter, Info, Modify, Param, Shape, Solid, Unit};

@@ -20,6 +20,8 @@ pub enum Unit {
     Degrees,
     /// A whole number.
     Count,
+    /// One of the axes x, y and z, as 0, 1 and 2.
+    Axis,
     /// A number without unit.
     Ratio,
 }
@@ -31,6 +33,7 @@ impl Unit {
             Self::Metres => "m",
             Self::Degrees => "°",
             Self::Count => "count",
+            Self::Axis => "axis",
             Self::Ratio => "",
         }
     }
@@ -67,6 +70,14 @@ impl Param {
     /// A component of a direction or position: any number.
     pub const fn any(name: &'static str, default: f32, doc: &'static str) -> Self {
         Self { name, unit: Unit::Ratio, default, min: f32::MIN, min_allowed: true, max: f32::MAX, doc }
+    }
+    /// A whole number from `min` to `max`.
+    pub const fn count(name: &'static str, default: f32, min: f32, max: f32, doc: &'static str) -> Self {
+        Self { name, unit: Unit::Count, default, min, min_allowed: true, max, doc }
+    }
+    /// An axis.
+    pub const fn axis(name: &'static str, doc: &'static str) -> Self {
+        Self { name, unit: Unit::Axis, default: 0.0, min: 0.0, min_allowed: true, max: 2.0, doc }
     }
     /// Whether `value` is finite and within the range.
     pub fn accepts(&self, value: f32) -> bool {
@@ -192,6 +203,38 @@ pub trait Operator: Send + Sync + 'static {
     fn bounds(a: Aabb, b: Aabb, width: f32) -> Aabb;
 }
 
+/// An operator that changes the space in which what it holds stands, or its distance, written once.
+///
+/// What it holds is one solid: the union of its children. Implementations are unit structs named `Op`, one in each file of
+/// `modifiers/`.
+pub trait Modifier: Send + Sync + 'static {
+    /// Name, documentation, source.
+    const INFO: Info;
+    /// The parameters, in the order of positional arguments.
+    const PARAMS: &'static [Param];
+    /// The numbers that the functions below read: `[N; K]`.
+    type Numbers<N: Real>: Values<N>;
+    /// Whether it needs what it holds to have an end.
+    const NEEDS_BOUNDS: bool = false;
+
+    /// The numbers, found once of the parameters and of the box that holds what it holds.
+    fn numbers(params: &[f32], inside: Aabb) -> Self::Numbers<f32>;
+    /// In how many places what it holds must be looked for; [`point`](Self::point) tells them apart.
+    fn places(_params: &[f32], _inside: Aabb) -> u32 {
+        1
+    }
+    /// Where `p` is in the space of what it holds; `place` counts from 0.
+    fn point<N: Real>(p: Vec3<N>, _place: N, _numbers: Self::Numbers<N>) -> Vec3<N> {
+        p
+    }
+    /// The distance at `p`, given the least one of what it holds at the points of `p`.
+    fn distance<N: Real>(_p: Vec3<N>, inside: N, _numbers: Self::Numbers<N>) -> N {
+        inside
+    }
+    /// A box that holds the result.
+    fn bounds(params: &[f32], inside: Aabb) -> Aabb;
+}
+
 /// A [`Primitive`] behind a pointer.
 pub trait Shape: Send + Sync {
     /// Name, documentation, source.
@@ -272,7 +315,51 @@ impl Debug for dyn Combine {
     }
 }
 
-/// Makes a [`Shape`] of a [`Primitive`], or a [`Combine`] of an [`Operator`].
+/// A [`Modifier`] behind a pointer.
+pub trait Modify: Send + Sync {
+    /// Name, documentation, source.
+    fn info(&self) -> &'static Info;
+    /// The parameters, in order.
+    fn params(&self) -> &'static [Param];
+    /// Whether it needs what it holds to have an end.
+    fn needs_bounds(&self) -> bool;
+    /// The numbers that the functions below read.
+    fn numbers(&self, params: &[f32], inside: Aabb) -> Vec<f32>;
+    /// In how many places what it holds must be looked for.
+    fn places(&self, params: &[f32], inside: Aabb) -> u32;
+    /// Where a point is in the space of what it holds.
+    fn point(&self, p: Vec3<f32>, place: f32, numbers: &[f32]) -> Vec3<f32>;
+    /// Where eight points are.
+    fn point_lanes(&self, p: Vec3<f32x8>, place: f32x8, numbers: &[f32]) -> Vec3<f32x8>;
+    /// Where a point is, with derivatives.
+    fn point_gradient(&self, p: Vec3<f32>, place: f32, numbers: &[f32]) -> Vec3<Dual<f32>>;
+    /// Where eight points are, with derivatives.
+    fn point_gradient_lanes(&self, p: Vec3<f32x8>, place: f32x8, numbers: &[f32]) -> Vec3<Dual<f32x8>>;
+    /// The distance of the result.
+    fn distance(&self, p: Vec3<f32>, inside: f32, numbers: &[f32]) -> f32;
+    /// The distances of eight results.
+    fn distance_lanes(&self, p: Vec3<f32x8>, inside: f32x8, numbers: &[f32]) -> f32x8;
+    /// Distance and gradient of the result.
+    fn gradient(&self, p: Vec3<f32>, inside: Dual<f32>, numbers: &[f32]) -> Dual<f32>;
+    /// Distances and gradients of eight results.
+    fn gradient_lanes(&self, p: Vec3<f32x8>, inside: Dual<f32x8>, numbers: &[f32]) -> Dual<f32x8>;
+    /// A box that holds the result.
+    fn bounds(&self, params: &[f32], inside: Aabb) -> Aabb;
+    /// The functions `NAME_point`, `NAME_pull` (a gradient back through it), `NAME_distance` and `NAME_gradient` in WGSL.
+    fn wgsl(&self) -> String;
+    /// What its WGSL functions' names begin with.
+    fn wgsl_name(&self) -> String {
+        identifier(self.info().name).trim_end_matches('_').to_owned()
+    }
+}
+
+impl Debug for dyn Modify {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.info().name)
+    }
+}
+
+/// Makes a [`Shape`] of a [`Primitive`], a [`Combine`] of an [`Operator`], or a [`Modify`] of a [`Modifier`].
 pub(crate) struct Entry<T>(pub(crate) PhantomData<T>);
 
 fn values<N: Real, V: Values<N>>(params: &[f32]) -> V {
@@ -417,6 +504,115 @@ impl<T: Operator> Combine for Entry<T> {
     }
 }
 
+impl<T: Modifier> Entry<T> {
+    fn modifier_function(
+        &self,
+        suffix: &str,
+        parameters: &[(&'static str, &'static str)],
+        doc: String,
+        body: impl FnOnce(&[Expr], T::Numbers<Expr>) -> Vec<Expr>,
+    ) -> String {
+        const NUMBERS: [&str; MOST_NUMBERS] = [
+            "n0", "n1", "n2", "n3", "n4", "n5", "n6", "n7", "n8", "n9", "n10", "n11", "n12", "n13", "n14", "n15",
+            "n16", "n17", "n18", "n19",
+        ];
+        let count = T::Numbers::<f32>::from_fn(|_| 0.0).as_ref().len();
+        let name = format!("{}_{suffix}", self.wgsl_name());
+        let inputs: usize = parameters
+            .iter()
+            .map(|(_, kind)| {
+                if *kind == "f32" {
+                    1
+                } else if *kind == "vec3f" {
+                    3
+                } else {
+                    4
+                }
+            })
+            .sum();
+        let numbers = NUMBERS[..count].iter().map(|name| (*name, "f32"));
+        let parameters = parameters.iter().copied().chain(numbers).collect();
+        Function { name, doc, parameters }.print(|all| body(&all[..inputs], T::Numbers::from_fn(|k| all[inputs + k])))
+    }
+}
+
+/// The most numbers that a modifier may read.
+const MOST_NUMBERS: usize = 20;
+
+impl<T: Modifier> Modify for Entry<T> {
+    fn info(&self) -> &'static Info {
+        &T::INFO
+    }
+    fn params(&self) -> &'static [Param] {
+        T::PARAMS
+    }
+    fn needs_bounds(&self) -> bool {
+        T::NEEDS_BOUNDS
+    }
+    fn numbers(&self, params: &[f32], inside: Aabb) -> Vec<f32> {
+        T::numbers(params, inside).as_ref().to_vec()
+    }
+    fn places(&self, params: &[f32], inside: Aabb) -> u32 {
+        T::places(params, inside)
+    }
+    fn point(&self, p: Vec3<f32>, place: f32, numbers: &[f32]) -> Vec3<f32> {
+        T::point(p, place, values(numbers))
+    }
+    fn point_lanes(&self, p: Vec3<f32x8>, place: f32x8, numbers: &[f32]) -> Vec3<f32x8> {
+        T::point(p, place, values(numbers))
+    }
+    fn point_gradient(&self, p: Vec3<f32>, place: f32, numbers: &[f32]) -> Vec3<Dual<f32>> {
+        T::point(Dual::variables(p), Dual::independent(place), values(numbers))
+    }
+    fn point_gradient_lanes(&self, p: Vec3<f32x8>, place: f32x8, numbers: &[f32]) -> Vec3<Dual<f32x8>> {
+        T::point(Dual::variables(p), Dual::independent(place), values(numbers))
+    }
+    fn distance(&self, p: Vec3<f32>, inside: f32, numbers: &[f32]) -> f32 {
+        T::distance(p, inside, values(numbers))
+    }
+    fn distance_lanes(&self, p: Vec3<f32x8>, inside: f32x8, numbers: &[f32]) -> f32x8 {
+        T::distance(p, inside, values(numbers))
+    }
+    fn gradient(&self, p: Vec3<f32>, inside: Dual<f32>, numbers: &[f32]) -> Dual<f32> {
+        T::distance(Dual::variables(p), inside, values(numbers))
+    }
+    fn gradient_lanes(&self, p: Vec3<f32x8>, inside: Dual<f32x8>, numbers: &[f32]) -> Dual<f32x8> {
+        T::distance(Dual::variables(p), inside, values(numbers))
+    }
+    fn bounds(&self, params: &[f32], inside: Aabb) -> Aabb {
+        T::bounds(params, inside)
+    }
+    fn wgsl(&self) -> String {
+        let name = T::INFO.name;
+        let vector = |inputs: &[Expr]| Vec3::new(inputs[0], inputs[1], inputs[2]);
+        let independent =
+            |numbers: T::Numbers<Expr>| T::Numbers::<Dual<Expr>>::from_fn(|k| Dual::independent(numbers.as_ref()[k]));
+        let doc = format!("Where `p` is in the space of what `{name}` holds.");
+        let point = self.modifier_function("point", &[("p", "vec3f"), ("place", "f32")], doc, |inputs, numbers| {
+            let q = T::point(vector(inputs), inputs[3], numbers);
+            vec![q.x, q.y, q.z]
+        });
+        let doc = format!("A gradient there as one at `p`, for `{name}`.");
+        let parameters = [("p", "vec3f"), ("place", "f32"), ("gradient", "vec3f")];
+        let pull = self.modifier_function("pull", &parameters, doc, |inputs, numbers| {
+            let q = T::point(Dual::variables(vector(inputs)), Dual::independent(inputs[3]), independent(numbers));
+            let g = q.pulled(vector(&inputs[4..]));
+            vec![g.x, g.y, g.z]
+        });
+        let doc = T::INFO.doc.to_owned();
+        let distance =
+            self.modifier_function("distance", &[("p", "vec3f"), ("inside", "f32")], doc, |inputs, numbers| {
+                vec![T::distance(vector(inputs), inputs[3], numbers)]
+            });
+        let doc = format!("Gradient (xyz) and distance (w) of `{name}`.");
+        let gradient =
+            self.modifier_function("gradient", &[("p", "vec3f"), ("inside", "vec4f")], doc, |inputs, numbers| {
+                outputs(T::distance(Dual::variables(vector(inputs)), dual(&inputs[3..7]), independent(numbers)))
+            });
+        [point, pull, distance, gradient].join("\n")
+    }
+}
+
 fn combine<T: Operator, N: Real>(a: N, b: N, width: Option<f32>) -> N {
     match width {
         Some(width) => T::smooth(a, b, N::constant(width)),
@@ -441,9 +637,65 @@ pub fn operators() -> &'static [&'static dyn Combine] {
     crate::operators::ALL
 }
 
+/// Every modifier, in the order of `modifiers/mod.rs`.
+pub fn modifiers() -> &'static [&'static dyn Modify] {
+    crate::modifiers::ALL
+}
+
+/// Anything that stands in an object.
+#[derive(Clone, Copy, Debug)]
+pub enum Solid {
+    /// A shape.
+    Shape(&'static dyn Shape),
+    /// An operator of several solids.
+    Combine(&'static dyn Combine),
+    /// An operator that changes what it holds.
+    Modify(&'static dyn Modify),
+}
+
+impl Solid {
+    /// Name, documentation, source.
+    pub fn info(self) -> &'static Info {
+        match self {
+            Self::Shape(shape) => shape.info(),
+            Self::Combine(operator) => operator.info(),
+            Self::Modify(modifier) => modifier.info(),
+        }
+    }
+    /// The parameters, in order.
+    pub fn params(self) -> &'static [Param] {
+        match self {
+            Self::Shape(shape) => shape.params(),
+            Self::Combine(_) => &[],
+            Self::Modify(modifier) => modifier.params(),
+        }
+    }
+    /// Whether it holds solids.
+    pub fn is_operator(self) -> bool {
+        !matches!(self, Self::Shape(_))
+    }
+}
+
+/// Every shape, operator and modifier.
+pub fn solids() -> impl Iterator<Item = Solid> {
+    let shapes = shapes().iter().map(|shape| Solid::Shape(*shape));
+    let operators = operators().iter().map(|operator| Solid::Combine(*operator));
+    shapes.chain(operators).chain(modifiers().iter().map(|modifier| Solid::Modify(*modifier)))
+}
+
+/// The shape, operator or modifier of this name.
+pub fn solid(name: &str) -> Option<Solid> {
+    solids().find(|solid| solid.info().name == name)
+}
+
 /// The shape of this name.
 pub fn shape(name: &str) -> Option<&'static dyn Shape> {
     shapes().iter().copied().find(|shape| shape.info().name == name)
+}
+
+/// The operator that joins what no other joins.
+pub fn union() -> &'static dyn Combine {
+    crate::operators::UNION
 }
 
 /// The operator of this name.

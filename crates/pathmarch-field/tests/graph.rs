@@ -4,7 +4,7 @@ mod sampling;
 
 use pathmarch_field::graph::Kind;
 use pathmarch_field::number::Vec3;
-use pathmarch_field::registry::{operators, shapes};
+use pathmarch_field::registry::{modifiers, operators, shapes};
 use pathmarch_field::wgsl::Program;
 use pathmarch_field::{Aabb, Field, Node, Placement};
 use proptest::prelude::*;
@@ -49,6 +49,35 @@ fn node() -> impl Strategy<Value = Node> {
     })
 }
 
+/// Trees with modifiers, of solids that have an end.
+fn modified() -> impl Strategy<Value = Node> {
+    let solid = shape().prop_filter("an end", |node| match &node.kind {
+        Kind::Shape { shape, params, .. } => shape.bounds(params).is_finite(),
+        _ => false,
+    });
+    solid.prop_recursive(4, 12, 3, |child| {
+        let children = proptest::collection::vec(child, 1..3);
+        let kinds = operators().len() + 2 * modifiers().len();
+        (0..kinds, proptest::option::of(0.0f32..1.0), children, placement()).prop_map(
+            |(index, smooth, children, placement)| {
+                let kind = match operators().get(index) {
+                    Some(operator) => Kind::Combine { operator: *operator, smooth, children },
+                    None => {
+                        let modifier = modifiers()[(index - operators().len()) / 2];
+                        let params = modifier.params().iter().map(|param| match param.name {
+                            // What is endless cannot be held by those that need an end.
+                            "count" => 3.0,
+                            _ => param.default,
+                        });
+                        Kind::Modify { modifier, params: params.collect(), children }
+                    }
+                };
+                Node { kind, placement }
+            },
+        )
+    })
+}
+
 fn objects() -> impl Strategy<Value = Vec<Node>> {
     proptest::collection::vec(node(), 0..4)
 }
@@ -75,6 +104,7 @@ fn altered(node: &Node) -> Node {
             smooth: smooth.map(|width| width + 0.1),
             children: children.iter().map(altered).collect(),
         },
+        Kind::Modify { .. } => node.kind.clone(),
     };
     Node { kind, placement }
 }
@@ -83,7 +113,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn eight_lanes_equal_one(objects in objects(), seed in any::<u64>()) {
+    fn eight_lanes_equal_one(
+        objects in objects(),
+        modified in proptest::collection::vec(modified(), 0..3),
+        seed in any::<u64>(),
+    ) {
+        let objects = [objects, modified].concat();
         let field = Field::new(&objects);
         for points in points(seed).chunks(8) {
             let seeds = [1, 2, 3, 4, 5, 6, 7, 8];
@@ -137,6 +172,30 @@ proptest! {
             let alone = Field::new(std::slice::from_ref(object));
             prop_assert!(alone.object_bounds().is_empty() || field.object_bounds().contains(&alone.bounds()), "object {k}");
         }
+    }
+
+    #[test]
+    fn modifiers_hold_in_their_bounds_and_print_valid_code(
+        objects in proptest::collection::vec(modified(), 1..3),
+        seed in any::<u64>(),
+    ) {
+        let field = Field::new(&objects);
+        let mut random = Random::new(seed);
+        for p in points(seed) {
+            let distance = field.distance(p);
+            prop_assert!(distance > 0.0 || field.bounds().contains(p, 1e-4), "{p:?} {:?}", field.bounds());
+            // The ball around a point is on its side of the surface.
+            let near = p + random.direction() * (0.999 * (distance.abs() / field.lipschitz() - 1e-4).max(0.0));
+            let there = field.distance(near);
+            prop_assert!(there * distance >= 0.0 || there.abs() < 1e-3, "{p:?} {distance}: {near:?} {there}");
+        }
+        let program = Program::new(&field);
+        validate(&format!(
+            "@group(0) @binding(0) var<uniform> field_parameters: array<vec4f, {}>;\n{}\n{}",
+            program.parameters.len(),
+            program.code,
+            program.whole_distance
+        ));
     }
 
     #[test]

@@ -51,6 +51,17 @@ impl<N: Real> Dual<N> {
     }
 }
 
+impl<N: Real> Vec3<Dual<N>> {
+    /// The point itself.
+    pub fn values(self) -> Vec3<N> {
+        Vec3::new(self.x.value, self.y.value, self.z.value)
+    }
+    /// The gradient at this point of something as that over the variables of differentiation (chain rule).
+    pub fn pulled(self, gradient: Vec3<N>) -> Vec3<N> {
+        self.x.gradient * gradient.x + self.y.gradient * gradient.y + self.z.gradient * gradient.z
+    }
+}
+
 impl<N: Real> Add for Dual<N> {
     type Output = Self;
     #[inline(always)]

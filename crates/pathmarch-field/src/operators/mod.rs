@@ -12,3 +12,6 @@ macro_rules! operators {
 }
 
 operators!(union, subtract, intersect);
+
+/// What joins solids that stand side by side.
+pub(crate) static UNION: &dyn Combine = &Entry::<union::Op>(PhantomData);

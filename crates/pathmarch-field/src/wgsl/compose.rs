@@ -3,7 +3,7 @@
 //! Structure is code, numbers are data: every number of the scene stands in [`Program::parameters`], so that a scene of
 //! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
 
-use crate::graph::{Field, Leaf, Tree, Turn};
+use crate::graph::{Field, Modified, Pose, Tree, Turn};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -107,11 +107,17 @@ struct Composed<'a> {
 
 impl<'a> Composed<'a> {
     fn new(field: &'a Field) -> Self {
-        let mut composer = Composer { field, parameters: Vec::new(), widths: Vec::new(), starts: Vec::new() };
+        let mut composer = Composer {
+            field,
+            parameters: Vec::new(),
+            widths: Vec::new(),
+            starts: Vec::new(),
+            modifier_starts: Vec::new(),
+        };
         let mut functions = BTreeSet::new();
         for leaf in field.leaves() {
             composer.starts.push(composer.parameters.len());
-            composer.place(leaf);
+            composer.place(&leaf.pose, &leaf.params);
             functions.insert((0, leaf.shape.wgsl_gradient()));
         }
         let mut has_choice = false;
@@ -124,6 +130,9 @@ impl<'a> Composed<'a> {
                 None => composer.distances(tree, &mut functions),
             }
         }
+        for tree in field.objects() {
+            composer.modifiers(tree, &mut functions);
+        }
         Self { composer, functions, has_choice }
     }
 }
@@ -135,6 +144,8 @@ struct Composer<'a> {
     widths: Vec<(u32, usize)>,
     /// Where the parameters of each leaf start.
     starts: Vec<usize>,
+    /// Where the numbers of each modifier start.
+    modifier_starts: Vec<usize>,
 }
 
 fn component(vector: usize, k: usize) -> String {
@@ -142,21 +153,32 @@ fn component(vector: usize, k: usize) -> String {
 }
 
 impl Composer<'_> {
-    fn place(&mut self, leaf: &Leaf) {
-        if leaf.moved || leaf.turn != Turn::None {
-            self.parameters.push([leaf.at[0], leaf.at[1], leaf.at[2], leaf.scale]);
+    fn place(&mut self, pose: &Pose, numbers: &[f32]) {
+        if pose.moved || pose.turn != Turn::None {
+            self.parameters.push([pose.at[0], pose.at[1], pose.at[2], pose.scale]);
         }
-        if leaf.turn == Turn::Turned {
-            self.parameters.extend(leaf.local_from_world().map(|[x, y, z]| [x, y, z, 0.0]));
+        if pose.turn == Turn::Turned {
+            self.parameters.extend(pose.local_from_world().map(|[x, y, z]| [x, y, z, 0.0]));
         }
-        for chunk in leaf.params.chunks(4) {
+        for chunk in numbers.chunks(4) {
             self.parameters.push(std::array::from_fn(|k| chunk.get(k).copied().unwrap_or(0.0)));
         }
     }
 
     /// Collects the functions of the operators in use and stores their widths; whether any blends.
     fn operators(&mut self, tree: &Tree, functions: &mut BTreeSet<(u32, String)>) -> bool {
-        let Tree::Combine { operator, smooth, children, first_choice } = tree else { return false };
+        let (operator, smooth, children, first_choice) = match tree {
+            Tree::Leaf(_) => return false,
+            Tree::Modify(modified) => {
+                let chooses = self.operators(&modified.inside, functions);
+                // Those inside were numbered before.
+                self.modifier_starts.push(self.parameters.len());
+                self.place(&modified.pose, &modified.numbers);
+                functions.insert((1, modified.modifier.wgsl()));
+                return chooses;
+            }
+            Tree::Combine { operator, smooth, children, first_choice } => (operator, smooth, children, first_choice),
+        };
         functions.insert((1, operator.wgsl_gradient(smooth.is_some())));
         functions.insert((1, operator.wgsl_weight(smooth.is_some())));
         if let Some(width) = smooth {
@@ -176,7 +198,84 @@ impl Composer<'_> {
                 functions.insert((1, operator.wgsl_distance(smooth.is_some())));
                 children.iter().for_each(|child| self.distances(child, functions));
             }
+            Tree::Modify(modified) => self.distances(&modified.inside, functions),
         }
+    }
+
+    /// Collects the functions of the modifiers of a tree: `modified_N_distance` and `modified_N_surface`, and those of what
+    /// each holds.
+    fn modifiers(&self, tree: &Tree, functions: &mut BTreeSet<(u32, String)>) {
+        match tree {
+            Tree::Leaf(_) => {}
+            Tree::Combine { children, .. } => children.iter().for_each(|child| self.modifiers(child, functions)),
+            Tree::Modify(modified) => {
+                self.modifiers(&modified.inside, functions);
+                functions.insert((2, self.modified(modified)));
+            }
+        }
+    }
+
+    fn modified(&self, modified: &Modified) -> String {
+        let Modified { modifier, index, places, pose, inside, .. } = modified;
+        let name = modifier.wgsl_name();
+        let start = self.modifier_starts[*index as usize];
+        let (point, first) = local(pose, start, "world");
+        let numbers = arguments(first, modified.numbers.len());
+        let mut counter = 0;
+        let mut distance = format!(
+            "/// Signed distance to what modifier {index}, `{name}`, holds.\nfn inside_{index}_distance(p: vec3f) -> f32 {{\n"
+        );
+        let value = self.tree_distance(inside, &mut distance, &mut counter);
+        distance += &format!("    return {value};\n}}\n");
+        let mut counter = 0;
+        let mut surface = format!(
+            "/// The surface of what modifier {index}, `{name}`, holds.\nfn inside_{index}_surface(p: vec3f, seed: u32) -> Surface {{\n"
+        );
+        let (gradient, leaf) = self.tree_surface(inside, &mut surface, &mut counter);
+        surface += &format!("    return Surface({gradient}.xyz, {gradient}.w, {leaf});\n}}\n");
+        let at = |place: &str| format!("inside_{index}_distance({name}_point(p, {place}{numbers}))");
+        let scale = match pose.turn {
+            Turn::None => String::new(),
+            _ => format!(" * {}", component(start, 3)),
+        };
+        let nearest = |then: &str| match places {
+            1 => String::new(),
+            _ => format!(
+                "    var nearest = 1e30;\n    for (var place = 0u; place < {places}u; place++) {{\n        let distance = {};\n        \
+                 {then}\n    }}\n",
+                at("f32(place)")
+            ),
+        };
+        let (looked, found) = match places {
+            1 => (String::new(), at("0.0")),
+            _ => (nearest("nearest = min(nearest, distance);"), "nearest".to_owned()),
+        };
+        let whole_distance = format!(
+            "/// Signed distance to modifier {index}, `{name}`.\nfn modified_{index}_distance(world: vec3f) -> f32 {{\n    let p = \
+             {point};\n{looked}    return {name}_distance(p, {found}{numbers}){scale};\n}}\n"
+        );
+        let looked = match places {
+            1 => "    let chosen = 0.0;\n".to_owned(),
+            _ => {
+                "    var chosen = 0.0;\n".to_owned()
+                    + &nearest(
+                        "chosen = select(chosen, f32(place), distance < nearest);\n        nearest = min(nearest, distance);",
+                    )
+            }
+        };
+        let back = match pose.turn {
+            Turn::None => "local".to_owned(),
+            Turn::Scaled => format!("vec4f(local.xyz, local.w * {})", component(start, 3)),
+            Turn::Turned => format!("vec4f({} * local.xyz, local.w) * {}", rows(start + 1), component(start, 3)),
+        };
+        let whole_surface = format!(
+            "/// The surface of modifier {index}, `{name}`.\nfn modified_{index}_surface(world: vec3f, seed: u32) -> Surface {{\n    \
+             let p = {point};\n{looked}    let inside = inside_{index}_surface({name}_point(p, chosen{numbers}), seed);\n    \
+             let pulled = {name}_pull(p, chosen, inside.gradient{numbers});\n    \
+             let local = {name}_gradient(p, vec4f(pulled, inside.distance){numbers});\n    let result = {back};\n    \
+             return Surface(result.xyz, result.w, inside.leaf);\n}}\n"
+        );
+        [distance, surface, whole_distance, whole_surface].join("\n")
     }
 
     fn width(&self, first_choice: u32, smooth: bool) -> String {
@@ -187,24 +286,8 @@ impl Composer<'_> {
     /// The point `p` in local coordinates of a leaf, and the call's arguments after it.
     fn arguments(&self, index: u32, p: &str) -> (String, String) {
         let leaf = &self.field.leaves()[index as usize];
-        let mut next = self.starts[index as usize];
-        let mut point = p.to_owned();
-        if leaf.moved || leaf.turn != Turn::None {
-            if leaf.moved {
-                point = format!("{p} - field_parameters[{next}].xyz");
-            }
-            next += 1;
-        }
-        match leaf.turn {
-            Turn::None => {}
-            Turn::Scaled => point = format!("({point}) / field_parameters[{}].w", next - 1),
-            Turn::Turned => {
-                point = format!("({point}) * {}", rows(next));
-                next += 3;
-            }
-        }
-        let values: String = (0..leaf.params.len()).map(|k| format!(", {}", component(next + k / 4, k % 4))).collect();
-        (point, values)
+        let (point, next) = local(&leaf.pose, self.starts[index as usize], p);
+        (point, arguments(next, leaf.params.len()))
     }
 
     fn distance(&self) -> String {
@@ -253,7 +336,7 @@ impl Composer<'_> {
             let leaf = &self.field.leaves()[index as usize];
             let (point, values) = self.arguments(index, "origin");
             let start = self.starts[index as usize];
-            let (direction, factor) = match leaf.turn {
+            let (direction, factor) = match leaf.pose.turn {
                 Turn::None => ("direction".to_owned(), String::new()),
                 Turn::Scaled => ("direction".to_owned(), format!(" * {}", component(start, 3))),
                 // The stored rows are divided by the scale.
@@ -275,12 +358,13 @@ impl Composer<'_> {
                 let leaf = &self.field.leaves()[*index as usize];
                 let (point, values) = self.arguments(*index, "p");
                 let call = format!("{}_distance({point}{values})", leaf.shape.wgsl_name());
-                if leaf.turn == Turn::None {
+                if leaf.pose.turn == Turn::None {
                     call
                 } else {
                     format!("{call} * {}", component(self.starts[*index as usize], 3))
                 }
             }
+            Tree::Modify(modified) => format!("modified_{}_distance(p)", modified.index),
             Tree::Combine { operator, smooth, children, first_choice } => {
                 let mut result = self.tree_distance(&children[0], text, counter);
                 let width = self.width(*first_choice, smooth.is_some());
@@ -329,7 +413,7 @@ impl Composer<'_> {
                 let call = format!("{}_gradient({point}{values})", leaf.shape.wgsl_name());
                 let name = fresh("g");
                 let start = self.starts[*index as usize];
-                match leaf.turn {
+                match leaf.pose.turn {
                     Turn::None => writeln!(text, "    let {name} = {call};"),
                     Turn::Scaled => {
                         writeln!(text, "    let {name} = {call} * vec4f(1.0, 1.0, 1.0, {});", component(start, 3))
@@ -346,6 +430,16 @@ impl Composer<'_> {
                 }
                 .expect("writing to a string");
                 (name, format!("{index}u"))
+            }
+            Tree::Modify(modified) => {
+                let (name, surface) = (fresh("g"), fresh("s"));
+                writeln!(
+                    text,
+                    "    let {surface} = modified_{}_surface(p, seed);\n    let {name} = vec4f({surface}.gradient, {surface}.distance);",
+                    modified.index
+                )
+                .expect("writing to a string");
+                (name, format!("{surface}.leaf"))
             }
             Tree::Combine { operator, smooth, children, first_choice } => {
                 let (mut result, mut leaf) = self.tree_surface(&children[0], text, counter);
@@ -378,4 +472,30 @@ impl Composer<'_> {
 fn rows(start: usize) -> String {
     let row = |k: usize| format!("field_parameters[{}].xyz", start + k);
     format!("mat3x3f({}, {}, {})", row(0), row(1), row(2))
+}
+
+/// The point `p` in local coordinates whose numbers start here, and what stands behind those.
+fn local(pose: &Pose, start: usize, p: &str) -> (String, usize) {
+    let mut next = start;
+    let mut point = p.to_owned();
+    if pose.moved || pose.turn != Turn::None {
+        if pose.moved {
+            point = format!("{p} - field_parameters[{next}].xyz");
+        }
+        next += 1;
+    }
+    match pose.turn {
+        Turn::None => {}
+        Turn::Scaled => point = format!("({point}) / field_parameters[{}].w", next - 1),
+        Turn::Turned => {
+            point = format!("({point}) * {}", rows(next));
+            next += 3;
+        }
+    }
+    (point, next)
+}
+
+/// Numbers from this vector on, as further arguments of a call.
+fn arguments(start: usize, count: usize) -> String {
+    (0..count).map(|k| format!(", {}", component(start + k / 4, k % 4))).collect()
 }

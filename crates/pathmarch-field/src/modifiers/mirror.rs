@@ -1,0 +1,43 @@
+//! Mirror: what it holds and its image behind the plane through the origin across an axis. Both are looked for, so that it
+//! is right for what crosses the plane; what lies on one side alone is looked for only where `p` is folded to.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Modifier, Param};
+
+pub(crate) struct Op;
+
+/// Whether it lies on the side of positive coordinates.
+fn is_beside(params: &[f32], inside: Aabb) -> bool {
+    inside.min[params[0] as usize] >= 0.0
+}
+
+impl Modifier for Op {
+    const INFO: Info = Info::new("mirror", "What it holds and its image in a mirror through the origin.", "Hart 1996, section 2.3");
+    const PARAMS: &'static [Param] = &[Param::axis("axis", "The mirror lies across this axis.")];
+    type Numbers<N: Real> = [N; 4];
+
+    fn numbers(params: &[f32], inside: Aabb) -> [f32; 4] {
+        let across = |axis: usize| if params[0] as usize == axis { 1.0 } else { 0.0 };
+        [across(0), across(1), across(2), if is_beside(params, inside) { 1.0 } else { 0.0 }]
+    }
+    fn places(params: &[f32], inside: Aabb) -> u32 {
+        if is_beside(params, inside) { 1 } else { 2 }
+    }
+    #[inline(always)]
+    fn point<N: Real>(p: Vec3<N>, place: N, [x, y, z, folds]: [N; 4]) -> Vec3<N> {
+        let half = N::constant(0.5);
+        let image = half.lt(place);
+        let turned = |v: N, across: N| {
+            let other = N::select(half.lt(folds), v.abs(), N::select(image, -v, v));
+            N::select(half.lt(across), other, v)
+        };
+        Vec3::new(turned(p.x, x), turned(p.y, y), turned(p.z, z))
+    }
+    fn bounds(params: &[f32], inside: Aabb) -> Aabb {
+        let axis = params[0] as usize;
+        let mut image = inside;
+        (image.min[axis], image.max[axis]) = (-inside.max[axis], -inside.min[axis]);
+        inside.union(image)
+    }
+}

@@ -1,0 +1,64 @@
+//! Repetition around the y axis (Quilez 2008, "Domain repetition", rotational): copies of what it holds, turned by whole
+//! parts of a circle. As for `repeat`, the copies to look at are those whose number is next to that of `p`, by the angles
+//! that the box of what it holds covers; all of them, at most eight, where it holds the axis.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Modifier, Param};
+use std::f32::consts::{PI, TAU};
+
+pub(crate) struct Op;
+
+/// The most copies that are looked at.
+const MOST: f32 = 8.0;
+
+/// The largest angle of the box, and how wide it is, radians about +x.
+fn angles(inside: Aabb) -> (f32, f32) {
+    let holds_axis = inside.min[0] <= 0.0 && inside.max[0] >= 0.0 && inside.min[2] <= 0.0 && inside.max[2] >= 0.0;
+    if holds_axis || !(inside.min[0].is_finite() && inside.max[0].is_finite() && inside.min[2].is_finite() && inside.max[2].is_finite()) {
+        return (PI, TAU);
+    }
+    let middle = (0.5 * (inside.min[2] + inside.max[2])).atan2(0.5 * (inside.min[0] + inside.max[0]));
+    let off = [inside.min[0], inside.max[0]].into_iter().flat_map(|x| [inside.min[2], inside.max[2]].map(|z| (x, z)));
+    let off = off.map(|(x, z)| {
+        let turn = z.atan2(x) - middle;
+        turn - TAU * (turn / TAU).round()
+    });
+    let (low, high) = off.fold((0.0_f32, 0.0_f32), |(low, high), turn| (low.min(turn), high.max(turn)));
+    (middle + high, high - low)
+}
+
+fn nearby(params: &[f32], inside: Aabb) -> f32 {
+    let (_, width) = angles(inside);
+    let across = (width * params[0] / TAU * 0.9999).ceil() + 1.0;
+    across.min(params[0]).min(MOST)
+}
+
+impl Modifier for Op {
+    const INFO: Info = Info::new("polar", "Copies of what it holds, turned about the y axis.", "Quilez 2008, domain repetition");
+    const PARAMS: &'static [Param] = &[Param::count("count", 6.0, 1.0, 10_000.0, "Copies in the whole circle.")];
+    type Numbers<N: Real> = [N; 2];
+
+    fn numbers(params: &[f32], inside: Aabb) -> [f32; 2] {
+        [TAU / params[0], angles(inside).0]
+    }
+    fn places(params: &[f32], inside: Aabb) -> u32 {
+        nearby(params, inside) as u32
+    }
+    #[inline(always)]
+    fn point<N: Real>(p: Vec3<N>, place: N, [part, end]: [N; 2]) -> Vec3<N> {
+        // From +x towards +z. The number is constant around a point: only the turn by it counts for derivatives.
+        let number = ((p.z.atan2(p.x) - end) / part + N::constant(0.5)).floor() + place;
+        let turn = (number * part).named("turn");
+        let (sine, cosine) = (turn.sin().named("sine"), turn.cos().named("cosine"));
+        Vec3::new(p.x * cosine + p.z * sine, p.y, p.z * cosine - p.x * sine)
+    }
+    fn bounds(params: &[f32], inside: Aabb) -> Aabb {
+        if params[0] == 1.0 {
+            return inside;
+        }
+        let far = |k: usize| inside.min[k].abs().max(inside.max[k].abs());
+        let radius = far(0).hypot(far(2));
+        Aabb { min: [-radius, inside.min[1], -radius], max: [radius, inside.max[1], radius] }
+    }
+}

@@ -1,0 +1,114 @@
+//! Repetition on a lattice, limited or endless (Quilez 2008, "Domain repetition").
+//!
+//! Copies stand at whole multiples of the spacing, `count` of them around the origin where it is limited. The nearest copy
+//! of a point of the solid at `c` is that whose number is nearest to (p - c) / spacing, so the copies to look at are those
+//! from (p - max) / spacing to (p - min) / spacing, rounded, with the solid's box: two along an axis if it fits in its
+//! cell, more if it does not. The distance is that to the nearest of them, which is right across all borders.
+//! Cost: one evaluation for each of those copies, 2 to 8 for what fits in its cell.
+
+use super::ENDLESS;
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Modifier, Param};
+
+pub(crate) struct Op;
+
+/// Spacing, and how many copies along an axis; 0 for endless.
+fn axis(params: &[f32], k: usize) -> (f32, f32) {
+    (params[k], if params[4 + k] > 0.0 { params[4 + k] } else { params[3] })
+}
+
+/// How many copies must be looked at along an axis.
+fn nearby(params: &[f32], inside: Aabb, k: usize) -> f32 {
+    let (spacing, count) = axis(params, k);
+    if spacing <= 0.0 || count == 1.0 {
+        return 1.0;
+    }
+    let across = ((inside.max[k] - inside.min[k]).max(0.0) / spacing * 0.9999).ceil() + 1.0;
+    // Wider than this, copies beyond are left out.
+    let across = across.min(MOST_ACROSS);
+    if count > 0.0 { across.min(count) } else { across }
+}
+
+/// The most copies along an axis that are looked at.
+const MOST_ACROSS: f32 = 5.0;
+
+impl Modifier for Op {
+    const INFO: Info = Info {
+        size_params: 3,
+        ..Info::new(
+            "repeat",
+            "Copies of what it holds on a lattice around the origin, endless unless counted.",
+            "Quilez 2008, domain repetition",
+        )
+    };
+    const PARAMS: &'static [Param] = &[
+        Param::length_or_zero("x", 2.0, "Distance of the copies along x; 0 for none."),
+        Param::length_or_zero("y", 0.0, "Distance of the copies along y; 0 for none."),
+        Param::length_or_zero("z", 2.0, "Distance of the copies along z; 0 for none."),
+        Param::count("count", 0.0, 0.0, 1e6, "Copies along each axis; 0 is endless."),
+        Param::count("count-x", 0.0, 0.0, 1e6, "Copies along x; 0 for as many as `count`."),
+        Param::count("count-y", 0.0, 0.0, 1e6, "Copies along y; 0 for as many as `count`."),
+        Param::count("count-z", 0.0, 0.0, 1e6, "Copies along z; 0 for as many as `count`."),
+    ];
+    /// For each axis the spacing, the middle of the copies, their last number and that of those nearby, the box's end.
+    type Numbers<N: Real> = [N; 15];
+    const NEEDS_BOUNDS: bool = true;
+
+    fn numbers(params: &[f32], inside: Aabb) -> [f32; 15] {
+        let mut numbers = [0.0; 15];
+        for k in 0..3 {
+            let (spacing, count) = axis(params, k);
+            // Endless copies are counted from the one at the origin.
+            let (middle, last) = if count > 0.0 { (0.5 * (count - 1.0), count - 1.0) } else { (0.0, ENDLESS) };
+            let used = spacing > 0.0;
+            numbers[5 * k..5 * k + 5].copy_from_slice(&[
+                if used { spacing } else { 0.0 },
+                if used { middle } else { 0.0 },
+                if used { last } else { 0.0 },
+                nearby(params, inside, k),
+                inside.max[k].clamp(-ENDLESS, ENDLESS),
+            ]);
+        }
+        numbers
+    }
+    fn places(params: &[f32], inside: Aabb) -> u32 {
+        (0..3).map(|k| nearby(params, inside, k) as u32).product()
+    }
+    #[inline(always)]
+    fn point<N: Real>(p: Vec3<N>, place: N, numbers: [N; 15]) -> Vec3<N> {
+        let half = N::constant(0.5);
+        let [xs, xm, xl, xn, xe, ys, ym, yl, yn, ye, zs, zm, zl, zn, ze] = numbers;
+        // The digits of the place: which of those nearby along each axis.
+        let over_x = ((place + half) / xn).floor().named("over_x");
+        let over_y = ((over_x + half) / yn).floor().named("over_y");
+        let digits = [place - over_x * xn, over_x - over_y * yn, over_y];
+        let moved = |v: N, digit: N, [spacing, middle, last, nearby, end]: [N; 5]| {
+            let step = spacing.max(N::constant(1e-20));
+            let first = ((v - end) / step + middle + half).floor();
+            // Endless copies have no first one.
+            let low = N::select(last.lt(N::constant(0.5 * ENDLESS)), N::zero(), N::constant(-ENDLESS));
+            let number = first.clamp(low, (last - nearby + N::one()).max(low)) + digit;
+            v - (number - middle) * spacing
+        };
+        Vec3::new(
+            moved(p.x, digits[0], [xs, xm, xl, xn, xe]),
+            moved(p.y, digits[1], [ys, ym, yl, yn, ye]),
+            moved(p.z, digits[2], [zs, zm, zl, zn, ze]),
+        )
+    }
+    fn bounds(params: &[f32], inside: Aabb) -> Aabb {
+        let mut bounds = inside;
+        for k in 0..3 {
+            let (spacing, count) = axis(params, k);
+            let reach = match (spacing > 0.0, count) {
+                (false, _) => 0.0,
+                (true, 0.0) => f32::INFINITY,
+                (true, count) => 0.5 * (count - 1.0) * spacing,
+            };
+            bounds.min[k] -= reach;
+            bounds.max[k] += reach;
+        }
+        bounds
+    }
+}

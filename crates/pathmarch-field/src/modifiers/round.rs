@@ -1,0 +1,25 @@
+//! Rounding: the surface moved outwards, which rounds edges (Quilez 2008, "Distance functions", rounding). What is exact
+//! outside stays exact there.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Modifier, Param};
+
+pub(crate) struct Op;
+
+impl Modifier for Op {
+    const INFO: Info = Info::new("round", "What it holds, thicker on every side, with round edges.", "Quilez 2008, rounding");
+    const PARAMS: &'static [Param] = &[Param::length_or_zero("radius", 0.1, "How far the surface moves outwards.")];
+    type Numbers<N: Real> = [N; 1];
+
+    fn numbers(params: &[f32], _inside: Aabb) -> [f32; 1] {
+        [params[0]]
+    }
+    #[inline(always)]
+    fn distance<N: Real>(_p: Vec3<N>, inside: N, [radius]: [N; 1]) -> N {
+        inside - radius
+    }
+    fn bounds(params: &[f32], inside: Aabb) -> Aabb {
+        inside.expanded(params[0])
+    }
+}
