@@ -495,9 +495,10 @@ impl Field {
     pub(crate) fn objects(&self) -> &[Tree] {
         &self.objects
     }
-    /// A box in the world that holds a leaf: of one that a modifier holds, the box of its object.
+    /// A box in the world that holds the leaf of this number, if there is one: of one that a modifier holds, the box of its
+    /// object.
     pub fn leaf_bounds(&self, leaf: usize) -> Aabb {
-        let leaf = &self.leaves[leaf];
+        let Some(leaf) = self.leaves.get(leaf) else { return Aabb::NOTHING };
         match leaf.modified {
             false => leaf.pose.world_bounds(leaf.shape.bounds(&leaf.params)),
             true => self.object_bounds.get(leaf.object as usize).copied().unwrap_or(Aabb::EVERYTHING),

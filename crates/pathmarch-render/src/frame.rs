@@ -266,10 +266,11 @@ impl Prepared {
             (SHEET * u32::from(sheet)) | (DIRECT * u32::from(is_direct)) | (light << LIGHT_SHIFT)
         };
         let record = |(index, leaf): (usize, &Leaf)| LeafRecord {
-            facing: leaf.axes[1],
+            facing: leaf.pose.axes[1],
             material: leaf.tag,
-            at: leaf.at,
-            flags: flags(index, leaf.shape.info().sheet),
+            // A modifier holds it in a space of its own: there a sheet faces nowhere in the world.
+            at: if leaf.modified { [0.0; 3] } else { leaf.pose.at },
+            flags: flags(index, leaf.shape.info().sheet && !leaf.modified),
         };
         let leaves = scene.field.leaves().iter().enumerate().map(record).collect();
         let materials: Vec<_> = scene.materials.iter().map(MaterialRecord::new).collect();

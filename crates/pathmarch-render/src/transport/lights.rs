@@ -166,33 +166,33 @@ pub(crate) fn records(scene: &Scene, sky: &mut Sky, centre: Vec3, radius: f32) -
 /// The record of a leaf that emits, and the area it shows to a side; `None` where it has no end.
 fn surface_record(field: &Field, index: usize, radiance: [f32; 3]) -> Option<(LightRecord, f32)> {
     let leaf = &field.leaves()[index];
-    let [x, y, z] = leaf.axes.map(|axis| Vec3::from(axis) * (0.5 * leaf.scale));
+    let [x, y, z] = leaf.pose.axes.map(|axis| Vec3::from(axis) * (0.5 * leaf.pose.scale));
     // What is combined with other shapes may lack parts of its surface.
     let whole = field.direct_leaves().any(|direct| direct as usize == index);
     let form = if whole { leaf.shape.emitter(&leaf.params) } else { Emitter::Bounded };
-    let facing = Vec3::from(leaf.axes[1]);
+    let facing = Vec3::from(leaf.pose.axes[1]);
     let none = Vec3::ZERO;
     let (kind, place, extent, [x, y, z], area) = match form {
         Emitter::Sphere(radius) => {
-            let radius = radius * leaf.scale;
-            (SPHERE, Vec3::from(leaf.at), radius, [none; 3], PI * radius * radius)
+            let radius = radius * leaf.pose.scale;
+            (SPHERE, Vec3::from(leaf.pose.at), radius, [none; 3], PI * radius * radius)
         }
         Emitter::Rect([a, b]) => {
             let (x, z) = (x * a, z * b);
-            (RECT, Vec3::from(leaf.at), 0.0, [x, facing, z], 4.0 * x.length() * z.length())
+            (RECT, Vec3::from(leaf.pose.at), 0.0, [x, facing, z], 4.0 * x.length() * z.length())
         }
         Emitter::Disc(radius) => {
-            let axes = [Vec3::from(leaf.axes[0]), facing, Vec3::from(leaf.axes[2])];
-            let radius = radius * leaf.scale;
-            (DISC, Vec3::from(leaf.at), radius, axes, PI * radius * radius)
+            let axes = [Vec3::from(leaf.pose.axes[0]), facing, Vec3::from(leaf.pose.axes[2])];
+            let radius = radius * leaf.pose.scale;
+            (DISC, Vec3::from(leaf.pose.at), radius, axes, PI * radius * radius)
         }
         Emitter::Box([a, b, c]) => {
             let (x, y, z) = (x * a, y * b, z * c);
             let (a, b, c) = (x.length(), y.length(), z.length());
-            (BOX, Vec3::from(leaf.at), 0.0, [x, y, z], 2.0 * (a * b + b * c + c * a))
+            (BOX, Vec3::from(leaf.pose.at), 0.0, [x, y, z], 2.0 * (a * b + b * c + c * a))
         }
         Emitter::Bounded => {
-            let bounds = leaf.world_bounds();
+            let bounds = field.leaf_bounds(index);
             if !bounds.is_finite() {
                 return None;
             }

@@ -10,18 +10,18 @@ use super::path::Path;
 use super::slots::SKIES;
 use super::structure::free_name;
 use super::work::Work;
-use crate::language::schema;
+use crate::language::schema::{self, AXES};
 use crate::materials;
-use pathmarch_field::{Shape, registry};
+use pathmarch_field::{Modify, Shape, Solid, Unit, registry};
 
 /// What may be added to a node of this kind, or to the file.
 pub(super) fn additions(work: &Work, parent: Option<ItemKind>) -> Vec<Addition> {
     let shapes =
         |group| registry::shapes().iter().map(move |shape| addition(group, shape.info().name, shape.info().doc));
-    let operators = registry::operators();
+    let operators = registry::solids().filter(|solid| solid.is_operator());
     match parent {
         Some(ItemKind::Object | ItemKind::Operator) => shapes(Group::Shape)
-            .chain(operators.iter().map(|op| addition(Group::Operator, op.info().name, op.info().doc)))
+            .chain(operators.map(|op| addition(Group::Operator, op.info().name, op.info().doc)))
             .collect(),
         Some(_) => Vec::new(),
         None => {
@@ -57,9 +57,10 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
     let word = addition.name;
     let (node, text) = match addition.group {
         Group::Shape | Group::Operator => {
-            let text = match registry::shape(word) {
-                Some(shape) => shape_text(shape),
-                None => operator_text(word),
+            let text = match registry::solid(word) {
+                Some(Solid::Shape(shape)) => shape_text(shape),
+                Some(Solid::Modify(modifier)) => modifier_text(modifier),
+                _ => operator_text(word),
             };
             let chunk = Chunk::new(&text, work.style);
             return work.put_in(parent, usize::MAX, &chunk);
@@ -124,13 +125,28 @@ fn shape_text(shape: &dyn Shape) -> String {
     std::iter::once(shape.info().name.to_owned()).chain(numbers).collect::<Vec<_>>().join(" ")
 }
 
-/// An operator of two shapes that have an end, the second moved so that it shows what the operator does.
-fn operator_text(word: &str) -> String {
+/// A modifier of a shape that has an end, off the middle so that it shows what the modifier does.
+fn modifier_text(modifier: &dyn Modify) -> String {
+    let numbers = modifier.params().iter().map(|param| match param.unit {
+        Unit::Axis => quoted(AXES[param.default as usize]),
+        _ => format!("{}={}", param.name, number(param.default)),
+    });
+    let words: Vec<String> = std::iter::once(modifier.info().name.to_owned()).chain(numbers).collect();
+    format!("{} {{\n\t{} {{ at 0.6 0 0 }}\n}}", words.join(" "), finite_shapes().nth(1).unwrap_or_default())
+}
+
+/// Shapes that have an end, with their numbers.
+fn finite_shapes() -> impl Iterator<Item = String> {
     let finite = |shape: &&&'static dyn Shape| {
         let params: Vec<f32> = shape.params().iter().map(|param| param.default).collect();
         shape.bounds(&params).is_finite()
     };
-    let mut shapes = registry::shapes().iter().filter(finite).map(|shape| shape_text(*shape));
+    registry::shapes().iter().filter(finite).map(|shape| shape_text(*shape))
+}
+
+/// An operator of two shapes that have an end, the second moved so that it shows what the operator does.
+fn operator_text(word: &str) -> String {
+    let mut shapes = finite_shapes();
     let (first, second) = (shapes.next().unwrap_or_default(), shapes.next().unwrap_or_default());
     format!("{word} {{\n\t{first}\n\t{second} {{ at 0.4 0.4 0.4 }}\n}}")
 }

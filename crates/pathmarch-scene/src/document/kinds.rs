@@ -9,7 +9,9 @@ use super::number::{fresh, quoted};
 use super::outline::{Found, ItemKind};
 use super::patch::Patch;
 use super::path::Path;
-use super::slots::{Place, SKIES, Slot, child, material_control, material_kind, parameters, sky_form, slots};
+use super::slots::{
+    Place, SKIES, Slot, child, material_control, material_kind, parameter_value, parameters, sky_form, slots,
+};
 use super::structure::title;
 use super::work::Work;
 use super::write::check;
@@ -17,7 +19,7 @@ use crate::language::names::{NORMAL, listed};
 use crate::language::schema;
 use crate::language::tree;
 use crate::materials;
-use pathmarch_field::registry;
+use pathmarch_field::{Param, Solid, registry};
 
 /// Makes a node one of another kind.
 pub(super) fn set_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> {
@@ -28,15 +30,14 @@ pub(super) fn set_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), E
     };
     match found.kind {
         ItemKind::Operator => {
-            if registry::operator(kind).is_none() {
-                return unknown(registry::operators().iter().map(|operator| operator.info().name).collect());
+            if !registry::solid(kind).is_some_and(Solid::is_operator) {
+                let operators = registry::solids().filter(|solid| solid.is_operator());
+                return unknown(operators.map(|operator| operator.info().name).collect());
             }
-            let patch = Patch::replace(bytes(found.node.name.span), kind);
-            work.last(vec![patch]);
-            Ok(())
+            set_solid(work, path, kind)
         }
         ItemKind::Shape => match registry::shape(kind) {
-            Some(_) => set_shape(work, path, kind),
+            Some(_) => set_solid(work, path, kind),
             None => unknown(registry::shapes().iter().map(|shape| shape.info().name).collect()),
         },
         ItemKind::Material => match materials::kind(kind) {
@@ -55,37 +56,42 @@ pub(super) fn set_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), E
     }
 }
 
-/// Makes a shape another one, which keeps the numbers that have the same name there and are allowed.
-fn set_shape(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> {
+/// Makes a shape or an operator another one, which keeps the numbers that have the same name there and are allowed.
+fn set_solid(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> {
     let found = work.find(path)?;
-    let (Some(old), Some(new)) = (registry::shape(&found.node.name.value), registry::shape(kind)) else {
+    let (Some(old), Some(new)) = (registry::solid(&found.node.name.value), registry::solid(kind)) else {
         return Ok(());
     };
     if old.info().name == new.info().name {
         return Ok(());
     }
     let given = parameters(old, found.node);
-    let kept: Vec<(&str, f32)> = old
+    let kept: Vec<(&Param, f32)> = old
         .params()
         .iter()
         .zip(given)
         .filter_map(|(param, value)| {
             let value = value?;
-            let same = new.params().iter().find(|other| other.name == param.name)?;
-            same.accepts(value).then_some((same.name, value))
+            let same = new.params().iter().find(|other| other.name == param.name && other.unit == param.unit)?;
+            same.accepts(value).then_some((same, value))
         })
         .collect();
-    let material = |entry: &&tree::Entry| entry.name.as_ref().is_some_and(|name| name.value == "material");
+    let both_combine = matches!((old, new), (Solid::Combine(_), Solid::Combine(_)));
+    let stays = |entry: &&tree::Entry| {
+        let named = |word: &str| entry.name.as_ref().is_some_and(|name| name.value == word);
+        named("material") || both_combine && named(schema::SMOOTH.name)
+    };
     let text = &work.text;
     let mut patches = vec![Patch::replace(bytes(found.node.name.span), kind)];
-    for entry in found.node.entries.iter().filter(|entry| !material(entry)) {
+    for entry in found.node.entries.iter().filter(|entry| !stays(entry)) {
         let span = bytes(entry.span);
         patches.push(Patch::remove(before_spaces(text, span.start)..span.end));
     }
     work.then(patches)?;
-    for (name, value) in kept {
-        let slot = work.slot(path, name)?;
-        let patches = work.writer(work.find(path)?).write(&slot, &Value::Number(value))?;
+    for (param, value) in kept {
+        let slot = work.slot(path, param.name)?;
+        let value = parameter_value(param, value);
+        let patches = work.writer(work.find(path)?).write(&slot, &value)?;
         work.then(patches)?;
     }
     if !new.info().facing && child(work.find(path)?.node, NORMAL).is_some() {

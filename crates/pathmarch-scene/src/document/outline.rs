@@ -45,8 +45,11 @@ impl ItemKind {
             (None, "point") => Self::Point,
             (None, "material") => Self::Material,
             (None, "object") => Self::Object,
-            (Some(_), word) if registry::shape(word).is_some() => Self::Shape,
-            (Some(_), word) if registry::operator(word).is_some() => Self::Operator,
+            (Some(_), word) => match registry::solid(word) {
+                Some(solid) if solid.is_operator() => Self::Operator,
+                Some(_) => Self::Shape,
+                None => Self::Other,
+            },
             _ => Self::Other,
         }
     }

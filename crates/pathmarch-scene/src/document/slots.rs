@@ -7,10 +7,10 @@ use super::control::{Control, ControlKind, NumberRange, Value};
 use super::key;
 use super::outline::ItemKind;
 use crate::language::arguments::{Range, srgb};
-use crate::language::schema::{self, Form, Setting};
+use crate::language::schema::{self, AXES, Form, Setting};
 use crate::language::tree::{self, Block, Entry, Node};
 use crate::materials::{self, MaterialKind, MaterialParam, ParamKind};
-use pathmarch_field::{Param, Shape, Unit, registry};
+use pathmarch_field::{Param, Solid, Unit, registry};
 use std::borrow::Cow;
 
 /// Where in a node a parameter stands.
@@ -108,12 +108,11 @@ pub(super) fn slots(file: &Block<'static>, kind: ItemKind, node: &Node<'static>)
             list.name("");
             list.material_of(file, "Material of its shapes that name no other.");
         }
-        ItemKind::Shape => {
-            if let Some(shape) = registry::shape(&node.name.value) {
-                list.shape(file, shape);
+        ItemKind::Shape | ItemKind::Operator => {
+            if let Some(solid) = registry::solid(&node.name.value) {
+                list.solid(file, solid);
             }
         }
-        ItemKind::Operator => list.operator(file),
         ItemKind::Version | ItemKind::Other => {}
     }
     list.slots
@@ -246,28 +245,26 @@ impl List<'_> {
         }
     }
 
-    fn shape(&mut self, file: &Block<'static>, shape: &'static dyn Shape) {
-        let names = registry::shapes().iter().map(|shape| shape.info().name).collect();
-        self.kind(names, shape.info().name, shape.info().doc);
-        let values = parameters(shape, self.node);
-        for (index, param) in shape.params().iter().enumerate() {
+    fn solid(&mut self, file: &Block<'static>, solid: Solid) {
+        let alike = registry::solids().filter(|other| other.is_operator() == solid.is_operator());
+        self.kind(alike.map(|other| other.info().name).collect(), solid.info().name, solid.info().doc);
+        let values = parameters(solid, self.node);
+        for (index, param) in solid.params().iter().enumerate() {
             let control = parameter_control(param);
-            let value = values[index].map_or(control.default.clone(), Value::Number);
+            let value = values[index].map_or(control.default.clone(), |value| parameter_value(param, value));
             let given = values[index].is_some();
             self.slots.push(Slot { control: Control { value, given, ..control }, place: Place::Parameter(index) });
         }
-        self.material_of(file, "Material of this shape; that of what it stands in when absent.");
-        self.placement(shape.info().facing);
-    }
-
-    fn operator(&mut self, file: &Block<'static>) {
-        let Some(operator) = registry::operator(&self.node.name.value) else { return };
-        let names = registry::operators().iter().map(|operator| operator.info().name).collect();
-        self.kind(names, operator.info().name, operator.info().doc);
-        let smooth = &schema::SMOOTH;
-        self.setting(smooth.name, smooth.name, smooth, Place::Property(smooth.name));
-        self.material_of(file, "Material of its shapes that name no other; that of what it stands in when absent.");
-        self.placement(false);
+        if let Solid::Combine(_) = solid {
+            let smooth = &schema::SMOOTH;
+            self.setting(smooth.name, smooth.name, smooth, Place::Property(smooth.name));
+        }
+        let doc = match solid.is_operator() {
+            false => "Material of this shape; that of what it stands in when absent.",
+            true => "Material of its shapes that name no other; that of what it stands in when absent.",
+        };
+        self.material_of(file, doc);
+        self.placement(solid.info().facing);
     }
 }
 
@@ -305,8 +302,20 @@ impl Control {
     }
 }
 
-/// A parameter of a shape.
+/// The number of a parameter as the value of its control.
+pub(super) fn parameter_value(param: &Param, value: f32) -> Value {
+    match param.unit {
+        Unit::Axis => Value::Text(AXES.get(value as usize).copied().unwrap_or_default().to_owned()),
+        _ => Value::Number(value),
+    }
+}
+
+/// A parameter of a shape or an operator.
 fn parameter_control(param: &'static Param) -> Control {
+    if param.unit == Unit::Axis {
+        let kind = ControlKind::Choice(AXES.map(Cow::Borrowed).to_vec());
+        return control(param.name, param.name, param.doc, "", kind, parameter_value(param, param.default));
+    }
     let range = Range { min: param.min, min_allowed: param.min_allowed, max: param.max, max_allowed: true };
     let unit = if param.unit == Unit::Count { "" } else { param.unit.name() };
     let range = number_range(range, param.unit == Unit::Count, unit, Some(param.default));
@@ -407,24 +416,33 @@ pub(super) fn read_number(entry: &Entry) -> Option<f32> {
     }
 }
 
+/// The number that an entry gives to a parameter.
+fn read_parameter(param: &Param, entry: &Entry) -> Option<f32> {
+    match (&entry.value, param.unit) {
+        (tree::Value::Text(word), Unit::Axis) => AXES.iter().position(|axis| axis == word).map(|axis| axis as f32),
+        (_, Unit::Axis) => None,
+        _ => read_number(entry),
+    }
+}
+
 /// Whether the first argument of a shape stands for several sizes.
-pub(super) fn has_one_size(shape: &dyn Shape, node: &Node<'static>) -> bool {
-    let sizes = shape.info().size_params;
-    let named = shape.params()[..sizes].iter().any(|param| property(node, param.name).is_some());
+pub(super) fn has_one_size(solid: Solid, node: &Node<'static>) -> bool {
+    let sizes = solid.info().size_params;
+    let named = solid.params()[..sizes].iter().any(|param| property(node, param.name).is_some());
     sizes > 1 && !named && (1..sizes).contains(&arguments(node).count())
 }
 
-/// The numbers of a shape as far as they are given.
-pub(super) fn parameters(shape: &dyn Shape, node: &Node<'static>) -> Vec<Option<f32>> {
-    let sizes = shape.info().size_params;
-    let one_size = has_one_size(shape, node);
+/// The numbers of a shape or an operator as far as they are given.
+pub(super) fn parameters(solid: Solid, node: &Node<'static>) -> Vec<Option<f32>> {
+    let sizes = solid.info().size_params;
+    let one_size = has_one_size(solid, node);
     let number = |index: usize, param: &Param| {
         let slot = match one_size {
             true if index < sizes => 0,
             true => index + 1 - sizes,
             false => index,
         };
-        arguments(node).nth(slot).or_else(|| property(node, param.name)).and_then(read_number)
+        arguments(node).nth(slot).or_else(|| property(node, param.name)).and_then(|entry| read_parameter(param, entry))
     };
-    shape.params().iter().enumerate().map(|(index, param)| number(index, param)).collect()
+    solid.params().iter().enumerate().map(|(index, param)| number(index, param)).collect()
 }

@@ -13,7 +13,7 @@ use super::write::check;
 use crate::language::names::{PLACEMENT, listed};
 use crate::language::tree::{self, Node};
 use crate::scene::Camera;
-use pathmarch_field::registry;
+use pathmarch_field::{Solid, registry};
 
 /// What to call a node in a message or a label.
 pub(super) fn title(node: &Node<'static>, kind: ItemKind) -> String {
@@ -183,8 +183,9 @@ pub(super) fn move_to(work: &mut Work, path: &Path, parent: Option<&Path>, index
 
 /// Puts siblings into the braces of an operator.
 pub(super) fn group(work: &mut Work, paths: &[Path], operator: &str) -> Result<Path, EditError> {
-    if registry::operator(operator).is_none() {
-        let names = listed(registry::operators().iter().map(|operator| operator.info().name), "or");
+    if !registry::solid(operator).is_some_and(Solid::is_operator) {
+        let operators = registry::solids().filter(|solid| solid.is_operator());
+        let names = listed(operators.map(|operator| operator.info().name), "or");
         return Err(EditError::NotHere(format!("There is no operator `{operator}`. Expected {names}.")));
     }
     let mut paths = paths.to_vec();

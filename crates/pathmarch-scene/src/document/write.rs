@@ -9,10 +9,10 @@ use super::error::EditError;
 use super::layout::{Chunk, Site, Style, before_spaces, bytes, insert_first, starts_line, tail};
 use super::number::{fresh, number, quoted, string_like};
 use super::patch::Patch;
-use super::slots::{Place, Slot, arguments, child, has_one_size, property, read_number};
+use super::slots::{Place, Slot, arguments, child, has_one_size, parameter_value, property, read_number};
 use crate::language::arguments::{Range, srgb};
 use crate::language::tree::{self, Entry, Node};
-use pathmarch_field::{Shape, registry};
+use pathmarch_field::{Solid, registry};
 
 /// A node and the text that it stands in.
 #[derive(Clone, Copy)]
@@ -92,9 +92,9 @@ impl<'d> Writer<'d> {
     /// What makes the parameter have this value, which it takes.
     pub(super) fn write(&self, slot: &Slot, value: &Value) -> Result<Vec<Patch>, EditError> {
         match slot.place {
-            Place::Parameter(index) => match (registry::shape(&self.node.name.value), value) {
-                (Some(shape), Value::Number(value)) => Ok(self.write_parameter(shape, index, *value)),
-                _ => Ok(Vec::new()),
+            Place::Parameter(index) => match registry::solid(&self.node.name.value) {
+                Some(solid) => Ok(self.write_parameter(solid, index, value)),
+                None => Ok(Vec::new()),
             },
             Place::Property(name) => Ok(self.write_property(name, value)),
             Place::Name | Place::Kind | Place::Arguments => Ok(self.write_arguments(value)),
@@ -112,8 +112,8 @@ impl<'d> Writer<'d> {
     /// What makes the parameter have its default.
     pub(super) fn erase(&self, slot: &Slot) -> Result<Vec<Patch>, EditError> {
         match slot.place {
-            Place::Parameter(index) => match registry::shape(&self.node.name.value) {
-                Some(shape) => Ok(self.erase_parameter(shape, index)),
+            Place::Parameter(index) => match registry::solid(&self.node.name.value) {
+                Some(solid) => Ok(self.erase_parameter(solid, index)),
                 None => Ok(Vec::new()),
             },
             Place::Property(name) => {
@@ -232,52 +232,52 @@ impl<'d> Writer<'d> {
         }
     }
 
-    fn write_parameter(&self, shape: &dyn Shape, index: usize, value: f32) -> Vec<Patch> {
-        let sizes = shape.info().size_params;
-        let one_size = has_one_size(shape, self.node);
+    fn write_parameter(&self, solid: Solid, index: usize, value: &Value) -> Vec<Patch> {
+        let sizes = solid.info().size_params;
+        let one_size = has_one_size(solid, self.node);
         let arguments: Vec<_> = arguments(self.node).collect();
         if one_size && index < sizes {
             let range = bytes(arguments[0].value_span);
             let now = &self.text[range.clone()];
             let sizes: Vec<String> =
-                (0..sizes).map(|size| if size == index { number(value) } else { now.to_owned() }).collect();
+                (0..sizes).map(|size| if size == index { fresh(value) } else { now.to_owned() }).collect();
             return vec![Patch::replace(range, sizes.join(" "))];
         }
         let slot = if one_size { index + 1 - sizes } else { index };
-        let name = shape.params()[index].name;
+        let name = solid.params()[index].name;
         if let Some(entry) = arguments.get(slot).copied().or_else(|| property(self.node, name)) {
-            return vec![Patch::replace(bytes(entry.value_span), number(value))];
+            return vec![Patch::replace(bytes(entry.value_span), fresh(value))];
         }
-        let next = slot == arguments.len() && self.one_size_of(shape, arguments.len() + 1) == one_size;
+        let next = slot == arguments.len() && self.one_size_of(solid, arguments.len() + 1) == one_size;
         match (next, arguments.last()) {
-            (true, Some(last)) => vec![Patch::insert(bytes(last.span).end, format!(" {}", number(value)))],
-            (true, None) => vec![Patch::insert(bytes(self.node.name.span).end, format!(" {}", number(value)))],
-            (false, _) => self.write_property(name, &Value::Number(value)),
+            (true, Some(last)) => vec![Patch::insert(bytes(last.span).end, format!(" {}", fresh(value)))],
+            (true, None) => vec![Patch::insert(bytes(self.node.name.span).end, format!(" {}", fresh(value)))],
+            (false, _) => self.write_property(name, value),
         }
     }
 
     /// Whether the first of so many arguments would stand for several sizes.
-    fn one_size_of(&self, shape: &dyn Shape, arguments: usize) -> bool {
-        let sizes = shape.info().size_params;
-        let named = shape.params()[..sizes].iter().any(|param| property(self.node, param.name).is_some());
+    fn one_size_of(&self, solid: Solid, arguments: usize) -> bool {
+        let sizes = solid.info().size_params;
+        let named = solid.params()[..sizes].iter().any(|param| property(self.node, param.name).is_some());
         sizes > 1 && !named && (1..sizes).contains(&arguments)
     }
 
     /// Only the last argument can go: another that others follow is given its default.
-    fn erase_parameter(&self, shape: &dyn Shape, index: usize) -> Vec<Patch> {
-        let sizes = shape.info().size_params;
-        let one_size = has_one_size(shape, self.node);
+    fn erase_parameter(&self, solid: Solid, index: usize) -> Vec<Patch> {
+        let sizes = solid.info().size_params;
+        let one_size = has_one_size(solid, self.node);
         let arguments: Vec<_> = arguments(self.node).collect();
-        let param = &shape.params()[index];
+        let param = &solid.params()[index];
         let slot = if one_size { (index + 1).saturating_sub(sizes) } else { index };
         if slot >= arguments.len() {
             return property(self.node, param.name).map(|entry| self.remove(entry)).into_iter().collect();
         }
         let last = slot + 1 == arguments.len() && !(one_size && index < sizes);
-        if last && self.one_size_of(shape, arguments.len() - 1) == one_size {
+        if last && self.one_size_of(solid, arguments.len() - 1) == one_size {
             return vec![self.remove(arguments[slot])];
         }
-        self.write_parameter(shape, index, param.default)
+        self.write_parameter(solid, index, &parameter_value(param, param.default))
     }
 }
 

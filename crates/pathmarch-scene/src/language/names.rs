@@ -59,8 +59,7 @@ const LANGUAGE: &[&str] = &[
 
 /// Names of all shapes and operators.
 pub(crate) fn solids() -> impl Iterator<Item = &'static str> {
-    let shapes = registry::shapes().iter().map(|shape| shape.info().name);
-    shapes.chain(registry::operators().iter().map(|operator| operator.info().name))
+    registry::solids().map(|solid| solid.info().name)
 }
 
 /// Whether it is a word of the language that this version does not have.
@@ -70,13 +69,13 @@ pub(crate) fn is_not_yet(name: &str) -> bool {
     LANGUAGE.contains(&name) && !had
 }
 
-/// The nearest of `known` to a misspelt name: one edit for every three letters, at least one; a swap is one edit.
+/// The nearest of `known` to a misspelt name: one edit for every three letters or part of them; a swap is one edit.
 pub(crate) fn nearest<'k>(name: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
     if name.chars().nth(40).is_some() {
         return None;
     }
     let lower = name.to_lowercase();
-    let allowed = (name.chars().count() / 3).max(1);
+    let allowed = name.chars().count().div_ceil(3);
     known
         .into_iter()
         .map(|word| (strsim::damerau_levenshtein(&lower, &word.to_lowercase()), word))

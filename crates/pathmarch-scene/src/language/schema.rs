@@ -293,7 +293,10 @@ pub(crate) const NORMAL: Setting = setting(
     "Direction that it faces, before it is turned.",
 );
 
-/// A property of every operator.
+/// The words of [`Unit::Axis`](pathmarch_field::Unit::Axis), in the order of its numbers.
+pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// A property of every operator of several solids.
 pub(crate) const SMOOTH: Setting = setting(
     "smooth",
     number(Range::NOT_NEGATIVE, 0.0),

@@ -5,13 +5,13 @@
 use super::arguments::{Range, arguments, in_range, missing_arguments, name, out_of_range, properties, string, twice};
 use super::names::{NORMAL, PLACEMENT, nearest, solids, unexpected_node};
 use super::report::{Report, draft, shown};
-use super::schema::{self, SMOOTH, property, single, triple};
+use super::schema::{self, AXES, SMOOTH, property, single, triple};
 use super::surfaces::Materials;
 use super::tree::{Entry, Node, Span};
 use crate::materials::Material;
 use crate::scene::Object;
 use pathmarch_field::graph::Kind;
-use pathmarch_field::{Combine, Node as FieldNode, Param, Placement, Shape, Unit, registry};
+use pathmarch_field::{Combine, Field, Modify, Node as FieldNode, Param, Placement, Shape, Solid, Unit, registry};
 
 /// More shapes are refused.
 pub(crate) const MAX_SHAPES: usize = 100_000;
@@ -99,20 +99,23 @@ impl<'m> Solids<'m> {
         (place, others): (&str, &[&'static str]),
         report: &mut Report,
     ) -> Option<FieldNode> {
-        if let Some(shape) = registry::shape(&node.name.value) {
-            self.shapes += 1;
-            if self.shapes == MAX_SHAPES + 1 {
-                let message = format!("The scene has more than {MAX_SHAPES} shapes.");
-                report.add(draft("pathmarch::too_large", node.name.span, message).label("one too many"));
+        match registry::solid(&node.name.value) {
+            Some(Solid::Shape(shape)) => {
+                self.shapes += 1;
+                if self.shapes == MAX_SHAPES + 1 {
+                    let message = format!("The scene has more than {MAX_SHAPES} shapes.");
+                    report.add(draft("pathmarch::too_large", node.name.span, message).label("one too many"));
+                }
+                (self.shapes <= MAX_SHAPES).then(|| self.shape(shape, node, material, report))
             }
-            return (self.shapes <= MAX_SHAPES).then(|| self.shape(shape, node, material, report));
+            Some(Solid::Combine(operator)) => self.operator(operator, node, material, report),
+            Some(Solid::Modify(modifier)) => self.modifier(modifier, node, material, report),
+            None => {
+                let known: Vec<&str> = solids().chain(others.iter().copied()).collect();
+                unexpected_node(&node.name, &known, place, report);
+                None
+            }
         }
-        if let Some(operator) = registry::operator(&node.name.value) {
-            return self.operator(operator, node, material, report);
-        }
-        let known: Vec<&str> = solids().chain(others.iter().copied()).collect();
-        unexpected_node(&node.name, &known, place, report);
-        None
     }
 
     fn shape(
@@ -132,7 +135,7 @@ impl<'m> Solids<'m> {
             (None, Some(material)) => material,
             (None, None) => self.default_material(),
         };
-        let params = params(shape, node, &named, report);
+        let params = params(Solid::Shape(shape), node, &named, report);
         let mut placement = Placements::default();
         for child in node.child_nodes() {
             if placement.take(child, info.facing, report) {
@@ -143,7 +146,7 @@ impl<'m> Solids<'m> {
                 let message = format!("`{}` is a shape and holds no others.", info.name);
                 let mistake =
                     draft("pathmarch::unexpected_children", child.name.span, message).label("unexpected shape");
-                report.add(mistake.help("Operators hold shapes: `union`, `subtract` or `intersect`."));
+                report.add(mistake.help("Operators hold shapes, as in `union { … }`."));
             } else if word == NORMAL {
                 let message = format!("`{}` faces nowhere and has no `{NORMAL}`.", info.name);
                 let mistake = draft("pathmarch::misplaced_node", child.name.span, message).label("not here");
@@ -174,6 +177,46 @@ impl<'m> Solids<'m> {
             }
         }
         arguments(node, 0, &format!("`{name} smooth=0.1 {{ … }}`"), report);
+        let (placement, children, written) = self.held(node, material, report);
+        if written == 1 && name == "subtract" && !node.broken() {
+            let mistake = draft("pathmarch::too_few_shapes", node.name.span, "`subtract` of a single shape.");
+            let help = "It needs at least two: the first is kept, without what the others hold.";
+            report.add(mistake.label("expected another shape in its braces").help(help));
+        }
+        let kind = Kind::Combine { operator, smooth: smooth.filter(|width| *width > 0.0), children };
+        Some(FieldNode { kind, placement })
+    }
+
+    fn modifier(
+        &mut self,
+        modifier: &'static dyn Modify,
+        node: &Node,
+        material: Option<u32>,
+        report: &mut Report,
+    ) -> Option<FieldNode> {
+        let mut known: Vec<&str> = modifier.params().iter().map(|param| param.name).collect();
+        known.push("material");
+        let mut named = properties(node, &known, report);
+        let own = named.iter().position(|(name, _)| *name == "material").map(|at| named.swap_remove(at).1);
+        let material = own.map(|entry| self.material(entry, report)).or(material);
+        let params = params(Solid::Modify(modifier), node, &named, report);
+        let (placement, children, _) = self.held(node, material, report);
+        if modifier.needs_bounds()
+            && let Some(endless) = children.iter().find(|child| !Field::new(&[(*child).clone()]).bounds().is_finite())
+        {
+            let what = first_name(endless);
+            let message =
+                format!("`{what}` has no end, and `{}` needs what it holds to have one.", modifier.info().name);
+            let mistake = draft("pathmarch::endless", node.name.span, message).label("not of something endless");
+            report.add(mistake.help("Cut it first: intersect { box 10 1 10; … }."));
+            return None;
+        }
+        Some(FieldNode { kind: Kind::Modify { modifier, params, children }, placement })
+    }
+
+    /// What stands in the braces of an operator: where it stands, and what it holds; and of how many that is of.
+    fn held(&mut self, node: &Node, material: Option<u32>, report: &mut Report) -> (Placement, Vec<FieldNode>, usize) {
+        let name = &node.name.value;
         let mut placement = Placements::default();
         let mut children = Vec::new();
         let mut written = 0;
@@ -188,13 +231,17 @@ impl<'m> Solids<'m> {
             let message = format!("`{name}` of nothing.");
             let mistake = draft("pathmarch::too_few_shapes", node.name.span, message);
             report.add(mistake.label("expected shapes in its braces"));
-        } else if written == 1 && name == "subtract" && !node.broken() {
-            let mistake = draft("pathmarch::too_few_shapes", node.name.span, "`subtract` of a single shape.");
-            let help = "It needs at least two: the first is kept, without what the others hold.";
-            report.add(mistake.label("expected another shape in its braces").help(help));
         }
-        let kind = Kind::Combine { operator, smooth: smooth.filter(|width| *width > 0.0), children };
-        Some(FieldNode { kind, placement: placement.value })
+        (placement.value, children, written)
+    }
+}
+
+/// What the first endless solid is called.
+fn first_name(node: &FieldNode) -> &'static str {
+    match &node.kind {
+        Kind::Shape { shape, .. } => shape.info().name,
+        Kind::Combine { operator, .. } => operator.info().name,
+        Kind::Modify { modifier, .. } => modifier.info().name,
     }
 }
 
@@ -208,15 +255,15 @@ fn combined(operator: &str, smooth: Option<f32>, children: Vec<FieldNode>) -> Op
 fn first_tag(node: &FieldNode) -> u32 {
     match &node.kind {
         Kind::Shape { tag, .. } => *tag,
-        Kind::Combine { children, .. } => children.first().map_or(0, first_tag),
+        Kind::Combine { children, .. } | Kind::Modify { children, .. } => children.first().map_or(0, first_tag),
     }
 }
 
-/// The numbers of a shape: arguments in order, or by name; one size for several where the shape allows it.
-fn params(shape: &dyn Shape, node: &Node, named: &[(&str, &Entry)], report: &mut Report) -> Vec<f32> {
-    let all = shape.params();
-    let sizes = shape.info().size_params;
-    let entries = arguments(node, all.len(), &usage(shape), report);
+/// The numbers of a shape or an operator: arguments in order, or by name; one size for several where it allows it.
+fn params(solid: Solid, node: &Node, named: &[(&str, &Entry)], report: &mut Report) -> Vec<f32> {
+    let all = solid.params();
+    let sizes = solid.info().size_params;
+    let entries = arguments(node, all.len(), &usage(solid), report);
     let mut given: Vec<Option<&Entry>> = vec![None; all.len()];
     let size_named = named.iter().any(|(name, _)| all[..sizes].iter().any(|param| param.name == *name));
     let one_size = sizes > 1 && !size_named && (1..sizes).contains(&entries.len());
@@ -224,8 +271,8 @@ fn params(shape: &dyn Shape, node: &Node, named: &[(&str, &Entry)], report: &mut
     let slots = if one_size { sizes - 1..all.len() } else { 0..all.len() };
     if one_size && entries.len() > slots.len() {
         let span = entries[0].span.to(entries[entries.len() - 1].span);
-        let message = format!("`{}` has one size or {sizes}, not {}.", shape.info().name, entries.len());
-        let mistake = draft("pathmarch::missing_argument", span, message).label(format!("expected {}", usage(shape)));
+        let message = format!("`{}` has one size or {sizes}, not {}.", solid.info().name, entries.len());
+        let mistake = draft("pathmarch::missing_argument", span, message).label(format!("expected {}", usage(solid)));
         report.add(mistake);
         return all.iter().map(|param| param.default).collect();
     }
@@ -253,6 +300,16 @@ fn params(shape: &dyn Shape, node: &Node, named: &[(&str, &Entry)], report: &mut
 
 fn number(param: &Param, entry: &Entry, report: &mut Report) -> Option<f32> {
     let what = format!("`{}`", param.name);
+    if param.unit == Unit::Axis {
+        let word = string(entry, &what, report)?;
+        let axis = AXES.iter().position(|axis| *axis == word);
+        if axis.is_none() {
+            let mistake =
+                draft("pathmarch::unknown_axis", entry.value_span, format!("There is no axis {}.", shown(word)));
+            report.add(mistake.label("unknown axis").help("Expected \"x\", \"y\" or \"z\"."));
+        }
+        return axis.map(|axis| axis as f32);
+    }
     let value = in_range(entry, &what, Range::ANY, report)?;
     let whole = param.unit != Unit::Count || value.fract() == 0.0;
     if !param.accepts(value) || !whole {
@@ -263,9 +320,9 @@ fn number(param: &Param, entry: &Entry, report: &mut Report) -> Option<f32> {
 }
 
 /// As in "`box x y z`".
-fn usage(shape: &dyn Shape) -> String {
-    let info = shape.info();
-    let names: Vec<&str> = std::iter::once(info.name).chain(shape.params().iter().map(|param| param.name)).collect();
+fn usage(solid: Solid) -> String {
+    let info = solid.info();
+    let names: Vec<&str> = std::iter::once(info.name).chain(solid.params().iter().map(|param| param.name)).collect();
     match info.size_params {
         0 | 1 => format!("`{}`", names.join(" ")),
         sizes => {

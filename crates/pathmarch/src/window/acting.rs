@@ -145,8 +145,7 @@ impl App {
             Some(path) => open.document.leaves_of(path),
             None => (0..scene.field.leaves().len()).collect(),
         };
-        let boxes =
-            leaves.into_iter().filter_map(|leaf| scene.field.leaves().get(leaf)).map(|leaf| leaf.world_bounds());
+        let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf));
         let bounds = boxes.filter(|bounds| bounds.is_finite()).reduce(|all, bounds| all.union(bounds));
         let Some(bounds) = bounds else {
             self.say("What is selected has no limited size.");

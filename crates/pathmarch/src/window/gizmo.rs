@@ -259,9 +259,9 @@ mod tests {
         let path = document.path_of_leaf(0).expect("the sphere");
         let world = placement_around(&document, &path).around(own_placement(&document, &path));
         let leaf = &scene.field.leaves()[0];
-        assert!(world.at.as_vec3().distance(leaf.at.into()) < 1e-5, "{world:?} {leaf:?}");
-        assert!((world.scale as f32 - leaf.scale).abs() < 1e-6);
-        for (axis, expected) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().zip(leaf.axes) {
+        assert!(world.at.as_vec3().distance(leaf.pose.at.into()) < 1e-5, "{world:?} {leaf:?}");
+        assert!((world.scale as f32 - leaf.pose.scale).abs() < 1e-6);
+        for (axis, expected) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().zip(leaf.pose.axes) {
             assert!((world.turn * axis).as_vec3().distance(expected.into()) < 1e-5);
         }
     }

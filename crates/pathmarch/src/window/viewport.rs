@@ -208,8 +208,7 @@ fn surround(ui: &Ui, room: Rect, picture: Rect) {
 fn outline(ui: &Ui, picture: Rect, open: &Open, scene: &Scene) {
     let Some(selection) = &open.view.selection else { return };
     let leaves = open.document.leaves_of(selection);
-    let leaves = leaves.into_iter().filter_map(|leaf| scene.field.leaves().get(leaf));
-    let boxes = leaves.map(|leaf| leaf.world_bounds()).filter(|bounds| bounds.is_finite());
+    let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf)).filter(|bounds| bounds.is_finite());
     let Some(bounds) = boxes.reduce(|all, bounds| all.union(bounds)) else { return };
     let seen = Seen::new(&open.view.camera, picture);
     let painter = ui.painter_at(picture);

@@ -74,7 +74,7 @@ fn a_number_is_typed_beside_its_slider() {
     assert_eq!(changed_lines(SCENE, person.text()).len(), 1);
     assert!(person.text().contains("object \"ball\" material=\"red\" { sphere 0.85 { at 0 0.7 0 } } // round"));
     assert_eq!(person.value("sphere", "radius"), Value::Number(0.85));
-    let bounds = person.scene().field.leaves()[0].world_bounds();
+    let bounds = person.scene().field.leaf_bounds(0);
     assert!((bounds.max[0] - 0.85).abs() < 1e-3, "the scene has it, too: {bounds:?}");
     assert_eq!(person.undo_all(), 1);
     assert_eq!(person.text(), SCENE);
