@@ -283,3 +283,9 @@ fn no_light() {
         assert!(scene.expect("nothing is wrong").warnings.is_empty(), "{sky}");
     }
 }
+
+body!(
+    modifiers,
+    "object \"a\" { mirror \"w\" { sphere }; mirror 1 { sphere }; twist { plane }; polar 2.5 { sphere }; repeat { } }
+object \"b\" { repeat 1 count=-1 { union { sphere; repeat { box } } }; shell -1 { sphere }; bend turn=2 { box } }"
+);

@@ -361,7 +361,7 @@ fn number_range(range: Range, whole: bool, unit: &str, default: Option<f32>) -> 
         _ if unit == "°" && max == f32::MAX => 360.0,
         true if max_allowed => max,
         true => max - 0.01 * (max - min),
-        false if whole => (16.0 * size).min(max),
+        false if whole => (16.0 * size.max(1.0)).min(max),
         false => 10.0_f32.max(4.0 * size),
     };
     NumberRange { min, min_allowed, max, max_allowed, whole, soft: (low, high), logarithmic }

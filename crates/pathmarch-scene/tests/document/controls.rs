@@ -2,7 +2,7 @@
 //! alone.
 
 use super::{all_items, path};
-use pathmarch_field::registry;
+use pathmarch_field::{Unit, registry};
 use pathmarch_scene::document::{Control, ControlKind, Document, Item, ItemKind, Value, key};
 use pathmarch_scene::{Scene, materials};
 use std::collections::HashSet;
@@ -73,6 +73,25 @@ fn nodes() -> Vec<(String, &'static str)> {
         nodes.push((
             format!(
                 "object \"o\" {{\n  {name} material=white smooth=0.2 {{\n    at 0 1 0\n    sphere\n    box\n  }}\n}}"
+            ),
+            name,
+        ));
+    }
+    for modifier in registry::modifiers() {
+        let name = modifier.info().name;
+        let words = modifier.params().iter().map(|param| match param.unit {
+            Unit::Axis => (param.name, "\"y\"".to_owned()),
+            _ => (param.name, param.default.to_string()),
+        });
+        let words: Vec<(&str, String)> = words.collect();
+        let places: Vec<&str> = words.iter().map(|(_, value)| &**value).collect();
+        let named: Vec<String> = words.iter().map(|(word, value)| format!("{word}={value}")).collect();
+        nodes.push((format!("object \"o\" {{ {name} {{ sphere; box }} }}"), name));
+        nodes.push((format!("object \"o\" {{ {name} {} {{ sphere; box }} }}", places.join(" ")), name));
+        nodes.push((
+            format!(
+                "object \"o\" {{\n  {name} {} material=white {{\n    at 0 1 0\n    sphere\n    box\n  }}\n}}",
+                named.join(" ")
             ),
             name,
         ));
@@ -356,11 +375,7 @@ fn the_registries_are_what_can_be_added() {
     }
     let names: Vec<&str> =
         document.additions(Some(&path(&document, "it"))).iter().map(|addition| addition.name).collect();
-    let shapes = registry::shapes().iter().map(|shape| shape.info().name);
-    assert_eq!(
-        names,
-        shapes.chain(registry::operators().iter().map(|operator| operator.info().name)).collect::<Vec<_>>()
-    );
+    assert_eq!(names, registry::solids().map(|solid| solid.info().name).collect::<Vec<_>>());
 }
 
 #[test]

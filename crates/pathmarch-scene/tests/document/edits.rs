@@ -526,7 +526,7 @@ fn siblings_are_grouped_and_set_free() {
         refused(scene, |document| document.group(&[path(document, "sphere"), path(document, "plane")], "union"));
     assert!(apart.starts_with("Only shapes and operators of one object or operator can be grouped."), "{apart}");
     let operator = refused(scene, |document| document.group(&[path(document, "sphere")], "sphere"));
-    assert_eq!(operator, "There is no operator `sphere`. Expected `union`, `subtract` or `intersect`.");
+    assert!(operator.starts_with("There is no operator `sphere`. Expected `union`, `subtract`, "), "{operator}");
     let single = refused(scene, |document| document.group(&[path(document, "box")], "subtract"));
     assert!(single.starts_with("This would make a mistake of the scene: `subtract` of a single shape."), "{single}");
 }

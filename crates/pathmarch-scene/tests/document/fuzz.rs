@@ -180,7 +180,7 @@ fn edit(document: &mut Document, dice: &mut Dice) -> Result<bool, EditError> {
                 items.iter().map(|item| item.path.clone()).filter(|other| other.is_sibling_of(path)).collect();
             let mut chosen: Vec<Path> = siblings.into_iter().filter(|_| dice.below(2) == 0).collect();
             chosen.push(path.clone());
-            let operators = registry::operators();
+            let operators: Vec<_> = registry::solids().filter(|solid| solid.is_operator()).collect();
             let operator = operators[dice.below(operators.len())].info().name;
             let group = document.group(&chosen, operator)?;
             chosen.sort();

@@ -1,8 +1,8 @@
 //! `pathmarch shapes`: the reference page, from the registry.
 
 use crate::exit::{DONE, Failure};
-use pathmarch_render::pathmarch_field::registry::{operator, operators, shape, shapes};
-use pathmarch_render::pathmarch_field::{Info, Param};
+use pathmarch_render::pathmarch_field::registry::{modifiers, operators, shapes, solid, solids};
+use pathmarch_render::pathmarch_field::{Info, Param, Solid};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -23,23 +23,27 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         for operator in operators() {
             println!("  {:<40} {}", format!("{} smooth=0", operator.info().name), operator.info().doc);
         }
+        println!("\nOperators that change what they hold, the union of their children\n");
+        for modifier in modifiers() {
+            println!("  {:<40} {}", usage(modifier.info(), modifier.params()), modifier.info().doc);
+        }
         println!("\nAny of them takes at, rotate and scale as children. `pathmarch shapes NAME` tells more.");
         return Ok(DONE);
     };
-    if let Some(shape) = shape(name) {
-        if arguments.wgsl {
+    match solid(name) {
+        Some(Solid::Shape(shape)) if arguments.wgsl => {
             print!("{}\n{}", shape.wgsl_distance(), shape.wgsl_gradient());
-            return Ok(DONE);
         }
-        page(shape.info(), shape.params());
-        if shape.info().facing {
-            println!("\n  normal x y z as a child turns +y to this direction.");
+        Some(Solid::Shape(shape)) => {
+            page(shape.info(), shape.params());
+            if shape.info().facing {
+                println!("\n  normal x y z as a child turns +y to this direction.");
+            }
+            if shape.info().sheet {
+                println!("  Without thickness; a material that emits does so on the side it faces only.");
+            }
         }
-        if shape.info().sheet {
-            println!("  Without thickness; a material that emits does so on the side it faces only.");
-        }
-    } else if let Some(operator) = operator(name) {
-        if arguments.wgsl {
+        Some(Solid::Combine(operator)) if arguments.wgsl => {
             for smooth in [false, true] {
                 println!(
                     "{}\n{}\n{}",
@@ -48,16 +52,25 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                     operator.wgsl_weight(smooth)
                 );
             }
-            return Ok(DONE);
         }
-        page(operator.info(), &[]);
-        println!("\n  smooth=    width of the blend, metres; sharp when absent");
-    } else {
-        let names = shapes().iter().map(|s| s.info().name).chain(operators().iter().map(|o| o.info().name));
-        let nearest = names.min_by_key(|known| strsim::damerau_levenshtein(known, name)).unwrap_or_default();
-        return Err(Failure::Usage(format!(
-            "there is no shape or operator \"{name}\"; did you mean \"{nearest}\"? `pathmarch shapes` lists all"
-        )));
+        Some(Solid::Combine(operator)) => {
+            page(operator.info(), &[]);
+            println!("\n  smooth=    width of the blend, metres; sharp when absent");
+        }
+        Some(Solid::Modify(modifier)) if arguments.wgsl => print!("{}", modifier.wgsl()),
+        Some(Solid::Modify(modifier)) => {
+            page(modifier.info(), modifier.params());
+            if modifier.needs_bounds() {
+                println!("\n  What it holds must have an end.");
+            }
+        }
+        None => {
+            let names = solids().map(|solid| solid.info().name);
+            let nearest = names.min_by_key(|known| strsim::damerau_levenshtein(known, name)).unwrap_or_default();
+            return Err(Failure::Usage(format!(
+                "there is no shape or operator \"{name}\"; did you mean \"{nearest}\"? `pathmarch shapes` lists all"
+            )));
+        }
     }
     Ok(DONE)
 }

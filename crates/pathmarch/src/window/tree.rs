@@ -5,6 +5,7 @@
 use super::app::App;
 use super::inspector::heading;
 use egui::{Align2, Color32, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+use pathmarch_render::pathmarch_field::registry::solids;
 use pathmarch_render::pathmarch_scene::document::{Addition, Group, Item, ItemKind, Path};
 use std::collections::BTreeMap;
 
@@ -175,7 +176,7 @@ impl App {
         }
         if matches!(item.kind, ItemKind::Shape | ItemKind::Operator) {
             ui.menu_button("Group into", |ui| {
-                for operator in pathmarch_render::pathmarch_field::registry::operators() {
+                for operator in solids().filter(|solid| solid.is_operator()) {
                     let info = operator.info();
                     if ui.button(info.name).on_hover_text(info.doc).clicked() {
                         asks.push(Ask::Group(path.clone(), info.name));

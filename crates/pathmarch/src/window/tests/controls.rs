@@ -24,6 +24,10 @@ fn everything() -> String {
         let name = operator.info().name;
         text += &format!("object \"an {name}\" {{ {name} smooth=0.1 {{ sphere; box }} }}\n");
     }
+    for modifier in registry::modifiers() {
+        let name = modifier.info().name;
+        text += &format!("object \"an {name}\" {{ {name} {{ sphere }} }}\n");
+    }
     text
 }
 
