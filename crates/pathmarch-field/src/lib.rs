@@ -11,6 +11,7 @@ pub mod bounds;
 pub mod graph;
 pub mod number;
 mod operators;
+mod orbit;
 pub mod registry;
 mod shapes;
 pub mod wgsl;

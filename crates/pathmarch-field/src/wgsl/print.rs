@@ -34,7 +34,7 @@ pub struct Function<'a> {
 }
 
 impl Function<'_> {
-    /// Records `body` and prints it; one output gives an `f32`, four a `vec4f`.
+    /// Records `body` and prints it; one output gives an `f32`, four a `vec4f`, any other number an array.
     pub fn print(&self, body: impl FnOnce(&[Expr]) -> Vec<Expr>) -> String {
         let mut inputs = Vec::new();
         for (name, kind) in &self.parameters {
@@ -48,7 +48,11 @@ impl Function<'_> {
         let (graph, outputs) = record(inputs.len(), body);
         let parameters: Vec<String> =
             self.parameters.iter().map(|(name, kind)| format!("{}: {kind}", identifier(name))).collect();
-        let result = if outputs.len() == 1 { "f32" } else { "vec4f" };
+        let result = match outputs.len() {
+            1 => "f32".to_owned(),
+            4 => "vec4f".to_owned(),
+            count => format!("array<f32, {count}>"),
+        };
         let mut text = format!("/// {}\nfn {}({}) -> {result} {{\n", self.doc, self.name, parameters.join(", "));
         let mut printer = Printer::new(&graph, inputs, &outputs);
         printer.returned = if outputs.len() == 1 { outputs.first().copied() } else { None };
@@ -56,7 +60,7 @@ impl Function<'_> {
         let values: Vec<String> = outputs.iter().map(|&o| printer.operand(o, None, 0)).collect();
         match values.as_slice() {
             [value] => writeln!(text, "    return {value};"),
-            _ => writeln!(text, "    return vec4f(\n        {},\n    );", values.join(",\n        ")),
+            _ => writeln!(text, "    return {result}(\n        {},\n    );", values.join(",\n        ")),
         }
         .expect("writing to a string");
         text + "}\n"
