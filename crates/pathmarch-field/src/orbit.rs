@@ -27,6 +27,19 @@ pub(crate) fn is_near<N: Real>(bound: N, reach: N) -> N::Mask {
     bound.lt(reach)
 }
 
+/// `value` made smaller by one plus `amount`, which is zero where the value is.
+///
+/// In a quotient f = g/D of a distance g after the iteration and a derivative D, |∇f| is at most |∇g|/D + g |∇D|/D². The first
+/// term is at most one, the second proportional to g: g/(1 + b |g|) limits it to 1/b of what multiplies g, and leaves g as
+/// it is near the surface, where dividing by a constant would make every step shorter.
+#[inline(always)]
+pub(crate) fn bent<N: Real>(value: N, amount: N) -> N {
+    value / (N::one() + amount)
+}
+
+/// How much the values inside are bent: the derivative varies most where the orbit stays.
+const INSIDE_BEND: f32 = 16.0;
+
 /// Distance of the set where the orbits of a map of degree n escape, from the potential.
 ///
 /// The potential of Douady and Hubbard 1984, G = lim n^-k ln |z_k|, is zero on the set, and G / |∇G| = |z| ln |z| / |z'|
@@ -35,10 +48,12 @@ pub(crate) fn is_near<N: Real>(bound: N, reach: N) -> N::Mask {
 /// for any N is within the one for a smaller N: ln R is taken off. An orbit that has escaped after k < N iterations only
 /// multiplies its logarithm by n in each further one, so `offset` is n^(k-N) ln R, and the result does not tell when
 /// the iteration was stopped. Below 1/e the length is kept there, where its product with the logarithm is least.
+/// `shrink` is 1/|z'|.
 #[inline(always)]
 pub(crate) fn from_potential<N: Real>(length: N, offset: N, shrink: N) -> N {
     let length = length.max(N::constant(0.367_879_44));
-    N::constant(0.5) * (length.ln() - offset) * length * shrink
+    let value = N::constant(0.5) * (length.ln() - offset) * length;
+    bent(value, N::constant(INSIDE_BEND) * (-value).max(N::zero())) * shrink
 }
 
 /// Follows an orbit and gives what it comes near to: [`Primitive::orbit`](crate::registry::Primitive::orbit).

@@ -368,7 +368,10 @@ impl<T: Primitive> Shape for Entry<T> {
         T::orbit(p, values(params))
     }
     fn wgsl_orbit(&self) -> String {
-        let doc = format!("What the orbit of `{}` comes near to: point, line, plane, sphere; share of iterations.", T::INFO.name);
+        let doc = format!(
+            "What the orbit of `{}` comes near to: point, line, plane, sphere; share of iterations.",
+            T::INFO.name
+        );
         self.function("orbit", &["p"], doc).print(|inputs| {
             let p = Vec3::new(inputs[0], inputs[1], inputs[2]);
             T::orbit(p, T::Params::from_fn(|k| inputs[3 + k])).to_vec()

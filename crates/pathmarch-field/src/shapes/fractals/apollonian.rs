@@ -6,9 +6,11 @@
 //!
 //! Distance: (|y| - thickness) over the derivative D of the orbit, over SLOPE. The mirrors keep lengths and the inversion
 //! scales them by k = ratio/|z|², conformally, so that D ← D k is exact and |∇|y||/D is at most one. What is left is the
-//! slope of 1/D.
+//! slope of 1/D, which the bend limits. Inversion is not defined at the middle of a cell: lengths below 0.1 are scaled as
+//! that length.
 //!
-//! Cost: about 20 operations for each iteration, no root.
+//! Measured: slope of the undivided estimate at most 1.07 by hill climbing from the steepest of 2.4 million random points, over
+//! 3,000 random sets of parameters (`slopes_of_fractals_stay_below_their_constant`). Cost: about 20 operations for each iteration, no root.
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
@@ -22,9 +24,11 @@ const LIMIT: u32 = 12;
 /// Half of the sheet's thickness in the last cell, metres.
 const THICKNESS: f32 = 0.05;
 /// Squares of lengths below this are inverted as this.
-const LEAST_SQUARE: f32 = 1e-3;
+const LEAST_SQUARE: f32 = 1e-2;
+/// How much heights over the sheet are bent.
+const BEND: f32 = 8.0;
 /// Above the largest slope of (|y| - thickness)/D.
-const SLOPE: f32 = 1.0;
+const SLOPE: f32 = 1.15;
 
 /// The point and 1/D.
 type State<N> = [N; 4];
@@ -59,7 +63,7 @@ impl Primitive for Shape {
     };
     const PARAMS: &'static [Param] = &[
         Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often space is inverted."),
-        Param::between("ratio", 1.2, 1.0, 1.6, "Square of the radius of inversion."),
+        Param::between("ratio", 1.2, 1.1, 1.5, "Square of the radius of inversion."),
     ];
     type Params<N: Real> = [N; 2];
 
@@ -68,7 +72,8 @@ impl Primitive for Shape {
         let (bound, reach) = (bound(p), N::one());
         let near = orbit::is_near(bound, reach);
         let [_, y, _, shrink] = N::iterate(iterations, LIMIT, start(p), |state| step(state, ratio, near));
-        let estimate = (y.abs() - N::constant(THICKNESS)) * shrink * N::constant(1.0 / SLOPE);
+        let over = y.abs() - N::constant(THICKNESS);
+        let estimate = orbit::bent(over, N::constant(BEND) * over.abs()) * shrink * N::constant(1.0 / SLOPE);
         orbit::within(estimate, bound, reach)
     }
     fn bounds(_: [f32; 2]) -> Aabb {

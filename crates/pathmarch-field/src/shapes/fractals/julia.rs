@@ -3,13 +3,18 @@
 //! Idea: Norton 1982 iterates q ← q² + c over quaternions; the solid is where the orbit stays bounded. The point (x, y, z)
 //! is the quaternion x + y i + z j.
 //!
-//! Distance: half of |q| ln |q|/|q'| from the potential (Douady and Hubbard 1984; Hart et al. 1989, section 3), over SLOPE.
+//! Distance: half of |q| ln |q|/|q'| from the potential (Douady and Hubbard 1984; Hart et al. 1989, section 3), over a slope.
 //! The square scales lengths by 2|q| at most, exactly that in the plane of q and the reals. Near q = 0 that factor
 //! vanishes, and where the orbit of 0 escapes (the set is dust) the quotient has no bound there: it is a lower bound of the
 //! distance for connected sets only. So the factor counts as one where it is less: the derivative is taken as too large,
 //! and its change along the orbit stays bounded.
 //!
 //! Bounds: beyond R = (1 + √(1 + 4|c|))/2, where R² - |c| = R, every orbit escapes.
+//!
+//! Measured: slope of the potential's distance at most 1.07 with the defaults, 1.09 for |c| up to 0.75, then 1.42, 1.60, 1.81,
+//! 1.96 and 2.05 for each further 0.25, by hill climbing from the steepest of 2.4 million random points, over 3,000
+//! random sets of parameters (`slopes_of_fractals_stay_below_their_constant`). It is divided by 1.2 (1 + (|c| - 0.75)), at least
+//! by 1.2.
 //!
 //! Cost: about 20 operations and a root for each iteration until the orbit has escaped, one logarithm.
 
@@ -24,9 +29,6 @@ pub(crate) struct Shape;
 const LIMIT: u32 = 20;
 /// Length at which an orbit is left: c is then lost in the rounding of q².
 const ESCAPED: f32 = 1e4;
-/// Above the largest slope of the potential's distance.
-const SLOPE: f32 = 1.0;
-
 /// The quaternion (real, i, j, k), the inverse of the bound of its derivative, and 2^(k - N) ln R.
 type State<N> = [N; 6];
 
@@ -35,12 +37,16 @@ struct Map<N> {
     c: [N; 4],
     iterations: N,
     radius: N,
+    /// Above the largest slope of the potential's distance.
+    slope: N,
 }
 
 impl<N: Real> Map<N> {
     #[inline(always)]
     fn new([x, y, z, w, iterations]: [N; 5]) -> Self {
-        Self { c: [x, y, z, w], iterations, radius: radius(N::norm([x, y, z, w])) }
+        let size = N::norm([x, y, z, w]);
+        let slope = N::constant(1.2) * (N::one() + (size - N::constant(0.75)).max(N::zero()));
+        Self { c: [x, y, z, w], iterations, radius: radius(size), slope }
     }
     #[inline(always)]
     fn start(&self, p: Vec3<N>, near: N::Mask) -> State<N> {
@@ -76,10 +82,10 @@ impl Primitive for Shape {
         )
     };
     const PARAMS: &'static [Param] = &[
-        Param::between("x", -0.2, -1.5, 1.5, "Real part of c."),
-        Param::between("y", 0.4, -1.5, 1.5, "Part of c along i."),
-        Param::between("z", -0.4, -1.5, 1.5, "Part of c along j."),
-        Param::between("w", -0.4, -1.5, 1.5, "Part of c along k."),
+        Param::between("x", -0.2, -1.0, 1.0, "Real part of c."),
+        Param::between("y", 0.4, -1.0, 1.0, "Part of c along i."),
+        Param::between("z", -0.4, -1.0, 1.0, "Part of c along j."),
+        Param::between("w", -0.4, -1.0, 1.0, "Part of c along k."),
         Param::count("iterations", 10.0, 1.0, LIMIT as f32, "How often the square is taken."),
     ];
     type Params<N: Real> = [N; 5];
@@ -91,7 +97,7 @@ impl Primitive for Shape {
         let near = orbit::is_near(bound, map.radius);
         let [a, b, c, d, shrink, offset] =
             N::iterate(map.iterations, LIMIT, map.start(p, near), |state| map.step(state, near));
-        let estimate = orbit::from_potential(N::norm([a, b, c, d]), offset, shrink) * N::constant(1.0 / SLOPE);
+        let estimate = orbit::from_potential(N::norm([a, b, c, d]), offset, shrink) * (N::one() / map.slope);
         orbit::within(estimate, bound, map.radius)
     }
     fn bounds([x, y, z, w, _]: [f32; 5]) -> Aabb {

@@ -7,9 +7,11 @@
 //!
 //! Distance: (|y| - thickness) over the derivative D of the orbit, over SLOPE. The mirrors keep lengths and the inversion
 //! scales them by k = (radius/|z|)², conformally, so that D ← D k is exact and |∇|y||/D is at most one. What is left is
-//! the slope of 1/D.
+//! the slope of 1/D, which the bend limits. Lengths below 0.1 are scaled as that length.
 //!
-//! Cost: about 20 operations for each iteration, no root.
+//! Measured: slope of the undivided estimate at most 1.06 with the defaults and 1.60 with any parameters, by hill climbing
+//! from the steepest of 2.4 million random points, over 3,000 random sets of parameters
+//! (`slopes_of_fractals_stay_below_their_constant`). Cost: about 20 operations for each iteration, no root.
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
@@ -23,11 +25,13 @@ const LIMIT: u32 = 12;
 /// Half of the sheet's thickness in the last cell, metres.
 const THICKNESS: f32 = 0.05;
 /// Squares of lengths below this are inverted as this.
-const LEAST_SQUARE: f32 = 1e-3;
+const LEAST_SQUARE: f32 = 1e-2;
 /// Half of an edge of the cube that the solid is cut at, metres.
 const HALF_EDGE: f32 = 2.0;
+/// How much heights over the sheet are bent.
+const BEND: f32 = 8.0;
 /// Above the largest slope of (|y| - thickness)/D.
-const SLOPE: f32 = 1.0;
+const SLOPE: f32 = 2.0;
 
 /// The point and 1/D.
 type State<N> = [N; 4];
@@ -74,7 +78,8 @@ impl Primitive for Shape {
         let near = orbit::is_near(bound, reach);
         let [_, height, _, shrink] =
             N::iterate(iterations, LIMIT, start(p), |state| step(state, [x, y, z], radius, near));
-        let estimate = (height.abs() - N::constant(THICKNESS)) * shrink * N::constant(1.0 / SLOPE);
+        let over = height.abs() - N::constant(THICKNESS);
+        let estimate = orbit::bent(over, N::constant(BEND) * over.abs()) * shrink * N::constant(1.0 / SLOPE);
         orbit::within(estimate, bound, reach)
     }
     fn bounds(_: [f32; 5]) -> Aabb {

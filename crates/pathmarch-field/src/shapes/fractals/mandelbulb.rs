@@ -9,12 +9,18 @@
 //! an angle has no derivative, and the same to the last bit in all numbers a field is written over. n is whole: another
 //! power tears the solid where the angle jumps.
 //!
-//! Distance: half of |z| ln |z|/|z'| from the potential (Douady and Hubbard 1984; Hart et al. 1989, section 3), over SLOPE.
+//! Distance: half of |z| ln |z|/|z'| from the potential (Douady and Hubbard 1984; Hart et al. 1989, section 3), over a slope.
 //! The usual running derivative n |z|^(n-1) d + 1 is too small near the axis, as the power is not conformal: about the axis
-//! it stretches by |b| = n |z|^(n-1) |sin nθ / (n sin θ)| n, up to n times as much. The larger of both is taken, which
-//! is the norm of the power's derivative.
+//! it stretches by n |b| = n |z|^(n-1) |sin nθ / sin θ|, up to n times as much. The larger of both is the norm of the power's
+//! derivative. Beyond |z^n| = 1 only the growth of |z| counts more and more, which is not stretched, and |b| is divided by
+//! |z^n|. The factor counts as one where it is less, so that its change along the orbit stays bounded.
 //!
 //! Bounds: |z^n| is |z|^n, so beyond R = 2^(1/(n-1)) every orbit escapes.
+//!
+//! Measured: slope of the potential's distance at most 2.05 for the power 8, 5.2 for 3, 2.5 for others up to 11, and 3.6 for 16,
+//! by hill climbing from the steepest of 7 million random points, over 3,600 random sets of parameters
+//! (`slopes_of_fractals_stay_below_their_constant`); with the usual running derivative it was 300 and more. It is divided by a
+//! quarter of the power, at least by 2.4, and below the power 4 by 6.
 //!
 //! Cost: about 110 operations and three roots for each iteration until the orbit has escaped, one logarithm.
 
@@ -26,14 +32,11 @@ use crate::registry::{Info, Param, Primitive, TRAPS};
 pub(crate) struct Shape;
 
 /// The most iterations.
-const LIMIT: u32 = 16;
+const LIMIT: u32 = 12;
 /// Binary digits of the power.
 const DIGITS: usize = 5;
 /// n-th power of the length at which an orbit is left: p is then lost in the rounding of z^n.
 const ESCAPED: f32 = 1e8;
-/// Above the largest slope of the potential's distance.
-const SLOPE: f32 = 1.0;
-
 /// The point, the inverse of the bound of its derivative, and n^(k - N) ln R.
 type State<N> = [N; 5];
 
@@ -94,7 +97,9 @@ impl<N: Real> Map<N> {
         let [cos, sin] =
             self.raised(about, |u, v| [u[0] * v[0] - u[1] * v[1], u[0] * v[1] + u[1] * v[0]]);
         let radial = across * b;
-        let factor = self.power * (a.hypot(radial) / length.max(tiny)).max(b.abs());
+        let raised = a.hypot(radial).named("raised");
+        let about_axis = b.abs() / raised.max(N::one());
+        let factor = (self.power * (raised / length.max(tiny)).max(about_axis)).max(N::one());
         let next = Vec3::new(radial * cos, a, radial * sin) + p;
         let go_on = near & next.length().lt(self.escaped);
         ([next.x, next.y, next.z, shrink / (factor + shrink), offset * self.power], go_on)
@@ -104,6 +109,12 @@ impl<N: Real> Map<N> {
 /// Beyond it every orbit escapes.
 fn radius<N: Real>(power: N) -> N {
     (N::constant(std::f32::consts::LN_2) / (power - N::one())).exp()
+}
+
+/// Above the largest slope of the potential's distance.
+fn slope<N: Real>(power: N) -> N {
+    let usual = (power * N::constant(0.25)).max(N::constant(2.4));
+    N::select(power.lt(N::constant(3.5)), N::constant(6.0), usual)
 }
 
 /// Zero where the estimate does not count, so that no power is too large.
@@ -136,7 +147,7 @@ impl Primitive for Shape {
         let [x, y, z, shrink, offset] =
             N::iterate(map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near));
         let estimate =
-            orbit::from_potential(Vec3::new(x, y, z).length(), offset, shrink) * N::constant(1.0 / SLOPE);
+            orbit::from_potential(Vec3::new(x, y, z).length(), offset, shrink) * (N::one() / slope(map.power));
         orbit::within(estimate, bound, map.radius)
     }
     fn bounds([power, _]: [f32; 2]) -> Aabb {
