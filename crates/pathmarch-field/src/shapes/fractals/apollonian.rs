@@ -1,6 +1,6 @@
 //! Sheets of an Apollonian packing in the cube of edge 2: mirror space into a cell, invert it in a sphere, repeat.
 //!
-//! Idea: Quilez 2013, after the self-inverse fractals of Mandelbrot 1983. Space is mirrored at all planes where a coordinate
+//! Idea: Quilez 2013 (Apollonian), after the self-inverse fractals of Mandelbrot 1983. Space is mirrored at all planes where a coordinate
 //! is odd, which leaves the cell [-1, 1]³, and inverted in the sphere about its middle whose radius is √ratio. The plane
 //! y = 0, given a thickness, comes back as spheres that touch, and their images.
 //!
@@ -58,7 +58,7 @@ impl Primitive for Shape {
         ..Info::new(
             "apollonian",
             "Sheets of an Apollonian packing in the cube of edge 2 centred at the origin.",
-            "Quilez 2013; Mandelbrot 1983",
+            "Quilez 2013, Apollonian; Mandelbrot 1983",
         )
     };
     const PARAMS: &'static [Param] = &[
