@@ -12,6 +12,7 @@ pub mod graph;
 mod modifiers;
 pub mod number;
 mod operators;
+mod orbit;
 pub mod registry;
 mod shapes;
 pub mod wgsl;

@@ -71,13 +71,17 @@ impl Param {
     pub const fn any(name: &'static str, default: f32, doc: &'static str) -> Self {
         Self { name, unit: Unit::Ratio, default, min: f32::MIN, min_allowed: true, max: f32::MAX, doc }
     }
+    /// A number from `min` to `max`.
+    pub const fn between(name: &'static str, default: f32, min: f32, max: f32, doc: &'static str) -> Self {
+        Self { name, unit: Unit::Ratio, default, min, min_allowed: true, max, doc }
+    }
     /// A whole number from `min` to `max`.
     pub const fn count(name: &'static str, default: f32, min: f32, max: f32, doc: &'static str) -> Self {
-        Self { name, unit: Unit::Count, default, min, min_allowed: true, max, doc }
+        Self { unit: Unit::Count, ..Self::between(name, default, min, max, doc) }
     }
     /// An axis.
     pub const fn axis(name: &'static str, doc: &'static str) -> Self {
-        Self { name, unit: Unit::Axis, default: 0.0, min: 0.0, min_allowed: true, max: 2.0, doc }
+        Self { unit: Unit::Axis, ..Self::between(name, 0.0, 0.0, 2.0, doc) }
     }
     /// Whether `value` is finite and within the range.
     pub fn accepts(&self, value: f32) -> bool {
@@ -164,7 +168,17 @@ pub trait Primitive: Send + Sync + 'static {
     fn ray<N: Real>(_origin: Vec3<N>, _direction: Vec3<N>, _params: Self::Params<N>) -> N {
         N::constant(NO_HIT)
     }
+    /// Whether [`orbit`](Self::orbit) is written: the shape is a fractal, which follows the orbit of a point.
+    const ORBIT: bool = false;
+    /// What the orbit of `p` comes near to: its least distance to the origin, to the y axis, to the plane y = 0 and to the
+    /// unit sphere, and the share of the iterations that were done before it escaped, 0..1.
+    fn orbit<N: Real>(_p: Vec3<N>, _params: Self::Params<N>) -> [N; TRAPS] {
+        [N::zero(); TRAPS]
+    }
 }
+
+/// How many numbers tell of an orbit; see [`Primitive::orbit`].
+pub const TRAPS: usize = 5;
 
 /// The surface of a shape, for choosing points on it: lengths in metres, local coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -261,6 +275,14 @@ pub trait Shape: Send + Sync {
     fn ray(&self, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> f32;
     /// Where eight rays first meet it.
     fn ray_lanes(&self, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> f32x8;
+    /// Whether it follows orbits.
+    fn has_orbit(&self) -> bool;
+    /// What the orbit of a point comes near to; see [`Primitive::orbit`].
+    fn orbit(&self, p: Vec3<f32>, params: &[f32]) -> [f32; TRAPS];
+    /// What the orbits of eight points come near to.
+    fn orbit_lanes(&self, p: Vec3<f32x8>, params: &[f32]) -> [f32x8; TRAPS];
+    /// The orbit as a WGSL function `NAME_orbit(p: vec3f, …) -> array<f32, 5>`.
+    fn wgsl_orbit(&self) -> String;
     /// The closed form as a WGSL function `NAME_ray(origin: vec3f, direction: vec3f, …) -> f32`.
     fn wgsl_ray(&self) -> String;
     /// The distance as a WGSL function `NAME_distance(p: vec3f, …) -> f32`.
@@ -418,6 +440,25 @@ impl<T: Primitive> Shape for Entry<T> {
     }
     fn ray_lanes(&self, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> f32x8 {
         T::ray(origin, direction, values(params))
+    }
+    fn has_orbit(&self) -> bool {
+        T::ORBIT
+    }
+    fn orbit(&self, p: Vec3<f32>, params: &[f32]) -> [f32; TRAPS] {
+        T::orbit(p, values(params))
+    }
+    fn orbit_lanes(&self, p: Vec3<f32x8>, params: &[f32]) -> [f32x8; TRAPS] {
+        T::orbit(p, values(params))
+    }
+    fn wgsl_orbit(&self) -> String {
+        let doc = format!(
+            "What the orbit of `{}` comes near to: point, line, plane, sphere; share of iterations.",
+            T::INFO.name
+        );
+        self.function("orbit", &["p"], doc).print(|inputs| {
+            let p = Vec3::new(inputs[0], inputs[1], inputs[2]);
+            T::orbit(p, T::Params::from_fn(|k| inputs[3 + k])).to_vec()
+        })
     }
     fn wgsl_ray(&self) -> String {
         let doc = format!("Metres to where a ray first meets `{}`.", T::INFO.name);

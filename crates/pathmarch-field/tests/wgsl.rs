@@ -30,6 +30,15 @@ fn ellipsoid() {
     insta::assert_snapshot!(printed("ellipsoid"));
 }
 
+/// A fractal and its orbit: five numbers returned.
+#[test]
+fn sierpinski() {
+    let shape = shape("sierpinski").expect("registered");
+    let source = shape.wgsl_distance() + "\n" + &shape.wgsl_orbit();
+    sampling::validate(&source);
+    insta::assert_snapshot!(source);
+}
+
 #[test]
 fn a_smooth_union_of_a_placed_torus_and_box() {
     let node = |name, params: &[f32], tag, placement| {

@@ -21,11 +21,7 @@ impl Modifier for Op {
         exact: false,
         ..Info::new("bend", "What it holds, its x axis bent upwards into a circle.", "Barr 1984, section 4")
     };
-    const PARAMS: &'static [Param] = &[Param {
-        min: 1e-4,
-        max: 100.0,
-        ..Param::any("turns-per-metre", 0.1, "Turns over a metre of the x axis; at most half a turn of it is kept.")
-    }];
+    const PARAMS: &'static [Param] = &[Param::between("turns-per-metre", 0.1, 1e-4, 100.0, "Turns over a metre of the x axis; at most half a turn of it is kept.")];
     type Numbers<N: Real> = [N; 8];
     const NEEDS_BOUNDS: bool = true;
 

@@ -18,11 +18,7 @@ impl Modifier for Op {
         exact: false,
         ..Info::new("twist", "What it holds, turned about the y axis more and more with the height.", "Barr 1984, section 3")
     };
-    const PARAMS: &'static [Param] = &[Param {
-        min: -1000.0,
-        max: 1000.0,
-        ..Param::any("turns-per-metre", 0.25, "Turns over a metre of height, right-handed about y.")
-    }];
+    const PARAMS: &'static [Param] = &[Param::between("turns-per-metre", 0.25, -1000.0, 1000.0, "Turns over a metre of height, right-handed about y.")];
     type Numbers<N: Real> = [N; 9];
     const NEEDS_BOUNDS: bool = true;
 

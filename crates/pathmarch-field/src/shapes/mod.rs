@@ -1,13 +1,19 @@
-//! The shapes. A name in this list is a file and its registration.
+//! The shapes. A name in this list is a file and its registration; those of a folder stand behind its name.
 
 use crate::registry::{Entry, Shape};
 use std::marker::PhantomData;
 
 macro_rules! shapes {
-    ($($module:ident),* $(,)?) => {
+    ($($module:ident),* $(,)?; $folder:ident: $($inner:ident),* $(,)?) => {
         $(mod $module;)*
+        mod $folder {
+            $(pub(super) mod $inner;)*
+        }
         /// Every shape, in this order.
-        pub(crate) static ALL: &[&'static dyn Shape] = &[$(&Entry::<$module::Shape>(PhantomData)),*];
+        pub(crate) static ALL: &[&'static dyn Shape] = &[
+            $(&Entry::<$module::Shape>(PhantomData),)*
+            $(&Entry::<$folder::$inner::Shape>(PhantomData)),*
+        ];
     };
 }
 
@@ -27,5 +33,14 @@ shapes!(
     prism,
     hexprism,
     pyramid,
-    octahedron,
+    octahedron;
+    fractals:
+    mandelbulb,
+    mandelbox,
+    julia,
+    menger,
+    sierpinski,
+    apollonian,
+    kleinian,
+    ifs,
 );

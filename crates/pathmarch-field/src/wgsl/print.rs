@@ -34,7 +34,7 @@ pub struct Function<'a> {
 }
 
 impl Function<'_> {
-    /// Records `body` and prints it; one output gives an `f32`, three a `vec3f`, four a `vec4f`.
+    /// Records `body` and prints it; one output gives an `f32`, three a `vec3f`, four a `vec4f`, any other number an array.
     pub fn print(&self, body: impl FnOnce(&[Expr]) -> Vec<Expr>) -> String {
         let mut inputs = Vec::new();
         for (name, kind) in &self.parameters {
@@ -49,9 +49,10 @@ impl Function<'_> {
         let parameters: Vec<String> =
             self.parameters.iter().map(|(name, kind)| format!("{}: {kind}", identifier(name))).collect();
         let result = match outputs.len() {
-            1 => "f32",
-            3 => "vec3f",
-            _ => "vec4f",
+            1 => "f32".to_owned(),
+            3 => "vec3f".to_owned(),
+            4 => "vec4f".to_owned(),
+            count => format!("array<f32, {count}>"),
         };
         let mut text = format!("/// {}\nfn {}({}) -> {result} {{\n", self.doc, self.name, parameters.join(", "));
         let mut printer = Printer::new(&graph, inputs, &outputs);

@@ -118,13 +118,21 @@ pub fn cases(random_sets: usize) -> Vec<Case> {
     cases
 }
 
-/// Lengths between a fifth and three times the default; a tube is thinner than its ring.
+/// Lengths between a fifth and three times the default, other numbers of a limited range within a tenth of it around the
+/// default, counts anywhere in their range, angles any; a tube is thinner than its ring.
 pub fn random_params(shape: &dyn Shape, random: &mut Random) -> Vec<f32> {
     let mut params: Vec<f32> = (shape.params().iter())
         .map(|param| match param.unit {
             Unit::Metres => param.default * random.within(0.2f32.ln(), 3f32.ln()).exp(),
-            _ => param.default,
+            Unit::Degrees => random.within(-180.0, 180.0),
+            Unit::Count => random.within(param.min, param.max + 1.0).floor().min(param.max),
+            Unit::Ratio if param.max - param.min < f32::MAX => {
+                param.default + random.within(-0.1, 0.1) * (param.max - param.min)
+            }
+            Unit::Ratio | Unit::Axis => param.default,
         })
+        .zip(shape.params())
+        .map(|(value, param)| value.clamp(param.min, param.max))
         .collect();
     let index = |name| shape.params().iter().position(|p| p.name == name);
     if let (Some(major), Some(minor)) = (index("major"), index("minor")) {

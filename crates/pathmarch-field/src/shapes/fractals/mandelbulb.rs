@@ -1,0 +1,164 @@
+//! Mandelbulb: z^n + p in spherical coordinates.
+//!
+//! Idea: White and Nylander 2009 raise a point to a power as polar coordinates suggest: its length to the power n, its
+//! angle from the axis and its angle about the axis n times as large. The solid is where the orbit of z ← z^n + p stays
+//! bounded. The axis is y.
+//!
+//! Both angles are multiplied by powers of complex numbers, (y + iρ)^n and ((x + iz)/ρ)^n with ρ the distance to the axis,
+//! so there is no angle: (y + iρ)^k = a + iρb, with a and b polynomials in y and ρ². That is exact on the axis too, where
+//! an angle has no derivative, and the same to the last bit in all numbers a field is written over. n is whole: another
+//! power tears the solid where the angle jumps.
+//!
+//! Distance: half of |z| ln |z|/|z'| from the potential (Douady and Hubbard 1984; Hart et al. 1989, section 3), over a slope.
+//! The usual running derivative n |z|^(n-1) d + 1 is too small near the axis, as the power is not conformal: about the axis
+//! it stretches by n |b| = n |z|^(n-1) |sin nθ / sin θ|, up to n times as much. The larger of both is the norm of the power's
+//! derivative. Beyond |z^n| = 1 only the growth of |z| counts more and more, which is not stretched, and |b| is divided by
+//! |z^n|. The factor counts as one where it is less, so that its change along the orbit stays bounded.
+//!
+//! Bounds: |z^n| is |z|^n, so beyond R = 2^(1/(n-1)) every orbit escapes.
+//!
+//! Measured: slope of the potential's distance at most 2.05 for the power 8, 5.2 for 3, 2.5 for others up to 11, and 3.6 for 16,
+//! by hill climbing from the steepest of 7 million random points, over 3,600 random sets of parameters
+//! (`slopes_of_fractals_stay_below_their_constant`); with the usual running derivative it was 300 and more. It is divided by a
+//! quarter of the power, at least by 2.4, and below the power 4 by 6.
+//!
+//! Cost: about 110 operations and three roots for each iteration until the orbit has escaped, one logarithm.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::orbit;
+use crate::registry::{Info, Param, Primitive, TRAPS};
+
+pub(crate) struct Shape;
+
+/// The most iterations.
+const LIMIT: u32 = 12;
+/// Binary digits of the power.
+const DIGITS: usize = 5;
+/// n-th power of the length at which an orbit is left: p is then lost in the rounding of z^n.
+const ESCAPED: f32 = 1e8;
+/// The point, the inverse of the bound of its derivative, and n^(k - N) ln R.
+type State<N> = [N; 5];
+
+#[derive(Clone, Copy)]
+struct Map<N: Real> {
+    power: N,
+    digits: [N::Mask; DIGITS],
+    iterations: N,
+    radius: N,
+    escaped: N,
+}
+
+impl<N: Real> Map<N> {
+    #[inline(always)]
+    fn new([power, iterations]: [N; 2]) -> Self {
+        let power = power.floor();
+        let half = N::constant(0.5);
+        let mut rest = power;
+        let digits = std::array::from_fn(|_| {
+            let halved = (rest * half).floor();
+            let digit = half.lt(rest - halved - halved);
+            rest = halved;
+            digit
+        });
+        let escaped = (N::constant(ESCAPED.ln()) / power).exp();
+        Self { power, digits, iterations, radius: radius(power), escaped }
+    }
+    /// The power of a complex number under `times`; of one that is zero, zero.
+    #[inline(always)]
+    fn raised(&self, base: [N; 2], times: impl Fn([N; 2], [N; 2]) -> [N; 2]) -> [N; 2] {
+        let (mut square, mut result) = (base, [N::one(), N::zero()]);
+        for (k, &digit) in self.digits.iter().enumerate() {
+            if k > 0 {
+                square = times(square, square);
+            }
+            let product = times(result, square);
+            result = std::array::from_fn(|part| N::select(digit, product[part], result[part]));
+        }
+        result
+    }
+    #[inline(always)]
+    fn start(&self, p: Vec3<N>) -> State<N> {
+        let logarithm = self.power.ln() * self.iterations.floor();
+        [p.x, p.y, p.z, N::one(), self.radius.ln() * (-logarithm).exp()]
+    }
+    #[inline(always)]
+    fn step(&self, [x, y, z, shrink, offset]: State<N>, p: Vec3<N>, near: N::Mask) -> (State<N>, N::Mask) {
+        let tiny = N::constant(1e-12);
+        let across = x.hypot(z).named("across");
+        let across_square = x * x + z * z;
+        let length = Vec3::new(x, y, z).length();
+        // From the axis: a + iρb.
+        let [a, b] = self.raised([y, N::one()], |u, v| {
+            [u[0] * v[0] - across_square * (u[1] * v[1]), u[0] * v[1] + u[1] * v[0]]
+        });
+        // About the axis: of length one, or zero on it.
+        let about = [x / across.max(tiny), z / across.max(tiny)];
+        let [cos, sin] =
+            self.raised(about, |u, v| [u[0] * v[0] - u[1] * v[1], u[0] * v[1] + u[1] * v[0]]);
+        let radial = across * b;
+        let raised = a.hypot(radial).named("raised");
+        let about_axis = b.abs() / raised.max(N::one());
+        let factor = (self.power * (raised / length.max(tiny)).max(about_axis)).max(N::one());
+        let next = Vec3::new(radial * cos, a, radial * sin) + p;
+        let go_on = near & next.length().lt(self.escaped);
+        ([next.x, next.y, next.z, shrink / (factor + shrink), offset * self.power], go_on)
+    }
+}
+
+/// Beyond it every orbit escapes.
+fn radius<N: Real>(power: N) -> N {
+    (N::constant(std::f32::consts::LN_2) / (power - N::one())).exp()
+}
+
+/// Above the largest slope of the potential's distance.
+fn slope<N: Real>(power: N) -> N {
+    let usual = (power * N::constant(0.25)).max(N::constant(2.4));
+    N::select(power.lt(N::constant(3.5)), N::constant(6.0), usual)
+}
+
+/// Zero where the estimate does not count, so that no power is too large.
+fn kept<N: Real>(p: Vec3<N>, near: N::Mask) -> Vec3<N> {
+    let [x, y, z] = [p.x, p.y, p.z].map(|v| N::select(near, v, N::zero()));
+    Vec3::new(x, y, z)
+}
+
+impl Primitive for Shape {
+    const INFO: Info = Info {
+        exact: false,
+        ..Info::new(
+            "mandelbulb",
+            "Mandelbulb centred at the origin, its axis along y.",
+            "White and Nylander 2009; Hart et al. 1989, section 3",
+        )
+    };
+    const PARAMS: &'static [Param] = &[
+        Param::count("power", 8.0, 2.0, 16.0, "The power that points are raised to."),
+        Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often the power is taken."),
+    ];
+    type Params<N: Real> = [N; 2];
+
+    #[inline(always)]
+    fn distance<N: Real>(p: Vec3<N>, params: [N; 2]) -> N {
+        let map = Map::new(params);
+        let bound = p.length() - map.radius;
+        let near = orbit::is_near(bound, map.radius);
+        let p = kept(p, near);
+        let [x, y, z, shrink, offset] =
+            N::iterate(map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near));
+        let estimate =
+            orbit::from_potential(Vec3::new(x, y, z).length(), offset, shrink) * (N::one() / slope(map.power));
+        orbit::within(estimate, bound, map.radius)
+    }
+    fn bounds([power, _]: [f32; 2]) -> Aabb {
+        let radius = radius(power.floor());
+        Aabb::centred(radius, radius, radius)
+    }
+    const ORBIT: bool = true;
+    fn orbit<N: Real>(p: Vec3<N>, params: [N; 2]) -> [N; TRAPS] {
+        let map = Map::new(params);
+        let near = orbit::is_near(p.length() - map.radius, map.radius);
+        let p = kept(p, near);
+        orbit::traps::<N, 5, 10>(map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near))
+    }
+}

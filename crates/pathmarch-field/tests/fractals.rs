@@ -1,0 +1,133 @@
+//! What only fractals have: the slope of their estimates, found by search; marches that do not pass through; orbits.
+
+mod sampling;
+
+use pathmarch_field::number::Vec3;
+use pathmarch_field::registry::shapes;
+use pathmarch_field::{Param, Shape, Unit};
+use sampling::{Case, Random, cases, lanes, validate};
+
+fn fractals() -> impl Iterator<Item = &'static dyn Shape> {
+    shapes().iter().copied().filter(|shape| shape.has_orbit())
+}
+
+fn defaults(shape: &'static dyn Shape) -> Case {
+    Case::new(shape, shape.params().iter().map(|p| p.default).collect())
+}
+
+/// Parameters anywhere in their range.
+fn any_params(shape: &dyn Shape, random: &mut Random) -> Vec<f32> {
+    let any = |param: &Param, random: &mut Random| match param.unit {
+        Unit::Degrees => random.within(-180.0, 180.0),
+        Unit::Count => random.within(param.min, param.max + 1.0).floor().min(param.max),
+        _ => random.within(param.min, param.max),
+    };
+    shape.params().iter().map(|param| any(param, random)).collect()
+}
+
+fn slope(case: &Case, p: Vec3<f32>) -> f32 {
+    case.gradient(p).gradient.length()
+}
+
+/// Random points, and from the steepest of them a climb by ever smaller random steps.
+#[test]
+fn slopes_of_fractals_stay_below_their_constant() {
+    for (k, shape) in fractals().enumerate() {
+        let mut random = Random::new(100 + k as u64);
+        // By random points and by climbing from them; with the defaults and with any parameters.
+        let mut steepest = [[0f32; 2]; 2];
+        for set in 0..300 {
+            let usual = set == 0;
+            let case = if usual { defaults(shape) } else { Case::new(shape, any_params(shape, &mut random)) };
+            let points = case.points(if usual { 40_000 } else { 800 }, &mut random);
+            let mut points: Vec<_> = points.into_iter().map(|p| (slope(&case, p), p)).collect();
+            points.sort_by(|a, b| b.0.total_cmp(&a.0));
+            for &(start, mut p) in &points[..8] {
+                let mut here = start;
+                let mut reach = 0.05 * case.size;
+                while reach > 1e-6 * case.size {
+                    for _ in 0..12 {
+                        let q = p + random.direction() * (reach * random.within(0.0, 1.0));
+                        let there = slope(&case, q);
+                        if there > here {
+                            (here, p) = (there, q);
+                        }
+                    }
+                    reach *= 0.7;
+                }
+                assert!(here <= case.lipschitz() * 1.001, "{} {p:?}: |gradient| = {here}", case.name());
+                let kind = &mut steepest[usize::from(!usual)];
+                *kind = [kind[0].max(start), kind[1].max(here)];
+            }
+        }
+        let [[usual, usual_climbed], [any, any_climbed]] = steepest;
+        println!(
+            "{:12} |gradient| with defaults {usual:.3}, climbed {usual_climbed:.3}; any {any:.3}, climbed {any_climbed:.3}",
+            shape.info().name
+        );
+    }
+}
+
+/// Between the points of a march there must be nothing of the solid: each step is looked at in 20 places.
+#[test]
+fn marches_do_not_pass_through_fractals() {
+    const LOOKS: u32 = 20;
+    let mut random = Random::new(300);
+    for case in cases(4).iter().filter(|case| case.shape.has_orbit()) {
+        let (mut hits, mut total, mut most) = (0, 0, 0);
+        for _ in 0..300 {
+            let origin = random.direction() * (2.0 * case.size);
+            let towards = random.point(case.bounds) - origin;
+            let direction = towards / towards.length();
+            let field = |t: f32| case.distance(origin + direction * t);
+            let (mut t, mut steps) = (0.0, 0);
+            while t < 6.0 * case.size {
+                let step = field(t) / case.lipschitz();
+                if step < 1e-4 * case.size {
+                    hits += 1;
+                    break;
+                }
+                for look in 1..LOOKS {
+                    let between = t + step * look as f32 / LOOKS as f32;
+                    let distance = field(between);
+                    assert!(
+                        distance > -1e-6 * case.size,
+                        "{} {origin:?} {direction:?} {between}: {distance}",
+                        case.name()
+                    );
+                }
+                t += step;
+                steps += 1;
+            }
+            total += steps;
+            most = most.max(steps);
+        }
+        println!("{:70} {hits} of 300 rays hit, {:.1} steps each, {most} at most", case.name(), total as f32 / 300.0);
+        assert!(hits > 0, "{}: no ray hits", case.name());
+    }
+}
+
+#[test]
+fn orbits_of_eight_lanes_equal_one_and_print_valid_wgsl() {
+    let mut random = Random::new(200);
+    for shape in fractals() {
+        validate(&shape.wgsl_orbit());
+    }
+    for case in cases(4).iter().filter(|case| case.shape.has_orbit()) {
+        for points in case.points(256, &mut random).chunks(8) {
+            let side_by_side = case.shape.orbit_lanes(lanes(points), &case.params).map(|trap| trap.to_array());
+            for (k, &p) in points.iter().enumerate() {
+                let alone = case.shape.orbit(p, &case.params);
+                for (trap, value) in alone.iter().enumerate() {
+                    let other = side_by_side[trap][k];
+                    assert!(
+                        value.is_finite() && (value - other).abs() <= 1e-5 * value.abs().max(1.0),
+                        "{} {p:?}: {value} {other}",
+                        case.name()
+                    );
+                }
+                assert!(alone[4] > 0.0 && alone[4] <= 1.0, "{} {p:?}: {alone:?}", case.name());
+            }
+        }
+    }
+}
