@@ -92,7 +92,7 @@ impl Primitive for Shape {
     };
     const PARAMS: &'static [Param] = &[
         Param::between("scale", 2.0, 1.1, 4.0, "How much smaller each copy is."),
-        Param::count("iterations", 10.0, 1.0, LIMIT as f32, "How often copies are made of copies."),
+        Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often copies are made of copies."),
         Param { unit: Unit::Degrees, ..Param::any("turn-x", 0.0, "Turn of each copy about the x axis.") },
         Param { unit: Unit::Degrees, ..Param::any("turn-y", 0.0, "Turn of each copy about the y axis.") },
         Param { unit: Unit::Degrees, ..Param::any("turn-z", 0.0, "Turn of each copy about the z axis.") },
