@@ -13,7 +13,7 @@
 //!
 //! Measured: slope of the potential's distance at most 1.07 with the defaults, 1.09 for |c| up to 0.75, then 1.42, 1.60, 1.81,
 //! 1.96 and 2.05 for each further 0.25, by hill climbing from the steepest of 2.4 million random points, over 3,000
-//! random sets of parameters (`slopes_of_fractals_stay_below_their_constant`). It is divided by 1.2 (1 + (|c| - 0.75)), at least
+//! random sets of parameters (`tests/fractals.rs`). It is divided by 1.2 (1 + (|c| - 0.75)), at least
 //! by 1.2.
 //!
 //! Cost: about 20 operations and a root for each iteration until the orbit has escaped, one logarithm.

@@ -14,7 +14,7 @@
 //! Measured: slope of the undivided estimate at most 1.37 with the defaults, 1.79 with any parameters where |scale| is 1.1 or
 //! more, and 6.0 below that (where the set is no more than a blob, and the Lipschitz constant says so), by hill climbing from
 //! the steepest of 2.4 million random points, over 3,000 random sets of parameters
-//! (`slopes_of_fractals_stay_below_their_constant`). Without the bend inside it was 5.1 and 52. Cost: about 30 operations for each iteration, no root.
+//! (`tests/fractals.rs`). Without the bend inside it was 5.1 and 52. Cost: about 30 operations for each iteration, no root.
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};

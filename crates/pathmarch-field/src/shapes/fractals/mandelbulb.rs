@@ -19,7 +19,7 @@
 //!
 //! Measured: slope of the potential's distance at most 2.05 for the power 8, 5.2 for 3, 2.5 for others up to 11, and 3.6 for 16,
 //! by hill climbing from the steepest of 7 million random points, over 3,600 random sets of parameters
-//! (`slopes_of_fractals_stay_below_their_constant`); with the usual running derivative it was 300 and more. It is divided by a
+//! (`tests/fractals.rs`); with the usual running derivative it was 300 and more. It is divided by a
 //! quarter of the power, at least by 2.4, and below the power 4 by 6.
 //!
 //! Cost: about 110 operations and three roots for each iteration until the orbit has escaped, one logarithm.
