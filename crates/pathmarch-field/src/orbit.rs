@@ -7,7 +7,8 @@
 //! |∇f| is at most L, then f/L is at most the distance to the surface (the argument of Hart 1996, section 2.2), whatever
 //! f was derived from. So each file has to show two things: that f has no jumps, and L. Where L was measured and not
 //! derived, f is divided by a constant above what was measured, so that it has slope one and does not shorten the steps
-//! to other shapes of a scene.
+//! to other shapes of a scene. The figures in the files are those of the search in `tests/fractals.rs` with that constant
+//! at one and 3,000 sets of parameters; the test repeats it with 300 and the constant in its place.
 
 use crate::number::{Real, Vec3};
 use crate::registry::{NO_HIT, TRAPS};

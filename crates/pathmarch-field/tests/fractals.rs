@@ -68,6 +68,23 @@ fn slopes_of_fractals_stay_below_their_constant() {
     }
 }
 
+/// The gradient does not see a jump, such as one where an orbit is left an iteration earlier.
+#[test]
+fn fractals_have_no_jumps() {
+    let mut random = Random::new(250);
+    for shape in fractals() {
+        for _ in 0..200 {
+            let case = Case::new(shape, any_params(shape, &mut random));
+            for a in case.points(400, &mut random) {
+                let b = a + random.direction() * (case.size * 10f32.powf(random.within(-5.0, 0.0)));
+                let difference = (case.distance(a) - case.distance(b)).abs();
+                let allowed = case.lipschitz() * (a - b).length() + 2e-6 * (a.length() + b.length() + case.size);
+                assert!(difference <= allowed, "{} {a:?} {b:?}: {difference} > {allowed}", case.name());
+            }
+        }
+    }
+}
+
 /// Between the points of a march there must be nothing of the solid: each step is looked at in 20 places.
 #[test]
 fn marches_do_not_pass_through_fractals() {

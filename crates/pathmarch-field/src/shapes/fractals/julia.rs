@@ -1,20 +1,20 @@
 //! Quaternion Julia set of q² + c, its slice through real, i and j parts.
 //!
-//! Idea: Norton 1982 iterates q ← q² + c over quaternions; the solid is where the orbit stays bounded. The point (x, y, z)
-//! is the quaternion x + y i + z j.
+//! Idea: Norton 1982 iterates q ← q² + c over quaternions; the solid is where the orbit stays bounded. The point (x, y,
+//! z) is the quaternion x + y i + z j.
 //!
-//! Distance: half of |q| ln |q|/|q'| from the potential (Douady and Hubbard 1984; Hart et al. 1989, section 3), over a slope.
-//! The square scales lengths by 2|q| at most, exactly that in the plane of q and the reals. Near q = 0 that factor
-//! vanishes, and where the orbit of 0 escapes (the set is dust) the quotient has no bound there: it is a lower bound of the
-//! distance for connected sets only. So the factor counts as one where it is less: the derivative is taken as too large,
-//! and its change along the orbit stays bounded.
+//! Distance: half of |q| ln |q|/|q'| from the potential (Douady and Hubbard 1984; Hart et al. 1989, section 3), over a
+//! slope. The square scales lengths by 2|q| at most, exactly that in the plane of q and the reals. Near q = 0 that
+//! factor vanishes, and where the orbit of 0 escapes (the set is dust) the quotient has no bound there: it is a lower
+//! bound of the distance for connected sets only. So the factor counts as one where it is less: the derivative is taken
+//! as too large, and its change along the orbit stays bounded.
 //!
 //! Bounds: beyond R = (1 + √(1 + 4|c|))/2, where R² - |c| = R, every orbit escapes.
 //!
-//! Measured: slope of the potential's distance at most 1.07 with the defaults, 1.09 for |c| up to 0.75, then 1.42, 1.60, 1.81,
-//! 1.96 and 2.05 for each further 0.25, by hill climbing from the steepest of 2.4 million random points, over 3,000
-//! random sets of parameters (`slopes_of_fractals_stay_below_their_constant`). It is divided by 1.2 (1 + (|c| - 0.75)), at least
-//! by 1.2.
+//! Measured: slope of the potential's distance at most 1.07 with the defaults, 1.09 for |c| up to 0.75, then 1.42,
+//! 1.60, 1.81, 1.96 and 2.05 for each further 0.25, by hill climbing from the steepest of 2.4 million random points,
+//! over 3,000 random sets of parameters (`tests/fractals.rs`). It is divided by 1.2 (1 + (|c| - 0.75)), at least by
+//! 1.2.
 //!
 //! Cost: about 20 operations and a root for each iteration until the orbit has escaped, one logarithm.
 

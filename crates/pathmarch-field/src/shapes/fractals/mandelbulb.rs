@@ -4,23 +4,24 @@
 //! angle from the axis and its angle about the axis n times as large. The solid is where the orbit of z ← z^n + p stays
 //! bounded. The axis is y.
 //!
-//! Both angles are multiplied by powers of complex numbers, (y + iρ)^n and ((x + iz)/ρ)^n with ρ the distance to the axis,
-//! so there is no angle: (y + iρ)^k = a + iρb, with a and b polynomials in y and ρ². That is exact on the axis too, where
-//! an angle has no derivative, and the same to the last bit in all numbers a field is written over. n is whole: another
-//! power tears the solid where the angle jumps.
+//! Both angles are multiplied by powers of complex numbers, (y + iρ)^n and ((x + iz)/ρ)^n with ρ the distance to the
+//! axis, so there is no angle: (y + iρ)^k = a + iρb, with a and b polynomials in y and ρ². That is exact on the axis
+//! too, where an angle has no derivative, and the same to the last bit in all numbers a field is written over. n is
+//! whole: another power tears the solid where the angle jumps.
 //!
-//! Distance: half of |z| ln |z|/|z'| from the potential (Douady and Hubbard 1984; Hart et al. 1989, section 3), over a slope.
-//! The usual running derivative n |z|^(n-1) d + 1 is too small near the axis, as the power is not conformal: about the axis
-//! it stretches by n |b| = n |z|^(n-1) |sin nθ / sin θ|, up to n times as much. The larger of both is the norm of the power's
-//! derivative. Beyond |z^n| = 1 only the growth of |z| counts more and more, which is not stretched, and |b| is divided by
-//! |z^n|. The factor counts as one where it is less, so that its change along the orbit stays bounded.
+//! Distance: half of |z| ln |z|/|z'| from the potential (Douady and Hubbard 1984; Hart et al. 1989, section 3), over a
+//! slope. The usual running derivative n |z|^(n-1) d + 1 is too small near the axis, as the power is not conformal:
+//! about the axis it stretches by n |b| = n |z|^(n-1) |sin nθ / sin θ|, up to n times as much. The larger of both is
+//! the norm of the power's derivative. Beyond |z^n| = 1 only the growth of |z| counts more and more, which is not
+//! stretched, and |b| is divided by |z^n|. The factor counts as one where it is less, so that its change along the
+//! orbit stays bounded.
 //!
 //! Bounds: |z^n| is |z|^n, so beyond R = 2^(1/(n-1)) every orbit escapes.
 //!
-//! Measured: slope of the potential's distance at most 2.05 for the power 8, 5.2 for 3, 2.5 for others up to 11, and 3.6 for 16,
-//! by hill climbing from the steepest of 7 million random points, over 3,600 random sets of parameters
-//! (`slopes_of_fractals_stay_below_their_constant`); with the usual running derivative it was 300 and more. It is divided by a
-//! quarter of the power, at least by 2.4, and below the power 4 by 6.
+//! Measured: slope of the potential's distance at most 2.05 for the power 8, 5.2 for 3, 2.5 for others up to 11, and
+//! 3.6 for 16, by hill climbing from the steepest of 7 million random points, over 3,600 random sets of parameters
+//! (`tests/fractals.rs`); with the usual running derivative it was 300 and more. It is divided by a quarter of the
+//! power, at least by 2.4, and below the power 4 by 6.
 //!
 //! Cost: about 110 operations and three roots for each iteration until the orbit has escaped, one logarithm.
 

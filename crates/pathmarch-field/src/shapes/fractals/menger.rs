@@ -1,18 +1,18 @@
 //! Menger's sponge in the cube of edge 2. Outside the distance is exact to rounding, inside it is a bound.
 //!
-//! Idea: the cube is cut into 27, the seven that touch no edge of it are taken away, and so on with the 20 that are left
-//! (Menger 1926). The sponge has the symmetries of the cube: taking magnitudes and sorting them folds space onto one of
-//! 48 equal wedges, x ≥ y ≥ z ≥ 0, in which only the cubes at (2, 2, 2)/3 and (2, 2, 0)/3 lie. They are each other's
-//! mirror image in z = 1/3, so one more reflection leaves one cube, which 3z makes the whole one again (kaleidoscopic
-//! iterated function systems: Knighty 2010, after Hutchinson 1981).
+//! Idea: the cube is cut into 27, the seven that touch no edge of it are taken away, and so on with the 20 that are
+//! left (Menger 1926). The sponge has the symmetries of the cube: taking magnitudes and sorting them folds space onto
+//! one of 48 equal wedges, x ≥ y ≥ z ≥ 0, in which only the cubes at (2, 2, 2)/3 and (2, 2, 0)/3 lie. They are each
+//! other's mirror image in z = 1/3, so one more reflection leaves one cube, which 3z makes the whole one again
+//! (kaleidoscopic iterated function systems: Knighty 2010, after Hutchinson 1981).
 //!
-//! Distance outside: N such steps, then the distance to the cube, over 3^N. Nothing of the solid in another wedge is nearer
-//! than its image in the wedge of the point, because mirroring both points into one wedge never moves them apart, so
-//! this is the true distance. Inside it would be zero on the faces at which two small cubes touch. There the sponge is the
-//! cube without the bars of square section of every level (Quilez 2011), and the nearest of those gives the distance: in
-//! the wedge of level k, the bar is y < 1/3, and (1/3 - y)/3^k its depth.
+//! Distance outside: N such steps, then the distance to the cube, over 3^N. Nothing of the solid in another wedge is
+//! nearer than its image in the wedge of the point, because mirroring both points into one wedge never moves them
+//! apart, so this is the true distance. Inside it would be zero on the faces at which two small cubes touch. There the
+//! sponge is the cube without the bars of square section of every level (Quilez 2011), and the nearest of those gives
+//! the distance: in the wedge of level k, the bar is y < 1/3, and (1/3 - y)/3^k its depth.
 //!
-//! Measured: slope 1.0000 over 200,000 random points and hill climbing (`slopes_of_fractals`), as derived. Cost: about
+//! Measured: slope 1.0000 over 200,000 random points and hill climbing (`tests/fractals.rs`), as derived. Cost: about
 //! 25 operations for each iteration, no root but in the last one's cube.
 
 use crate::bounds::Aabb;
