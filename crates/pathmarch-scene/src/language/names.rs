@@ -15,47 +15,7 @@ pub(crate) const PLACEMENT: &[&str] =
 pub(crate) const NORMAL: &str = schema::NORMAL.name;
 
 /// Words of the language that this version may not have yet. What the registries know is had, whatever stands here.
-const LANGUAGE: &[&str] = &[
-    "cylinder",
-    "cone",
-    "capsule",
-    "ellipsoid",
-    "hexprism",
-    "pyramid",
-    "octahedron",
-    "disc",
-    "rect",
-    "rounded-box",
-    "link",
-    "shell",
-    "round",
-    "elongate",
-    "repeat",
-    "polar",
-    "mirror",
-    "twist",
-    "bend",
-    "displace",
-    "mandelbulb",
-    "mandelbox",
-    "julia",
-    "menger",
-    "sierpinski",
-    "apollonian",
-    "kleinian",
-    "field",
-    "metal",
-    "glass",
-    "principled",
-    "roughness",
-    "edge",
-    "ior",
-    "absorb",
-    "metallic",
-    "coat",
-    "transmission",
-    "orbit-trap",
-];
+const LANGUAGE: &[&str] = &["field", "orbit-trap"];
 
 /// Names of all shapes and operators.
 pub(crate) fn solids() -> impl Iterator<Item = &'static str> {
