@@ -7,7 +7,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Differentiable, Dual, Real, Vec3};
-use crate::registry::{Combine, Modify, NO_HIT, Shape, union};
+use crate::registry::{Combine, Modify, NO_HIT, Shape, TRAPS, union};
 use glam::{EulerRot, Mat3, Quat};
 use wide::f32x8;
 
@@ -494,6 +494,12 @@ impl Field {
     }
     pub(crate) fn objects(&self) -> &[Tree] {
         &self.objects
+    }
+    /// What the orbit of a point comes near to on the leaf of this number: [`Shape::orbit`], where the leaf is a fractal
+    /// that no modifier holds.
+    pub fn orbit(&self, leaf: usize, p: Vec3<f32>) -> Option<[f32; TRAPS]> {
+        let leaf = self.leaves.get(leaf).filter(|leaf| leaf.shape.has_orbit() && !leaf.modified)?;
+        Some(leaf.shape.orbit(leaf.pose.local(p), &leaf.params))
     }
     /// A box in the world that holds the leaf of this number, if there is one: of one that a modifier holds, the box of its
     /// object.

@@ -51,7 +51,7 @@ fn solids() -> Vec<Node> {
 }
 
 fn assert_same(ours: &Node, written_out: &Node, within: f32, seed: u64) {
-    let (ours, written_out) = (Field::new(&[ours.clone()]), Field::new(&[written_out.clone()]));
+    let (ours, written_out) = (Field::new(std::slice::from_ref(ours)), Field::new(std::slice::from_ref(written_out)));
     let mut random = Random::new(seed);
     for _ in 0..4000 {
         let p = random.point(Aabb::centred(within, within, within));
@@ -127,7 +127,7 @@ fn a_rounded_box_a_hollow_ball_and_a_long_one() {
     let sharp = shape("box", &[1.0, 0.8, 0.6], Placement::default());
     let rounded = shape("rounded-box", &[1.2, 1.0, 0.8, 0.1], Placement::default());
     let same_outside = |a: &Node, b: &Node| {
-        let (a, b) = (Field::new(&[a.clone()]), Field::new(&[b.clone()]));
+        let (a, b) = (Field::new(std::slice::from_ref(a)), Field::new(std::slice::from_ref(b)));
         let mut random = Random::new(5);
         for _ in 0..2000 {
             let p = random.point(Aabb::centred(2.0, 2.0, 2.0));

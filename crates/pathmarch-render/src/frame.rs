@@ -3,6 +3,7 @@
 use crate::mode::Mode;
 use crate::settings::{LightSearch, Settings};
 use crate::transport::lights::{self, LightRecord};
+use crate::transport::paint;
 use crate::transport::preview::Preview;
 use crate::transport::sky::Sky;
 use crate::transport::views;
@@ -10,7 +11,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use pathmarch_field::graph::Leaf;
 use pathmarch_field::{Aabb, Field};
-use pathmarch_scene::materials::{self, Bsdf, Numbers, albedo};
+use pathmarch_scene::materials::{self, Bsdf, Numbers, OrbitTrap, albedo};
 use pathmarch_scene::sky::GROUND_EDGE;
 use pathmarch_scene::{Camera, Caustics, Material, Scene, Sky as Source};
 use std::collections::HashMap;
@@ -146,6 +147,8 @@ pub(crate) struct Features {
     pub(crate) fast_caustics: bool,
     /// Some light's shadows are softened by near misses.
     pub(crate) penumbra: bool,
+    /// Some material's colour depends on a fractal's orbit.
+    pub(crate) orbit_traps: bool,
     /// How lights are found.
     pub(crate) light_search: LightSearch,
 }
@@ -168,6 +171,10 @@ pub(crate) struct Prepared {
     pub(crate) sky_table: usize,
     /// Where the albedos of GGX surfaces start in the tables.
     pub(crate) ggx_table: usize,
+    /// Where the orbit traps of materials start in the tables.
+    pub(crate) paint_table: usize,
+    /// The orbit trap of each material.
+    pub(crate) traps: Vec<Option<OrbitTrap>>,
     pub(crate) mode: Mode,
     /// Numbers of the mode, for those that are views.
     pub(crate) mode_numbers: Vec<f32>,
@@ -282,6 +289,7 @@ impl Prepared {
             chooses_lobes: bsdfs.iter().flatten().any(|bsdf| bsdf.chooses_lobes),
             fast_caustics: settings.caustics == Caustics::Fast && any(TRANSMITS),
             penumbra: lights.iter().any(|light| light.penumbra > 0.0),
+            orbit_traps: scene.materials.iter().any(|material| material.orbit_trap.is_some()),
             light_search: settings.light_search,
         };
         let mut tables: Vec<u32> = Vec::new();
@@ -290,6 +298,10 @@ impl Prepared {
         let ggx_table = tables.len();
         if bsdfs.iter().flatten().any(|bsdf| bsdf.reads_albedos) {
             tables.extend(albedo::table().iter().flatten().map(|value| value.to_bits()));
+        }
+        let paint_table = tables.len();
+        if features.orbit_traps {
+            tables.extend(paint::words(&scene.materials, paint_table));
         }
         let mode_table = tables.len();
         let mode_numbers = views::numbers(settings.mode, scene, settings.camera_of(scene), radius);
@@ -306,6 +318,8 @@ impl Prepared {
             tables,
             sky_table,
             ggx_table,
+            paint_table,
+            traps: scene.materials.iter().map(|material| material.orbit_trap.clone()).collect(),
             mode: settings.mode,
             mode_numbers,
             preview: None,

@@ -289,3 +289,10 @@ body!(
     "object \"a\" { mirror \"w\" { sphere }; mirror 1 { sphere }; twist { plane }; polar 2.5 { sphere }; repeat { } }
 object \"b\" { repeat 1 count=-1 { union { sphere; repeat { box } } }; shell -1 { sphere }; bend turn=2 { box } }"
 );
+body!(
+    orbit_traps,
+    "material \"a\" { diffuse 1; orbit-trap \"pont\" { colour 0.5; color 1 } }
+material \"b\" { metal 1; orbit-trap from=1 to=1 { colour 0.5 } }
+material \"c\" { emit 1; orbit-trap { colour 1 } }
+material \"d\" { glass 1; orbit-trap \"line\" \"plane\" size=2; orbit-trap { colour 2 } }"
+);

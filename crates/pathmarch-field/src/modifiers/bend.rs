@@ -12,7 +12,7 @@ use super::{ENDLESS, box_distance, corners};
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
 use crate::registry::{Info, Modifier, Param};
-use std::f32::consts::{FRAC_PI_2, TAU};
+use std::f32::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
 
 pub(crate) struct Op;
 
@@ -40,7 +40,7 @@ impl Modifier for Op {
     fn distance<N: Real>(p: Vec3<N>, inside: N, [radius, least, a, b, c, d, e, f]: [N; 8]) -> N {
         let up = radius - p.y;
         let (away, turn) = (p.x.hypot(up).named("away"), p.x.atan2(up).abs());
-        let factor = N::select(turn.lt(N::constant(FRAC_PI_2)), N::constant(0.6366), N::constant(0.3));
+        let factor = N::select(turn.lt(N::constant(FRAC_PI_2)), N::constant(FRAC_2_PI), N::constant(0.3));
         let squeeze = (factor * away.min(least) / radius).min(N::one());
         // Nothing is kept of what is more than a quarter of a turn away, on either side.
         let cut = (turn - N::constant(FRAC_PI_2)) * radius;

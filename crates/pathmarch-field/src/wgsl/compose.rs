@@ -4,6 +4,7 @@
 //! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
 
 use crate::graph::{Field, Modified, Pose, Tree, Turn};
+use crate::registry::TRAPS;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -77,6 +78,30 @@ impl Program {
         }
         let code = format!("{code}\n{distance}\n{direct}\n{surface}");
         Self { code, whole_distance, parameters: composer.parameters }
+    }
+
+    /// WGSL text, to stand behind [`code`](Self::code), of `has_orbit(leaf: u32) -> bool` and `orbit(leaf: u32, p: vec3f) ->
+    /// array<f32, 5>`: [`Field::orbit`].
+    pub fn orbits(field: &Field) -> String {
+        let Composed { composer, .. } = Composed::new(field);
+        let mut functions = BTreeSet::new();
+        let (mut has, mut cases) = (String::new(), String::new());
+        for (index, leaf) in
+            field.leaves().iter().enumerate().filter(|(_, leaf)| leaf.shape.has_orbit() && !leaf.modified)
+        {
+            functions.insert(leaf.shape.wgsl_orbit());
+            let (point, values) = composer.arguments(index as u32, "p");
+            let name = leaf.shape.wgsl_name();
+            write!(has, " || leaf == {index}u").expect("writing to a string");
+            writeln!(cases, "    if leaf == {index}u {{\n        return {name}_orbit({point}{values});\n    }}")
+                .expect("writing to a string");
+        }
+        let functions: String = functions.iter().map(|function| format!("{function}\n")).collect();
+        format!(
+            "{functions}/// Whether the leaf is a fractal.\nfn has_orbit(leaf: u32) -> bool {{\n    return false{has};\n}}\n\n\
+             /// What the orbit of a point comes near to.\nfn orbit(leaf: u32, p: vec3f) -> array<f32, {TRAPS}> {{\n{cases}    \
+             return array<f32, {TRAPS}>();\n}}\n"
+        )
     }
 
     /// WGSL text, to stand behind [`code`](Self::code), of functions `NAME(p: vec3f, own: u32) -> f32`: each is

@@ -69,7 +69,8 @@ fn numbers_of_mode(prepared: &Prepared) -> String {
 }
 
 fn constants(prepared: &Prepared) -> String {
-    let Features { absorption, transmission, chooses_lobes, fast_caustics, penumbra, light_search } = prepared.features;
+    let Features { absorption, transmission, chooses_lobes, fast_caustics, penumbra, light_search, .. } =
+        prepared.features;
     let near_misses = if penumbra {
         transport::PENUMBRA
     } else {
@@ -102,6 +103,7 @@ fn constants(prepared: &Prepared) -> String {
         ("SKY", sky),
         ("SKY_TABLE", sky_table as u32),
         ("GGX_TABLE", ggx_table as u32),
+        ("PAINT_TABLE", prepared.paint_table as u32),
         ("GGX_ROUGHNESSES", roughnesses as u32),
         ("GGX_COSINES", cosines as u32),
     ] {
@@ -120,7 +122,14 @@ fn scattering(prepared: &Prepared) -> String {
     let used: BTreeSet<u32> = prepared.materials.iter().map(|material| material.kind).collect();
     let used: Vec<_> =
         used.iter().filter_map(|&kind| Some((kind, kinds[kind as usize].name, kinds[kind as usize].bsdf?))).collect();
-    let mut code = materials::SHARED_WGSL.join("\n");
+    let mut code = match prepared.features.orbit_traps {
+        true => Program::orbits(&prepared.field) + transport::PAINT,
+        false => {
+            "fn paint(m: u32, leaf: u32, p: vec3f) {}\n\nfn base(m: u32) -> vec4f {\n    return materials[m].a;\n}\n\n"
+                .to_owned()
+        }
+    };
+    code += &materials::SHARED_WGSL.join("\n");
     let (mut eval, mut sample) = (String::new(), String::new());
     for (k, (kind, name, bsdf)) in used.iter().enumerate() {
         code.push('\n');

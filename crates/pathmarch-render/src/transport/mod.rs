@@ -10,6 +10,7 @@ pub(crate) mod camera;
 mod irradiance;
 pub(crate) mod lights;
 pub(crate) mod march;
+pub(crate) mod paint;
 pub(crate) mod path;
 pub(crate) mod preview;
 mod probe;
@@ -92,3 +93,5 @@ pub(crate) fn kernel(mode: Mode) -> &'static [&'static str] {
 
 /// Only for scenes whose shadows are softened by near misses.
 pub(crate) const PENUMBRA: &str = include_str!("penumbra.wgsl");
+/// The WGSL that colours fractals, for scenes that have orbit traps.
+pub(crate) const PAINT: &str = include_str!("paint.wgsl");

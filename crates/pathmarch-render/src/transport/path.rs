@@ -16,12 +16,14 @@ use super::basis::basis;
 use super::camera::{Ray, camera_ray};
 use super::lights;
 use super::march::{Hit, March, march, rounding_at, start_offset};
+use super::paint::painted;
 use super::random::{Random, pair};
 use super::shadow::{self, Connection};
 use crate::frame::{DELTA, DIRECT, EMITS, LIGHT_SHIFT, Prepared, SHEET, TRANSMITS};
 use glam::Vec3;
 use pathmarch_field::graph::{Batch, Surface};
 use pathmarch_field::number::Vec3 as FieldVec3;
+use pathmarch_scene::materials::Numbers;
 use wide::f32x8;
 
 struct Path {
@@ -230,6 +232,14 @@ fn shade(
     }
     let bsdf = prepared.bsdfs[leaf.material as usize]?;
     let p = reached - outward * (near.distance / steepness);
+    let mut numbers = &material.numbers;
+    let with_colour: Numbers;
+    if let Some(colour) = painted(prepared, near.leaf, p) {
+        let mut own = *numbers;
+        own[..3].copy_from_slice(&colour.to_array());
+        with_colour = own;
+        numbers = &with_colour;
+    }
     let away = normal * start_offset(off, near.distance / steepness);
     let world_from_local = basis(normal);
     let local_from_world = world_from_local.transpose();
@@ -247,7 +257,7 @@ fn shade(
             let wi = local_from_world * light.direction;
             let below = wi.z < 0.0;
             if wi.z > 0.0 || transmits {
-                let scattering = (bsdf.eval)(&material.numbers, wo, wi, inside);
+                let scattering = (bsdf.eval)(numbers, wo, wi, inside);
                 if scattering.value.max_element() > 0.0 {
                     connections.push(Connection {
                         slot: path.slot,
@@ -265,7 +275,7 @@ fn shade(
     }
     let [u, v] = path.random.pair(pairs + pair::SCATTER);
     let [lobe, _] = if bsdf.chooses_lobes { path.random.pair(pairs + pair::LOBE) } else { [0.0; 2] };
-    let scattered = (bsdf.sample)(&material.numbers, wo, inside, [u, v, lobe])?;
+    let scattered = (bsdf.sample)(numbers, wo, inside, [u, v, lobe])?;
     let mut throughput = path.throughput * scattered.weight;
     let index_square = path.index_square * scattered.eta * scattered.eta;
     if surface_index > 4 {

@@ -82,6 +82,7 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         }
         let p = reached - outward * (near.distance / steepness);
         let away = normal * start_offset(off, near.distance / steepness);
+        paint(m, near.leaf, p);
         let world_from_local = basis(normal);
         let back = -ray.direction * world_from_local;
         let wo = vec3f(back.xy, max(back.z, 1e-5));

@@ -7,9 +7,9 @@ use super::control::{Control, ControlKind, NumberRange, Value};
 use super::key;
 use super::outline::ItemKind;
 use crate::language::arguments::{Range, srgb};
-use crate::language::schema::{self, AXES, Form, Setting};
+use crate::language::schema::{self, AXES, Form, ORBIT_TRAP, Setting};
 use crate::language::tree::{self, Block, Entry, Node};
-use crate::materials::{self, MaterialKind, MaterialParam, ParamKind};
+use crate::materials::{self, MaterialKind, MaterialParam, ParamKind, Trap};
 use pathmarch_field::{Param, Solid, Unit, registry};
 use std::borrow::Cow;
 
@@ -243,6 +243,17 @@ impl List<'_> {
             let control = material_control(param);
             self.push(control, Place::Node(if index == 0 { kind.name } else { param.name }));
         }
+        if kind.bsdf.is_some() {
+            self.orbit_trap();
+        }
+    }
+
+    fn orbit_trap(&mut self) {
+        let traps = ControlKind::Choice(Trap::ALL.map(|trap| Cow::Borrowed(trap.name())).to_vec());
+        let doc = "Colours fractals by what their orbits come near to; its range and colours stand in the text.";
+        let mut trap = control(ORBIT_TRAP, "orbit trap", doc, "", traps, Value::None);
+        trap.initial = Value::Text(Trap::Point.name().to_owned());
+        self.push(trap, Place::Node(ORBIT_TRAP));
     }
 
     fn solid(&mut self, file: &Block<'static>, solid: Solid) {

@@ -127,7 +127,7 @@ impl<'d> Writer<'d> {
             }
             Place::Node(name) => self.erase_node(name),
             Place::NodeProperty(name, word) => match child(self.node, name) {
-                Some(child) if child.entries.len() > 1 => {
+                Some(child) if child.entries.len() > 1 || child.children.is_some() => {
                     Ok(property(child, word).map(|entry| self.of(child).remove(entry)).into_iter().collect())
                 }
                 _ => self.erase_node(name),

@@ -15,7 +15,7 @@ pub(crate) const PLACEMENT: &[&str] =
 pub(crate) const NORMAL: &str = schema::NORMAL.name;
 
 /// Words of the language that this version may not have yet. What the registries know is had, whatever stands here.
-const LANGUAGE: &[&str] = &["field", "orbit-trap"];
+const LANGUAGE: &[&str] = &["field"];
 
 /// Names of all shapes and operators.
 pub(crate) fn solids() -> impl Iterator<Item = &'static str> {

@@ -293,6 +293,9 @@ pub(crate) const NORMAL: Setting = setting(
     "Direction that it faces, before it is turned.",
 );
 
+/// The node of a material that colours fractals by their orbits.
+pub(crate) const ORBIT_TRAP: &str = "orbit-trap";
+
 /// The words of [`Unit::Axis`](pathmarch_field::Unit::Axis), in the order of its numbers.
 pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 

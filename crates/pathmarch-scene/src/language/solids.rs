@@ -202,7 +202,8 @@ impl<'m> Solids<'m> {
         let params = params(Solid::Modify(modifier), node, &named, report);
         let (placement, children, _) = self.held(node, material, report);
         if modifier.needs_bounds()
-            && let Some(endless) = children.iter().find(|child| !Field::new(&[(*child).clone()]).bounds().is_finite())
+            && let Some(endless) =
+                children.iter().find(|child| !Field::new(std::slice::from_ref(*child)).bounds().is_finite())
         {
             let what = first_name(endless);
             let message =

@@ -3,11 +3,14 @@
 //! What a material may hold comes from [`crate::materials`]: the node that names its kind carries the first parameter,
 //! the nodes beside it the others.
 
-use super::arguments::{Range, Settings, arguments, colour, missing_arguments, name, numbers, properties, twice};
-use super::names::{is_not_yet, listed, not_supported, unexpected_node};
+use super::arguments::{
+    Range, Settings, arguments, colour, in_range, missing_arguments, name, numbers, properties, string, twice,
+};
+use super::names::{is_not_yet, listed, not_supported, suggestion, unexpected_node};
 use super::report::{Report, draft, shown};
+use super::schema::ORBIT_TRAP;
 use super::tree::{Node, Span};
-use crate::materials::{self, Material, MaterialKind, MaterialParam, ParamKind};
+use crate::materials::{self, Material, MaterialKind, MaterialParam, OrbitTrap, ParamKind, Trap};
 use std::collections::HashMap;
 
 /// The materials of a file and where each name was given.
@@ -33,17 +36,20 @@ impl Materials {
             twice(&format!("The material {}", shown(name)), span, self.spans[first as usize], report);
             return;
         }
-        let (kind, values) = described.unwrap_or_else(|| {
+        let (kind, values, orbit_trap) = described.unwrap_or_else(|| {
             let white = Material::default_white();
-            (white.kind, white.values)
+            (white.kind, white.values, None)
         });
         self.index.insert(name.to_owned(), self.list.len() as u32);
         self.spans.push(span);
-        self.list.push(Material { name: name.to_owned(), kind, values });
+        self.list.push(Material { name: name.to_owned(), kind, values, orbit_trap });
     }
 }
 
-fn describe(node: &Node, report: &mut Report) -> Option<(&'static MaterialKind, Vec<[f32; 3]>)> {
+/// Kind and values of a material, and what takes the place of its colour.
+type Described = (&'static MaterialKind, Vec<[f32; 3]>, Option<OrbitTrap>);
+
+fn describe(node: &Node, report: &mut Report) -> Option<Described> {
     let children = node.child_nodes();
     let mut kinds = children.iter().filter_map(|child| Some((child, materials::kind(&child.name.value)?)));
     let Some((kind_node, kind)) = kinds.next() else {
@@ -73,6 +79,9 @@ fn describe(node: &Node, report: &mut Report) -> Option<(&'static MaterialKind, 
     let beside = kind.params.get(1..).unwrap_or_default().iter().map(|param| param.name);
     let mut known: Vec<&str> = std::iter::once(kind.name).chain(beside).collect();
     known.extend(materials::kinds().iter().map(|kind| kind.name).filter(|name| *name != kind.name));
+    if kind.bsdf.is_some() {
+        known.push(ORBIT_TRAP);
+    }
     let settings = Settings::new(node, &known, &format!("in a `{}` material", kind.name), report);
     let values = kind.params.iter().enumerate().map(|(index, param)| {
         let node = settings.get(if index == 0 { kind.name } else { param.name });
@@ -82,8 +91,55 @@ fn describe(node: &Node, report: &mut Report) -> Option<(&'static MaterialKind, 
     if kind.params.is_empty() {
         arguments(kind_node, 0, &format!("`{}`", kind.name), report);
     }
-    Some((kind, values))
+    let orbit_trap = settings.get(ORBIT_TRAP).and_then(|node| orbit_trap(node, report));
+    Some((kind, values, orbit_trap))
 }
+
+/// `orbit-trap "point" from=0 to=1 { colour …; colour … }`.
+fn orbit_trap(node: &Node, report: &mut Report) -> Option<OrbitTrap> {
+    let usage = "`orbit-trap \"point\" from=0 to=1 { colour 0; colour 1 }`";
+    let entries = arguments(node, 1, usage, report);
+    let mut range = [Some(0.0), Some(1.0)];
+    for (word, entry) in properties(node, &["from", "to"], report) {
+        range[usize::from(word == "to")] = in_range(entry, &format!("`{word}`"), Range::ANY, report);
+    }
+    let mut colours = Vec::new();
+    for child in node.child_nodes() {
+        match &*child.name.value {
+            COLOUR => colours.push(colour(child, Range::from_to(0.0, 1.0), report)),
+            _ => unexpected_node(&child.name, &[COLOUR], "in an `orbit-trap`", report),
+        }
+    }
+    if colours.len() > MOST_COLOURS {
+        let message = format!("An `orbit-trap` has at most {MOST_COLOURS} colours, not {}.", colours.len());
+        report.add(draft("pathmarch::too_large", node.name.span, message).label("too many colours"));
+        return None;
+    }
+    let trap = match entries.first() {
+        Some(entry) => {
+            let word = string(entry, "the trap", report)?;
+            let trap = Trap::ALL.into_iter().find(|trap| trap.name() == word);
+            if trap.is_none() {
+                let names: Vec<&str> = Trap::ALL.map(Trap::name).to_vec();
+                let message = format!("There is no orbit trap {}.", shown(word));
+                let mistake = draft("pathmarch::unknown_trap", entry.value_span, message).label("unknown trap");
+                report.add(mistake.help(suggestion(word, &names)));
+            }
+            trap?
+        }
+        None => Trap::Point,
+    };
+    let [from, to] = [range[0]?, range[1]?];
+    let mut colours: Vec<[f32; 3]> = colours.into_iter().collect::<Option<_>>()?;
+    if colours.is_empty() {
+        colours = vec![[0.02; 3], [0.9; 3]];
+    }
+    Some(OrbitTrap { trap, range: [from, to], colours })
+}
+
+/// The node of a colour.
+const COLOUR: &str = "colour";
+const MOST_COLOURS: usize = 64;
 
 /// The value that a node gives a parameter; the default without arguments.
 fn value(node: &Node, param: &MaterialParam, report: &mut Report) -> Option<[f32; 3]> {

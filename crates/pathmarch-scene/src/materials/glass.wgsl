@@ -1,7 +1,7 @@
 // Glass. Twin of glass.rs.
 
 fn glass_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
-    let a = materials[m].a;
+    let a = base(m);
     let ior = materials[m].b.x;
     let eta = select(ior, 1.0 / ior, inside);
     if a.w < MIRROR_ALPHA || wi.z == 0.0 {
@@ -21,7 +21,7 @@ fn glass_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
 }
 
 fn glass_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
-    let a = materials[m].a;
+    let a = base(m);
     let ior = materials[m].b.x;
     let eta = select(ior, 1.0 / ior, inside);
     let smooth_ = a.w < MIRROR_ALPHA;

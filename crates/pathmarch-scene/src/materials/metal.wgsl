@@ -1,7 +1,7 @@
 // Metal. Twin of metal.rs.
 
 fn metal_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
-    let a = materials[m].a;
+    let a = base(m);
     if wi.z <= 0.0 || a.w < MIRROR_ALPHA {
         return vec4f(0.0);
     }
@@ -11,7 +11,7 @@ fn metal_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
 }
 
 fn metal_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
-    let a = materials[m].a;
+    let a = base(m);
     let edge = materials[m].b.xyz;
     if a.w < MIRROR_ALPHA {
         return Scattered(vec3f(-wo.xy, wo.z), 0.0, schlick(a.xyz, edge, wo.z), 1.0);

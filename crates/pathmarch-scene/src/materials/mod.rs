@@ -7,9 +7,11 @@
 
 pub mod albedo;
 mod microfacet;
+mod orbit_trap;
 
 use glam::Vec3;
 pub use microfacet::fresnel;
+pub use orbit_trap::{OrbitTrap, Trap};
 
 /// What a parameter of a material holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -212,12 +214,14 @@ pub struct Material {
     pub kind: &'static MaterialKind,
     /// The value of each of the kind's parameters, in order; a number is the first of the three.
     pub values: Vec<[f32; 3]>,
+    /// What takes the place of its colour, the first parameter, on fractals.
+    pub orbit_trap: Option<OrbitTrap>,
 }
 
 impl Material {
     /// What an object without `material=` is made of: white, diffuse 0.8, named `default`.
     pub fn default_white() -> Self {
-        Self { name: "default".to_owned(), kind: &diffuse::KIND, values: vec![[0.8; 3]] }
+        Self { name: "default".to_owned(), kind: &diffuse::KIND, values: vec![[0.8; 3]], orbit_trap: None }
     }
     /// Value of the parameter of this name.
     pub fn value(&self, name: &str) -> Option<[f32; 3]> {

@@ -51,7 +51,7 @@ struct PrincipledView {
 }
 
 fn principled_view(m: u32, wo: vec3f, inside: bool) -> PrincipledView {
-    let a = materials[m].a;
+    let a = base(m);
     let b = materials[m].b;
     let c = materials[m].c;
     let coat = select(c.x, 0.0, inside);
@@ -79,7 +79,7 @@ fn principled_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
 }
 
 fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
-    let a = materials[m].a;
+    let a = base(m);
     let b = materials[m].b;
     let c = materials[m].c;
     if wi.z < 0.0 {

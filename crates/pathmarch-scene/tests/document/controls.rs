@@ -174,7 +174,7 @@ impl Number for Value {
 /// All of a scene but its texts, as text.
 fn meaning(scene: &Scene) -> String {
     let Scene { cameras, render, sky, lights, materials, objects, field, .. } = scene;
-    let materials: Vec<_> = materials.iter().map(|m| (&m.name, m.kind.name, &m.values)).collect();
+    let materials: Vec<_> = materials.iter().map(|m| (&m.name, m.kind.name, &m.values, &m.orbit_trap)).collect();
     let sky = match sky {
         pathmarch_scene::Sky::Map(map) => format!("{map:?} {:?}", &map.texels[map.texels.len() / 3]),
         sky => format!("{sky:?}"),

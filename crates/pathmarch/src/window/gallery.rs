@@ -35,6 +35,15 @@ macro_rules! examples {
 
 /// Every example, in the order of the page.
 pub(super) static EXAMPLES: &[Example] = examples! {
+    "fractals/" "mandelbulb" "jpg" "The mandelbulb, coloured by its orbits.";
+    "fractals/" "kleinian" "jpg" "Halls of a pseudo-Kleinian group.";
+    "fractals/" "julia" "jpg" "A slice of a quaternion Julia set.";
+    "fractals/" "mandelbox" "jpg" "The mandelbox.";
+    "fractals/" "apollonian" "jpg" "Spheres within spheres.";
+    "fractals/" "sponge" "jpg" "Menger's sponge in a low sun.";
+    "fractals/" "sierpinski" "jpg" "Sierpinski's tetrahedron.";
+    "fractals/" "cubes" "jpg" "Cubes to the horizon.";
+    "" "operators" "jpg" "Twisted, bent, repeated, hollow and round.";
     "" "glass-still-life" "jpg" "Clear and coloured glass on a table.";
     "" "day" "jpg" "The sky of a clear day, and its sun.";
     "" "material-grid" "jpg" "Every kind of material, smooth to rough.";

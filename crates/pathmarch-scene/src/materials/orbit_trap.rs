@@ -1,0 +1,84 @@
+//! Orbit traps: a colour by what the orbit of a fractal's point comes near to (Pickover and Khorasani 1985; for solids
+//! Quilez 2009, "Mandelbulb"). The orbit is followed once, where a ray has hit; the march knows nothing of it.
+
+/// What the orbit comes near to: the numbers of [`Shape::orbit`](pathmarch_field::Shape::orbit), in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trap {
+    /// The origin: least distance.
+    Point,
+    /// The y axis: least distance.
+    Line,
+    /// The plane y = 0: least distance.
+    Plane,
+    /// The sphere of radius one about the origin: least distance.
+    Sphere,
+    /// No trap, but the part of all iterations after which the orbit escaped, 0 to 1.
+    Iterations,
+}
+
+impl Trap {
+    /// All of them, in the order of the orbit's numbers.
+    pub const ALL: [Self; 5] = [Self::Point, Self::Line, Self::Plane, Self::Sphere, Self::Iterations];
+
+    /// Name in the scene language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Line => "line",
+            Self::Plane => "plane",
+            Self::Sphere => "sphere",
+            Self::Iterations => "iterations",
+        }
+    }
+}
+
+/// The colour of a fractal's surface by its orbit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrbitTrap {
+    /// What counts.
+    pub trap: Trap,
+    /// Its values at the first and at the last colour.
+    pub range: [f32; 2],
+    /// Linear Rec. 709, evenly spaced over the range; at least one.
+    pub colours: Vec<[f32; 3]>,
+}
+
+impl OrbitTrap {
+    /// The colour for the numbers of an orbit.
+    pub fn colour(&self, orbit: &[f32]) -> [f32; 3] {
+        let value = orbit.get(self.trap as usize).copied().unwrap_or_default();
+        let [from, to] = self.range;
+        let last = self.colours.len().saturating_sub(1);
+        // Equal ends are a step.
+        let span = if from == to { 1e-20 } else { to - from };
+        let place = ((value - from) / span).clamp(0.0, 1.0) * last as f32;
+        let first = (place as usize).min(last.saturating_sub(1));
+        let part = place - first as f32;
+        let (a, b) = (self.colours[first], self.colours[(first + 1).min(last)]);
+        std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{OrbitTrap, Trap};
+
+    #[test]
+    fn colours_are_evenly_spaced_and_end_at_both_ends() {
+        let mut trap =
+            OrbitTrap { trap: Trap::Line, range: [1.0, 3.0], colours: vec![[0.0; 3], [1.0, 0.5, 0.0], [1.0; 3]] };
+        for (value, colour) in [
+            (-9.0, [0.0; 3]),
+            (1.5, [0.5, 0.25, 0.0]),
+            (2.0, [1.0, 0.5, 0.0]),
+            (2.5, [1.0, 0.75, 0.5]),
+            (9.0, [1.0; 3]),
+        ] {
+            assert_eq!(trap.colour(&[7.0, value, 7.0, 7.0, 7.0]), colour, "{value}");
+        }
+        trap.range = [3.0, 1.0];
+        assert_eq!(trap.colour(&[7.0, 2.5, 7.0, 7.0, 7.0]), [0.5, 0.25, 0.0]);
+        trap.colours.truncate(1);
+        assert_eq!(trap.colour(&[7.0, 2.5, 7.0, 7.0, 7.0]), [0.0; 3]);
+    }
+}
