@@ -11,11 +11,10 @@ use wide::f32x8;
 pub(super) const SIDE: i32 = 4;
 /// Corners along an edge of a block.
 const CORNERS: usize = SIDE as usize + 1;
-/// How far a vertex may leave its cell, in cells, if it is on the surface there: so that sharp edges are kept where they
-/// reach into a cell none of whose edges they cross.
-const REACH: f64 = 0.5;
-/// How close to the surface it must be for that, in cells.
+/// How close to the surface a vertex must be that was not simply found between crossings, in cells.
 const CLOSE: f32 = 0.02;
+/// How far distances at a cell's corners may be from those to its plane, in cells, for the surface to count as flat there.
+const FLAT: f64 = 0.05;
 
 /// A cell that the surface passes through.
 #[derive(Clone, Copy)]
@@ -125,7 +124,6 @@ impl Block {
         let crossings = crossings(solid, &edges, &corner_points, &distances);
 
         let mut planes: Vec<(DVec3, DVec3)> = Vec::with_capacity(12);
-        let mut drafts = Vec::new();
         for z in 0..CORNERS - 1 {
             for y in 0..CORNERS - 1 {
                 for x in 0..CORNERS - 1 {
@@ -138,23 +136,21 @@ impl Block {
                     }
                     let at = corner_at(base);
                     let patches = Patches::new(mask, turned(solid, at, mask));
-                    block.cells.push(Cell::new(at, mask, &patches, drafts.len() as u32));
-                    let centre =
-                        DVec3::from(std::array::from_fn(|k| solid.origin[k] + solid.cell * (f64::from(at[k]) + 0.5)));
+                    block.cells.push(Cell::new(at, mask, &patches, block.vertices.len() as u32));
+                    let corner_distances = std::array::from_fn(|corner| distances[index(corner)]);
+                    let place = Place { solid, at, is_alone: patches.count == 1, corner_distances };
                     for patch in 0..patches.count {
                         planes.clear();
                         let of_patch = (0..12).filter(|&e| is_crossed(mask, e) && patches.of_edge[e] == patch);
                         planes.extend(of_patch.map(|edge| {
                             let crossing = &crossings[number_of[edge / 4][index(corners(edge)[0])] as usize];
-                            let point = (glam::Vec3::from(crossing.point).as_dvec3() - centre) / solid.cell;
-                            (point, glam::Vec3::from(crossing.normal).as_dvec3())
+                            (place.local(crossing.point), glam::Vec3::from(crossing.normal).as_dvec3())
                         }));
-                        drafts.push(Draft::new(solid, centre, &planes));
+                        block.vertices.push(place.vertex(&mut planes, paints));
                     }
                 }
             }
         }
-        block.vertices = finished(solid, drafts, paints);
         block
     }
 }
@@ -191,15 +187,22 @@ fn turned(solid: &Solid, at: [i32; 3], mask: u8) -> u8 {
     (0..6).filter(|face| open >> face & 1 == 1).fold(0, |bits, face: usize| {
         let mut beyond = at;
         beyond[face / 2] += if face & 1 == 1 { 1 } else { -1 };
-        let corners: [_; 8] =
-            std::array::from_fn(|corner| solid.corner([0, 1, 2].map(|k| beyond[k] + (corner >> k & 1) as i32)));
-        let mut mask = 0;
-        in_lanes(&corners, |_, p| {
-            let distances = solid.distance(p).to_array();
-            mask = (0..8).fold(0, |bits, corner| bits | u8::from(distances[corner] < 0.0) << corner);
-        });
-        bits | (pinched(mask) >> (face ^ 1) & 1) << face
+        bits | (pinched(mask_of(solid, beyond)) >> (face ^ 1) & 1) << face
     })
+}
+
+/// The corners of a cell.
+fn corners_of(solid: &Solid, at: [i32; 3]) -> Points {
+    let corner = |corner: usize| solid.corner([0, 1, 2].map(|k| at[k] + (corner >> k & 1) as i32));
+    let corners: [_; 8] = std::array::from_fn(corner);
+    let along = |axis: usize| f32x8::from(corners.map(|corner| corner[axis]));
+    Vec3::new(along(0), along(1), along(2))
+}
+
+/// A bit for each corner of a cell that is inside.
+fn mask_of(solid: &Solid, at: [i32; 3]) -> u8 {
+    let distances = solid.distance(corners_of(solid, at)).to_array();
+    (0..8).fold(0, |bits, corner| bits | u8::from(distances[corner] < 0.0) << corner)
 }
 
 /// Where the surface crosses each of the edges: the Illinois variant of false position (Dowell and Jarratt 1971), which is
@@ -251,49 +254,92 @@ fn crossings(solid: &Solid, edges: &[(usize, usize)], corner_points: &[[f32; 3]]
     crossings
 }
 
-/// A vertex whose place is not decided yet.
-struct Draft {
-    /// Where the planes meet, if that is outside of the cell and within reach.
-    outside: Option<[f32; 3]>,
-    /// The place nearest to it in the cell.
-    inside: [f32; 3],
-    normal: [f32; 3],
+/// A cell, for finding its vertices. Local coordinates are in cells, from its centre.
+struct Place<'a> {
+    solid: &'a Solid<'a>,
+    at: [i32; 3],
+    /// Whether the surface passes through it in one patch.
+    is_alone: bool,
+    corner_distances: [f32; 8],
 }
 
-impl Draft {
-    /// Of planes in cells, as seen from the centre of the cell.
-    fn new(solid: &Solid, centre: DVec3, planes: &[(DVec3, DVec3)]) -> Self {
-        let met = qef::solve(planes.iter().copied());
-        let kept = met.clamp(DVec3::splat(-0.5), DVec3::splat(0.5));
-        let past = (met - kept).abs().max_element();
-        let in_world = |v: DVec3| (centre + v * solid.cell).as_vec3().into();
+impl Place<'_> {
+    fn centre(&self) -> DVec3 {
+        DVec3::from([0, 1, 2].map(|k| self.solid.origin[k] + self.solid.cell * (f64::from(self.at[k]) + 0.5)))
+    }
+    fn local(&self, point: [f32; 3]) -> DVec3 {
+        (glam::Vec3::from(point).as_dvec3() - self.centre()) / self.solid.cell
+    }
+    fn in_world(&self, local: DVec3) -> [f32; 3] {
+        (self.centre() + local * self.solid.cell).as_vec3().into()
+    }
+
+    /// The vertex of a patch, of the tangent planes at its crossings.
+    fn vertex(&self, planes: &mut Vec<(DVec3, DVec3)>, paints: &[[f32; 3]]) -> Vertex {
         let normal: DVec3 = planes.iter().map(|(_, normal)| normal).sum();
-        Self {
-            outside: (past > 0.0 && past <= REACH).then(|| in_world(met)),
-            inside: in_world(kept),
-            normal: normal.as_vec3().try_normalize().unwrap_or(glam::Vec3::Y).into(),
+        let normal = normal.try_normalize().unwrap_or(DVec3::Y);
+        let (met, told) = qef::solve(planes.iter().copied());
+        let mut kept = None;
+        if self.is_alone && !self.is_flat(met, normal) {
+            self.look_around(planes);
+            let (sharper, more) = qef::solve(planes.iter().copied());
+            kept = Some(sharper).filter(|&sharper| more > told && self.may_hold(sharper, true));
         }
+        let kept = kept.or_else(|| Some(met).filter(|&met| self.may_hold(met, false)));
+        let kept = kept.unwrap_or(met.clamp(DVec3::splat(-0.5), DVec3::splat(0.5)));
+        let position = self.in_world(kept);
+        let is_plain = paints.iter().all(|paint| paint == &paints[0]);
+        let colour = if is_plain { paints[0] } else { blended(self.solid, position, paints) };
+        Vertex { position, normal: normal.as_vec3().into(), colour }
     }
-}
 
-fn finished(solid: &Solid, drafts: Vec<Draft>, paints: &[[f32; 3]]) -> Vec<Vertex> {
-    let vertex = |draft: &Draft| Vertex { position: draft.inside, normal: draft.normal, colour: paints[0] };
-    let mut vertices: Vec<_> = drafts.iter().map(vertex).collect();
-    let outside = drafts.iter().enumerate().filter_map(|(number, draft)| Some((number, draft.outside?)));
-    let (numbers, points): (Vec<_>, Vec<_>) = outside.unzip();
-    in_lanes(&points, |first, p| {
-        for (lane, distance) in solid.distance(p).to_array().into_iter().enumerate().take(points.len() - first) {
-            if distance.abs() <= CLOSE * solid.cell as f32 {
-                vertices[numbers[first + lane]].position = points[first + lane];
-            }
+    /// Whether distances at the corners are those to one plane.
+    fn is_flat(&self, point: DVec3, normal: DVec3) -> bool {
+        (0..8).all(|corner| {
+            let side = |axis: usize| (corner >> axis & 1) as f64 - 0.5;
+            let height = (DVec3::new(side(0), side(1), side(2)) - point).dot(normal);
+            (height - f64::from(self.corner_distances[corner]) / self.solid.cell).abs() < FLAT
+        })
+    }
+
+    /// Adds the tangent planes where the surface is nearest to the cell's corners: what no edge of the cell crosses is met, too.
+    fn look_around(&self, planes: &mut Vec<(DVec3, DVec3)>) {
+        let mut p = corners_of(self.solid, self.at);
+        let half = |_| f32x8::splat(0.5);
+        let mut field = self.solid.surface(p, &half).field;
+        for _ in 0..2 {
+            p = p - field.gradient * (field.value / field.gradient.dot(field.gradient).divisor());
+            field = self.solid.surface(p, &half).field;
         }
-    });
-    if paints.iter().any(|paint| paint != &paints[0]) {
-        for vertex in &mut vertices {
-            vertex.colour = blended(solid, vertex.position, paints);
+        for lane in 0..8 {
+            let of = |v: Points| [v.x, v.y, v.z].map(|v| v.to_array()[lane]);
+            let (point, normal) = (self.local(of(p)), glam::Vec3::from(of(field.gradient)).try_normalize());
+            let is_near = point.abs().max_element() < 1.0 && self.is_close(field.value.to_array()[lane]);
+            planes.extend(normal.filter(|_| is_near).map(|normal| (point, normal.as_dvec3())));
         }
     }
-    vertices
+
+    fn is_close(&self, distance: f32) -> bool {
+        distance.abs() <= CLOSE * self.solid.cell as f32
+    }
+
+    /// Whether the vertex may be at a place: in the cell, or on the surface in a cell beyond a face, close to that face, which
+    /// has no vertex of its own. So edges are kept that reach into a cell none of whose edges they cross.
+    fn may_hold(&self, local: DVec3, is_sharper: bool) -> bool {
+        let is_on_surface = || {
+            let distance = self.solid.distance(Vec3::constant(self.in_world(local)));
+            self.is_close(distance.to_array()[0])
+        };
+        let past = local.abs().max_element() - 0.5;
+        if past <= 0.0 {
+            return !is_sharper || is_on_surface();
+        }
+        let is_free = || {
+            let beyond = [0, 1, 2].map(|axis| self.at[axis] + (local[axis] + 0.5).floor() as i32);
+            [0, 255].contains(&mask_of(self.solid, beyond))
+        };
+        (past <= 0.5 && !is_sharper || past <= 1.0 && is_free()) && is_on_surface()
+    }
 }
 
 /// The colour at a place: the mean over eight choices between blended materials, an eighth apart for each blend.

@@ -12,8 +12,9 @@ use glam::{DMat3, DVec3};
 /// surface.
 const LEAST_SHARE: f64 = 0.01;
 
-/// Where planes, each a point and a unit normal, meet best; near the mean of the points where they leave it open.
-pub(super) fn solve(planes: impl Iterator<Item = (DVec3, DVec3)> + Clone) -> DVec3 {
+/// Where planes, each a point and a unit normal, meet best, and in how many directions they say so: 1 on a face, 2 on an edge, 3
+/// at a corner. In the others it is the mean of the points.
+pub(super) fn solve(planes: impl Iterator<Item = (DVec3, DVec3)> + Clone) -> (DVec3, usize) {
     let (count, sum) = planes.clone().fold((0.0, DVec3::ZERO), |(n, sum), (point, _)| (n + 1.0, sum + point));
     let mean = sum / count;
     let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
@@ -23,10 +24,9 @@ pub(super) fn solve(planes: impl Iterator<Item = (DVec3, DVec3)> + Clone) -> DVe
     }
     let (values, vectors) = eigen(matrix);
     let least = values.max_element() * LEAST_SHARE;
-    let along = |k: usize| {
-        if values[k] > least { vectors.col(k) * (vectors.col(k).dot(right) / values[k]) } else { DVec3::ZERO }
-    };
-    mean + along(0) + along(1) + along(2)
+    let told: Vec<_> = (0..3).filter(|&k| values[k] > least).collect();
+    let along = |&k: &usize| vectors.col(k) * (vectors.col(k).dot(right) / values[k]);
+    (mean + told.iter().map(along).sum::<DVec3>(), told.len())
 }
 
 /// Eigenvalues and eigenvectors (columns) of a symmetric matrix: Jacobi's rotations (Golub and Van Loan 2013, section 8.5).
@@ -65,12 +65,15 @@ mod tests {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn * axis);
         let plane = |k: usize, a: f64, b: f64| (corner + axes[(k + 1) % 3] * a + axes[(k + 2) % 3] * b, axes[k]);
         let planes = [plane(0, 0.2, 0.5), plane(1, -0.3, 0.1), plane(2, 0.4, -0.6)];
-        assert!((solve(planes.into_iter()) - corner).length() < 1e-12);
+        let (met, told) = solve(planes.into_iter());
+        assert!((met - corner).length() < 1e-12 && told == 3);
         let edge = [plane(0, 0.2, 0.5), plane(1, -0.3, 0.1)];
-        let met = solve(edge.into_iter());
+        let (met, told) = solve(edge.into_iter());
+        assert_eq!(told, 2);
         assert!((met - corner).dot(axes[0]).abs() < 1e-12 && (met - corner).dot(axes[1]).abs() < 1e-12);
         let face = [plane(0, 0.2, 0.5), plane(0, 0.4, 0.1)];
-        assert!((solve(face.into_iter()) - plane(0, 0.3, 0.3).0).length() < 1e-12, "the mean, where it is flat");
+        let (met, told) = solve(face.into_iter());
+        assert!((met - plane(0, 0.3, 0.3).0).length() < 1e-12 && told == 1, "the mean, where it is flat");
     }
 
     #[test]
@@ -80,6 +83,6 @@ mod tests {
             (DVec3::new(-0.5, 0.0, 0.0), DVec3::new(-slope, 1.0, 0.0).normalize()),
             (DVec3::new(0.3, 0.0, 0.0), DVec3::new(slope, 1.0, 0.0).normalize()),
         ];
-        assert!((solve(planes.into_iter()).x + 0.1).abs() < 0.01);
+        assert!((solve(planes.into_iter()).0.x + 0.1).abs() < 0.01);
     }
 }
