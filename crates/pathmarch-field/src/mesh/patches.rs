@@ -10,7 +10,7 @@
 //!
 //! **The exception.** If both outlines on such a face belong to one patch in each of the two cells, the two
 //! vertices would be joined twice, by one edge in four triangles. There, and only there, both cells join the other way (Wenger
-//! 2013, section 3.5).
+//! 2013).
 
 /// The two corners of an edge, the one of smaller coordinate first.
 pub(super) fn corners(edge: usize) -> [usize; 2] {

@@ -14,7 +14,7 @@ pub(super) fn write(writer: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
     for &triangle in &mesh.triangles {
         let [a, b, c] = mesh.corners(triangle).map(Vec3::from);
         let normal = (b - a).cross(c - a).normalize_or_zero();
-        write_numbers(writer, [normal, a, b, c].into_iter().flat_map(Vec3::to_array))?;
+        write_numbers(writer, [normal, a, b, c].iter().flat_map(Vec3::to_array))?;
         writer.write_all(&[0, 0])?;
     }
     Ok(())

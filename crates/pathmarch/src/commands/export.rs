@@ -87,15 +87,21 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     };
     save(&arguments.output, &mesh).map_err(Failure::other)?;
     eprintln!(
-        "wrote {}: {} triangles, {} vertices, {:.4e} m³, {:.4e} m² in {:.1} s",
+        "wrote {}: {} triangles, {} vertices, {} m³, {} m² in {:.1} s",
         arguments.output.display(),
         mesh.triangles.len(),
         mesh.positions.len(),
-        mesh.volume(),
-        mesh.area(),
+        in_figures(mesh.volume()),
+        in_figures(mesh.area()),
         started.elapsed().as_secs_f64(),
     );
     Ok(DONE)
+}
+
+/// A number with four figures.
+fn in_figures(value: f64) -> String {
+    let places = 3.0 - value.abs().max(1e-12).log10().floor();
+    format!("{value:.0$}", places.max(0.0) as usize)
 }
 
 impl Arguments {
