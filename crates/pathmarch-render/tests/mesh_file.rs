@@ -6,7 +6,7 @@ use pathmarch_render::pathmarch_field::Mesh;
 use pathmarch_render::pathmarch_field::mesh::Fineness;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::srgb_encode;
-use ply_rs_bw::ply::{Addable, DefaultElement, Property};
+use ply_rs_bw::ply::{DefaultElement, Property};
 use std::ops::ControlFlow;
 use std::path::Path;
 
