@@ -323,8 +323,9 @@ impl Place<'_> {
         distance.abs() <= CLOSE * self.solid.cell as f32
     }
 
-    /// Whether the vertex may be at a place: in the cell, or on the surface in a cell beyond a face, close to that face, which
-    /// has no vertex of its own. So edges are kept that reach into a cell none of whose edges they cross.
+    /// Whether the vertex may be at a place: in the cell; or on the surface up to half a cell beyond it, or up to a whole one in
+    /// a cell that has no vertex of its own. So edges and corners are kept that reach into a cell none of whose edges they
+    /// cross. What was found by looking around must be on the surface, and leaves a corner to the cell that has it.
     fn may_hold(&self, local: DVec3, is_sharper: bool) -> bool {
         let is_on_surface = || {
             let distance = self.solid.distance(Vec3::constant(self.in_world(local)));

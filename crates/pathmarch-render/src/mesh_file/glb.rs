@@ -60,7 +60,7 @@ pub(super) fn write(writer: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
         "buffers": [{ "byteLength": length }],
     });
     let mut description = description.to_string();
-    while description.len() % 4 != 0 {
+    while !description.len().is_multiple_of(4) {
         description.push(' ');
     }
     let total = 12 + 8 + description.len() + 8 + length;
