@@ -643,6 +643,21 @@ impl Field {
         self.nearest_surface(p, |_| N::truth(true), &|index| N::choice(seeds, index))
     }
 
+    /// The surface of the union at each point: of the object whose signed distance is least, as in
+    /// [`distance`](Self::distance). Thresholds are as in [`surface_met`](Self::surface_met).
+    pub fn union_surface<N: Batch>(&self, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
+        let mut least = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
+        for object in &self.objects {
+            let surface = self.tree_surface(object, p, threshold);
+            let is_less = surface.field.value.lt(least.field.value);
+            least = Surface {
+                field: Dual::select(is_less, surface.field, least.field),
+                leaf: N::select(is_less, surface.leaf, least.leaf),
+            };
+        }
+        least
+    }
+
     /// The surface that a ray met at each point, as [`surface`](Self::surface): only of the objects that have a closed form
     /// where `direct` is 1, only of the others where it is 0. Where a smooth operator blends two materials, the second one
     /// shows if its weight exceeds the threshold of the blend's number: [`Batch::choice`], or 0.5 for the heavier one.

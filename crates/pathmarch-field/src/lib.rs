@@ -5,10 +5,11 @@
 //! point or eight), the exact gradient (dual numbers), and the WGSL of both (an expression graph, printed).
 //!
 //! [`registry`] lists the shapes and operators; [`graph`] composes them into a scene's field; [`wgsl`] prints that
-//! field for the GPU. This crate knows no files, no GPU and no light.
+//! field for the GPU; [`mesh`] makes triangles of it. This crate knows no files, no GPU and no light.
 
 pub mod bounds;
 pub mod graph;
+pub mod mesh;
 mod modifiers;
 pub mod number;
 mod operators;
@@ -19,4 +20,5 @@ pub mod wgsl;
 
 pub use bounds::Aabb;
 pub use graph::{Field, Node, Placement};
+pub use mesh::Mesh;
 pub use registry::{Combine, Emitter, Info, Modify, Param, Shape, Solid, Unit};

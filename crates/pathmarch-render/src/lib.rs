@@ -18,6 +18,7 @@ pub mod aov;
 pub mod film;
 pub mod image;
 pub mod live;
+pub mod mesh_file;
 pub mod metrics;
 pub mod tonemap;
 
@@ -31,6 +32,7 @@ mod renderer;
 mod settings;
 mod tracer;
 mod transport;
+mod whole;
 
 pub use error::RenderError;
 pub use gpu::{AdapterDescription, adapters};

@@ -9,7 +9,7 @@ mod picture;
 mod window;
 
 use clap::{Parser, Subcommand};
-use commands::{bench, check, compare, devices, render, shapes, view};
+use commands::{bench, check, compare, devices, export, render, shapes, view};
 use std::process::ExitCode;
 
 /// A path tracer for distance fields: scenes as text, light that is right.
@@ -30,6 +30,8 @@ enum Command {
     View(view::Arguments),
     /// Render a scene to a picture.
     Render(render::Arguments),
+    /// Make a mesh of a scene's objects: .stl, .ply, .obj or .glb.
+    Export(export::Arguments),
     /// Read scenes and report every mistake in them.
     Check(check::Arguments),
     /// Compare a picture with a reference.
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
     let result = match command {
         Command::View(arguments) => view::run(arguments),
         Command::Render(arguments) => render::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Devices => devices::run(),

@@ -200,6 +200,91 @@ fn check_devices_and_shapes_answer() {
     );
 }
 
+const SOLIDS: &str = "pathmarch 1
+camera { position 0 1 4; target 0 0 0 }
+sky 1
+object \"ball\" { sphere 0.5 }
+object \"block\" { box 1 { at 2 0 0 } }
+object \"card\" { rect 1 1 { at 4 0 0 } }
+object \"floor\" { plane { at 0 -2 0 } }
+";
+
+#[test]
+fn export_writes_meshes() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("solids.kdl"), SOLIDS).expect("written");
+    let export = |more: &[&str]| pathmarch(&[&["export", "solids.kdl"], more].concat(), directory.path());
+    for extension in ["stl", "ply", "obj", "glb", "GLB"] {
+        let name = format!("a.{extension}");
+        let output = export(&["--object", "ball", "--object", "block", "--resolution", "40", "-o", &name]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        assert!(directory.path().join(&name).metadata().expect("written").len() > 10_000);
+        let text = stderr(&output);
+        assert!(text.contains("\"ball\", \"block\", 40 cells") && text.contains(&format!("wrote {name}: ")), "{text}");
+        let number = |unit: &str| {
+            let before = text.split(unit).next().and_then(|text| text.split_whitespace().last());
+            before.and_then(|number| number.parse::<f64>().ok()).expect("a number")
+        };
+        assert!((number(" m³") / (1.0 + std::f64::consts::PI / 6.0) - 1.0).abs() < 0.01, "{text}");
+        assert!((number(" m² in") / (6.0 + std::f64::consts::PI) - 1.0).abs() < 0.01, "{text}");
+    }
+    // All solids, cut; what is no solid is named.
+    let output = export(&["--bounds", "-1 -2.5 -1 3 1 1", "--cell", "0.1", "-o", "all.stl"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(stderr(&output).contains("left out") && stderr(&output).contains("\"card\""), "{}", stderr(&output));
+    assert_eq!(directory.path().read_dir().expect("a directory").count(), 7, "nothing else is left behind");
+}
+
+#[test]
+fn what_cannot_be_exported_is_refused() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("solids.kdl"), SOLIDS).expect("written");
+    for (wrong, expected, words) in [
+        (&["-o", "a.stl"][..], 2, &["\"floor\"", "--object", "--bounds"][..]),
+        (&["-o", "a.fbx", "--object", "ball"], 2, &[".stl, .ply, .obj or .glb"]),
+        (&["-o", "a.stl", "--object", "bal"], 2, &["did you mean \"ball\"", "\"block\""]),
+        (&["-o", "a.stl", "--object", "card"], 2, &["\"card\"", "no inside"]),
+        (&["-o", "a.stl", "--object", "ball", "--resolution", "100000"], 2, &["larger cells"]),
+        (&["-o", "a.stl", "--object", "ball", "--cell", "1e-9"], 2, &["larger cells"]),
+        (&["-o", "a.stl", "--object", "ball", "--cell", "0"], 2, &["above 0"]),
+        (&["-o", "a.stl", "--object", "ball", "--cell", "0.1", "--resolution", "9"], 2, &["--resolution"]),
+        (&["-o", "a.stl", "--bounds", "1 1 1 0 0 0"], 2, &["smaller corner"]),
+        (&["-o", "a.stl", "--object", "ball", "--bounds", "5 5 5 6 6 6"], 2, &["no inside"]),
+        (&["-o", "no/such/a.stl", "--object", "ball"], 1, &["no/such"]),
+        (&["--object", "ball"], 2, &["--output"]),
+    ] {
+        let output = pathmarch(&[&["export", "solids.kdl"], wrong].concat(), directory.path());
+        assert_eq!(code(&output), expected, "{wrong:?}: {}", stderr(&output));
+        for word in words {
+            assert!(stderr(&output).contains(word), "{wrong:?}: {}", stderr(&output));
+        }
+    }
+    assert_eq!(directory.path().read_dir().expect("a directory").count(), 1, "nothing is written");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_export_leaves_nothing() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("solids.kdl"), SOLIDS).expect("written");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pathmarch"))
+        .args(["export", "solids.kdl", "--object", "ball", "--resolution", "1000", "-o", "a.stl"])
+        .current_dir(directory.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    // The line that names the objects comes once interrupts are watched.
+    let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().expect("piped")));
+    let first = lines.next().expect("a line").expect("text");
+    assert!(first.contains("1000 cells"), "{first}");
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    assert!(killed.success());
+    let rest: Vec<String> = lines.map(|line| line.expect("text")).collect();
+    assert_eq!(child.wait().expect("it ends").code(), Some(130), "{rest:?}");
+    assert!(rest.iter().any(|line| line.contains("nothing was written")), "{rest:?}");
+    assert_eq!(directory.path().read_dir().expect("a directory").count(), 1, "nothing is left behind");
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_render_writes_what_is_done() {

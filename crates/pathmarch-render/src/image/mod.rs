@@ -15,6 +15,7 @@ mod ldr;
 
 pub use crate::tonemap::Display;
 
+use crate::whole;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -297,30 +298,12 @@ pub fn save_with(
         }
     }
 
-    let directory = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let directory = whole::directory(path);
     if !directory.is_dir() {
         return Err(ImageError::MissingDirectory { path: path.to_owned(), directory: directory.to_owned() });
     }
     let write_error = |source| ImageError::Write { path: path.to_owned(), source };
-    if path.is_dir() {
-        return Err(write_error(io::ErrorKind::IsADirectory.into()));
-    }
-
-    let mut name = std::ffi::OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(".");
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&name).suffix(".part");
-    #[cfg(unix)]
-    {
-        // As for any new file, the umask takes its share; tempfile's default is private to the user.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let file = builder.tempfile_in(directory).map_err(write_error)?;
+    let file = whole::beside(path).map_err(write_error)?;
     let mut writer = BufWriter::new(file);
     match format {
         ImageFormat::Exr => exr::write(path, &mut writer, picture, channels, provenance)?,

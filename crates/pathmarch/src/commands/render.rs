@@ -1,16 +1,14 @@
 //! `pathmarch render`: a scene to a picture.
 
-use super::{BackendArgument, parse_size};
+use super::{BackendArgument, check_directory, listed, parse_size, progress_bar, watch_interrupts};
 use crate::exit::{DONE, Failure, INTERRUPTED, print_report};
 use crate::picture::{Rendered, accumulate};
-use indicatif::{ProgressBar, ProgressStyle};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::{Caustics, Sampler, Scene};
 use pathmarch_render::tonemap::{Display, Tonemap};
 use pathmarch_render::{Job, MAX_BOUNCES, Mode, RenderError, Renderer, Settings};
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -144,8 +142,8 @@ impl Arguments {
         let camera = match &self.camera {
             None => 0,
             Some(name) => scene.cameras.iter().position(|camera| camera.name == *name).ok_or_else(|| {
-                let names: Vec<_> = scene.cameras.iter().map(|camera| format!("\"{}\"", camera.name)).collect();
-                Failure::Usage(format!("the scene has no camera \"{name}\"; it has {}", names.join(", ")))
+                let names = listed(scene.cameras.iter().map(|camera| camera.name.as_str()));
+                Failure::Usage(format!("the scene has no camera \"{name}\"; it has {names}"))
             })?,
         };
         Ok(Settings {
@@ -177,11 +175,7 @@ impl Arguments {
                 output.with_extension("exr").display()
             )));
         }
-        // Better now than after an hour of rendering.
-        let directory = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if !directory.is_dir() {
-            return Err(Failure::Other(format!("there is no directory {}; make it first", directory.display())));
-        }
+        check_directory(&output)?;
         Ok(output)
     }
 }
@@ -254,19 +248,6 @@ fn described(settings: &Settings) -> String {
     }
 }
 
-/// A flag that Ctrl-C raises; a second Ctrl-C ends the program at once.
-fn watch_interrupts() -> Result<Arc<AtomicBool>, Failure> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = flag.clone();
-    ctrlc::set_handler(move || {
-        if raised.swap(true, Ordering::SeqCst) {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-    })
-    .map_err(Failure::other)?;
-    Ok(flag)
-}
-
 /// Renders until all samples are done, the time is over or an interrupt comes, and shows how far it is.
 fn accumulate_and_tell(
     job: &mut Job,
@@ -276,10 +257,7 @@ fn accumulate_and_tell(
 ) -> Result<(), RenderError> {
     // Thousandths of a sample, so that a sample that takes long is seen to move.
     let total = u64::from(settings.samples) * 1000;
-    let bar = ProgressBar::new(total);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}, {eta} left") {
-        bar.set_style(style.progress_chars("█▉▊▋▌▍▎▏ "));
-    }
+    let bar = progress_bar(total);
     let started = Instant::now();
     let over = |done: f64| {
         let late = seconds.is_some_and(|seconds| started.elapsed().as_secs_f64() >= seconds);

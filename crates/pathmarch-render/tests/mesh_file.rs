@@ -1,0 +1,149 @@
+//! Mesh files: what other readers find in them.
+
+use glam::Vec3;
+use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
+use pathmarch_render::pathmarch_field::Mesh;
+use pathmarch_render::pathmarch_field::mesh::Fineness;
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::tonemap::srgb_encode;
+use ply_rs_bw::ply::{DefaultElement, Property};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Two boxes side by side, one red and one grey.
+fn example() -> Mesh {
+    let text = "pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nmaterial \"red\" { diffuse 0.8 0.1 0.05 }\n\
+                object \"left\" material=\"red\" { box 1 { at -0.5 0 0 } }\nobject \"right\" { box 1 { at 0.5 0 0 } }";
+    let scene = Scene::parse("boxes.kdl", text).expect("a scene");
+    let objects: Vec<_> = scene.objects.iter().collect();
+    let made = mesh(&scene, &objects, Fineness::Resolution(16), None, &|_| ControlFlow::Continue(()));
+    made.expect("a mesh")
+}
+
+/// Volume of triangles, and their area.
+fn measure(triangles: impl Iterator<Item = [Vec3; 3]>) -> [f32; 2] {
+    triangles.fold([0.0; 2], |[volume, area], [a, b, c]| {
+        [volume + a.dot(b.cross(c)) / 6.0, area + 0.5 * (b - a).cross(c - a).length()]
+    })
+}
+
+fn check(name: &str, triangles: impl Iterator<Item = [Vec3; 3]>) {
+    let [volume, area] = measure(triangles);
+    println!("{name}: volume {volume}, area {area}");
+    assert!((volume - 2.0).abs() < 0.002 && (area - 10.0).abs() < 0.01, "{name}: volume {volume}, area {area}");
+}
+
+fn written(format: MeshFormat, mesh: &Mesh, directory: &Path) -> std::path::PathBuf {
+    let path = directory.join("mesh").with_extension(format.extension());
+    save(&path, mesh).expect("written");
+    path
+}
+
+#[test]
+fn stl_is_read_elsewhere() {
+    let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
+    let path = written(MeshFormat::Stl, &mesh, directory.path());
+    let read = stl_io::read_stl(&mut std::fs::File::open(path).expect("there")).expect("read");
+    read.validate().expect("closed");
+    assert_eq!(read.faces.len(), mesh.triangles.len());
+    let corner = |vertex: usize| Vec3::from(<[f32; 3]>::from(read.vertices[vertex]));
+    check("stl", read.faces.iter().map(|face| face.vertices.map(corner)));
+    for face in &read.faces {
+        let [a, b, c] = face.vertices.map(corner);
+        let normal = Vec3::from(<[f32; 3]>::from(face.normal));
+        assert!(normal.dot((b - a).cross(c - a)) >= 0.0);
+    }
+}
+
+#[test]
+fn ply_is_read_elsewhere() {
+    let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
+    let path = written(MeshFormat::Ply, &mesh, directory.path());
+    let mut file = std::io::BufReader::new(std::fs::File::open(path).expect("there"));
+    let read = ply_rs_bw::parser::Parser::<DefaultElement>::new().read_ply(&mut file).expect("read");
+    let (vertices, faces) = (&read.payload["vertex"], &read.payload["face"]);
+    assert_eq!((vertices.len(), faces.len()), (mesh.positions.len(), mesh.triangles.len()));
+    let number = |vertex: usize, name: &str| match vertices[vertex][name] {
+        Property::Float(value) => value,
+        Property::UChar(value) => f32::from(value) / 255.0,
+        ref other => panic!("{name}: {other:?}"),
+    };
+    let corner = |vertex: i32| Vec3::from(["x", "y", "z"].map(|name| number(vertex as usize, name)));
+    check(
+        "ply",
+        faces.iter().map(|face| match &face["vertex_indices"] {
+            Property::ListInt(indices) => [indices[0], indices[1], indices[2]].map(corner),
+            other => panic!("{other:?}"),
+        }),
+    );
+    for (vertex, colour) in mesh.colours.iter().enumerate() {
+        let expected = colour.map(srgb_encode);
+        for (k, name) in ["red", "green", "blue"].into_iter().enumerate() {
+            assert!((number(vertex, name) - expected[k]).abs() < 0.003);
+        }
+    }
+}
+
+#[test]
+fn obj_is_read_elsewhere() {
+    let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
+    let path = written(MeshFormat::Obj, &mesh, directory.path());
+    let (models, _) = tobj::load_obj(path, &tobj::LoadOptions::default()).expect("read");
+    let read = &models[0].mesh;
+    assert_eq!((models.len(), read.positions.len()), (1, 3 * mesh.positions.len()));
+    let corner = |vertex: u32| Vec3::from_slice(&read.positions[3 * vertex as usize..]);
+    check("obj", read.indices.chunks(3).map(|triangle| [triangle[0], triangle[1], triangle[2]].map(corner)));
+    // The reader numbers vertices anew, in the order of the triangles.
+    for (&found, &vertex) in read.indices.iter().zip(mesh.triangles.as_flattened()) {
+        assert_eq!(corner(found), Vec3::from(mesh.positions[vertex as usize]), "nothing is rounded");
+        let colour = Vec3::from_slice(&read.vertex_color[3 * found as usize..]);
+        assert!((colour - Vec3::from(mesh.colours[vertex as usize].map(srgb_encode))).length() < 2e-4);
+    }
+}
+
+#[test]
+fn glb_is_read_elsewhere() {
+    let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
+    let path = written(MeshFormat::Glb, &mesh, directory.path());
+    let read = gltf::Gltf::open(path).expect("valid");
+    let blob = read.blob.as_deref().expect("a buffer");
+    let primitive = read.meshes().next().expect("a mesh").primitives().next().expect("triangles");
+    let reader = primitive.reader(|_| Some(blob));
+    let positions: Vec<_> = reader.read_positions().expect("positions").map(Vec3::from).collect();
+    let normals: Vec<_> = reader.read_normals().expect("normals").map(Vec3::from).collect();
+    let colours: Vec<_> = reader.read_colors(0).expect("colours").into_rgb_f32().collect();
+    let indices: Vec<_> = reader.read_indices().expect("indices").into_u32().map(|vertex| vertex as usize).collect();
+    assert!(normals.len() == positions.len() && colours.len() == positions.len());
+    assert_eq!(indices.len(), 3 * mesh.triangles.len());
+    check("glb", indices.chunks(3).map(|triangle| [0, 1, 2].map(|k| positions[triangle[k]])));
+    let bounds = primitive.bounding_box();
+    for (k, side) in [1.0, 0.5, 0.5].into_iter().enumerate() {
+        assert!((bounds.min[k] + side).abs() < 1e-3 && (bounds.max[k] - side).abs() < 1e-3, "{bounds:?}");
+    }
+    // The sides of a box are shaded flat, up to their edges; the colours are those of the materials, linear.
+    for triangle in indices.chunks(3) {
+        let [a, b, c] = [0, 1, 2].map(|k| positions[triangle[k]]);
+        let face = (b - a).cross(c - a).normalize();
+        for &vertex in triangle {
+            assert!(normals[vertex].dot(face) > 0.99, "at {}: {} on {face}", positions[vertex], normals[vertex]);
+        }
+    }
+    for (position, colour) in positions.iter().zip(&colours) {
+        if position.x.abs() > 0.2 {
+            let expected = if position.x < 0.0 { [0.8, 0.1, 0.05] } else { [0.8; 3] };
+            assert!((Vec3::from(*colour) - Vec3::from(expected)).length() < 1e-6, "{colour:?} at {position}");
+        }
+    }
+}
+
+#[test]
+fn names_and_places_that_cannot_be_written_are_refused() {
+    let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
+    for name in ["mesh", "mesh.fbx", ".stl"] {
+        let error = save(&directory.path().join(name), &mesh).expect_err("no such format").to_string();
+        assert!(error.contains(".stl, .ply, .obj or .glb"), "{error}");
+    }
+    assert_eq!(MeshFormat::from_path(Path::new("A.STL")).expect("upper case"), MeshFormat::Stl);
+    assert!(save(&directory.path().join("no/such/mesh.stl"), &mesh).is_err());
+    assert_eq!(directory.path().read_dir().expect("a directory").count(), 0, "nothing is left behind");
+}

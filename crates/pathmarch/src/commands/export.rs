@@ -1,0 +1,150 @@
+//! `pathmarch export`: objects of a scene to a file of triangles.
+
+use super::{check_directory, listed, progress_bar, watch_interrupts};
+use crate::exit::{DONE, Failure, INTERRUPTED, print_report};
+use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
+use pathmarch_render::pathmarch_field::mesh::{Fineness, MeshError};
+use pathmarch_render::pathmarch_field::{Aabb, Field};
+use pathmarch_render::pathmarch_scene::{Object, Scene};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The scene file
+    scene: PathBuf,
+    /// The mesh to write: .stl, .ply, .obj or .glb
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// An object to export; may be given more than once [default: all solids, as one]
+    #[arg(long = "object", value_name = "NAME")]
+    objects: Vec<String>,
+    /// Cells along the longest side
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    resolution: u32,
+    /// Edge of a cell, metres, in place of a resolution
+    #[arg(long, value_name = "METRES", value_parser = parse_cell, conflicts_with = "resolution")]
+    cell: Option<f32>,
+    /// Cut everything by a box: its two corners, metres, as in "-1 0 -1 1 2 1"
+    #[arg(long, value_name = "X Y Z X Y Z", value_parser = parse_bounds, allow_hyphen_values = true)]
+    bounds: Option<Aabb>,
+}
+
+fn parse_cell(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|cell: &f32| *cell > 0.0 && cell.is_finite())
+        .ok_or("expected a length above 0 in metres, such as 0.01".to_owned())
+}
+
+fn parse_bounds(text: &str) -> Result<Aabb, String> {
+    let words = text.split([' ', ',']).filter(|word| !word.is_empty());
+    let numbers: Vec<f32> = words.map_while(|word| word.parse().ok()).collect();
+    match numbers[..] {
+        [a, b, c, d, e, f] if numbers.iter().all(|v| v.is_finite()) && a < d && b < e && c < f => {
+            Ok(Aabb { min: [a, b, c], max: [d, e, f] })
+        }
+        _ => Err("expected the smaller corner and the larger one, such as \"-1 0 -1 1 2 1\"".to_owned()),
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    MeshFormat::from_path(&arguments.output).map_err(|error| Failure::Usage(error.to_string()))?;
+    check_directory(&arguments.output)?;
+    let scene = Scene::load(&arguments.scene)?;
+    for warning in &scene.warnings {
+        print_report(warning);
+    }
+    let objects = arguments.solids(&scene)?;
+    let interrupted = watch_interrupts()?;
+    let fineness = arguments.cell.map_or(Fineness::Resolution(arguments.resolution), Fineness::Cell);
+    eprintln!(
+        "{}: {}, {}",
+        arguments.scene.display(),
+        listed(objects.iter().map(|object| object.name.as_str())),
+        match fineness {
+            Fineness::Resolution(cells) => format!("{cells} cells along the longest side"),
+            Fineness::Cell(cell) => format!("cells of {cell} m"),
+        }
+    );
+    let bar = progress_bar(1000);
+    let started = Instant::now();
+    let made = mesh(&scene, &objects, fineness, arguments.bounds, &|share| {
+        bar.set_position((share * 1000.0) as u64);
+        bar.set_message(format!("{:.0} %", share * 100.0));
+        if interrupted.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    bar.finish_and_clear();
+    let mesh = match made {
+        Ok(mesh) => mesh,
+        Err(MeshError::Stopped) => {
+            eprintln!("interrupted: nothing was written");
+            return Ok(INTERRUPTED);
+        }
+        Err(error) => return Err(Failure::Usage(error.to_string())),
+    };
+    save(&arguments.output, &mesh).map_err(Failure::other)?;
+    eprintln!(
+        "wrote {}: {} triangles, {} vertices, {} m³, {} m² in {:.1} s",
+        arguments.output.display(),
+        mesh.triangles.len(),
+        mesh.positions.len(),
+        in_figures(mesh.volume()),
+        in_figures(mesh.area()),
+        started.elapsed().as_secs_f64(),
+    );
+    Ok(DONE)
+}
+
+/// A number with four figures.
+fn in_figures(value: f64) -> String {
+    let places = 3.0 - value.abs().max(1e-12).log10().floor();
+    format!("{value:.0$}", places.max(0.0) as usize)
+}
+
+impl Arguments {
+    /// The objects that were asked for, all of which have an inside and an end.
+    fn solids<'a>(&self, scene: &'a Scene) -> Result<Vec<&'a Object>, Failure> {
+        let is_sheet = |object: &&Object| {
+            Field::new(std::slice::from_ref(&object.root)).leaves().iter().all(|leaf| leaf.shape.info().sheet)
+        };
+        let names = |objects: &[&Object]| listed(objects.iter().map(|object| object.name.as_str()));
+        let (sheets, solids) = if self.objects.is_empty() {
+            scene.objects.iter().partition(is_sheet)
+        } else {
+            let found = self.objects.iter().map(|name| object(scene, name)).collect::<Result<Vec<_>, _>>()?;
+            found.into_iter().partition::<Vec<_>, _>(is_sheet)
+        };
+        if solids.is_empty() || !sheets.is_empty() && !self.objects.is_empty() {
+            return Err(Failure::Usage(if sheets.is_empty() {
+                "the scene has no objects".to_owned()
+            } else {
+                format!("{}: sheets without thickness have no inside; use a thin box in their place", names(&sheets))
+            }));
+        }
+        if !sheets.is_empty() {
+            eprintln!("note: left out, being sheets without thickness: {}", names(&sheets));
+        }
+        let is_endless = |object: &&Object| !Field::new(std::slice::from_ref(&object.root)).bounds().is_finite();
+        let endless: Vec<_> = solids.iter().copied().filter(is_endless).collect();
+        if !endless.is_empty() && self.bounds.is_none() {
+            return Err(Failure::Usage(format!(
+                "no end: {}; name the objects to export (--object), or cut them by a box (--bounds)",
+                names(&endless)
+            )));
+        }
+        Ok(solids)
+    }
+}
+
+/// The object of this name.
+fn object<'a>(scene: &'a Scene, name: &str) -> Result<&'a Object, Failure> {
+    scene.objects.iter().find(|object| object.name == name).ok_or_else(|| {
+        let known = scene.objects.iter().map(|object| object.name.as_str());
+        let nearest = known.clone().min_by_key(|known| strsim::damerau_levenshtein(known, name));
+        let hint = nearest.map(|nearest| format!("; did you mean \"{nearest}\"? It has {}", listed(known)));
+        Failure::Usage(format!("the scene has no object \"{name}\"{}", hint.unwrap_or_default()))
+    })
+}
