@@ -219,7 +219,7 @@ mod tests {
     fn the_gallery_is_all_scenes() {
         let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
         let mut files = Vec::new();
-        for folder in ["", "thesis/"] {
+        for folder in ["", "thesis/", "fractals/"] {
             for entry in std::fs::read_dir(scenes.join(folder)).expect("the scenes are there") {
                 let name = entry.expect("a file").file_name().to_string_lossy().into_owned();
                 if name.ends_with(".kdl") {
