@@ -16,6 +16,7 @@ mod operators;
 mod orbit;
 pub mod registry;
 mod shapes;
+pub mod survey;
 pub mod wgsl;
 
 pub use bounds::Aabb;

@@ -190,6 +190,10 @@ fn mistakes_end_with_code_2_and_nothing_is_written() {
 fn check_devices_and_shapes_answer() {
     let directory = tempfile::tempdir().expect("a directory");
     assert_eq!(code(&pathmarch(&["check", &scene("solids.kdl"), &scene("open-room.kdl")], directory.path())), 0);
+    let field = pathmarch(&["check", "--field", &scene("combinations.kdl")], directory.path());
+    assert_eq!(code(&field), 0);
+    let text = String::from_utf8_lossy(&field.stdout).into_owned();
+    assert!(text.matches(": safe; slope up to ").count() > 3 && !text.contains("NOT SAFE"), "{text}");
     let devices = pathmarch(&["devices"], directory.path());
     assert!(code(&devices) == 0 && String::from_utf8_lossy(&devices.stdout).contains("CPU"));
     let shapes = pathmarch(&["shapes"], directory.path());

@@ -52,6 +52,7 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "" "many-lights" "jpg" "Sixty-four lamps.";
     "" "environment" "jpg" "Lit by a picture of the sky.";
     "" "ten-lines" "png" "A whole scene in ten lines of text.";
+    "thesis/" "twisted-cube" "jpg" "A cube, twisted about its axis.";
     "thesis/" "combinations" "jpg" "Union, subtraction and intersection, sharp and smooth.";
     "thesis/" "solids" "jpg" "The solids.";
     "thesis/" "glass-prism" "jpg" "A prism of glass.";

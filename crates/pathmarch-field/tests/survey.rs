@@ -1,0 +1,112 @@
+//! Fields that lie are caught, and those that do not are left in peace.
+
+use pathmarch_field::graph::Kind;
+use pathmarch_field::registry::{modifiers, shape, shapes};
+use pathmarch_field::survey::survey;
+use pathmarch_field::{Field, Node, Placement, Shape};
+
+fn node(shape: &'static dyn Shape, params: Vec<f32>) -> Node {
+    Node { kind: Kind::Shape { shape, params, tag: 0 }, placement: Placement::default() }
+}
+
+#[test]
+fn what_is_registered_is_safe() {
+    for shape in shapes() {
+        let params: Vec<f32> = shape.params().iter().map(|param| param.default).collect();
+        let finding = survey(&Field::new(&[node(*shape, params)]), 2000);
+        assert!(finding.safe_factor > 0.995, "{shape:?}: {finding:?}");
+    }
+    let block = shape("box").expect("registered");
+    for modifier in modifiers() {
+        let params = modifier.params().iter().map(|param| param.default).collect();
+        let children = vec![node(block, vec![1.0, 0.6, 0.4])];
+        let kind = Kind::Modify { modifier: *modifier, params, children };
+        let finding = survey(&Field::new(&[Node { kind, placement: Placement::default() }]), 2000);
+        assert!(finding.safe_factor > 0.995, "{modifier:?}: {finding:?}");
+        assert!(finding.slope < 1.6, "{modifier:?}: {finding:?}");
+    }
+}
+
+/// A shape that claims more than it keeps: an ellipsoid by the length of its stretched point, whose slope is that of its
+/// smallest radius.
+#[derive(Debug)]
+struct Liar;
+
+mod liar {
+    use super::Liar;
+    use pathmarch_field::number::{Dual, Vec3};
+    use pathmarch_field::registry::{Emitter, TRAPS};
+    use pathmarch_field::{Aabb, Info, Param, Shape};
+    use wide::f32x8;
+
+    static INFO: Info = Info::new("liar", "Claims to be a distance.", "nobody");
+
+    impl Shape for Liar {
+        fn info(&self) -> &'static Info {
+            &INFO
+        }
+        fn params(&self) -> &'static [Param] {
+            &[]
+        }
+        fn distance(&self, p: Vec3<f32>, _: &[f32]) -> f32 {
+            Vec3::new(p.x, 4.0 * p.y, p.z).length() - 1.0
+        }
+        fn distance_lanes(&self, _: Vec3<f32x8>, _: &[f32]) -> f32x8 {
+            unimplemented!("one point at a time")
+        }
+        fn gradient(&self, p: Vec3<Dual<f32>>, _: &[f32]) -> Dual<f32> {
+            Vec3::new(p.x, p.y * Dual::independent(4.0), p.z).length() - Dual::independent(1.0)
+        }
+        fn gradient_lanes(&self, _: Vec3<Dual<f32x8>>, _: &[f32]) -> Dual<f32x8> {
+            unimplemented!("one point at a time")
+        }
+        fn bounds(&self, _: &[f32]) -> Aabb {
+            Aabb::centred(1.0, 0.25, 1.0)
+        }
+        fn lipschitz(&self, _: &[f32]) -> f32 {
+            1.0
+        }
+        fn emitter(&self, _: &[f32]) -> Emitter {
+            Emitter::Bounded
+        }
+        fn closed_form(&self) -> bool {
+            false
+        }
+        fn ray(&self, _: Vec3<f32>, _: Vec3<f32>, _: &[f32]) -> f32 {
+            unimplemented!("no closed form")
+        }
+        fn ray_lanes(&self, _: Vec3<f32x8>, _: Vec3<f32x8>, _: &[f32]) -> f32x8 {
+            unimplemented!("no closed form")
+        }
+        fn has_orbit(&self) -> bool {
+            false
+        }
+        fn orbit(&self, _: Vec3<f32>, _: &[f32]) -> [f32; TRAPS] {
+            [0.0; TRAPS]
+        }
+        fn orbit_lanes(&self, _: Vec3<f32x8>, _: &[f32]) -> [f32x8; TRAPS] {
+            unimplemented!("no orbit")
+        }
+        fn wgsl_orbit(&self) -> String {
+            String::new()
+        }
+        fn wgsl_ray(&self) -> String {
+            String::new()
+        }
+        fn wgsl_distance(&self) -> String {
+            String::new()
+        }
+        fn wgsl_gradient(&self) -> String {
+            String::new()
+        }
+    }
+}
+
+#[test]
+fn what_claims_too_much_is_caught() {
+    let finding = survey(&Field::new(&[node(&Liar, vec![])]), 4000);
+    assert!((finding.slope - 4.0).abs() < 0.05, "{finding:?}");
+    // A quarter of the steps would be safe; the worst place need not have been found.
+    assert!((0.24..0.4).contains(&finding.safe_factor), "{finding:?}");
+    assert!(finding.at[1].abs() < 0.26 && finding.leaf == 0);
+}
