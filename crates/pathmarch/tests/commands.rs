@@ -266,25 +266,33 @@ fn what_cannot_be_exported_is_refused() {
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 1, "nothing is written");
 }
 
+/// Interrupts the program once it has printed its first line, which comes when interrupts are watched: that line, the others,
+/// and the exit code.
+#[cfg(unix)]
+fn interrupted(arguments: &[&str], directory: &Path) -> (String, Vec<String>, Option<i32>) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pathmarch"))
+        .args(arguments)
+        .current_dir(directory)
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().expect("piped")));
+    let first = lines.next().expect("a line").expect("text");
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    assert!(killed.success());
+    let rest = lines.map(|line| line.expect("text")).collect();
+    (first, rest, child.wait().expect("it ends").code())
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_export_leaves_nothing() {
     let directory = tempfile::tempdir().expect("a directory");
     std::fs::write(directory.path().join("solids.kdl"), SOLIDS).expect("written");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_pathmarch"))
-        .args(["export", "solids.kdl", "--object", "ball", "--resolution", "1000", "-o", "a.stl"])
-        .current_dir(directory.path())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    // The line that names the objects comes once interrupts are watched.
-    let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().expect("piped")));
-    let first = lines.next().expect("a line").expect("text");
+    let arguments = ["export", "solids.kdl", "--object", "ball", "--resolution", "1000", "-o", "a.stl"];
+    let (first, rest, code) = interrupted(&arguments, directory.path());
     assert!(first.contains("1000 cells"), "{first}");
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
-    assert!(killed.success());
-    let rest: Vec<String> = lines.map(|line| line.expect("text")).collect();
-    assert_eq!(child.wait().expect("it ends").code(), Some(130), "{rest:?}");
+    assert_eq!(code, Some(130), "{rest:?}");
     assert!(rest.iter().any(|line| line.contains("nothing was written")), "{rest:?}");
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 1, "nothing is left behind");
 }
@@ -293,20 +301,11 @@ fn an_interrupted_export_leaves_nothing() {
 #[test]
 fn an_interrupted_render_writes_what_is_done() {
     let directory = tempfile::tempdir().expect("a directory");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_pathmarch"))
-        .args(["render", &scene("solids.kdl"), "--backend", "cpu", "--size", "64x36", "--samples", "1000000"])
-        .current_dir(directory.path())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    // The line that names the backend comes once interrupts are watched.
-    let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().expect("piped")));
-    let first = lines.next().expect("a line").expect("text");
+    let solids = scene("solids.kdl");
+    let arguments = ["render", &solids, "--backend", "cpu", "--size", "64x36", "--samples", "1000000"];
+    let (first, rest, code) = interrupted(&arguments, directory.path());
     assert!(first.contains("on CPU"), "{first}");
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
-    assert!(killed.success());
-    let rest: Vec<String> = lines.map(|line| line.expect("text")).collect();
-    assert_eq!(child.wait().expect("it ends").code(), Some(130));
+    assert_eq!(code, Some(130));
     assert!(rest.iter().any(|line| line.contains("interrupted: wrote solids.png")), "{rest:?}");
     assert!(directory.path().join("solids.png").is_file());
 }
