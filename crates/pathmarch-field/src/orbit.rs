@@ -57,6 +57,21 @@ pub(crate) fn from_potential<N: Real>(length: N, offset: N, shrink: N) -> N {
     bent(value, N::constant(INSIDE_BEND) * (-value).max(N::zero())) * shrink
 }
 
+/// Three coordinates, the largest first: the mirrors across the diagonals of a cube.
+///
+/// Sorted by masks, not by max and min, which would both take the derivative of one side where two are equal.
+#[inline(always)]
+pub(crate) fn descending<N: Real>([x, y, z]: [N; 3]) -> Vec3<N> {
+    let pair = |a: N, b: N| {
+        let swap = a.lt(b);
+        (N::select(swap, b, a), N::select(swap, a, b))
+    };
+    let (x, y) = pair(x, y);
+    let (y, z) = pair(y, z);
+    let (x, y) = pair(x, y);
+    Vec3::new(x, y, z)
+}
+
 /// Follows an orbit and gives what it comes near to: [`Primitive::orbit`](crate::registry::Primitive::orbit).
 ///
 /// `T` is `K + TRAPS`, the state and the traps side by side.

@@ -63,15 +63,7 @@ impl<N: Real> Map<N> {
 
     #[inline(always)]
     fn step(&self, [x, y, z, shrink]: State<N>, near: N::Mask) -> (State<N>, N::Mask) {
-        // Sorted by masks, not by max and min, which would both take the derivative of one side where two are equal.
-        let descending = |a: N, b: N| {
-            let swap = a.lt(b);
-            (N::select(swap, b, a), N::select(swap, a, b))
-        };
-        let (x, y) = descending(x.abs(), y.abs());
-        let (y, z) = descending(y, z.abs());
-        let (x, y) = descending(x, y);
-        let z = Vec3::new(x, y, z) * self.scale - self.shift;
+        let z = orbit::descending([x.abs(), y.abs(), z.abs()]) * self.scale - self.shift;
         let [x, y, z] = self.turn.map(|row| row.dot(z));
         ([x, y, z, shrink / self.scale], near)
     }

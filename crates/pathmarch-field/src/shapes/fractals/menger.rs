@@ -37,14 +37,7 @@ fn start<N: Real>(p: Vec3<N>) -> State<N> {
 fn step<N: Real>([x, y, z, shrink, outside]: State<N>) -> (State<N>, N::Mask) {
     let third = N::constant(1.0 / 3.0);
     let (three, two) = (N::constant(3.0), N::constant(2.0));
-    // Sorted by masks, not by max and min, which would both take the derivative of one side where two are equal.
-    let descending = |a: N, b: N| {
-        let swap = a.lt(b);
-        (N::select(swap, b, a), N::select(swap, a, b))
-    };
-    let (x, y) = descending(x.abs(), y.abs());
-    let (y, z) = descending(y, z.abs());
-    let (x, y) = descending(x, y);
+    let Vec3 { x, y, z } = orbit::descending([x.abs(), y.abs(), z.abs()]);
     let outside = outside.max((third - y) * shrink);
     let z = (z - third).abs() - third;
     ([x * three - two, y * three - two, z * three, shrink * third, outside], N::truth(true))
