@@ -7,7 +7,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Differentiable, Dual, Real, Vec3};
-use crate::registry::{Combine, Modify, NO_HIT, Shape, TRAPS, union};
+use crate::registry::{Combine, Modify, NO_HIT, Shape, ShapeRef, TRAPS, union};
 use glam::{EulerRot, Mat3, Quat};
 use wide::f32x8;
 
@@ -39,7 +39,7 @@ pub enum Kind {
     /// A shape and its numbers, in the order of [`Shape::params`].
     Shape {
         /// The shape.
-        shape: &'static dyn Shape,
+        shape: ShapeRef,
         /// Its numbers.
         params: Vec<f32>,
         /// Whatever the caller wants to know of a hit here; the scene keeps the material in it.
@@ -95,8 +95,8 @@ pub struct Pose {
 #[derive(Clone, Debug)]
 pub struct Leaf {
     /// The shape.
-    pub shape: &'static dyn Shape,
-    /// Its numbers.
+    pub shape: ShapeRef,
+    /// What it reads: [`Shape::numbers`].
     pub params: Vec<f32>,
     /// The tag of its node.
     pub tag: u32,
@@ -412,8 +412,8 @@ impl Field {
         match &node.kind {
             Kind::Shape { shape, params, tag } => {
                 self.leaves.push(Leaf {
-                    shape: *shape,
-                    params: params.clone(),
+                    shape: shape.clone(),
+                    params: shape.numbers(params),
                     tag: *tag,
                     object,
                     pose: frame.pose(),
@@ -594,7 +594,7 @@ impl Field {
         let mut nearest = N::constant(NO_HIT);
         for leaf in self.direct_leaves() {
             let leaf = &self.leaves[leaf as usize];
-            let t = N::shape_ray(leaf.shape, leaf.pose.local(origin), leaf.pose.turned(direction), &leaf.params);
+            let t = N::shape_ray(&*leaf.shape, leaf.pose.local(origin), leaf.pose.turned(direction), &leaf.params);
             nearest = nearest.min(if leaf.pose.turn == Turn::None { t } else { t * N::constant(leaf.pose.scale) });
         }
         nearest
@@ -604,7 +604,7 @@ impl Field {
         match tree {
             Tree::Leaf(leaf) => {
                 let leaf = &self.leaves[*leaf as usize];
-                let distance = N::shape_distance(leaf.shape, leaf.pose.local(p), &leaf.params);
+                let distance = N::shape_distance(&*leaf.shape, leaf.pose.local(p), &leaf.params);
                 if leaf.pose.turn == Turn::None { distance } else { distance * N::constant(leaf.pose.scale) }
             }
             Tree::Modify(modified) => {
@@ -690,7 +690,7 @@ impl Field {
         match tree {
             Tree::Leaf(index) => {
                 let leaf = &self.leaves[*index as usize];
-                let local = N::shape_gradient(leaf.shape, Dual::variables(leaf.pose.local(p)), &leaf.params);
+                let local = N::shape_gradient(&*leaf.shape, Dual::variables(leaf.pose.local(p)), &leaf.params);
                 let field = leaf.pose.world(local);
                 Surface { field, leaf: N::constant(*index as f32) }
             }

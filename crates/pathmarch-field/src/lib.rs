@@ -22,4 +22,4 @@ pub mod wgsl;
 pub use bounds::Aabb;
 pub use graph::{Field, Node, Placement};
 pub use mesh::Mesh;
-pub use registry::{Combine, Emitter, Info, Modify, Param, Shape, Solid, Unit};
+pub use registry::{Combine, Emitter, Info, Modify, Param, Shape, ShapeRef, Solid, Unit};

@@ -9,6 +9,8 @@ use crate::number::{Dual, Real, Vec3};
 use crate::wgsl::{Expr, Function, identifier};
 use std::fmt::Debug;
 use std::marker::PhantomData;
+use std::ops::Deref;
+use std::sync::Arc;
 use wide::f32x8;
 
 /// What a number of a shape measures.
@@ -252,9 +254,13 @@ pub trait Modifier: Send + Sync + 'static {
 /// A [`Primitive`] behind a pointer.
 pub trait Shape: Send + Sync {
     /// Name, documentation, source.
-    fn info(&self) -> &'static Info;
+    fn info(&self) -> &Info;
     /// The parameters, in order.
-    fn params(&self) -> &'static [Param];
+    fn params(&self) -> &[Param];
+    /// The numbers that the functions below read, found once of the parameters.
+    fn numbers(&self, params: &[f32]) -> Vec<f32> {
+        params.to_vec()
+    }
     /// Distance at one point.
     fn distance(&self, p: Vec3<f32>, params: &[f32]) -> f32;
     /// Distance at eight points.
@@ -298,6 +304,31 @@ pub trait Shape: Send + Sync {
 impl Debug for dyn Shape {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.info().name)
+    }
+}
+
+/// A shape that is kept: one of the registry, or one that a scene declares and that lives as long as it is used.
+#[derive(Clone, Debug)]
+pub enum ShapeRef {
+    /// One of the registry.
+    Registered(&'static dyn Shape),
+    /// One that a scene declares.
+    Own(Arc<dyn Shape>),
+}
+
+impl Deref for ShapeRef {
+    type Target = dyn Shape;
+    fn deref(&self) -> &(dyn Shape + 'static) {
+        match self {
+            Self::Registered(shape) => *shape,
+            Self::Own(shape) => &**shape,
+        }
+    }
+}
+
+impl From<&'static dyn Shape> for ShapeRef {
+    fn from(shape: &'static dyn Shape) -> Self {
+        Self::Registered(shape)
     }
 }
 
@@ -405,10 +436,10 @@ impl<T: Primitive> Entry<T> {
 }
 
 impl<T: Primitive> Shape for Entry<T> {
-    fn info(&self) -> &'static Info {
+    fn info(&self) -> &Info {
         &T::INFO
     }
-    fn params(&self) -> &'static [Param] {
+    fn params(&self) -> &[Param] {
         T::PARAMS
     }
     fn distance(&self, p: Vec3<f32>, params: &[f32]) -> f32 {
@@ -685,18 +716,18 @@ pub fn modifiers() -> &'static [&'static dyn Modify] {
 
 /// Anything that stands in an object.
 #[derive(Clone, Copy, Debug)]
-pub enum Solid {
+pub enum Solid<'a> {
     /// A shape.
-    Shape(&'static dyn Shape),
+    Shape(&'a (dyn Shape + 'static)),
     /// An operator of several solids.
     Combine(&'static dyn Combine),
     /// An operator that changes what it holds.
     Modify(&'static dyn Modify),
 }
 
-impl Solid {
+impl<'a> Solid<'a> {
     /// Name, documentation, source.
-    pub fn info(self) -> &'static Info {
+    pub fn info(self) -> &'a Info {
         match self {
             Self::Shape(shape) => shape.info(),
             Self::Combine(operator) => operator.info(),
@@ -704,7 +735,7 @@ impl Solid {
         }
     }
     /// The parameters, in order.
-    pub fn params(self) -> &'static [Param] {
+    pub fn params(self) -> &'a [Param] {
         match self {
             Self::Shape(shape) => shape.params(),
             Self::Combine(_) => &[],
@@ -718,14 +749,14 @@ impl Solid {
 }
 
 /// Every shape, operator and modifier.
-pub fn solids() -> impl Iterator<Item = Solid> {
+pub fn solids() -> impl Iterator<Item = Solid<'static>> {
     let shapes = shapes().iter().map(|shape| Solid::Shape(*shape));
     let operators = operators().iter().map(|operator| Solid::Combine(*operator));
     shapes.chain(operators).chain(modifiers().iter().map(|modifier| Solid::Modify(*modifier)))
 }
 
 /// The shape, operator or modifier of this name.
-pub fn solid(name: &str) -> Option<Solid> {
+pub fn solid(name: &str) -> Option<Solid<'static>> {
     solids().find(|solid| solid.info().name == name)
 }
 

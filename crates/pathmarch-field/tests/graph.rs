@@ -30,7 +30,7 @@ fn shape() -> impl Strategy<Value = Node> {
             let params = random_params(shape, &mut Random::new(seed));
             let normal = normal.filter(|_| shape.info().facing);
             Node {
-                kind: Kind::Shape { shape, params, tag: seed as u32 % 10 },
+                kind: Kind::Shape { shape: shape.into(), params, tag: seed as u32 % 10 },
                 placement: Placement { normal, ..placement },
             }
         },
@@ -97,7 +97,7 @@ fn altered(node: &Node) -> Node {
     };
     let kind = match &node.kind {
         Kind::Shape { shape, params, tag } => {
-            Kind::Shape { shape: *shape, params: params.iter().map(|v| v * 1.25).collect(), tag: *tag }
+            Kind::Shape { shape: shape.clone(), params: params.iter().map(|v| v * 1.25).collect(), tag: *tag }
         }
         Kind::Combine { operator, smooth, children } => Kind::Combine {
             operator: *operator,
@@ -216,7 +216,7 @@ proptest! {
 #[test]
 fn a_placement_scales_then_turns_then_moves() {
     let shape = pathmarch_field::registry::shape("box").expect("registered");
-    let kind = Kind::Shape { shape, params: vec![2.0, 1.0, 1.0], tag: 0 };
+    let kind = Kind::Shape { shape: shape.into(), params: vec![2.0, 1.0, 1.0], tag: 0 };
     let placement =
         Placement { normal: None, scale: Some(2.0), rotate: Some([0.0, 0.0, 90.0]), at: Some([1.0, 0.0, 0.0]) };
     let field = Field::new(&[Node { kind, placement }]);
@@ -234,7 +234,7 @@ fn a_placement_scales_then_turns_then_moves() {
 fn the_distance_to_some_objects_leaves_the_others_out() {
     let shape = |name: &str, params: &[f32], at: [f32; 3]| Node {
         kind: Kind::Shape {
-            shape: shapes().iter().copied().find(|shape| shape.info().name == name).expect("a shape"),
+            shape: shapes().iter().copied().find(|shape| shape.info().name == name).expect("a shape").into(),
             params: params.to_vec(),
             tag: 0,
         },

@@ -21,7 +21,7 @@ fn tagged(name: &str, params: &[f32], placement: Placement, tag: u32) -> Node {
     let shape = shape(name).expect("registered");
     let given = |(k, param): (usize, &Param)| params.get(k).copied().unwrap_or(param.default);
     let params = shape.params().iter().enumerate().map(given).collect();
-    Node { kind: Kind::Shape { shape, params, tag }, placement }
+    Node { kind: Kind::Shape { shape: shape.into(), params, tag }, placement }
 }
 
 fn combined(name: &str, smooth: Option<f32>, children: Vec<Node>) -> Node {

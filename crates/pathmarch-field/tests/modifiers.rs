@@ -10,7 +10,7 @@ use sampling::Random;
 
 fn shape(name: &str, params: &[f32], placement: Placement) -> Node {
     let Some(Solid::Shape(shape)) = solid(name) else { panic!("no shape {name}") };
-    Node { kind: Kind::Shape { shape, params: params.to_vec(), tag: 0 }, placement }
+    Node { kind: Kind::Shape { shape: shape.into(), params: params.to_vec(), tag: 0 }, placement }
 }
 
 fn modified(name: &str, params: &[f32], children: Vec<Node>) -> Node {

@@ -6,7 +6,7 @@ use pathmarch_field::survey::survey;
 use pathmarch_field::{Field, Node, Placement, Shape};
 
 fn node(shape: &'static dyn Shape, params: Vec<f32>) -> Node {
-    Node { kind: Kind::Shape { shape, params, tag: 0 }, placement: Placement::default() }
+    Node { kind: Kind::Shape { shape: shape.into(), params, tag: 0 }, placement: Placement::default() }
 }
 
 #[test]

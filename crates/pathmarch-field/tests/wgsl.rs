@@ -43,7 +43,7 @@ fn sierpinski() {
 fn a_smooth_union_of_a_placed_torus_and_box() {
     let node = |name, params: &[f32], tag, placement| {
         let shape = shape(name).expect("registered");
-        Node { kind: Kind::Shape { shape, params: params.to_vec(), tag }, placement }
+        Node { kind: Kind::Shape { shape: shape.into(), params: params.to_vec(), tag }, placement }
     };
     let children = vec![
         node("torus", &[1.0, 0.25], 0, Placement { at: Some([0.0, 1.0, 0.0]), ..Placement::default() }),

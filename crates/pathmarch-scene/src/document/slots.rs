@@ -322,7 +322,7 @@ pub(super) fn parameter_value(param: &Param, value: f32) -> Value {
 }
 
 /// A parameter of a shape or an operator.
-fn parameter_control(param: &'static Param) -> Control {
+fn parameter_control(param: &Param) -> Control {
     if param.unit == Unit::Axis {
         let kind = ControlKind::Choice(AXES.map(Cow::Borrowed).to_vec());
         return control(param.name, param.name, param.doc, "", kind, parameter_value(param, param.default));

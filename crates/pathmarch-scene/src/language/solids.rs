@@ -157,7 +157,7 @@ impl<'m> Solids<'m> {
                 unexpected_node(&child.name, &known, &format!("in a `{}`", info.name), report);
             }
         }
-        FieldNode { kind: Kind::Shape { shape, params, tag }, placement: placement.value }
+        FieldNode { kind: Kind::Shape { shape: shape.into(), params, tag }, placement: placement.value }
     }
 
     fn operator(
@@ -238,7 +238,7 @@ impl<'m> Solids<'m> {
 }
 
 /// What the first endless solid is called.
-fn first_name(node: &FieldNode) -> &'static str {
+fn first_name(node: &FieldNode) -> &str {
     match &node.kind {
         Kind::Shape { shape, .. } => shape.info().name,
         Kind::Combine { operator, .. } => operator.info().name,
