@@ -187,7 +187,7 @@ fn batch(prepared: &Prepared, colours: &[Vec3], range: std::ops::Range<u32>) -> 
         .collect();
     let hits: Vec<Hit> = marches
         .iter()
-        .zip(march(&prepared.field, frame, &marches))
+        .zip(march(prepared, &marches))
         .enumerate()
         .filter_map(|(index, (&March { ray: Ray { origin, direction }, .. }, end))| {
             let (pixel, place) = (index / (GRID as usize + 1), index as u32 % (GRID + 1));

@@ -1,5 +1,6 @@
 //! A scene and its settings in the form both backends read.
 
+use crate::census::Counter;
 use crate::mode::Mode;
 use crate::settings::{LightSearch, Settings};
 use crate::transport::lights::{self, LightRecord};
@@ -15,6 +16,7 @@ use pathmarch_scene::materials::{self, Bsdf, Numbers, OrbitTrap, albedo};
 use pathmarch_scene::sky::GROUND_EDGE;
 use pathmarch_scene::{Camera, Caustics, Material, Scene, Sky as Source};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// What every ray of a picture shares; the layout is that of `Frame` in `transport/frame.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -182,10 +184,10 @@ pub(crate) struct Prepared {
     pub(crate) preview: Option<Preview>,
     /// Where the numbers of the mode or of the preview start in the tables.
     pub(crate) mode_table: usize,
+    /// What counts evaluations on the CPU, if anything does.
+    pub(crate) counter: Option<Arc<Counter>>,
 }
 
-/// What is negligible, in pixels: small against the half pixel by which an edge may be off unnoticed.
-const TOLERANCE_PIXELS: f32 = 0.1;
 /// About four times the rounding of an `f32` coordinate.
 const ROUNDING: f32 = 4e-7;
 /// More than any contribution that is kept.
@@ -206,7 +208,7 @@ impl Frame {
         let half_height = (0.5 * camera.fov.to_radians()).tan();
         let right = forward.cross(Vec3::from(camera.up)).normalize();
         let up = right.cross(forward);
-        let tolerance = TOLERANCE_PIXELS * 2.0 * half_height / height as f32;
+        let tolerance = settings.detail * 2.0 * half_height / height as f32;
         let margin = 0.01 * radius;
         // Where nothing is marched, a box of one point that no ray comes to.
         let bounds =
@@ -324,6 +326,7 @@ impl Prepared {
             mode_numbers,
             preview: None,
             mode_table,
+            counter: None,
         };
         if settings.mode == Mode::Preview {
             let preview = Preview::new(scene, &mut prepared);

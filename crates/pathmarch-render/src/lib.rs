@@ -22,6 +22,7 @@ pub mod mesh_file;
 pub mod metrics;
 pub mod tonemap;
 
+mod census;
 mod cpu;
 mod error;
 mod frame;
@@ -34,6 +35,7 @@ mod tracer;
 mod transport;
 mod whole;
 
+pub use census::{Census, census};
 pub use error::RenderError;
 pub use gpu::{AdapterDescription, adapters};
 pub use mode::{Mode, relative_error};

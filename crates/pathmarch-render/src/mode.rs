@@ -40,13 +40,15 @@ pub enum Mode {
     MaterialId,
     /// How often the camera's ray evaluated the field.
     Steps,
+    /// Where the field changes faster than it may.
+    Violations,
     /// How uncertain the path-traced pixel still is.
     Variance,
 }
 
 impl Mode {
     /// Every one, in the order of a menu.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Path,
         Self::Preview,
         Self::Albedo,
@@ -55,6 +57,7 @@ impl Mode {
         Self::ObjectId,
         Self::MaterialId,
         Self::Steps,
+        Self::Violations,
         Self::Variance,
     ];
 
@@ -69,6 +72,7 @@ impl Mode {
             Self::ObjectId => "object-id",
             Self::MaterialId => "material-id",
             Self::Steps => "steps",
+            Self::Violations => "violations",
             Self::Variance => "variance",
         }
     }
@@ -86,6 +90,9 @@ impl Mode {
             Self::ObjectId => "A colour for each object.",
             Self::MaterialId => "A colour for each material.",
             Self::Steps => "Evaluations of the field by the camera's ray: blue few, red 256; black where none.",
+            Self::Violations => {
+                "Where the field changes faster than its Lipschitz constant allows: grey not, green by 10 %, red by 4 times."
+            }
             Self::Variance => "Relative standard error of the path-traced pixel: blue 0.1 %, green 3 %, red 100 %.",
         }
     }

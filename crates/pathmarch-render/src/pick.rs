@@ -38,7 +38,7 @@ pub fn pick(scene: &Scene, settings: &Settings, pixel: [f32; 2]) -> Option<Picke
     let prepared = Prepared::new(scene, &Settings { mode: Mode::Normal, ..settings.clone() });
     let ray = central_ray(&prepared.frame, pixel[0], pixel[1]);
     let rays = [March { ray, before: 0.0, limit: f32::INFINITY }];
-    let hit = march(&prepared.field, &prepared.frame, &rays)[0]?;
+    let hit = march(&prepared, &rays)[0]?;
     let seen = &visible(&prepared, &[(rays[0], hit)], 0)[0];
     let from_camera = seen.p - Vec3::from(prepared.frame.position);
     Some(Picked {

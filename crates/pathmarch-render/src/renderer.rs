@@ -121,6 +121,9 @@ pub(crate) fn check(scene: &Scene, settings: &Settings) -> Result<(), RenderErro
             settings.samples, settings.first_sample
         ));
     }
+    if !(settings.detail > 0.0 && settings.detail.is_finite()) {
+        return fail(format!("a detail of {} pixels: it must be above 0", settings.detail));
+    }
     if settings.bounces > MAX_BOUNCES {
         return fail(format!("{} bounces: at most {MAX_BOUNCES}", settings.bounces));
     }

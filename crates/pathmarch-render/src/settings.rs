@@ -38,6 +38,8 @@ pub struct Settings {
     pub caustics: Caustics,
     /// The largest radiance of a contribution of light that bounced, W/(m² sr), above 0; none where absent.
     pub clamp: Option<f32>,
+    /// How near to a surface a ray ends, pixels as seen along the path so far, above 0.
+    pub detail: f32,
     /// How lights are found.
     pub light_search: LightSearch,
     /// Index into the scene's cameras.
@@ -60,6 +62,7 @@ impl Settings {
             sampler: scene.render.sampler,
             caustics: scene.render.caustics,
             clamp: scene.render.clamp,
+            detail: scene.render.detail,
             light_search: LightSearch::Both,
             camera: 0,
             viewpoint: None,

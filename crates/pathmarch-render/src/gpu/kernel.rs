@@ -17,6 +17,23 @@ fn marched_distance(p: vec3f) -> f32 {
 }
 ";
 
+/// The field's distance, which says how fast it changed between the points of a march at most, over what is allowed.
+const WATCHING: &str = "
+var<private> steepest: f32;
+var<private> watched: vec4f;
+
+fn marched_distance(p: vec3f) -> f32 {
+    let distance = unwatched_distance(p);
+    let change = abs(distance - watched.w) * frame.step_factor - NOISE * frame.rounding * largest(abs(p));
+    if steps > 0u {
+        steepest = max(steepest, change / max(length(p - watched.xyz), 1e-30));
+    }
+    watched = vec4f(p, distance);
+    steps += 1u;
+    return distance;
+}
+";
+
 /// The kernel, in WGSL.
 pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
     let count = program.parameters.len();
@@ -37,6 +54,9 @@ pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
         if mode == Mode::Steps {
             code = code.replace("fn marched_distance(", "fn uncounted_distance(") + COUNTING;
         }
+        if mode == Mode::Violations {
+            code = code.replace("fn marched_distance(", "fn unwatched_distance(") + WATCHING;
+        }
         code += &numbers_of_mode(prepared);
     }
     for part in transport::kernel(mode) {
@@ -56,13 +76,16 @@ fn numbers_of_mode(prepared: &Prepared) -> String {
         code += &constants(prepared);
         writeln!(code, "const MIRRORS = {};", preview.mirrors()).expect("writing to a string");
     } else {
-        let views = [Mode::Normal, Mode::Depth, Mode::Albedo, Mode::Steps];
-        for (number, name) in ["NORMAL", "DEPTH", "ALBEDO", "STEPS"].into_iter().enumerate() {
+        let views = [Mode::Normal, Mode::Depth, Mode::Albedo, Mode::Steps, Mode::Violations];
+        for (number, name) in ["NORMAL", "DEPTH", "ALBEDO", "STEPS", "VIOLATIONS"].into_iter().enumerate() {
             writeln!(code, "const VIEW_{name} = {number}u;").expect("writing to a string");
         }
         // The others show a colour of the leaf and nothing else.
         let view = views.iter().position(|&view| view == prepared.mode).unwrap_or(views.len());
         writeln!(code, "const VIEW = {view}u;").expect("writing to a string");
+        if prepared.mode != Mode::Violations {
+            code += "const steepest = 0.0;\n";
+        }
     }
     writeln!(code, "const MODE_TABLE = {}u;", prepared.mode_table).expect("writing to a string");
     code

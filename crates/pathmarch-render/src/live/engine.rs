@@ -128,6 +128,7 @@ fn same_kernel(a: &Settings, b: &Settings) -> bool {
         bounces: 0,
         seed: 0,
         clamp: None,
+        detail: 1.0,
         camera: 0,
         viewpoint: None,
         ..settings.clone()

@@ -3,8 +3,8 @@
 //! are a single shape whose intersection with a ray is known in closed form are met directly; only what blends, subtracts
 //! or has no closed form is marched, within its box and up to the nearest direct hit.
 //!
-//! Negligible means a tenth of what a pixel covers at the length of the path so far, and never less than what `f32`
-//! resolves at the point. A ray starts off its surface by three roundings and a twentieth of what the march left, far less than
+//! Negligible means a share (`Settings::detail`, a tenth) of what a pixel covers at the length of the path so far, and never
+//! less than what `f32` resolves at the point: far surfaces do not shimmer, near ones keep their detail. A ray starts off its surface by three roundings and a twentieth of what the march left, far less than
 //! is negligible, so that it does not pass what touches the surface; while the distance rises from there, closeness is no
 //! hit. The magnitude of the field is marched, so that the inside of a solid can be seen. One that has used up its steps
 //! close to a surface (under a hundredth of its length, as towards a horizon) hits it there, else it is lost.
@@ -12,7 +12,7 @@
 //! On the CPU, eight rays march side by side; a lane whose ray has ended takes the next one.
 
 use super::camera::Ray;
-use crate::frame::Frame;
+use crate::frame::{Frame, Prepared};
 use glam::Vec3;
 use pathmarch_field::Field;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
@@ -20,6 +20,9 @@ use wide::f32x8;
 
 /// Steps after which a march gives up.
 pub(crate) const MAX_STEPS: u32 = 256;
+
+/// Distances may be off by this many roundings of their point without a word.
+pub(crate) const NOISE: f32 = 16.0;
 
 /// How far off a surface a ray starts, in roundings.
 const START_OFFSET: f32 = 3.0;
@@ -112,18 +115,33 @@ fn spans(field: &Field, frame: &Frame, rays: &Rays8) -> [Span; 8] {
     })
 }
 
-/// Follows every ray; gives for each its hit, or `None`.
-pub(crate) fn march(field: &Field, frame: &Frame, rays: &[March]) -> Vec<Option<Hit>> {
-    march_counting(field, frame, rays, &mut [])
+/// What a march saw of the field.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Trail {
+    /// How often it evaluated the field.
+    pub(crate) evaluations: u32,
+    /// By how much the distance changed between two evaluations at most, over what its Lipschitz constant allows.
+    pub(crate) steepest: f32,
 }
 
-/// [`march`], which also says how often each ray evaluated the field; `evaluations` has a place for each ray, or none.
-pub(super) fn march_counting(
-    field: &Field,
-    frame: &Frame,
-    rays: &[March],
-    evaluations: &mut [u32],
-) -> Vec<Option<Hit>> {
+/// Follows every ray; gives for each its hit, or `None`.
+pub(crate) fn march(prepared: &Prepared, rays: &[March]) -> Vec<Option<Hit>> {
+    let Some(counter) = &prepared.counter else { return follow::<false>(prepared, rays, &mut []) };
+    let mut trails = vec![Trail::default(); rays.len()];
+    let hits = follow::<true>(prepared, rays, &mut trails);
+    counter.add(&trails);
+    hits
+}
+
+/// [`march`], and what each ray saw.
+pub(super) fn march_watching(prepared: &Prepared, rays: &[March]) -> (Vec<Option<Hit>>, Vec<Trail>) {
+    let mut trails = vec![Trail::default(); rays.len()];
+    (follow::<true>(prepared, rays, &mut trails), trails)
+}
+
+/// [`march`]; where it is `WATCHED`, `trails` has a place for each ray.
+fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut [Trail]) -> Vec<Option<Hit>> {
+    let (field, frame) = (&prepared.field, &prepared.frame);
     const IDLE: usize = usize::MAX;
     let mut hits = Vec::with_capacity(rays.len());
     let mut marched = Vec::new();
@@ -141,6 +159,8 @@ pub(super) fn march_counting(
     // Per lane: origin, direction, t, limit, length before, last distance; the last one is infinite once the ray has left
     // the surface that it starts on.
     let mut state = [[0.0f32; 8]; 10];
+    // What is watched: last t, the unsigned distance there, and the steepest change so far.
+    let mut watched = [f32x8::ZERO; 3];
     let mut refill = |lane: usize, lane_ray: &mut [usize; 8], state: &mut [[f32; 8]; 10], steps: &mut [u32; 8]| {
         lane_ray[lane] = IDLE;
         if let Some((index, span)) = queue.next() {
@@ -170,6 +190,14 @@ pub(super) fn march_counting(
             let distance = field.marched_distance(p) * factor;
             let extent = p.x.abs().fast_max(p.y.abs().fast_max(p.z.abs()));
             let tolerance = (coefficient * (before + t)).fast_max(precision * extent);
+            if WATCHED {
+                let [last_t, last_distance, steepest] = watched;
+                let change = (distance - last_distance).abs() - f32x8::splat(NOISE) * precision * extent;
+                let steepness = change / (t - last_t).fast_max(f32x8::splat(f32::MIN_POSITIVE));
+                let first = f32x8::from(std::array::from_fn(|lane| f32::from(steps[lane] == 0)));
+                let known = Real::select(Mask8(first.simd_gt(f32x8::ZERO)), f32x8::ZERO, steepness.fast_max(steepest));
+                watched = [t, distance, known];
+            }
             let close = distance.simd_lt(tolerance);
             let hit = close & distance.simd_lt(last);
             last = Real::select(Mask8(close), distance, f32x8::splat(f32::INFINITY));
@@ -195,8 +223,9 @@ pub(super) fn march_counting(
         state[9] = last.to_array();
         for lane in 0..8 {
             if ended >> lane & 1 == 1 {
-                if let Some(count) = evaluations.get_mut(lane_ray[lane]) {
-                    *count = steps[lane];
+                if WATCHED && lane_ray[lane] != IDLE {
+                    trails[lane_ray[lane]] =
+                        Trail { evaluations: steps[lane], steepest: watched[2].to_array()[lane] };
                 }
                 if was_hit >> lane & 1 == 1 {
                     hits[lane_ray[lane]] = Some(Hit { t: state[6][lane], direct: false });

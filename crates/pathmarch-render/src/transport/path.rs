@@ -103,7 +103,7 @@ pub(super) fn radiance_along(prepared: &Prepared, rays: impl Iterator<Item = (Ra
         }
         let marches: Vec<March> =
             paths.iter().map(|path| March { ray: path.ray, before: path.length, limit: f32::INFINITY }).collect();
-        let hits = march(&prepared.field, frame, &marches);
+        let hits = march(prepared, &marches);
         let mut reached = Vec::with_capacity(paths.len());
         for (mut path, hit) in paths.into_iter().zip(hits) {
             if prepared.features.absorption {
@@ -244,7 +244,8 @@ fn shade(
     let world_from_local = basis(normal);
     let local_from_world = world_from_local.transpose();
     let back = local_from_world * -path.ray.direction;
-    let wo = back.with_z(back.z.max(1e-5));
+    // Where the field is so rough that its normal looks away from the ray, the surface is met from the mirrored direction.
+    let wo = back.with_z(back.z.abs().max(1e-5));
     let transmits = material.flags & TRANSMITS != 0;
     let beyond = medium_beyond(path.medium, Vec3::from(material.absorption), inside);
     let pairs = pair::SURFACE + pair::PER_SURFACE * surface_index;

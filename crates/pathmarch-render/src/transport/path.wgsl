@@ -85,7 +85,8 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         paint(m, near.leaf, p);
         let world_from_local = basis(normal);
         let back = -ray.direction * world_from_local;
-        let wo = vec3f(back.xy, max(back.z, 1e-5));
+        // Where the field is so rough that its normal looks away from the ray, the surface is met from the mirrored direction.
+        let wo = vec3f(back.xy, max(abs(back.z), 1e-5));
         let transmits = TRANSMISSION && (flags & TRANSMITS) != 0u;
         let beyond = medium_beyond(medium, materials[m].absorption, inside);
         let pair = PAIR_SURFACE + PAIRS_PER_SURFACE * surface_index;

@@ -236,7 +236,7 @@ impl Follower<'_> {
             let mut met = Vec::with_capacity(walks.len());
             let mut reached = Vec::with_capacity(walks.len());
             for ((mut walk, hit), march) in
-                walks.into_iter().zip(march(&prepared.field, &prepared.frame, &marches)).zip(&marches)
+                walks.into_iter().zip(march(prepared, &marches)).zip(&marches)
             {
                 if prepared.features.absorption {
                     walk.weight *= left_after(walk.medium, hit.map_or(f32::INFINITY, |hit| hit.t));

@@ -103,7 +103,7 @@ fn points(prepared: &Prepared) -> Vec<Vec3> {
             March { ray, before: 0.0, limit: f32::INFINITY }
         })
         .collect();
-    let hits = march(&prepared.field, frame, &marches);
+    let hits = march(prepared, &marches);
     let reached = marches.iter().zip(hits).filter_map(|(march, hit)| Some((march.ray, hit?.t)));
     let points: Vec<Vec3> = reached.map(|(ray, t)| ray.origin + ray.direction * (NEARLY * t)).collect();
     // Where nothing is seen there is nothing to light; what is seen between the rays is in the open.
@@ -124,7 +124,7 @@ fn radiance(prepared: &Prepared, rays: Vec<(Ray, Random)>, known: &[u32], bounce
         rays.iter().map(|(ray, _)| March { ray: *ray, before: 0.0, limit: f32::INFINITY }).collect();
     let mut found = vec![Vec3::ZERO; rays.len()];
     let (mut slots, mut met) = (Vec::new(), Vec::new());
-    for (slot, hit) in march(&prepared.field, &prepared.frame, &marches).into_iter().enumerate() {
+    for (slot, hit) in march(prepared, &marches).into_iter().enumerate() {
         match hit {
             Some(hit) => {
                 slots.push(slot);
@@ -165,7 +165,7 @@ pub(super) fn shown_share(prepared: &Prepared, light: &LightRecord) -> f32 {
             March { ray, before: 0.0, limit: 2.0 * light.extent }
         })
         .collect();
-    let hits = march(&prepared.field, &prepared.frame, &marches);
+    let hits = march(prepared, &marches);
     let met: Vec<_> = marches.into_iter().zip(hits).filter_map(|(march, hit)| Some((march, hit?))).collect();
     let shining = visible(prepared, &met, 0).iter().filter(|seen| seen.leaf as u32 == light.leaf).count();
     (shining as f32 / RAYS as f32).max(unit(1 << 30))

@@ -55,7 +55,7 @@ pub(super) fn arriving(prepared: &Prepared, connections: Vec<Connection>) -> Vec
         }
         let marches: Vec<March> =
             under_way.iter().map(|c| March { ray: c.ray, before: c.before, limit: c.light.distance }).collect();
-        let hits = march(&prepared.field, &prepared.frame, &marches);
+        let hits = march(prepared, &marches);
         let mut going_on = Vec::new();
         for (connection, obstacle) in under_way.into_iter().zip(hits) {
             match meet(prepared, connection, obstacle) {

@@ -10,11 +10,14 @@
 //! - **Steps** are evaluations of the field of what must be marched, at most 256, on the scale of
 //!   [`heat`](crate::mode::heat): log2(1 + steps) / 8. Rays that evaluate nothing are black, also where they meet an object
 //!   in closed form. On the GPU the field's function counts its calls; the march knows nothing of it.
+//! - **Violations** are of |f(a) - f(b)| ≤ L |a - b| for neighbouring points a and b of the march (Hart 1996, section 2.2):
+//!   the largest ratio of the sides along the ray, less what rounding explains. Grey up to 1, then
+//!   [`heat`](crate::mode::heat) of 1/2 + log2(ratio)/4, so that four times too steep is dark red.
 //!
 //! **Cost.** One march and one evaluation of the gradient a sample.
 
 use super::camera::central_ray;
-use super::march::{MAX_STEPS, March, march_counting};
+use super::march::{MAX_STEPS, March, Trail, march_watching};
 use super::steady;
 use super::visible::{shines, visible};
 use crate::frame::{EMITS, Prepared};
@@ -38,10 +41,25 @@ pub(crate) fn numbers(mode: Mode, scene: &Scene, camera: &Camera, radius: f32) -
             let scale = radius.min(distance);
             vec![distance - scale, scale]
         }
+        Mode::Violations => (0..=VIOLATIONS).flat_map(|k| violation(k as f32 / VIOLATIONS_UNIT)).collect(),
         Mode::Steps => (0..=MAX_STEPS)
             .flat_map(|steps| if steps == 0 { [0.0; 3] } else { heat((1.0 + steps as f32).log2() / 8.0) })
             .collect(),
     }
+}
+
+/// The last colour of [`Mode::Violations`], and how many stand for a steepness of 1.
+const VIOLATIONS: u32 = 1024;
+const VIOLATIONS_UNIT: f32 = 256.0;
+
+/// The colour of a steepness over the one allowed.
+fn violation(steepness: f32) -> [f32; 3] {
+    /// What rounding and the curvature of what is shown may make of 1.
+    const TOLERATED: f32 = 1.01;
+    if steepness <= TOLERATED {
+        return [0.02 + 0.18 * steepness; 3];
+    }
+    heat(0.5 + 0.25 * steepness.log2())
 }
 
 /// The colour of a material for people: of a lamp, its radiance clipped to 1.
@@ -62,12 +80,16 @@ pub(crate) fn view(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> V
             March { ray, before: 0.0, limit: f32::INFINITY }
         })
         .collect();
-    let mut steps = vec![0; marches.len()];
-    let hits = march_counting(&prepared.field, frame, &marches, &mut steps);
+    let (hits, trails) = march_watching(prepared, &marches);
     let numbers = &prepared.mode_numbers;
     let colour = |k: usize| Vec3::from_slice(&numbers[3 * k..3 * k + 3]);
     if prepared.mode == Mode::Steps {
-        return steps.into_iter().map(|steps| colour(steps as usize)).collect();
+        return trails.iter().map(|trail| colour(trail.evaluations as usize)).collect();
+    }
+    if prepared.mode == Mode::Violations {
+        let place = |trail: &Trail| (trail.steepest * VIOLATIONS_UNIT).round().clamp(0.0, VIOLATIONS as f32);
+        let seen = |trail: &Trail| if trail.evaluations > 0 { colour(place(trail) as usize) } else { Vec3::ZERO };
+        return trails.iter().map(seen).collect();
     }
     let (slots, met): (Vec<usize>, Vec<_>) =
         hits.iter().enumerate().filter_map(|(slot, hit)| Some((slot, (marches[slot], (*hit)?)))).unzip();

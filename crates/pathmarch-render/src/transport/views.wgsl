@@ -3,6 +3,12 @@
 /// Evaluations of the field so far, where they are counted.
 var<private> steps: u32;
 
+/// Distances may be off by this many roundings of their point without a word.
+const NOISE = 16.0;
+/// The last colour of violations, and how many stand for a steepness of 1.
+const VIOLATIONS = 1024.0;
+const VIOLATIONS_UNIT = 256.0;
+
 /// A number of the mode.
 fn mode_number(k: u32) -> f32 {
     return bitcast<f32>(tables[MODE_TABLE + k]);
@@ -22,6 +28,10 @@ fn view_along(ray: Ray, random: Random) -> vec3f {
     let hit = march(ray, 0.0, AT_INFINITY);
     if VIEW == VIEW_STEPS {
         return mode_colour(steps);
+    }
+    if VIEW == VIEW_VIOLATIONS {
+        let place = clamp(round(steepest * VIOLATIONS_UNIT), 0.0, VIOLATIONS);
+        return select(vec3f(0.0), mode_colour(u32(place)), steps > 0u);
     }
     if hit.t < 0.0 {
         return vec3f(0.0);

@@ -9,7 +9,7 @@ use super::arguments::{
 use super::report::Report;
 use super::tree::{Entry, Node};
 use crate::atmosphere::SUN_ANGLE;
-use crate::render_settings::{Caustics, Sampler, Tonemap};
+use crate::render_settings::{Caustics, DETAIL, Sampler, Tonemap};
 
 /// What stands behind a setting's word.
 #[derive(Clone, Copy)]
@@ -167,6 +167,13 @@ pub(crate) const RENDER: &[Setting] = &[
         "W/(m² sr)",
         "clamp 10",
         "Largest channel of a contribution of light that bounced, against fireflies; darkens.",
+    ),
+    setting(
+        "detail",
+        number(Range::from_to(0.001, 10.0), DETAIL),
+        "px",
+        "detail 0.1",
+        "How near to a surface a ray ends, as it is seen: smaller shows finer detail of fractals, and costs steps.",
     ),
 ];
 

@@ -79,6 +79,7 @@ pub(crate) fn render(node: &Node, report: &mut Report) -> Option<RenderSettings>
     let sampler = settings.choice("sampler", "sampler", &Sampler::ALL, Sampler::name, report);
     let caustics = settings.choice("caustics", "kind of caustics", &Caustics::ALL, Caustics::name, report);
     let clamp = settings.number("clamp", report);
+    let detail = settings.number("detail", report);
     Some(RenderSettings {
         size: size?.into(),
         samples: samples?,
@@ -87,6 +88,7 @@ pub(crate) fn render(node: &Node, report: &mut Report) -> Option<RenderSettings>
         sampler: sampler?,
         caustics: caustics?,
         clamp,
+        detail: detail?,
     })
 }
 

@@ -16,7 +16,7 @@ fn nodes() -> Vec<(String, &'static str)> {
         ("camera \"it\" { position 0 1 5; target 0 1 0 }", "it"),
         ("camera \"it\" {\n    position 0 1 5\n    target 0 1 0\n    up 0 2 0\n    fov 30\n    lens radius=0.1 focus=3\n    exposure 1\n}", "it"),
         ("render", "render"),
-        ("render {\n\tsize 64 48\n\tsamples 4\n\tbounces 2\n\ttonemap \"srgb\"\n\tsampler independent\n\tcaustics \"fast\"\n\tclamp 3\n}", "render"),
+        ("render {\n\tsize 64 48\n\tsamples 4\n\tbounces 2\n\ttonemap \"srgb\"\n\tsampler independent\n\tcaustics \"fast\"\n\tclamp 3\n\tdetail 0.5\n}", "render"),
         ("sky 0.5", "sky"),
         ("sky \"#102030\"", "sky"),
         ("sky \"gradient\" { zenith 1; horizon 0.5 0.4 0.3 }", "sky"),

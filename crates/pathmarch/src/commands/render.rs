@@ -31,6 +31,7 @@ pub struct Arguments {
     /// depth: distance along the camera's axis: white near, grey at the target, black far away.
     /// object-id, material-id: a colour for each object, or for each material.
     /// steps: evaluations of the field by the camera's ray: blue few, red 256; black where none.
+    /// violations: where the field changes faster than its Lipschitz constant allows: grey not, green to red where it does.
     /// variance: relative standard error of the path-traced pixel: blue 0.1 %, green 3 %, red 100 %.
     /// Exposure and tone curve act on path and preview only.
     #[arg(long, value_name = "NAME", value_parser = one_of(Mode::ALL, Mode::name), verbatim_doc_comment)]
@@ -65,6 +66,9 @@ pub struct Arguments {
     /// Largest radiance of a contribution of light that bounced, against fireflies; darkens [default: the scene's]
     #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
     clamp: Option<f32>,
+    /// How near to a surface a ray ends, in pixels as seen: smaller shows finer detail, and costs steps [default: the scene's]
+    #[arg(long, value_name = "PIXELS", value_parser = parse_detail)]
+    detail: Option<f32>,
     /// Stops of exposure for PNG and JPEG [default: the camera's]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
@@ -114,6 +118,13 @@ fn parse_clamp(text: &str) -> Result<f32, String> {
         .ok_or("expected a number above 0".to_owned())
 }
 
+fn parse_detail(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|pixels: &f32| (0.001..=10.0).contains(pixels))
+        .ok_or("expected a number from 0.001 to 10".to_owned())
+}
+
 /// `--aov`
 #[derive(Clone)]
 struct Layers(Vec<Layer>);
@@ -155,6 +166,7 @@ impl Arguments {
             sampler: self.sampler.unwrap_or(defaults.sampler),
             caustics: self.caustics.unwrap_or(defaults.caustics),
             clamp: self.clamp.or(defaults.clamp),
+            detail: self.detail.unwrap_or(defaults.detail),
             light_search: defaults.light_search,
             camera,
             viewpoint: None,

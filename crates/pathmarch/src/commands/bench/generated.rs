@@ -1,0 +1,121 @@
+//! Scenes to measure that nobody would write by hand: many shapes blended into one, and many lamps.
+
+use std::fmt::Write;
+
+/// A scene that is made on demand.
+pub struct Generated {
+    /// As it is asked for.
+    pub name: &'static str,
+    text: fn() -> String,
+}
+
+impl Generated {
+    /// The scene's text.
+    pub fn text(&self) -> String {
+        (self.text)()
+    }
+}
+
+/// Every one: so many shapes of a grid in one smooth union, and 64 lamps over a floor with three solids.
+pub static ALL: [Generated; 4] = [
+    Generated { name: "union-100", text: || union(5, 5, 4) },
+    Generated { name: "union-1000", text: || union(10, 10, 10) },
+    Generated { name: "union-10000", text: || union(25, 20, 20) },
+    Generated { name: "lights-64", text: lights },
+];
+
+/// Uniform numbers in 0..1 (splitmix64; Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut word = self.0;
+        word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((word ^ (word >> 31)) >> 40) as f32 / 16_777_216.0
+    }
+    fn between(&mut self, least: f32, most: f32) -> f32 {
+        least + (most - least) * self.next()
+    }
+}
+
+/// Random shapes at the places of a grid one metre wide, each touching its neighbours here and there.
+fn union(across: u32, up: u32, deep: u32) -> String {
+    const SHAPES: [&str; 8] = [
+        "sphere 0.45",
+        "box 0.75 0.6 0.5",
+        "torus 0.36 0.13",
+        "cylinder 0.3 0.8",
+        "cone 0.4 0.85",
+        "capsule 0.2 0.6",
+        "octahedron 0.5",
+        "rounded-box 0.7 0.5 0.6 0.1",
+    ];
+    let mut numbers = Numbers(1);
+    let [x, y, z] = [across, up, deep].map(|count| count as f32);
+    let mut text = format!(
+        "pathmarch 1\ncamera {{ position {:.3} {:.3} {:.3}; target 0 0 0; fov 40 }}\nsky 0.6 0.7 0.8\n\
+         sun {{ direction 0.5 0.8 0.6; irradiance 2.5; angle 2 }}\nmaterial \"clay\" {{ diffuse 0.7 0.5 0.4 }}\n\
+         object \"grid\" material=\"clay\" {{\n    union smooth=0.15 {{\n",
+        1.1 * x,
+        0.8 * y,
+        1.6 * z
+    );
+    for index in 0..across * up * deep {
+        let [i, j, k] = [index % across, index / across % up, index / (across * up)].map(|place| place as f32 + 0.5);
+        let mut jitter = || numbers.between(-0.1, 0.1);
+        let at = [i - x / 2.0 + jitter(), j - y / 2.0 + jitter(), k - z / 2.0 + jitter()];
+        let rotate = [0; 3].map(|_| numbers.between(0.0, 360.0));
+        let shape = SHAPES[(numbers.next() * SHAPES.len() as f32) as usize];
+        writeln!(
+            text,
+            "        {shape} {{ at {:.4} {:.4} {:.4}; rotate {:.1} {:.1} {:.1} }}",
+            at[0], at[1], at[2], rotate[0], rotate[1], rotate[2]
+        )
+        .expect("writing to a string");
+    }
+    text + "    }\n}\n"
+}
+
+/// Small spheres of many colours that hang over a floor.
+fn lights() -> String {
+    let mut numbers = Numbers(2);
+    let mut text = String::from(
+        "pathmarch 1\ncamera { position 0 3 9; target 0 0.8 0; fov 40 }\nmaterial \"white\" { diffuse 0.75 }\n\
+         object \"floor\" material=\"white\" { plane }\n\
+         object \"things\" material=\"white\" { sphere 0.8 { at 0 0.8 0 }; box 1 1 1 { at -2 0.5 0.4; rotate 0 30 0 }\n\
+         torus 0.6 0.2 { at 2 0.6 0.3; rotate 70 20 0 } }\n",
+    );
+    for index in 0..64 {
+        let [x, z] = [index % 8, index / 8].map(|place| place as f32 - 3.5);
+        let colour = [0; 3].map(|_| numbers.between(5.0, 60.0));
+        let y = numbers.between(2.2, 3.0);
+        writeln!(
+            text,
+            "material \"lamp {index}\" {{ emit {:.2} {:.2} {:.2} }}\n\
+             object \"lamp {index}\" material=\"lamp {index}\" {{ sphere 0.06 {{ at {:.3} {y:.3} {:.3} }} }}",
+            colour[0],
+            colour[1],
+            colour[2],
+            x * 1.1,
+            z * 1.1
+        )
+        .expect("writing to a string");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pathmarch_render::pathmarch_scene::Scene;
+
+    #[test]
+    fn what_is_generated_is_a_scene() {
+        for (generated, leaves) in ALL.iter().zip([100, 1000, 10_000, 68]) {
+            let scene = Scene::parse(generated.name, &generated.text()).expect("a valid scene");
+            assert_eq!(scene.field.leaves().len(), leaves, "{}", generated.name);
+        }
+    }
+}
