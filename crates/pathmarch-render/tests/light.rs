@@ -406,3 +406,20 @@ fn a_limit_takes_fireflies_and_nothing_else() {
         assert!(relmse(&limited, &render(renderer, &scene, &direct).mean()).expect("two of a size") < 1e-9);
     }
 }
+
+#[test]
+fn a_rough_fractal_is_no_brighter_than_what_lights_it() {
+    // Its normals look away from rays in places, where a material seen from below once gave pixels of thousands.
+    let scene = parse(
+        "pathmarch 1\ncamera { position 2.25 1.45 2.5; target 0 0 0; fov 42 }\nrender { bounces 4 }\nsky 1\n\
+         sun { direction 0.8 0.75 0.25; irradiance 3; angle 3 }\nmaterial \"it\" { principled 0.8; roughness 0.45 }\n\
+         object \"bulb\" material=\"it\" { mandelbulb power=8 iterations=7 }",
+    );
+    for renderer in &mut renderers() {
+        let settings = Settings { size: [96, 64], samples: 64, ..Settings::of(&scene) };
+        let picture = render(renderer, &scene, &settings).mean();
+        let brightest = picture.pixels.iter().flatten().fold(0.0f32, |most, &channel| most.max(channel));
+        println!("{}: brightest pixel {brightest}", renderer.backend_name());
+        assert!(brightest < 4.0, "{}", renderer.backend_name());
+    }
+}

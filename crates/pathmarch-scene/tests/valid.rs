@@ -92,9 +92,15 @@ fn settings() {
     assert_eq!(angle, 0.53);
     assert!((irradiance[2] - 0.215_860_5).abs() < 1e-6 && irradiance[0] == 0.0);
     let defaults = body("").render;
-    assert_eq!((defaults.sampler, defaults.caustics, defaults.clamp, defaults.detail), (Sampler::Sobol, Caustics::Traced, None, 0.1));
+    assert_eq!(
+        (defaults.sampler, defaults.caustics, defaults.clamp, defaults.detail),
+        (Sampler::Sobol, Caustics::Traced, None, 0.1)
+    );
     let other = body("render { sampler \"independent\"; caustics \"fast\"; clamp 10; detail 0.5 }").render;
-    assert_eq!((other.sampler, other.caustics, other.clamp, other.detail), (Sampler::Independent, Caustics::Fast, Some(10.0), 0.5));
+    assert_eq!(
+        (other.sampler, other.caustics, other.clamp, other.detail),
+        (Sampler::Independent, Caustics::Fast, Some(10.0), 0.5)
+    );
 }
 
 #[test]

@@ -224,8 +224,7 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
         for lane in 0..8 {
             if ended >> lane & 1 == 1 {
                 if WATCHED && lane_ray[lane] != IDLE {
-                    trails[lane_ray[lane]] =
-                        Trail { evaluations: steps[lane], steepest: watched[2].to_array()[lane] };
+                    trails[lane_ray[lane]] = Trail { evaluations: steps[lane], steepest: watched[2].to_array()[lane] };
                 }
                 if was_hit >> lane & 1 == 1 {
                     hits[lane_ray[lane]] = Some(Hit { t: state[6][lane], direct: false });

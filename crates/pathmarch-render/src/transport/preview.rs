@@ -235,9 +235,7 @@ impl Follower<'_> {
                 walks.iter().map(|walk| March { ray: walk.ray, before: walk.before, limit: f32::INFINITY }).collect();
             let mut met = Vec::with_capacity(walks.len());
             let mut reached = Vec::with_capacity(walks.len());
-            for ((mut walk, hit), march) in
-                walks.into_iter().zip(march(prepared, &marches)).zip(&marches)
-            {
+            for ((mut walk, hit), march) in walks.into_iter().zip(march(prepared, &marches)).zip(&marches) {
                 if prepared.features.absorption {
                     walk.weight *= left_after(walk.medium, hit.map_or(f32::INFINITY, |hit| hit.t));
                 }

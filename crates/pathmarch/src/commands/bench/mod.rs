@@ -107,8 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     print(arguments, &entries);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&json(arguments, &entries)).expect("numbers and strings");
-        std::fs::write(path, text + "\n")
-            .map_err(|error| Failure::Other(format!("{}: {error}", path.display())))?;
+        std::fs::write(path, text + "\n").map_err(|error| Failure::Other(format!("{}: {error}", path.display())))?;
     }
     Ok(DONE)
 }
