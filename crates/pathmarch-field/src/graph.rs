@@ -5,6 +5,7 @@
 //! transform away from the world, and evaluates the tree for one point or eight. [`crate::wgsl::Program`] prints the same
 //! tree for the GPU. Cost of an evaluation: one virtual call and one transform for each leaf.
 
+use crate::blend::Blend;
 use crate::bounds::Aabb;
 use crate::number::{Differentiable, Dual, Real, Vec3};
 use crate::registry::{Combine, Modify, NO_HIT, Shape, ShapeRef, TRAPS, union};
@@ -49,8 +50,8 @@ pub enum Kind {
     Combine {
         /// The operator.
         operator: &'static dyn Combine,
-        /// Width of the blend, metres; sharp when absent.
-        smooth: Option<f32>,
+        /// How it blends; sharp when absent.
+        smooth: Option<Blend>,
         /// At least one.
         children: Vec<Node>,
     },
@@ -153,15 +154,17 @@ impl Pose {
             let place = |v: [f32; 3]| std::array::from_fn(|k| v[k] * self.scale + self.at[k]);
             return Aabb { min: place(local.min), max: place(local.max) };
         }
-        if !local.is_finite() {
-            return Aabb::EVERYTHING;
+        // Each edge of the box spans an interval along each axis of the world; one across that axis does not reach along it.
+        let mut bounds = Aabb { min: self.at, max: self.at };
+        for (axis, k) in (0..3).flat_map(|axis| (0..3).map(move |k| (axis, k))) {
+            let along = self.scale * self.axes[axis][k];
+            if along != 0.0 {
+                let (a, b) = (along * local.min[axis], along * local.max[axis]);
+                bounds.min[k] += a.min(b);
+                bounds.max[k] += a.max(b);
+            }
         }
-        local.corners().iter().fold(Aabb::NOTHING, |bounds, corner| {
-            let point = std::array::from_fn(|k| {
-                self.at[k] + self.scale * (0..3).map(|axis| self.axes[axis][k] * corner[axis]).sum::<f32>()
-            });
-            bounds.union(Aabb { min: point, max: point })
-        })
+        bounds
     }
 }
 
@@ -169,10 +172,10 @@ impl Pose {
 #[derive(Clone, Debug)]
 pub(crate) enum Tree {
     Leaf(u32),
-    /// Operator, blend width in world metres, children, number of its first choice.
+    /// Operator, blend in world metres, children, number of its first choice.
     Combine {
         operator: &'static dyn Combine,
-        smooth: Option<f32>,
+        smooth: Option<Blend>,
         children: Vec<Tree>,
         first_choice: u32,
     },
@@ -238,11 +241,11 @@ pub trait Batch: Differentiable {
     #[doc(hidden)]
     fn modified_gradient(modifier: &dyn Modify, p: Vec3<Self>, inside: Dual<Self>, numbers: &[f32]) -> Dual<Self>;
     #[doc(hidden)]
-    fn combined(operator: &dyn Combine, a: Self, b: Self, width: Option<f32>) -> Self;
+    fn combined(operator: &dyn Combine, a: Self, b: Self, blend: Option<Blend>) -> Self;
     #[doc(hidden)]
-    fn combined_gradient(operator: &dyn Combine, a: Dual<Self>, b: Dual<Self>, width: Option<f32>) -> Dual<Self>;
+    fn combined_gradient(operator: &dyn Combine, a: Dual<Self>, b: Dual<Self>, blend: Option<Blend>) -> Dual<Self>;
     #[doc(hidden)]
-    fn weight(operator: &dyn Combine, a: Self, b: Self, width: Option<f32>) -> Self;
+    fn weight(operator: &dyn Combine, a: Self, b: Self, blend: Option<Blend>) -> Self;
     /// A uniform number in 0..1 for the choice of this index at each point.
     #[doc(hidden)]
     fn choice(seeds: Self::Seeds, index: u32) -> Self;
@@ -271,14 +274,14 @@ impl Batch for f32 {
     fn modified_gradient(modifier: &dyn Modify, p: Vec3<f32>, inside: Dual<f32>, numbers: &[f32]) -> Dual<f32> {
         modifier.gradient(p, inside, numbers)
     }
-    fn combined(operator: &dyn Combine, a: f32, b: f32, width: Option<f32>) -> f32 {
-        operator.distance(a, b, width)
+    fn combined(operator: &dyn Combine, a: f32, b: f32, blend: Option<Blend>) -> f32 {
+        operator.distance(a, b, blend)
     }
-    fn combined_gradient(operator: &dyn Combine, a: Dual<f32>, b: Dual<f32>, width: Option<f32>) -> Dual<f32> {
-        operator.gradient(a, b, width)
+    fn combined_gradient(operator: &dyn Combine, a: Dual<f32>, b: Dual<f32>, blend: Option<Blend>) -> Dual<f32> {
+        operator.gradient(a, b, blend)
     }
-    fn weight(operator: &dyn Combine, a: f32, b: f32, width: Option<f32>) -> f32 {
-        operator.weight(a, b, width)
+    fn weight(operator: &dyn Combine, a: f32, b: f32, blend: Option<Blend>) -> f32 {
+        operator.weight(a, b, blend)
     }
     fn choice(seed: u32, index: u32) -> f32 {
         // PCG output hash (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering"); the WGSL twin is in compose.rs.
@@ -316,14 +319,14 @@ impl Batch for f32x8 {
     fn modified_gradient(modifier: &dyn Modify, p: Vec3<f32x8>, inside: Dual<f32x8>, numbers: &[f32]) -> Dual<f32x8> {
         modifier.gradient_lanes(p, inside, numbers)
     }
-    fn combined(operator: &dyn Combine, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8 {
-        operator.distance_lanes(a, b, width)
+    fn combined(operator: &dyn Combine, a: f32x8, b: f32x8, blend: Option<Blend>) -> f32x8 {
+        operator.distance_lanes(a, b, blend)
     }
-    fn combined_gradient(operator: &dyn Combine, a: Dual<f32x8>, b: Dual<f32x8>, width: Option<f32>) -> Dual<f32x8> {
-        operator.gradient_lanes(a, b, width)
+    fn combined_gradient(operator: &dyn Combine, a: Dual<f32x8>, b: Dual<f32x8>, blend: Option<Blend>) -> Dual<f32x8> {
+        operator.gradient_lanes(a, b, blend)
     }
-    fn weight(operator: &dyn Combine, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8 {
-        operator.weight_lanes(a, b, width)
+    fn weight(operator: &dyn Combine, a: f32x8, b: f32x8, blend: Option<Blend>) -> f32x8 {
+        operator.weight_lanes(a, b, blend)
     }
     fn choice(seeds: [u32; 8], index: u32) -> f32x8 {
         f32x8::from(seeds.map(|seed| f32::choice(seed, index)))
@@ -422,7 +425,8 @@ impl Field {
                 Some(Tree::Leaf(self.leaves.len() as u32 - 1))
             }
             Kind::Combine { operator, smooth, children } => {
-                let smooth = smooth.map(|width| width * frame.scale);
+                let scale = if operator.blends() { frame.scale } else { 1.0 };
+                let smooth = smooth.map(|blend| Blend { amount: blend.amount * scale, ..blend });
                 self.combine(*operator, smooth, children, frame, object, modified)
             }
             Kind::Modify { modifier, params, children } => {
@@ -448,7 +452,7 @@ impl Field {
     fn combine(
         &mut self,
         operator: &'static dyn Combine,
-        smooth: Option<f32>,
+        smooth: Option<Blend>,
         children: &[Node],
         frame: Frame,
         object: u32,
@@ -540,7 +544,7 @@ impl Field {
             Tree::Combine { operator, smooth, children, .. } => children
                 .iter()
                 .map(|child| self.tree_bounds(child))
-                .reduce(|a, b| operator.bounds(a, b, smooth.unwrap_or(0.0)))
+                .reduce(|a, b| operator.bounds(a, b, *smooth))
                 .unwrap_or(Aabb::NOTHING),
         }
     }

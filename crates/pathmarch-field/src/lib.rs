@@ -7,6 +7,7 @@
 //! [`registry`] lists the shapes and operators; [`graph`] composes them into a scene's field; [`wgsl`] prints that
 //! field for the GPU; [`mesh`] makes triangles of it. This crate knows no files, no GPU and no light.
 
+pub mod blend;
 pub mod bounds;
 pub mod graph;
 pub mod mesh;
@@ -19,6 +20,7 @@ mod shapes;
 pub mod survey;
 pub mod wgsl;
 
+pub use blend::{Blend, BlendProfile};
 pub use bounds::Aabb;
 pub use graph::{Field, Node, Placement};
 pub use mesh::Mesh;

@@ -4,6 +4,7 @@
 //! `shapes/mod.rs` puts it into [`shapes`]; everything else (parser, reference page, CPU and GPU code, tests) reads that
 //! list. Operators do the same with [`Operator`] in `operators/mod.rs`.
 
+use crate::blend::{Blend, BlendProfile, Blending};
 use crate::bounds::Aabb;
 use crate::number::{Dual, Real, Vec3};
 use crate::wgsl::{Expr, Function, identifier};
@@ -119,12 +120,15 @@ pub struct Info {
     pub sheet: bool,
     /// Faces +y, and may be turned to face a `normal` instead.
     pub facing: bool,
+    /// A profile: it stands in the plane of x and y, its distance does not depend on z, and it has no end along z. What is
+    /// [of profiles](Modifier::OF_PROFILES) makes solids of it.
+    pub profile: bool,
 }
 
 impl Info {
     /// An exact solid without size parameters; override fields with struct update syntax.
     pub const fn new(name: &'static str, doc: &'static str, source: &'static str) -> Self {
-        Self { name, doc, source, exact: true, size_params: 0, sheet: false, facing: false }
+        Self { name, doc, source, exact: true, size_params: 0, sheet: false, facing: false, profile: false }
     }
 }
 
@@ -207,16 +211,22 @@ pub const NO_HIT: f32 = 1e30;
 pub trait Operator: Send + Sync + 'static {
     /// Name, documentation, source.
     const INFO: Info;
+    /// The parameters: none where it blends, one that is the [`Blend::amount`] where it does not.
+    const PARAMS: &'static [Param] = &[];
+    /// Whether it blends edges over a width, by any [`BlendProfile`].
+    const BLENDS: bool = true;
+    /// How many children it needs, and how many it may have.
+    const CHILDREN: (usize, usize) = (1, usize::MAX);
     /// The sharp result.
     fn sharp<N: Real>(a: N, b: N) -> N;
-    /// The result with the edge blended over `width` metres.
-    fn smooth<N: Real>(a: N, b: N, width: N) -> N;
+    /// The blended result.
+    fn blended<N: Real>(a: N, b: N, blend: Blending<N>) -> N;
     /// How much of `b`'s material shows, 0..1, in the sharp result.
     fn sharp_weight<N: Real>(a: N, b: N) -> N;
     /// How much of `b`'s material shows, 0..1, in the blended result.
-    fn smooth_weight<N: Real>(a: N, b: N, width: N) -> N;
+    fn blended_weight<N: Real>(a: N, b: N, blend: Blending<N>) -> N;
     /// A box that holds the result.
-    fn bounds(a: Aabb, b: Aabb, width: f32) -> Aabb;
+    fn bounds(a: Aabb, b: Aabb, blend: Option<Blend>) -> Aabb;
 }
 
 /// An operator that changes the space in which what it holds stands, or its distance, written once.
@@ -232,6 +242,10 @@ pub trait Modifier: Send + Sync + 'static {
     type Numbers<N: Real>: Values<N>;
     /// Whether it needs what it holds to have an end.
     const NEEDS_BOUNDS: bool = false;
+    /// Whether it makes solids of profiles, and of solids their slice at z = 0.
+    const OF_PROFILES: bool = false;
+    /// Whether it moves points only within planes across z, so that it may hold profiles.
+    const IN_PLANE: bool = true;
 
     /// The numbers, found once of the parameters and of the box that holds what it holds.
     fn numbers(params: &[f32], inside: Aabb) -> Self::Numbers<f32>;
@@ -336,29 +350,36 @@ impl From<&'static dyn Shape> for ShapeRef {
 pub trait Combine: Send + Sync {
     /// Name, documentation, source.
     fn info(&self) -> &'static Info;
-    /// The distance of the result; sharp without `width`.
-    fn distance(&self, a: f32, b: f32, width: Option<f32>) -> f32;
+    /// The parameters, in order; see [`Operator::PARAMS`].
+    fn params(&self) -> &'static [Param];
+    /// Whether it blends edges over a width.
+    fn blends(&self) -> bool;
+    /// How many children it needs, and how many it may have.
+    fn children(&self) -> (usize, usize);
+    /// The distance of the result; sharp without `blend`.
+    fn distance(&self, a: f32, b: f32, blend: Option<Blend>) -> f32;
     /// The distances of eight results.
-    fn distance_lanes(&self, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8;
+    fn distance_lanes(&self, a: f32x8, b: f32x8, blend: Option<Blend>) -> f32x8;
     /// Distance and gradient of the result.
-    fn gradient(&self, a: Dual<f32>, b: Dual<f32>, width: Option<f32>) -> Dual<f32>;
+    fn gradient(&self, a: Dual<f32>, b: Dual<f32>, blend: Option<Blend>) -> Dual<f32>;
     /// Distances and gradients of eight results.
-    fn gradient_lanes(&self, a: Dual<f32x8>, b: Dual<f32x8>, width: Option<f32>) -> Dual<f32x8>;
+    fn gradient_lanes(&self, a: Dual<f32x8>, b: Dual<f32x8>, blend: Option<Blend>) -> Dual<f32x8>;
     /// How much of `b`'s material shows, 0..1.
-    fn weight(&self, a: f32, b: f32, width: Option<f32>) -> f32;
+    fn weight(&self, a: f32, b: f32, blend: Option<Blend>) -> f32;
     /// How much of `b`'s material shows in each of eight results, 0..1.
-    fn weight_lanes(&self, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8;
+    fn weight_lanes(&self, a: f32x8, b: f32x8, blend: Option<Blend>) -> f32x8;
     /// A box that holds the result.
-    fn bounds(&self, a: Aabb, b: Aabb, width: f32) -> Aabb;
-    /// `NAME_distance`, or `smooth_NAME_distance`, as a WGSL function.
-    fn wgsl_distance(&self, smooth: bool) -> String;
-    /// `NAME_gradient`, or `smooth_NAME_gradient`, as a WGSL function over (xyz gradient, w distance).
-    fn wgsl_gradient(&self, smooth: bool) -> String;
-    /// `NAME_weight`, or `smooth_NAME_weight`, as a WGSL function.
-    fn wgsl_weight(&self, smooth: bool) -> String;
+    fn bounds(&self, a: Aabb, b: Aabb, blend: Option<Blend>) -> Aabb;
+    /// `NAME_distance`, sharp or of a profile, as a WGSL function.
+    fn wgsl_distance(&self, profile: Option<BlendProfile>) -> String;
+    /// `NAME_gradient`, sharp or of a profile, as a WGSL function over (xyz gradient, w distance).
+    fn wgsl_gradient(&self, profile: Option<BlendProfile>) -> String;
+    /// `NAME_weight`, sharp or of a profile, as a WGSL function.
+    fn wgsl_weight(&self, profile: Option<BlendProfile>) -> String;
     /// What its WGSL functions' names begin with.
-    fn wgsl_name(&self, smooth: bool) -> String {
-        format!("{}{}", if smooth { "smooth_" } else { "" }, self.info().name)
+    fn wgsl_name(&self, profile: Option<BlendProfile>) -> String {
+        let prefix = profile.filter(|_| self.blends()).map_or(String::new(), |profile| format!("{}_", profile.name()));
+        format!("{prefix}{}", self.info().name)
     }
 }
 
@@ -376,6 +397,10 @@ pub trait Modify: Send + Sync {
     fn params(&self) -> &'static [Param];
     /// Whether it needs what it holds to have an end.
     fn needs_bounds(&self) -> bool;
+    /// Whether it makes solids of profiles.
+    fn of_profiles(&self) -> bool;
+    /// Whether it may hold profiles.
+    fn in_plane(&self) -> bool;
     /// The numbers that the functions below read.
     fn numbers(&self, params: &[f32], inside: Aabb) -> Vec<f32>;
     /// In how many places what it holds must be looked for.
@@ -515,62 +540,86 @@ impl<T: Primitive> Shape for Entry<T> {
 }
 
 impl<T: Operator> Entry<T> {
-    fn operator_function(&self, suffix: &str, kind: &'static str, smooth: bool) -> Function<'static> {
+    fn operator_function(&self, suffix: &str, kind: &'static str, profile: Option<BlendProfile>) -> Function<'static> {
         let doc = match suffix {
             "distance" => T::INFO.doc.to_owned(),
             "gradient" => format!("Gradient (xyz) and distance (w) of `{}`.", T::INFO.name),
             _ => format!("How much of b's material shows in `{}`, 0..1.", T::INFO.name),
         };
         let mut parameters = vec![("a", kind), ("b", kind)];
-        if smooth {
-            parameters.push(("width", "f32"));
+        if let Some(profile) = profile {
+            parameters.push((if T::BLENDS { "width" } else { "amount" }, "f32"));
+            parameters.extend(profile.has_steps().then_some(("steps", "f32")));
         }
-        Function { name: format!("{}_{suffix}", self.wgsl_name(smooth)), doc, parameters }
+        Function { name: format!("{}_{suffix}", self.wgsl_name(profile)), doc, parameters }
     }
+}
+
+/// The blend whose numbers are the first of these inputs.
+fn blending(profile: BlendProfile, inputs: &[Expr]) -> Blending<Expr> {
+    Blending { amount: inputs[0], profile, steps: inputs.get(1).copied().unwrap_or(inputs[0]) }
 }
 
 impl<T: Operator> Combine for Entry<T> {
     fn info(&self) -> &'static Info {
         &T::INFO
     }
-    fn distance(&self, a: f32, b: f32, width: Option<f32>) -> f32 {
-        combine::<T, _>(a, b, width)
+    fn params(&self) -> &'static [Param] {
+        T::PARAMS
     }
-    fn distance_lanes(&self, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8 {
-        combine::<T, _>(a, b, width)
+    fn blends(&self) -> bool {
+        T::BLENDS
     }
-    fn gradient(&self, a: Dual<f32>, b: Dual<f32>, width: Option<f32>) -> Dual<f32> {
-        combine::<T, _>(a, b, width)
+    fn children(&self) -> (usize, usize) {
+        T::CHILDREN
     }
-    fn gradient_lanes(&self, a: Dual<f32x8>, b: Dual<f32x8>, width: Option<f32>) -> Dual<f32x8> {
-        combine::<T, _>(a, b, width)
+    fn distance(&self, a: f32, b: f32, blend: Option<Blend>) -> f32 {
+        combine::<T, _>(a, b, blend)
     }
-    fn weight(&self, a: f32, b: f32, width: Option<f32>) -> f32 {
-        weight::<T, _>(a, b, width)
+    fn distance_lanes(&self, a: f32x8, b: f32x8, blend: Option<Blend>) -> f32x8 {
+        combine::<T, _>(a, b, blend)
     }
-    fn weight_lanes(&self, a: f32x8, b: f32x8, width: Option<f32>) -> f32x8 {
-        weight::<T, _>(a, b, width)
+    fn gradient(&self, a: Dual<f32>, b: Dual<f32>, blend: Option<Blend>) -> Dual<f32> {
+        combine::<T, _>(a, b, blend)
     }
-    fn bounds(&self, a: Aabb, b: Aabb, width: f32) -> Aabb {
-        T::bounds(a, b, width)
+    fn gradient_lanes(&self, a: Dual<f32x8>, b: Dual<f32x8>, blend: Option<Blend>) -> Dual<f32x8> {
+        combine::<T, _>(a, b, blend)
     }
-    fn wgsl_distance(&self, smooth: bool) -> String {
-        self.operator_function("distance", "f32", smooth).print(|inputs| {
-            vec![if smooth { T::smooth(inputs[0], inputs[1], inputs[2]) } else { T::sharp(inputs[0], inputs[1]) }]
+    fn weight(&self, a: f32, b: f32, blend: Option<Blend>) -> f32 {
+        weight::<T, _>(a, b, blend)
+    }
+    fn weight_lanes(&self, a: f32x8, b: f32x8, blend: Option<Blend>) -> f32x8 {
+        weight::<T, _>(a, b, blend)
+    }
+    fn bounds(&self, a: Aabb, b: Aabb, blend: Option<Blend>) -> Aabb {
+        T::bounds(a, b, blend)
+    }
+    fn wgsl_distance(&self, profile: Option<BlendProfile>) -> String {
+        self.operator_function("distance", "f32", profile).print(|inputs| {
+            vec![match profile {
+                Some(profile) => T::blended(inputs[0], inputs[1], blending(profile, &inputs[2..])),
+                None => T::sharp(inputs[0], inputs[1]),
+            }]
         })
     }
-    fn wgsl_gradient(&self, smooth: bool) -> String {
-        self.operator_function("gradient", "vec4f", smooth).print(|inputs| {
+    fn wgsl_gradient(&self, profile: Option<BlendProfile>) -> String {
+        self.operator_function("gradient", "vec4f", profile).print(|inputs| {
             let (a, b) = (dual(&inputs[0..4]), dual(&inputs[4..8]));
-            outputs(if smooth { T::smooth(a, b, Dual::independent(inputs[8])) } else { T::sharp(a, b) })
+            outputs(match profile {
+                Some(profile) => {
+                    let Blending { amount, steps, .. } = blending(profile, &inputs[8..]);
+                    let (amount, steps) = (Dual::independent(amount), Dual::independent(steps));
+                    T::blended(a, b, Blending { amount, profile, steps })
+                }
+                None => T::sharp(a, b),
+            })
         })
     }
-    fn wgsl_weight(&self, smooth: bool) -> String {
-        self.operator_function("weight", "f32", smooth).print(|inputs| {
-            vec![if smooth {
-                T::smooth_weight(inputs[0], inputs[1], inputs[2])
-            } else {
-                T::sharp_weight(inputs[0], inputs[1])
+    fn wgsl_weight(&self, profile: Option<BlendProfile>) -> String {
+        self.operator_function("weight", "f32", profile).print(|inputs| {
+            vec![match profile {
+                Some(profile) => T::blended_weight(inputs[0], inputs[1], blending(profile, &inputs[2..])),
+                None => T::sharp_weight(inputs[0], inputs[1]),
             }]
         })
     }
@@ -620,6 +669,12 @@ impl<T: Modifier> Modify for Entry<T> {
     }
     fn needs_bounds(&self) -> bool {
         T::NEEDS_BOUNDS
+    }
+    fn of_profiles(&self) -> bool {
+        T::OF_PROFILES
+    }
+    fn in_plane(&self) -> bool {
+        T::IN_PLANE
     }
     fn numbers(&self, params: &[f32], inside: Aabb) -> Vec<f32> {
         T::numbers(params, inside).as_ref().to_vec()
@@ -685,16 +740,22 @@ impl<T: Modifier> Modify for Entry<T> {
     }
 }
 
-fn combine<T: Operator, N: Real>(a: N, b: N, width: Option<f32>) -> N {
-    match width {
-        Some(width) => T::smooth(a, b, N::constant(width)),
+impl Blend {
+    fn over<N: Real>(self) -> Blending<N> {
+        Blending { amount: N::constant(self.amount), profile: self.profile, steps: N::constant(self.steps) }
+    }
+}
+
+fn combine<T: Operator, N: Real>(a: N, b: N, blend: Option<Blend>) -> N {
+    match blend {
+        Some(blend) => T::blended(a, b, blend.over()),
         None => T::sharp(a, b),
     }
 }
 
-fn weight<T: Operator, N: Real>(a: N, b: N, width: Option<f32>) -> N {
-    match width {
-        Some(width) => T::smooth_weight(a, b, N::constant(width)),
+fn weight<T: Operator, N: Real>(a: N, b: N, blend: Option<Blend>) -> N {
+    match blend {
+        Some(blend) => T::blended_weight(a, b, blend.over()),
         None => T::sharp_weight(a, b),
     }
 }
@@ -738,7 +799,7 @@ impl<'a> Solid<'a> {
     pub fn params(self) -> &'a [Param] {
         match self {
             Self::Shape(shape) => shape.params(),
-            Self::Combine(_) => &[],
+            Self::Combine(operator) => operator.params(),
             Self::Modify(modifier) => modifier.params(),
         }
     }

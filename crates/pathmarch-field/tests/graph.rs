@@ -6,7 +6,7 @@ use pathmarch_field::graph::Kind;
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{modifiers, operators, shapes};
 use pathmarch_field::wgsl::Program;
-use pathmarch_field::{Aabb, Field, Node, Placement};
+use pathmarch_field::{Aabb, Blend, BlendProfile, Combine, Field, Node, Placement};
 use proptest::prelude::*;
 use sampling::{Random, lanes, random_params, validate};
 
@@ -37,15 +37,24 @@ fn shape() -> impl Strategy<Value = Node> {
     )
 }
 
+/// Sharp, or blended by any profile.
+fn blend() -> impl Strategy<Value = Option<Blend>> {
+    let blend = (0.0f32..1.0, proptest::sample::select(BlendProfile::ALL.to_vec()), 1u32..6);
+    proptest::option::of(blend.prop_map(|(amount, profile, steps)| Blend { amount, profile, steps: steps as f32 }))
+}
+
+fn combined(operator: &'static dyn Combine, smooth: Option<Blend>, children: Vec<Node>) -> Kind {
+    // What does not blend has an amount in the place of a width.
+    let soft = Blend::from(smooth.map_or(0.5, |blend| blend.amount));
+    Kind::Combine { operator, smooth: if operator.blends() { smooth } else { Some(soft) }, children }
+}
+
 fn node() -> impl Strategy<Value = Node> {
     shape().prop_recursive(3, 12, 4, |child| {
         let children = proptest::collection::vec(child, 0..4);
-        (0..operators().len(), proptest::option::of(0.0f32..1.0), children, placement()).prop_map(
-            |(operator, smooth, children, placement)| Node {
-                kind: Kind::Combine { operator: operators()[operator], smooth, children },
-                placement,
-            },
-        )
+        (0..operators().len(), blend(), children, placement()).prop_map(|(operator, smooth, children, placement)| {
+            Node { kind: combined(operators()[operator], smooth, children), placement }
+        })
     })
 }
 
@@ -58,23 +67,21 @@ fn modified() -> impl Strategy<Value = Node> {
     solid.prop_recursive(4, 12, 3, |child| {
         let children = proptest::collection::vec(child, 1..3);
         let kinds = operators().len() + 2 * modifiers().len();
-        (0..kinds, proptest::option::of(0.0f32..1.0), children, placement()).prop_map(
-            |(index, smooth, children, placement)| {
-                let kind = match operators().get(index) {
-                    Some(operator) => Kind::Combine { operator: *operator, smooth, children },
-                    None => {
-                        let modifier = modifiers()[(index - operators().len()) / 2];
-                        let params = modifier.params().iter().map(|param| match param.name {
-                            // What is endless cannot be held by those that need an end.
-                            "count" => 3.0,
-                            _ => param.default,
-                        });
-                        Kind::Modify { modifier, params: params.collect(), children }
-                    }
-                };
-                Node { kind, placement }
-            },
-        )
+        (0..kinds, blend(), children, placement()).prop_map(|(index, smooth, children, placement)| {
+            let kind = match operators().get(index) {
+                Some(operator) => combined(*operator, smooth, children),
+                None => {
+                    let modifier = modifiers()[(index - operators().len()) / 2];
+                    let params = modifier.params().iter().map(|param| match param.name {
+                        // What is endless cannot be held by those that need an end.
+                        "count" => 3.0,
+                        _ => param.default,
+                    });
+                    Kind::Modify { modifier, params: params.collect(), children }
+                }
+            };
+            Node { kind, placement }
+        })
     })
 }
 
@@ -101,7 +108,7 @@ fn altered(node: &Node) -> Node {
         }
         Kind::Combine { operator, smooth, children } => Kind::Combine {
             operator: *operator,
-            smooth: smooth.map(|width| width + 0.1),
+            smooth: smooth.map(|blend| Blend { amount: blend.amount + 0.1, ..blend }),
             children: children.iter().map(altered).collect(),
         },
         Kind::Modify { .. } => node.kind.clone(),

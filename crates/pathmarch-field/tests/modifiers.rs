@@ -145,6 +145,56 @@ fn a_rounded_box_a_hollow_ball_and_a_long_one() {
     same_outside(&modified("elongate", &[0.0, 0.8, 0.0], vec![ball]), &capsule);
 }
 
+/// Profiles drawn out and turned are the shapes that have files of their own.
+#[test]
+fn extruded_and_turned_profiles_are_known_solids() {
+    let plain = Placement::default;
+    let upright = Placement { rotate: Some([90.0, 0.0, 0.0]), ..plain() };
+    let cylinder = shape("cylinder", &[0.4, 1.4], upright);
+    assert_same(&modified("extrude", &[1.4], vec![shape("circle", &[0.4], plain())]), &cylinder, 2.0, 6);
+    let boxed = shape("box", &[0.8, 0.5, 1.4], at(0.2, -0.1, 0.0));
+    let rectangle = shape("rectangle", &[0.8, 0.5, 0.0], at(0.2, -0.1, 7.0));
+    assert_same(&modified("extrude", &[1.4], vec![rectangle]), &boxed, 2.0, 7);
+    let torus = shape("torus", &[1.0, 0.3], at(0.0, 0.4, 0.0));
+    assert_same(&modified("revolve", &[0.7], vec![shape("circle", &[0.3], at(0.3, 0.4, 0.0))]), &torus, 2.0, 8);
+    // Of a solid its slice counts, and what is turned within its plane is still a profile with an end.
+    let sliced = modified("extrude", &[1.4], vec![shape("cylinder", &[0.4, 3.0], upright)]);
+    assert_same(&sliced, &cylinder, 1.5, 9);
+    let turned = Placement { rotate: Some([0.0, 0.0, 30.0]), ..plain() };
+    let turned = modified("extrude", &[0.2], vec![shape("rectangle", &[1.0, 0.5, 0.1], turned)]);
+    assert!(Field::new(&[turned]).bounds().is_finite());
+}
+
+#[test]
+fn profiles_are_repeated_in_their_plane() {
+    let circle = || shape("circle", &[0.3], Placement::default());
+    let row = modified("repeat", &[1.0, 0.0, 2.0, 0.0, 3.0], vec![circle()]);
+    let cylinder =
+        |x: f32| shape("cylinder", &[0.3, 0.5], Placement { rotate: Some([90.0, 0.0, 0.0]), ..at(x, 0.0, 0.0) });
+    let written_out = union(vec![cylinder(-1.0), cylinder(0.0), cylinder(1.0)]);
+    assert_same(&modified("extrude", &[0.5], vec![row]), &written_out, 2.5, 10);
+    let bent = modified("extrude", &[0.5], vec![modified("bend", &[0.1], vec![circle()])]);
+    assert!(Field::new(&[bent]).bounds().is_finite());
+}
+
+/// The corners of stars, and points beside them.
+#[test]
+fn stars_have_their_points_where_they_should_be() {
+    for (points, outer, inner) in [(5.0, 1.0, 0.4), (2.0, 1.0, 0.3), (7.0, 0.5, 0.9), (64.0, 1.0, 0.95)] {
+        let star = Field::new(&[modified(
+            "extrude",
+            &[9.0],
+            vec![shape("star", &[points, outer, inner], Placement::default())],
+        )]);
+        for k in 0..2 * points as u32 {
+            let (sine, cosine) = (std::f32::consts::PI / points * k as f32).sin_cos();
+            let radius = if k % 2 == 0 { outer } else { inner };
+            let at = |factor: f32| star.distance(Vec3::new(sine * radius * factor, cosine * radius * factor, 0.0));
+            assert!(at(1.0).abs() < 1e-5 && at(1.01) > 0.0 && at(0.99) < 0.0, "{points} {outer} {inner}: corner {k}");
+        }
+    }
+}
+
 /// What is twisted by a whole turn between two heights, and what is bent into a half circle, is where it should be.
 #[test]
 fn twisted_and_bent_points_are_where_they_should_be() {

@@ -4,6 +4,7 @@
 //! over the same points in turn; prints the median milliseconds of each and their ratio. `cargo bench -p pathmarch-render
 //! --bench generated_wgsl`.
 
+use pathmarch_render::pathmarch_field::BlendProfile;
 use pathmarch_render::pathmarch_field::number::{Real, Vec3};
 use pathmarch_render::pathmarch_field::registry::{operator, shape};
 use pathmarch_render::pathmarch_field::wgsl::distance_function;
@@ -81,7 +82,7 @@ fn cases() -> Vec<(&'static str, String, String)> {
     let x = "parameters[0].x";
     let boxed = "box_distance(p - vec3f(0.5, 0.5, 0.0), parameters[0].x, parameters[0].y, parameters[0].z)";
     let generated = |call: &str| format!("fn generated(p: vec3f) -> f32 {{ return {call}; }}");
-    let smooth = operator("union").map(|union| union.wgsl_distance(true)).unwrap_or_default();
+    let smooth = operator("union").map(|union| union.wgsl_distance(Some(BlendProfile::Soft))).unwrap_or_default();
     vec![
         ("sphere", printed("sphere") + &generated(&format!("sphere_distance(p, {x})")), SPHERE.into()),
         (
@@ -95,7 +96,7 @@ fn cases() -> Vec<(&'static str, String, String)> {
             printed("sphere")
                 + &printed("box")
                 + &smooth
-                + &generated(&format!("smooth_union_distance(sphere_distance(p, {x}), {boxed}, parameters[0].w)")),
+                + &generated(&format!("soft_union_distance(sphere_distance(p, {x}), {boxed}, parameters[0].w)")),
             SMOOTH_UNION.into(),
         ),
         ("4-iteration loop", distance_function("generated", "Sponge.", &[], |p, _| sponge(p)), SPONGE.into()),

@@ -174,7 +174,8 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form() {
                  object \"solid\" {{ {solid} }}"
             )
         };
-        let placed = format!("{name} {{ rotate 25 30 10; scale 1.2; at 0 0.1 0 }}");
+        let (open, close) = if shape.info().profile { ("extrude {", ";") } else { ("", "{") };
+        let placed = format!("{open} {name} {close} rotate 25 30 10; scale 1.2; at 0 0.1 0 }}");
         let alone = parse(&text(&placed));
         let marched = parse(&text(&format!("union {{ {placed}; sphere 0.001 {{ at 0 0.1 0 }} }}")));
         let settings = Settings { size: [96, 54], samples: 16, ..Settings::of(&alone) };

@@ -98,6 +98,17 @@ body!(
 render quality=3"
 );
 body!(
+    profiles,
+    "object \"a\" { circle 1; union { rectangle 1 2 3; star } }
+object \"b\" { extrude { twist { circle }; polar { union { star } }; circle { normal 0 1 0 } } }
+object \"c\" { extrude { repeat { plane } }; twist { plane }; revolve offset=-1; extrude 0 { sphere } }"
+);
+body!(
+    blends,
+    "object \"a\" { union smooth=1 profile=\"rond\" steps=0 { sphere; box }; union profile=3 steps=1.5 { sphere } }
+object \"b\" { morph 2 { sphere; box }; morph smooth=1 { sphere }; morph { sphere; box; torus; at 0 1 0 } }"
+);
+body!(
     unused_arguments,
     "object \"a\" \"b\" { sphere 1 2; plane 3 4; union 0.1 { sphere { at 1 2 3 4 } } }
 render 5 { samples 1 2 }"

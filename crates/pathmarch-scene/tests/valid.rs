@@ -1,6 +1,7 @@
 //! Files that are right, and what becomes of them.
 
 use pathmarch_field::graph::Kind;
+use pathmarch_field::registry;
 use pathmarch_scene::{Caustics, Light, Sampler, Scene, Sky, Tonemap};
 
 const HEAD: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky 1\n";
@@ -19,7 +20,13 @@ fn body(text: &str) -> Scene {
 
 /// The numbers of the only shape.
 fn params(shape: &str) -> Vec<f32> {
-    let scene = body(&format!("object \"o\" {{ {shape} }}"));
+    let is_profile = |word| registry::shape(word).is_some_and(|shape| shape.info().profile);
+    let solid = if shape.split(' ').next().is_some_and(is_profile) {
+        format!("extrude {{ {shape} }}")
+    } else {
+        shape.to_owned()
+    };
+    let scene = body(&format!("object \"o\" {{ {solid} }}"));
     scene.field.leaves()[0].params.clone()
 }
 
@@ -203,8 +210,8 @@ fn materials_and_tags() {
     assert_eq!(own, [0, 2, 1]);
     let Kind::Combine { operator, smooth: None, children } = &scene.objects[0].root.kind else { panic!("no union") };
     assert_eq!((operator.info().name, children.len()), ("union", 2));
-    let Kind::Combine { operator, smooth: Some(width), children } = &children[0].kind else { panic!("not smooth") };
-    assert_eq!((operator.info().name, *width, children.len()), ("subtract", 0.05, 3));
+    let Kind::Combine { operator, smooth: Some(blend), children } = &children[0].kind else { panic!("not smooth") };
+    assert_eq!((operator.info().name, blend.amount, children.len()), ("subtract", 0.05, 3));
 }
 
 #[test]

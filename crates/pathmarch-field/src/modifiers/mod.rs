@@ -14,7 +14,7 @@ macro_rules! modifiers {
     };
 }
 
-modifiers!(repeat, polar, mirror, twist, bend, elongate, round, shell, displace);
+modifiers!(repeat, polar, mirror, twist, bend, elongate, round, shell, displace, extrude, revolve);
 
 /// Coordinates that stand for those without end, metres.
 const ENDLESS: f32 = 1e30;

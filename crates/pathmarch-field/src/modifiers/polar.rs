@@ -38,6 +38,7 @@ impl Modifier for Op {
     const INFO: Info = Info::new("polar", "Copies of what it holds, turned about the y axis.", "Quilez 2008, domain repetition");
     const PARAMS: &'static [Param] = &[Param::count("count", 6.0, 1.0, 10_000.0, "Copies in the whole circle.")];
     type Numbers<N: Real> = [N; 2];
+    const IN_PLANE: bool = false;
 
     fn numbers(params: &[f32], inside: Aabb) -> [f32; 2] {
         [TAU / params[0], angles(inside).0]

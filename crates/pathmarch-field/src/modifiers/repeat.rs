@@ -13,14 +13,16 @@ use crate::registry::{Info, Modifier, Param};
 
 pub(crate) struct Op;
 
-/// Spacing, and how many copies along an axis; 0 for endless.
-fn axis(params: &[f32], k: usize) -> (f32, f32) {
-    (params[k], if params[4 + k] > 0.0 { params[4 + k] } else { params[3] })
+/// Spacing, and how many copies along an axis; 0 for endless. What has no end along it, as a profile along z, has no copies
+/// there.
+fn axis(params: &[f32], inside: Aabb, k: usize) -> (f32, f32) {
+    let spacing = if inside.min[k].is_finite() && inside.max[k].is_finite() { params[k] } else { 0.0 };
+    (spacing, if params[4 + k] > 0.0 { params[4 + k] } else { params[3] })
 }
 
 /// How many copies must be looked at along an axis.
 fn nearby(params: &[f32], inside: Aabb, k: usize) -> f32 {
-    let (spacing, count) = axis(params, k);
+    let (spacing, count) = axis(params, inside, k);
     if spacing <= 0.0 || count == 1.0 {
         return 1.0;
     }
@@ -58,7 +60,7 @@ impl Modifier for Op {
     fn numbers(params: &[f32], inside: Aabb) -> [f32; 15] {
         let mut numbers = [0.0; 15];
         for k in 0..3 {
-            let (spacing, count) = axis(params, k);
+            let (spacing, count) = axis(params, inside, k);
             // Endless copies are counted from the one at the origin.
             let (middle, last) = if count > 0.0 { (0.5 * (count - 1.0), count - 1.0) } else { (0.0, ENDLESS) };
             let used = spacing > 0.0;
@@ -100,7 +102,7 @@ impl Modifier for Op {
     fn bounds(params: &[f32], inside: Aabb) -> Aabb {
         let mut bounds = inside;
         for k in 0..3 {
-            let (spacing, count) = axis(params, k);
+            let (spacing, count) = axis(params, inside, k);
             let reach = match (spacing > 0.0, count) {
                 (false, _) => 0.0,
                 (true, 0.0) => f32::INFINITY,

@@ -21,6 +21,7 @@ impl Modifier for Op {
     const PARAMS: &'static [Param] = &[Param::between("turns-per-metre", 0.25, -1000.0, 1000.0, "Turns over a metre of height, right-handed about y.")];
     type Numbers<N: Real> = [N; 9];
     const NEEDS_BOUNDS: bool = true;
+    const IN_PLANE: bool = false;
 
     fn numbers(params: &[f32], inside: Aabb) -> [f32; 9] {
         let [a, b, c, d, e, f] = corners(Self::bounds(params, inside));

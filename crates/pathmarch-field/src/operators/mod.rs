@@ -11,7 +11,7 @@ macro_rules! operators {
     };
 }
 
-operators!(union, subtract, intersect);
+operators!(union, subtract, intersect, morph);
 
 /// What joins solids that stand side by side.
 pub(crate) static UNION: &dyn Combine = &Entry::<union::Op>(PhantomData);

@@ -1,7 +1,8 @@
-//! Subtraction: the first child without the others (Ricci 1973); the quadratic smooth maximum of `a` and -`b`
-//! (Quilez 2013). A lower bound of the distance outside, exact inside the kept part.
+//! Subtraction: the first child without the others (Ricci 1973): minus the union of what `a` leaves free and `b`, blended
+//! by any of the profiles of [`crate::blend`]. A lower bound of the distance outside, exact inside the kept part.
 
-use super::union::{blend, weight};
+use super::union::SOURCE;
+use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
 use crate::number::Real;
 use crate::registry::{Info, Operator};
@@ -9,33 +10,27 @@ use crate::registry::{Info, Operator};
 pub(crate) struct Op;
 
 impl Operator for Op {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new(
-            "subtract",
-            "The first child without what the others hold.",
-            "Ricci 1973; Quilez 2013, quadratic smooth minimum",
-        )
-    };
+    const INFO: Info =
+        Info { exact: false, ..Info::new("subtract", "The first child without what the others hold.", SOURCE) };
+    const CHILDREN: (usize, usize) = (2, usize::MAX);
 
     #[inline(always)]
     fn sharp<N: Real>(a: N, b: N) -> N {
         a.max(-b)
     }
     #[inline(always)]
-    fn smooth<N: Real>(a: N, b: N, width: N) -> N {
-        let h = blend(a, -b, width).named("h");
-        a.max(-b) + h * h * width * N::constant(0.25)
+    fn blended<N: Real>(a: N, b: N, blend: Blending<N>) -> N {
+        -minimum(-a, b, blend)
     }
     #[inline(always)]
     fn sharp_weight<N: Real>(a: N, b: N) -> N {
         N::select(a.lt(-b), N::one(), N::zero())
     }
     #[inline(always)]
-    fn smooth_weight<N: Real>(a: N, b: N, width: N) -> N {
-        weight(-a, b, width)
+    fn blended_weight<N: Real>(a: N, b: N, blend: Blending<N>) -> N {
+        weight(-a, b, blend.amount)
     }
-    fn bounds(a: Aabb, _b: Aabb, _width: f32) -> Aabb {
+    fn bounds(a: Aabb, _b: Aabb, _blend: Option<Blend>) -> Aabb {
         a
     }
 }

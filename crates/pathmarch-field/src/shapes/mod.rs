@@ -1,18 +1,18 @@
-//! The shapes. A name in this list is a file and its registration; those of a folder stand behind its name.
+//! The shapes. A name in this list is a file and its registration; those of folders stand behind their names.
 
 use crate::registry::{Entry, Shape};
 use std::marker::PhantomData;
 
 macro_rules! shapes {
-    ($($module:ident),* $(,)?; $folder:ident: $($inner:ident),* $(,)?) => {
+    ($($module:ident),* $(,)? $(; $folder:ident: $($inner:ident),* $(,)?)*) => {
         $(mod $module;)*
-        mod $folder {
+        $(mod $folder {
             $(pub(super) mod $inner;)*
-        }
+        })*
         /// Every shape, in this order.
         pub(crate) static ALL: &[&'static dyn Shape] = &[
             $(&Entry::<$module::Shape>(PhantomData),)*
-            $(&Entry::<$folder::$inner::Shape>(PhantomData)),*
+            $($(&Entry::<$folder::$inner::Shape>(PhantomData),)*)*
         ];
     };
 }
@@ -42,5 +42,9 @@ shapes!(
     sierpinski,
     apollonian,
     kleinian,
-    ifs,
+    ifs;
+    profiles:
+    circle,
+    rectangle,
+    star,
 );

@@ -3,6 +3,7 @@
 //! Structure is code, numbers are data: every number of the scene stands in [`Program::parameters`], so that a scene of
 //! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
 
+use crate::blend::{Blend, BlendProfile};
 use crate::graph::{Field, Modified, Pose, Tree, Turn};
 use crate::registry::TRAPS;
 use std::collections::BTreeSet;
@@ -165,12 +166,16 @@ impl<'a> Composed<'a> {
 struct Composer<'a> {
     field: &'a Field,
     parameters: Parameters,
-    /// Where the blend width of each smooth operator stands, by its first choice.
+    /// Where the numbers of each operator's blend stand, by its first choice.
     widths: Vec<(u32, usize)>,
     /// Where the parameters of each leaf start.
     starts: Vec<usize>,
     /// Where the numbers of each modifier start.
     modifier_starts: Vec<usize>,
+}
+
+fn profile(smooth: Option<Blend>) -> Option<BlendProfile> {
+    smooth.map(|blend| blend.profile)
 }
 
 fn component(vector: usize, k: usize) -> String {
@@ -204,11 +209,11 @@ impl Composer<'_> {
             }
             Tree::Combine { operator, smooth, children, first_choice } => (operator, smooth, children, first_choice),
         };
-        functions.insert((1, operator.wgsl_gradient(smooth.is_some())));
-        functions.insert((1, operator.wgsl_weight(smooth.is_some())));
-        if let Some(width) = smooth {
+        functions.insert((1, operator.wgsl_gradient(profile(*smooth))));
+        functions.insert((1, operator.wgsl_weight(profile(*smooth))));
+        if let Some(blend) = smooth {
             self.widths.push((*first_choice, self.parameters.len()));
-            self.parameters.push([*width, 0.0, 0.0, 0.0]);
+            self.parameters.push([blend.amount, blend.steps, 0.0, 0.0]);
         }
         children.iter().fold(smooth.is_some(), |blends, child| self.operators(child, functions) | blends)
     }
@@ -220,7 +225,7 @@ impl Composer<'_> {
                 functions.insert((0, self.field.leaves()[*leaf as usize].shape.wgsl_distance()));
             }
             Tree::Combine { operator, smooth, children, .. } => {
-                functions.insert((1, operator.wgsl_distance(smooth.is_some())));
+                functions.insert((1, operator.wgsl_distance(profile(*smooth))));
                 children.iter().for_each(|child| self.distances(child, functions));
             }
             Tree::Modify(modified) => self.distances(&modified.inside, functions),
@@ -303,9 +308,11 @@ impl Composer<'_> {
         [distance, surface, whole_distance, whole_surface].join("\n")
     }
 
-    fn width(&self, first_choice: u32, smooth: bool) -> String {
-        let place = self.widths.iter().find(|(choice, _)| smooth && *choice == first_choice);
-        place.map_or(String::new(), |(_, vector)| format!(", {}", component(*vector, 0)))
+    /// The numbers of a blend, as further arguments of a call.
+    fn width(&self, first_choice: u32, smooth: Option<Blend>) -> String {
+        let Some(blend) = smooth else { return String::new() };
+        let place = self.widths.iter().find(|(choice, _)| *choice == first_choice);
+        place.map_or(String::new(), |(_, vector)| arguments(*vector, if blend.profile.has_steps() { 2 } else { 1 }))
     }
 
     /// The point `p` in local coordinates of a leaf, and the call's arguments after it.
@@ -392,12 +399,12 @@ impl Composer<'_> {
             Tree::Modify(modified) => format!("modified_{}_distance(p)", modified.index),
             Tree::Combine { operator, smooth, children, first_choice } => {
                 let mut result = self.tree_distance(&children[0], text, counter);
-                let width = self.width(*first_choice, smooth.is_some());
+                let width = self.width(*first_choice, *smooth);
                 for child in &children[1..] {
                     let other = self.tree_distance(child, text, counter);
                     let name = format!("d{counter}");
                     *counter += 1;
-                    let function = operator.wgsl_name(smooth.is_some());
+                    let function = operator.wgsl_name(profile(*smooth));
                     writeln!(text, "    let {name} = {function}_distance({result}, {other}{width});")
                         .expect("writing to a string");
                     result = name;
@@ -468,8 +475,8 @@ impl Composer<'_> {
             }
             Tree::Combine { operator, smooth, children, first_choice } => {
                 let (mut result, mut leaf) = self.tree_surface(&children[0], text, counter);
-                let width = self.width(*first_choice, smooth.is_some());
-                let function = operator.wgsl_name(smooth.is_some());
+                let width = self.width(*first_choice, *smooth);
+                let function = operator.wgsl_name(profile(*smooth));
                 for (k, child) in children[1..].iter().enumerate() {
                     let (other, other_leaf) = self.tree_surface(child, text, counter);
                     let name = format!("g{counter}");

@@ -58,7 +58,8 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
     let (node, text) = match addition.group {
         Group::Shape | Group::Operator => {
             let text = match registry::solid(word) {
-                Some(Solid::Shape(shape)) => shape_text(shape),
+                Some(Solid::Shape(shape)) if is_in_plane(work, parent) => shape_text(shape),
+                Some(Solid::Shape(shape)) => solid_text(shape),
                 Some(Solid::Modify(modifier)) => modifier_text(modifier),
                 _ => operator_text(word),
             };
@@ -67,7 +68,7 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
         }
         Group::Object => {
             let name = quoted(&free_name(work, "object", word));
-            let shape = registry::shape(word).map_or_else(String::new, shape_text);
+            let shape = registry::shape(word).map_or_else(String::new, solid_text);
             ("object", format!("object {name} {{ {shape} }}"))
         }
         Group::Material => {
@@ -123,6 +124,21 @@ pub(super) fn add_top(work: &mut Work, word: &str, template: &str) -> Result<Pat
 fn shape_text(shape: &dyn Shape) -> String {
     let numbers = shape.params().iter().map(|param| number(param.default));
     std::iter::once(shape.info().name.to_owned()).chain(numbers).collect::<Vec<_>>().join(" ")
+}
+
+/// A shape with its numbers, with a depth if it has none of its own.
+fn solid_text(shape: &dyn Shape) -> String {
+    let text = shape_text(shape);
+    if shape.info().profile { format!("extrude 0.25 {{ {text} }}") } else { text }
+}
+
+/// Whether a node, or what it stands in, makes solids of profiles.
+fn is_in_plane(work: &Work, node: Option<&Path>) -> bool {
+    let around = std::iter::successors(node.cloned(), Path::parent);
+    let words = around.filter_map(|path| Some(work.find(&path).ok()?.node.name.value.to_string()));
+    words
+        .into_iter()
+        .any(|word| matches!(registry::solid(&word), Some(Solid::Modify(modifier)) if modifier.of_profiles()))
 }
 
 /// A modifier of a shape that has an end, off the middle so that it shows what the modifier does.

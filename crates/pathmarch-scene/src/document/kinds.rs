@@ -76,10 +76,10 @@ fn set_solid(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> 
             same.accepts(value).then_some((same, value))
         })
         .collect();
-    let both_combine = matches!((old, new), (Solid::Combine(_), Solid::Combine(_)));
+    let both_blend = matches!((old, new), (Solid::Combine(a), Solid::Combine(b)) if a.blends() && b.blends());
     let stays = |entry: &&tree::Entry| {
         let named = |word: &str| entry.name.as_ref().is_some_and(|name| name.value == word);
-        named("material") || both_combine && named(schema::SMOOTH.name)
+        named("material") || both_blend && schema::BLEND.iter().any(|setting| named(setting.name))
     };
     let text = &work.text;
     let mut patches = vec![Patch::replace(bytes(found.node.name.span), kind)];

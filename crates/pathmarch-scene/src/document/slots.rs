@@ -257,7 +257,9 @@ impl List<'_> {
     }
 
     fn solid(&mut self, file: &Block<'static>, solid: Solid) {
-        let alike = registry::solids().filter(|other| other.is_operator() == solid.is_operator());
+        let is_alike =
+            |other: &Solid| other.is_operator() == solid.is_operator() && other.info().profile == solid.info().profile;
+        let alike = registry::solids().filter(is_alike);
         self.kind(alike.map(|other| other.info().name).collect(), solid.info().name, solid.info().doc);
         let values = parameters(solid, self.node);
         for (index, param) in solid.params().iter().enumerate() {
@@ -266,9 +268,12 @@ impl List<'_> {
             let given = values[index].is_some();
             self.slots.push(Slot { control: Control { value, given, ..control }, place: Place::Parameter(index) });
         }
-        if let Solid::Combine(_) = solid {
-            let smooth = &schema::SMOOTH;
-            self.setting(smooth.name, smooth.name, smooth, Place::Property(smooth.name));
+        if let Solid::Combine(operator) = solid
+            && operator.blends()
+        {
+            for setting in schema::BLEND {
+                self.setting(setting.name, setting.name, setting, Place::Property(setting.name));
+            }
         }
         let doc = match solid.is_operator() {
             false => "Material of this shape; that of what it stands in when absent.",

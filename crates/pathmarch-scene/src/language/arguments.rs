@@ -103,7 +103,7 @@ pub(crate) fn in_range(entry: &Entry, what: &str, range: Range, report: &mut Rep
 }
 
 /// The whole number of an entry.
-fn whole(entry: &Entry, what: &str, (min, max): (u32, u32), report: &mut Report) -> Option<u32> {
+pub(crate) fn whole(entry: &Entry, what: &str, (min, max): (u32, u32), report: &mut Report) -> Option<u32> {
     let value = finite(entry, what, report).and(match entry.value {
         Value::Number(number) => Some(number),
         _ => None,
@@ -256,6 +256,19 @@ pub(crate) fn choice<T: Copy>(
         return None;
     };
     let text = string(entry, &format!("`{}`", node.name.value), report)?;
+    named(entry, text, what, all, name_of, report)
+}
+
+/// One of the things in `all`, by the name that an entry says; `what` as in "There is no …".
+pub(crate) fn named<T: Copy>(
+    entry: &Entry,
+    text: &str,
+    what: &str,
+    all: &[T],
+    name_of: fn(T) -> &'static str,
+    report: &mut Report,
+) -> Option<T> {
+    let names: Vec<&str> = all.iter().map(|&one| name_of(one)).collect();
     let found = names.iter().position(|name| *name == text);
     if found.is_none() {
         let message = format!("There is no {what} {}.", shown(text));

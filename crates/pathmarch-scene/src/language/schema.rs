@@ -4,12 +4,15 @@
 //! materials bring their own, in their registries.
 
 use super::arguments::{
-    Range, Settings, choice, colour, direction, flag, in_range, numbers, properties, whole_numbers,
+    Range, Settings, choice, colour, direction, flag, in_range, named, numbers, properties, string, whole,
+    whole_numbers,
 };
 use super::report::Report;
 use super::tree::{Entry, Node};
 use crate::atmosphere::SUN_ANGLE;
 use crate::render_settings::{Caustics, DETAIL, Sampler, Tonemap};
+use pathmarch_field::BlendProfile;
+use pathmarch_field::blend::{DEFAULT_STEPS, MAX_STEPS};
 
 /// What stands behind a setting's word.
 #[derive(Clone, Copy)]
@@ -306,14 +309,33 @@ pub(crate) const ORBIT_TRAP: &str = "orbit-trap";
 /// The words of [`Unit::Axis`](pathmarch_field::Unit::Axis), in the order of its numbers.
 pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// A property of every operator of several solids.
-pub(crate) const SMOOTH: Setting = setting(
+/// Over how much an operator of several solids blends.
+const SMOOTH: Setting = setting(
     "smooth",
     number(Range::NOT_NEGATIVE, 0.0),
     "m",
     "smooth=0.1",
     "Width over which edges and materials blend; 0 is sharp.",
 );
+
+/// Properties of every operator that blends.
+pub(crate) const BLEND: &[Setting] = &[
+    SMOOTH,
+    setting(
+        "profile",
+        Form::Choice { words: || BlendProfile::ALL.map(BlendProfile::name).to_vec() },
+        "",
+        "profile=\"round\"",
+        "What the seam of a blend looks like.",
+    ),
+    setting(
+        "steps",
+        Form::Whole { range: (1, MAX_STEPS), default: DEFAULT_STEPS as u32 },
+        "",
+        "steps=4",
+        "How many steps the profile \"stairs\" has.",
+    ),
+];
 
 /// The words of a table.
 pub(crate) fn names(table: &'static [Setting]) -> Vec<&'static str> {
@@ -447,6 +469,14 @@ pub(crate) struct Properties<'n> {
 }
 
 impl<'n> Properties<'n> {
+    /// Of those found by [`properties`], which may be of other tables, too.
+    pub(crate) fn of(table: &'static [Setting], found: &[(&str, &'n Entry<'n>)]) -> Self {
+        let ours = |(word, entry): &(&str, &'n Entry<'n>)| {
+            let setting = table.iter().find(|setting| setting.name == *word)?;
+            Some((setting.name, *entry))
+        };
+        Self { table, found: found.iter().filter_map(ours).collect() }
+    }
     /// Reports unknown properties and repeated ones.
     pub(crate) fn new(node: &'n Node<'n>, table: &'static [Setting], report: &mut Report) -> Self {
         Self { table, found: properties(node, &names(table), report) }
@@ -458,6 +488,24 @@ impl<'n> Properties<'n> {
     pub(crate) fn number(&self, name: &str, report: &mut Report) -> Option<f32> {
         let setting = find(self.table, name);
         self.get(name).and_then(|entry| property(entry, setting, report)).or(setting.form.default_number())
+    }
+    /// `None` after a mistake.
+    pub(crate) fn whole(&self, name: &str, report: &mut Report) -> Option<u32> {
+        let Form::Whole { range, default } = find(self.table, name).form else { return None };
+        self.get(name).map_or(Some(default), |entry| whole(entry, &format!("`{name}`"), range, report))
+    }
+    /// One of the things in `all`, the first when absent; `what` as in "There is no …".
+    pub(crate) fn choice<T: Copy>(
+        &self,
+        name: &str,
+        what: &str,
+        all: &[T],
+        name_of: fn(T) -> &'static str,
+        report: &mut Report,
+    ) -> Option<T> {
+        let Some(entry) = self.get(name) else { return all.first().copied() };
+        let text = string(entry, &format!("`{name}`"), report)?;
+        named(entry, text, what, all, name_of, report)
     }
     pub(crate) fn flag(&self, name: &str, report: &mut Report) -> bool {
         let given = self.get(name).and_then(|entry| flag(entry, &format!("`{name}`"), report));

@@ -3,15 +3,17 @@
 //! Names, parameters and ranges come from [`pathmarch_field::registry`]; nothing here knows a shape.
 
 use super::arguments::{Range, arguments, in_range, missing_arguments, name, out_of_range, properties, string, twice};
-use super::names::{NORMAL, PLACEMENT, nearest, solids, unexpected_node};
+use super::names::{NORMAL, PLACEMENT, listed, nearest, solids, unexpected_node};
 use super::report::{Report, draft, shown};
-use super::schema::{self, AXES, SMOOTH, property, single, triple};
+use super::schema::{self, AXES, Properties, single, triple};
 use super::surfaces::Materials;
 use super::tree::{Entry, Node, Span};
 use crate::materials::Material;
 use crate::scene::Object;
 use pathmarch_field::graph::Kind;
-use pathmarch_field::{Combine, Field, Modify, Node as FieldNode, Param, Placement, Shape, Solid, Unit, registry};
+use pathmarch_field::{
+    Blend, BlendProfile, Combine, Field, Modify, Node as FieldNode, Param, Placement, Shape, Solid, Unit, registry,
+};
 
 /// More shapes are refused.
 pub(crate) const MAX_SHAPES: usize = 100_000;
@@ -23,11 +25,13 @@ pub(crate) struct Solids<'m> {
     pub(crate) names: std::collections::HashMap<String, Span>,
     shapes: usize,
     default: Option<u32>,
+    /// How many operators of profiles are around.
+    planes: usize,
 }
 
 impl<'m> Solids<'m> {
     pub(crate) fn new(materials: &'m mut Materials) -> Self {
-        Self { materials, names: Default::default(), shapes: 0, default: None }
+        Self { materials, names: Default::default(), shapes: 0, default: None, planes: 0 }
     }
 
     /// The index of the default material, which is added at the first call.
@@ -86,7 +90,7 @@ impl<'m> Solids<'m> {
                 mistake.label("expected a shape in its braces").help("For example: object \"ball\" { sphere 1 }."),
             );
         }
-        let root = if children.len() > 1 { combined("union", None, children)? } else { children.pop()? };
+        let root = if children.len() > 1 { combined("union", children)? } else { children.pop()? };
         let material = material.unwrap_or_else(|| first_tag(&root)) as usize;
         Some(Object { name: given?.0.to_owned(), material, root })
     }
@@ -126,6 +130,13 @@ impl<'m> Solids<'m> {
         report: &mut Report,
     ) -> FieldNode {
         let info = shape.info();
+        if info.profile && self.planes == 0 {
+            let message = format!("`{}` is a profile: it has no depth.", info.name);
+            let mistake = draft("pathmarch::profile", node.name.span, message).label("not here");
+            let operators = registry::modifiers().iter().filter(|modifier| modifier.of_profiles());
+            let operators = listed(operators.map(|modifier| modifier.info().name), "or");
+            report.add(mistake.help(format!("Put it into {operators}: extrude 0.2 {{ {} }}.", info.name)));
+        }
         let mut known: Vec<&str> = shape.params().iter().map(|param| param.name).collect();
         known.push("material");
         let mut named = properties(node, &known, report);
@@ -168,23 +179,37 @@ impl<'m> Solids<'m> {
         report: &mut Report,
     ) -> Option<FieldNode> {
         let name = operator.info().name;
-        let (mut smooth, mut material) = (None, material);
-        for (word, entry) in properties(node, &["smooth", "material"], report) {
-            if word == "smooth" {
-                smooth = property(entry, &SMOOTH, report);
-            } else {
-                material = Some(self.material(entry, report));
-            }
-        }
-        arguments(node, 0, &format!("`{name} smooth=0.1 {{ … }}`"), report);
+        let blending = if operator.blends() { schema::BLEND } else { &[] };
+        let mut known: Vec<&str> = operator.params().iter().map(|param| param.name).collect();
+        known.extend(schema::names(blending));
+        known.push("material");
+        let mut named = properties(node, &known, report);
+        let own = named.iter().position(|(name, _)| *name == "material").map(|at| named.swap_remove(at).1);
+        let material = own.map(|entry| self.material(entry, report)).or(material);
+        let smooth = if operator.blends() {
+            arguments(node, 0, &format!("`{name} smooth=0.1 {{ … }}`"), report);
+            blend(&named, report)
+        } else {
+            params(Solid::Combine(operator), node, &named, report).first().map(|&amount| amount.into())
+        };
         let (placement, children, written) = self.held(node, material, report);
-        if written == 1 && name == "subtract" && !node.broken() {
-            let mistake = draft("pathmarch::too_few_shapes", node.name.span, "`subtract` of a single shape.");
-            let help = "It needs at least two: the first is kept, without what the others hold.";
+        let (least, most) = operator.children();
+        let needs = if least == most { "two" } else { "at least two" };
+        if written == 1 && written < least && !node.broken() {
+            let mistake = draft("pathmarch::too_few_shapes", node.name.span, format!("`{name}` of a single shape."));
+            let what = operator.info().doc;
+            let help = format!("It needs {needs}: {}{}", what[..1].to_lowercase(), &what[1..]);
             report.add(mistake.label("expected another shape in its braces").help(help));
         }
-        let kind = Kind::Combine { operator, smooth: smooth.filter(|width| *width > 0.0), children };
-        Some(FieldNode { kind, placement })
+        if let Some(extra) =
+            node.child_nodes().iter().filter(|child| !PLACEMENT.contains(&&*child.name.value)).nth(most)
+        {
+            let message = format!("`{name}` of {written} shapes.");
+            let help = "Put shapes that belong together into a `union { … }`.";
+            let mistake = draft("pathmarch::too_many_shapes", extra.name.span, message);
+            report.add(mistake.label(format!("expected {needs}, this is one more")).help(help));
+        }
+        Some(FieldNode { kind: Kind::Combine { operator, smooth, children }, placement })
     }
 
     fn modifier(
@@ -200,10 +225,27 @@ impl<'m> Solids<'m> {
         let own = named.iter().position(|(name, _)| *name == "material").map(|at| named.swap_remove(at).1);
         let material = own.map(|entry| self.material(entry, report)).or(material);
         let params = params(Solid::Modify(modifier), node, &named, report);
+        self.planes += usize::from(modifier.of_profiles());
         let (placement, children, _) = self.held(node, material, report);
+        self.planes -= usize::from(modifier.of_profiles());
+        if !modifier.in_plane()
+            && let Some(profile) = children.iter().find_map(profile)
+        {
+            let name = modifier.info().name;
+            let message =
+                format!("`{name}` turns what it holds about y, and `{profile}` is a profile in the plane z = 0.");
+            let mistake = draft("pathmarch::out_of_plane", node.name.span, message).label("not of a profile");
+            report.add(mistake.help(format!("Put it around the whole: {name} {{ extrude {{ {profile} }} }}.")));
+            return None;
+        }
+        // That a profile has no end along z does not matter within its plane.
+        let is_endless = |child: &&FieldNode| {
+            let bounds = Field::new(std::slice::from_ref(*child)).bounds();
+            let axes = if profile(child).is_some() { 2 } else { 3 };
+            (0..axes).any(|k| !bounds.min[k].is_finite() || !bounds.max[k].is_finite())
+        };
         if modifier.needs_bounds()
-            && let Some(endless) =
-                children.iter().find(|child| !Field::new(std::slice::from_ref(*child)).bounds().is_finite())
+            && let Some(endless) = children.iter().find(is_endless)
         {
             let what = first_name(endless);
             let message =
@@ -237,6 +279,25 @@ impl<'m> Solids<'m> {
     }
 }
 
+/// How an operator blends, by its properties; sharp after a mistake.
+fn blend(named: &[(&str, &Entry)], report: &mut Report) -> Option<Blend> {
+    let properties = Properties::of(schema::BLEND, named);
+    let amount = properties.number("smooth", report);
+    let profile = properties.choice("profile", "profile of blends", &BlendProfile::ALL, BlendProfile::name, report);
+    let steps = properties.whole("steps", report);
+    let amount = amount.filter(|width| *width > 0.0)?;
+    Some(Blend { amount, profile: profile?, steps: steps? as f32 })
+}
+
+/// What the first profile of a solid is called, of those that nothing makes solid.
+fn profile(node: &FieldNode) -> Option<&'static str> {
+    match &node.kind {
+        Kind::Shape { shape, .. } => Some(shape.info()).filter(|info| info.profile).map(|info| info.name),
+        Kind::Modify { modifier, .. } if modifier.of_profiles() => None,
+        Kind::Combine { children, .. } | Kind::Modify { children, .. } => children.iter().find_map(profile),
+    }
+}
+
 /// What the first endless solid is called.
 fn first_name(node: &FieldNode) -> &str {
     match &node.kind {
@@ -247,9 +308,9 @@ fn first_name(node: &FieldNode) -> &str {
 }
 
 /// The nodes under one of the registry's operators.
-fn combined(operator: &str, smooth: Option<f32>, children: Vec<FieldNode>) -> Option<FieldNode> {
+fn combined(operator: &str, children: Vec<FieldNode>) -> Option<FieldNode> {
     let operator = registry::operator(operator)?;
-    Some(FieldNode { kind: Kind::Combine { operator, smooth, children }, placement: Placement::default() })
+    Some(FieldNode { kind: Kind::Combine { operator, smooth: None, children }, placement: Placement::default() })
 }
 
 /// The material of the first shape.

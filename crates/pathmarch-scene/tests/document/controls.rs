@@ -51,31 +51,41 @@ fn nodes() -> Vec<(String, &'static str)> {
         let named: Vec<String> =
             shape.params().iter().map(|param| format!("{}={}", param.name, param.default)).collect();
         let normal = if shape.info().facing { "normal 0 1 1" } else { "" };
-        nodes.push((format!("object \"o\" {{ {name} }}"), name));
+        let (open, close) = if shape.info().profile { ("extrude {", "}") } else { ("", "") };
+        nodes.push((format!("object \"o\" {{ {open} {name}; {close} }}"), name));
         nodes.push((
             format!(
-                "object \"o\" {{ {name} material=\"white\" {} {{ at 1 2 3; rotate 1 2 3; scale 2\n{normal} }} }}",
+                "object \"o\" {{ {open} {name} material=\"white\" {} {{ at 1 2 3; rotate 1 2 3; scale 2\n{normal} }} {close} }}",
                 all.join(" ")
             ),
             name,
         ));
         nodes.push((
-            format!("object \"o\" {{\n    {name} {} {{\n        scale 2 // c\n    }}\n}}", named.join(" ")),
+            format!(
+                "object \"o\" {{ {open}\n    {name} {} {{\n        scale 2 // c\n    }}\n{close} }}",
+                named.join(" ")
+            ),
             name,
         ));
         if shape.info().size_params > 1 {
-            nodes.push((format!("object \"o\" {{ {name} 3 }}"), name));
+            nodes.push((format!("object \"o\" {{ {open} {name} 3; {close} }}"), name));
         }
     }
     for operator in registry::operators() {
         let name = operator.info().name;
         nodes.push((format!("object \"o\" {{ {name} {{ sphere; box }} }}"), name));
-        nodes.push((
-            format!(
-                "object \"o\" {{\n  {name} material=white smooth=0.2 {{\n    at 0 1 0\n    sphere\n    box\n  }}\n}}"
-            ),
-            name,
-        ));
+        let properties = match operator.params().first() {
+            Some(param) => &[format!("{}=0.2", param.name), "0.3".to_owned()][..],
+            None => &["smooth=0.2", "smooth=0.2 profile=\"stairs\" steps=3"].map(str::to_owned)[..],
+        };
+        for properties in properties {
+            nodes.push((
+                format!(
+                    "object \"o\" {{\n  {name} {properties} material=white {{\n    at 0 1 0\n    sphere\n    box\n  }}\n}}"
+                ),
+                name,
+            ));
+        }
     }
     for modifier in registry::modifiers() {
         let name = modifier.info().name;
@@ -236,7 +246,8 @@ fn setting_a_control_changes_it_alone() {
                 let scene = document.scene().unwrap();
                 let changed = meaning(scene) != meaning(original.scene().unwrap());
                 // The material of an object whose shapes have their own is nothing in the picture, but is in the object.
-                assert_eq!(changed, value != control.value, "{context}\n{}", document.text());
+                let idle = ["profile", "steps"].contains(&control.key) && !node.contains("smooth=");
+                assert_eq!(changed, value != control.value && !idle, "{context}\n{}", document.text());
                 if document.text() != original.text() {
                     assert!(document.undo().is_some());
                 }
@@ -353,10 +364,13 @@ fn every_word_of_the_parser_has_a_control() {
 
 #[test]
 fn the_registries_are_what_can_be_added() {
-    let document = document("object \"it\" { union { sphere } }");
-    for (parent, kind) in
-        [(None, "top"), (Some(path(&document, "it")), "object"), (Some(path(&document, "union")), "operator")]
-    {
+    let document = document("object \"it\" { union { sphere; extrude { circle } } }");
+    for (parent, kind) in [
+        (None, "top"),
+        (Some(path(&document, "it")), "object"),
+        (Some(path(&document, "union")), "operator"),
+        (Some(path(&document, "extrude")), "operator of profiles"),
+    ] {
         for addition in document.additions(parent.as_ref()) {
             let mut document = Document::new("", document.text());
             let added = document
@@ -364,12 +378,12 @@ fn the_registries_are_what_can_be_added() {
                 .unwrap_or_else(|error| panic!("{addition:?} to {kind}: {error}"));
             let item = document.item(&added).unwrap();
             assert!(document.scene().is_ok() && !addition.doc.is_empty());
-            let words = [
-                Some(item.word.as_str()),
-                item.material.as_deref(),
-                item.children.first().map(|child| child.word.as_str()),
-            ];
-            let named = words.contains(&Some(addition.name)) || item.kind == ItemKind::Sky;
+            fn is_in(name: &str, item: &Item) -> bool {
+                item.word == name || item.children.iter().any(|child| is_in(name, child))
+            }
+            let named = item.material.as_deref() == Some(addition.name)
+                || is_in(addition.name, item)
+                || item.kind == ItemKind::Sky;
             assert!(named, "{addition:?}: {item:?}");
         }
     }

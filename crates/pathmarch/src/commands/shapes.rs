@@ -1,8 +1,9 @@
 //! `pathmarch shapes`: the reference page, from the registry.
 
 use crate::exit::{DONE, Failure};
+use pathmarch_render::pathmarch_field::blend::DEFAULT_STEPS;
 use pathmarch_render::pathmarch_field::registry::{modifiers, operators, shapes, solid, solids};
-use pathmarch_render::pathmarch_field::{Info, Param, Solid};
+use pathmarch_render::pathmarch_field::{BlendProfile, Info, Param, Solid};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -21,7 +22,8 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         println!("\nOperators (children in braces; smooth= blends over metres)\n");
         for operator in operators() {
-            println!("  {:<40} {}", format!("{} smooth=0", operator.info().name), operator.info().doc);
+            let words = if operator.blends() { "smooth=0".to_owned() } else { words(operator.params()) };
+            println!("  {:<40} {}", format!("{} {words}", operator.info().name), operator.info().doc);
         }
         println!("\nOperators that change what they hold, the union of their children\n");
         for modifier in modifiers() {
@@ -44,18 +46,26 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             }
         }
         Some(Solid::Combine(operator)) if arguments.wgsl => {
-            for smooth in [false, true] {
+            let profiles = BlendProfile::ALL.map(Some).into_iter().take(if operator.blends() { 4 } else { 1 });
+            for profile in profiles.chain([None]) {
                 println!(
                     "{}\n{}\n{}",
-                    operator.wgsl_distance(smooth),
-                    operator.wgsl_gradient(smooth),
-                    operator.wgsl_weight(smooth)
+                    operator.wgsl_distance(profile),
+                    operator.wgsl_gradient(profile),
+                    operator.wgsl_weight(profile)
                 );
             }
         }
         Some(Solid::Combine(operator)) => {
-            page(operator.info(), &[]);
-            println!("\n  smooth=    width of the blend, metres; sharp when absent");
+            page(operator.info(), operator.params());
+            if operator.blends() {
+                println!("\n  smooth=    Width of the blend, metres; sharp when absent.");
+                println!("  profile=   What its seam looks like:");
+                for profile in BlendProfile::ALL {
+                    println!("    {:<8} {}", profile.name(), profile.doc());
+                }
+                println!("  steps=     How many steps the profile stairs has. Default {DEFAULT_STEPS}.");
+            }
         }
         Some(Solid::Modify(modifier)) if arguments.wgsl => print!("{}", modifier.wgsl()),
         Some(Solid::Modify(modifier)) => {
@@ -76,8 +86,11 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
 }
 
 fn usage(info: &Info, params: &[Param]) -> String {
-    let names: Vec<_> = params.iter().map(|param| param.name).collect();
-    format!("{} {}", info.name, names.join(" ")).trim().to_owned()
+    format!("{} {}", info.name, words(params)).trim().to_owned()
+}
+
+fn words(params: &[Param]) -> String {
+    params.iter().map(|param| param.name).collect::<Vec<_>>().join(" ")
 }
 
 fn page(info: &Info, params: &[Param]) {

@@ -1,0 +1,38 @@
+//! Revolution about y (Quilez 2008, "Distance functions", revolution): what it holds is looked at in the plane z = 0, where
+//! x is the distance from the axis less an offset, so that the y axis of the profile stands `offset` off the axis. What of
+//! the profile would be beyond the axis is not there, but still counts where it is the nearest: a lower bound.
+//!
+//! Of a solid it takes the slice at z = 0, whose distance in the plane is never below that in space.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Modifier, Param};
+
+pub(crate) struct Op;
+
+impl Modifier for Op {
+    const INFO: Info = Info {
+        exact: false,
+        ..Info::new(
+            "revolve",
+            "A profile turned about the y axis, as on a lathe; of a solid, its slice at z = 0.",
+            "Quilez 2008, revolution",
+        )
+    };
+    const PARAMS: &'static [Param] =
+        &[Param::length_or_zero("offset", 0.0, "From the axis to the origin of the profile.")];
+    type Numbers<N: Real> = [N; 1];
+    const OF_PROFILES: bool = true;
+
+    fn numbers(params: &[f32], _inside: Aabb) -> [f32; 1] {
+        [params[0]]
+    }
+    #[inline(always)]
+    fn point<N: Real>(p: Vec3<N>, _place: N, [offset]: [N; 1]) -> Vec3<N> {
+        Vec3::new(p.x.hypot(p.z) - offset, p.y, N::zero())
+    }
+    fn bounds(params: &[f32], inside: Aabb) -> Aabb {
+        let radius = (inside.max[0] + params[0]).max(0.0);
+        Aabb { min: [-radius, inside.min[1], -radius], max: [radius, inside.max[1], radius] }
+    }
+}

@@ -1,0 +1,41 @@
+//! Morph: the distances of two shapes, interpolated (Payne and Toga 1992, "Distance field manipulation of surface models",
+//! section 4). The gradient is a mean of both, so that the Lipschitz constant is kept; what lies outside of both shapes lies
+//! outside of every one between them. Between shapes far apart there is nothing: they should overlap.
+
+use crate::blend::{Blend, Blending};
+use crate::bounds::Aabb;
+use crate::number::Real;
+use crate::registry::{Info, Operator, Param};
+
+pub(crate) struct Op;
+
+impl Operator for Op {
+    const INFO: Info = Info {
+        exact: false,
+        ..Info::new("morph", "A shape between two.", "Payne and Toga 1992, section 4")
+    };
+    const PARAMS: &'static [Param] =
+        &[Param::between("amount", 0.5, 0.0, 1.0, "0 is the first child, 1 the second; materials change with it.")];
+    const BLENDS: bool = false;
+    const CHILDREN: (usize, usize) = (2, 2);
+
+    #[inline(always)]
+    fn sharp<N: Real>(a: N, _b: N) -> N {
+        a
+    }
+    #[inline(always)]
+    fn blended<N: Real>(a: N, b: N, blend: Blending<N>) -> N {
+        a * (N::one() - blend.amount) + b * blend.amount
+    }
+    #[inline(always)]
+    fn sharp_weight<N: Real>(_a: N, _b: N) -> N {
+        N::zero()
+    }
+    #[inline(always)]
+    fn blended_weight<N: Real>(_a: N, _b: N, blend: Blending<N>) -> N {
+        blend.amount
+    }
+    fn bounds(a: Aabb, b: Aabb, _blend: Option<Blend>) -> Aabb {
+        a.union(b)
+    }
+}

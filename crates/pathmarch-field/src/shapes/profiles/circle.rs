@@ -1,0 +1,22 @@
+//! Circle in the plane of x and y (Quilez 2008, "2D distance functions", circle). Exact.
+
+use crate::bounds::Aabb;
+use crate::number::{Real, Vec3};
+use crate::registry::{Info, Param, Primitive};
+
+pub(crate) struct Shape;
+
+impl Primitive for Shape {
+    const INFO: Info =
+        Info { profile: true, ..Info::new("circle", "Profile: a disc around the origin.", "Quilez 2008, circle") };
+    const PARAMS: &'static [Param] = &[Param::length("radius", 0.5, "From the origin to the edge.")];
+    type Params<N: Real> = [N; 1];
+
+    #[inline(always)]
+    fn distance<N: Real>(p: Vec3<N>, [radius]: [N; 1]) -> N {
+        p.x.hypot(p.y) - radius
+    }
+    fn bounds([radius]: [f32; 1]) -> Aabb {
+        Aabb::centred(radius, radius, f32::INFINITY)
+    }
+}
