@@ -5,6 +5,7 @@
 //! Shapes and operators come from `pathmarch_field`'s registry and materials from [`materials`]: this crate lists
 //! neither, so the language grows with them. No GPU, no file writing.
 
+mod animation;
 mod assets;
 pub mod atmosphere;
 pub mod diagnostic;
@@ -16,11 +17,12 @@ pub mod render_settings;
 pub mod scene;
 pub mod sky;
 
+pub use animation::Animation;
 pub use atmosphere::Day;
 pub use diagnostic::{Mistake, SceneError};
 pub use document::Document;
 pub use environment::Environment;
 pub use materials::{Material, MaterialKind};
 pub use render_settings::{Caustics, RenderSettings, Sampler, Tonemap};
-pub use scene::{Camera, Light, Object, Scene};
+pub use scene::{Camera, Light, Moment, Object, Parameter, Scene};
 pub use sky::Sky;

@@ -11,6 +11,41 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
+/// When a scene is looked at. Formulas know it as `t` and `frame`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// Seconds since the first frame, which has the number 0; finite.
+    pub seconds: f64,
+    /// Number of the picture of an animation.
+    pub frame: u32,
+}
+
+impl Moment {
+    /// When the frame of this number begins, at so many frames a second.
+    pub fn of_frame(frame: u32, fps: f32) -> Self {
+        Self { seconds: f64::from(frame) / f64::from(fps), frame }
+    }
+    /// This many seconds after the start, in the frame that is shown then.
+    pub fn of_seconds(seconds: f64, fps: f32) -> Self {
+        Self { seconds, frame: (seconds * f64::from(fps) + 1e-6).floor().clamp(0.0, f64::from(u32::MAX)) as u32 }
+    }
+}
+
+/// A number with a name, declared at the top of a file by `param`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name, unlike those of the others.
+    pub name: String,
+    /// Its value at the moment of the scene.
+    pub value: f32,
+    /// The smallest and the largest value that is allowed, where there is one.
+    pub range: (Option<f32>, Option<f32>),
+    /// What it is, for people.
+    pub doc: Option<String>,
+    /// Whether its value depends on the moment.
+    pub animated: bool,
+}
+
 /// Everything in a scene file.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -28,6 +63,12 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// The union of the objects. The `tag` of each leaf is the index of its material.
     pub field: Field,
+    /// Parameters in the order they were written.
+    pub params: Vec<Parameter>,
+    /// When this is: [`Moment::default`] unless said otherwise.
+    pub moment: Moment,
+    /// Whether anything of it depends on the moment.
+    pub animated: bool,
     /// What is allowed but most likely not meant.
     pub warnings: Vec<Mistake>,
     /// Where the text came from: a path, as given to [`Scene::parse`].
@@ -101,7 +142,15 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Mistakes`] with all of them; [`SceneError::Unreadable`] for a text of more than 16 MiB.
     pub fn parse(name: &str, text: &str) -> Result<Self, SceneError> {
-        language::parse(name, text)
+        Self::parse_at(name, text, Moment::default())
+    }
+
+    /// The scene that `text` describes at a moment. Several moments of one text: [`Animation`](crate::Animation).
+    ///
+    /// # Errors
+    /// Those of [`Scene::parse`]; values of formulas that are not allowed say at which moment they are not.
+    pub fn parse_at(name: &str, text: &str, moment: Moment) -> Result<Self, SceneError> {
+        language::parse(name, text, moment)
     }
 
     /// The scene in the file at `path`.

@@ -125,6 +125,47 @@ body!(
     "object 1 material=2 { sphere \"1\"; sphere #true; box x=red; sphere { at a b c } }
 render { samples many; tonemap 3 }"
 );
+body!(
+    formulas,
+    r##"param spin 30 min=0 max=90
+param "gap" "spin/100"
+object "a" {
+    sphere "0.5 + 0.1*sin(2*pi*tt)"
+    sphere radius="spn"
+    sphere "sine(1)"
+    sphere "spin(2)"
+    sphere "clamp(1, 2)"
+    sphere "1 + * 2"
+    sphere "2*(1 + 3"
+    sphere "gap - 2"
+    sphere "1/(gap - 0.3)"
+    sphere ""
+    sphere "2m"
+    box "one" 1 "#fff"
+    menger iterations="1.5"
+    sphere { at 0 "\\u{74}t" 0; rotate 0 "10^400" 0 }
+    sphere \"((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((1))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))\"
+}
+material "m" { diffuse "blue"; }
+material "n" { diffuse "spin/10" }"##
+        .replace("\\\"", "\"")
+);
+body!(
+    params,
+    r##"param spin 30 min=0 max=20
+param spin 1
+param t 1
+param sin 1
+param "two words" 1
+param a-b 1
+param lonely
+param
+param word "#true" min=2 max=1
+param late "later" mni=2
+param later 1 doc=3
+param "x" 1 2 { y }
+object "a" { param inside 1; sphere late { at lonely word 0 } }"##
+);
 body!(not_finite, "object \"a\" { sphere #inf; sphere radius=#nan; sphere { at 0 #-inf 1e300 } }");
 body!(
     out_of_range,

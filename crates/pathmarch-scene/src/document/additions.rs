@@ -10,6 +10,7 @@ use super::path::Path;
 use super::slots::SKIES;
 use super::structure::free_name;
 use super::work::Work;
+use crate::language::params::PARAM;
 use crate::language::schema::{self, AXES};
 use crate::materials;
 use pathmarch_field::{Modify, Shape, Solid, Unit, registry};
@@ -38,6 +39,7 @@ pub(super) fn additions(work: &Work, parent: Option<ItemKind>) -> Vec<Addition> 
             if !has("render") {
                 all.push(addition(Group::Render, "render", "Size and quality of the picture."));
             }
+            all.push(addition(Group::Param, PARAM, "A number with a name, which formulas use."));
             all
         }
     }
@@ -94,6 +96,7 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
             "day" => ("sky", "sky \"day\"".to_owned()),
             _ => ("sky", "sky 0.5".to_owned()),
         },
+        Group::Param => (PARAM, format!("{PARAM} {} 1 min=0 max=2", quoted(&free_name(work, PARAM, "amount")))),
         Group::Render => {
             let words = schema::RENDER.iter().take(2).map(|setting| setting.example);
             ("render", format!("render {{ {} }}", words.collect::<Vec<_>>().join("; ")))
@@ -104,7 +107,7 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
 
 /// Adds a node at the top of the file, behind the others of its word, or where files have such nodes.
 pub(super) fn add_top(work: &mut Work, word: &str, template: &str) -> Result<Path, EditError> {
-    const ORDER: [&str; 7] = ["pathmarch", "camera", "render", "sky", "sun", "material", "object"];
+    const ORDER: [&str; 8] = ["pathmarch", PARAM, "camera", "render", "sky", "sun", "material", "object"];
     let rank = |word: &str| {
         let word = if word == "point" { "sun" } else { word };
         ORDER.iter().position(|other| *other == word).unwrap_or(ORDER.len())

@@ -19,6 +19,9 @@ pub enum Value {
     Text(String),
     /// Yes or no.
     Flag(bool),
+    /// Numbers of which one at least is a formula, each as text: one for a number, two for a size, three for a triple, one
+    /// or three for a colour. [`Control::present`] says what they are worth. A text that is a number becomes one.
+    Formulas(Vec<String>),
 }
 
 /// What a control holds, and which values it takes.
@@ -89,6 +92,8 @@ pub struct Control {
     pub kind: ControlKind,
     /// The present value: that in the text, else the default.
     pub value: Value,
+    /// The value without formulas: what it is worth now. The default where that is not known.
+    pub present: Value,
     /// The value when the text has none; [`Value::None`] where nothing stands for it.
     pub default: Value,
     /// What to set when it is switched on: the default where there is one.
@@ -118,6 +123,8 @@ pub enum Group {
     Camera,
     /// Picture size and quality.
     Render,
+    /// A number with a name, which formulas use.
+    Param,
 }
 
 impl Group {
@@ -132,6 +139,7 @@ impl Group {
             Self::Sky => "Sky",
             Self::Camera => "Camera",
             Self::Render => "Render",
+            Self::Param => "Parameter",
         }
     }
 }

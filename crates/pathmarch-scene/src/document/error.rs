@@ -32,6 +32,14 @@ pub enum EditError {
         /// As in "above 0".
         range: String,
     },
+    /// Numbers would take the place of a formula.
+    #[error("`{label}` is the formula \"{formula}\". Change that, or reset it first.")]
+    Formula {
+        /// Label of the control.
+        label: String,
+        /// The formula.
+        formula: String,
+    },
     /// A name that is empty or taken, or a node that has none.
     #[error("{0}")]
     Name(String),

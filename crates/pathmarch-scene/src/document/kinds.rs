@@ -9,9 +9,7 @@ use super::number::{fresh, quoted};
 use super::outline::{Found, ItemKind};
 use super::patch::Patch;
 use super::path::Path;
-use super::slots::{
-    Place, SKIES, Slot, child, material_control, material_kind, parameter_value, parameters, sky_form, slots,
-};
+use super::slots::{Place, SKIES, Slot, child, material_control, material_kind, parameter_values, sky_form, slots};
 use super::structure::title;
 use super::work::Work;
 use super::write::check;
@@ -65,15 +63,16 @@ fn set_solid(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> 
     if old.info().name == new.info().name {
         return Ok(());
     }
-    let given = parameters(old, found.node);
-    let kept: Vec<(&Param, f32)> = old
+    let given = parameter_values(old, found.node);
+    let kept: Vec<(&Param, Value)> = old
         .params()
         .iter()
         .zip(given)
         .filter_map(|(param, value)| {
             let value = value?;
             let same = new.params().iter().find(|other| other.name == param.name && other.unit == param.unit)?;
-            same.accepts(value).then_some((same, value))
+            let fits = !matches!(value, Value::Number(number) if !same.accepts(number));
+            fits.then_some((same, value))
         })
         .collect();
     let both_blend = matches!((old, new), (Solid::Combine(a), Solid::Combine(b)) if a.blends() && b.blends());
@@ -90,7 +89,6 @@ fn set_solid(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> 
     work.then(patches)?;
     for (param, value) in kept {
         let slot = work.slot(path, param.name)?;
-        let value = parameter_value(param, value);
         let patches = work.writer(work.find(path)?).write(&slot, &value)?;
         work.then(patches)?;
     }
@@ -111,7 +109,7 @@ fn set_material_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), Edi
         return Ok(());
     };
     let Some(new) = materials::kind(kind).filter(|new| new.name != old.name) else { return Ok(()) };
-    let slots = slots(&work.file, found.kind, found.node);
+    let slots = slots(&work.file, &work.values(), found.kind, found.node);
     let fits = |param: &'static materials::MaterialParam, value: &Value| {
         let slot = Slot { control: material_control(param), place: Place::Kind };
         check(&slot, value).is_ok()
@@ -149,7 +147,7 @@ fn set_material_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), Edi
 
 /// What stands behind `sky` for a sky of this form.
 fn sky_text(work: &Work, found: Found, form: &str) -> String {
-    let slots = slots(&work.file, ItemKind::Sky, found.node);
+    let slots = slots(&work.file, &work.values(), ItemKind::Sky, found.node);
     let strength = slots.iter().find(|slot| slot.control.key == "strength" && slot.control.given);
     let strength = strength.map(|slot| format!(" strength={}", fresh(&slot.control.value)));
     match form {

@@ -37,7 +37,8 @@ use crate::assets::Assets;
 use crate::diagnostic::SceneError;
 use crate::language;
 use crate::language::tree::Block;
-use crate::scene::{Camera, Scene};
+use crate::language::{Read, Values};
+use crate::scene::{Camera, Moment, Scene};
 pub use control::{Addition, Control, ControlKind, Group, NumberRange, Value};
 pub use error::EditError;
 use history::History;
@@ -65,6 +66,8 @@ pub mod key {
     pub const SCALE: &str = "place.scale";
     /// Where a shape faces.
     pub const NORMAL: &str = "place.normal";
+    /// Number of a parameter.
+    pub const VALUE: &str = "value";
     /// File of a sky that is a picture. May be set for every sky, which then becomes a picture.
     pub const PICTURE: &str = "picture";
 }
@@ -73,6 +76,7 @@ pub mod key {
 pub struct Document {
     name: String,
     text: String,
+    moment: Moment,
     saved: String,
     is_saved: bool,
     reading: Reading,
@@ -87,17 +91,19 @@ struct Reading {
     /// `None` where it was refused as a whole.
     file: Option<Block<'static>>,
     scene: Result<Arc<Scene>, SceneError>,
+    /// What the formulas of the text are worth.
+    values: Values,
     outline: Vec<Item>,
     style: Style,
 }
 
 impl Reading {
-    fn new(name: &str, text: &str, assets: &mut Assets) -> Self {
-        let (file, scene) = language::read(name, text, assets);
+    fn new(name: &str, text: &str, moment: Moment, assets: &mut Assets) -> Self {
+        let Read { file, scene, values } = language::read(name, text, moment, assets);
         let file = file.map(Block::into_owned);
         let outline = file.as_ref().map_or_else(Vec::new, outline::outline);
         let style = Style::of(text, file.as_ref());
-        Self { file, scene: scene.map(Arc::new), outline, style }
+        Self { file, scene: scene.map(Arc::new), values, outline, style }
     }
     /// How many mistakes there are.
     fn mistakes(&self) -> usize {
@@ -115,10 +121,12 @@ impl Document {
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
         let (name, text) = (name.into(), text.into());
         let mut assets = Assets::default();
-        let reading = Reading::new(&name, &text, &mut assets);
+        let moment = Moment::default();
+        let reading = Reading::new(&name, &text, moment, &mut assets);
         let last_good = reading.scene.as_ref().ok().cloned();
         let saved = text.clone();
-        Self { name, text, saved, is_saved: true, reading, last_good, revision: 0, history: History::default(), assets }
+        let history = History::default();
+        Self { name, text, moment, saved, is_saved: true, reading, last_good, revision: 0, history, assets }
     }
     /// Where the text came from.
     pub fn name(&self) -> &str {
@@ -131,8 +139,29 @@ impl Document {
     }
     /// Reads the text again, for what it refers to may have changed on disk.
     pub fn refresh(&mut self) {
-        self.reading = Reading::new(&self.name, &self.text, &mut self.assets);
+        self.reading = Reading::new(&self.name, &self.text, self.moment, &mut self.assets);
         self.keep_scene();
+    }
+    /// The moment that the scene is of.
+    pub fn moment(&self) -> Moment {
+        self.moment
+    }
+    /// Looks at the scene at another moment. The text stays as it is.
+    pub fn set_moment(&mut self, moment: Moment) {
+        if moment == self.moment {
+            return;
+        }
+        self.moment = moment;
+        match (&self.reading.file, &self.reading.scene) {
+            // Without mistakes, the nodes are those of the text.
+            (Some(file), Ok(_)) => {
+                let source = (&*self.name, &*self.text);
+                let (scene, values) = language::read_again(source, file, moment, &mut self.assets);
+                (self.reading.scene, self.reading.values) = (scene.map(Arc::new), values);
+                self.keep_scene();
+            }
+            _ => self.refresh(),
+        }
     }
     /// The text.
     pub fn text(&self) -> &str {
@@ -182,6 +211,7 @@ impl Document {
             return self.erase(path, slot, gesture);
         }
         write::check(&slot, &value)?;
+        let value = write::keeping_formulas(&slot, value)?;
         if value == slot.control.value {
             return Ok(());
         }
@@ -229,7 +259,7 @@ impl Document {
         let label = format!("Remove {}", self.title(path));
         self.edit(&label, None, |work| structure::remove(work, path))
     }
-    /// Gives a camera, a material or an object another name; what names a material follows.
+    /// Gives a camera, a material, an object or a parameter another name; what names a material or a parameter follows.
     pub fn rename(&mut self, path: &Path, new_name: &str) -> Result<(), EditError> {
         let label = format!("Rename {} to {new_name}", self.title(path));
         self.edit(&label, None, |work| structure::rename(work, path, new_name))
@@ -369,11 +399,11 @@ impl Document {
     }
     fn slots(&self, path: &Path) -> Vec<Slot> {
         let found = self.reading.file.as_ref().and_then(|file| Some((file, outline::find(file, path)?)));
-        found.map_or_else(Vec::new, |(file, found)| slots::slots(file, found.kind, found.node))
+        found.map_or_else(Vec::new, |(file, found)| slots::slots(file, &self.reading.values, found.kind, found.node))
     }
     fn work(&self) -> Result<Work<'_>, EditError> {
         match &self.reading.file {
-            Some(file) => Ok(Work::new(&self.text, file, &self.reading.style)),
+            Some(file) => Ok(Work::new(&self.text, file, &self.reading.values, &self.reading.style)),
             None => Err(EditError::Unreadable("the scene".to_owned())),
         }
     }
@@ -391,7 +421,7 @@ impl Document {
         if text == self.text {
             return Ok(result);
         }
-        let reading = Reading::new(&self.name, &text, &mut self.assets);
+        let reading = Reading::new(&self.name, &text, self.moment, &mut self.assets);
         if reading.mistakes() > self.reading.mistakes() {
             return Err(match &reading.scene {
                 Err(SceneError::Unreadable { reason, help, .. }) => {

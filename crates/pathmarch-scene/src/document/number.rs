@@ -1,7 +1,7 @@
 //! Values as text.
 
 use super::control::Value;
-use crate::language::characters::{is_forbidden, is_newline, is_word, looks_like_number};
+use crate::language::characters::{self, is_forbidden, is_newline, is_word, looks_like_number};
 use std::fmt::Write;
 
 /// The shortest decimal that is read as this number; with an exponent only where digits would be many.
@@ -45,6 +45,15 @@ pub(super) fn string_like(text: &str, now: &str) -> String {
     if bare && !now.starts_with(['"', '#']) { text.to_owned() } else { quoted(text) }
 }
 
+/// A formula, in quotes; a number if it is only that.
+pub(super) fn formula(text: &str) -> String {
+    let text = text.trim();
+    match characters::number(text) {
+        Some(value) if value.is_finite() => text.to_owned(),
+        _ => quoted(text),
+    }
+}
+
 /// A value as it is written behind a word.
 pub(super) fn fresh(value: &Value) -> String {
     match value {
@@ -56,6 +65,7 @@ pub(super) fn fresh(value: &Value) -> String {
         Value::Size([width, height]) => format!("{width} {height}"),
         Value::Text(text) => quoted(text),
         Value::Flag(value) => format!("#{value}"),
+        Value::Formulas(all) => all.iter().map(|one| formula(one)).collect::<Vec<_>>().join(" "),
     }
 }
 

@@ -3,6 +3,7 @@
 use super::path::Path;
 use super::slots::{arguments, material_kind, property, text_argument};
 use crate::language::names::{NORMAL, PLACEMENT};
+use crate::language::params::PARAM;
 use crate::language::tree::{Block, Node, Value};
 use pathmarch_field::registry;
 
@@ -11,6 +12,8 @@ use pathmarch_field::registry;
 pub enum ItemKind {
     /// `pathmarch 1`
     Version,
+    /// A number with a name, which formulas use.
+    Param,
     /// A camera.
     Camera,
     /// Picture size and quality.
@@ -38,6 +41,7 @@ impl ItemKind {
     fn of(word: &str, parent: Option<Self>) -> Self {
         match (parent, word) {
             (None, "pathmarch") => Self::Version,
+            (None, PARAM) => Self::Param,
             (None, "camera") => Self::Camera,
             (None, "render") => Self::Render,
             (None, "sky") => Self::Sky,
@@ -67,7 +71,7 @@ impl ItemKind {
     }
     /// Whether it has a name.
     pub fn is_named(self) -> bool {
-        matches!(self, Self::Camera | Self::Material | Self::Object)
+        matches!(self, Self::Param | Self::Camera | Self::Material | Self::Object)
     }
     /// Whether it may stand in an object or operator.
     pub fn is_solid(self) -> bool {

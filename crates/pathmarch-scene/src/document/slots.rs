@@ -6,7 +6,9 @@
 use super::control::{Control, ControlKind, NumberRange, Value};
 use super::key;
 use super::outline::ItemKind;
+use crate::language::Values;
 use crate::language::arguments::{Range, srgb};
+use crate::language::expression::Expression;
 use crate::language::schema::{self, AXES, Form, ORBIT_TRAP, Setting};
 use crate::language::tree::{self, Block, Entry, Node};
 use crate::materials::{self, MaterialKind, MaterialParam, ParamKind, Trap};
@@ -18,6 +20,8 @@ use std::borrow::Cow;
 pub(super) enum Place {
     /// The string that is its first argument.
     Name,
+    /// Its second argument.
+    Second,
     /// In the words that say what it is.
     Kind,
     /// The number of a shape with this index: an argument or a property.
@@ -52,7 +56,7 @@ pub(super) fn sky_form(node: &Node<'static>) -> &'static str {
     match text_argument(node) {
         Some("gradient") => "gradient",
         Some("day") => "day",
-        Some(text) if !text.starts_with('#') => "picture",
+        Some(text) if !text.starts_with('#') && Expression::read(text).is_err() => "picture",
         _ => "colour",
     }
 }
@@ -92,9 +96,10 @@ pub(super) fn material_names(file: &Block<'static>) -> Vec<String> {
 }
 
 /// The parameters of a node.
-pub(super) fn slots(file: &Block<'static>, kind: ItemKind, node: &Node<'static>) -> Vec<Slot> {
-    let mut list = List { node, slots: Vec::new() };
+pub(super) fn slots(file: &Block<'static>, values: &Values, kind: ItemKind, node: &Node<'static>) -> Vec<Slot> {
+    let mut list = List { node, values, slots: Vec::new() };
     match kind {
+        ItemKind::Param => list.param(),
         ItemKind::Camera => {
             list.name("main");
             list.nodes(schema::CAMERA);
@@ -120,6 +125,7 @@ pub(super) fn slots(file: &Block<'static>, kind: ItemKind, node: &Node<'static>)
 
 struct List<'n> {
     node: &'n Node<'static>,
+    values: &'n Values,
     slots: Vec<Slot>,
 }
 
@@ -127,7 +133,17 @@ impl List<'_> {
     fn push(&mut self, control: Control, place: Place) {
         let given = given(self.node, place, &control.kind);
         let value = given.clone().flatten().unwrap_or_else(|| control.default.clone());
-        self.slots.push(Slot { control: Control { value, given: given.is_some(), ..control }, place });
+        let present = match &value {
+            Value::Formulas(_) => self.worth(place, &control.kind).unwrap_or_else(|| control.default.clone()),
+            plain => plain.clone(),
+        };
+        self.slots.push(Slot { control: Control { value, present, given: given.is_some(), ..control }, place });
+    }
+    /// What the formulas at a place are worth.
+    fn worth(&self, place: Place, kind: &ControlKind) -> Option<Value> {
+        let numbers: Option<Vec<f32>> =
+            entries(self.node, place).iter().map(|entry| number(entry, self.values)).collect();
+        plain(&numbers?, kind)
     }
 
     fn name(&mut self, default: &str) {
@@ -138,7 +154,7 @@ impl List<'_> {
     fn kind(&mut self, options: Vec<&'static str>, now: &str, doc: &'static str) {
         let kind = ControlKind::Choice(options.into_iter().map(Cow::Borrowed).collect());
         let mut control = control(key::KIND, key::KIND, doc, "", kind, Value::Text(now.to_owned())).required();
-        (control.value, control.given) = (control.default.clone(), true);
+        (control.value, control.present, control.given) = (control.default.clone(), control.default.clone(), true);
         self.slots.push(Slot { control, place: Place::Kind });
     }
     fn material_of(&mut self, file: &Block<'static>, doc: &'static str) {
@@ -204,6 +220,22 @@ impl List<'_> {
         }
     }
 
+    fn param(&mut self) {
+        self.name("");
+        let limit = |word: &str, open: f32| {
+            property(self.node, word).and_then(|entry| number(entry, self.values)).unwrap_or(open)
+        };
+        let range = Range::from_to(limit("min", f32::MIN), limit("max", f32::MAX));
+        let now = entries(self.node, Place::Second).first().and_then(|entry| number(entry, self.values));
+        let range = number_range(range, false, "", now);
+        let mut control = control(key::VALUE, key::VALUE, "", "", ControlKind::Number(range), Value::Number(0.0));
+        control.doc = match property(self.node, "doc").map(|entry| &entry.value) {
+            Some(tree::Value::Text(doc)) => Cow::Owned(doc.to_string()),
+            _ => Cow::Borrowed("What formulas find under its name."),
+        };
+        self.push(control.required(), Place::Second);
+    }
+
     fn sky(&mut self) {
         let form = sky_form(self.node);
         self.kind(SKIES.iter().map(|(name, _)| *name).collect(), form, "What the sky is.");
@@ -261,12 +293,18 @@ impl List<'_> {
             |other: &Solid| other.is_operator() == solid.is_operator() && other.info().profile == solid.info().profile;
         let alike = registry::solids().filter(is_alike);
         self.kind(alike.map(|other| other.info().name).collect(), solid.info().name, solid.info().doc);
-        let values = parameters(solid, self.node);
-        for (index, param) in solid.params().iter().enumerate() {
+        let given = parameters(solid, self.node);
+        for (param, (index, entry)) in solid.params().iter().zip(given.into_iter().enumerate()) {
             let control = parameter_control(param);
-            let value = values[index].map_or(control.default.clone(), |value| parameter_value(param, value));
-            let given = values[index].is_some();
-            self.slots.push(Slot { control: Control { value, given, ..control }, place: Place::Parameter(index) });
+            let value = entry.and_then(|entry| read_parameter(param, entry));
+            let present = match &value {
+                Some(Value::Formulas(_)) => entry.and_then(|entry| number(entry, self.values)).map(Value::Number),
+                plain => plain.clone(),
+            };
+            let present = present.unwrap_or_else(|| control.default.clone());
+            let (given, value) = (value.is_some(), value.unwrap_or_else(|| control.default.clone()));
+            self.slots
+                .push(Slot { control: Control { value, present, given, ..control }, place: Place::Parameter(index) });
         }
         if let Solid::Combine(operator) = solid
             && operator.blends()
@@ -308,8 +346,8 @@ fn control(
     default: Value,
 ) -> Control {
     let initial = default.clone();
-    let (label, doc, value) = (label.into(), doc.into(), default.clone());
-    Control { key, label, doc, unit, kind, value, default, initial, given: false, required: false }
+    let (label, doc, value, present) = (label.into(), doc.into(), default.clone(), default.clone());
+    Control { key, label, doc, unit, kind, value, present, default, initial, given: false, required: false }
 }
 
 impl Control {
@@ -385,41 +423,71 @@ fn number_range(range: Range, whole: bool, unit: &str, default: Option<f32>) -> 
 
 /// What stands at a place: nothing, something that cannot be read, or a value.
 fn given(node: &Node<'static>, place: Place, kind: &ControlKind) -> Option<Option<Value>> {
-    let entry = |entry: &Entry<'static>| read(&[entry], kind);
-    let all = |node: &Node<'static>| {
-        let arguments: Vec<_> = arguments(node).collect();
-        (!arguments.is_empty()).then(|| read(&arguments, kind))
-    };
+    let entries = entries(node, place);
+    (!entries.is_empty()).then(|| read(&entries, kind))
+}
+
+/// The arguments or the property at a place.
+fn entries<'n>(node: &'n Node<'static>, place: Place) -> Vec<&'n Entry<'static>> {
+    let all = |node: &'n Node<'static>| arguments(node).collect();
     match place {
-        Place::Kind | Place::Parameter(_) => None,
-        Place::Name => arguments(node).next().map(entry),
-        Place::Property(name) => property(node, name).map(entry),
+        Place::Kind | Place::Parameter(_) => Vec::new(),
+        Place::Name => arguments(node).take(1).collect(),
+        Place::Second => arguments(node).skip(1).take(1).collect(),
+        Place::Property(name) => property(node, name).into_iter().collect(),
         Place::Arguments => all(node),
-        Place::Node(name) => all(child(node, name)?),
-        Place::NodeProperty(name, word) => property(child(node, name)?, word).map(entry),
+        Place::Node(name) => child(node, name).map_or_else(Vec::new, all),
+        Place::NodeProperty(name, word) => {
+            child(node, name).and_then(|child| property(child, word)).into_iter().collect()
+        }
+    }
+}
+
+/// Numbers as the value of a control.
+fn plain(numbers: &[f32], kind: &ControlKind) -> Option<Value> {
+    match (kind, numbers) {
+        (ControlKind::Number(_), [number]) => Some(Value::Number(*number)),
+        (ControlKind::Triple { .. }, [x, y, z]) => Some(Value::Triple([*x, *y, *z])),
+        (ControlKind::Colour { .. }, [grey]) => Some(Value::Colour([*grey; 3])),
+        (ControlKind::Colour { .. }, [r, g, b]) => Some(Value::Colour([*r, *g, *b])),
+        (ControlKind::Size { .. }, [width, height]) => Some(Value::Size([*width as u32, *height as u32])),
+        _ => None,
     }
 }
 
 fn read(entries: &[&Entry], kind: &ControlKind) -> Option<Value> {
     let numbers: Option<Vec<f32>> = entries.iter().map(|entry| read_number(entry)).collect();
+    if let Some(value) = numbers.and_then(|numbers| plain(&numbers, kind)) {
+        return Some(value);
+    }
     let text = match entries.first().map(|entry| &entry.value) {
         Some(tree::Value::Text(text)) if entries.len() == 1 => Some(text.to_string()),
         _ => None,
     };
-    match (kind, numbers.as_deref()) {
-        (ControlKind::Number(_), Some([number])) => Some(Value::Number(*number)),
-        (ControlKind::Triple { .. }, Some([x, y, z])) => Some(Value::Triple([*x, *y, *z])),
-        (ControlKind::Colour { .. }, Some([grey])) => Some(Value::Colour([*grey; 3])),
-        (ControlKind::Colour { .. }, Some([r, g, b])) => Some(Value::Colour([*r, *g, *b])),
-        (ControlKind::Colour { .. }, _) => text.and_then(|text| srgb(&text)).map(Value::Colour),
-        (ControlKind::Size { .. }, Some([width, height])) => Some(Value::Size([*width as u32, *height as u32])),
-        (ControlKind::Flag, _) => match entries.first()?.value {
+    match kind {
+        ControlKind::Colour { .. } if text.as_ref().is_some_and(|text| text.starts_with('#')) => {
+            text.and_then(|text| srgb(&text)).map(Value::Colour)
+        }
+        ControlKind::Number(_) | ControlKind::Triple { .. } | ControlKind::Colour { .. } | ControlKind::Size { .. } => {
+            let texts: Vec<String> = entries.iter().map(|entry| formula_text(entry)).collect::<Option<_>>()?;
+            // As many as there would be numbers.
+            plain(&vec![0.0; texts.len()], kind).map(|_| Value::Formulas(texts))
+        }
+        ControlKind::Flag => match entries.first()?.value {
             tree::Value::Bool(value) => Some(Value::Flag(value)),
             _ => None,
         },
-        (ControlKind::Text | ControlKind::Picture | ControlKind::Choice(_) | ControlKind::Material(_), _) => {
+        ControlKind::Text | ControlKind::Picture | ControlKind::Choice(_) | ControlKind::Material(_) => {
             text.map(Value::Text)
         }
+    }
+}
+
+/// A number or a formula as text.
+pub(super) fn formula_text(entry: &Entry) -> Option<String> {
+    match &entry.value {
+        tree::Value::Number(_) => read_number(entry).map(super::number::number),
+        tree::Value::Text(text) => Some(text.to_string()),
         _ => None,
     }
 }
@@ -432,12 +500,23 @@ pub(super) fn read_number(entry: &Entry) -> Option<f32> {
     }
 }
 
-/// The number that an entry gives to a parameter.
-fn read_parameter(param: &Param, entry: &Entry) -> Option<f32> {
-    match (&entry.value, param.unit) {
-        (tree::Value::Text(word), Unit::Axis) => AXES.iter().position(|axis| axis == word).map(|axis| axis as f32),
-        (_, Unit::Axis) => None,
+/// The number of an entry, or what its formula is worth.
+fn number(entry: &Entry, values: &Values) -> Option<f32> {
+    match entry.value {
+        tree::Value::Text(_) => values.get(&entry.value_span.start).map(|value| *value as f32),
         _ => read_number(entry),
+    }
+}
+
+/// What an entry gives to a parameter.
+fn read_parameter(param: &Param, entry: &Entry) -> Option<Value> {
+    match (&entry.value, param.unit) {
+        (tree::Value::Text(word), Unit::Axis) => {
+            AXES.iter().any(|axis| axis == word).then(|| Value::Text(word.to_string()))
+        }
+        (_, Unit::Axis) => None,
+        (tree::Value::Text(text), _) => Some(Value::Formulas(vec![text.to_string()])),
+        _ => read_number(entry).map(Value::Number),
     }
 }
 
@@ -448,17 +527,23 @@ pub(super) fn has_one_size(solid: Solid, node: &Node<'static>) -> bool {
     sizes > 1 && !named && (1..sizes).contains(&arguments(node).count())
 }
 
-/// The numbers of a shape or an operator as far as they are given.
-pub(super) fn parameters(solid: Solid, node: &Node<'static>) -> Vec<Option<f32>> {
+/// What gives a shape or an operator its numbers, as far as something does.
+pub(super) fn parameters<'n>(solid: Solid, node: &'n Node<'static>) -> Vec<Option<&'n Entry<'static>>> {
     let sizes = solid.info().size_params;
     let one_size = has_one_size(solid, node);
-    let number = |index: usize, param: &Param| {
+    let entry = |index: usize, param: &Param| {
         let slot = match one_size {
             true if index < sizes => 0,
             true => index + 1 - sizes,
             false => index,
         };
-        arguments(node).nth(slot).or_else(|| property(node, param.name)).and_then(|entry| read_parameter(param, entry))
+        arguments(node).nth(slot).or_else(|| property(node, param.name))
     };
-    solid.params().iter().enumerate().map(|(index, param)| number(index, param)).collect()
+    solid.params().iter().enumerate().map(|(index, param)| entry(index, param)).collect()
+}
+
+/// The values that a shape or an operator is given.
+pub(super) fn parameter_values(solid: Solid, node: &Node<'static>) -> Vec<Option<Value>> {
+    let given = parameters(solid, node).into_iter().zip(solid.params());
+    given.map(|(entry, param)| entry.and_then(|entry| read_parameter(param, entry))).collect()
 }

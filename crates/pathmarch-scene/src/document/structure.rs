@@ -9,9 +9,11 @@ use super::patch::Patch;
 use super::path::Path;
 use super::slots::{arguments, child, property, text_argument};
 use super::work::Work;
-use super::write::check;
+use super::write::{check, keeping_formulas};
 use crate::language::names::{PLACEMENT, listed};
+use crate::language::params::{self, PARAM};
 use crate::language::tree::{self, Node};
+use crate::language::{Values, expression};
 use crate::scene::Camera;
 use pathmarch_field::{Solid, registry};
 
@@ -35,7 +37,8 @@ pub(super) fn free_name(work: &Work, word: &str, wanted: &str) -> String {
     }
     let stem = wanted.trim_end_matches(|c: char| c.is_ascii_digit());
     let stem = if stem.len() < wanted.len() && stem.ends_with(' ') { stem.trim_end() } else { wanted };
-    let mut numbered = (2_usize..).map(|number| format!("{stem} {number}"));
+    let between = if word == PARAM { "_" } else { " " };
+    let mut numbered = (2_usize..).map(|number| format!("{stem}{between}{number}"));
     numbered.find(|name| !names.contains(name)).unwrap_or_default()
 }
 
@@ -96,7 +99,9 @@ pub(super) fn rename(work: &mut Work, path: &Path, new: &str) -> Result<(), Edit
     let found = work.find(path)?;
     let word = found.node.name.value.to_string();
     if !found.kind.is_named() {
-        return Err(EditError::Name(format!("A `{word}` has no name. Cameras, materials and objects have.")));
+        return Err(EditError::Name(format!(
+            "A `{word}` has no name. Cameras, materials, objects and parameters have."
+        )));
     }
     if new.is_empty() {
         return Err(EditError::Name(format!("The name of {} must not be empty.", one(&word))));
@@ -114,8 +119,32 @@ pub(super) fn rename(work: &mut Work, path: &Path, new: &str) -> Result<(), Edit
         let objects = work.file.nodes.iter().filter(|node| node.name.value == "object");
         objects.for_each(|object| references(&work.text, object, (old, new), &mut patches));
     }
+    if let (ItemKind::Param, Some(old)) = (found.kind, old) {
+        let values = work.values();
+        let others = work.file.nodes.iter();
+        others.for_each(|node| formulas(node, &values, (old, new), &mut patches));
+    }
     work.last(patches);
     Ok(())
+}
+
+/// Renames a parameter in the formulas of a node and of all in it; what declares another of this name keeps that.
+fn formulas(node: &Node<'static>, values: &Values, names: (&str, &str), patches: &mut Vec<Patch>) {
+    let hidden = params::nodes(node.child_nodes()).any(|own| params::declared_name(own) == Some(names.0));
+    if hidden {
+        return;
+    }
+    for entry in &node.entries {
+        if let tree::Value::Text(text) = &entry.value
+            && values.contains_key(&entry.value_span.start)
+        {
+            let renamed = expression::renamed(text, names);
+            if renamed != **text {
+                patches.push(Patch::replace(bytes(entry.value_span), quoted(&renamed)));
+            }
+        }
+    }
+    node.child_nodes().iter().for_each(|child| formulas(child, values, names, patches));
 }
 
 fn name_patch(work: &Work, found: Found, new: &str) -> Patch {
@@ -328,19 +357,19 @@ pub(super) fn write_camera(work: &mut Work, camera: &Camera, into: Option<&Path>
         let slot = work.slot(&path, key)?;
         let writer = work.writer(work.find(&path)?);
         // A direction is of length one in a camera, and of any length in the text.
-        let same = match (&value, &slot.control.value) {
+        let same = match (&value, &slot.control.present) {
             (Value::Triple(new), Value::Triple(now)) if key == "up" => {
                 let now = glam::DVec3::from_array(now.map(f64::from)).normalize_or_zero();
                 now.as_vec3().to_array() == *new
             }
-            (new, now) => new == now,
+            (new, _) => *new == slot.control.present,
         };
         let patches = match &value {
             _ if same => continue,
             Value::None => writer.erase(&slot)?,
             value => {
                 check(&slot, value)?;
-                writer.write(&slot, value)?
+                writer.write(&slot, &keeping_formulas(&slot, value.clone())?)?
             }
         };
         work.then(patches)?;

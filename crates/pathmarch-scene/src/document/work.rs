@@ -8,8 +8,8 @@ use super::patch::{Hunk, Patch, apply, compose};
 use super::path::Path;
 use super::slots::{Slot, slots};
 use super::write::Writer;
-use crate::language;
 use crate::language::tree::Block;
+use crate::language::{self, Values};
 use std::borrow::Cow;
 
 /// A text, its tree, and how it came from the document's.
@@ -17,12 +17,14 @@ pub(super) struct Work<'d> {
     pub(super) text: Cow<'d, str>,
     pub(super) file: Cow<'d, Block<'static>>,
     pub(super) style: &'d Style,
+    /// What formulas are worth, in the document's text.
+    known: &'d Values,
     hunks: Vec<Hunk>,
 }
 
 impl<'d> Work<'d> {
-    pub(super) fn new(text: &'d str, file: &'d Block<'static>, style: &'d Style) -> Self {
-        Self { text: Cow::Borrowed(text), file: Cow::Borrowed(file), style, hunks: Vec::new() }
+    pub(super) fn new(text: &'d str, file: &'d Block<'static>, known: &'d Values, style: &'d Style) -> Self {
+        Self { text: Cow::Borrowed(text), file: Cow::Borrowed(file), style, known, hunks: Vec::new() }
     }
 
     /// Makes a change that is followed by others.
@@ -64,7 +66,23 @@ impl<'d> Work<'d> {
     }
     pub(super) fn slots(&self, path: &Path) -> Result<Vec<Slot>, EditError> {
         let found = self.find(path)?;
-        Ok(slots(&self.file, found.kind, found.node))
+        Ok(slots(&self.file, &self.values(), found.kind, found.node))
+    }
+    /// What the formulas of the text are worth, by where they stand now; those that an edit has touched are left out.
+    pub(super) fn values(&self) -> Cow<'_, Values> {
+        if self.hunks.is_empty() {
+            return Cow::Borrowed(self.known);
+        }
+        let now = |at: u32| {
+            let before = self.hunks.iter().take_while(|hunk| hunk.old.start <= at as usize);
+            let (mut shift, mut touched) = (0, false);
+            for hunk in before {
+                shift += hunk.new.len() as isize - hunk.old.len() as isize;
+                touched |= hunk.old.contains(&(at as usize));
+            }
+            (!touched).then(|| (at as usize).wrapping_add_signed(shift) as u32)
+        };
+        Cow::Owned(self.known.iter().filter_map(|(at, value)| Some((now(*at)?, *value))).collect())
     }
     pub(super) fn slot(&self, path: &Path, key: &str) -> Result<Slot, EditError> {
         let word = self.find(path)?.node.name.value.to_string();

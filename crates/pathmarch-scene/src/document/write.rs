@@ -7,10 +7,11 @@
 use super::control::{ControlKind, NumberRange, Value};
 use super::error::EditError;
 use super::layout::{Chunk, Site, Style, before_spaces, bytes, insert_first, starts_line, tail};
-use super::number::{fresh, number, quoted, string_like};
+use super::number::{formula, fresh, number, quoted, string_like};
 use super::patch::Patch;
-use super::slots::{Place, Slot, arguments, child, has_one_size, parameter_value, property, read_number};
+use super::slots::{Place, Slot, arguments, child, formula_text, has_one_size, parameter_value, property, read_number};
 use crate::language::arguments::{Range, srgb};
+use crate::language::characters;
 use crate::language::tree::{self, Entry, Node};
 use pathmarch_field::{Solid, registry};
 
@@ -57,6 +58,13 @@ pub(super) fn check(slot: &Slot, value: &Value) -> Result<(), EditError> {
         (ControlKind::Text | ControlKind::Picture, Value::Text(text)) if text.is_empty() => {
             Err(EditError::Name(format!("`{}` must not be empty.", control.label)))
         }
+        (_, Value::Formulas(texts)) if texts.iter().any(|text| text.trim().is_empty()) => {
+            Err(EditError::Name(format!("`{}` must not be empty.", control.label)))
+        }
+        (ControlKind::Number(_), Value::Formulas(texts)) if texts.len() == 1 => Ok(()),
+        (ControlKind::Triple { .. }, Value::Formulas(texts)) if texts.len() == 3 => Ok(()),
+        (ControlKind::Colour { .. }, Value::Formulas(texts)) if matches!(texts.len(), 1 | 3) => Ok(()),
+        (ControlKind::Size { .. }, Value::Formulas(texts)) if texts.len() == 2 => Ok(()),
         (ControlKind::Number(_), Value::Number(_))
         | (ControlKind::Triple { .. }, Value::Triple(_))
         | (
@@ -71,6 +79,53 @@ pub(super) fn check(slot: &Slot, value: &Value) -> Result<(), EditError> {
         (ControlKind::Flag, _) => wrong("yes or no"),
         _ => wrong("a text"),
     }
+}
+
+/// The numbers of a value, in order.
+fn numbers_of(value: &Value) -> Option<Vec<f32>> {
+    match value {
+        Value::Number(number) => Some(vec![*number]),
+        Value::Triple(numbers) | Value::Colour(numbers) => Some(numbers.to_vec()),
+        Value::Size(size) => Some(size.map(|side| side as f32).to_vec()),
+        _ => None,
+    }
+}
+
+/// A value that loses no formula: where the control has formulas, numbers that are what these are worth leave them as they
+/// are, and others are refused. Only texts take the place of a formula.
+pub(super) fn keeping_formulas(slot: &Slot, value: Value) -> Result<Value, EditError> {
+    let control = &slot.control;
+    let Value::Formulas(now) = &control.value else { return Ok(value) };
+    if matches!(value, Value::None | Value::Formulas(_)) {
+        return Ok(value);
+    }
+    let formula = now.iter().find(|text| characters::number(text).is_none());
+    let refused = || {
+        let (label, formula) = (control.label.to_string(), formula.cloned().unwrap_or_default());
+        Err(EditError::Formula { label, formula })
+    };
+    // Handles that are dragged round what they do not move.
+    let same = |new: f32, present: f32| (new - present).abs() <= 2e-3 * present.abs().max(1.0);
+    let (Some(mut new), Some(mut present)) = (numbers_of(&value), numbers_of(&control.present)) else {
+        return refused();
+    };
+    // A colour of one formula is grey.
+    if now.len() == 1 && new.iter().chain(&present).all(|number| *number == new[0]) {
+        new.truncate(1);
+        present.truncate(1);
+    }
+    if now.len() != new.len() || new.len() != present.len() {
+        return refused();
+    }
+    let mut texts = Vec::new();
+    for (text, (new, present)) in now.iter().zip(new.into_iter().zip(present)) {
+        match characters::number(text) {
+            _ if same(new, present) => texts.push(text.clone()),
+            Some(_) => texts.push(number(new)),
+            None => return refused(),
+        }
+    }
+    Ok(Value::Formulas(texts))
 }
 
 impl NumberRange {
@@ -98,6 +153,10 @@ impl<'d> Writer<'d> {
             },
             Place::Property(name) => Ok(self.write_property(name, value)),
             Place::Name | Place::Kind | Place::Arguments => Ok(self.write_arguments(value)),
+            Place::Second => Ok(match arguments(self.node).nth(1) {
+                Some(entry) => vec![self.replace(entry, value)],
+                None => vec![Patch::insert(self.end_of_entries(), format!(" {}", fresh(value)))],
+            }),
             Place::Node(name) => match child(self.node, name) {
                 Some(child) => Ok(self.of(child).write_arguments(value)),
                 None => self.insert(&format!("{name} {}", fresh(value))),
@@ -119,7 +178,7 @@ impl<'d> Writer<'d> {
             Place::Property(name) => {
                 Ok(property(self.node, name).map(|entry| self.remove(entry)).into_iter().collect())
             }
-            Place::Name | Place::Kind | Place::Arguments => Ok(Vec::new()),
+            Place::Name | Place::Second | Place::Kind | Place::Arguments => Ok(Vec::new()),
             // The node that says the kind of a material says its first parameter, too.
             Place::Node(name) if crate::materials::kind(name).is_some() && self.node.name.value == "material" => {
                 let Some(child) = child(self.node, name) else { return Ok(Vec::new()) };
@@ -216,6 +275,11 @@ impl<'d> Writer<'d> {
         match (value, &arguments[..]) {
             (_, []) => vec![Patch::insert(bytes(self.node.name.span).end, format!(" {}", fresh(value)))],
             (Value::Triple(values) | Value::Colour(values), [_, _, _]) => each(values),
+            (Value::Formulas(texts), entries) if texts.len() == entries.len() => {
+                let now = |entry: &Entry| formula_text(entry);
+                let changed = entries.iter().zip(texts).filter(|(entry, text)| now(entry).as_ref() != Some(*text));
+                changed.map(|(entry, text)| Patch::replace(bytes(entry.value_span), formula(text))).collect()
+            }
             (Value::Number(value), [_]) => each(&[*value]),
             (Value::Size([width, height]), [_, _]) => each(&[*width as f32, *height as f32]),
             (Value::Colour(values), [only]) => match &only.value {

@@ -2,12 +2,14 @@
 //!
 //! Every function reports its mistakes and returns what it could make of the rest, so that one mistake hides no other.
 
+use super::expression::{Expression, MAX_DEPTH, MAX_LENGTH, Trouble};
 use super::names::{nearest, suggestion, unexpected_node};
-use super::report::{Report, draft, shown};
+use super::report::{Draft, Report, draft, shown};
+use super::scope::Evaluated;
 use super::tree::{Entry, Node, Span, Value};
 
 /// The numbers that are allowed.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Range {
     pub(crate) min: f32,
     pub(crate) min_allowed: bool,
@@ -63,56 +65,157 @@ pub(crate) fn wrong_type(entry: &Entry, what: &str, expected: &str, report: &mut
     if entry.value == Value::Bad {
         return;
     }
-    let mistake = draft("pathmarch::wrong_type", entry.value_span, format!("{what} must be {expected}."))
-        .label(format!("this is {}", described(&entry.value)));
-    let numeric = matches!(&entry.value, Value::Text(text) if text.trim().parse::<f64>().is_ok());
-    report.add(if numeric { mistake.help("Delete the quotes.") } else { mistake });
+    let mistake = draft("pathmarch::wrong_type", entry.value_span, format!("{what} must be {expected}."));
+    report.add(mistake.label(format!("this is {}", described(&entry.value))));
+}
+
+/// The number of an entry, as it stands there or as a formula: not rounded, perhaps not finite.
+fn evaluated(entry: &Entry, what: &str, report: &mut Report) -> Option<Evaluated> {
+    match &entry.value {
+        Value::Number(value) => Some(Evaluated { value: *value, moving: false }),
+        Value::Text(text) => match report.scope.evaluate(text, entry.value_span) {
+            Ok(value) => Some(value),
+            Err(trouble) => {
+                let mistake = no_formula(entry, text, what, trouble, report);
+                mistake.into_iter().for_each(|mistake| report.add(mistake));
+                None
+            }
+        },
+        _ => {
+            wrong_type(entry, what, "a number", report);
+            None
+        }
+    }
+}
+
+/// Why the string of an entry has no value, unless that is told already.
+fn no_formula(entry: &Entry, text: &str, what: &str, trouble: Trouble, report: &Report) -> Option<Draft> {
+    // Where the string stands in the file as it is, the place within it is known, too.
+    let quotes = (entry.value_span.end - entry.value_span.start) as usize - text.len();
+    let inside = |start: usize, length: usize| match quotes {
+        0 | 2 => {
+            let start = entry.value_span.start as usize + quotes / 2 + start;
+            Span::new(start, start + length)
+        }
+        _ => entry.value_span,
+    };
+    let named = |range: &std::ops::Range<usize>| inside(range.start, range.len());
+    let formula = |span, message: String| draft("pathmarch::formula", span, message);
+    Some(match trouble {
+        Trouble::Told => return None,
+        Trouble::TooLong => formula(entry.value_span, "This formula is too long.".to_owned())
+            .label(format!("more than {MAX_LENGTH} bytes"))
+            .help("Make a `param` of a part of it."),
+        Trouble::TooDeep => formula(entry.value_span, "This formula is nested too deeply.".to_owned())
+            .label(format!("more than {MAX_DEPTH} brackets, signs and powers"))
+            .help("Make a `param` of a part of it."),
+        Trouble::TooMuch => formula(entry.value_span, "The formulas of this scene take too long.".to_owned())
+            .label("given up here")
+            .help("Use fewer or shorter ones."),
+        Trouble::Syntax(_) if text.trim().is_empty() => {
+            formula(entry.value_span, format!("{what} must be a number.")).label("an empty formula")
+        }
+        Trouble::Syntax(at) => {
+            let character = text[at..].chars().next();
+            let label = if character.is_none() { "ends too early" } else { "cannot be read from here on" };
+            let span = match character {
+                Some(character) => inside(at, character.len_utf8()),
+                None => entry.value_span,
+            };
+            formula(span, format!("{what} is neither a number nor a formula."))
+                .label(label)
+                .help("Formulas look like \"0.5 + 0.1*sin(2*pi*t)\".")
+        }
+        Trouble::UnknownName(name, range) => {
+            let message = format!("There is no parameter {}.", shown(&name));
+            let help = match nearest(&name, report.scope.names()) {
+                Some(word) => format!("Did you mean `{word}`?"),
+                None => format!("Declare it at the top: param {} 1.", shown(&name).trim_matches('`')),
+            };
+            draft("pathmarch::unknown_name", named(&range), message).label("unknown name").help(help)
+        }
+        Trouble::UnknownFunction(name, range) => {
+            let message = format!("There is no function {}.", shown(&name));
+            let mistake = draft("pathmarch::unknown_name", named(&range), message).label("unknown function");
+            match report.scope.params().any(|param| param == name) {
+                true => mistake.help(format!("Between `{name}` and the bracket belongs an operator, such as `*`.")),
+                false => match nearest(&name, super::expression::functions()) {
+                    Some(word) => mistake.help(format!("Did you mean `{word}`?")),
+                    None => mistake.help("`sin`, `cos`, `min`, `max`, `mix` and others are there."),
+                },
+            }
+        }
+        Trouble::Arguments(usage, range) => {
+            let message = format!("{} is used in another way.", shown(&text[range.clone()]));
+            formula(named(&range), message).label(format!("expected {usage}"))
+        }
+    })
+}
+
+/// The finite number of an entry, and whether it depends on the moment; `what` as in "`radius`".
+pub(crate) fn value(entry: &Entry, what: &str, report: &mut Report) -> Option<Evaluated> {
+    let found = evaluated(entry, what, report)?;
+    if (found.value as f32).is_finite() {
+        return Some(found);
+    }
+    let label = if found.value.is_finite() { "too large a number" } else { "not finite" };
+    let label = match found.moving {
+        true => format!("{label} {}", report.scope.moment_in_words()),
+        false => label.to_owned(),
+    };
+    let message = format!("{what} must be a finite number.");
+    report.add(draft("pathmarch::not_finite", entry.value_span, message).label(label));
+    None
 }
 
 /// The finite number of an entry; `what` as in "`radius`".
 pub(crate) fn finite(entry: &Entry, what: &str, report: &mut Report) -> Option<f32> {
-    let Value::Number(number) = entry.value else {
-        wrong_type(entry, what, "a number", report);
-        return None;
-    };
-    let value = number as f32;
-    if value.is_finite() {
-        return Some(value);
-    }
-    let too_large = number.is_finite();
-    let label = if too_large { "too large a number" } else { "not finite" };
-    report
-        .add(draft("pathmarch::not_finite", entry.value_span, format!("{what} must be a finite number.")).label(label));
-    None
+    value(entry, what, report).map(|found| found.value as f32)
 }
 
-/// A value is outside its range.
-pub(crate) fn out_of_range(span: Span, what: &str, words: &str, report: &mut Report) {
+/// The value of an entry is outside of what is allowed.
+pub(crate) fn out_of_range(entry: &Entry, value: Evaluated, what: &str, words: &str, report: &mut Report) {
     let message = format!("{what} must be {words}.");
-    report.add(draft("pathmarch::out_of_range", span, message).label("out of range"));
+    let label = match &entry.value {
+        Value::Text(_) if value.moving => format!("is {} {}", value.value as f32, report.scope.moment_in_words()),
+        Value::Text(_) => format!("is {}", value.value as f32),
+        _ => "out of range".to_owned(),
+    };
+    report.add(draft("pathmarch::out_of_range", entry.value_span, message).label(label));
+}
+
+/// The number of an entry, if it is accepted; `words` as in "must be above 0".
+pub(crate) fn accepted(
+    entry: &Entry,
+    what: &str,
+    accepts: impl Fn(f32) -> bool,
+    words: impl Fn() -> String,
+    report: &mut Report,
+) -> Option<f32> {
+    let found = value(entry, what, report)?;
+    let number = found.value as f32;
+    if !accepts(number) {
+        out_of_range(entry, found, what, &words(), report);
+        return None;
+    }
+    Some(number)
 }
 
 /// The number of an entry, if within the range.
 pub(crate) fn in_range(entry: &Entry, what: &str, range: Range, report: &mut Report) -> Option<f32> {
-    let value = finite(entry, what, report)?;
-    if !range.accepts(value) {
-        out_of_range(entry.value_span, what, &range.in_words(), report);
-        return None;
-    }
-    Some(value)
+    accepted(entry, what, |number| range.accepts(number), || range.in_words(), report)
 }
 
 /// The whole number of an entry.
 pub(crate) fn whole(entry: &Entry, what: &str, (min, max): (u32, u32), report: &mut Report) -> Option<u32> {
-    let value = finite(entry, what, report).and(match entry.value {
-        Value::Number(number) => Some(number),
-        _ => None,
-    })?;
-    if value.fract() != 0.0 || value < f64::from(min) || value > f64::from(max) {
-        out_of_range(entry.value_span, what, &format!("a whole number from {min} to {max}"), report);
+    let found = value(entry, what, report)?;
+    // Formulas compute whole numbers up to rounding.
+    let number = if matches!(entry.value, Value::Number(_)) { found.value } else { f64::from(found.value as f32) };
+    if number.fract() != 0.0 || number < f64::from(min) || number > f64::from(max) {
+        out_of_range(entry, found, what, &format!("a whole number from {min} to {max}"), report);
         return None;
     }
-    Some(value as u32)
+    Some(number as u32)
 }
 
 /// The string of an entry.
@@ -292,6 +395,12 @@ pub(crate) fn direction(node: &Node, report: &mut Report) -> Option<[f32; 3]> {
     unit.map(|unit| unit.as_vec3().to_array())
 }
 
+/// Whether a string that may be something else is meant as a formula: it is one, and no single word that is not in sight.
+pub(crate) fn is_formula(text: &str, report: &Report) -> bool {
+    Expression::read(text)
+        .is_ok_and(|formula| !formula.is_name() || report.scope.names().any(|name| name == text.trim()))
+}
+
 /// A colour: three numbers, one number, or "#rrggbb" and nothing else.
 pub(crate) fn colour(node: &Node, range: Range, report: &mut Report) -> Option<[f32; 3]> {
     let what = format!("`{}`", node.name.value);
@@ -301,6 +410,7 @@ pub(crate) fn colour(node: &Node, range: Range, report: &mut Report) -> Option<[
     let entries = arguments(node, 3, &usage, report);
     if let [entry] = entries[..]
         && let Value::Text(text) = &entry.value
+        && !is_formula(text, report)
     {
         let colour = srgb(text);
         if colour.is_none() {

@@ -6,9 +6,12 @@
 
 pub(crate) mod arguments;
 pub(crate) mod characters;
+pub(crate) mod expression;
 pub(crate) mod names;
+pub(crate) mod params;
 mod report;
 pub(crate) mod schema;
+mod scope;
 mod settings;
 mod skies;
 mod solids;
@@ -22,16 +25,17 @@ mod warnings;
 
 use crate::assets::Assets;
 use crate::diagnostic::SceneError;
-use crate::scene::{Light, Scene};
+use crate::scene::{Light, Moment, Parameter, Scene};
 use crate::sky::Sky;
-use arguments::{Range, numbers, twice};
+use arguments::{Range, numbers, twice, wrong_type};
 use names::{TOP, unexpected_node};
 use pathmarch_field::Field;
 use report::{Report, draft};
+use scope::Scope;
 use solids::Solids;
 use std::collections::HashMap;
 use surfaces::Materials;
-use tree::{Block, Span};
+use tree::{Block, Span, Value};
 
 /// The version of the language that this program reads.
 const VERSION: f32 = 1.0;
@@ -43,28 +47,63 @@ pub(crate) fn too_large() -> (String, String) {
     (format!("it is larger than {} MiB", MAX_BYTES >> 20), "Leave parts of the scene out.".to_owned())
 }
 
-/// The scene of `text`, which came from `name`.
-pub(crate) fn parse(name: &str, text: &str) -> Result<Scene, SceneError> {
-    read(name, text, &mut Assets::default()).1
+/// The scene of `text`, which came from `name`, at a moment.
+pub(crate) fn parse(name: &str, text: &str, moment: Moment) -> Result<Scene, SceneError> {
+    read(name, text, moment, &mut Assets::default()).scene
 }
 
-/// The nodes of `text`, as far as they could be read, and the scene.
-pub(crate) fn read<'t>(
-    name: &str,
-    text: &'t str,
-    assets: &mut Assets,
-) -> (Option<Block<'t>>, Result<Scene, SceneError>) {
+/// What a text was read as.
+pub(crate) struct Read<'t> {
+    /// Its nodes, as far as they could be read.
+    pub(crate) file: Option<Block<'t>>,
+    pub(crate) scene: Result<Scene, SceneError>,
+    /// The values of its formulas, as far as they have some, by the place of their strings.
+    pub(crate) values: Values,
+}
+
+/// The value of each formula of a text, by the byte where its string begins.
+pub(crate) type Values = HashMap<u32, f64>;
+
+/// Reads a text, which came from `name`, as of a moment.
+pub(crate) fn read<'t>(name: &str, text: &'t str, moment: Moment, assets: &mut Assets) -> Read<'t> {
     if text.len() > MAX_BYTES {
         let (reason, help) = too_large();
-        return (None, Err(SceneError::Unreadable { name: name.to_owned(), reason, help }));
+        let error = SceneError::Unreadable { name: name.to_owned(), reason, help };
+        return Read { file: None, scene: Err(error), values: Values::new() };
     }
     let mut report = Report::new(name, text);
-    let file = syntax::read(text, &mut report);
-    let scene = match &file {
-        Some(file) => meaning(name, text, file, assets, report),
-        None => Err(report.into_error()),
+    let Some(file) = syntax::read(text, &mut report) else {
+        return Read { file: None, scene: Err(report.into_error()), values: Values::new() };
     };
-    (file, scene)
+    let (scene, values) = scene_of((name, text), &file, moment, assets, report);
+    Read { file: Some(file), scene, values }
+}
+
+/// Reads the nodes of a text that is in form as of a moment.
+pub(crate) fn read_again(
+    source: (&str, &str),
+    file: &Block,
+    moment: Moment,
+    assets: &mut Assets,
+) -> (Result<Scene, SceneError>, Values) {
+    scene_of(source, file, moment, assets, Report::new(source.0, source.1))
+}
+
+/// Name and text, nodes, and the mistakes so far, to a scene.
+fn scene_of(
+    (name, text): (&str, &str),
+    file: &Block,
+    moment: Moment,
+    assets: &mut Assets,
+    mut report: Report,
+) -> (Result<Scene, SceneError>, Values) {
+    report.scope = Scope::at(moment);
+    let scene = meaning(name, text, file, assets, &mut report);
+    let values = std::mem::take(&mut report.scope.values);
+    match scene {
+        Some(scene) if !report.has_mistakes() => (Ok(Scene { warnings: report.into_warnings(), ..scene }), values),
+        _ => (Err(report.into_error()), values),
+    }
 }
 
 /// The nodes of `text`, as far as they could be read.
@@ -72,23 +111,22 @@ pub(crate) fn nodes(text: &str) -> Option<Block<'_>> {
     syntax::read(text, &mut Report::new("", ""))
 }
 
-/// The scene of the nodes of `text`.
-fn meaning(name: &str, text: &str, file: &Block, assets: &mut Assets, mut report: Report) -> Result<Scene, SceneError> {
-    if version(file, &mut report) == Version::Other {
-        return Err(report.into_error());
+/// The scene of the nodes of `text`; nothing after a mistake.
+fn meaning(name: &str, text: &str, file: &Block, assets: &mut Assets, report: &mut Report) -> Option<Scene> {
+    if version(file, report) == Version::Other {
+        return None;
     }
-    let (mut scene, sky) = scene(name, text, file, assets, &mut report);
+    let (mut scene, sky) = scene(name, text, file, assets, report);
     if report.has_mistakes() {
-        return Err(report.into_error());
+        return None;
     }
     let (sky, sun) = sky.finish(assets);
     scene.sky = sky;
     scene.lights.extend(sun);
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
     scene.field = Field::new(&roots);
-    warnings::warn(&scene, file, &mut report);
-    scene.warnings = report.into_warnings();
-    Ok(scene)
+    warnings::warn(&scene, file, report);
+    Some(scene)
 }
 
 #[derive(PartialEq)]
@@ -114,6 +152,10 @@ fn version(file: &Block, report: &mut Report) -> Version {
         }
         return Version::This;
     };
+    if let Some(entry) = first.entries.iter().find(|entry| matches!(entry.value, Value::Text(_))) {
+        wrong_type(entry, "The version", "a number", report);
+        return Version::This;
+    }
     let Some([given]) = numbers::<1>(first, "`pathmarch 1`", Range::ANY, report) else { return Version::This };
     if given == VERSION {
         return Version::This;
@@ -146,6 +188,7 @@ fn scene(name: &str, text: &str, file: &Block, assets: &mut Assets, report: &mut
             twice(&format!("`{unique}`"), again.name.span, first, report);
         }
     }
+    let params = params::declare(params::nodes(&file.nodes), &[], &[], report);
     let mut names = HashMap::new();
     let cameras: Vec<_> = nodes("camera").filter_map(|node| settings::camera(node, &mut names, report)).collect();
     if nodes("camera").next().is_none() && !file.broken {
@@ -177,6 +220,9 @@ fn scene(name: &str, text: &str, file: &Block, assets: &mut Assets, report: &mut
         materials: materials.list,
         objects,
         field: Field::new(&[]),
+        params: params.into_iter().map(Parameter::from).collect(),
+        moment: report.scope.moment,
+        animated: report.scope.animated,
         warnings: Vec::new(),
         source_name: name.to_owned(),
         source_text: text.to_owned(),

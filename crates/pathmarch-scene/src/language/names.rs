@@ -1,5 +1,6 @@
 //! The words of the scene language: which are nearest to a misspelt one, and which of them this version does not know.
 
+use super::params::PARAM;
 use super::report::{Draft, Report, draft, shown};
 use super::schema;
 use super::tree::Text;
@@ -7,7 +8,7 @@ use crate::materials;
 use pathmarch_field::registry;
 
 /// Nodes of the file.
-pub(crate) const TOP: &[&str] = &["pathmarch", "camera", "render", "sky", "sun", "point", "material", "object"];
+pub(crate) const TOP: &[&str] = &["pathmarch", PARAM, "camera", "render", "sky", "sun", "point", "material", "object"];
 /// Nodes in every shape and operator.
 pub(crate) const PLACEMENT: &[&str] =
     &[schema::PLACEMENT[0].name, schema::PLACEMENT[1].name, schema::PLACEMENT[2].name];

@@ -1,6 +1,7 @@
 //! Collects the mistakes of a file.
 
 use super::characters::is_forbidden;
+use super::scope::Scope;
 use super::tree::Span;
 use crate::diagnostic::{Mistake, SceneError};
 use miette::NamedSource;
@@ -9,7 +10,9 @@ use std::sync::Arc;
 /// More mistakes than this are counted, not kept: nobody reads them, and printing each costs a walk over the file.
 pub(crate) const KEPT: usize = 100;
 
+/// The mistakes of a file so far, and what its formulas may name.
 pub(crate) struct Report {
+    pub(crate) scope: Scope,
     name: String,
     source: Arc<NamedSource<String>>,
     mistakes: Vec<Mistake>,
@@ -57,7 +60,8 @@ impl Report {
             _ => char::REPLACEMENT_CHARACTER,
         };
         let source = Arc::new(NamedSource::new(name, text.chars().map(visible).collect()));
-        Self { name: name.to_owned(), source, mistakes: Vec::new(), warnings: Vec::new(), total: 0 }
+        let (mistakes, warnings) = (Vec::new(), Vec::new());
+        Self { scope: Scope::default(), name: name.to_owned(), source, mistakes, warnings, total: 0 }
     }
     fn finish(&self, draft: Draft, warning: bool) -> Mistake {
         Mistake {

@@ -1,6 +1,6 @@
 //! The sky: a constant, a gradient, a picture, or a computed day.
 
-use super::arguments::{Range, arguments, colour, no_children, properties, string};
+use super::arguments::{Range, arguments, colour, is_formula, no_children, properties, string};
 use super::names::{listed, nearest};
 use super::report::{Report, draft, shown};
 use super::schema::{Braces, DAY, DAY_GROUND, GRADIENT, PICTURE, Properties, Setting};
@@ -44,7 +44,7 @@ pub(crate) fn sky(node: &Node, scene: &str, assets: &mut Assets, report: &mut Re
     match first.map(|entry| (entry, &entry.value)) {
         Some((_, Value::Text(text))) if text == "gradient" => gradient(node, report).map(Described::Ready),
         Some((_, Value::Text(text))) if text == "day" => day(node, report),
-        Some((entry, Value::Text(text))) if !text.starts_with('#') => {
+        Some((entry, Value::Text(text))) if !text.starts_with('#') && !is_formula(text, report) => {
             picture(node, entry, scene, assets, report).map(Described::Ready)
         }
         _ => constant(node, report).map(|radiance| Described::Ready(Sky::Constant(radiance))),

@@ -2,7 +2,7 @@
 //!
 //! Names, parameters and ranges come from [`pathmarch_field::registry`]; nothing here knows a shape.
 
-use super::arguments::{Range, arguments, in_range, missing_arguments, name, out_of_range, properties, string, twice};
+use super::arguments::{accepted, arguments, missing_arguments, name, properties, string, twice};
 use super::names::{NORMAL, PLACEMENT, listed, nearest, solids, unexpected_node};
 use super::report::{Report, draft, shown};
 use super::schema::{self, AXES, Properties, single, triple};
@@ -372,13 +372,8 @@ fn number(param: &Param, entry: &Entry, report: &mut Report) -> Option<f32> {
         }
         return axis.map(|axis| axis as f32);
     }
-    let value = in_range(entry, &what, Range::ANY, report)?;
-    let whole = param.unit != Unit::Count || value.fract() == 0.0;
-    if !param.accepts(value) || !whole {
-        out_of_range(entry.value_span, &what, &param.range_in_words(), report);
-        return None;
-    }
-    Some(value)
+    let accepts = |value: f32| param.accepts(value) && (param.unit != Unit::Count || value.fract() == 0.0);
+    accepted(entry, &what, accepts, || param.range_in_words(), report)
 }
 
 /// As in "`box x y z`".

@@ -11,7 +11,7 @@ const HEAD: &str = "pathmarch 1\ncamera \"first\" { position 0 1 5; target 0 1 0
                     material \"white\" { diffuse 0.5 }\nmaterial \"other\" { emit 1 }\n";
 
 /// Nodes that together have every parameter there is.
-fn nodes() -> Vec<(String, &'static str)> {
+pub(super) fn nodes() -> Vec<(String, &'static str)> {
     let mut nodes: Vec<(String, &'static str)> = [
         ("camera \"it\" { position 0 1 5; target 0 1 0 }", "it"),
         ("camera \"it\" {\n    position 0 1 5\n    target 0 1 0\n    up 0 2 0\n    fov 30\n    lens radius=0.1 focus=3\n    exposure 1\n}", "it"),
@@ -29,6 +29,8 @@ fn nodes() -> Vec<(String, &'static str)> {
         ("sun {\n    direction 1 2 3 // c\n    irradiance 1 2 3\n    angle 2\n    penumbra 8 }", "sun"),
         ("point { at 1 2 3; intensity 1 }", "point"),
         ("point { at 1 2 3; intensity 1 2 3; penumbra 3; }", "point"),
+        ("param it 1", "it"),
+        ("param \"it\" 1 min=0 max=2 doc=\"What it does.\"", "it"),
         ("object \"it\" { sphere }", "it"),
         ("object it material=white { sphere }", "it"),
     ]
@@ -109,7 +111,7 @@ fn nodes() -> Vec<(String, &'static str)> {
     nodes
 }
 
-fn document(node: &str) -> Document {
+pub(super) fn document(node: &str) -> Document {
     let document = Document::new("tests/data/test.kdl", format!("{HEAD}{node}\n"));
     let problem = document.scene().err().map(|error| error.mistakes()[0].message.clone());
     assert_eq!(problem, None, "{node}");
@@ -159,7 +161,8 @@ fn values(control: &Control) -> (Vec<Value>, Vec<Value>) {
             (words.iter().map(|word| Value::Text(word.to_string())).collect(), vec![Value::Text("teapot".to_owned())])
         }
         ControlKind::Choice(_) => (Vec::new(), vec![Value::Text("teapot".to_owned())]),
-        ControlKind::Text => (vec![Value::Text("new \"name\"".to_owned())], vec![Value::Text(String::new())]),
+        // Formulas could not name what is no name.
+        ControlKind::Text => (vec![Value::Text("new_name".to_owned())], vec![Value::Text(String::new())]),
         ControlKind::Picture => (Vec::new(), vec![Value::Text(String::new())]),
         ControlKind::Flag => ([true, false].map(Value::Flag).to_vec(), vec![Value::Number(1.0)]),
         ControlKind::Material(names) => {
@@ -182,15 +185,15 @@ impl Number for Value {
 }
 
 /// All of a scene but its texts, as text.
-fn meaning(scene: &Scene) -> String {
-    let Scene { cameras, render, sky, lights, materials, objects, field, .. } = scene;
+pub(super) fn meaning(scene: &Scene) -> String {
+    let Scene { cameras, render, sky, lights, materials, objects, field, params, .. } = scene;
     let materials: Vec<_> = materials.iter().map(|m| (&m.name, m.kind.name, &m.values, &m.orbit_trap)).collect();
     let sky = match sky {
         pathmarch_scene::Sky::Map(map) => format!("{map:?} {:?}", &map.texels[map.texels.len() / 3]),
         sky => format!("{sky:?}"),
     };
     let objects: Vec<_> = objects.iter().map(|object| (&object.name, object.material, &object.root)).collect();
-    format!("{cameras:?}\n{render:?}\n{sky}\n{lights:?}\n{materials:?}\n{objects:?}\n{:?}", field.leaves())
+    format!("{params:?}\n{cameras:?}\n{render:?}\n{sky}\n{lights:?}\n{materials:?}\n{objects:?}\n{:?}", field.leaves())
 }
 
 /// What each control of each node holds.

@@ -308,7 +308,7 @@ fn names_change_with_what_refers_to_them() {
     let empty = refused(objects, |document| document.rename(&path(document, "a"), ""));
     assert_eq!(empty, "The name of an object must not be empty.");
     let nameless = refused(objects, |document| document.rename(&path(document, "sphere"), "b"));
-    assert_eq!(nameless, "A `sphere` has no name. Cameras, materials and objects have.");
+    assert_eq!(nameless, "A `sphere` has no name. Cameras, materials, objects and parameters have.");
 }
 
 #[test]
@@ -675,7 +675,7 @@ fn things_are_added_where_they_belong() {
         groups.dedup();
         groups
     };
-    assert_eq!(groups(None), [Group::Object, Group::Material, Group::Light, Group::Camera]);
+    assert_eq!(groups(None), [Group::Object, Group::Material, Group::Light, Group::Camera, Group::Param]);
     assert_eq!(groups(Some("a")), [Group::Shape, Group::Operator]);
     assert_eq!(groups(Some("sphere")), []);
     let sky = Addition { group: Group::Sky, name: "day", doc: "The sky of a clear day, computed, with its sun." };

@@ -2,6 +2,7 @@
 
 mod controls;
 mod edits;
+mod formulas;
 mod fuzz;
 mod history;
 

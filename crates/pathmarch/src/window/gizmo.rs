@@ -54,7 +54,7 @@ fn tidy(value: f64, step: f64) -> f32 {
 
 /// What `key` of a node says.
 fn given(document: &Document, path: &Path, key: &str) -> Option<Value> {
-    document.control(path, key).map(|control| control.value)
+    document.control(path, key).map(|control| control.present)
 }
 
 fn own_placement(document: &Document, path: &Path) -> Placed {

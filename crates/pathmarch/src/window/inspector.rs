@@ -27,6 +27,7 @@ impl App {
             egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                 self.selected_controls(ui);
                 ui.separator();
+                self.parameter_controls(ui);
                 self.camera_controls(ui);
                 ui.separator();
                 self.picture_controls(ui);
@@ -59,6 +60,36 @@ impl App {
                 self.linked_material(ui, &material);
             }
         }
+    }
+
+    /// The parameters of the file: what it is made to be changed by.
+    fn parameter_controls(&mut self, ui: &mut Ui) {
+        let Some(open) = &self.open else { return };
+        let params = open.document.outline().iter().filter(|item| item.kind == ItemKind::Param);
+        let params: Vec<(Path, Control)> = params
+            .filter_map(|item| {
+                let control = open.document.control(&item.path, key::VALUE)?;
+                Some((item.path.clone(), Control { label: item.title().to_owned().into(), ..control }))
+            })
+            .collect();
+        if params.is_empty() {
+            return;
+        }
+        ui.heading("Parameters");
+        let mut change = None;
+        egui::Grid::new("parameters").num_columns(2).spacing([8.0, 5.0]).striped(true).show(ui, |ui| {
+            for (path, control) in &params {
+                if let Some(Change::Set(value)) = row(ui, path, control) {
+                    change = Some((path, value));
+                }
+                ui.end_row();
+            }
+        });
+        let gesture = self.gesture;
+        if let Some((path, value)) = change {
+            self.edit(|open| open.document.set(path, key::VALUE, value, Some(gesture)));
+        }
+        ui.separator();
     }
 
     /// The controls of the material that something is made of.
@@ -259,6 +290,15 @@ fn row(ui: &mut Ui, path: &Path, control: &Control) -> Option<Change> {
     let words = if control.given { RichText::new(&*control.label) } else { RichText::new(&*control.label).weak() };
     let label = ui.label(words).on_hover_text(tooltip(control));
     let mut change = None;
+    let typing = ui.scope_id().with(("formula", path, control.key));
+    let numbers = numbers_of(&control.value);
+    if numbers.is_some() {
+        label.context_menu(|ui| {
+            if ui.button("Write a formula").clicked() {
+                ui.data_mut(|data| data.insert_temp(typing, true));
+            }
+        });
+    }
     ui.horizontal(|ui| {
         if control.value == Value::None && !matches!(control.kind, ControlKind::Material(_)) {
             let button = ui.button("set").labelled_by(label.id).on_hover_text(format!("Give it a {}.", control.label));
@@ -267,7 +307,14 @@ fn row(ui: &mut Ui, path: &Path, control: &Control) -> Option<Change> {
             }
             return;
         }
-        if let Some(value) = widget(ui, path, control, &label) {
+        let as_text = ui.data(|data| data.get_temp::<bool>(typing)).unwrap_or(false);
+        let value = match (&control.value, numbers) {
+            (Value::Formulas(texts), _) => formulas(ui, path, control, texts, &label),
+            (_, Some(texts)) if as_text => formulas(ui, path, control, &texts, &label),
+            _ => widget(ui, path, control, &label),
+        };
+        if let Some(value) = value {
+            ui.data_mut(|data| data.remove_temp::<bool>(typing));
             change = Some(Change::Set(value));
         }
         if control.given && !control.required {
@@ -286,6 +333,37 @@ fn tooltip(control: &Control) -> String {
         words += &format!(" Unit: {}.", control.unit);
     }
     words
+}
+
+/// The numbers of a value as texts.
+fn numbers_of(value: &Value) -> Option<Vec<String>> {
+    let texts = |numbers: &[f32]| numbers.iter().map(f32::to_string).collect();
+    match value {
+        Value::Number(number) => Some(texts(&[*number])),
+        Value::Triple(numbers) | Value::Colour(numbers) => Some(texts(numbers)),
+        Value::Size(size) => Some(size.iter().map(u32::to_string).collect()),
+        _ => None,
+    }
+}
+
+/// Formulas as texts, and what they are worth.
+fn formulas(ui: &mut Ui, path: &Path, control: &Control, texts: &[String], label: &Response) -> Option<Value> {
+    let mut new = None;
+    ui.vertical(|ui| {
+        for (index, now) in texts.iter().enumerate() {
+            let typed = text(ui, path, &format!("{} {index}", control.key), now, label);
+            if let Some(Value::Text(typed)) = typed {
+                let mut texts = texts.to_vec();
+                texts[index] = typed;
+                new = Some(Value::Formulas(texts));
+            }
+        }
+        if let Some(worth) = numbers_of(&control.present) {
+            let unit = suffix(control.unit);
+            ui.label(RichText::new(format!("= {}{unit}", worth.join(" "))).small().weak());
+        }
+    });
+    new
 }
 
 /// The widget of a control; the value it was changed to.
