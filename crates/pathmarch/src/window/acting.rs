@@ -25,6 +25,8 @@ impl App {
             Action::Render => self.dialog = self.open.as_ref().and_then(RenderDialog::new).map(Dialog::Render),
             Action::Undo | Action::Redo => self.travel(action == Action::Undo),
             Action::Help => self.help = !self.help,
+            Action::Play => self.play_or_pause(ctx),
+            Action::NextFrame | Action::PreviousFrame => self.step_frame(action == Action::NextFrame),
             Action::RestartGraphics => {
                 self.restart_graphics();
             }

@@ -29,6 +29,9 @@ pub(super) enum Action {
     GizmoTurn,
     GizmoScale,
     Preview,
+    Play,
+    NextFrame,
+    PreviousFrame,
     KeepForComparison,
     Compare,
     Source,
@@ -123,6 +126,9 @@ pub(super) const ACTIONS: &[Entry] = &[
     entry(Action::WriteCamera, Menu::Camera, "Write to the scene", "Make the scene's camera the one that is shown.", ctrl(Key::K)),
     entry(Action::FocusClick, Menu::Camera, "Focus by click", "The next click in the picture sets the distance that is sharp.", plain(Key::X)),
     entry(Action::Preview, Menu::View, "Preview shading", "Plain ray marching without noise, for moving about; again for path tracing.", plain(Key::P)),
+    entry(Action::Play, Menu::View, "Play or pause", "Let the time of a scene with formulas of t go on, or stop it.", plain(Key::Space)),
+    entry(Action::NextFrame, Menu::View, "Next frame", "One frame later.", plain(Key::Period)),
+    entry(Action::PreviousFrame, Menu::View, "Frame before", "One frame earlier.", plain(Key::Comma)),
     entry(Action::KeepForComparison, Menu::View, "Keep for comparison", "Keep the picture as it is now, to compare later ones with.", ctrl(Key::B)),
     entry(Action::Compare, Menu::View, "Compare", "Show the kept picture left of a line that can be dragged.", plain(Key::B)),
     entry(Action::GizmoMove, Menu::View, "Handles: move", "Handles in the picture move what is selected.", plain(Key::Num1)),
@@ -155,6 +161,8 @@ pub(super) const POINTER: &[(&str, &str)] = &[
 /// own. Menus and lists that are open have their keys for themselves, too.
 pub(super) fn pressed(ctx: &egui::Context, has_scene: bool, typed: bool) -> Option<Action> {
     let typing = typed || ctx.text_edit_focused() || egui::Popup::is_any_open(ctx);
+    // A button that has the keyboard is pressed by the space bar.
+    let has_focus = ctx.memory(|memory| memory.focused().is_some());
     // Longer chords first: Ctrl+Shift+Z is also Ctrl+Z to a test that ignores Shift.
     let mut entries: Vec<&Entry> = ACTIONS.iter().filter(|entry| has_scene || !entry.needs_scene).collect();
     entries.sort_by_key(|entry| {
@@ -166,7 +174,8 @@ pub(super) fn pressed(ctx: &egui::Context, has_scene: bool, typed: bool) -> Opti
             entry.shortcut.is_some_and(|shortcut| {
                 let function_key =
                     shortcut.logical_key.name().starts_with('F') && shortcut.logical_key.name().len() > 1;
-                (shortcut.modifiers.any() || !typing || function_key) && input.consume_shortcut(&shortcut)
+                let is_taken = has_focus && shortcut.logical_key == Key::Space;
+                (shortcut.modifiers.any() || !typing || function_key) && !is_taken && input.consume_shortcut(&shortcut)
             })
         });
         match found {

@@ -197,6 +197,7 @@ impl App {
     pub(super) fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.poll(&ctx);
+        self.keep_time(&ctx);
         let blocked = self.dialog.is_some() || self.chooser.is_some();
         let focus = ctx.memory(|memory| memory.focused());
         let (pressed, down) = ctx.input(|input| (input.pointer.any_pressed(), input.pointer.any_down()));
@@ -214,6 +215,7 @@ impl App {
         self.menu_bar(ui);
         self.status_bar(ui);
         if self.open.is_some() {
+            self.timeline_panel(ui);
             if self.preferences.show_plots {
                 self.plots_panel(ui);
             }

@@ -23,6 +23,7 @@ mod recovery;
 mod saving;
 #[cfg(test)]
 mod tests;
+mod timeline;
 mod tree;
 mod viewpoint;
 mod viewport;

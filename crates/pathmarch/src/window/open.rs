@@ -1,6 +1,7 @@
 //! The scene that is open: its text, its file, and how it is looked at.
 
 use super::app::Waker;
+use super::timeline::Timeline;
 use super::watch::Watch;
 use egui::TextureHandle;
 use pathmarch_render::Mode;
@@ -25,6 +26,7 @@ pub(super) struct Open {
     /// What the file holds now, where it was changed by someone else while there were unsaved changes here.
     pub(super) conflict: Option<String>,
     pub(super) view: View,
+    pub(super) timeline: Timeline,
     /// Nodes whose children the tree does not show.
     pub(super) folded: Vec<NodePath>,
 }
@@ -48,7 +50,16 @@ impl Open {
         if let Some(scene) = document.last_good() {
             view.follow(scene);
         }
-        Self { document, path, disk, watch: None, conflict: None, view, folded: Vec::new() }
+        Self {
+            document,
+            path,
+            disk,
+            watch: None,
+            conflict: None,
+            view,
+            timeline: Timeline::default(),
+            folded: Vec::new(),
+        }
     }
 
     /// Follows changes of the file by others.

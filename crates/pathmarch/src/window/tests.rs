@@ -7,6 +7,7 @@ mod gallery;
 mod looks;
 mod monkey;
 mod recovery;
+mod time;
 mod tree;
 mod views;
 

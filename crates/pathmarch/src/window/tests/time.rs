@@ -1,0 +1,78 @@
+//! Scenes that move: playing, frames one by one, and what stays as it is meanwhile.
+
+use super::*;
+
+const MOVING: &str = "pathmarch 1
+camera \"main\" { position 0 1.2 4.5; target 0 0.6 0; fov 40 }
+render { size 64 48; samples 2; bounces 1 }
+sky 0.6
+object \"ball\" { sphere 0.4 { at \"2*t\" 0.5 0 } }
+object \"floor\" { plane }
+";
+
+impl Person {
+    fn frame(&self) -> u32 {
+        self.document().moment().frame
+    }
+    /// Where the ball is along x.
+    fn place(&self) -> f32 {
+        self.scene().field.leaves()[0].pose.at[0]
+    }
+}
+
+#[test]
+fn a_scene_is_played_and_stops_where_it_is() {
+    let mut person = Start::with(MOVING).go();
+    assert_eq!((person.frame(), person.place()), (0, 0.0));
+    person.key(Key::Space);
+    person.until("half a second is over", |person| person.frame() >= 12);
+    person.key(Key::Space);
+    let (frame, place) = (person.frame(), person.place());
+    assert!((place - frame as f32 / 12.0).abs() < 1e-5, "{place} in frame {frame}");
+    person.wait(10);
+    assert_eq!(person.frame(), frame, "it rests");
+    assert_eq!(person.text(), MOVING, "the text stays");
+    assert!(!person.app().title().contains('•'), "nothing has to be saved");
+    person.key(Key::Period);
+    assert_eq!(person.frame(), frame + 1);
+    person.key(Key::Comma);
+    person.key(Key::Comma);
+    assert_eq!(person.frame(), frame - 1);
+    person.rest();
+}
+
+#[test]
+fn the_slider_shows_any_frame_and_an_own_viewpoint_stays() {
+    let mut person = Start::with(MOVING).go();
+    person.rest();
+    person.drag(person.point(0.5, 0.5), person.point(0.6, 0.5), PointerButton::Primary, Modifiers::NONE);
+    let camera = person.open().view.camera.clone();
+    person.type_number("Frame", "48");
+    assert_eq!((person.frame(), person.place()), (48, 4.0));
+    assert_eq!(person.open().view.camera, camera);
+    // The first frame comes after the last one.
+    person.fill(Role::SpinButton, "Last frame", "50");
+    person.key(Key::Period);
+    person.key(Key::Period);
+    person.key(Key::Period);
+    assert_eq!(person.frame(), 0);
+}
+
+#[test]
+fn a_moment_with_a_mistake_keeps_the_picture_and_says_so() {
+    let text = MOVING.replace("sphere 0.4", "sphere \"0.4 - 0.2*t\"");
+    let mut person = Start::with(&text).go();
+    person.type_number("Frame", "72");
+    assert!(person.has("1 mistake"), "a negative radius after 2 s");
+    person.type_number("Frame", "24");
+    assert!(!person.has("1 mistake") && person.frame() == 24);
+}
+
+#[test]
+fn what_does_not_move_has_no_timeline() {
+    let mut person = Person::at_scene();
+    assert!(!person.has("Last frame"));
+    person.key(Key::Space);
+    person.assert_said("Nothing in this scene depends on the time");
+    assert_eq!(person.frame(), 0);
+}
