@@ -48,3 +48,6 @@ shapes!(
     rectangle,
     star,
 );
+
+/// The box, which bounds what is cut by one.
+pub(crate) use r#box::Shape as Box;

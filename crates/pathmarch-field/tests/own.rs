@@ -1,0 +1,247 @@
+//! Fields of a scene's own: what the evaluator computes, what is refused, and that nothing hangs.
+
+use pathmarch_field::own::{Code, Fault, budget};
+use pathmarch_field::registry::{Info, Param, Shape};
+use pathmarch_field::{OwnField, number::Vec3};
+use std::sync::Arc;
+
+fn code(params: &[&str], text: &str) -> Result<Code, Vec<Fault>> {
+    let params: Vec<String> = params.iter().map(|name| name.to_string()).collect();
+    Code::new("test", &params, text)
+}
+
+fn field(params: &[&'static str], text: &str) -> OwnField {
+    let code = code(params, text).unwrap_or_else(|faults| panic!("{faults:#?}\n{text}"));
+    let params = params.iter().map(|name| Param::any(name, 1.0, "")).collect();
+    OwnField::new(Info::new("test", "", ""), params, 1.0, None, Arc::new(code))
+}
+
+/// The value of a body of `distance` at a point, where the parameter `k` has this value.
+fn value_at(text: &str, p: [f32; 3], k: f32) -> f32 {
+    let field = field(&["k"], text);
+    field.distance(Vec3::new(p[0], p[1], p[2]), &field.numbers(&[k]))
+}
+
+fn value(body: &str) -> f32 {
+    value_at(&format!("fn distance(p: vec3f) -> f32 {{ {body} }}"), [1.0, 2.0, 3.0], 4.0)
+}
+
+#[track_caller]
+fn gives(body: &str, expected: f32) {
+    let value = value(body);
+    assert!((value - expected).abs() <= 1e-5 * expected.abs().max(1.0), "{body}: {value}, not {expected}");
+}
+
+#[test]
+fn arithmetic() {
+    gives("return p.x + p.y * p.z;", 7.0);
+    gives("return length(p.xy) - 1.0;", 5_f32.sqrt() - 1.0);
+    gives("let q = p * k; return q.z;", 12.0);
+    gives("return dot(p, p.zyx);", 10.0);
+    gives("return (p % vec3f(2.0)).z + -5.5 % 2.0;", 1.0 - 1.5);
+    gives("let v = cross(p, vec3f(0.0, 1.0, 0.0)); return v.x * 10.0 + v.z;", -29.0);
+    gives("return f32(7 / 2) + f32(-7 / 2) + f32(7u % 4u);", 3.0);
+    gives("return f32(i32(-1.7)) + f32(u32(2.9));", 1.0);
+    gives("return f32((6 & 3) | 8) + f32(1u << 4u) + f32(-16 >> 2u) + f32(5 ^ 1);", 10.0 + 16.0 - 4.0 + 4.0);
+    gives("return select(1.0, 2.0, p.x < p.y) + select(vec3f(1.0), p, p > vec3f(1.5)).y;", 4.0);
+    gives("return f32(all(p > vec3f(0.0)) && any(p > vec3f(2.5)) && !(p.x == 2.0));", 1.0);
+    gives("return bitcast<f32>(bitcast<u32>(p.y) + 0x800000u);", 4.0);
+    gives("let z = p.x - 1.0; let n = i32(z); return f32(5 / n) + f32(5 % n);", 5.0);
+}
+
+#[test]
+fn functions_of_the_language() {
+    gives("return clamp(p.z, 0.0, 2.0) + mix(1.0, p.z, 0.5) + smoothstep(0.0, 4.0, p.y) + step(2.0, p.y);", 5.5);
+    gives("return fract(2.75) + floor(-1.5) + ceil(1.2) + round(2.5) + trunc(-1.9) + sign(-3.0);", 0.75 - 2.0 + 2.0 + 2.0 - 1.0 - 1.0);
+    gives("return pow(p.y, 3.0) + exp2(p.z) + log2(8.0) + sqrt(16.0) + inverseSqrt(4.0);", 8.0 + 8.0 + 3.0 + 4.0 + 0.5);
+    gives("return sin(p.x) + cos(p.x) + tan(p.x) + atan2(p.x, p.y);", 1_f32.sin() + 1_f32.cos() + 1_f32.tan() + 1_f32.atan2(2.0));
+    gives("return exp(p.x) + log(p.y) + sinh(p.x) + acos(0.5) + degrees(1.0) + radians(180.0);",
+        1_f32.exp() + 2_f32.ln() + 1_f32.sinh() + 0.5_f32.acos() + 57.295_78 + std::f32::consts::PI);
+    gives("return length(normalize(p)) + distance(p, vec3f(1.0, 2.0, 0.0));", 4.0);
+    gives("return reflect(p, vec3f(0.0, 1.0, 0.0)).y + faceForward(p, vec3f(0.0, 0.0, 1.0), vec3f(0.0, 0.0, 1.0)).z;", -5.0);
+    gives("return refract(vec3f(0.0, -1.0, 0.0), vec3f(0.0, 1.0, 0.0), 0.5).y;", -1.0);
+    gives("return f32(countOneBits(7u) + firstLeadingBit(16u)) + f32(abs(-3)) + f32(max(2, 5)) + f32(min(2u, 5u));", 17.0);
+    gives("return fma(p.x, p.y, p.z) + saturate(7.0) + abs(-2.0) + max(p.x, p.z) + min(p.x, p.z);", 12.0);
+}
+
+#[test]
+fn matrices() {
+    gives("let m = mat2x2f(1.0, 2.0, 3.0, 4.0); return (m * p.xy).x * 100.0 + (p.xy * m).y;", 711.0);
+    gives("let m = mat2x2f(1.0, 2.0, 3.0, 4.0); let n = m * transpose(m); return n[0][1] + n[1].y;", 14.0 + 20.0);
+    gives("return determinant(mat3x3f(2.0, 0.0, 1.0, 1.0, 3.0, 2.0, 1.0, 1.0, 1.0));", 0.0);
+    gives("return determinant(mat4x4f(2.0,0.0,0.0,0.0, 0.0,3.0,0.0,0.0, 0.0,0.0,4.0,1.0, 0.0,0.0,2.0,1.0));", 12.0);
+    gives("var m = mat3x3f(); m[1] = p; let i = i32(k) - 3; return m[i].z + (m * 2.0)[1][1] + (m + m)[1][0];", 9.0);
+}
+
+#[test]
+fn variables_and_control() {
+    gives("var a = 0.0; for (var i = 0; i < 5; i++) { if i == 3 { continue; } a += f32(i); } return a;", 7.0);
+    gives("var a = 1.0; while a < 100.0 { a *= 2.0; } return a;", 128.0);
+    gives("var a = 0.0; loop { a += 1.0; if a > p.z { break; } continuing { a += 0.5; break if a > 50.0; } } return a;", 4.0);
+    gives("var a = 0; switch i32(p.z) { case 1, 2: { a = 5; } case 3: { a = 7; } default: { a = 9; } } return f32(a);", 7.0);
+    gives("var a = 0; switch i32(p.z) { case 1: { a = 5; } default: { if p.x > 0.0 { break; } a = 9; } } return f32(a);", 0.0);
+    gives("for (var i = 0u; i < 9u; i++) { switch i { case 4u: { return f32(i); } default: { continue; } } } return -1.0;", 4.0);
+    gives("var a = array<f32, 4>(1.0, 2.0, 3.0, 4.0); a[i32(p.y)] = 9.0; return a[2] + a[3] + a[i32(k) + 50];", 9.0 + 4.0 + 4.0);
+    gives("var v = p; v.y = 7.0; v[i32(p.y)] += 1.0; return v.x * 100.0 + v.y * 10.0 + v.z;", 174.0);
+}
+
+#[test]
+fn functions_structures_and_pointers() {
+    let text = "
+        const HALF = 0.5;
+        const AXES = array<vec3f, 2>(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0));
+        struct Ball { at: vec3f, radius: f32 }
+        fn turn(q: ptr<function, vec3f>, balls: ptr<function, array<Ball, 2>>) {
+            *q = (*q).yzx;
+            (*balls)[1].radius = k;
+            (*q).x += HALF;
+        }
+        fn ball(p: vec3f, b: Ball) -> f32 { return length(p - b.at) - b.radius; }
+        fn distance(p: vec3f) -> f32 {
+            var q = p;
+            var balls = array<Ball, 2>(Ball(vec3f(0.0), 1.0), Ball(p, 2.0));
+            turn(&q, &balls);
+            return q.x * 100.0 + q.z * 10.0 + ball(p, balls[1]) + dot(AXES[i32(q.z)], p);
+        }";
+    assert_eq!(value_at(text, [1.0, 2.0, 3.0], 4.0), 250.0 + 10.0 - 4.0 + 2.0);
+}
+
+/// Eight points go different ways at once.
+#[test]
+fn lanes_part() {
+    use wide::f32x8;
+    let text = "fn distance(p: vec3f) -> f32 {
+        var a = p.x;
+        for (var i = 0; i < 20; i++) {
+            if a > 10.0 { return a; }
+            if f32(i) > p.y { break; }
+            switch i32(p.x) { case 2, 3: { a += 3.0; continue; } case 5: { a -= 1.0; } default: {} }
+            a += 1.0;
+        }
+        return -a;
+    }";
+    let field = field(&[], text);
+    let numbers = field.numbers(&[]);
+    let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+    let y = [30.0, 2.0, 30.0, 1.0, 5.0, 30.0, 30.0, 0.0];
+    let lanes = field.distance_lanes(Vec3::new(f32x8::from(x), f32x8::from(y), f32x8::splat(0.0)), &numbers);
+    for (lane, value) in lanes.to_array().into_iter().enumerate() {
+        let alone = field.distance(Vec3::new(x[lane], y[lane], 0.0), &numbers);
+        assert_eq!(value, alone, "lane {lane}");
+        // The same in Rust.
+        let mut a = x[lane];
+        let mut expected = None;
+        for i in 0..20 {
+            if a > 10.0 {
+                expected = Some(a);
+                break;
+            }
+            if i as f32 > y[lane] {
+                break;
+            }
+            match x[lane] as i32 {
+                2 | 3 => {
+                    a += 3.0;
+                    continue;
+                }
+                5 => a -= 1.0,
+                _ => {}
+            }
+            a += 1.0;
+        }
+        assert_eq!(value, expected.unwrap_or(-a), "lane {lane}");
+    }
+}
+
+/// Loops end when their budget is used up: nested ones, those of called functions, and those that never end.
+#[test]
+fn loops_share_a_budget() {
+    gives("var n = 0.0; loop { n += 1.0; if n < 0.0 { break; } } return n;", budget::PASSES as f32);
+    gives(
+        "var n = 0.0; for (var i = 0; i < 10; i++) { for (var j = 0; j < 1000; j++) { n += 1.0; } } return n;",
+        budget::PASSES as f32 - 1.0,
+    );
+    let called = "fn more(n: ptr<function, f32>) { loop { *n += 1.0; if *n < 0.0 { break; } } }
+        fn distance(p: vec3f) -> f32 { var n = 0.0; more(&n); more(&n); return n; }";
+    assert_eq!(value_at(called, [0.0; 3], 0.0), budget::PASSES as f32);
+    // A body of many operations takes more.
+    let long = "n += sin(n + k);".repeat(60);
+    let passes = value(&format!("var n = 0.0; var m = 0.0; loop {{ {long} m += 1.0; if m < 0.0 {{ break; }} }} return m;"));
+    assert!(passes > 10.0 && passes < budget::PASSES as f32 / 4.0, "{passes}");
+}
+
+fn fault(params: &[&str], text: &str) -> Fault {
+    match code(params, text) {
+        Ok(_) => panic!("accepted: {text}"),
+        Err(faults) => faults[0].clone(),
+    }
+}
+
+#[test]
+fn what_is_refused_and_where() {
+    let wrapped = |top: &str, body: &str| format!("{top}\nfn distance(p: vec3f) -> f32 {{ {body} return p.x; }}");
+    for (text, place) in [
+        (wrapped("", "let a = b;"), "b"),
+        (wrapped("", "let a = p.x"), "return"),
+        (wrapped("var<private> a: f32;", ""), "a"),
+        (wrapped("@group(0) @binding(0) var<storage> a: array<f32>;", ""), "a"),
+        (wrapped("override a: f32;", ""), "a"),
+        (wrapped("@compute @workgroup_size(1) fn main() {}", ""), "fn main"),
+        (wrapped("var<workgroup> a: atomic<u32>;", ""), "a"),
+        (wrapped("", "let a = dpdx(p.x);"), "dpdx"),
+        (wrapped("", "workgroupBarrier();"), "workgroupBarrier"),
+        (wrapped("", "let a = pack4x8unorm(vec4f(p, 1.0));"), "pack4x8unorm"),
+        (wrapped("", "var a = p; a = 1.0;"), "1.0"),
+        (wrapped("fn f() -> f32 { return f(); }", ""), "f"),
+        ("fn distance(p: vec2f) -> f32 { return p.x; }".to_owned(), "distance"),
+    ] {
+        let fault = fault(&["k"], &text);
+        let found = fault.range.clone().map(|range| &text[range]);
+        assert!(found.is_some_and(|found| found.contains(place)), "{text}\n{fault:?}\n{found:?}");
+    }
+    assert!(fault(&[], "fn other() {}").message.contains("`distance`"));
+    assert!(fault(&["loop"], "fn distance(p: vec3f) -> f32 { return 1.0; }").range.is_none());
+    let many: String = (0..200).map(|k| format!("fn f{k}() {{}}\n")).collect();
+    assert!(fault(&[], &wrapped(&many, "")).message.contains("functions"));
+    // Calls of calls: two to the power of thirty.
+    let doubling: String = (1..30).map(|k| format!("fn f{k}(x: f32) -> f32 {{ return f{0}(x) + f{0}(x + 1.0); }}\n", k - 1)).collect();
+    let fault = fault(&[], &format!("fn f0(x: f32) -> f32 {{ return sin(x); }}\n{}", wrapped(&doubling, "let a = f29(1.0);")));
+    assert!(fault.message.contains("operations"), "{fault:?}");
+}
+
+/// Names of one field are not those of another, and nothing of the kernel can be named.
+#[test]
+fn names_are_isolated() {
+    let text = "struct Frame { a: f32 }\nconst PI = 3.0;\nfn helper(frame: Frame) -> f32 { return frame.a * PI; }\n\
+                fn march(p: vec3f) -> f32 { return helper(Frame(p.x)); }\nfn distance(p: vec3f) -> f32 { return march(p); }";
+    let shape = |identifier: &str| {
+        let code = Code::new(identifier, &[], text).unwrap_or_else(|faults| panic!("{faults:?}"));
+        OwnField::new(Info::new("x", "", ""), Vec::new(), 1.0, Some([1.0; 3]), Arc::new(code))
+    };
+    let kernel = "struct Frame { a: vec3f }\nfn march(p: vec3f) -> Frame { return Frame(p); }\nfn distance_() {}\n";
+    let fields: String = ["a", "a_1", "b"].map(|name| shape(name).wgsl_distance() + &shape(name).wgsl_gradient()).concat();
+    let module = naga::front::wgsl::parse_str(&format!("{kernel}{fields}")).unwrap_or_else(|error| panic!("{error:?}\n{fields}"));
+    let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+    validator.validate(&module).expect("valid");
+    for named in ["march(p)", "frame.tolerance", "field_parameters[0].x", "user_test_passes", "own_test_size(p, 1.0, 1.0, 1.0)"] {
+        assert!(code(&[], &format!("fn distance(p: vec3f) -> f32 {{ return {named}; }}")).is_err(), "{named}");
+    }
+}
+
+/// What is not finite is outside, and its gradient a direction.
+#[test]
+fn values_that_are_not_finite() {
+    for body in ["return p.x / (p.y - p.y);", "return log(-1.0 - p.x * p.x);", "return sqrt(-1.0 - p.x * p.x);", "return normalize(p * 0.0).x;"] {
+        let code = Arc::new(code(&[], &format!("fn distance(p: vec3f) -> f32 {{ {body} }}")).expect("valid"));
+        for edges in [None, Some([2.0; 3])] {
+            let field = OwnField::new(Info::new("x", "", ""), Vec::new(), 1.0, edges, code.clone());
+            let numbers = field.numbers(&[]);
+            for p in [Vec3::new(0.5, 0.2, 0.1), Vec3::new(0.0, 0.0, 0.0), Vec3::new(30.0, 0.2, 0.1)] {
+                let distance = field.distance(p, &numbers);
+                assert!(distance.is_finite() && distance > 0.0, "{body} at {p:?}: {distance}");
+                let gradient = field.gradient(pathmarch_field::number::Dual::variables(p), &numbers).gradient;
+                assert!((1e-3..1.5).contains(&gradient.length()), "{body} at {p:?}: {gradient:?}");
+            }
+        }
+    }
+}
