@@ -57,7 +57,7 @@ fn functions_of_the_language() {
     gives("return sin(p.x) + cos(p.x) + tan(p.x) + atan2(p.x, p.y);", 1_f32.sin() + 1_f32.cos() + 1_f32.tan() + 1_f32.atan2(2.0));
     gives("return exp(p.x) + log(p.y) + sinh(p.x) + acos(0.5) + degrees(1.0) + radians(180.0);",
         1_f32.exp() + 2_f32.ln() + 1_f32.sinh() + 0.5_f32.acos() + 57.295_78 + std::f32::consts::PI);
-    gives("return length(normalize(p)) + distance(p, vec3f(1.0, 2.0, 0.0));", 4.0);
+    gives("return length(normalize(p)) + length(p - vec3f(1.0, 2.0, 0.0));", 4.0);
     gives("return reflect(p, vec3f(0.0, 1.0, 0.0)).y + faceForward(p, vec3f(0.0, 0.0, 1.0), vec3f(0.0, 0.0, 1.0)).z;", -5.0);
     gives("return refract(vec3f(0.0, -1.0, 0.0), vec3f(0.0, 1.0, 0.0), 0.5).y;", -1.0);
     gives("return f32(countOneBits(7u) + firstLeadingBit(16u)) + f32(abs(-3)) + f32(max(2, 5)) + f32(min(2u, 5u));", 17.0);
@@ -201,8 +201,10 @@ fn what_is_refused_and_where() {
     }
     assert!(fault(&[], "fn other() {}").message.contains("`distance`"));
     assert!(fault(&["loop"], "fn distance(p: vec3f) -> f32 { return 1.0; }").range.is_none());
-    let many: String = (0..200).map(|k| format!("fn f{k}() {{}}\n")).collect();
-    assert!(fault(&[], &wrapped(&many, "")).message.contains("functions"));
+    let many: String = (0..200).map(|k| format!("fn f{k}(x: f32) -> f32 {{ return x; }}\n")).collect();
+    let calls: String = (0..200).map(|k| format!("let a{k} = f{k}(p.x);")).collect();
+    let fault_of_many = fault(&[], &wrapped(&many, &calls));
+    assert!(fault_of_many.message.contains("functions"), "{fault_of_many:?}");
     // Calls of calls: two to the power of thirty.
     let doubling: String = (1..30).map(|k| format!("fn f{k}(x: f32) -> f32 {{ return f{0}(x) + f{0}(x + 1.0); }}\n", k - 1)).collect();
     let fault = fault(&[], &format!("fn f0(x: f32) -> f32 {{ return sin(x); }}\n{}", wrapped(&doubling, "let a = f29(1.0);")));

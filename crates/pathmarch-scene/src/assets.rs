@@ -2,18 +2,31 @@
 //!
 //! A text that is edited is read again after every change, and most changes leave the sky as it is. The cache holds what
 //! the last readings used: a picture as its file was when it was read, a day by its parameters. The same sky is the same
-//! `Arc`, so that others can tell by its address that it has not changed. Cost: the picture of the last sky, twice once its
+//! `Arc`, so that others can tell by its address that it has not changed. The code of a scene's own field is kept by its text.
+//! Cost: the picture of the last sky, twice once its
 //! strength or turn has been changed, at most 192 MiB; 1.5 MiB for each day.
 
 use crate::atmosphere::Day;
 use crate::environment::{Environment, EnvironmentError, Loaded};
 use crate::scene::Light;
+use pathmarch_field::own::{Code, Fault};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
 /// Days that are kept: enough for steps back and forth.
 const DAYS: usize = 8;
+
+/// Codes of fields that are kept: those of a scene, and steps back and forth.
+const CODES: usize = 128;
+
+/// What the code of a field is made of.
+#[derive(PartialEq)]
+struct CodeSource {
+    identifier: String,
+    params: Vec<String>,
+    text: String,
+}
 
 /// A file as it was when it was read.
 #[derive(PartialEq)]
@@ -42,6 +55,7 @@ pub(crate) struct Assets {
     /// The picture of `source` as it stands in the file, once it has been used in two ways.
     original: Option<Environment>,
     days: Vec<(Day, Arc<Environment>, Option<Light>)>,
+    codes: Vec<(CodeSource, Arc<Code>)>,
 }
 
 impl Assets {
@@ -75,6 +89,24 @@ impl Assets {
         self.source = Some(source);
         self.picture = Some((strength, picture.clone()));
         Ok(picture)
+    }
+
+    /// The code of a field: read and compiled once for each text.
+    pub(crate) fn code(&mut self, identifier: &str, params: &[String], text: &str) -> Result<Arc<Code>, Vec<Fault>> {
+        let known = self.codes.iter().position(|(source, _)| {
+            source.identifier == identifier && source.params == params && source.text == text
+        });
+        let (source, code) = match known {
+            Some(index) => self.codes.remove(index),
+            None => {
+                let code = Arc::new(Code::new(identifier, params, text)?);
+                let (identifier, text) = (identifier.to_owned(), text.to_owned());
+                (CodeSource { identifier, params: params.to_vec(), text }, code)
+            }
+        };
+        self.codes.truncate(CODES - 1);
+        self.codes.insert(0, (source, code.clone()));
+        Ok(code)
     }
 
     /// The sky of a day and its sun.

@@ -29,8 +29,9 @@ use crate::wgsl::Function;
 use machine::{Machine, Mask};
 pub use module::Code;
 use std::cell::RefCell;
+use std::collections::HashSet;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use wide::f32x8;
 
 /// The longest text of a field, bytes.
@@ -62,6 +63,29 @@ pub struct OwnField {
     lipschitz: f32,
     edges: Option<[f32; 3]>,
     code: Arc<Code>,
+}
+
+/// Bytes of all names and descriptions that a program ever gave to own shapes: more than a person types in a year.
+const MAX_NAMES: usize = 64 << 20;
+
+static NAMES: Mutex<(Option<HashSet<&'static str>>, usize)> = Mutex::new((None, 0));
+
+/// A name or description as shapes have it: for as long as the program runs. The same text is kept once; nothing past 64 MiB
+/// of different ones, which is far from what editing comes to.
+pub fn keep(text: &str) -> Option<&'static str> {
+    let mut names = NAMES.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let (known, bytes) = &mut *names;
+    let known = known.get_or_insert_default();
+    if let Some(name) = known.get(text) {
+        return Some(name);
+    }
+    *bytes += text.len();
+    if *bytes > MAX_NAMES {
+        return None;
+    }
+    let name: &'static str = text.to_owned().leak();
+    known.insert(name);
+    Some(name)
 }
 
 /// Half an edge of what has no end.

@@ -15,12 +15,15 @@ const KEPT: usize = 24;
 pub(crate) struct Printed {
     code: String,
     pub(super) parameters: Vec<[f32; 4]>,
+    /// Whether no text of a user is in the code.
+    trusted: bool,
 }
 
 impl Printed {
     pub(crate) fn new(prepared: &Prepared) -> Self {
         let program = Program::new(&prepared.field);
-        Self { code: kernel(prepared, &program), parameters: program.parameters }
+        let trusted = prepared.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
+        Self { code: kernel(prepared, &program), parameters: program.parameters, trusted }
     }
 
     /// Whether the parameters are a uniform buffer.
@@ -78,9 +81,12 @@ impl Kernels {
             label: Some("trace"),
             source: wgpu::ShaderSource::Wgsl(printed.code.as_str().into()),
         };
-        // SAFETY: every loop of the kernel counts to a constant or to `bounces`, lights or iterations checked on the CPU,
-        // and every index comes from tables built together with it; no text of a user is in it.
-        let module = unsafe { gpu.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) };
+        let module = match printed.trusted {
+            // SAFETY: every loop of the kernel counts to a constant or to `bounces`, lights or iterations checked on the
+            // CPU, and every index comes from tables built together with it; no text of a user is in it.
+            true => unsafe { gpu.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) },
+            false => gpu.create_shader_module(descriptor),
+        };
         let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("trace"),
             layout: Some(&gpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

@@ -7,6 +7,7 @@
 pub(crate) mod arguments;
 pub(crate) mod characters;
 pub(crate) mod expression;
+pub(crate) mod fields;
 pub(crate) mod names;
 pub(crate) mod params;
 mod report;
@@ -28,6 +29,7 @@ use crate::diagnostic::SceneError;
 use crate::scene::{Light, Moment, Parameter, Scene};
 use crate::sky::Sky;
 use arguments::{Range, numbers, twice, wrong_type};
+use fields::Fields;
 use names::{TOP, unexpected_node};
 use pathmarch_field::Field;
 use report::{Report, draft};
@@ -210,7 +212,8 @@ fn scene(name: &str, text: &str, file: &Block, assets: &mut Assets, report: &mut
         .collect();
     let mut materials = Materials::default();
     nodes("material").for_each(|node| materials.add(node, report));
-    let mut solids = Solids::new(&mut materials);
+    let fields = Fields::new(file, assets, report);
+    let mut solids = Solids::new(&mut materials, &fields);
     let objects = nodes("object").filter_map(|node| solids.object(node, report)).collect();
     let scene = Scene {
         cameras,

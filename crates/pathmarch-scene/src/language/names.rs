@@ -1,33 +1,25 @@
-//! The words of the scene language: which are nearest to a misspelt one, and which of them this version does not know.
+//! The words of the scene language, and which are nearest to a misspelt one.
 
+use super::fields::FIELD;
 use super::params::PARAM;
-use super::report::{Draft, Report, draft, shown};
+use super::report::{Report, draft, shown};
 use super::schema;
 use super::tree::Text;
 use crate::materials;
 use pathmarch_field::registry;
 
 /// Nodes of the file.
-pub(crate) const TOP: &[&str] = &["pathmarch", PARAM, "camera", "render", "sky", "sun", "point", "material", "object"];
+pub(crate) const TOP: &[&str] =
+    &["pathmarch", PARAM, "camera", "render", "sky", "sun", "point", "material", FIELD, "object"];
 /// Nodes in every shape and operator.
 pub(crate) const PLACEMENT: &[&str] =
     &[schema::PLACEMENT[0].name, schema::PLACEMENT[1].name, schema::PLACEMENT[2].name];
 /// Node in shapes that face somewhere.
 pub(crate) const NORMAL: &str = schema::NORMAL.name;
 
-/// Words of the language that this version may not have yet. What the registries know is had, whatever stands here.
-const LANGUAGE: &[&str] = &["field"];
-
 /// Names of all shapes and operators.
 pub(crate) fn solids() -> impl Iterator<Item = &'static str> {
     registry::solids().map(|solid| solid.info().name)
-}
-
-/// Whether it is a word of the language that this version does not have.
-pub(crate) fn is_not_yet(name: &str) -> bool {
-    let had = solids().any(|solid| solid == name)
-        || materials::kinds().iter().any(|kind| kind.name == name || kind.params.iter().any(|p| p.name == name));
-    LANGUAGE.contains(&name) && !had
 }
 
 /// The nearest of `known` to a misspelt name: one edit for every three letters or part of them; a swap is one edit.
@@ -91,16 +83,14 @@ fn home(name: &str) -> Option<String> {
     (!homes.is_empty()).then(|| format!("It stands in the braces of {}.", listed(homes, "or")))
 }
 
-/// Reports a node that does not belong where it stands: misspelt, misplaced, or not in this version. `place` is as in
+/// Reports a node that does not belong where it stands: misspelt or misplaced. `place` is as in
 /// "in a camera".
 pub(crate) fn unexpected_node(name: &Text, known: &[&str], place: &str, report: &mut Report) {
     if report.is_full() {
         // Looking for the nearest name is the one costly thing here; nobody will see it.
         return report.count();
     }
-    report.add(if is_not_yet(&name.value) {
-        not_supported(name)
-    } else if let Some(home) = home(&name.value) {
+    report.add(if let Some(home) = home(&name.value) {
         let message = format!("`{}` cannot stand {place}.", name.value);
         draft("pathmarch::misplaced_node", name.span, message).label("not here").help(home)
     } else {
@@ -110,16 +100,9 @@ pub(crate) fn unexpected_node(name: &Text, known: &[&str], place: &str, report: 
     });
 }
 
-/// A word of the language that this version does not have.
-pub(crate) fn not_supported(name: &Text) -> Draft {
-    draft("pathmarch::not_supported", name.span, format!("This version of pathmarch has no `{}` yet.", name.value))
-        .label("not supported yet")
-        .help("The name is right: it belongs to the scene language, and a later version will have it.")
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{is_not_yet, listed, nearest, solids};
+    use super::{listed, nearest, solids};
 
     #[test]
     fn nearest_names() {
@@ -149,12 +132,6 @@ mod tests {
             let doubled = format!("{}{name}", &name[..1]);
             assert_eq!(nearest(&doubled, solids()), Some(name));
         }
-    }
-
-    #[test]
-    fn had_names_are_not_missing() {
-        assert!(is_not_yet("mandelbulb") || solids().any(|name| name == "mandelbulb"));
-        assert!(!is_not_yet("sphere") && !is_not_yet("teapot") && !is_not_yet("diffuse"));
     }
 
     #[test]

@@ -75,6 +75,14 @@ impl Report {
             source_code: self.source.clone(),
         }
     }
+    /// The text as it is shown: with marks for what does not show.
+    pub(crate) fn text(&self) -> &str {
+        self.source.inner()
+    }
+    /// How many mistakes there are so far.
+    pub(crate) fn count_so_far(&self) -> usize {
+        self.total
+    }
     /// A mistake.
     pub(crate) fn add(&mut self, draft: Draft) {
         self.total += 1;

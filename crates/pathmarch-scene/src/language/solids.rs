@@ -3,6 +3,7 @@
 //! Names, parameters and ranges come from [`pathmarch_field::registry`]; nothing here knows a shape.
 
 use super::arguments::{accepted, arguments, missing_arguments, name, properties, string, twice};
+use super::fields::Fields;
 use super::names::{NORMAL, PLACEMENT, listed, nearest, solids, unexpected_node};
 use super::report::{Report, draft, shown};
 use super::schema::{self, AXES, Properties, single, triple};
@@ -12,7 +13,7 @@ use crate::materials::Material;
 use crate::scene::Object;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::{
-    Blend, BlendProfile, Combine, Field, Modify, Node as FieldNode, Param, Placement, Shape, Solid, Unit, registry,
+    Blend, BlendProfile, Combine, Field, Modify, Node as FieldNode, Param, Placement, ShapeRef, Solid, Unit, registry,
 };
 
 /// More shapes are refused.
@@ -21,6 +22,8 @@ pub(crate) const MAX_SHAPES: usize = 100_000;
 /// Turns object nodes into objects.
 pub(crate) struct Solids<'m> {
     pub(crate) materials: &'m mut Materials,
+    /// Shapes that the file declares.
+    fields: &'m Fields,
     /// Names of the objects so far, and where.
     pub(crate) names: std::collections::HashMap<String, Span>,
     shapes: usize,
@@ -30,8 +33,8 @@ pub(crate) struct Solids<'m> {
 }
 
 impl<'m> Solids<'m> {
-    pub(crate) fn new(materials: &'m mut Materials) -> Self {
-        Self { materials, names: Default::default(), shapes: 0, default: None, planes: 0 }
+    pub(crate) fn new(materials: &'m mut Materials, fields: &'m Fields) -> Self {
+        Self { materials, fields, names: Default::default(), shapes: 0, default: None, planes: 0 }
     }
 
     /// The index of the default material, which is added at the first call.
@@ -104,31 +107,39 @@ impl<'m> Solids<'m> {
         report: &mut Report,
     ) -> Option<FieldNode> {
         match registry::solid(&node.name.value) {
-            Some(Solid::Shape(shape)) => {
-                self.shapes += 1;
-                if self.shapes == MAX_SHAPES + 1 {
-                    let message = format!("The scene has more than {MAX_SHAPES} shapes.");
-                    report.add(draft("pathmarch::too_large", node.name.span, message).label("one too many"));
-                }
-                (self.shapes <= MAX_SHAPES).then(|| self.shape(shape, node, material, report))
-            }
+            Some(Solid::Shape(shape)) => self.counted_shape(shape.into(), node, material, report),
             Some(Solid::Combine(operator)) => self.operator(operator, node, material, report),
             Some(Solid::Modify(modifier)) => self.modifier(modifier, node, material, report),
             None => {
-                let known: Vec<&str> = solids().chain(others.iter().copied()).collect();
-                unexpected_node(&node.name, &known, place, report);
+                if let Some(shape) = self.fields.shape(&node.name.value) {
+                    return self.counted_shape(shape, node, material, report);
+                }
+                if !self.fields.is_broken(&node.name.value) {
+                    let known: Vec<&str> = solids().chain(self.fields.names()).chain(others.iter().copied()).collect();
+                    unexpected_node(&node.name, &known, place, report);
+                }
                 None
             }
         }
     }
 
-    fn shape(
+    /// A shape, unless there are too many.
+    fn counted_shape(
         &mut self,
-        shape: &'static dyn Shape,
+        shape: ShapeRef,
         node: &Node,
         material: Option<u32>,
         report: &mut Report,
-    ) -> FieldNode {
+    ) -> Option<FieldNode> {
+        self.shapes += 1;
+        if self.shapes == MAX_SHAPES + 1 {
+            let message = format!("The scene has more than {MAX_SHAPES} shapes.");
+            report.add(draft("pathmarch::too_large", node.name.span, message).label("one too many"));
+        }
+        (self.shapes <= MAX_SHAPES).then(|| self.shape(shape, node, material, report))
+    }
+
+    fn shape(&mut self, shape: ShapeRef, node: &Node, material: Option<u32>, report: &mut Report) -> FieldNode {
         let info = shape.info();
         if info.profile && self.planes == 0 {
             let message = format!("`{}` is a profile: it has no depth.", info.name);
@@ -146,14 +157,14 @@ impl<'m> Solids<'m> {
             (None, Some(material)) => material,
             (None, None) => self.default_material(),
         };
-        let params = params(Solid::Shape(shape), node, &named, report);
+        let params = params(Solid::Shape(&*shape), node, &named, report);
         let mut placement = Placements::default();
         for child in node.child_nodes() {
             if placement.take(child, info.facing, report) {
                 continue;
             }
             let word = &child.name.value;
-            if solids().any(|solid| solid == word) {
+            if solids().chain(self.fields.names()).any(|solid| solid == word) {
                 let message = format!("`{}` is a shape and holds no others.", info.name);
                 let mistake =
                     draft("pathmarch::unexpected_children", child.name.span, message).label("unexpected shape");
@@ -168,7 +179,7 @@ impl<'m> Solids<'m> {
                 unexpected_node(&child.name, &known, &format!("in a `{}`", info.name), report);
             }
         }
-        FieldNode { kind: Kind::Shape { shape: shape.into(), params, tag }, placement: placement.value }
+        FieldNode { kind: Kind::Shape { shape, params, tag }, placement: placement.value }
     }
 
     fn operator(

@@ -129,6 +129,105 @@ impl<'t> Reader<'t, '_> {
     }
 }
 
+/// For each byte of a string's value, where in `written`, the string as it stands in the file with its quotes, the character
+/// begins that it comes from. The string is one that could be read.
+pub(crate) fn origins(written: &str) -> Vec<usize> {
+    decoded(written).into_iter().flat_map(|(c, at)| std::iter::repeat_n(at, c.len_utf8())).collect()
+}
+
+/// The characters of a string's value, and where in `written` each comes from: the steps of [`Reader::quoted`] once more.
+fn decoded(written: &str) -> Vec<(char, usize)> {
+    let hashes = written.bytes().take_while(|&b| b == b'#').count();
+    let quotes = match &written[hashes..] {
+        rest if rest.starts_with("\"\"\"") => 3,
+        rest if rest.starts_with('"') => 1,
+        _ => 0,
+    };
+    let opening = if quotes == 0 { 0 } else { hashes + quotes };
+    let body = &written[opening..written.len() - opening];
+    let mut chars: Vec<(char, usize)> = body.char_indices().map(|(at, c)| (c, at + opening)).collect();
+    let escapes = hashes == 0 && quotes > 0;
+    if quotes == 3 {
+        let joined = |index: usize| chars[index].0 == '\r' && chars.get(index + 1).is_some_and(|(c, _)| *c == '\n');
+        let kept: Vec<usize> = (0..chars.len()).filter(|&index| !joined(index)).collect();
+        chars = kept.into_iter().map(|index| chars[index]).collect();
+        chars.iter_mut().filter(|(c, _)| is_newline(*c)).for_each(|(c, _)| *c = '\n');
+    }
+    if escapes {
+        chars = without_joins(&chars);
+    }
+    if quotes == 3 {
+        chars = without_margin(&chars);
+    }
+    if escapes { resolved(&chars) } else { chars }
+}
+
+/// Without each `\` and the white space and newlines after it.
+fn without_joins(chars: &[(char, usize)]) -> Vec<(char, usize)> {
+    let white = |index: usize| chars.get(index).is_some_and(|(c, _)| is_space(*c) || is_newline(*c));
+    let mut kept = Vec::new();
+    let mut at = 0;
+    while at < chars.len() {
+        if chars[at].0 == '\\' && white(at + 1) {
+            at += 1;
+            while white(at) {
+                at += 1;
+            }
+            continue;
+        }
+        let taken = if chars[at].0 == '\\' { 2 } else { 1 };
+        kept.extend(chars[at..].iter().take(taken));
+        at += taken;
+    }
+    kept
+}
+
+/// The lines between the quotes, without the white space that stands before the closing ones.
+fn without_margin(chars: &[(char, usize)]) -> Vec<(char, usize)> {
+    let lines: Vec<&[(char, usize)]> = chars.split(|(c, _)| *c == '\n').collect();
+    let margin = lines.last().map_or(0, |line| line.len());
+    let mut kept: Vec<(char, usize)> = Vec::new();
+    // The first and the last are those of the quotes; the newline before a line is the character behind the last one.
+    let mut behind = lines.first().map_or(0, |line| line.len());
+    for (index, line) in lines.iter().enumerate().skip(1).take(lines.len().saturating_sub(2)) {
+        if index > 1 {
+            kept.push(chars[behind]);
+        }
+        behind += 1 + line.len();
+        if !line.iter().all(|(c, _)| is_space(*c)) {
+            kept.extend(line.iter().skip(margin));
+        }
+    }
+    kept
+}
+
+/// With each escape as what it stands for.
+fn resolved(chars: &[(char, usize)]) -> Vec<(char, usize)> {
+    let mut kept = Vec::new();
+    let mut rest = chars.iter();
+    while let Some(&(c, at)) = rest.next() {
+        if c != '\\' {
+            kept.push((c, at));
+            continue;
+        }
+        let plain = match rest.next().map_or('\\', |(c, _)| *c) {
+            'n' => '\n',
+            'r' => '\r',
+            't' => '\t',
+            'b' => '\u{8}',
+            'f' => '\u{c}',
+            's' => ' ',
+            'u' => {
+                let code: String = rest.by_ref().map(|(c, _)| *c).skip(1).take_while(|c| *c != '}').collect();
+                u32::from_str_radix(&code, 16).ok().and_then(char::from_u32).unwrap_or(char::REPLACEMENT_CHARACTER)
+            }
+            c => c,
+        };
+        kept.push((plain, at));
+    }
+    kept
+}
+
 /// Removes each `\` with the white space and newlines after it.
 fn join_lines(body: &str) -> String {
     let mut text = String::with_capacity(body.len());
@@ -154,4 +253,45 @@ fn join_lines(body: &str) -> String {
     }
     text.push_str(rest);
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{decoded, origins};
+    use crate::language::tree::Value;
+
+    /// The value of a string, by the reader.
+    fn read(written: &str) -> Option<String> {
+        let text = format!("node {written}");
+        let file = crate::language::nodes(&text)?;
+        match &file.nodes.first()?.entries.first()?.value {
+            Value::Text(text) => Some(text.to_string()),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn places_are_those_of_the_value() {
+        for written in [
+            r#""plain""#,
+            r#""tab\tand\u{e9} and \\ and \" end""#,
+            "\"joined \\\n   line\"",
+            "\"ä\\sö\"",
+            r##"#"raw \n "quoted""#"##,
+            "\"\"\"\n    one\n      two\n\n    thr\\\\ee\n    \"\"\"",
+            "\"\"\"\r\n\tone\r\n\t\ttwo\r\n   \r\n\tthree\r\n\t\"\"\"",
+            "\"\"\"\n  one \\\n      two\n  three\\n\n  \"\"\"",
+            "##\"\"\"\n  raw \\n\n    \"\"\" in it\n  \"\"\"##",
+            "\"\"\"\n\"\"\"",
+            "bare",
+        ] {
+            let value = read(written).unwrap_or_else(|| panic!("{written}"));
+            let by_places: String = decoded(written).into_iter().map(|(c, _)| c).collect();
+            assert_eq!(value, by_places, "{written}");
+            assert_eq!(origins(written).len(), value.len(), "{written}");
+        }
+        let written = "\"\"\"\n    one\n      two\n    \"\"\"";
+        let at = origins(written)[read(written).expect("read").find("two").expect("there")];
+        assert_eq!(&written[at..at + 3], "two");
+    }
 }

@@ -6,7 +6,7 @@
 use super::arguments::{
     Range, Settings, arguments, colour, in_range, missing_arguments, name, numbers, properties, string, twice,
 };
-use super::names::{is_not_yet, listed, not_supported, suggestion, unexpected_node};
+use super::names::{listed, suggestion, unexpected_node};
 use super::report::{Report, draft, shown};
 use super::schema::ORBIT_TRAP;
 use super::tree::{Node, Span};
@@ -53,11 +53,6 @@ fn describe(node: &Node, report: &mut Report) -> Option<Described> {
     let children = node.child_nodes();
     let mut kinds = children.iter().filter_map(|child| Some((child, materials::kind(&child.name.value)?)));
     let Some((kind_node, kind)) = kinds.next() else {
-        // A kind of a later version brings parameters of its own: only the kind is worth a word.
-        if let Some(later) = children.iter().find(|child| is_not_yet(&child.name.value)) {
-            report.add(not_supported(&later.name));
-            return None;
-        }
         let names: Vec<&str> = materials::kinds().iter().map(|kind| kind.name).collect();
         for child in children {
             unexpected_node(&child.name, &names, "in a material", report);
