@@ -1,9 +1,192 @@
 //! Fields of a scene's own: what the evaluator computes, what is refused, and that nothing hangs.
 
+#[path = "sampling/fields.rs"]
+mod fields;
+mod sampling;
+
+use fields::declared;
+use pathmarch_field::graph::Kind;
+use pathmarch_field::number::{Dual, Vec3};
 use pathmarch_field::own::{Code, Fault, budget};
 use pathmarch_field::registry::{Info, Param, Shape};
-use pathmarch_field::{OwnField, number::Vec3};
+use pathmarch_field::survey::survey;
+use pathmarch_field::{Field, Node, OwnField, Placement, ShapeRef};
+use sampling::{Case, Random, lanes, random_params};
 use std::sync::Arc;
+use std::time::Instant;
+
+/// Every field with its defaults and with further numbers. What is registered lives as long as the program, and so do these.
+fn cases(random_sets: usize) -> Vec<Case> {
+    let mut random = Random::new(40);
+    let mut cases = Vec::new();
+    for declared in declared() {
+        let shape: &'static OwnField = Box::leak(Box::new(declared.shape()));
+        let mut sets = vec![shape.params().iter().map(|param| param.default).collect::<Vec<f32>>()];
+        sets.extend((0..random_sets).map(|_| random_params(shape, &mut random)));
+        // What is evaluated are the numbers found of the parameters.
+        cases.extend(sets.into_iter().map(|params| Case::new(shape, shape.numbers(&params))));
+    }
+    cases
+}
+
+#[test]
+fn lanes_equal_one_point() {
+    let mut random = Random::new(1);
+    for case in cases(4) {
+        for points in case.points(256, &mut random).chunks(8) {
+            let p = lanes(points);
+            let distances = case.shape.distance_lanes(p, &case.params).to_array();
+            let fields = case.shape.gradient_lanes(Dual::variables(p), &case.params);
+            for (k, &point) in points.iter().enumerate() {
+                let tolerance = 1e-6 * (point.length() + case.size);
+                let field = case.gradient(point);
+                assert!((distances[k] - case.distance(point)).abs() <= tolerance, "{} {point:?}", case.name());
+                assert!((fields.value.to_array()[k] - field.value).abs() <= tolerance, "{} {point:?}", case.name());
+                assert!((fields.gradient.x.to_array()[k] - field.gradient.x).abs() < 1e-4, "{} {point:?}", case.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn distances_and_gradients_keep_the_declared_constant() {
+    let mut random = Random::new(2);
+    for case in cases(4) {
+        let mut points = case.special_points();
+        points.extend(case.points(1000, &mut random));
+        for a in points {
+            let field = case.gradient(a);
+            let length = field.gradient.length();
+            assert!(field.value.is_finite() && length.is_finite(), "{} {a:?}: {field:?}", case.name());
+            // Differences of f32 over a 4,000th of the size.
+            assert!(length <= 1.01, "{} {a:?}: |gradient| = {length}", case.name());
+            let b = a + random.direction() * (case.size * 10f32.powf(random.within(-4.0, 1.0)));
+            let difference = (case.distance(a) - case.distance(b)).abs();
+            let allowed = (a - b).length() + 4e-6 * (a.length() + b.length() + case.size);
+            assert!(difference <= allowed, "{} {a:?} {b:?}: {difference} > {allowed}", case.name());
+        }
+    }
+}
+
+#[test]
+fn the_box_cuts_the_solid() {
+    let mut random = Random::new(3);
+    for case in cases(4) {
+        let bounds = case.shape.bounds(&case.params);
+        for p in case.points(1000, &mut random) {
+            assert!(case.distance(p) > 0.0 || bounds.contains(p, 1e-5), "{} {p:?}", case.name());
+        }
+        assert!(case.points(4000, &mut random).iter().any(|p| case.distance(*p) < 0.0), "{} is empty", case.name());
+    }
+}
+
+/// A field whose constant is declared too small is caught, and the constant that the survey gives is safe.
+#[test]
+fn a_survey_finds_false_declarations() {
+    let gyroid = |lipschitz: f32| {
+        let declared = fields::Declared { lipschitz, ..declared().swap_remove(0) };
+        let shape = ShapeRef::Own(Arc::new(declared.shape()));
+        let kind = Kind::Shape { params: vec![0.8, 0.05], shape, tag: 0 };
+        survey(&Field::new(&[Node { kind, placement: Placement::default() }]), 4000)
+    };
+    let honest = gyroid(1.5);
+    assert!(honest.safe_factor > 0.995 && honest.slope < 1.01, "{honest:?}");
+    let lie = gyroid(0.5);
+    assert!(lie.safe_factor < 0.8 && lie.slope > 2.0, "{lie:?}");
+    let corrected = gyroid(0.5 * lie.slope * 1.02);
+    assert!(corrected.safe_factor > 0.99 && corrected.slope < 1.01, "{corrected:?}");
+}
+
+/// Texts of random tokens and broken ones of good texts: refused or run, never a panic, and soon.
+#[test]
+fn hostile_texts_neither_panic_nor_hang() {
+    const TOKENS: &[&str] = &[
+        "fn", "distance", "(", ")", "{", "}", "p", ":", "vec3f", "->", "f32", "return", ";", "loop", "for", "while", "if",
+        "else", "break", "continue", "continuing", "switch", "case", "default", "let", "var", "const", "struct", "ptr", "<",
+        ">", "function", ",", "array", "1.0", "4", "0", "-", "*", "+", "/", "%", "&", "|", "=", "==", "<<", "[", "]", ".x",
+        "@", "override", "alias", "i32", "u32", "1e38", "0x7fffffff", "select", "length", "mat3x3f", "!", "~", "q", "r", "\n",
+        "k", "normalize", "pow", "true", "bitcast", "atomic", "enable f16;", "var<private>", "/*", "*/", "//",
+    ];
+    let start = Instant::now();
+    let mut random = Random::new(7);
+    let good: Vec<&str> = declared().iter().map(|declared| declared.text).collect();
+    let mut ran = 0;
+    for round in 0..1500 {
+        let mut pick = |count: usize| (random.within(0.0, count as f32) as usize).min(count - 1);
+        let text = if round % 3 == 0 {
+            (0..pick(60) + 1).map(|_| TOKENS[pick(TOKENS.len())]).collect::<Vec<_>>().join(" ")
+        } else {
+            let mut words: Vec<&str> = good[pick(good.len())].split_inclusive([' ', '(', ')', ';', ',']).collect();
+            for _ in 0..pick(4) + 1 {
+                let (at, from) = (pick(words.len()), pick(words.len()));
+                match pick(3) {
+                    0 => drop(words.remove(at)),
+                    1 => words[at] = words[from],
+                    _ => words.insert(at, TOKENS[pick(TOKENS.len())]),
+                }
+            }
+            words.concat()
+        };
+        let params = ["k", "cell", "wall", "depth", "width", "turn", "which"];
+        if let Ok(code) = code(&params, &text) {
+            ran += 1;
+            let params = params.iter().map(|name| Param::any(name, 1.5, "")).collect();
+            let field = OwnField::new(Info::new("t", "", ""), params, 1.0, None, Arc::new(code));
+            let numbers = field.numbers(&[]);
+            for p in [Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.0, 0.0, 0.0), Vec3::new(-1e6, 3.0, 1e-20)] {
+                assert!(field.distance(p, &numbers).is_finite(), "{text}");
+                assert!(field.gradient(Dual::variables(p), &numbers).gradient.length().is_finite(), "{text}");
+            }
+        }
+    }
+    println!("{ran} of 1500 ran, {:.1} s", start.elapsed().as_secs_f32());
+    assert!(ran > 50, "{ran}");
+}
+
+/// Texts that are nested, chained or large without bound.
+#[test]
+fn large_texts_are_refused_or_run() {
+    let start = Instant::now();
+    let body = |body: &str| format!("fn distance(p: vec3f) -> f32 {{ {body} }}");
+    let nested = |open: &str, inside: &str, close: &str, count: usize| {
+        open.repeat(count) + inside + &close.repeat(count)
+    };
+    let sums: String = (1..2_000).map(|k| format!("const C{k} = C{0} + C{0};\n", k - 1)).collect();
+    let structs: String = (1..1_000).map(|k| format!("struct S{k} {{ a: S{0}, b: S{0} }}\n", k - 1)).collect();
+    for text in [
+        body(&format!("return {};", nested("(", "p.x", ")", 20_000))),
+        body(&format!("return {};", nested("-", "p.x", "", 60_000))),
+        body(&format!("return p.x{};", " + p.y".repeat(8_000))),
+        body(&format!("return p.x{};", " + p.y".repeat(2_000))),
+        body(&format!("return p.x{};", " + 1".repeat(15_000))),
+        body(&format!("return {};", nested("abs(", "p.x", ")", 10_000))),
+        body(&(nested("{", "", "}", 20_000) + "return p.x;")),
+        body(&(nested("if p.x > 0.0 {", "", "}", 3_000) + "return p.x;")),
+        body(&("if p.x > 0.0 { }".to_owned() + &" else if p.x > 0.0 { }".repeat(2_500) + " return p.x;")),
+        body(&(nested("for (var i = 0; i < 9; i++) {", "", "}", 1_000) + "return p.x;")),
+        body(&(nested("for (var i = 0; i < 9; i++) {", "", "}", 60) + "return p.x;")),
+        body(&(nested("loop {", "", "}", 100) + "return p.x;")),
+        body("var a: array<f32, 100000000>; return a[i32(p.x)];"),
+        body("let a = array<array<f32, 60000>, 60000>(); return a[5][5];"),
+        body("const a = array<f32, 2000000000>(); return a[5];"),
+        body(&format!("var a: {}; return p.x;", nested("array<", "f32", ",2>", 5_000))),
+        body(&format!("var a: {}; return p.x;", nested("array<", "f32", ",2>", 14))),
+        format!("const C0 = 1.0;\n{sums}{}", body("return C1999;")),
+        format!("struct S0 {{ a: f32 }}\n{structs}{}", body("var s: S999; return p.x;")),
+        "fn".repeat(30_000),
+        "\u{0}\u{202e}é".repeat(1_000),
+    ] {
+        let was = Instant::now();
+        let shown: String = text.chars().skip(30).take(60).collect();
+        let result = code(&[], &text).map(|code| {
+            let field = OwnField::new(Info::new("t", "", ""), Vec::new(), 1.0, None, Arc::new(code));
+            field.distance(Vec3::new(0.5, 0.25, 0.1), &field.numbers(&[]))
+        });
+        let result = result.map_err(|faults| faults[0].message.clone());
+        println!("{:6.0} ms {shown:?}: {result:?}", was.elapsed().as_secs_f32() * 1e3);
+    }
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+}
 
 fn code(params: &[&str], text: &str) -> Result<Code, Vec<Fault>> {
     let params: Vec<String> = params.iter().map(|name| name.to_string()).collect();
@@ -241,7 +424,7 @@ fn values_that_are_not_finite() {
             for p in [Vec3::new(0.5, 0.2, 0.1), Vec3::new(0.0, 0.0, 0.0), Vec3::new(30.0, 0.2, 0.1)] {
                 let distance = field.distance(p, &numbers);
                 assert!(distance.is_finite() && distance > 0.0, "{body} at {p:?}: {distance}");
-                let gradient = field.gradient(pathmarch_field::number::Dual::variables(p), &numbers).gradient;
+                let gradient = field.gradient(Dual::variables(p), &numbers).gradient;
                 assert!((1e-3..1.5).contains(&gradient.length()), "{body} at {p:?}: {gradient:?}");
             }
         }

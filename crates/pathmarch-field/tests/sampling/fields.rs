@@ -1,0 +1,125 @@
+//! Own fields for the tests, as people write them: true to their declarations.
+#![allow(dead_code)]
+
+use pathmarch_field::own::Code;
+use pathmarch_field::{Info, OwnField, Param};
+use std::sync::Arc;
+
+/// A field as it is declared.
+pub struct Declared {
+    pub name: &'static str,
+    pub params: Vec<Param>,
+    pub lipschitz: f32,
+    pub edges: Option<[f32; 3]>,
+    pub text: &'static str,
+}
+
+impl Declared {
+    pub fn shape(&self) -> OwnField {
+        let names: Vec<String> = self.params.iter().map(|param| param.name.to_owned()).collect();
+        let code = Code::new(self.name, &names, self.text).unwrap_or_else(|faults| panic!("{}: {faults:#?}", self.name));
+        let info = Info { exact: false, ..Info::new(self.name, "A field.", "a test") };
+        OwnField::new(info, self.params.clone(), self.lipschitz, self.edges, Arc::new(code))
+    }
+}
+
+/// A lattice, a fractal with a loop that ends early, helpers with structures and pointers, matrices, and a switch.
+pub fn declared() -> Vec<Declared> {
+    vec![
+        Declared {
+            name: "gyroid",
+            params: vec![
+                Param::between("cell", 0.8, 0.2, 4.0, "Edge of a cell."),
+                Param::between("wall", 0.05, 0.0, 0.5, "Half the thickness of the wall."),
+            ],
+            lipschitz: 1.5,
+            edges: Some([2.0, 1.5, 2.0]),
+            text: "fn distance(p: vec3f) -> f32 {
+                let k = 6.2831853 / cell;
+                return abs(dot(sin(p * k), cos(p.yzx * k))) / k - wall;
+            }",
+        },
+        Declared {
+            name: "sponge",
+            params: vec![Param::between("depth", 3.0, 1.0, 4.0, "How often it is cut.")],
+            lipschitz: 1.0,
+            edges: Some([2.2, 2.2, 2.2]),
+            text: "fn cube(p: vec3f, h: f32) -> f32 {
+                let q = abs(p) - h;
+                return length(max(q, vec3f(0.0))) + min(max(q.x, max(q.y, q.z)), 0.0);
+            }
+            fn distance(p: vec3f) -> f32 {
+                var d = cube(p, 1.0);
+                var s = 1.0;
+                for (var i = 0; i < i32(depth); i++) {
+                    let a = fract(p * s * 0.5 + 0.5) * 2.0 - 1.0;
+                    s *= 3.0;
+                    let r = abs(1.0 - 3.0 * abs(a));
+                    let c = (min(max(r.x, r.y), min(max(r.y, r.z), max(r.z, r.x))) - 1.0) / s;
+                    if c < -2.0 { break; }
+                    d = max(d, c);
+                }
+                return d;
+            }",
+        },
+        Declared {
+            name: "blend",
+            params: vec![Param::between("width", 0.3, 0.01, 1.0, "Of the blend.")],
+            lipschitz: 1.0,
+            edges: None,
+            text: "struct Ball { at: vec3f, radius: f32 }
+            const BALLS = array<Ball, 3>(
+                Ball(vec3f(0.0, 0.0, 0.0), 0.6), Ball(vec3f(0.7, 0.2, 0.0), 0.4), Ball(vec3f(-0.3, 0.7, 0.3), 0.3));
+            fn join(all: ptr<function, f32>, d: f32) {
+                let h = max(width - abs(*all - d), 0.0) / width;
+                *all = min(*all, d) - h * h * width * 0.25;
+            }
+            fn distance(p: vec3f) -> f32 {
+                var all = 1e9;
+                var balls = BALLS;
+                for (var i = 0u; i < 3u; i++) {
+                    join(&all, length(p - balls[i].at) - balls[i].radius);
+                }
+                return all;
+            }",
+        },
+        Declared {
+            name: "folded",
+            params: vec![Param::any("turn", 0.7, "Radians.")],
+            lipschitz: 1.0,
+            edges: Some([3.0, 3.0, 3.0]),
+            text: "fn rotation(a: f32) -> mat2x2f { return mat2x2f(cos(a), sin(a), -sin(a), cos(a)); }
+            fn distance(p: vec3f) -> f32 {
+                var q = p;
+                let m = rotation(turn);
+                for (var i = 0; i < 3; i++) {
+                    let r = m * q.xz;
+                    q = vec3f(abs(r.x) - 0.3, q.y, r.y);
+                    q = vec3f(q.y, q.x, q.z);
+                }
+                return length(vec2f(length(q.xz) - 0.5, q.y)) - 0.15;
+            }",
+        },
+        Declared {
+            name: "choice",
+            params: vec![Param::between("which", 1.0, 0.0, 3.0, "0 to 3.")],
+            lipschitz: 1.0,
+            edges: Some([2.0, 2.0, 2.0]),
+            text: "fn distance(p: vec3f) -> f32 {
+                switch i32(which) {
+                    case 0: { return length(p) - 0.7; }
+                    case 1, 2: {
+                        var n = 0u;
+                        loop {
+                            n += 1u;
+                            if n > 3u { break; }
+                            continuing { n += select(0u, 1u, which > 1.5); }
+                        }
+                        return max(abs(p.x), max(abs(p.y), abs(p.z))) - f32(n) * 0.2;
+                    }
+                    default: { return dot(p, normalize(vec3f(1.0, 2.0, 0.5))); }
+                }
+            }",
+        },
+    ]
+}

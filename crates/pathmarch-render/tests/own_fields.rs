@@ -1,0 +1,185 @@
+//! Fields of a scene's own are the same on the CPU and the GPU, and hang neither.
+
+mod common;
+#[path = "../../pathmarch-field/tests/sampling/fields.rs"]
+mod fields;
+
+use common::{parse, render, renderers};
+use fields::declared;
+use pathmarch_render::image::PictureKind;
+use pathmarch_render::metrics::compare;
+use pathmarch_render::pathmarch_field::number::{Dual, Vec3};
+use pathmarch_render::pathmarch_field::Shape;
+use pathmarch_render::{Mode, Settings};
+use std::time::Instant;
+use wgpu::util::DeviceExt;
+
+const POINTS: usize = 4096;
+
+/// Gradient and distance of a shape at points, by a device.
+fn on_device(device: &wgpu::Device, queue: &wgpu::Queue, shape: &dyn Shape, numbers: &[f32], points: &[[f32; 4]]) -> Vec<[f32; 4]> {
+    let name = shape.wgsl_name();
+    let arguments: String = (0..numbers.len()).map(|k| format!(", numbers[{k}]")).collect();
+    let code = format!(
+        "{}\n{}\n@group(0) @binding(0) var<storage> points: array<vec4f>;\n\
+         @group(0) @binding(1) var<storage> numbers: array<f32>;\n\
+         @group(0) @binding(2) var<storage, read_write> results: array<vec4f>;\n\
+         @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {{\n    \
+         let p = points[id.x].xyz;\n    \
+         results[id.x] = vec4f({name}_gradient(p{arguments}).xyz, {name}_distance(p{arguments}));\n}}\n",
+        shape.wgsl_distance(),
+        shape.wgsl_gradient(),
+    );
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(code.into()),
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let bytes = size_of_val(points) as u64;
+    let buffer = |contents: &[u8]| {
+        let usage = wgpu::BufferUsages::STORAGE;
+        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
+    };
+    let make = |usage| {
+        device.create_buffer(&wgpu::BufferDescriptor { label: None, size: bytes, usage, mapped_at_creation: false })
+    };
+    let (points, numbers) = (buffer(bytemuck::cast_slice(points)), buffer(bytemuck::cast_slice(numbers)));
+    let results = make(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+    let read = make(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: points.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: numbers.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 2, resource: results.as_entire_binding() },
+        ],
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups((POINTS / 64) as u32, 1, 1);
+    }
+    encoder.copy_buffer_to_buffer(&results, 0, &read, 0, bytes);
+    queue.submit([encoder.finish()]);
+    read.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("mapped"));
+    device.poll(wgpu::PollType::wait_indefinitely()).expect("done");
+    let view = read.slice(..).get_mapped_range().expect("mapped");
+    bytemuck::cast_slice(&view).to_vec()
+}
+
+fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::PRIMARY,
+        flags: wgpu::InstanceFlags::empty(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).ok();
+    if adapter.is_none() {
+        assert!(std::env::var_os("PATHMARCH_REQUIRE_GPU").is_none(), "no adapter");
+        println!("NOT TESTED on a GPU: no adapter");
+    }
+    Some(pollster::block_on(adapter?.request_device(&Default::default())).expect("a device"))
+}
+
+/// A repeatable number of 0..1.
+fn random(state: &mut u32) -> f32 {
+    *state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    (*state >> 8) as f32 / 16_777_216.0
+}
+
+#[test]
+fn the_cpu_and_the_gpu_agree_at_random_points() {
+    let Some((device, queue)) = device() else { return };
+    let mut state = 1;
+    for declared in declared() {
+        let shape = declared.shape();
+        let numbers = shape.numbers(&[]);
+        let points: Vec<[f32; 4]> =
+            (0..POINTS).map(|_| std::array::from_fn(|k| if k < 3 { 5.0 * random(&mut state) - 2.5 } else { 0.0 })).collect();
+        let results = on_device(&device, &queue, &shape, &numbers, &points);
+        let (mut distance_apart, mut gradients_apart) = (0.0_f32, 0);
+        for (point, result) in points.iter().zip(&results) {
+            let p = Vec3::new(point[0], point[1], point[2]);
+            let field = shape.gradient(Dual::variables(p), &numbers);
+            distance_apart = distance_apart.max((result[3] - shape.distance(p, &numbers)).abs());
+            let apart = (field.gradient - Vec3::new(result[0], result[1], result[2])).length();
+            gradients_apart += u32::from(apart > 0.02);
+        }
+        println!("{}: {distance_apart:.1e} apart, {gradients_apart} gradients of {POINTS} differ", declared.name);
+        assert!(distance_apart < 2e-5, "{}", declared.name);
+        // At edges the differences fall on this side or that.
+        assert!(gradients_apart < POINTS as u32 / 50, "{}", declared.name);
+    }
+}
+
+/// A scene of a field; `use_it` stands in an object.
+fn scene(field: &str, use_it: &str) -> pathmarch_render::pathmarch_scene::Scene {
+    parse(&format!(
+        "pathmarch 1\ncamera {{ position 1 2 5; target 0 0 0; fov 35 }}\nsky 0.3 0.375 0.5\n\
+         sun {{ direction 1 2 1.5; irradiance 2; angle 0 }}\n{field}\nobject \"floor\" {{ plane {{ at 0 -1.2 0 }} }}\n\
+         object \"solid\" {{ {use_it} }}"
+    ))
+}
+
+#[test]
+fn fields_render_alike_on_both_backends() {
+    let gyroid = "field \"gyroid\" { param cell 0.8; param wall 0.05; lipschitz 1.5; bounds 2 2 2; wgsl \"fn distance(p: vec3f) -> \
+                  f32 { let k = 6.2831853 / cell; return abs(dot(sin(p * k), cos(p.yzx * k))) / k - wall; }\" }";
+    let mut renderers = renderers();
+    for use_it in [
+        "gyroid cell=0.7 { rotate 25 30 10; scale 1.1 }",
+        "intersect { gyroid; sphere 1 }",
+        "union smooth=0.2 { gyroid 0.9 0.06; sphere 0.4 { at 0 1 0 } }",
+        "repeat 2.5 0 0 count=3 { intersect { gyroid; sphere 0.9 } }",
+        "twist 0.1 { gyroid { scale 0.7 } }",
+    ] {
+        let scene = scene(gyroid, use_it);
+        let settings = Settings { size: [96, 54], samples: 16, ..Settings::of(&scene) };
+        let pictures: Vec<_> = renderers.iter_mut().map(|renderer| render(renderer, &scene, &settings).mean()).collect();
+        if let [cpu, gpu] = &pictures[..] {
+            let result = compare(cpu, gpu, PictureKind::Hdr).expect("two of a size");
+            println!("{use_it}: CPU against GPU relMSE {:.1e}", result.relmse);
+            assert!(result.relmse < 5e-4, "{use_it}: {:.1e}", result.relmse);
+        }
+    }
+}
+
+/// A value that is nowhere or hardly finite, and loops that never end: the picture is made, and soon.
+#[test]
+fn hostile_fields_are_rendered() {
+    let mut renderers = renderers();
+    for text in [
+        "fn distance(p: vec3f) -> f32 { return p.x / (p.y - p.y); }",
+        "fn distance(p: vec3f) -> f32 { return sqrt(p.x) - 0.5; }",
+        "fn distance(p: vec3f) -> f32 { return -log(0.0 * p.x); }",
+        "fn distance(p: vec3f) -> f32 { var n = 0.0; loop { n += sin(n + p.x); if n > 1e9 { break; } } return n; }",
+        "fn distance(p: vec3f) -> f32 { var n = p.x; for (var i = 0; i < 2000000000; i++) { for (var j = 0; j < 2000000000; j++) { n = \
+         cos(n); } } return n; }",
+        "fn distance(p: vec3f) -> f32 { return fract(sin(dot(p, vec3f(12.9, 78.2, 37.7))) * 43758.5) - 0.5; }",
+        "fn distance(p: vec3f) -> f32 { var a = array<f32, 4>(); a[i32(p.x * 1e9)] = 1.0; return a[i32(p.y * 1e9)] - 0.5; }",
+    ] {
+        let scene = scene(&format!("field \"f\" {{ bounds 2 2 2; wgsl \"{text}\" }}"), "f");
+        for renderer in &mut renderers {
+            for mode in [Mode::Path, Mode::Normal] {
+                let settings = Settings { size: [64, 36], samples: 2, mode, ..Settings::of(&scene) };
+                let start = Instant::now();
+                let film = renderer.render(&scene, &settings).expect("renders");
+                let finite = film.mean().pixels.iter().flatten().all(|v| v.is_finite());
+                let seconds = start.elapsed().as_secs_f32();
+                println!("{}: {seconds:.2} s, {} not finite: {text:.80}", renderer.backend_name(), film.non_finite());
+                assert!(finite && film.non_finite() == 0, "{text}");
+                assert!(seconds < 30.0, "{text}");
+            }
+        }
+    }
+}
