@@ -70,10 +70,46 @@ object \"a\" { camera; at 0 1 0; sphere { normal 0 1 0; sphere } }
 object \"b\" { union { diffuse 0.8; sphere } }"
 );
 body!(
-    not_supported,
-    "material \"gold\" { metal 1.0 0.78 0.34; roughness 0.2 }
-object \"a\" material=\"gold\" { field 8; sphere }
-field \"gyroid\" { param cell 4 }"
+    own_fields,
+    "object \"a\" { field 8; sphere; gyroid 5 wall=1; gyroit; broken cell=2; good 9 8 { sphere } }
+field
+field \"sphere\" { wgsl \"fn distance(p: vec3f) -> f32 { return p.x; }\"; bounds none }
+field \"2d\" { bounds 2; wgsl \"fn distance(p: vec3f) -> f32 { return p.x; }\" }
+field \"gyroid\" { param cell 4 max=4.5; lipschitz 1.5; bounds 2; wgsl \"fn distance(p: vec3f) -> f32 { return p.x - cell; }\" }
+field \"good\" { bounds 2; wgsl \"fn distance(p: vec3f) -> f32 { return p.x; }\" }
+field \"good\" { bounds 2; wgsl \"fn distance(p: vec3f) -> f32 { return p.x; }\" }
+field \"broken\" { lipschits 1; lipschitz 0; bounds 1 2; param a; param b one; wgsl 5; color 1 }
+field \"empty\" { }
+field \"wide\" { bounds 1 -2 3; wgsl \"fn distance(p: vec3f) -> f32 { return p.x; }\"; wgsl \"\"; lipschitz 1 2 }"
+);
+body!(
+    own_field_texts,
+    "field \"one\" {
+    param cell 4
+    bounds 2
+    wgsl \"\"\"
+        fn helper(x: f32) -> f32 {
+            return x * 2.0;
+        }
+        fn distance(p: vec3f) -> f32 {
+            return helper(p.x) + lenght(p) - cell;
+        }
+        \"\"\"
+}
+field \"two\" { bounds 2; wgsl \"fn distance(p: vec3f) -> f32 {\\n\\tlet é\\u{e9} = 1.0; return p; }\" }
+field \"three\" { bounds 2; wgsl #\"\"\"
+    var<private> seen: f32;
+    @group(0) @binding(0) var<storage> memory: array<f32>;
+    override size: f32;
+    fn distance(p: vec3f) -> f32 { return p.x; }
+    \"\"\"# }
+field \"four\" { bounds 2; wgsl \"fn map(p: vec3f) -> f32 { return p.x; }\" }
+field \"five\" { bounds 2; wgsl \"fn distance(p: vec3f, t: f32) -> f32 { return p.x; }\" }
+field \"six\" { bounds 2; wgsl \"fn distance(p: vec3f) -> f32 { p.x = 1.0; return frame.tolerance; }\" }
+field \"seven\" { bounds 2; wgsl \"fn distance(p: vec3f) -> f32 { let a = modf(p.x); return a.fract; }\" }
+field \"eight\" { bounds 2; wgsl \"fn distance(p: vec3f) -> f32 { return p.x }\" }
+field \"nine\" { bounds 2; wgsl \"fn distance(p: vec3f) -> f32 { return distance(p); }\" }
+field \"ten\" { param loop 1; bounds 2; wgsl \"fn distance(p: vec3f) -> f32 { return p.x + 1; }\" }"
 );
 file!(
     skies,
