@@ -89,7 +89,7 @@ fn a_survey_finds_false_declarations() {
         let kind = Kind::Shape { params: vec![0.8, 0.05], shape, tag: 0 };
         survey(&Field::new(&[Node { kind, placement: Placement::default() }]), 4000)
     };
-    let honest = gyroid(1.5);
+    let honest = gyroid(1.75);
     assert!(honest.safe_factor > 0.995 && honest.slope < 1.01, "{honest:?}");
     let lie = gyroid(0.5);
     assert!(lie.safe_factor < 0.8 && lie.slope > 2.0, "{lie:?}");
@@ -101,11 +101,82 @@ fn a_survey_finds_false_declarations() {
 #[test]
 fn hostile_texts_neither_panic_nor_hang() {
     const TOKENS: &[&str] = &[
-        "fn", "distance", "(", ")", "{", "}", "p", ":", "vec3f", "->", "f32", "return", ";", "loop", "for", "while", "if",
-        "else", "break", "continue", "continuing", "switch", "case", "default", "let", "var", "const", "struct", "ptr", "<",
-        ">", "function", ",", "array", "1.0", "4", "0", "-", "*", "+", "/", "%", "&", "|", "=", "==", "<<", "[", "]", ".x",
-        "@", "override", "alias", "i32", "u32", "1e38", "0x7fffffff", "select", "length", "mat3x3f", "!", "~", "q", "r", "\n",
-        "k", "normalize", "pow", "true", "bitcast", "atomic", "enable f16;", "var<private>", "/*", "*/", "//",
+        "fn",
+        "distance",
+        "(",
+        ")",
+        "{",
+        "}",
+        "p",
+        ":",
+        "vec3f",
+        "->",
+        "f32",
+        "return",
+        ";",
+        "loop",
+        "for",
+        "while",
+        "if",
+        "else",
+        "break",
+        "continue",
+        "continuing",
+        "switch",
+        "case",
+        "default",
+        "let",
+        "var",
+        "const",
+        "struct",
+        "ptr",
+        "<",
+        ">",
+        "function",
+        ",",
+        "array",
+        "1.0",
+        "4",
+        "0",
+        "-",
+        "*",
+        "+",
+        "/",
+        "%",
+        "&",
+        "|",
+        "=",
+        "==",
+        "<<",
+        "[",
+        "]",
+        ".x",
+        "@",
+        "override",
+        "alias",
+        "i32",
+        "u32",
+        "1e38",
+        "0x7fffffff",
+        "select",
+        "length",
+        "mat3x3f",
+        "!",
+        "~",
+        "q",
+        "r",
+        "\n",
+        "k",
+        "normalize",
+        "pow",
+        "true",
+        "bitcast",
+        "atomic",
+        "enable f16;",
+        "var<private>",
+        "/*",
+        "*/",
+        "//",
     ];
     let start = Instant::now();
     let mut random = Random::new(7);
@@ -148,9 +219,8 @@ fn hostile_texts_neither_panic_nor_hang() {
 fn large_texts_are_refused_or_run() {
     let start = Instant::now();
     let body = |body: &str| format!("fn distance(p: vec3f) -> f32 {{ {body} }}");
-    let nested = |open: &str, inside: &str, close: &str, count: usize| {
-        open.repeat(count) + inside + &close.repeat(count)
-    };
+    let nested =
+        |open: &str, inside: &str, close: &str, count: usize| open.repeat(count) + inside + &close.repeat(count);
     let sums: String = (1..2_000).map(|k| format!("const C{k} = C{0} + C{0};\n", k - 1)).collect();
     let structs: String = (1..1_000).map(|k| format!("struct S{k} {{ a: S{0}, b: S{0} }}\n", k - 1)).collect();
     for text in [
@@ -184,6 +254,7 @@ fn large_texts_are_refused_or_run() {
         });
         let result = result.map_err(|faults| faults[0].message.clone());
         println!("{:6.0} ms {shown:?}: {result:?}", was.elapsed().as_secs_f32() * 1e3);
+        assert!(result.is_ok() || result.is_err_and(|message| message.len() < 400), "{shown:?}");
     }
     assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
@@ -235,15 +306,29 @@ fn arithmetic() {
 #[test]
 fn functions_of_the_language() {
     gives("return clamp(p.z, 0.0, 2.0) + mix(1.0, p.z, 0.5) + smoothstep(0.0, 4.0, p.y) + step(2.0, p.y);", 5.5);
-    gives("return fract(2.75) + floor(-1.5) + ceil(1.2) + round(2.5) + trunc(-1.9) + sign(-3.0);", 0.75 - 2.0 + 2.0 + 2.0 - 1.0 - 1.0);
+    gives(
+        "return fract(2.75) + floor(-1.5) + ceil(1.2) + round(2.5) + trunc(-1.9) + sign(-3.0);",
+        0.75 - 2.0 + 2.0 + 2.0 - 1.0 - 1.0,
+    );
     gives("return pow(p.y, 3.0) + exp2(p.z) + log2(8.0) + sqrt(16.0) + inverseSqrt(4.0);", 8.0 + 8.0 + 3.0 + 4.0 + 0.5);
-    gives("return sin(p.x) + cos(p.x) + tan(p.x) + atan2(p.x, p.y);", 1_f32.sin() + 1_f32.cos() + 1_f32.tan() + 1_f32.atan2(2.0));
-    gives("return exp(p.x) + log(p.y) + sinh(p.x) + acos(0.5) + degrees(1.0) + radians(180.0);",
-        1_f32.exp() + 2_f32.ln() + 1_f32.sinh() + 0.5_f32.acos() + 57.295_78 + std::f32::consts::PI);
+    gives(
+        "return sin(p.x) + cos(p.x) + tan(p.x) + atan2(p.x, p.y);",
+        1_f32.sin() + 1_f32.cos() + 1_f32.tan() + 1_f32.atan2(2.0),
+    );
+    gives(
+        "return exp(p.x) + log(p.y) + sinh(p.x) + acos(0.5) + degrees(1.0) + radians(180.0);",
+        1_f32.exp() + 2_f32.ln() + 1_f32.sinh() + 0.5_f32.acos() + 57.295_78 + std::f32::consts::PI,
+    );
     gives("return length(normalize(p)) + length(p - vec3f(1.0, 2.0, 0.0));", 4.0);
-    gives("return reflect(p, vec3f(0.0, 1.0, 0.0)).y + faceForward(p, vec3f(0.0, 0.0, 1.0), vec3f(0.0, 0.0, 1.0)).z;", -5.0);
+    gives(
+        "return reflect(p, vec3f(0.0, 1.0, 0.0)).y + faceForward(p, vec3f(0.0, 0.0, 1.0), vec3f(0.0, 0.0, 1.0)).z;",
+        -5.0,
+    );
     gives("return refract(vec3f(0.0, -1.0, 0.0), vec3f(0.0, 1.0, 0.0), 0.5).y;", -1.0);
-    gives("return f32(countOneBits(7u) + firstLeadingBit(16u)) + f32(abs(-3)) + f32(max(2, 5)) + f32(min(2u, 5u));", 17.0);
+    gives(
+        "return f32(countOneBits(7u) + firstLeadingBit(16u)) + f32(abs(-3)) + f32(max(2, 5)) + f32(min(2u, 5u));",
+        17.0,
+    );
     gives("return fma(p.x, p.y, p.z) + saturate(7.0) + abs(-2.0) + max(p.x, p.z) + min(p.x, p.z);", 12.0);
 }
 
@@ -260,11 +345,26 @@ fn matrices() {
 fn variables_and_control() {
     gives("var a = 0.0; for (var i = 0; i < 5; i++) { if i == 3 { continue; } a += f32(i); } return a;", 7.0);
     gives("var a = 1.0; while a < 100.0 { a *= 2.0; } return a;", 128.0);
-    gives("var a = 0.0; loop { a += 1.0; if a > p.z { break; } continuing { a += 0.5; break if a > 50.0; } } return a;", 4.0);
-    gives("var a = 0; switch i32(p.z) { case 1, 2: { a = 5; } case 3: { a = 7; } default: { a = 9; } } return f32(a);", 7.0);
-    gives("var a = 0; switch i32(p.z) { case 1: { a = 5; } default: { if p.x > 0.0 { break; } a = 9; } } return f32(a);", 0.0);
-    gives("for (var i = 0u; i < 9u; i++) { switch i { case 4u: { return f32(i); } default: { continue; } } } return -1.0;", 4.0);
-    gives("var a = array<f32, 4>(1.0, 2.0, 3.0, 4.0); a[i32(p.y)] = 9.0; return a[2] + a[3] + a[i32(k) + 50];", 9.0 + 4.0 + 4.0);
+    gives(
+        "var a = 0.0; loop { a += 1.0; if a > p.z { break; } continuing { a += 0.5; break if a > 50.0; } } return a;",
+        4.0,
+    );
+    gives(
+        "var a = 0; switch i32(p.z) { case 1, 2: { a = 5; } case 3: { a = 7; } default: { a = 9; } } return f32(a);",
+        7.0,
+    );
+    gives(
+        "var a = 0; switch i32(p.z) { case 1: { a = 5; } default: { if p.x > 0.0 { break; } a = 9; } } return f32(a);",
+        0.0,
+    );
+    gives(
+        "for (var i = 0u; i < 9u; i++) { switch i { case 4u: { return f32(i); } default: { continue; } } } return -1.0;",
+        4.0,
+    );
+    gives(
+        "var a = array<f32, 4>(1.0, 2.0, 3.0, 4.0); a[i32(p.y)] = 9.0; return a[2] + a[3] + a[i32(k) + 50];",
+        9.0 + 4.0 + 4.0,
+    );
     gives("var v = p; v.y = 7.0; v[i32(p.y)] += 1.0; return v.x * 100.0 + v.y * 10.0 + v.z;", 174.0);
 }
 
@@ -349,7 +449,8 @@ fn loops_share_a_budget() {
     assert_eq!(value_at(called, [0.0; 3], 0.0), budget::PASSES as f32);
     // A body of many operations takes more.
     let long = "n += sin(n + k);".repeat(60);
-    let passes = value(&format!("var n = 0.0; var m = 0.0; loop {{ {long} m += 1.0; if m < 0.0 {{ break; }} }} return m;"));
+    let passes =
+        value(&format!("var n = 0.0; var m = 0.0; loop {{ {long} m += 1.0; if m < 0.0 {{ break; }} }} return m;"));
     assert!(passes > 10.0 && passes < budget::PASSES as f32 / 4.0, "{passes}");
 }
 
@@ -384,13 +485,15 @@ fn what_is_refused_and_where() {
     }
     assert!(fault(&[], "fn other() {}").message.contains("`distance`"));
     assert!(fault(&["loop"], "fn distance(p: vec3f) -> f32 { return 1.0; }").range.is_none());
-    let many: String = (0..200).map(|k| format!("fn f{k}(x: f32) -> f32 {{ return x; }}\n")).collect();
-    let calls: String = (0..200).map(|k| format!("let a{k} = f{k}(p.x);")).collect();
+    let many: String = (0..200).map(|k| format!("fn one_{k}(x: f32) -> f32 {{ return x; }}\n")).collect();
+    let calls: String = (0..200).map(|k| format!("let a{k} = one_{k}(p.x);")).collect();
     let fault_of_many = fault(&[], &wrapped(&many, &calls));
     assert!(fault_of_many.message.contains("functions"), "{fault_of_many:?}");
     // Calls of calls: two to the power of thirty.
-    let doubling: String = (1..30).map(|k| format!("fn f{k}(x: f32) -> f32 {{ return f{0}(x) + f{0}(x + 1.0); }}\n", k - 1)).collect();
-    let fault = fault(&[], &format!("fn f0(x: f32) -> f32 {{ return sin(x); }}\n{}", wrapped(&doubling, "let a = f29(1.0);")));
+    let doubling: String =
+        (1..30).map(|k| format!("fn f{k}(x: f32) -> f32 {{ return f{0}(x) + f{0}(x + 1.0); }}\n", k - 1)).collect();
+    let fault =
+        fault(&[], &format!("fn f0(x: f32) -> f32 {{ return sin(x); }}\n{}", wrapped(&doubling, "let a = f29(1.0);")));
     assert!(fault.message.contains("operations"), "{fault:?}");
 }
 
@@ -404,11 +507,16 @@ fn names_are_isolated() {
         OwnField::new(Info::new("x", "", ""), Vec::new(), 1.0, Some([1.0; 3]), Arc::new(code))
     };
     let kernel = "struct Frame { a: vec3f }\nfn march(p: vec3f) -> Frame { return Frame(p); }\nfn distance_() {}\n";
-    let fields: String = ["a", "a_1", "b"].map(|name| shape(name).wgsl_distance() + &shape(name).wgsl_gradient()).concat();
-    let module = naga::front::wgsl::parse_str(&format!("{kernel}{fields}")).unwrap_or_else(|error| panic!("{error:?}\n{fields}"));
-    let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+    let fields: String =
+        ["a", "a_1", "b"].map(|name| shape(name).wgsl_distance() + &shape(name).wgsl_gradient()).concat();
+    let module = naga::front::wgsl::parse_str(&format!("{kernel}{fields}"))
+        .unwrap_or_else(|error| panic!("{error:?}\n{fields}"));
+    let mut validator =
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
     validator.validate(&module).expect("valid");
-    for named in ["march(p)", "frame.tolerance", "field_parameters[0].x", "user_test_passes", "own_test_size(p, 1.0, 1.0, 1.0)"] {
+    for named in
+        ["march(p)", "frame.tolerance", "field_parameters[0].x", "user_test_passes", "own_test_size(p, 1.0, 1.0, 1.0)"]
+    {
         assert!(code(&[], &format!("fn distance(p: vec3f) -> f32 {{ return {named}; }}")).is_err(), "{named}");
     }
 }
@@ -416,7 +524,12 @@ fn names_are_isolated() {
 /// What is not finite is outside, and its gradient a direction.
 #[test]
 fn values_that_are_not_finite() {
-    for body in ["return p.x / (p.y - p.y);", "return log(-1.0 - p.x * p.x);", "return sqrt(-1.0 - p.x * p.x);", "return normalize(p * 0.0).x;"] {
+    for body in [
+        "return p.x / (p.y - p.y);",
+        "return log(-1.0 - p.x * p.x);",
+        "return sqrt(-1.0 - p.x * p.x);",
+        "return normalize(p * 0.0).x;",
+    ] {
         let code = Arc::new(code(&[], &format!("fn distance(p: vec3f) -> f32 {{ {body} }}")).expect("valid"));
         for edges in [None, Some([2.0; 3])] {
             let field = OwnField::new(Info::new("x", "", ""), Vec::new(), 1.0, edges, code.clone());

@@ -8,8 +8,8 @@ use common::{parse, render, renderers};
 use fields::declared;
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
-use pathmarch_render::pathmarch_field::number::{Dual, Vec3};
 use pathmarch_render::pathmarch_field::Shape;
+use pathmarch_render::pathmarch_field::number::{Dual, Vec3};
 use pathmarch_render::{Mode, Settings};
 use std::time::Instant;
 use wgpu::util::DeviceExt;
@@ -17,7 +17,13 @@ use wgpu::util::DeviceExt;
 const POINTS: usize = 4096;
 
 /// Gradient and distance of a shape at points, by a device.
-fn on_device(device: &wgpu::Device, queue: &wgpu::Queue, shape: &dyn Shape, numbers: &[f32], points: &[[f32; 4]]) -> Vec<[f32; 4]> {
+fn on_device(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    shape: &dyn Shape,
+    numbers: &[f32],
+    points: &[[f32; 4]],
+) -> Vec<[f32; 4]> {
     let name = shape.wgsl_name();
     let arguments: String = (0..numbers.len()).map(|k| format!(", numbers[{k}]")).collect();
     let code = format!(
@@ -104,8 +110,9 @@ fn the_cpu_and_the_gpu_agree_at_random_points() {
     for declared in declared() {
         let shape = declared.shape();
         let numbers = shape.numbers(&[]);
-        let points: Vec<[f32; 4]> =
-            (0..POINTS).map(|_| std::array::from_fn(|k| if k < 3 { 5.0 * random(&mut state) - 2.5 } else { 0.0 })).collect();
+        let points: Vec<[f32; 4]> = (0..POINTS)
+            .map(|_| std::array::from_fn(|k| if k < 3 { 5.0 * random(&mut state) - 2.5 } else { 0.0 }))
+            .collect();
         let results = on_device(&device, &queue, &shape, &numbers, &points);
         let (mut distance_apart, mut gradients_apart) = (0.0_f32, 0);
         for (point, result) in points.iter().zip(&results) {
@@ -133,7 +140,7 @@ fn scene(field: &str, use_it: &str) -> pathmarch_render::pathmarch_scene::Scene 
 
 #[test]
 fn fields_render_alike_on_both_backends() {
-    let gyroid = "field \"gyroid\" { param cell 0.8; param wall 0.05; lipschitz 1.5; bounds 2 2 2; wgsl \"fn distance(p: vec3f) -> \
+    let gyroid = "field \"gyroid\" { param cell 0.8; param wall 0.05; lipschitz 1.75; bounds 2 2 2; wgsl \"fn distance(p: vec3f) -> \
                   f32 { let k = 6.2831853 / cell; return abs(dot(sin(p * k), cos(p.yzx * k))) / k - wall; }\" }";
     let mut renderers = renderers();
     for use_it in [
@@ -145,7 +152,8 @@ fn fields_render_alike_on_both_backends() {
     ] {
         let scene = scene(gyroid, use_it);
         let settings = Settings { size: [96, 54], samples: 16, ..Settings::of(&scene) };
-        let pictures: Vec<_> = renderers.iter_mut().map(|renderer| render(renderer, &scene, &settings).mean()).collect();
+        let pictures: Vec<_> =
+            renderers.iter_mut().map(|renderer| render(renderer, &scene, &settings).mean()).collect();
         if let [cpu, gpu] = &pictures[..] {
             let result = compare(cpu, gpu, PictureKind::Hdr).expect("two of a size");
             println!("{use_it}: CPU against GPU relMSE {:.1e}", result.relmse);

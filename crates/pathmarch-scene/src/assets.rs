@@ -93,9 +93,10 @@ impl Assets {
 
     /// The code of a field: read and compiled once for each text.
     pub(crate) fn code(&mut self, identifier: &str, params: &[String], text: &str) -> Result<Arc<Code>, Vec<Fault>> {
-        let known = self.codes.iter().position(|(source, _)| {
-            source.identifier == identifier && source.params == params && source.text == text
-        });
+        let known = self
+            .codes
+            .iter()
+            .position(|(source, _)| source.identifier == identifier && source.params == params && source.text == text);
         let (source, code) = match known {
             Some(index) => self.codes.remove(index),
             None => {

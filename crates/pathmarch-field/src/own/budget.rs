@@ -92,7 +92,8 @@ pub(super) fn instrument(module: &mut Module, entry: Handle<naga::Function>, par
         }
         let argument = |name: &String| FunctionArgument { name: Some(name.clone()), ty: f32_type, binding: None };
         function.arguments.extend(params.iter().map(argument));
-        let mut work = Instrument { costs: &costs, expressions: &mut function.expressions, budget, before, params: params.len() };
+        let mut work =
+            Instrument { costs: &costs, expressions: &mut function.expressions, budget, before, params: params.len() };
         let mut body = work.block(std::mem::take(&mut function.body));
         if handle == entry {
             let mut start = Block::new();

@@ -338,7 +338,13 @@ impl<'m> Compiler<'m> {
             Literal::F32(value) => value.to_bits(),
             Literal::U32(value) => value,
             Literal::I32(value) => value as u32,
-            Literal::Bool(value) => if value { u32::MAX } else { 0 },
+            Literal::Bool(value) => {
+                if value {
+                    u32::MAX
+                } else {
+                    0
+                }
+            }
             Literal::AbstractInt(value) => value as u32,
             Literal::AbstractFloat(value) => (value as f32).to_bits(),
             _ => return Err(fault(span, "Numbers of a field are f32, i32 and u32.")),
@@ -454,7 +460,8 @@ impl<'m> Compiler<'m> {
             }
             Expression::Swizzle { size, vector, pattern } => {
                 let from = self.value(body, *vector)?;
-                let slots: Vec<u32> = pattern[..*size as usize].iter().map(|&component| from + component as u32).collect();
+                let slots: Vec<u32> =
+                    pattern[..*size as usize].iter().map(|&component| from + component as u32).collect();
                 self.gathered(body, &slots)
             }
             Expression::AccessIndex { base, index } => {
@@ -466,7 +473,14 @@ impl<'m> Compiler<'m> {
                     Value::Pointer(Pointer::At(slot)) => {
                         let index = self.constant(offset);
                         let to = self.alloc(1);
-                        body.ops.push(Op::Address { to, base: slot, relative: true, index, stride: 1, limit: offset + 1 });
+                        body.ops.push(Op::Address {
+                            to,
+                            base: slot,
+                            relative: true,
+                            index,
+                            stride: 1,
+                            limit: offset + 1,
+                        });
                         return Ok(Value::Pointer(Pointer::At(to)));
                     }
                 }
@@ -592,7 +606,11 @@ impl<'m> Compiler<'m> {
         (left, right): (Shape, Shape),
     ) -> Option<u32> {
         let is_matrix = |shape: Shape| shape.columns > 1;
-        if op == BinaryOperator::Multiply && (is_matrix(left) || is_matrix(right)) && !left.is_scalar() && !right.is_scalar() {
+        if op == BinaryOperator::Multiply
+            && (is_matrix(left) || is_matrix(right))
+            && !left.is_scalar()
+            && !right.is_scalar()
+        {
             // Columns of the result, each of which has a component for each row.
             let (rows, columns, inner) = match (is_matrix(left), is_matrix(right)) {
                 (true, true) => (left.rows, right.columns, left.columns),

@@ -36,27 +36,73 @@ pub(super) struct Procedure {
 /// Operands are slots.
 pub(super) enum Op {
     /// Applies a function to each of `count` scalars; an operand without its bit in `steps` is one scalar for all.
-    Apply { function: Function, to: u32, operands: [u32; 3], steps: u8, count: u32 },
+    Apply {
+        function: Function,
+        to: u32,
+        operands: [u32; 3],
+        steps: u8,
+        count: u32,
+    },
     /// A value into a place that only this op writes.
-    Copy { to: u32, from: u32, count: u32 },
+    Copy {
+        to: u32,
+        from: u32,
+        count: u32,
+    },
     /// A value into a variable.
-    Store { to: u32, from: u32, count: u32 },
+    Store {
+        to: u32,
+        from: u32,
+        count: u32,
+    },
     /// The slot number `base` plus `index` times `stride`; the index is kept below `limit`. Where `relative`, `base` is a slot
     /// that holds the number.
-    Address { to: u32, base: u32, relative: bool, index: u32, stride: u32, limit: u32 },
+    Address {
+        to: u32,
+        base: u32,
+        relative: bool,
+        index: u32,
+        stride: u32,
+        limit: u32,
+    },
     /// A value from where an address says.
-    Load { to: u32, address: u32, count: u32 },
+    Load {
+        to: u32,
+        address: u32,
+        count: u32,
+    },
     /// A value to where an address says.
-    StoreAt { address: u32, from: u32, count: u32 },
-    If { condition: u32, accept: Vec<Op>, reject: Vec<Op> },
-    Loop { body: Vec<Op>, continuing: Vec<Op>, break_if: Option<u32>, weight: u32 },
+    StoreAt {
+        address: u32,
+        from: u32,
+        count: u32,
+    },
+    If {
+        condition: u32,
+        accept: Vec<Op>,
+        reject: Vec<Op>,
+    },
+    Loop {
+        body: Vec<Op>,
+        continuing: Vec<Op>,
+        break_if: Option<u32>,
+        weight: u32,
+    },
     /// The cases in order; no values stand for the default.
-    Switch { selector: u32, cases: Vec<Case> },
+    Switch {
+        selector: u32,
+        cases: Vec<Case>,
+    },
     Break,
     Continue,
-    Return { value: Option<u32> },
+    Return {
+        value: Option<u32>,
+    },
     /// Copies the result to `to`.
-    Call { function: usize, to: Option<u32> },
+    Call {
+        function: usize,
+        to: Option<u32>,
+    },
 }
 
 /// A case of a switch.

@@ -80,9 +80,7 @@ fn zip<A: Bits, B: Bits, R: Bits>(a: &Lanes, b: &Lanes, f: impl Fn(A, B) -> R) -
 
 #[inline(always)]
 fn zip3<A: Bits, B: Bits, C: Bits, R: Bits>(a: &Lanes, b: &Lanes, c: &Lanes, f: impl Fn(A, B, C) -> R) -> Lanes {
-    std::array::from_fn(|lane| {
-        f(A::from_bits(a[lane]), B::from_bits(b[lane]), C::from_bits(c[lane])).to_bits()
-    })
+    std::array::from_fn(|lane| f(A::from_bits(a[lane]), B::from_bits(b[lane]), C::from_bits(c[lane])).to_bits())
 }
 
 /// A function of `f32x8`.

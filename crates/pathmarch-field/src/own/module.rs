@@ -5,7 +5,7 @@ use super::compile::compile;
 use super::machine::Program;
 use super::{Fault, MAX_BYTES, range, wgsl_distance, wgsl_gradient};
 use naga::back::wgsl::{Writer, WriterFlags};
-use naga::valid::{Capabilities, ValidationFlags, Validator, ValidationError};
+use naga::valid::{Capabilities, ValidationError, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, Module, Scalar, ScalarKind, TypeInner, VectorSize, WithSpan};
 use std::error::Error;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -40,9 +40,9 @@ impl Code {
             return Err(vec![whole(message, "too long")]);
         }
         std::thread::scope(|scope| {
-            let read = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || {
-                Self::read(identifier, params, text)
-            });
+            let read = std::thread::Builder::new()
+                .stack_size(STACK)
+                .spawn_scoped(scope, || Self::read(identifier, params, text));
             match read.map(|thread| thread.join()) {
                 Ok(Ok(result)) => result,
                 _ => Err(vec![whole("This text could not be read.", "in this text")]),
@@ -112,9 +112,16 @@ fn validate(module: &Module) -> Result<naga::valid::ModuleInfo, WithSpan<Validat
     Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(module)
 }
 
+/// The longest message, characters: some of naga's hold a piece of the text.
+const MAX_MESSAGE: usize = 200;
+
 /// A sentence of what naga says.
 fn sentence(text: &str) -> String {
-    let text = text.trim().trim_end_matches('.');
+    let mut short: String = text.chars().take(MAX_MESSAGE).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(MAX_MESSAGE).is_some() {
+        short.push('…');
+    }
+    let text = short.trim().trim_end_matches('.');
     let mut chars = text.chars();
     let first: String = chars.next().map(|c| c.to_uppercase().collect()).unwrap_or_default();
     format!("{first}{}.", chars.as_str())
@@ -127,6 +134,7 @@ fn parse_fault(error: &naga::front::wgsl::ParseError, text: &str) -> Fault {
         Some((range, label)) => (Some(range), label),
         None => (None, "in this text".to_owned()),
     };
+    let label: String = label.chars().take(MAX_MESSAGE).collect();
     let label = if label.is_empty() { "here".to_owned() } else { label };
     Fault {
         message: sentence(error.message()),
@@ -142,7 +150,18 @@ fn innermost(error: &ValidationError) -> String {
     while let Some(source) = cause.source() {
         cause = source;
     }
-    sentence(&cause.to_string())
+    sentence(&without_handles(&cause.to_string()))
+}
+
+/// A message without the numbers that naga gives to what it talks of, as in "expression Some([3])".
+fn without_handles(message: &str) -> String {
+    let is_handle = |word: &str| {
+        let word = word.trim_end_matches([',', ':']);
+        let inner = word.strip_prefix("Some(").and_then(|word| word.strip_suffix(')')).unwrap_or(word);
+        let digits = inner.strip_prefix('[').and_then(|inner| inner.strip_suffix(']'));
+        digits.is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()))
+    };
+    message.split(' ').filter(|word| !is_handle(word)).collect::<Vec<_>>().join(" ")
 }
 
 fn validation_fault(error: &WithSpan<ValidationError>, text: &str) -> Fault {
@@ -231,7 +250,8 @@ fn limits(module: &Module, entry: Handle<naga::Function>) -> Result<(), Fault> {
     }
     let costs = Costs::new(module);
     // Functions that are not called are compiled as well.
-    let most = module.functions.iter().map(|(handle, _)| handle).max_by_key(|handle| costs.of(*handle)).unwrap_or(entry);
+    let most =
+        module.functions.iter().map(|(handle, _)| handle).max_by_key(|handle| costs.of(*handle)).unwrap_or(entry);
     let cost = costs.of(most);
     if cost > budget::MOST_OPERATIONS {
         let message = format!(

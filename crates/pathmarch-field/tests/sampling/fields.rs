@@ -17,7 +17,8 @@ pub struct Declared {
 impl Declared {
     pub fn shape(&self) -> OwnField {
         let names: Vec<String> = self.params.iter().map(|param| param.name.to_owned()).collect();
-        let code = Code::new(self.name, &names, self.text).unwrap_or_else(|faults| panic!("{}: {faults:#?}", self.name));
+        let code =
+            Code::new(self.name, &names, self.text).unwrap_or_else(|faults| panic!("{}: {faults:#?}", self.name));
         let info = Info { exact: false, ..Info::new(self.name, "A field.", "a test") };
         OwnField::new(info, self.params.clone(), self.lipschitz, self.edges, Arc::new(code))
     }
@@ -32,7 +33,7 @@ pub fn declared() -> Vec<Declared> {
                 Param::between("cell", 0.8, 0.2, 4.0, "Edge of a cell."),
                 Param::between("wall", 0.05, 0.0, 0.5, "Half the thickness of the wall."),
             ],
-            lipschitz: 1.5,
+            lipschitz: 1.75,
             edges: Some([2.0, 1.5, 2.0]),
             text: "fn distance(p: vec3f) -> f32 {
                 let k = 6.2831853 / cell;

@@ -68,7 +68,9 @@ impl Fields {
             let Some((name, span)) = name(node, USAGE, report) else { continue };
             let identifier = name.replace('-', "_");
             match known.get(&identifier) {
-                Some((other, first)) if other == name => twice(&format!("The field {}", shown(name)), span, *first, report),
+                Some((other, first)) if other == name => {
+                    twice(&format!("The field {}", shown(name)), span, *first, report)
+                }
                 Some((other, first)) => {
                     let message = format!("{} is too much like {}.", shown(name), shown(other));
                     let mistake = draft("pathmarch::duplicate", span, message).label("the same but for - and _");
@@ -166,7 +168,11 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, report: 
     };
     let info = Info {
         exact: false,
-        ..Info::new(kept(name, entry, report)?, kept(doc.unwrap_or("A field of this scene."), entry, report)?, "this scene")
+        ..Info::new(
+            kept(name, entry, report)?,
+            kept(doc.unwrap_or("A field of this scene."), entry, report)?,
+            "this scene",
+        )
     };
     Some(OwnField::new(info, params, lipschitz?, edges?, code))
 }
@@ -188,7 +194,8 @@ fn bounds(node: &Node, report: &mut Report) -> Option<Option<[f32; 3]>> {
     properties(node, &[], report);
     no_children(node, report);
     let entries = arguments(node, 3, USAGE, report);
-    let edge = |entry: &Entry, report: &mut Report| in_range(entry, "`bounds`", Range { max: 1e6, ..Range::POSITIVE }, report);
+    let edge =
+        |entry: &Entry, report: &mut Report| in_range(entry, "`bounds`", Range { max: 1e6, ..Range::POSITIVE }, report);
     match entries[..] {
         [entry] => match &entry.value {
             super::tree::Value::Text(word) if word == ENDLESS => Some(None),
@@ -212,7 +219,9 @@ fn kept(text: &str, entry: &Entry, report: &mut Report) -> Option<&'static str> 
     let kept = keep(text);
     if kept.is_none() {
         let message = "Too many different names were given to shapes since the program was started.";
-        report.add(draft("pathmarch::too_large", entry.value_span, message).label("one too many").help("Start it again."));
+        report.add(
+            draft("pathmarch::too_large", entry.value_span, message).label("one too many").help("Start it again."),
+        );
     }
     kept
 }
@@ -228,7 +237,8 @@ fn wrong(entry: &Entry, fault: &Fault, report: &mut Report) {
         let length = written.get(last..)?.chars().next()?.len_utf8();
         Some(Span::new(start + first, start + last + length))
     });
-    let mistake = draft("pathmarch::wgsl", span.unwrap_or(entry.value_span), fault.message.clone()).label(fault.label.clone());
+    let mistake =
+        draft("pathmarch::wgsl", span.unwrap_or(entry.value_span), fault.message.clone()).label(fault.label.clone());
     report.add(match &fault.help {
         Some(help) => mistake.help(help.clone()),
         None => mistake,
@@ -248,7 +258,15 @@ fn own_params(node: &Node, report: &mut Report) -> Option<Vec<Param>> {
         }
         let kept = keep(&name).zip(keep(doc.as_deref().unwrap_or("A number of this field.")));
         let Some((name, doc)) = kept else { continue };
-        params.push(Param { name, unit: Unit::Ratio, default: value, min: range.min, min_allowed: true, max: range.max, doc });
+        params.push(Param {
+            name,
+            unit: Unit::Ratio,
+            default: value,
+            min: range.min,
+            min_allowed: true,
+            max: range.max,
+            doc,
+        });
     }
     (report.count_so_far() == before).then_some(params)
 }
