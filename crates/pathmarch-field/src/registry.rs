@@ -313,6 +313,10 @@ pub trait Shape: Send + Sync {
     fn wgsl_name(&self) -> String {
         identifier(self.info().name).trim_end_matches('_').to_owned()
     }
+    /// The Lipschitz constant that a person declared, by which the distance is divided.
+    fn declared_lipschitz(&self) -> Option<f32> {
+        None
+    }
     /// Whether its WGSL is ours, and needs no checks where it runs.
     fn is_trusted(&self) -> bool {
         true

@@ -112,11 +112,6 @@ impl OwnField {
         Self { info, params, lipschitz, edges, code }
     }
 
-    /// The constant that was declared.
-    pub fn declared_lipschitz(&self) -> f32 {
-        self.lipschitz
-    }
-
     fn half(numbers: &[f32]) -> [f32; 3] {
         let n = numbers.len();
         [numbers[n - 3], numbers[n - 2], numbers[n - 1]]
@@ -202,6 +197,9 @@ impl Shape for OwnField {
     }
     fn is_trusted(&self) -> bool {
         false
+    }
+    fn declared_lipschitz(&self) -> Option<f32> {
+        Some(self.lipschitz)
     }
     fn numbers(&self, params: &[f32]) -> Vec<f32> {
         let half = self.edges.map_or([ENDLESS; 3], |edges| edges.map(|edge| 0.5 * edge));

@@ -1,8 +1,9 @@
 //! `pathmarch check`: read scenes, report every mistake.
 
 use crate::exit::{DONE, FAILED, Failure, USAGE, print_report};
-use pathmarch_render::pathmarch_field::Field;
+use pathmarch_render::pathmarch_field::graph::Kind;
 use pathmarch_render::pathmarch_field::survey::survey;
+use pathmarch_render::pathmarch_field::{Field, Node, Placement};
 use pathmarch_render::pathmarch_scene::Scene;
 use std::path::PathBuf;
 
@@ -38,7 +39,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                     scene.lights.len(),
                     scene.cameras.len(),
                 );
-                if arguments.field && !field_is_safe(&scene) {
+                if arguments.field && !(field_is_safe(&scene) & declarations_are_true(&scene)) {
                     code = code.max(FAILED);
                 }
             }
@@ -72,6 +73,39 @@ fn field_is_safe(scene: &Scene) -> bool {
             1.0 / finding.safe_factor,
             finding.safe_factor,
             declared / finding.safe_factor,
+        );
+    }
+    safe
+}
+
+/// Slopes above this are more than rounding.
+const STEEPEST: f32 = 1.01;
+
+/// Prints which of the scene's own shapes are steeper than they say; whether all are as declared.
+fn declarations_are_true(scene: &Scene) -> bool {
+    let mut seen: Vec<(&str, &[f32])> = Vec::new();
+    let mut safe = true;
+    for leaf in scene.field.leaves() {
+        let name = leaf.shape.info().name;
+        let Some(declared) = leaf.shape.declared_lipschitz() else { continue };
+        if seen.contains(&(name, &leaf.params)) {
+            continue;
+        }
+        seen.push((name, &leaf.params));
+        let params = leaf.params[..leaf.shape.params().len()].to_vec();
+        let kind = Kind::Shape { shape: leaf.shape.clone(), params, tag: 0 };
+        let field = Field::new(&[Node { kind, placement: Placement::default() }]);
+        let slope = survey(&field, POINTS).slope;
+        let steepest = declared * slope;
+        if slope <= STEEPEST {
+            println!("  field `{name}`: as declared; slope up to {steepest:.3}, lipschitz {declared}");
+            continue;
+        }
+        safe = false;
+        let enough = (steepest * 102.0).ceil() / 100.0;
+        println!(
+            "  field `{name}`: NOT SAFE: its slope is up to {steepest:.3}, {slope:.2} times the declared lipschitz {declared}; \
+             lipschitz {enough} would be safe"
         );
     }
     safe
