@@ -108,8 +108,8 @@ fn whole(message: impl Into<String>, label: &str) -> Fault {
     Fault { message: message.into(), label: label.to_owned(), range: None, help: None }
 }
 
-fn validate(module: &Module) -> Result<naga::valid::ModuleInfo, WithSpan<ValidationError>> {
-    Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(module)
+fn validate(module: &Module) -> Result<naga::valid::ModuleInfo, Box<WithSpan<ValidationError>>> {
+    Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(module).map_err(Box::new)
 }
 
 /// The longest message, characters: some of naga's hold a piece of the text.

@@ -81,7 +81,9 @@ impl Fields {
                     known.insert(identifier.clone(), (name.to_owned(), span));
                 }
             }
+            let outside = report.scope.enter();
             let field = read(node, name, &identifier, assets, report);
+            report.scope.leave(outside);
             match field.filter(|_| report.count_so_far() == before) {
                 Some(field) => fields.shapes.push(Arc::new(field)),
                 None => fields.broken.push(name.to_owned()),
@@ -131,6 +133,7 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, report: 
             report.add(mistake.label(format!("expected `{word}` in its braces")).help(help));
         }
     };
+    let params = own_params(node, report);
     let lipschitz = match found.get("lipschitz") {
         Some(node) => one(node, "`lipschitz 1.5`", report)
             .and_then(|entry| in_range(entry, "`lipschitz`", Range { max: 1e6, ..Range::POSITIVE }, report)),
@@ -148,7 +151,6 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, report: 
         Some(node) => one(node, "`doc \"What it is.\"`", report).and_then(|entry| string(entry, "`doc`", report)),
         None => None,
     };
-    let params = own_params(node, report);
     let Some(text) = found.get("wgsl") else {
         missing("wgsl", "For example: wgsl \"fn distance(p: vec3f) -> f32 { return length(p) - 1.0; }\".", report);
         return None;
@@ -245,11 +247,12 @@ fn wrong(entry: &Entry, fault: &Fault, report: &mut Report) {
     });
 }
 
-/// The parameters of a field; nothing after a mistake.
+/// The parameters of a field, which formulas in it may use from then on; nothing after a mistake.
 fn own_params(node: &Node, report: &mut Report) -> Option<Vec<Param>> {
     let before = report.count_so_far();
+    // Where the shape is used, properties of these names mean something else.
     let mut params: Vec<Param> = Vec::new();
-    for declared in params::declare(node, report) {
+    for declared in params::declare(params::nodes(node.child_nodes()), &[], &["material"], report) {
         let Declared { name, span, value, range, doc } = declared;
         if params.len() == MAX_PARAMS {
             let message = format!("A field has at most {MAX_PARAMS} parameters.");
@@ -258,15 +261,9 @@ fn own_params(node: &Node, report: &mut Report) -> Option<Vec<Param>> {
         }
         let kept = keep(&name).zip(keep(doc.as_deref().unwrap_or("A number of this field.")));
         let Some((name, doc)) = kept else { continue };
-        params.push(Param {
-            name,
-            unit: Unit::Ratio,
-            default: value,
-            min: range.min,
-            min_allowed: true,
-            max: range.max,
-            doc,
-        });
+        let Range { min, max, .. } = range;
+        let default = value.value as f32;
+        params.push(Param { name, unit: Unit::Ratio, default, min, min_allowed: true, max, doc });
     }
     (report.count_so_far() == before).then_some(params)
 }
