@@ -38,6 +38,7 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "fractals/" "mandelbulb" "jpg" "The mandelbulb, coloured by its orbits.";
     "fractals/" "kleinian" "jpg" "Halls of a pseudo-Kleinian group.";
     "fractals/" "julia" "jpg" "A slice of a quaternion Julia set.";
+    "thesis/" "cream-julia" "jpg" "A Julia set in cream and green.";
     "fractals/" "mandelbox" "jpg" "The mandelbox.";
     "fractals/" "apollonian" "jpg" "Spheres within spheres.";
     "fractals/" "sponge" "jpg" "Menger's sponge in a low sun.";
