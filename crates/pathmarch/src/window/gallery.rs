@@ -40,6 +40,7 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "fractals/" "julia" "jpg" "A slice of a quaternion Julia set.";
     "thesis/" "cream-julia" "jpg" "A Julia set in cream and green.";
     "fractals/" "mandelbox" "jpg" "The mandelbox.";
+    "fractals/" "coral" "jpg" "A coral: an iterated function system.";
     "fractals/" "apollonian" "jpg" "Spheres within spheres.";
     "fractals/" "sponge" "jpg" "Menger's sponge in a low sun.";
     "fractals/" "sierpinski" "jpg" "Sierpinski's tetrahedron.";
