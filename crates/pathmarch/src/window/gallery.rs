@@ -41,6 +41,7 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "thesis/" "cream-julia" "jpg" "A Julia set in cream and green.";
     "fractals/" "mandelbox" "jpg" "The mandelbox.";
     "fractals/" "coral" "jpg" "A coral: an iterated function system.";
+    "thesis/" "mandelbulb-landscape" "jpg" "A land on a mandelbulb.";
     "fractals/" "apollonian" "jpg" "Spheres within spheres.";
     "fractals/" "sponge" "jpg" "Menger's sponge in a low sun.";
     "fractals/" "sierpinski" "jpg" "Sierpinski's tetrahedron.";
@@ -57,6 +58,7 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "thesis/" "twisted-cube" "jpg" "A cube, twisted about its axis.";
     "thesis/" "combinations" "jpg" "Union, subtraction and intersection, sharp and smooth.";
     "thesis/" "solids" "jpg" "The solids.";
+    "thesis/" "grey-mandelbulb" "jpg" "The mandelbulb of the thesis.";
     "thesis/" "glass-prism" "jpg" "A prism of glass.";
     "thesis/" "refractive-prisms" "jpg" "Prisms that refract.";
     "thesis/" "specular-prisms" "jpg" "Prisms that mirror.";
