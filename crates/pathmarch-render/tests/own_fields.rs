@@ -191,3 +191,23 @@ fn hostile_fields_are_rendered() {
         }
     }
 }
+
+/// The examples of the documentation, one of which is a scene of the gallery to the letter.
+#[test]
+fn the_examples_of_the_documentation_are_rendered() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let docs = std::fs::read_to_string(root.join("docs/own-fields.md")).expect("the page");
+    let blocks: Vec<&str> =
+        docs.split("```kdl\n").skip(1).map(|rest| rest.split("```").next().expect("an end")).collect();
+    let port = std::fs::read_to_string(root.join("scenes/columns.kdl")).expect("the scene");
+    assert!(blocks.contains(&port.as_str()), "docs/own-fields.md shows another scenes/columns.kdl");
+    for block in blocks {
+        let scene = parse(block);
+        for renderer in &mut renderers() {
+            let settings = Settings { size: [96, 54], samples: 4, bounces: 2, ..Settings::of(&scene) };
+            let picture = render(renderer, &scene, &settings).mean();
+            let brightness = picture.mean_colour()[1];
+            assert!(brightness > 0.01, "{}: {brightness}", renderer.backend_name());
+        }
+    }
+}

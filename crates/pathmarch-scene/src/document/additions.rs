@@ -10,6 +10,7 @@ use super::path::Path;
 use super::slots::SKIES;
 use super::structure::free_name;
 use super::work::Work;
+use crate::language::fields::FIELD;
 use crate::language::params::PARAM;
 use crate::language::schema::{self, AXES};
 use crate::materials;
@@ -18,7 +19,7 @@ use pathmarch_field::{Modify, Shape, Solid, Unit, registry};
 /// What may be added to a node of this kind, or to the file.
 pub(super) fn additions(work: &Work, parent: Option<ItemKind>) -> Vec<Addition> {
     let shapes =
-        |group| registry::shapes().iter().map(move |shape| addition(group, shape.info().name, shape.info().doc));
+        |group| work.fields().all_shapes().map(move |shape| addition(group, shape.info().name, shape.info().doc));
     let operators = registry::solids().filter(|solid| solid.is_operator());
     match parent {
         Some(ItemKind::Object | ItemKind::Operator) => shapes(Group::Shape)
@@ -59,7 +60,7 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
     let word = addition.name;
     let (node, text) = match addition.group {
         Group::Shape | Group::Operator => {
-            let text = match registry::solid(word) {
+            let text = match work.fields().solid(word) {
                 Some(Solid::Shape(shape)) if is_in_plane(work, parent) => shape_text(shape),
                 Some(Solid::Shape(shape)) => solid_text(shape),
                 Some(Solid::Modify(modifier)) => modifier_text(modifier),
@@ -70,7 +71,10 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
         }
         Group::Object => {
             let name = quoted(&free_name(work, "object", word));
-            let shape = registry::shape(word).map_or_else(String::new, solid_text);
+            let shape = match work.fields().solid(word) {
+                Some(Solid::Shape(shape)) => solid_text(shape),
+                _ => String::new(),
+            };
             ("object", format!("object {name} {{ {shape} }}"))
         }
         Group::Material => {
@@ -107,7 +111,7 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
 
 /// Adds a node at the top of the file, behind the others of its word, or where files have such nodes.
 pub(super) fn add_top(work: &mut Work, word: &str, template: &str) -> Result<Path, EditError> {
-    const ORDER: [&str; 8] = ["pathmarch", PARAM, "camera", "render", "sky", "sun", "material", "object"];
+    const ORDER: [&str; 9] = ["pathmarch", PARAM, "camera", "render", "sky", "sun", "material", FIELD, "object"];
     let rank = |word: &str| {
         let word = if word == "point" { "sun" } else { word };
         ORDER.iter().position(|other| *other == word).unwrap_or(ORDER.len())

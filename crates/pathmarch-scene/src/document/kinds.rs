@@ -34,9 +34,9 @@ pub(super) fn set_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), E
             }
             set_solid(work, path, kind)
         }
-        ItemKind::Shape => match registry::shape(kind) {
-            Some(_) => set_solid(work, path, kind),
-            None => unknown(registry::shapes().iter().map(|shape| shape.info().name).collect()),
+        ItemKind::Shape => match work.fields().solid(kind) {
+            Some(Solid::Shape(_)) => set_solid(work, path, kind),
+            _ => unknown(work.fields().all_shapes().map(|shape| shape.info().name).collect()),
         },
         ItemKind::Material => match materials::kind(kind) {
             Some(_) => set_material_kind(work, path, kind),
@@ -57,7 +57,8 @@ pub(super) fn set_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), E
 /// Makes a shape or an operator another one, which keeps the numbers that have the same name there and are allowed.
 fn set_solid(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> {
     let found = work.find(path)?;
-    let (Some(old), Some(new)) = (registry::solid(&found.node.name.value), registry::solid(kind)) else {
+    let fields = work.fields();
+    let (Some(old), Some(new)) = (fields.solid(&found.node.name.value), fields.solid(kind)) else {
         return Ok(());
     };
     if old.info().name == new.info().name {

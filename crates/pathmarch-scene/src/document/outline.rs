@@ -3,9 +3,11 @@
 use super::path::Path;
 use super::slots::{arguments, material_kind, property, text_argument};
 use crate::language::names::{NORMAL, PLACEMENT};
+use crate::language::fields::FIELD;
 use crate::language::params::PARAM;
 use crate::language::tree::{Block, Node, Value};
 use pathmarch_field::registry;
+use std::collections::HashSet;
 
 /// What a node is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -14,6 +16,8 @@ pub enum ItemKind {
     Version,
     /// A number with a name, which formulas use.
     Param,
+    /// A shape that the scene declares.
+    Field,
     /// A camera.
     Camera,
     /// Picture size and quality.
@@ -38,10 +42,11 @@ pub enum ItemKind {
 
 impl ItemKind {
     /// What a node of this word is, in a node of this kind or at the top of the file.
-    fn of(word: &str, parent: Option<Self>) -> Self {
+    fn of(word: &str, parent: Option<Self>, declared: &dyn Fn(&str) -> bool) -> Self {
         match (parent, word) {
             (None, "pathmarch") => Self::Version,
             (None, PARAM) => Self::Param,
+            (None, FIELD) => Self::Field,
             (None, "camera") => Self::Camera,
             (None, "render") => Self::Render,
             (None, "sky") => Self::Sky,
@@ -52,6 +57,7 @@ impl ItemKind {
             (Some(_), word) => match registry::solid(word) {
                 Some(solid) if solid.is_operator() => Self::Operator,
                 Some(_) => Self::Shape,
+                None if declared(word) => Self::Shape,
                 None => Self::Other,
             },
             _ => Self::Other,
@@ -71,7 +77,7 @@ impl ItemKind {
     }
     /// Whether it has a name.
     pub fn is_named(self) -> bool {
-        matches!(self, Self::Param | Self::Camera | Self::Material | Self::Object)
+        matches!(self, Self::Param | Self::Field | Self::Camera | Self::Material | Self::Object)
     }
     /// Whether it may stand in an object or operator.
     pub fn is_solid(self) -> bool {
@@ -107,20 +113,32 @@ impl Item {
 
 /// The outline of a file.
 pub(super) fn outline(file: &Block<'static>) -> Vec<Item> {
-    let mut leaves = 0;
-    items(file, None, &Path::default(), &mut leaves)
+    let names: HashSet<&str> = declared_names(file).collect();
+    items(file, None, &Path::default(), &mut Walk { declared: &|word| names.contains(word), leaves: 0 })
 }
 
-fn items(block: &Block<'static>, parent: Option<ItemKind>, path: &Path, leaves: &mut usize) -> Vec<Item> {
+/// Names of the shapes that a file declares.
+fn declared_names<'b>(file: &'b Block<'static>) -> impl Iterator<Item = &'b str> {
+    file.nodes.iter().filter(|node| node.name.value == FIELD).filter_map(text_argument)
+}
+
+/// A walk through a file.
+struct Walk<'w> {
+    declared: &'w dyn Fn(&str) -> bool,
+    /// Shapes so far.
+    leaves: usize,
+}
+
+fn items(block: &Block<'static>, parent: Option<ItemKind>, path: &Path, walk: &mut Walk) -> Vec<Item> {
     let shown = shown(block, parent).enumerate();
-    shown.map(|(index, (_, node))| item(node, parent, path.child(index), leaves)).collect()
+    shown.map(|(index, (_, node))| item(node, parent, path.child(index), walk)).collect()
 }
 
-fn item(node: &Node<'static>, parent: Option<ItemKind>, path: Path, leaves: &mut usize) -> Item {
+fn item(node: &Node<'static>, parent: Option<ItemKind>, path: Path, walk: &mut Walk) -> Item {
     let word = &*node.name.value;
-    let kind = ItemKind::of(word, parent);
-    let first = *leaves;
-    *leaves += usize::from(kind == ItemKind::Shape);
+    let kind = ItemKind::of(word, parent, walk.declared);
+    let first = walk.leaves;
+    walk.leaves += usize::from(kind == ItemKind::Shape);
     let name = kind.is_named().then(|| text_argument(node).map(str::to_owned)).flatten();
     let unnamed_camera = kind == ItemKind::Camera && arguments(node).next().is_none();
     let material = match kind {
@@ -131,14 +149,14 @@ fn item(node: &Node<'static>, parent: Option<ItemKind>, path: Path, leaves: &mut
         },
         _ => None,
     };
-    let children = node.children.as_ref().map_or_else(Vec::new, |block| items(block, Some(kind), &path, leaves));
+    let children = node.children.as_ref().map_or_else(Vec::new, |block| items(block, Some(kind), &path, walk));
     Item {
         kind,
         word: word.to_owned(),
         name: name.or_else(|| unnamed_camera.then(|| "main".to_owned())),
         material,
         children,
-        leaves: (first, *leaves - first),
+        leaves: (first, walk.leaves - first),
         path,
     }
 }
@@ -167,6 +185,7 @@ pub(super) struct Found<'b> {
 
 /// The node of this path.
 pub(super) fn find<'b>(file: &'b Block<'static>, path: &Path) -> Option<Found<'b>> {
+    let declared = |word: &str| declared_names(file).any(|name| name == word);
     let mut found: Option<Found> = None;
     for &at in path.indexes() {
         let parent = found.map(|found| found.kind);
@@ -175,7 +194,7 @@ pub(super) fn find<'b>(file: &'b Block<'static>, path: &Path) -> Option<Found<'b
             None => file,
         };
         let (index, node) = shown(block, parent).nth(at)?;
-        found = Some(Found { node, kind: ItemKind::of(&node.name.value, parent), block, index, parent });
+        found = Some(Found { node, kind: ItemKind::of(&node.name.value, parent, &declared), block, index, parent });
     }
     found
 }

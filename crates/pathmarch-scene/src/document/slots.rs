@@ -114,10 +114,11 @@ pub(super) fn slots(file: &Block<'static>, values: &Values, kind: ItemKind, node
             list.material_of(file, "Material of its shapes that name no other.");
         }
         ItemKind::Shape | ItemKind::Operator => {
-            if let Some(solid) = registry::solid(&node.name.value) {
+            if let Some(solid) = values.fields.solid(&node.name.value) {
                 list.solid(file, solid);
             }
         }
+        ItemKind::Field => list.name(""),
         ItemKind::Version | ItemKind::Other => {}
     }
     list.slots
@@ -291,8 +292,9 @@ impl List<'_> {
     fn solid(&mut self, file: &Block<'static>, solid: Solid) {
         let is_alike =
             |other: &Solid| other.is_operator() == solid.is_operator() && other.info().profile == solid.info().profile;
-        let alike = registry::solids().filter(is_alike);
-        self.kind(alike.map(|other| other.info().name).collect(), solid.info().name, solid.info().doc);
+        let own = self.values.fields.names().filter(|_| !solid.is_operator() && !solid.info().profile);
+        let alike = registry::solids().filter(is_alike).map(|other| other.info().name).chain(own);
+        self.kind(alike.collect(), solid.info().name, solid.info().doc);
         let given = parameters(solid, self.node);
         for (param, (index, entry)) in solid.params().iter().zip(given.into_iter().enumerate()) {
             let control = parameter_control(param);
@@ -503,7 +505,7 @@ pub(super) fn read_number(entry: &Entry) -> Option<f32> {
 /// The number of an entry, or what its formula is worth.
 fn number(entry: &Entry, values: &Values) -> Option<f32> {
     match entry.value {
-        tree::Value::Text(_) => values.get(&entry.value_span.start).map(|value| *value as f32),
+        tree::Value::Text(_) => values.formulas.get(&entry.value_span.start).map(|value| *value as f32),
         _ => read_number(entry),
     }
 }

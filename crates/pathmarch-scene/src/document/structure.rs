@@ -100,7 +100,7 @@ pub(super) fn rename(work: &mut Work, path: &Path, new: &str) -> Result<(), Edit
     let word = found.node.name.value.to_string();
     if !found.kind.is_named() {
         return Err(EditError::Name(format!(
-            "A `{word}` has no name. Cameras, materials, objects and parameters have."
+            "A `{word}` has no name. Cameras, materials, fields, objects and parameters have."
         )));
     }
     if new.is_empty() {
@@ -119,6 +119,10 @@ pub(super) fn rename(work: &mut Work, path: &Path, new: &str) -> Result<(), Edit
         let objects = work.file.nodes.iter().filter(|node| node.name.value == "object");
         objects.for_each(|object| references(&work.text, object, (old, new), &mut patches));
     }
+    if let (ItemKind::Field, Some(old)) = (found.kind, old) {
+        let objects = work.file.nodes.iter().filter(|node| node.name.value == "object");
+        objects.for_each(|object| uses(object, (old, new), &mut patches));
+    }
     if let (ItemKind::Param, Some(old)) = (found.kind, old) {
         let values = work.values();
         let others = work.file.nodes.iter();
@@ -136,7 +140,7 @@ fn formulas(node: &Node<'static>, values: &Values, names: (&str, &str), patches:
     }
     for entry in &node.entries {
         if let tree::Value::Text(text) = &entry.value
-            && values.contains_key(&entry.value_span.start)
+            && values.formulas.contains_key(&entry.value_span.start)
         {
             let renamed = expression::renamed(text, names);
             if renamed != **text {
@@ -167,6 +171,17 @@ fn references(text: &str, node: &Node<'static>, (old, new): (&str, &str), patche
         patches.push(Patch::replace(range, written));
     }
     node.child_nodes().iter().for_each(|child| references(text, child, (old, new), patches));
+}
+
+/// Renames a shape of the scene's own where it is used.
+fn uses(node: &Node<'static>, (old, new): (&str, &str), patches: &mut Vec<Patch>) {
+    for child in node.child_nodes() {
+        if child.name.value == old {
+            let range = bytes(child.name.span);
+            patches.push(Patch::replace(range, new));
+        }
+        uses(child, (old, new), patches);
+    }
 }
 
 /// Moves a node, with its comments.

@@ -9,6 +9,7 @@ use super::path::Path;
 use super::slots::{Slot, slots};
 use super::write::Writer;
 use crate::language::tree::Block;
+use crate::language::fields::Fields;
 use crate::language::{self, Values};
 use std::borrow::Cow;
 
@@ -62,7 +63,11 @@ impl<'d> Work<'d> {
         Site { block: found.block, top: found.parent.is_none(), index: found.index }
     }
     pub(super) fn writer<'w>(&'w self, found: Found<'w>) -> Writer<'w> {
-        Writer { text: &self.text, style: self.style, node: found.node }
+        Writer { text: &self.text, style: self.style, node: found.node, fields: self.fields() }
+    }
+    /// The shapes that the document declares.
+    pub(super) fn fields(&self) -> &'d Fields {
+        &self.known.fields
     }
     pub(super) fn slots(&self, path: &Path) -> Result<Vec<Slot>, EditError> {
         let found = self.find(path)?;
@@ -82,7 +87,8 @@ impl<'d> Work<'d> {
             }
             (!touched).then(|| (at as usize).wrapping_add_signed(shift) as u32)
         };
-        Cow::Owned(self.known.iter().filter_map(|(at, value)| Some((now(*at)?, *value))).collect())
+        let formulas = self.known.formulas.iter().filter_map(|(at, value)| Some((now(*at)?, *value))).collect();
+        Cow::Owned(Values { formulas, fields: self.known.fields.clone() })
     }
     pub(super) fn slot(&self, path: &Path, key: &str) -> Result<Slot, EditError> {
         let word = self.find(path)?.node.name.value.to_string();

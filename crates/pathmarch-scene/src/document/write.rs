@@ -10,10 +10,11 @@ use super::layout::{Chunk, Site, Style, before_spaces, bytes, insert_first, star
 use super::number::{formula, fresh, number, quoted, string_like};
 use super::patch::Patch;
 use super::slots::{Place, Slot, arguments, child, formula_text, has_one_size, parameter_value, property, read_number};
+use crate::language::fields::Fields;
 use crate::language::arguments::{Range, srgb};
 use crate::language::characters;
 use crate::language::tree::{self, Entry, Node};
-use pathmarch_field::{Solid, registry};
+use pathmarch_field::Solid;
 
 /// A node and the text that it stands in.
 #[derive(Clone, Copy)]
@@ -21,6 +22,7 @@ pub(super) struct Writer<'d> {
     pub(super) text: &'d str,
     pub(super) style: &'d Style,
     pub(super) node: &'d Node<'static>,
+    pub(super) fields: &'d Fields,
 }
 
 /// Whether the control takes this value.
@@ -147,7 +149,7 @@ impl<'d> Writer<'d> {
     /// What makes the parameter have this value, which it takes.
     pub(super) fn write(&self, slot: &Slot, value: &Value) -> Result<Vec<Patch>, EditError> {
         match slot.place {
-            Place::Parameter(index) => match registry::solid(&self.node.name.value) {
+            Place::Parameter(index) => match self.fields.solid(&self.node.name.value) {
                 Some(solid) => Ok(self.write_parameter(solid, index, value)),
                 None => Ok(Vec::new()),
             },
@@ -171,7 +173,7 @@ impl<'d> Writer<'d> {
     /// What makes the parameter have its default.
     pub(super) fn erase(&self, slot: &Slot) -> Result<Vec<Patch>, EditError> {
         match slot.place {
-            Place::Parameter(index) => match registry::solid(&self.node.name.value) {
+            Place::Parameter(index) => match self.fields.solid(&self.node.name.value) {
                 Some(solid) => Ok(self.erase_parameter(solid, index)),
                 None => Ok(Vec::new()),
             },

@@ -11,7 +11,7 @@ use super::strings::origins;
 use super::tree::{Block, Entry, Node, Span};
 use crate::assets::Assets;
 use pathmarch_field::own::{Fault, MAX_PARAMS, keep};
-use pathmarch_field::{Info, OwnField, Param, ShapeRef, Unit};
+use pathmarch_field::{Info, OwnField, Param, Shape, ShapeRef, Solid, Unit, registry};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -38,8 +38,18 @@ pub(crate) struct Fields {
 impl Fields {
     /// The shape of this name.
     pub(crate) fn shape(&self, name: &str) -> Option<ShapeRef> {
-        let shape = self.shapes.iter().find(|shape| pathmarch_field::Shape::info(&***shape).name == name)?;
+        let shape = self.shapes.iter().find(|shape| shape.info().name == name)?;
         Some(ShapeRef::Own(shape.clone()))
+    }
+    /// What stands in objects under this name: of the registry, or one of these.
+    pub(crate) fn solid(&self, name: &str) -> Option<Solid<'_>> {
+        let own = || self.shapes.iter().find(|shape| shape.info().name == name);
+        registry::solid(name).or_else(|| Some(Solid::Shape(&**own()?)))
+    }
+    /// Every shape, those of the registry first.
+    pub(crate) fn all_shapes(&self) -> impl Iterator<Item = &(dyn Shape + 'static)> {
+        let own = self.shapes.iter().map(|shape| &**shape as &(dyn Shape + 'static));
+        registry::shapes().iter().copied().chain(own)
     }
     /// Whether this name was declared, with mistakes.
     pub(crate) fn is_broken(&self, name: &str) -> bool {
@@ -47,7 +57,7 @@ impl Fields {
     }
     /// The names of all shapes.
     pub(crate) fn names(&self) -> impl Iterator<Item = &'static str> {
-        self.shapes.iter().map(|shape| pathmarch_field::Shape::info(&**shape).name)
+        self.shapes.iter().map(|shape| shape.info().name)
     }
 
     /// Those of a file.

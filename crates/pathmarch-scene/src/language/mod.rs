@@ -59,23 +59,29 @@ pub(crate) struct Read<'t> {
     /// Its nodes, as far as they could be read.
     pub(crate) file: Option<Block<'t>>,
     pub(crate) scene: Result<Scene, SceneError>,
-    /// The values of its formulas, as far as they have some, by the place of their strings.
+    /// What it declares and computes.
     pub(crate) values: Values,
 }
 
-/// The value of each formula of a text, by the byte where its string begins.
-pub(crate) type Values = HashMap<u32, f64>;
+/// What a text declares and computes, as far as it could be read.
+#[derive(Clone, Default)]
+pub(crate) struct Values {
+    /// The value of each formula, by the byte where its string begins.
+    pub(crate) formulas: HashMap<u32, f64>,
+    /// Its own shapes.
+    pub(crate) fields: Fields,
+}
 
 /// Reads a text, which came from `name`, as of a moment.
 pub(crate) fn read<'t>(name: &str, text: &'t str, moment: Moment, assets: &mut Assets) -> Read<'t> {
     if text.len() > MAX_BYTES {
         let (reason, help) = too_large();
         let error = SceneError::Unreadable { name: name.to_owned(), reason, help };
-        return Read { file: None, scene: Err(error), values: Values::new() };
+        return Read { file: None, scene: Err(error), values: Values::default() };
     }
     let mut report = Report::new(name, text);
     let Some(file) = syntax::read(text, &mut report) else {
-        return Read { file: None, scene: Err(report.into_error()), values: Values::new() };
+        return Read { file: None, scene: Err(report.into_error()), values: Values::default() };
     };
     let (scene, values) = scene_of((name, text), &file, moment, assets, report);
     Read { file: Some(file), scene, values }
@@ -100,8 +106,9 @@ fn scene_of(
     mut report: Report,
 ) -> (Result<Scene, SceneError>, Values) {
     report.scope = Scope::at(moment);
-    let scene = meaning(name, text, file, assets, &mut report);
-    let values = std::mem::take(&mut report.scope.values);
+    let mut fields = Fields::default();
+    let scene = meaning(name, text, file, assets, &mut fields, &mut report);
+    let values = Values { formulas: std::mem::take(&mut report.scope.values), fields };
     match scene {
         Some(scene) if !report.has_mistakes() => (Ok(Scene { warnings: report.into_warnings(), ..scene }), values),
         _ => (Err(report.into_error()), values),
@@ -114,11 +121,18 @@ pub(crate) fn nodes(text: &str) -> Option<Block<'_>> {
 }
 
 /// The scene of the nodes of `text`; nothing after a mistake.
-fn meaning(name: &str, text: &str, file: &Block, assets: &mut Assets, report: &mut Report) -> Option<Scene> {
+fn meaning(
+    name: &str,
+    text: &str,
+    file: &Block,
+    assets: &mut Assets,
+    fields: &mut Fields,
+    report: &mut Report,
+) -> Option<Scene> {
     if version(file, report) == Version::Other {
         return None;
     }
-    let (mut scene, sky) = scene(name, text, file, assets, report);
+    let (mut scene, sky) = scene(name, text, file, assets, fields, report);
     if report.has_mistakes() {
         return None;
     }
@@ -175,7 +189,14 @@ fn version(file: &Block, report: &mut Report) -> Version {
 }
 
 /// What the nodes of the file say; the field is still empty, and the sky black.
-fn scene(name: &str, text: &str, file: &Block, assets: &mut Assets, report: &mut Report) -> (Scene, skies::Described) {
+fn scene(
+    name: &str,
+    text: &str,
+    file: &Block,
+    assets: &mut Assets,
+    fields: &mut Fields,
+    report: &mut Report,
+) -> (Scene, skies::Described) {
     let nodes = |name: &'static str| file.nodes.iter().filter(move |node| node.name.value == name);
     for node in &file.nodes {
         if !TOP.contains(&&*node.name.value) {
@@ -212,8 +233,8 @@ fn scene(name: &str, text: &str, file: &Block, assets: &mut Assets, report: &mut
         .collect();
     let mut materials = Materials::default();
     nodes("material").for_each(|node| materials.add(node, report));
-    let fields = Fields::new(file, assets, report);
-    let mut solids = Solids::new(&mut materials, &fields);
+    *fields = Fields::new(file, assets, report);
+    let mut solids = Solids::new(&mut materials, fields);
     let objects = nodes("object").filter_map(|node| solids.object(node, report)).collect();
     let scene = Scene {
         cameras,

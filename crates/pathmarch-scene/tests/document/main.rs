@@ -5,6 +5,7 @@ mod edits;
 mod formulas;
 mod fuzz;
 mod history;
+mod own_fields;
 
 use pathmarch_scene::document::{Document, Item, Path};
 
