@@ -2,8 +2,8 @@
 
 use super::path::Path;
 use super::slots::{arguments, material_kind, property, text_argument};
-use crate::language::names::{NORMAL, PLACEMENT};
 use crate::language::fields::FIELD;
+use crate::language::names::{NORMAL, PLACEMENT};
 use crate::language::params::PARAM;
 use crate::language::tree::{Block, Node, Value};
 use pathmarch_field::registry;

@@ -8,8 +8,8 @@ use super::patch::{Hunk, Patch, apply, compose};
 use super::path::Path;
 use super::slots::{Slot, slots};
 use super::write::Writer;
-use crate::language::tree::Block;
 use crate::language::fields::Fields;
+use crate::language::tree::Block;
 use crate::language::{self, Values};
 use std::borrow::Cow;
 

@@ -10,9 +10,9 @@ use super::layout::{Chunk, Site, Style, before_spaces, bytes, insert_first, star
 use super::number::{formula, fresh, number, quoted, string_like};
 use super::patch::Patch;
 use super::slots::{Place, Slot, arguments, child, formula_text, has_one_size, parameter_value, property, read_number};
-use crate::language::fields::Fields;
 use crate::language::arguments::{Range, srgb};
 use crate::language::characters;
+use crate::language::fields::Fields;
 use crate::language::tree::{self, Entry, Node};
 use pathmarch_field::Solid;
 

@@ -47,7 +47,10 @@ fn they_are_in_the_outline() {
 fn parameters_are_controls() {
     let mut document = document();
     let control = document.control(&used(), "cell").expect("a control");
-    assert_eq!((control.value, control.default, &*control.doc), (Value::Number(0.7), Value::Number(0.6), "Edge of a cell."));
+    assert_eq!(
+        (control.value, control.default, &*control.doc),
+        (Value::Number(0.7), Value::Number(0.6), "Edge of a cell.")
+    );
     assert!(matches!(control.kind, ControlKind::Number(range) if range.min == 0.1 && range.max == 4.0));
     document.set(&used(), "wall", Value::Number(0.1), None).expect("set");
     assert!(document.text().contains("gyroid cell=0.7 wall=0.1;"), "{}", document.text());
