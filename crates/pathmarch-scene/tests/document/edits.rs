@@ -308,7 +308,7 @@ fn names_change_with_what_refers_to_them() {
     let empty = refused(objects, |document| document.rename(&path(document, "a"), ""));
     assert_eq!(empty, "The name of an object must not be empty.");
     let nameless = refused(objects, |document| document.rename(&path(document, "sphere"), "b"));
-    assert_eq!(nameless, "A `sphere` has no name. Cameras, materials, objects and parameters have.");
+    assert_eq!(nameless, "A `sphere` has no name. Cameras, materials, fields, objects and parameters have.");
 }
 
 #[test]
