@@ -43,7 +43,7 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "fractals/" "coral" "jpg" "A coral: an iterated function system.";
     "thesis/" "mandelbulb-landscape" "jpg" "A land on a mandelbulb.";
     "fractals/" "apollonian" "jpg" "Spheres within spheres.";
-    "fractals/" "sponge" "jpg" "Menger's sponge in a low sun.";
+    "fractals/" "sponge" "jpg" "Menger's sponge as a lantern.";
     "fractals/" "sierpinski" "jpg" "Sierpinski's tetrahedron.";
     "fractals/" "cubes" "jpg" "Cubes to the horizon.";
     "" "operators" "jpg" "Twisted, bent, repeated, hollow and round.";
