@@ -46,6 +46,9 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "fractals/" "sponge" "jpg" "Menger's sponge as a lantern.";
     "fractals/" "sierpinski" "jpg" "Sierpinski's tetrahedron.";
     "fractals/" "cubes" "jpg" "Cubes to the horizon.";
+    "" "gyroid" "jpg" "A lantern of a gyroid, declared by the scene.";
+    "" "nautilus" "jpg" "A shell around a spiral, declared by the scene.";
+    "" "columns" "jpg" "Twisted columns, brought over from GLSL.";
     "" "operators" "jpg" "Twisted, bent, repeated, hollow and round.";
     "" "glass-still-life" "jpg" "Clear and coloured glass on a table.";
     "" "day" "jpg" "The sky of a clear day, and its sun.";
