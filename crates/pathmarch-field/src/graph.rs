@@ -5,10 +5,13 @@
 //! transform away from the world, and evaluates the tree for one point or eight. [`crate::wgsl::Program`] prints the same
 //! tree for the GPU. Cost of an evaluation: one virtual call and one transform for each leaf.
 
+mod coordinates;
+
 use crate::blend::Blend;
 use crate::bounds::Aabb;
 use crate::number::{Differentiable, Dual, Real, Vec3};
 use crate::registry::{Combine, Modify, NO_HIT, Shape, ShapeRef, TRAPS, union};
+pub use coordinates::Coordinates;
 use glam::{EulerRot, Mat3, Quat};
 use wide::f32x8;
 
@@ -23,6 +26,13 @@ pub struct Placement {
     pub rotate: Option<[f32; 3]>,
     /// Position, metres.
     pub at: Option<[f32; 3]>,
+}
+
+impl Placement {
+    /// The coordinates of what stands there.
+    pub fn pose(&self) -> Pose {
+        Frame::WORLD.inside(self).pose()
+    }
 }
 
 /// One shape or operator of the tree people write.
@@ -499,11 +509,11 @@ impl Field {
     pub(crate) fn objects(&self) -> &[Tree] {
         &self.objects
     }
-    /// What the orbit of a point comes near to on the leaf of this number: [`Shape::orbit`], where the leaf is a fractal
-    /// that no modifier holds.
+    /// What the orbit of a point of the world comes near to on the leaf of this number: [`Shape::orbit`], where the leaf is a
+    /// fractal.
     pub fn orbit(&self, leaf: usize, p: Vec3<f32>) -> Option<[f32; TRAPS]> {
-        let leaf = self.leaves.get(leaf).filter(|leaf| leaf.shape.has_orbit() && !leaf.modified)?;
-        Some(leaf.shape.orbit(leaf.pose.local(p), &leaf.params))
+        let shape = self.leaves.get(leaf).filter(|leaf| leaf.shape.has_orbit())?;
+        Some(shape.shape.orbit(self.coordinates(leaf, p)?.point, &shape.params))
     }
     /// A box in the world that holds the leaf of this number, if there is one: of one that a modifier holds, the box of its
     /// object.

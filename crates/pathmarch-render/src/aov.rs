@@ -21,7 +21,7 @@ use crate::renderer::check;
 use crate::settings::Settings;
 use crate::transport::camera::{Ray, central_ray};
 use crate::transport::march::{self, March, march};
-use crate::transport::paint::painted;
+use crate::transport::paint::Painted;
 use crate::transport::path::{Near, facing, near};
 use crate::transport::views::shown_colour;
 use glam::Vec3;
@@ -253,6 +253,7 @@ fn add(prepared: &Prepared, colours: &[Vec3], hit: &Hit, near: &Near, pixel: &mu
         && normal.dot(Vec3::from(leaf.facing)) < 0.0;
     if !dark_side {
         let p = hit.ray.origin - outward * (near.distance / steepness);
-        pixel.albedo += painted(prepared, near.leaf, p).unwrap_or(colours[material]) / GRID as f32;
+        let painted = Painted::new(prepared, near.leaf, p, outward, hit.length);
+        pixel.albedo += painted.and_then(|painted| painted.colour()).unwrap_or(colours[material]) / GRID as f32;
     }
 }

@@ -4,7 +4,7 @@ use crate::census::Counter;
 use crate::mode::Mode;
 use crate::settings::{LightSearch, Settings};
 use crate::transport::lights::{self, LightRecord};
-use crate::transport::paint;
+use crate::transport::paint::{self, Paint};
 use crate::transport::preview::Preview;
 use crate::transport::sky::Sky;
 use crate::transport::views;
@@ -12,7 +12,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use pathmarch_field::graph::Leaf;
 use pathmarch_field::{Aabb, Field};
-use pathmarch_scene::materials::{self, Bsdf, Numbers, OrbitTrap, albedo};
+use pathmarch_scene::materials::{self, Bsdf, Numbers, albedo};
 use pathmarch_scene::sky::GROUND_EDGE;
 use pathmarch_scene::{Camera, Caustics, Material, Scene, Sky as Source};
 use std::collections::HashMap;
@@ -70,7 +70,9 @@ pub(crate) struct Frame {
     /// Of the picture's turn.
     pub(crate) sky_sine: f32,
     pub(crate) sky_cosine: f32,
-    padding: [u32; 2],
+    /// What a pixel covers at the end of a path of one metre, metres.
+    pub(crate) pixel: f32,
+    padding: u32,
 }
 
 /// What is known of a leaf of the field; the layout is that of `LeafRecord` in `transport/frame.wgsl`.
@@ -117,23 +119,27 @@ pub(crate) const TRANSMITS: u32 = 4;
 pub(crate) const CLEAR: u32 = DELTA | TRANSMITS;
 
 impl MaterialRecord {
-    fn new(material: &Material) -> Self {
+    fn new(material: &Material, paint: &Paint) -> Self {
         let kind = materials::kinds().iter().position(|kind| std::ptr::eq(*kind, material.kind)).unwrap_or_default();
         let mut flags = EMITS * u32::from(material.emits());
         let mut numbers = Numbers::default();
         if let Some(bsdf) = material.kind.bsdf {
             numbers = (bsdf.pack)(&material.values);
+            let mut all = paint.extremes(&numbers);
+            if all.is_empty() {
+                all.push(numbers);
+            }
             let flag = |flag: u32, set: bool| if set { flag } else { 0 };
-            flags |= flag(DELTA, (bsdf.is_delta)(&numbers)) | flag(TRANSMITS, (bsdf.transmits)(&numbers));
+            flags |= flag(DELTA, all.iter().all(bsdf.is_delta)) | flag(TRANSMITS, all.iter().any(bsdf.transmits));
         }
         Self { emission: material.emission(), flags, absorption: material.absorption(), kind: kind as u32, numbers }
     }
+}
 
-    /// What clear glass lets through straight on, at this cosine outside it.
-    pub(crate) fn passes_straight(&self, cosine: f32) -> Vec3 {
-        let [r, g, b, _, ior, ..] = self.numbers;
-        Vec3::new(r, g, b) * (1.0 - materials::fresnel(cosine, ior))
-    }
+/// What clear glass of these numbers lets through straight on, at this cosine outside it.
+pub(crate) fn passes_straight(numbers: &Numbers, cosine: f32) -> Vec3 {
+    let [r, g, b, _, ior, ..] = *numbers;
+    Vec3::new(r, g, b) * (1.0 - materials::fresnel(cosine, ior))
 }
 
 /// What a scene needs of the estimator; on the GPU, constants of its kernel.
@@ -149,8 +155,12 @@ pub(crate) struct Features {
     pub(crate) fast_caustics: bool,
     /// Some light's shadows are softened by near misses.
     pub(crate) penumbra: bool,
+    /// Some material varies along surfaces.
+    pub(crate) paint: bool,
     /// Some material's colour depends on a fractal's orbit.
-    pub(crate) orbit_traps: bool,
+    pub(crate) orbits: bool,
+    /// Some material has a relief.
+    pub(crate) bump: bool,
     /// How lights are found.
     pub(crate) light_search: LightSearch,
 }
@@ -173,10 +183,10 @@ pub(crate) struct Prepared {
     pub(crate) sky_table: usize,
     /// Where the albedos of GGX surfaces start in the tables.
     pub(crate) ggx_table: usize,
-    /// Where the orbit traps of materials start in the tables.
+    /// Where what varies of materials starts in the tables.
     pub(crate) paint_table: usize,
-    /// The orbit trap of each material.
-    pub(crate) traps: Vec<Option<OrbitTrap>>,
+    /// What varies of each material.
+    pub(crate) paints: Vec<Paint>,
     pub(crate) mode: Mode,
     /// Numbers of the mode, for those that are views.
     pub(crate) mode_numbers: Vec<f32>,
@@ -255,7 +265,8 @@ impl Frame {
             sky_edge: GROUND_EDGE,
             sky_sine: turn.sin(),
             sky_cosine: turn.cos(),
-            padding: [0; 2],
+            pixel: 2.0 * half_height / height as f32,
+            padding: 0,
         }
     }
 }
@@ -282,7 +293,9 @@ impl Prepared {
             flags: flags(index, leaf.shape.info().sheet && !leaf.modified),
         };
         let leaves = scene.field.leaves().iter().enumerate().map(record).collect();
-        let materials: Vec<_> = scene.materials.iter().map(MaterialRecord::new).collect();
+        let paints: Vec<Paint> = scene.materials.iter().map(Paint::new).collect();
+        let materials: Vec<_> =
+            scene.materials.iter().zip(&paints).map(|(material, paint)| MaterialRecord::new(material, paint)).collect();
         let bsdfs: Vec<_> = scene.materials.iter().map(|material| material.kind.bsdf).collect();
         let any = |flag: u32| materials.iter().any(|material| material.flags & flag != 0);
         let features = Features {
@@ -291,7 +304,9 @@ impl Prepared {
             chooses_lobes: bsdfs.iter().flatten().any(|bsdf| bsdf.chooses_lobes),
             fast_caustics: settings.caustics == Caustics::Fast && any(TRANSMITS),
             penumbra: lights.iter().any(|light| light.penumbra > 0.0),
-            orbit_traps: scene.materials.iter().any(|material| material.orbit_trap.is_some()),
+            paint: paints.iter().any(|paint| !paint.is_plain()),
+            orbits: paints.iter().any(Paint::has_orbit),
+            bump: paints.iter().any(Paint::has_bump),
             light_search: settings.light_search,
         };
         let mut tables: Vec<u32> = Vec::new();
@@ -302,8 +317,8 @@ impl Prepared {
             tables.extend(albedo::table().iter().flatten().map(|value| value.to_bits()));
         }
         let paint_table = tables.len();
-        if features.orbit_traps {
-            tables.extend(paint::words(&scene.materials, paint_table));
+        if features.paint {
+            tables.extend(paint::words(&scene.field, &paints, paint_table));
         }
         let mode_table = tables.len();
         let mode_numbers = views::numbers(settings.mode, scene, settings.camera_of(scene), radius);
@@ -321,7 +336,7 @@ impl Prepared {
             sky_table,
             ggx_table,
             paint_table,
-            traps: scene.materials.iter().map(|material| material.orbit_trap.clone()).collect(),
+            paints,
             mode: settings.mode,
             mode_numbers,
             preview: None,

@@ -1,15 +1,16 @@
-//! What a scene needs besides its text and is costly to make: pictures of the sky and computed days.
+//! What a scene needs besides its text and is costly to make: pictures of the sky and of textures, and computed days.
 //!
 //! A text that is edited is read again after every change, and most changes leave the sky as it is. The cache holds what
 //! the last readings used: a picture as its file was when it was read, a day by its parameters. The same sky is the same
 //! `Arc`, so that others can tell by its address that it has not changed. The code of a scene's own field is kept by its text.
 //! Cost: the picture of the last sky, twice once its
-//! strength or turn has been changed, at most 192 MiB; 1.5 MiB for each day.
+//! strength or turn has been changed, at most 192 MiB; 1.5 MiB for each day; of textures the last 16 pictures.
 
 use crate::atmosphere::Day;
 use crate::environment::{Environment, EnvironmentError, Loaded};
 use crate::scene::Light;
 use pathmarch_field::own::{Code, Fault};
+use crate::textures::{Picture as Texture, PictureError};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -36,6 +37,18 @@ struct Source {
     bytes: u64,
 }
 
+impl Source {
+    /// The file at `path` as it is.
+    fn now(path: &Path) -> Self {
+        let meta = std::fs::metadata(path).ok();
+        Self {
+            path: path.to_owned(),
+            modified: meta.as_ref().and_then(|meta| meta.modified().ok()),
+            bytes: meta.map_or(0, |meta| meta.len()),
+        }
+    }
+}
+
 /// A picture of the sky as a scene uses it.
 #[derive(Clone)]
 pub(crate) struct Picture {
@@ -46,7 +59,10 @@ pub(crate) struct Picture {
     pub(crate) repaired: u64,
 }
 
-/// Skies of the last readings of a text.
+/// Pictures of textures that are kept.
+const TEXTURES: usize = 16;
+
+/// Skies and textures of the last readings of a text.
 #[derive(Default)]
 pub(crate) struct Assets {
     source: Option<Source>,
@@ -56,17 +72,14 @@ pub(crate) struct Assets {
     original: Option<Environment>,
     days: Vec<(Day, Arc<Environment>, Option<Light>)>,
     codes: Vec<(CodeSource, Arc<Code>)>,
+    /// The last ones used come first.
+    textures: Vec<(Source, Arc<Texture>)>,
 }
 
 impl Assets {
     /// The picture in the file at `path`, with this factor of radiance and turn in degrees.
     pub(crate) fn picture(&mut self, path: &Path, strength: f32, rotate: f32) -> Result<Picture, EnvironmentError> {
-        let meta = std::fs::metadata(path).ok();
-        let source = Source {
-            path: path.to_owned(),
-            modified: meta.as_ref().and_then(|meta| meta.modified().ok()),
-            bytes: meta.map_or(0, |meta| meta.len()),
-        };
+        let source = Source::now(path);
         let known = self.picture.take().filter(|_| self.source.as_ref() == Some(&source));
         let picture = match known {
             Some((factor, known)) if factor == strength && known.environment.rotate == rotate => known,
@@ -108,6 +121,19 @@ impl Assets {
         self.codes.truncate(CODES - 1);
         self.codes.insert(0, (source, code.clone()));
         Ok(code)
+    }
+
+    /// The picture of a texture in the file at `path`; `encoded` where its codes stand for colours.
+    pub(crate) fn texture(&mut self, path: &Path, encoded: bool) -> Result<Arc<Texture>, PictureError> {
+        let source = Source::now(path);
+        let is_it = |(known, picture): &(Source, Arc<Texture>)| *known == source && picture.encoded == encoded;
+        let picture = match self.textures.iter().position(is_it) {
+            Some(index) => self.textures.remove(index).1,
+            None => Arc::new(Texture::load(path, encoded)?),
+        };
+        self.textures.truncate(TEXTURES - 1);
+        self.textures.insert(0, (source, picture.clone()));
+        Ok(picture)
     }
 
     /// The sky of a day and its sun.

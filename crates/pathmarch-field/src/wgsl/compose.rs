@@ -3,9 +3,10 @@
 //! Structure is code, numbers are data: every number of the scene stands in [`Program::parameters`], so that a scene of
 //! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
 
+mod coordinates;
+
 use crate::blend::{Blend, BlendProfile};
 use crate::graph::{Field, Modified, Pose, Tree, Turn};
-use crate::registry::TRAPS;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -79,30 +80,6 @@ impl Program {
         }
         let code = format!("{code}\n{distance}\n{direct}\n{surface}");
         Self { code, whole_distance, parameters: composer.parameters }
-    }
-
-    /// WGSL text, to stand behind [`code`](Self::code), of `has_orbit(leaf: u32) -> bool` and `orbit(leaf: u32, p: vec3f) ->
-    /// array<f32, 5>`: [`Field::orbit`].
-    pub fn orbits(field: &Field) -> String {
-        let Composed { composer, .. } = Composed::new(field);
-        let mut functions = BTreeSet::new();
-        let (mut has, mut cases) = (String::new(), String::new());
-        for (index, leaf) in
-            field.leaves().iter().enumerate().filter(|(_, leaf)| leaf.shape.has_orbit() && !leaf.modified)
-        {
-            functions.insert(leaf.shape.wgsl_orbit());
-            let (point, values) = composer.arguments(index as u32, "p");
-            let name = leaf.shape.wgsl_name();
-            write!(has, " || leaf == {index}u").expect("writing to a string");
-            writeln!(cases, "    if leaf == {index}u {{\n        return {name}_orbit({point}{values});\n    }}")
-                .expect("writing to a string");
-        }
-        let functions: String = functions.iter().map(|function| format!("{function}\n")).collect();
-        format!(
-            "{functions}/// Whether the leaf is a fractal.\nfn has_orbit(leaf: u32) -> bool {{\n    return false{has};\n}}\n\n\
-             /// What the orbit of a point comes near to.\nfn orbit(leaf: u32, p: vec3f) -> array<f32, {TRAPS}> {{\n{cases}    \
-             return array<f32, {TRAPS}>();\n}}\n"
-        )
     }
 
     /// WGSL text, to stand behind [`code`](Self::code), of functions `NAME(p: vec3f, own: u32) -> f32`: each is
@@ -263,36 +240,19 @@ impl Composer<'_> {
         );
         let (gradient, leaf) = self.tree_surface(inside, &mut surface, &mut counter);
         surface += &format!("    return Surface({gradient}.xyz, {gradient}.w, {leaf});\n}}\n");
-        let at = |place: &str| format!("inside_{index}_distance({name}_point(p, {place}{numbers}))");
         let scale = match pose.turn {
             Turn::None => String::new(),
             _ => format!(" * {}", component(start, 3)),
         };
-        let nearest = |then: &str| match places {
-            1 => String::new(),
-            _ => format!(
-                "    var nearest = 1e30;\n    for (var place = 0u; place < {places}u; place++) {{\n        let distance = {};\n        \
-                 {then}\n    }}\n",
-                at("f32(place)")
-            ),
-        };
         let (looked, found) = match places {
-            1 => (String::new(), at("0.0")),
-            _ => (nearest("nearest = min(nearest, distance);"), "nearest".to_owned()),
+            1 => (String::new(), format!("inside_{index}_distance({name}_point(p, 0.0{numbers}))")),
+            _ => (self.nearest(modified, &numbers, "nearest = min(nearest, distance);"), "nearest".to_owned()),
         };
         let whole_distance = format!(
             "/// Signed distance to modifier {index}, `{name}`.\nfn modified_{index}_distance(world: vec3f) -> f32 {{\n    let p = \
              {point};\n{looked}    return {name}_distance(p, {found}{numbers}){scale};\n}}\n"
         );
-        let looked = match places {
-            1 => "    let chosen = 0.0;\n".to_owned(),
-            _ => {
-                "    var chosen = 0.0;\n".to_owned()
-                    + &nearest(
-                        "chosen = select(chosen, f32(place), distance < nearest);\n        nearest = min(nearest, distance);",
-                    )
-            }
-        };
+        let looked = self.chosen(modified, &numbers);
         let back = match pose.turn {
             Turn::None => "local".to_owned(),
             Turn::Scaled => format!("vec4f(local.xyz, local.w * {})", component(start, 3)),
@@ -306,6 +266,26 @@ impl Composer<'_> {
              return Surface(result.xyz, result.w, inside.leaf);\n}}\n"
         );
         [distance, surface, whole_distance, whole_surface].join("\n")
+    }
+
+    /// WGSL that does something with the `distance` of each place of what a modifier holds and with the `nearest` so far.
+    fn nearest(&self, modified: &Modified, numbers: &str, then: &str) -> String {
+        let Modified { modifier, index, places, .. } = modified;
+        format!(
+            "    var nearest = 1e30;\n    for (var place = 0u; place < {places}u; place++) {{\n        let distance = \
+             inside_{index}_distance({}_point(p, f32(place){numbers}));\n        {then}\n    }}\n",
+            modifier.wgsl_name()
+        )
+    }
+
+    /// WGSL of `chosen`, the place where what a modifier holds is nearest to the point `p` of its space.
+    fn chosen(&self, modified: &Modified, numbers: &str) -> String {
+        let then =
+            "chosen = select(chosen, f32(place), distance < nearest);\n        nearest = min(nearest, distance);";
+        match modified.places {
+            1 => "    let chosen = 0.0;\n".to_owned(),
+            _ => "    var chosen = 0.0;\n".to_owned() + &self.nearest(modified, numbers, then),
+        }
     }
 
     /// The numbers of a blend, as further arguments of a call.

@@ -3,9 +3,11 @@
 
 use crate::frame::{EMITS, Features, Prepared};
 use crate::mode::Mode;
+use crate::transport::paint::{self, Paint};
 use crate::transport::{self, lights};
 use pathmarch_field::wgsl::{CHOICE, MAX_UNIFORM_VECTORS, Program};
 use pathmarch_scene::materials::{self, albedo};
+use pathmarch_scene::textures;
 use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
 
@@ -59,6 +61,7 @@ pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
         }
         code += &numbers_of_mode(prepared);
     }
+    code += &paint(prepared);
     for part in transport::kernel(mode) {
         code.push('\n');
         code.push_str(part);
@@ -126,7 +129,6 @@ fn constants(prepared: &Prepared) -> String {
         ("SKY", sky),
         ("SKY_TABLE", sky_table as u32),
         ("GGX_TABLE", ggx_table as u32),
-        ("PAINT_TABLE", prepared.paint_table as u32),
         ("GGX_ROUGHNESSES", roughnesses as u32),
         ("GGX_COSINES", cosines as u32),
     ] {
@@ -139,20 +141,109 @@ fn constants(prepared: &Prepared) -> String {
     code
 }
 
+/// Surfaces along which nothing varies.
+const UNPAINTED: &str = "
+fn paint(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) {}
+
+fn shaded_normal(outward: vec3f, normal: vec3f, view: vec3f) -> vec3f {
+    return normal;
+}
+";
+
+/// What paths read of them.
+const UNPAINTED_NUMBERS: &str = "
+fn packed(m: u32, k: u32) -> vec4f {
+    return materials[m].numbers[k];
+}
+
+fn tint(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) -> vec3f {
+    return materials[m].numbers[0].xyz;
+}
+";
+
+/// A path's look at clear glass on the way to a light; what it has met last stays as it is.
+const TINT: &str = "
+fn tint(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) -> vec3f {
+    let kept = own;
+    let kept_relief = relief;
+    paint(m, leaf, p, outward, path_length);
+    let colour = own[0].xyz;
+    own = kept;
+    relief = kept_relief;
+    return colour;
+}
+";
+
+/// What varies along surfaces, if anything does, and whether.
+fn paint(prepared: &Prepared) -> String {
+    let Features { paint, orbits, bump, .. } = prepared.features;
+    let uses: Vec<_> = prepared.paints.iter().map(Paint::uses).collect();
+    let pictures = uses.iter().any(|(_, pictures)| *pictures);
+    let kinds: BTreeSet<usize> = uses.into_iter().flat_map(|(kinds, _)| kinds).collect();
+    let mut code = String::from("\n");
+    let flags = [("HAS_PAINT", paint), ("HAS_ORBITS", orbits), ("HAS_BUMP", bump), ("HAS_PICTURES", pictures)];
+    for (name, value) in flags {
+        writeln!(code, "const {name} = {value};").expect("writing to a string");
+    }
+    if !paint {
+        code += UNPAINTED;
+        return code
+            + match prepared.mode {
+                Mode::Path | Mode::Variance => UNPAINTED_NUMBERS,
+                Mode::Preview => "fn changed_look(look: Look) -> Look {\n    return look;\n}\n",
+                _ => "const painted_colour = vec4f(0.0);\n",
+            };
+    }
+    for (name, value) in [
+        ("PAINT_TABLE", prepared.paint_table as u32),
+        ("KNOTS", paint::KNOTS as u32),
+        ("ORBIT_SOURCE", paint::ORBIT),
+        ("PICTURE_SOURCE", paint::PICTURE),
+        ("OWN_COLOURS_LAYER", paint::OWN_COLOURS),
+        ("PACKED_LAYER", paint::PACKED),
+    ] {
+        writeln!(code, "const {name} = {value}u;").expect("writing to a string");
+    }
+    code.push('\n');
+    code += &Program::coordinates(&prepared.field);
+    code += &match orbits {
+        true => Program::orbits(&prepared.field),
+        false => {
+            "fn has_orbit(leaf: u32) -> bool {\n    return false;\n}\n\nfn orbit(leaf: u32, p: vec3f) -> array<f32, 5> \
+                  {\n    return array<f32, 5>();\n}\n\n"
+                .to_owned()
+        }
+    };
+    code += textures::SHARED_WGSL;
+    code += textures::PICTURE_WGSL;
+    let mut choice = String::new();
+    for kind in kinds {
+        let texture = textures::kinds()[kind];
+        code.push('\n');
+        code += texture.wgsl;
+        writeln!(choice, "    if kind == {kind}u {{\n        return {}_texture(spot, k);\n    }}", texture.name)
+            .expect("writing to a string");
+    }
+    write!(
+        code,
+        "\n/// The value of a computed texture.\nfn computed_texture(kind: u32, spot: Spot, k: array<f32, 8>) -> f32 \
+         {{\n{choice}    return 0.0;\n}}\n\n"
+    )
+    .expect("writing to a string");
+    code += &transport::paint(prepared.mode).join("\n");
+    if prepared.mode.traces_paths() {
+        code += TINT;
+    }
+    code
+}
+
 /// The functions of the materials in use, and the choice among them.
 fn scattering(prepared: &Prepared) -> String {
     let kinds = materials::kinds();
     let used: BTreeSet<u32> = prepared.materials.iter().map(|material| material.kind).collect();
     let used: Vec<_> =
         used.iter().filter_map(|&kind| Some((kind, kinds[kind as usize].name, kinds[kind as usize].bsdf?))).collect();
-    let mut code = match prepared.features.orbit_traps {
-        true => Program::orbits(&prepared.field) + transport::PAINT,
-        false => {
-            "fn paint(m: u32, leaf: u32, p: vec3f) {}\n\nfn base(m: u32) -> vec4f {\n    return materials[m].a;\n}\n\n"
-                .to_owned()
-        }
-    };
-    code += &materials::SHARED_WGSL.join("\n");
+    let mut code = materials::SHARED_WGSL.join("\n");
     let (mut eval, mut sample) = (String::new(), String::new());
     for (k, (kind, name, bsdf)) in used.iter().enumerate() {
         code.push('\n');

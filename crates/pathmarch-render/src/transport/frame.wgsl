@@ -38,6 +38,8 @@ struct Frame {
     /// Of the picture's turn.
     sky_sine: f32,
     sky_cosine: f32,
+    /// What a pixel covers at the end of a path of one metre.
+    pixel: f32,
 }
 
 /// Which sample of which rows a dispatch computes.
@@ -70,11 +72,8 @@ struct Material {
     /// What the inside absorbs, per metre.
     absorption: vec3f,
     kind: u32,
-    a: vec4f,
-    b: vec4f,
-    c: vec4f,
-    d: vec4f,
-    table: array<vec4f, 4>,
+    /// What its scattering functions read, by way of `packed`.
+    numbers: array<vec4f, 8>,
 }
 
 const EMITS = 1u;

@@ -93,5 +93,12 @@ pub(crate) fn kernel(mode: Mode) -> &'static [&'static str] {
 
 /// Only for scenes whose shadows are softened by near misses.
 pub(crate) const PENUMBRA: &str = include_str!("penumbra.wgsl");
-/// The WGSL that colours fractals, for scenes that have orbit traps.
-pub(crate) const PAINT: &str = include_str!("paint.wgsl");
+/// The WGSL of what varies along surfaces, for scenes that have such; what it changes depends on the mode.
+pub(crate) fn paint(mode: Mode) -> [&'static str; 2] {
+    let changes = match mode {
+        Mode::Path | Mode::Variance => include_str!("paint_numbers.wgsl"),
+        Mode::Preview => include_str!("paint_look.wgsl"),
+        _ => include_str!("paint_colour.wgsl"),
+    };
+    [include_str!("paint.wgsl"), changes]
+}

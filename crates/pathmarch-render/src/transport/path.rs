@@ -16,14 +16,13 @@ use super::basis::basis;
 use super::camera::{Ray, camera_ray};
 use super::lights;
 use super::march::{Hit, March, march, rounding_at, start_offset};
-use super::paint::painted;
+use super::paint::Painted;
 use super::random::{Random, pair};
 use super::shadow::{self, Connection};
 use crate::frame::{DELTA, DIRECT, EMITS, LIGHT_SHIFT, Prepared, SHEET, TRANSMITS};
 use glam::Vec3;
 use pathmarch_field::graph::{Batch, Surface};
 use pathmarch_field::number::Vec3 as FieldVec3;
-use pathmarch_scene::materials::Numbers;
 use wide::f32x8;
 
 struct Path {
@@ -232,16 +231,14 @@ fn shade(
     }
     let bsdf = prepared.bsdfs[leaf.material as usize]?;
     let p = reached - outward * (near.distance / steepness);
-    let mut numbers = &material.numbers;
-    let with_colour: Numbers;
-    if let Some(colour) = painted(prepared, near.leaf, p) {
-        let mut own = *numbers;
-        own[..3].copy_from_slice(&colour.to_array());
-        with_colour = own;
-        numbers = &with_colour;
-    }
+    let painted = Painted::new(prepared, near.leaf, p, outward, path.length);
+    let own = painted.as_ref().map(|painted| painted.numbers(&material.numbers));
+    let numbers = own.as_ref().unwrap_or(&material.numbers);
+    // What light sees; that of the shape says on which side a direction is.
+    let shaded = painted.map_or(normal, |painted| painted.normal(outward, normal, -path.ray.direction));
+    let crosses = |wi: Vec3, direction: Vec3| prepared.features.bump && (wi.z < 0.0) != (direction.dot(normal) < 0.0);
     let away = normal * start_offset(off, near.distance / steepness);
-    let world_from_local = basis(normal);
+    let world_from_local = basis(shaded);
     let local_from_world = world_from_local.transpose();
     let back = local_from_world * -path.ray.direction;
     // Where the field is so rough that its normal looks away from the ray, the surface is met from the mirrored direction.
@@ -257,7 +254,7 @@ fn shade(
         if let Some(light) = lights::sample(prepared, reference, choose_light, position) {
             let wi = local_from_world * light.direction;
             let below = wi.z < 0.0;
-            if wi.z > 0.0 || transmits {
+            if (wi.z > 0.0 || transmits) && !crosses(wi, light.direction) {
                 let scattering = (bsdf.eval)(numbers, wo, wi, inside);
                 if scattering.value.max_element() > 0.0 {
                     connections.push(Connection {
@@ -277,6 +274,10 @@ fn shade(
     let [u, v] = path.random.pair(pairs + pair::SCATTER);
     let [lobe, _] = if bsdf.chooses_lobes { path.random.pair(pairs + pair::LOBE) } else { [0.0; 2] };
     let scattered = (bsdf.sample)(numbers, wo, inside, [u, v, lobe])?;
+    let direction = (world_from_local * scattered.wi).normalize();
+    if crosses(scattered.wi, direction) {
+        return None;
+    }
     let mut throughput = path.throughput * scattered.weight;
     let index_square = path.index_square * scattered.eta * scattered.eta;
     if surface_index > 4 {
@@ -289,10 +290,7 @@ fn shade(
     let below = scattered.wi.z < 0.0;
     let straight = scattered.pdf == 0.0 && below && (path.passing || path.scatter_pdf > 0.0);
     Some(Path {
-        ray: Ray {
-            origin: p + if below { -away } else { away },
-            direction: (world_from_local * scattered.wi).normalize(),
-        },
+        ray: Ray { origin: p + if below { -away } else { away }, direction },
         reference,
         throughput,
         scatter_pdf: scattered.pdf,

@@ -82,8 +82,10 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         }
         let p = reached - outward * (near.distance / steepness);
         let away = normal * start_offset(off, near.distance / steepness);
-        paint(m, near.leaf, p);
-        let world_from_local = basis(normal);
+        paint(m, near.leaf, p, outward, path_length);
+        // What light sees; that of the shape says on which side a direction is.
+        let shaded = shaded_normal(outward, normal, -ray.direction);
+        let world_from_local = basis(shaded);
         let back = -ray.direction * world_from_local;
         // Where the field is so rough that its normal looks away from the ray, the surface is met from the mirrored direction.
         let wo = vec3f(back.xy, max(abs(back.z), 1e-5));
@@ -95,7 +97,8 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
             reference = select(p + away, p, transmits);
             let light = light_sample(reference, choice.x, random_pair(random, pair + PAIR_LIGHT));
             let wi = light.direction * world_from_local;
-            if (wi.z > 0.0 || transmits) && largest(light.irradiance) > 0.0 {
+            let crosses = HAS_BUMP && (wi.z < 0.0) != (dot(light.direction, normal) < 0.0);
+            if (wi.z > 0.0 || transmits) && !crosses && largest(light.irradiance) > 0.0 {
                 let scattering = bsdf_eval(materials[m].kind, m, wo, wi, inside);
                 if largest(scattering.xyz) > 0.0 {
                     let towards = Ray(p + select(away, -away, wi.z < 0.0), light.direction);
@@ -111,6 +114,10 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         }
         let scattered = bsdf_sample(materials[m].kind, m, wo, inside, u);
         if scattered.pdf < 0.0 {
+            break;
+        }
+        let direction = normalize(world_from_local * scattered.wi);
+        if HAS_BUMP && (scattered.wi.z < 0.0) != (dot(direction, normal) < 0.0) {
             break;
         }
         throughput *= scattered.weight;
@@ -133,7 +140,7 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         if FAST_CAUSTICS {
             passing = scattered.pdf == 0.0 && scattered.wi.z < 0.0 && (passing || scatter_pdf > 0.0);
         }
-        ray.direction = normalize(world_from_local * scattered.wi);
+        ray.direction = direction;
         scatter_pdf = scattered.pdf;
     }
     return radiance;

@@ -24,6 +24,7 @@ use super::camera::{Ray, central_ray};
 use super::irradiance::{Falling, falling, seen_radius};
 use super::lights::{self, BOUNDED, ENVIRONMENT, SUN};
 use super::march::{March, march};
+use super::paint::{LookNumbers, Painted, look_numbers, look_of};
 use super::path::{left_after, medium_beyond};
 use super::probe;
 use super::soft_shadow::{ShadowRay, soft_shadows};
@@ -31,7 +32,6 @@ use super::steady;
 use super::visible::{Visible, shines, visible};
 use crate::frame::{EMITS, Prepared};
 use crate::settings::LightSearch;
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_scene::Scene;
@@ -55,18 +55,6 @@ const HIDES: f32 = 0.15;
 /// The hardest shadow: one over the sine of half the angle that its light fills.
 const HARDEST: f32 = 64.0;
 
-/// Numbers of a material; the layout is that of `look` in `preview.wgsl`.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-struct LookRecord {
-    diffuse: [f32; 3],
-    roughness: f32,
-    /// Mirrored straight on and grazing.
-    mirrored: [[f32; 3]; 2],
-    transmitted: [f32; 3],
-    ior: f32,
-}
-
 /// What a preview needs beyond what paths do.
 #[derive(Clone, Debug)]
 pub(crate) struct Preview {
@@ -76,7 +64,7 @@ pub(crate) struct Preview {
     reach: f32,
     /// Indices of lights, and the radius as which each is seen.
     lights: Vec<(u32, f32)>,
-    looks: Vec<LookRecord>,
+    looks: Vec<LookNumbers>,
     /// Objects that cast shadows.
     pub(crate) occluders: Vec<bool>,
     /// Objects that darken what is beside them.
@@ -99,16 +87,7 @@ impl Preview {
             (index, seen_radius(light) * share.sqrt())
         };
         let lights: Vec<(u32, f32)> = order.into_iter().map(radius).collect();
-        let look = |material: &pathmarch_scene::Material| {
-            let look = material.look();
-            LookRecord {
-                diffuse: look.diffuse,
-                roughness: look.roughness,
-                mirrored: look.mirrored,
-                transmitted: look.transmitted,
-                ior: look.ior,
-            }
-        };
+        let look = |material: &pathmarch_scene::Material| look_numbers(&material.look());
         let objects = scene.field.object_bounds().len();
         let (mut occluders, mut neighbours) = (vec![true; objects], vec![true; objects]);
         for leaf in scene.field.leaves() {
@@ -124,7 +103,7 @@ impl Preview {
 
     /// Whether any material mirrors.
     pub(crate) fn mirrors(&self) -> bool {
-        self.looks.iter().any(|look| look.mirrored.as_flattened().iter().any(|&share| share > 0.0))
+        self.looks.iter().any(|look| look_of(look).mirrored.as_flattened().iter().any(|&share| share > 0.0))
     }
 
     /// The numbers as `preview.wgsl` reads them.
@@ -132,7 +111,7 @@ impl Preview {
         let mut words: Vec<u32> = self.around.iter().flat_map(|factor| factor.to_array().map(f32::to_bits)).collect();
         words.extend([self.reach.to_bits(), self.lights.len() as u32]);
         words.extend(self.lights.iter().flat_map(|(index, radius)| [*index, radius.to_bits()]));
-        words.extend(bytemuck::cast_slice::<LookRecord, u32>(&self.looks));
+        words.extend(self.looks.as_flattened().iter().map(|number| number.to_bits()));
         words
     }
 
@@ -291,8 +270,13 @@ impl Follower<'_> {
             }
             return None;
         }
-        let look = &preview.looks[m];
-        let (n, direction) = (seen.normal, walk.ray.direction);
+        let direction = walk.ray.direction;
+        let painted = Painted::new(prepared, seen.leaf, seen.p, seen.outward(), walk.before);
+        let look = match &painted {
+            Some(painted) => look_of(&painted.look(preview.looks[m])),
+            None => look_of(&preview.looks[m]),
+        };
+        let n = painted.map_or(seen.normal, |painted| painted.normal(seen.outward(), seen.normal, -direction));
         let transmitted = Vec3::from(look.transmitted);
         let clear = transmitted.max_element() > 0.0;
         let cosine = (-direction.dot(n)).clamp(0.0, 1.0);
@@ -315,17 +299,18 @@ impl Follower<'_> {
         }
         let diffuse = Vec3::from(look.diffuse) * (Vec3::ONE - mirrored) / PI;
         let around = diffuse * preview.irradiance(n) + mirrored * preview.blurred(reflection) * blurred;
+        let lit = Visible { normal: n, ..*seen };
         if !clear {
             let open = Vec3::splat(open) / (Vec3::ONE - Vec3::from(look.diffuse) * (1.0 - open));
             let gloss = Gloss { straight, grazing, roughness: look.roughness, blurred };
             self.colours[walk.slot] += walk.weight * around * open;
-            self.light(walk, seen, diffuse, &gloss, if is_reflection { 1 } else { SHADOWED }, hidable);
+            self.light(walk, &lit, diffuse, &gloss, if is_reflection { 1 } else { SHADOWED }, hidable);
             return None;
         }
         self.colours[walk.slot] += walk.weight * around;
         if !seen.inside {
             let gloss = Gloss { straight, grazing, roughness: look.roughness, blurred };
-            self.light(walk, seen, diffuse, &gloss, 0, hidable);
+            self.light(walk, &lit, diffuse, &gloss, 0, hidable);
         }
         let eta = if seen.inside { look.ior } else { 1.0 / look.ior };
         let Some(bent) = refract(direction, n, eta) else {

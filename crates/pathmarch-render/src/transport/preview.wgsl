@@ -84,8 +84,14 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
             if (materials[m].flags & EMITS) != 0u {
                 colour += select(vec3f(0.0), weight * materials[m].emission, shines(seen.leaf, seen.normal));
             } else {
-                let look = look_of(m);
-                let n = seen.normal;
+                var n = seen.normal;
+                var look = look_of(m);
+                if HAS_PAINT {
+                    let outward = select(n, -n, seen.inside);
+                    paint(m, seen.leaf, seen.p, outward, before);
+                    look = changed_look(look);
+                    n = shaded_normal(outward, n, -ray.direction);
+                }
                 let clear = TRANSMISSION && largest(look.transmitted) > 0.0;
                 let cosine = clamp(-dot(ray.direction, n), 0.0, 1.0);
                 let grazing = max(look.grazing * (1.0 - look.roughness), look.straight);
@@ -115,7 +121,9 @@ fn preview_along(camera: Ray, random: Random) -> vec3f {
                 if !(clear && seen.inside) {
                     let gloss = Gloss(look.straight, grazing, look.roughness, blurred);
                     let shadows = select(select(SHADOWED, 1u, is_reflection), 0u, clear);
-                    colour += weight * lit(seen, -ray.direction, before, diffuse, gloss, shadows);
+                    var shaded = seen;
+                    shaded.normal = n;
+                    colour += weight * lit(shaded, -ray.direction, before, diffuse, gloss, shadows);
                 }
                 if clear {
                     let bent = refract(ray.direction, n, select(1.0 / look.ior, look.ior, seen.inside));

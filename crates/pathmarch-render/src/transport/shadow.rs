@@ -10,8 +10,9 @@
 use super::camera::Ray;
 use super::lights::{self, LightSample};
 use super::march::{Hit, MAX_STEPS, March, march, rounding_at, start_offset, tolerance};
+use super::paint::Painted;
 use super::path::{left_after, medium_beyond};
-use crate::frame::{CLEAR, Prepared, SHEET};
+use crate::frame::{CLEAR, Prepared, SHEET, passes_straight};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_field::number::Vec3 as FieldVec3;
@@ -108,7 +109,9 @@ fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<Hit>) 
     let steepness = gradient.length().max(1e-6);
     let outward = gradient / steepness;
     let cosine = outward.dot(direction);
-    connection.radiance *= material.passes_straight(cosine.abs().min(1.0));
+    let painted = Painted::new(prepared, met.leaf as usize, reached, outward, connection.before);
+    let numbers = painted.map_or(material.numbers, |painted| painted.numbers(&material.numbers));
+    connection.radiance *= passes_straight(&numbers, cosine.abs().min(1.0));
     connection.medium = medium_beyond(connection.medium, Vec3::from(material.absorption), cosine > 0.0);
     // No path finds this light again.
     connection.light.weight = 1.0;

@@ -40,7 +40,7 @@ fn light_through(start: Ray, before: f32, light: LightSample, scatter_pdf: f32, 
         let steepness = max(length(met.gradient), 1e-6);
         let outward = met.gradient / steepness;
         let cosine = dot(outward, ray.direction);
-        passed *= materials[m].a.xyz * (1.0 - fresnel(min(abs(cosine), 1.0), materials[m].b.x));
+        passed *= tint(m, met.leaf, reached, outward, before) * (1.0 - fresnel(min(abs(cosine), 1.0), materials[m].numbers[1].x));
         medium = medium_beyond(medium, materials[m].absorption, cosine > 0.0);
         // No path finds this light again.
         weight = 1.0;

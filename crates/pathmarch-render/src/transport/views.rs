@@ -18,6 +18,7 @@
 
 use super::camera::central_ray;
 use super::march::{MAX_STEPS, March, Trail, march_watching};
+use super::paint::Painted;
 use super::steady;
 use super::visible::{shines, visible};
 use crate::frame::{EMITS, Prepared};
@@ -103,6 +104,10 @@ pub(crate) fn view(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> V
                 Vec3::splat(srgb_decode(1.0 / (1.0 + beyond * beyond)))
             }
             Mode::Albedo if is_dark(prepared, seen.leaf, seen.normal) => Vec3::ZERO,
+            Mode::Albedo => {
+                let painted = Painted::new(prepared, seen.leaf, seen.p, seen.outward(), seen.length);
+                painted.and_then(|painted| painted.colour()).unwrap_or(colour(seen.leaf))
+            }
             _ => colour(seen.leaf),
         };
     }

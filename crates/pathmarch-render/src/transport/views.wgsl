@@ -44,6 +44,11 @@ fn view_along(ray: Ray, random: Random) -> vec3f {
         let beyond = max(dot(seen.p - frame.position, frame.forward) - mode_number(0u), 0.0) / mode_number(1u);
         return light_of_code(vec3f(1.0 / (1.0 + beyond * beyond)));
     }
+    var shown = mode_colour(seen.leaf);
+    if HAS_PAINT {
+        paint(leaves[seen.leaf].material, seen.leaf, seen.p, select(seen.normal, -seen.normal, seen.inside), hit.t);
+        shown = select(shown, painted_colour.xyz, painted_colour.w > 0.0);
+    }
     let dark = VIEW == VIEW_ALBEDO && (materials[leaves[seen.leaf].material].flags & EMITS) != 0u && !shines(seen.leaf, seen.normal);
-    return select(mode_colour(seen.leaf), vec3f(0.0), dark);
+    return select(shown, vec3f(0.0), dark);
 }

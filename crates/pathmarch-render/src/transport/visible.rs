@@ -19,6 +19,15 @@ pub(crate) struct Visible {
     pub(super) inside: bool,
     /// From `p` to where rays start on this side.
     pub(super) away: Vec3,
+    /// Length of the path to it, metres.
+    pub(super) length: f32,
+}
+
+impl Visible {
+    /// The normal on the outside.
+    pub(super) fn outward(&self) -> Vec3 {
+        if self.inside { -self.normal } else { self.normal }
+    }
 }
 
 /// The surfaces at the ends of rays, eight at a time; blends as in this sample.
@@ -30,7 +39,7 @@ pub(crate) fn visible(prepared: &Prepared, rays: &[(March, Hit)], sample: u32) -
         let direct = f32x8::from(std::array::from_fn(|k| f32::from(lane(k).1.direct)));
         let threshold = |index| f32x8::splat(steady::threshold(sample, index));
         let surfaces = near(reached, |p| prepared.field.surface_met(p, direct, &threshold));
-        for ((&(March { ray, .. }, hit), near), reached) in chunk.iter().zip(&surfaces).zip(reached) {
+        for ((&(March { ray, before, .. }, hit), near), reached) in chunk.iter().zip(&surfaces).zip(reached) {
             let steepness = near.gradient.length().max(1e-6);
             let outward = near.gradient / steepness;
             let normal = facing(prepared, near, outward, &Ray { origin: reached, ..ray }, hit.t);
@@ -42,6 +51,7 @@ pub(crate) fn visible(prepared: &Prepared, rays: &[(March, Hit)], sample: u32) -
                 normal,
                 inside: normal.dot(outward) < 0.0,
                 away: normal * start_offset(off, left),
+                length: before + hit.t,
             });
         }
     }

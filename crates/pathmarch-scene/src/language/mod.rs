@@ -21,6 +21,7 @@ mod surfaces;
 mod syntax;
 #[cfg(test)]
 mod syntax_tests;
+pub(crate) mod textures;
 pub(crate) mod tree;
 mod warnings;
 
@@ -232,7 +233,8 @@ fn scene(
         })
         .collect();
     let mut materials = Materials::default();
-    nodes("material").for_each(|node| materials.add(node, report));
+    let mut files = textures::Files { scene: name, assets };
+    nodes("material").for_each(|node| materials.add(node, &mut files, report));
     *fields = Fields::new(file, assets, report);
     let mut solids = Solids::new(&mut materials, fields);
     let objects = nodes("object").filter_map(|node| solids.object(node, report)).collect();

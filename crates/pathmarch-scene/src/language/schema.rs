@@ -303,6 +303,11 @@ pub(crate) const NORMAL: Setting = setting(
     "Direction that it faces, before it is turned.",
 );
 
+/// The node of a material that gives its surfaces a relief.
+pub(crate) const BUMP: &str = "bump";
+/// A node of a row of colours.
+pub(crate) const COLOUR: &str = "colour";
+
 /// The node of a material that colours fractals by their orbits.
 pub(crate) const ORBIT_TRAP: &str = "orbit-trap";
 

@@ -371,7 +371,7 @@ fn params(solid: Solid, node: &Node, named: &[(&str, &Entry)], report: &mut Repo
     values
 }
 
-fn number(param: &Param, entry: &Entry, report: &mut Report) -> Option<f32> {
+pub(super) fn number(param: &Param, entry: &Entry, report: &mut Report) -> Option<f32> {
     let what = format!("`{}`", param.name);
     if param.unit == Unit::Axis {
         let word = string(entry, &what, report)?;
@@ -402,14 +402,14 @@ fn usage(solid: Solid) -> String {
 
 /// Gathers `at`, `rotate`, `scale` and `normal`.
 #[derive(Default)]
-struct Placements {
-    value: Placement,
+pub(super) struct Placements {
+    pub(super) value: Placement,
     seen: Vec<(String, Span)>,
 }
 
 impl Placements {
     /// Takes the node if it is one of them.
-    fn take(&mut self, node: &Node, facing: bool, report: &mut Report) -> bool {
+    pub(super) fn take(&mut self, node: &Node, facing: bool, report: &mut Report) -> bool {
         let word = &*node.name.value;
         let placement = PLACEMENT.contains(&word) || facing && word == NORMAL;
         if !placement {

@@ -8,9 +8,10 @@ use super::arguments::{
 };
 use super::names::{listed, suggestion, unexpected_node};
 use super::report::{Report, draft, shown};
-use super::schema::ORBIT_TRAP;
+use super::schema::{BUMP, COLOUR, ORBIT_TRAP};
+use super::textures::{self, DEFAULT_COLOURS, Files, Use};
 use super::tree::{Node, Span};
-use crate::materials::{self, Material, MaterialKind, MaterialParam, OrbitTrap, ParamKind, Trap};
+use crate::materials::{self, Bump, Material, MaterialParam, Meaning, OrbitTrap, Painted, ParamKind, Texturing, Trap};
 use std::collections::HashMap;
 
 /// The materials of a file and where each name was given.
@@ -23,33 +24,28 @@ pub(crate) struct Materials {
 
 impl Materials {
     /// Adds the material that `node` describes: with defaults for what is wrong in it, so that its users find it.
-    pub(crate) fn add(&mut self, node: &Node, report: &mut Report) {
+    pub(crate) fn add(&mut self, node: &Node, files: &mut Files, report: &mut Report) {
         let usage = "`material \"name\" { … }`";
         properties(node, &[], report);
         if !node.entries.iter().any(|entry| entry.name.is_none()) {
             missing_arguments(node, usage, report);
         }
         let given = name(node, usage, report);
-        let described = describe(node, report);
+        let described = describe(node, files, report);
         let Some((name, span)) = given else { return };
         if let Some(&first) = self.index.get(name) {
             twice(&format!("The material {}", shown(name)), span, self.spans[first as usize], report);
             return;
         }
-        let (kind, values, orbit_trap) = described.unwrap_or_else(|| {
-            let white = Material::default_white();
-            (white.kind, white.values, None)
-        });
+        let material = described.unwrap_or_else(Material::default_white);
         self.index.insert(name.to_owned(), self.list.len() as u32);
         self.spans.push(span);
-        self.list.push(Material { name: name.to_owned(), kind, values, orbit_trap });
+        self.list.push(Material { name: name.to_owned(), ..material });
     }
 }
 
-/// Kind and values of a material, and what takes the place of its colour.
-type Described = (&'static MaterialKind, Vec<[f32; 3]>, Option<OrbitTrap>);
-
-fn describe(node: &Node, report: &mut Report) -> Option<Described> {
+/// The material of a node, without its name.
+fn describe(node: &Node, files: &mut Files, report: &mut Report) -> Option<Material> {
     let children = node.child_nodes();
     let mut kinds = children.iter().filter_map(|child| Some((child, materials::kind(&child.name.value)?)));
     let Some((kind_node, kind)) = kinds.next() else {
@@ -75,19 +71,58 @@ fn describe(node: &Node, report: &mut Report) -> Option<Described> {
     let mut known: Vec<&str> = std::iter::once(kind.name).chain(beside).collect();
     known.extend(materials::kinds().iter().map(|kind| kind.name).filter(|name| *name != kind.name));
     if kind.bsdf.is_some() {
-        known.push(ORBIT_TRAP);
+        known.extend([ORBIT_TRAP, BUMP]);
     }
     let settings = Settings::new(node, &known, &format!("in a `{}` material", kind.name), report);
-    let values = kind.params.iter().enumerate().map(|(index, param)| {
-        let node = settings.get(if index == 0 { kind.name } else { param.name });
-        node.and_then(|node| value(node, param, report)).unwrap_or(param.default)
-    });
-    let values = values.collect();
+    let mut material = Material::new("", kind);
+    for (index, param) in kind.params.iter().enumerate() {
+        let Some(node) = settings.get(if index == 0 { kind.name } else { param.name }) else { continue };
+        let is_textured = !node.child_nodes().is_empty() || node.children.is_some() && node.entries.is_empty();
+        let has_value = param.texturing == Texturing::None && node.child_nodes().is_empty();
+        if !is_textured || has_value {
+            material.values[index] = value(node, param, report).unwrap_or(param.default);
+        } else if param.texturing == Texturing::None {
+            textures::refuse(node, kind.name, report);
+        } else if let Some(painted) = painted(node, index, param, files, report) {
+            material.values[index] = painted.middle();
+            material.painted.push(painted);
+        }
+    }
     if kind.params.is_empty() {
         arguments(kind_node, 0, &format!("`{}`", kind.name), report);
     }
-    let orbit_trap = settings.get(ORBIT_TRAP).and_then(|node| orbit_trap(node, report));
-    Some((kind, values, orbit_trap))
+    material.orbit_trap = settings.get(ORBIT_TRAP).and_then(|node| orbit_trap(node, report));
+    material.bump = settings.get(BUMP).and_then(|node| {
+        properties(node, &[], report);
+        arguments(node, 0, "`bump { fbm size=0.05 height=0.005 }`", report);
+        match textures::texture(node, Use::Height, files, report)? {
+            (texture, Meaning::Range([_, height])) => Some(Bump { texture, height }),
+            _ => None,
+        }
+    });
+    Some(material)
+}
+
+/// The texture in the braces of a parameter's node.
+fn painted(
+    node: &Node,
+    index: usize,
+    param: &MaterialParam,
+    files: &mut Files,
+    report: &mut Report,
+) -> Option<Painted> {
+    properties(node, &[], report);
+    if let Some(entry) = node.entries.iter().find(|entry| entry.name.is_none()) {
+        let message = format!("`{}` has a value and a texture.", node.name.value);
+        let mistake = draft("pathmarch::unexpected_argument", entry.span, message).label("unused");
+        report.add(mistake.help("The texture stands for the value. Delete one of them."));
+    }
+    let to = match param.kind {
+        ParamKind::Colour => Use::Colour,
+        ParamKind::Number => Use::Number(Range::from_to(param.min, param.max)),
+    };
+    let (texture, meaning) = textures::texture(node, to, files, report)?;
+    Some(Painted { param: index, texture, meaning })
 }
 
 /// `orbit-trap "point" from=0 to=1 { colour …; colour … }`.
@@ -98,18 +133,10 @@ fn orbit_trap(node: &Node, report: &mut Report) -> Option<OrbitTrap> {
     for (word, entry) in properties(node, &["from", "to"], report) {
         range[usize::from(word == "to")] = in_range(entry, &format!("`{word}`"), Range::ANY, report);
     }
-    let mut colours = Vec::new();
-    for child in node.child_nodes() {
-        match &*child.name.value {
-            COLOUR => colours.push(colour(child, Range::from_to(0.0, 1.0), report)),
-            _ => unexpected_node(&child.name, &[COLOUR], "in an `orbit-trap`", report),
-        }
+    for child in node.child_nodes().iter().filter(|child| child.name.value != COLOUR) {
+        unexpected_node(&child.name, &[COLOUR], "in an `orbit-trap`", report);
     }
-    if colours.len() > MOST_COLOURS {
-        let message = format!("An `orbit-trap` has at most {MOST_COLOURS} colours, not {}.", colours.len());
-        report.add(draft("pathmarch::too_large", node.name.span, message).label("too many colours"));
-        return None;
-    }
+    let colours = textures::colours(node, report);
     let trap = match entries.first() {
         Some(entry) => {
             let word = string(entry, "the trap", report)?;
@@ -125,16 +152,12 @@ fn orbit_trap(node: &Node, report: &mut Report) -> Option<OrbitTrap> {
         None => Trap::Point,
     };
     let [from, to] = [range[0]?, range[1]?];
-    let mut colours: Vec<[f32; 3]> = colours.into_iter().collect::<Option<_>>()?;
+    let mut colours = colours?;
     if colours.is_empty() {
-        colours = vec![[0.02; 3], [0.9; 3]];
+        colours = DEFAULT_COLOURS.to_vec();
     }
     Some(OrbitTrap { trap, range: [from, to], colours })
 }
-
-/// The node of a colour.
-const COLOUR: &str = "colour";
-const MOST_COLOURS: usize = 64;
 
 /// The value that a node gives a parameter; the default without arguments.
 fn value(node: &Node, param: &MaterialParam, report: &mut Report) -> Option<[f32; 3]> {

@@ -2,7 +2,7 @@
 //! "Photometria"). BRDF albedo / π, sampled by the cosine (Malley's method; Pharr, Jakob and Humphreys, "Physically Based
 //! Rendering", 4th ed. 2023, section A.5.3), so that the weight of a sample is the albedo itself.
 
-use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of};
+use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, Texturing};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
@@ -17,6 +17,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         min: 0.0,
         max: 1.0,
         doc: "Fraction of the light that is reflected.",
+        texturing: Texturing::Colour(0),
     }],
     albedo: |values| values[0],
     emission: black,

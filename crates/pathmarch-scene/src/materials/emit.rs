@@ -1,7 +1,7 @@
 //! A lamp: the same radiance in every outward direction, reflecting nothing. Power of a surface of area A is π A times
 //! the radiance.
 
-use super::{Look, MaterialKind, MaterialParam, ParamKind, black};
+use super::{Look, MaterialKind, MaterialParam, ParamKind, black, Texturing};
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "emit",
@@ -14,6 +14,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         min: 0.0,
         max: f32::MAX,
         doc: "Emitted radiance, W/(m² sr).",
+        texturing: Texturing::None,
     }],
     albedo: black,
     emission: |values| values[0],

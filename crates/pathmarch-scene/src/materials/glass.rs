@@ -13,7 +13,7 @@ use super::microfacet::{
     MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, unhidden, unshadowed,
     visible_normal,
 };
-use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, ior, roughness};
+use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, ior, roughness, Texturing};
 use glam::Vec3;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
@@ -28,6 +28,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             min: 0.0,
             max: 1.0,
             doc: "Fraction of the refracted light that passes the surface.",
+            texturing: Texturing::Colour(0),
         },
         ior(),
         roughness(0.0),
@@ -38,6 +39,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             min: 0.0,
             max: f32::MAX,
             doc: "What the inside absorbs, per metre: exp(-absorb × length) passes.",
+            texturing: Texturing::None,
         },
     ],
     albedo: |values| values[0],

@@ -3,7 +3,7 @@
 //! roughness 1 up to half of it (`principled` makes up for it). A `roughness` below 0.01 is a perfect mirror.
 
 use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
-use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, roughness};
+use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, roughness, Texturing};
 use glam::Vec3;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
@@ -18,6 +18,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             min: 0.0,
             max: 1.0,
             doc: "Reflected fraction of light that falls in at right angles (F0).",
+            texturing: Texturing::Colour(0),
         },
         MaterialParam {
             name: "edge",
@@ -26,6 +27,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             min: 0.0,
             max: 1.0,
             doc: "Reflected fraction of light that grazes (F90).",
+            texturing: Texturing::Colour(4),
         },
         roughness(0.2),
     ],

@@ -9,6 +9,7 @@ pub mod albedo;
 mod microfacet;
 mod orbit_trap;
 
+use crate::textures::{Pattern, Texture};
 use glam::Vec3;
 pub use microfacet::fresnel;
 pub use orbit_trap::{OrbitTrap, Trap};
@@ -20,6 +21,18 @@ pub enum ParamKind {
     Colour,
     /// One number.
     Number,
+}
+
+/// Whether a texture may stand for a parameter, and what it changes then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Texturing {
+    /// None may.
+    None,
+    /// A colour, which is three of the material's [`Numbers`] as it is, from this one on.
+    Colour(usize),
+    /// A number, of which [`Bsdf::pack`] makes some of the material's [`Numbers`], and no other parameter that may be
+    /// textured makes these.
+    Packed,
 }
 
 /// One parameter of a material.
@@ -37,6 +50,8 @@ pub struct MaterialParam {
     pub max: f32,
     /// One line for people, with the unit.
     pub doc: &'static str,
+    /// Whether a texture may stand for it.
+    pub texturing: Texturing,
 }
 
 impl MaterialParam {
@@ -172,7 +187,15 @@ fn black(_values: &[[f32; 3]]) -> [f32; 3] {
 
 /// A parameter from 0 to 1.
 const fn fraction(name: &'static str, default: f32, doc: &'static str) -> MaterialParam {
-    MaterialParam { name, kind: ParamKind::Number, default: [default, 0.0, 0.0], min: 0.0, max: 1.0, doc }
+    MaterialParam {
+        name,
+        kind: ParamKind::Number,
+        default: [default, 0.0, 0.0],
+        min: 0.0,
+        max: 1.0,
+        doc,
+        texturing: Texturing::Packed,
+    }
 }
 
 /// The parameter `roughness`.
@@ -183,7 +206,15 @@ const fn roughness(default: f32) -> MaterialParam {
 /// The parameter `ior`.
 const fn ior() -> MaterialParam {
     let doc = "Refractive index: water 1.33, glass 1.5, diamond 2.42.";
-    MaterialParam { name: "ior", kind: ParamKind::Number, default: [1.5, 0.0, 0.0], min: 1.0, max: 10.0, doc }
+    MaterialParam {
+        name: "ior",
+        kind: ParamKind::Number,
+        default: [1.5, 0.0, 0.0],
+        min: 1.0,
+        max: 10.0,
+        doc,
+        texturing: Texturing::None,
+    }
 }
 
 macro_rules! materials {
@@ -216,12 +247,67 @@ pub struct Material {
     pub values: Vec<[f32; 3]>,
     /// What takes the place of its colour, the first parameter, on fractals.
     pub orbit_trap: Option<OrbitTrap>,
+    /// The parameters that vary along the surface. Their values above are those in the middle.
+    pub painted: Vec<Painted>,
+    /// What the surface's normals follow instead of the shape's.
+    pub bump: Option<Bump>,
+}
+
+/// A parameter that a texture stands for.
+#[derive(Clone, Debug)]
+pub struct Painted {
+    /// Index into the kind's parameters.
+    pub param: usize,
+    /// What varies.
+    pub texture: Texture,
+    /// What its values mean.
+    pub meaning: Meaning,
+}
+
+impl Painted {
+    /// The value of the parameter in the middle, for who knows no textures.
+    pub fn middle(&self) -> [f32; 3] {
+        match (&self.meaning, &self.texture.pattern) {
+            (Meaning::Colours(colours), _) => {
+                let sum = colours.iter().fold(Vec3::ZERO, |sum, colour| sum + Vec3::from(*colour));
+                (sum / colours.len().max(1) as f32).into()
+            }
+            (Meaning::OwnColours, Pattern::Picture { picture, .. }) => picture.mean().into(),
+            (Meaning::OwnColours, _) => [0.5; 3],
+            (Meaning::Range([from, to]), _) => [0.5 * (from + to), 0.0, 0.0],
+        }
+    }
+}
+
+/// What the values of a texture mean to a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Meaning {
+    /// Places in a row of colours, as in [`ramp`](crate::textures::ramp); at least one.
+    Colours(Vec<[f32; 3]>),
+    /// The texture has colours of its own.
+    OwnColours,
+    /// Numbers from the first to the second.
+    Range([f32; 2]),
+}
+
+/// A relief that light sees and the shape does not have (Blinn 1978).
+#[derive(Clone, Debug)]
+pub struct Bump {
+    /// What varies.
+    pub texture: Texture,
+    /// How far outwards a value of 1 is from a value of 0, metres.
+    pub height: f32,
 }
 
 impl Material {
+    /// A material of this kind with its defaults.
+    pub fn new(name: &str, kind: &'static MaterialKind) -> Self {
+        let values = kind.params.iter().map(|param| param.default).collect();
+        Self { name: name.to_owned(), kind, values, orbit_trap: None, painted: Vec::new(), bump: None }
+    }
     /// What an object without `material=` is made of: white, diffuse 0.8, named `default`.
     pub fn default_white() -> Self {
-        Self { name: "default".to_owned(), kind: &diffuse::KIND, values: vec![[0.8; 3]], orbit_trap: None }
+        Self { values: vec![[0.8; 3]], ..Self::new("default", &diffuse::KIND) }
     }
     /// Value of the parameter of this name.
     pub fn value(&self, name: &str) -> Option<[f32; 3]> {

@@ -1,6 +1,8 @@
 //! Orbit traps: a colour by what the orbit of a fractal's point comes near to (Pickover and Khorasani 1985; for solids
 //! Quilez 2009, "Mandelbulb"). The orbit is followed once, where a ray has hit; the march knows nothing of it.
 
+use crate::textures::ramp;
+
 /// What the orbit comes near to: the numbers of [`Shape::orbit`](pathmarch_field::Shape::orbit), in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trap {
@@ -44,18 +46,18 @@ pub struct OrbitTrap {
 }
 
 impl OrbitTrap {
-    /// The colour for the numbers of an orbit.
-    pub fn colour(&self, orbit: &[f32]) -> [f32; 3] {
+    /// Where the numbers of an orbit are between both ends of the range, 0 to 1.
+    pub fn place(&self, orbit: &[f32]) -> f32 {
         let value = orbit.get(self.trap as usize).copied().unwrap_or_default();
         let [from, to] = self.range;
-        let last = self.colours.len().saturating_sub(1);
         // Equal ends are a step.
         let span = if from == to { 1e-20 } else { to - from };
-        let place = ((value - from) / span).clamp(0.0, 1.0) * last as f32;
-        let first = (place as usize).min(last.saturating_sub(1));
-        let part = place - first as f32;
-        let (a, b) = (self.colours[first], self.colours[(first + 1).min(last)]);
-        std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part)
+        ((value - from) / span).clamp(0.0, 1.0)
+    }
+
+    /// The colour for the numbers of an orbit.
+    pub fn colour(&self, orbit: &[f32]) -> [f32; 3] {
+        ramp(&self.colours, self.place(orbit))
     }
 }
 

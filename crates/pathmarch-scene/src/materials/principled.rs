@@ -18,9 +18,7 @@ use super::microfacet::{
     fifth_power, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, schlick, unhidden,
     visible_normal,
 };
-use super::{
-    Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, fraction, ior, roughness,
-};
+use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, fraction, ior, roughness, Texturing};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -41,6 +39,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             min: 0.0,
             max: 1.0,
             doc: "Colour of the base: albedo of a dielectric, reflection of a metal, tint of what is transmitted.",
+            texturing: Texturing::Colour(0),
         },
         fraction("metallic", 0.0, "0 is a dielectric, 1 a metal."),
         roughness(0.4),

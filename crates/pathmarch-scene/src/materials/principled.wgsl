@@ -25,7 +25,7 @@ fn compensation(f0: f32, split: vec2f) -> f32 {
 }
 
 fn specular_share(m: u32, k: u32) -> f32 {
-    return materials[m].table[k / 4u][k % 4u];
+    return packed(m, 4u + k / 4u)[k % 4u];
 }
 
 fn specular_albedo(m: u32, cosine: f32) -> f32 {
@@ -51,9 +51,9 @@ struct PrincipledView {
 }
 
 fn principled_view(m: u32, wo: vec3f, inside: bool) -> PrincipledView {
-    let a = base(m);
-    let b = materials[m].b;
-    let c = materials[m].c;
+    let a = packed(m, 0u);
+    let b = packed(m, 1u);
+    let c = packed(m, 2u);
     let coat = select(c.x, 0.0, inside);
     let coat_reflects = coat * coat_albedo(wo.z, c.y);
     let split = ggx_split(wo.z, b.x);
@@ -68,9 +68,9 @@ fn principled_view(m: u32, wo: vec3f, inside: bool) -> PrincipledView {
 }
 
 fn reflect_chance(m: u32, dielectric: f32) -> f32 {
-    let metallic = materials[m].a.w;
+    let metallic = packed(m, 0u).w;
     let reflected = metallic + (1.0 - metallic) * dielectric;
-    let refracted = (1.0 - metallic) * materials[m].c.w * (1.0 - dielectric);
+    let refracted = (1.0 - metallic) * packed(m, 2u).w * (1.0 - dielectric);
     return reflected / max(reflected + refracted, 1e-6);
 }
 
@@ -79,9 +79,9 @@ fn principled_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
 }
 
 fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
-    let a = base(m);
-    let b = materials[m].b;
-    let c = materials[m].c;
+    let a = packed(m, 0u);
+    let b = packed(m, 1u);
+    let c = packed(m, 2u);
     if wi.z < 0.0 {
         let eta = select(b.y, 1.0 / b.y, inside);
         let h = refracting_normal(wo, wi, eta);
@@ -125,7 +125,7 @@ fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, insi
 
 fn principled_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
     let view = principled_view(m, wo, inside);
-    let ior = materials[m].b.y;
+    let ior = packed(m, 1u).y;
     var eta = 1.0;
     var wi = vec3f(0.0);
     if u.z < view.coat_chance {

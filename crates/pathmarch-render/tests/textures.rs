@@ -1,0 +1,141 @@
+//! What varies along surfaces: both backends agree on every texture, everywhere that one may stand; light is kept.
+
+mod common;
+
+use common::{mean, parse, render, renderers};
+use pathmarch_render::image::{Picture, PictureKind};
+use pathmarch_render::metrics::compare;
+use pathmarch_render::pathmarch_scene::{Scene, textures};
+use pathmarch_render::{Mode, Settings};
+
+/// The picture of each backend.
+fn pictures(scene: &Scene, mode: Mode, samples: u32, size: [u32; 2]) -> Vec<Picture> {
+    let settings = Settings { size, samples, mode, ..Settings::of(scene) };
+    let show = |renderer: &mut _| mode.picture(&render(renderer, scene, &settings));
+    renderers().iter_mut().map(show).collect()
+}
+
+/// The share of pixels with a channel that differs by more than this, where there are two backends.
+fn differing(pictures: &[Picture], more_than: f32) -> f64 {
+    let [a, b] = pictures else { return 0.0 };
+    let differ = |(a, b): &(&[f32; 3], &[f32; 3])| (0..3).any(|k| (a[k] - b[k]).abs() > more_than);
+    a.pixels.iter().zip(&b.pixels).filter(differ).count() as f64 / a.pixels.len() as f64
+}
+
+/// A turned and scaled shape of a material, and one that is held in a twisted ring of three.
+fn shown(material: &str) -> Scene {
+    parse(&format!(
+        "pathmarch 1\ncamera {{ position 1 2 4; target 0.6 0.1 0; fov 40 }}\nsky 1\nmaterial \"m\" {{ {material} }}\n\
+         object \"ball\" material=\"m\" {{ sphere 1 {{ rotate 20 30 40; scale 0.9; at -0.5 0.1 0.2 }} }}\n\
+         object \"ring\" material=\"m\" {{ twist 0.2 {{ polar 3 {{ box 0.5 0.9 0.5 {{ rotate 0 20 10; at 0.6 0 0 }} }}; at 1.6 0 0; scale 1.1 }} }}"
+    ))
+}
+
+#[test]
+fn both_backends_show_every_texture_alike() {
+    for kind in textures::kinds() {
+        for (place, sizes) in [("", 0.2), ("at 0.1 0.2 0.3; rotate 10 20 30; scale 0.3;", 1.0)] {
+            let name = kind.name;
+            let size = if name == "brick" { String::new() } else { format!("size={sizes}") };
+            let scene = shown(&format!("diffuse {{ {name} {size} {{ {place} colour 0.1 0.9 0.2; colour 1 0 1 }} }}"));
+            let pictures = pictures(&scene, Mode::Albedo, 1, [96, 64]);
+            let differing = differing(&pictures, 2e-3);
+            println!("{name} {place}: {differing}");
+            // Rounding decides on which side of an edge a point is.
+            assert!(differing < 5e-3, "{name}: {differing} of the pixels");
+            let shown = mean(&pictures[0], |_, _| true);
+            assert!(shown > 0.005 && shown < 0.6, "{name}: {shown}");
+        }
+    }
+}
+
+/// Everything that varies at once: on a blend, on a fractal in a modifier, in glass.
+const EVERYTHING: &str = "pathmarch 1
+camera { position 0 2 6; target 0 0.6 0; fov 40 }
+render { bounces 6; caustics \"fast\" }
+sky 0.4 0.5 0.6
+sun { direction 1 2 1; irradiance 2; angle 2 }
+point { at -3 4 3; intensity 20 }
+material \"floor\" {
+    principled { wood size=0.2 { colour 0.5 0.3 0.1; colour 0.2 0.1 0.05; rotate 90 0 0 } }
+    roughness { fbm size=0.3 from=0.1 to=0.6 }
+    coat { checker size=0.5 }
+    bump { brick length=0.5 height=0.25 }
+}
+material \"stone\" { diffuse { marble { colour 0.9; colour 0.2 0.2 0.3 } }; bump { voronoi size=0.1 height=0.02 } }
+material \"gold\" { metal { cracks { colour 1 0.6 0.2; colour 1 0.9 0.5 } }; roughness { cells from=0 to=0.5 } }
+material \"pane\" { glass { cells size=0.2 { colour 1 0.3 0.3; colour 0.3 1 0.4 } } }
+material \"wavy\" { glass 1; bump { fbm size=0.3 octaves=2 height=0.01 } }
+material \"flesh\" { diffuse 0.5; orbit-trap \"point\" from=0.4 to=1.1 { colour 0.9 0.1 0.1; colour 0.1 0.1 0.9 } }
+object \"floor\" material=\"floor\" { plane }
+object \"blend\" { union smooth=0.4 { sphere 0.6 material=\"stone\" { at -1.4 0.6 0 }; box 0.8 material=\"gold\" { at -0.7 0.4 0.3 } } }
+object \"sponge\" material=\"flesh\" { twist 0.1 { menger 3 { scale 0.45 }; at 1.7 0.7 0 } }
+object \"pane\" material=\"pane\" { box 0.8 1 0.06 { at 0.4 0.6 1.2; rotate 0 20 0 } }
+object \"lens\" material=\"wavy\" { sphere 0.3 { at -0.3 0.35 1.6 } }";
+
+#[test]
+fn both_backends_trace_what_varies_alike() {
+    let scene = parse(EVERYTHING);
+    let pictures = pictures(&scene, Mode::Path, 32, [96, 64]);
+    if let [cpu, gpu] = &pictures[..] {
+        let comparison = compare(gpu, cpu, PictureKind::Hdr).expect("of one size");
+        println!("relMSE {}", comparison.relmse);
+        assert!(comparison.relmse < 2e-3, "{}", comparison.relmse);
+    }
+}
+
+#[test]
+fn both_backends_preview_what_varies_alike() {
+    let scene = parse(EVERYTHING);
+    let pictures = pictures(&scene, Mode::Preview, 1, [96, 64]);
+    let differing = differing(&pictures, 0.02);
+    println!("{differing}");
+    assert!(differing < 0.02, "{differing} of the pixels");
+}
+
+#[test]
+fn pictures_are_shown_alike_and_upright() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Red to the right, green upwards.
+    let picture = image::RgbImage::from_fn(64, 32, |x, y| image::Rgb([(x * 4) as u8, ((31 - y) * 8) as u8, 40]));
+    picture.save(folder.path().join("p.png")).expect("saved");
+    let name = folder.path().join("scene.kdl").display().to_string();
+    let load = |text: &str| Scene::parse(&name, text).expect("a valid scene");
+    let all_around = load(
+        "pathmarch 1\ncamera { position 1 2 4; target 0 0 0 }\nmaterial \"m\" { diffuse { picture \"p.png\" size=0.3 } }\n\
+         object \"ball\" material=\"m\" { sphere 1.2 { rotate 10 20 30 } }",
+    );
+    let differing = differing(&pictures(&all_around, Mode::Albedo, 1, [96, 64]), 4e-3);
+    assert!(differing < 2e-3, "{differing} of the pixels");
+    // A wall as large as the picture fills the view.
+    let wall = load(
+        "pathmarch 1\ncamera { position 1 0.5 10; target 1 0.5 0; fov 5.7 }\nmaterial \"m\" { diffuse { picture \"p.png\" size=2 } }\n\
+         object \"wall\" material=\"m\" { box 8 8 1 { at 0 0 -0.5 } }",
+    );
+    // Coordinates are the box's own: its middle is at the picture's corner.
+    for picture in pictures(&wall, Mode::Albedo, 1, [64, 32]) {
+        let [left, right] = [8, 56].map(|x| picture.pixels[16 * 64 + x]);
+        let [top, bottom] = [4, 28].map(|y| picture.pixels[y * 64 + 32]);
+        assert!(left[0] < right[0], "{left:?} {right:?}");
+        assert!(top[1] > bottom[1], "{top:?} {bottom:?}");
+    }
+}
+
+#[test]
+fn a_relief_makes_no_light_and_loses_little() {
+    for (material, least) in [("diffuse 1", 0.93), ("metal 1; roughness 0", 0.93), ("principled 1; roughness 0.3", 0.9)]
+    {
+        let scene = parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 0 8; target 0 0 0; fov 20 }}\nsky 1\nrender {{ bounces 8 }}\n\
+             material \"m\" {{ {material}; bump {{ fbm size=0.2 octaves=3 height=0.02 }} }}\n\
+             object \"ball\" material=\"m\" {{ sphere 1 }}"
+        ));
+        for picture in pictures(&scene, Mode::Path, 64, [48, 48]) {
+            let ball = mean(&picture, |x, y| (x as f32 - 23.5).hypot(y as f32 - 23.5) < 16.0);
+            let darkest = picture.pixels.iter().map(|pixel| pixel[1]).fold(f32::INFINITY, f32::min);
+            println!("{material}: {ball}, darkest {darkest}");
+            assert!(ball > least && ball < 1.003, "{material}: {ball}");
+            assert!(darkest > 0.5, "{material}: a pixel of {darkest}");
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! What varies along a surface: values from 0 to 1 in space, and pictures.
+//!
+//! A texture is one file that declares a [`TextureKind`], a pair `x.rs` and `x.wgsl`; the name in the list below is its
+//! registration. The parser, the window, both renderers and the tests read [`kinds`]. A texture lives in the coordinates of
+//! the shape that shows it ([`Field::coordinates`](pathmarch_field::Field::coordinates)), so that it stays with a shape that
+//! is moved, and may be placed there. What its values mean is said by the parameter that they stand for: a place in a row of
+//! colours ([`ramp`]), a number of a range, a height.
+
+mod noise;
+mod picture;
+
+use glam::Vec3;
+use pathmarch_field::Param;
+use pathmarch_field::graph::Pose;
+pub use picture::{Picture, PictureError};
+use std::sync::Arc;
+
+/// The most numbers of a texture.
+pub const MOST_NUMBERS: usize = 8;
+
+/// The numbers of a texture, in the order of [`TextureKind::params`].
+pub type TextureNumbers = [f32; MOST_NUMBERS];
+
+/// A kind of texture.
+pub struct TextureKind {
+    /// Name in the scene language.
+    pub name: &'static str,
+    /// One sentence for people.
+    pub doc: &'static str,
+    /// Author, work, year; a key of REFERENCES.md where there is one.
+    pub source: &'static str,
+    /// Its numbers.
+    pub params: &'static [Param],
+    /// Length over which its slope is found, metres: short against its features.
+    pub step: fn(&TextureNumbers) -> f32,
+    /// Its value, 0 to 1; what is beyond these is cut.
+    pub value: fn(&Spot, &TextureNumbers) -> f32,
+    /// The same in WGSL: `NAME_texture(spot: Spot, k: array<f32, 8>) -> f32`.
+    pub wgsl: &'static str,
+}
+
+impl std::fmt::Debug for TextureKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+/// Where a texture is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot {
+    /// In the coordinates of the shape, or of the texture once it is placed.
+    pub p: Vec3,
+    /// The surface's there, of length one.
+    pub normal: Vec3,
+    /// What a pixel covers there, in these coordinates.
+    pub footprint: f32,
+}
+
+/// WGSL that textures share: `Spot` as in Rust, and noise.
+pub const SHARED_WGSL: &str = include_str!("noise.wgsl");
+/// WGSL of pictures: `picture_projected(picture: TexturePicture, spot: Spot, size: f32) -> vec3f`, with the picture's texels in
+/// the array `tables`.
+pub const PICTURE_WGSL: &str = include_str!("picture.wgsl");
+
+const OCTAVES: Param = Param::count("octaves", 5.0, 1.0, 12.0, "How many sizes of detail, each half as large.");
+const GAIN: Param = Param::between("gain", 0.5, 0.0, 1.0, "How strong each size of detail is against the one before.");
+const SEED: Param = Param::count("seed", 0.0, 0.0, 1_000_000.0, "Another one, of the same kind.");
+const JITTER: Param = Param::between("jitter", 1.0, 0.0, 1.0, "How irregular: 0 is a lattice.");
+
+macro_rules! textures {
+    ($($module:ident),* $(,)?) => {
+        $(mod $module;)*
+        static ALL: &[&TextureKind] = &[$(&$module::KIND),*];
+    };
+}
+
+textures!(fbm, marble, wood, brick, checker, voronoi, cells, cracks);
+
+/// Every kind of texture that is computed, in the order of registration.
+pub fn kinds() -> &'static [&'static TextureKind] {
+    ALL
+}
+
+/// The kind of this name.
+pub fn kind(name: &str) -> Option<&'static TextureKind> {
+    kinds().iter().copied().find(|kind| kind.name == name)
+}
+
+/// What a texture shows.
+#[derive(Clone, Debug)]
+pub enum Pattern {
+    /// What is computed.
+    Computed {
+        /// What it is.
+        kind: &'static TextureKind,
+        /// Its numbers; those behind its parameters are zero.
+        numbers: TextureNumbers,
+    },
+    /// A picture, projected along the three axes and blended by the normal.
+    Picture {
+        /// Its texels.
+        picture: Arc<Picture>,
+        /// Its width, metres.
+        size: f32,
+    },
+}
+
+/// A texture and where it is.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// What it shows.
+    pub pattern: Pattern,
+    /// Where its coordinates are in those of the shape.
+    pub pose: Pose,
+}
+
+impl Texture {
+    /// The matrix from offsets in the shape's coordinates to the texture's.
+    fn rows(&self) -> [Vec3; 3] {
+        self.pose.local_from_world().map(Vec3::from)
+    }
+
+    /// A spot of the shape as one of the texture.
+    fn placed(&self, spot: &Spot) -> Spot {
+        let offset = spot.p - Vec3::from(self.pose.at);
+        let turned = |v: Vec3| Vec3::from_array(self.rows().map(|row| row.dot(v)));
+        Spot {
+            p: turned(offset),
+            normal: turned(spot.normal) * self.pose.scale,
+            footprint: spot.footprint / self.pose.scale,
+        }
+    }
+
+    /// Its value at a spot of the shape, 0 to 1; of a picture, its luminance.
+    pub fn value(&self, spot: &Spot) -> f32 {
+        let value = match &self.pattern {
+            Pattern::Computed { kind, numbers } => (kind.value)(&self.placed(spot), numbers),
+            Pattern::Picture { .. } => self.colour(spot).dot(Vec3::from(LUMINANCE)),
+        };
+        value.clamp(0.0, 1.0)
+    }
+
+    /// Its own colour at a spot of the shape; grey where it has none.
+    pub fn colour(&self, spot: &Spot) -> Vec3 {
+        match &self.pattern {
+            Pattern::Computed { .. } => Vec3::splat(self.value(spot)),
+            Pattern::Picture { picture, size } => picture.projected(&self.placed(spot), *size),
+        }
+    }
+
+    /// The gradient of its value over the shape's coordinates, by differences as long as what a pixel covers, or as the
+    /// texture asks for.
+    pub fn slope(&self, spot: &Spot) -> Vec3 {
+        let own = match &self.pattern {
+            Pattern::Computed { kind, numbers } => (kind.step)(numbers),
+            Pattern::Picture { picture, size } => size / picture.width as f32,
+        };
+        let step = (own * self.pose.scale).max(0.5 * spot.footprint);
+        let here = self.value(spot);
+        let beside = |axis: Vec3| self.value(&Spot { p: spot.p + axis * step, ..*spot }) - here;
+        Vec3::new(beside(Vec3::X), beside(Vec3::Y), beside(Vec3::Z)) / step
+    }
+}
+
+/// Of linear Rec. 709.
+const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// The colour at a place from 0 to 1 of a row of colours that are evenly spaced; at least one.
+pub fn ramp(colours: &[[f32; 3]], place: f32) -> [f32; 3] {
+    let last = colours.len().saturating_sub(1);
+    let place = place.clamp(0.0, 1.0) * last as f32;
+    let first = (place as usize).min(last.saturating_sub(1));
+    let part = place - first as f32;
+    let (a, b) = (colours[first], colours[(first + 1).min(last)]);
+    std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part)
+}

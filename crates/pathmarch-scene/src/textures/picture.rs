@@ -1,0 +1,247 @@
+//! Pictures on surfaces.
+//!
+//! **Projection.** Along the three axes of the texture's coordinates, blended by the eighth powers of the normal's components
+//! (triplanar mapping; Geiss 2007, "Generating Complex Procedural Terrains Using the GPU"). Seen from +z, the picture's
+//! right is +x and its top is +y; from +x its right is -z; from above its top is -z. It repeats without end; its left lower
+//! corner is at the origin.
+//!
+//! **Filter.** Bilinear within a level of a pyramid (Williams 1983, "Pyramidal Parametrics"), linear between the two levels
+//! whose texels are as large as what a pixel covers. Each level is the mean of squares of the one below; of colours,
+//! the mean of light. What is covered is known from the length of the path, not from the slope of the surface, so that
+//! pictures at a grazing angle are sharper than a pixel, and the samples of the pixel average them.
+//!
+//! **Files.** PNG and JPEG, by way of the crate `image`; colours are sRGB, values that stand for numbers are linear. Alpha is
+//! ignored. Larger pictures than 4096 texels a side are averaged down. **Cost.** Four bytes a texel and a third more.
+
+use super::Spot;
+use glam::{Vec2, Vec3};
+use image::{ImageReader, Limits, Rgb, RgbImage};
+use std::io::{BufReader, ErrorKind, Seek};
+use std::path::Path;
+
+/// The largest side that is kept, texels.
+const KEPT_SIDE: u32 = 4096;
+/// The largest side that is read, texels.
+const MAX_SIDE: u32 = 32_768;
+/// The most texels that are read.
+const MAX_TEXELS: u64 = 1 << 28;
+
+/// A picture as a texture shows it.
+#[derive(Clone, PartialEq)]
+pub struct Picture {
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows, from the top.
+    pub height: u32,
+    /// Whether its codes are sRGB.
+    pub encoded: bool,
+    /// Red, green and blue codes of a byte each, the lowest first; all levels, the whole picture first, each half as wide and high
+    /// (rounded down, at least 1) as the one before, to the last of one texel.
+    pub texels: Vec<u32>,
+}
+
+impl std::fmt::Debug for Picture {
+    /// All but the texels.
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "Picture {{ {}x{}, encoded: {} }}", self.width, self.height, self.encoded)
+    }
+}
+
+/// Why a file is no texture.
+#[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
+pub enum PictureError {
+    /// It is not there.
+    #[error("there is no such file")]
+    Missing,
+    /// It is no file.
+    #[error("it is a directory")]
+    Directory,
+    /// It cannot be read.
+    #[error("it cannot be read: {0}")]
+    Unreadable(String),
+    /// It is none of the formats.
+    #[error("it is neither PNG nor JPEG")]
+    UnknownFormat,
+    /// Its contents are wrong.
+    #[error("it is damaged: {0}")]
+    Damaged(String),
+    /// It has too many texels.
+    #[error("{0} x {1} texels are too many")]
+    TooLarge(u32, u32),
+}
+
+impl PictureError {
+    /// What to do.
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::Missing | Self::Directory => "Its path is relative to the scene file.",
+            Self::Unreadable(_) => "Check its permissions.",
+            Self::UnknownFormat => "Save it as .png or .jpg.",
+            Self::Damaged(_) => "Save it again from the program that made it.",
+            Self::TooLarge(..) => "Make it smaller: at most 32768 texels a side and 268435456 in all.",
+        }
+    }
+}
+
+impl Picture {
+    /// The picture in the file at `path`; `encoded` where its codes stand for colours, in sRGB.
+    ///
+    /// # Errors
+    /// [`PictureError`] says why it is none.
+    pub fn load(path: &Path, encoded: bool) -> Result<Self, PictureError> {
+        let unreadable = |error: std::io::Error| match error.kind() {
+            ErrorKind::NotFound => PictureError::Missing,
+            _ => PictureError::Unreadable(error.to_string()),
+        };
+        let file = std::fs::File::open(path).map_err(unreadable)?;
+        if file.metadata().map_err(unreadable)?.is_dir() {
+            return Err(PictureError::Directory);
+        }
+        let mut file = BufReader::new(file);
+        let read = |file: BufReader<std::fs::File>| -> Result<ImageReader<_>, PictureError> {
+            let reader = ImageReader::new(file).with_guessed_format().map_err(unreadable)?;
+            match reader.format() {
+                Some(image::ImageFormat::Png | image::ImageFormat::Jpeg) => Ok(reader),
+                _ => Err(PictureError::UnknownFormat),
+            }
+        };
+        let first_line = |error: image::ImageError| {
+            let reason = error.to_string();
+            PictureError::Damaged(reason.lines().next().unwrap_or_default().chars().take(200).collect())
+        };
+        let start = file.get_ref().try_clone().map_err(unreadable)?;
+        let (width, height) = read(BufReader::new(start))?.into_dimensions().map_err(first_line)?;
+        if width.max(height) > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_TEXELS {
+            return Err(PictureError::TooLarge(width, height));
+        }
+        file.rewind().map_err(unreadable)?;
+        let mut reader = read(file)?;
+        let mut limits = Limits::no_limits();
+        limits.max_alloc = Some(16 * MAX_TEXELS);
+        reader.limits(limits);
+        let decoded = reader.decode().map_err(first_line)?.into_rgb8();
+        let mut level = decoded;
+        while level.width().max(level.height()) > KEPT_SIDE {
+            level = halved(&level, encoded);
+        }
+        let (width, height) = level.dimensions();
+        let mut texels = Vec::new();
+        loop {
+            let pack = |Rgb([r, g, b]): &Rgb<u8>| u32::from_le_bytes([*r, *g, *b, 0]);
+            texels.extend(level.pixels().map(pack));
+            if level.dimensions() == (1, 1) {
+                break;
+            }
+            level = halved(&level, encoded);
+        }
+        Ok(Self { width, height, encoded, texels })
+    }
+
+    /// How many levels there are.
+    pub fn levels(&self) -> u32 {
+        1 + self.width.max(self.height).ilog2()
+    }
+
+    /// Its mean.
+    pub fn mean(&self) -> Vec3 {
+        self.texel(self.texels.len() - 1, 1, 0, 0)
+    }
+
+    /// Linear colour of a texel of a level that starts at `start`.
+    fn texel(&self, start: usize, width: u32, x: u32, y: u32) -> Vec3 {
+        let [r, g, b, _] = self.texels[start + (y * width + x) as usize].to_le_bytes();
+        Vec3::new(f32::from(r), f32::from(g), f32::from(b))
+            .to_array()
+            .map(|code| light(code / 255.0, self.encoded))
+            .into()
+    }
+
+    /// A level at a place: x from the left, y from the bottom, the whole picture once from 0 to 1.
+    fn bilinear(&self, level: u32, place: Vec2) -> Vec3 {
+        let (mut start, mut width, mut height) = (0, self.width, self.height);
+        for _ in 0..level {
+            start += (width * height) as usize;
+            (width, height) = ((width / 2).max(1), (height / 2).max(1));
+        }
+        let inside = place - place.floor();
+        let at = Vec2::new(inside.x * width as f32, (1.0 - inside.y) * height as f32) - 0.5;
+        let corner = at.floor();
+        let part = at - corner;
+        let wrapped = |v: f32, count: u32| (v as i32).rem_euclid(count as i32) as u32;
+        let (x0, x1) = (wrapped(corner.x, width), wrapped(corner.x + 1.0, width));
+        let (y0, y1) = (wrapped(corner.y, height), wrapped(corner.y + 1.0, height));
+        let row = |y: u32| self.texel(start, width, x0, y).lerp(self.texel(start, width, x1, y), part.x);
+        row(y0).lerp(row(y1), part.y)
+    }
+
+    fn filtered(&self, level: f32, place: Vec2) -> Vec3 {
+        let first = level.floor();
+        let last = self.levels() - 1;
+        let fine = self.bilinear((first as u32).min(last), place);
+        if level == first {
+            return fine;
+        }
+        fine.lerp(self.bilinear((first as u32 + 1).min(last), place), level - first)
+    }
+
+    /// The blend of the projections along the axes; `size` is the picture's width, in the spot's coordinates.
+    pub(super) fn projected(&self, spot: &Spot, size: f32) -> Vec3 {
+        let texel = size / self.width as f32;
+        let level = (spot.footprint / texel).max(1.0).log2().min((self.levels() - 1) as f32);
+        let scale = Vec2::new(1.0, self.width as f32 / self.height as f32) / size;
+        let n = spot.normal;
+        let weights = (n * n) * (n * n);
+        let weights = weights * weights;
+        let side = |v: f32| if v < 0.0 { -1.0 } else { 1.0 };
+        let p = spot.p;
+        let places =
+            [Vec2::new(-side(n.x) * p.z, p.y), Vec2::new(p.x, -side(n.y) * p.z), Vec2::new(side(n.z) * p.x, p.y)];
+        let total = weights.element_sum().max(1e-30);
+        let mut sum = Vec3::ZERO;
+        for (k, place) in places.into_iter().enumerate() {
+            let weight = weights[k] / total;
+            // Too little to be seen.
+            if weight > 1e-3 {
+                sum += self.filtered(level, place * scale) * weight;
+            }
+        }
+        sum
+    }
+}
+
+/// Light of a code from 0 to 1.
+fn light(code: f32, encoded: bool) -> f32 {
+    match encoded {
+        false => code,
+        true if code <= 0.04045 => code / 12.92,
+        true => ((code + 0.055) / 1.055).powf(2.4),
+    }
+}
+
+/// The code of light from 0 to 1.
+fn code(light: f32, encoded: bool) -> f32 {
+    match encoded {
+        false => light,
+        true if light <= 0.003_130_8 => light * 12.92,
+        true => 1.055 * light.powf(1.0 / 2.4) - 0.055,
+    }
+}
+
+/// Half as wide and as high; each texel is the mean of those that it covers.
+fn halved(picture: &RgbImage, encoded: bool) -> RgbImage {
+    let table: Vec<f32> = (0..256u32).map(|byte| light(byte as f32 / 255.0, encoded)).collect();
+    let (width, height) = picture.dimensions();
+    let half = |side: u32| (side / 2).max(1);
+    // A side that is odd gives its last texels to the last one.
+    let covered = |at: u32, side: u32| at * 2..if at + 1 == half(side) { side } else { at * 2 + 2 };
+    RgbImage::from_fn(half(width), half(height), |x, y| {
+        let (columns, rows) = (covered(x, width), covered(y, height));
+        let count = (columns.len() * rows.len()) as f32;
+        let mut sum = [0.0; 3];
+        for (column, row) in rows.flat_map(|row| columns.clone().map(move |column| (column, row))) {
+            let Rgb(codes) = *picture.get_pixel(column, row);
+            (0..3).for_each(|k| sum[k] += table[codes[k] as usize]);
+        }
+        Rgb(sum.map(|sum| (code(sum / count, encoded) * 255.0).round() as u8))
+    })
+}
