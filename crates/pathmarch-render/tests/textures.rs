@@ -60,7 +60,7 @@ material \"floor\" {
     principled { wood size=0.2 { colour 0.5 0.3 0.1; colour 0.2 0.1 0.05; rotate 90 0 0 } }
     roughness { fbm size=0.3 from=0.1 to=0.6 }
     coat { checker size=0.5 }
-    bump { brick length=0.5 height=0.25 }
+    bump { brick length=0.5 course=0.25 }
 }
 material \"stone\" { diffuse { marble { colour 0.9; colour 0.2 0.2 0.3 } }; bump { voronoi size=0.1 height=0.02 } }
 material \"gold\" { metal { cracks { colour 1 0.6 0.2; colour 1 0.9 0.5 } }; roughness { cells from=0 to=0.5 } }

@@ -11,12 +11,13 @@ use super::patch::Patch;
 use super::path::Path;
 use super::slots::{Place, SKIES, Slot, child, material_control, material_kind, parameter_values, sky_form, slots};
 use super::structure::title;
+use super::textures::texture_node;
 use super::work::Work;
 use super::write::check;
 use crate::language::names::{NORMAL, listed};
 use crate::language::schema;
 use crate::language::tree;
-use crate::materials;
+use crate::materials::{self, Texturing};
 use pathmarch_field::{Param, Solid, registry};
 
 /// Makes a node one of another kind.
@@ -134,10 +135,20 @@ fn set_material_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), Edi
         .filter(|param| {
             let value = slots.iter().find(|slot| slot.control.key == param.name).map(|slot| &slot.control.value);
             let same = beside.iter().find(|other| other.name == param.name);
+            if texture_node(found.node, param.name).is_some() {
+                return same.is_none_or(|same| same.texturing == Texturing::None);
+            }
             !same.zip(value).is_some_and(|(same, value)| fits(same, value))
         })
         .map(|param| param.name)
         .collect();
+    let untextured = new.params.first().is_none_or(|param| param.texturing == Texturing::None);
+    if let Some(block) = node.children.as_ref().filter(|_| untextured && texture_node(found.node, old.name).is_some()) {
+        let span = bytes(block.span);
+        patches.push(Patch::remove(before_spaces(&work.text, span.start)..span.end));
+    }
+    let of_surfaces = [schema::ORBIT_TRAP, schema::BUMP].into_iter().filter(|_| new.bsdf.is_none());
+    let dropped: Vec<&str> = dropped.into_iter().chain(of_surfaces).collect();
     work.then(patches)?;
     for name in dropped {
         let patches = work.writer(work.find(path)?).erase_node(name)?;

@@ -30,6 +30,7 @@ mod patch;
 mod path;
 mod slots;
 mod structure;
+mod textures;
 mod work;
 mod write;
 
@@ -68,6 +69,8 @@ pub mod key {
     pub const NORMAL: &str = "place.normal";
     /// Number of a parameter.
     pub const VALUE: &str = "value";
+    /// What a key ends with, behind a dot, that says which texture stands for a parameter.
+    pub const TEXTURE: &str = "texture";
     /// File of a sky that is a picture. May be set for every sky, which then becomes a picture.
     pub const PICTURE: &str = "picture";
 }

@@ -6,6 +6,7 @@
 use super::control::{Control, ControlKind, NumberRange, Value};
 use super::key;
 use super::outline::ItemKind;
+use super::textures::{Inside, target, texture_node};
 use crate::language::Values;
 use crate::language::arguments::{Range, srgb};
 use crate::language::expression::Expression;
@@ -34,6 +35,10 @@ pub(super) enum Place {
     Node(&'static str),
     /// A property of a node in its braces.
     NodeProperty(&'static str, &'static str),
+    /// Which texture stands in the braces of a node in its braces.
+    Texture(&'static str),
+    /// In that texture, or in the orbit trap.
+    Inside(&'static str, Inside),
 }
 
 /// A parameter.
@@ -124,14 +129,14 @@ pub(super) fn slots(file: &Block<'static>, values: &Values, kind: ItemKind, node
     list.slots
 }
 
-struct List<'n> {
-    node: &'n Node<'static>,
+pub(super) struct List<'n> {
+    pub(super) node: &'n Node<'static>,
     values: &'n Values,
     slots: Vec<Slot>,
 }
 
 impl List<'_> {
-    fn push(&mut self, control: Control, place: Place) {
+    pub(super) fn push(&mut self, control: Control, place: Place) {
         let given = given(self.node, place, &control.kind);
         let value = given.clone().flatten().unwrap_or_else(|| control.default.clone());
         let present = match &value {
@@ -145,6 +150,13 @@ impl List<'_> {
         let numbers: Option<Vec<f32>> =
             entries(self.node, place).iter().map(|entry| number(entry, self.values)).collect();
         plain(&numbers?, kind)
+    }
+
+    /// Gives the last control another name for people.
+    pub(super) fn relabel(&mut self, label: Cow<'static, str>) {
+        if let Some(slot) = self.slots.last_mut() {
+            slot.control.label = label;
+        }
     }
 
     fn name(&mut self, default: &str) {
@@ -164,7 +176,7 @@ impl List<'_> {
     }
 
     /// A setting of the parser's table.
-    fn setting(&mut self, key: &'static str, label: &'static str, setting: &'static Setting, place: Place) {
+    pub(super) fn setting(&mut self, key: &'static str, label: &'static str, setting: &'static Setting, place: Place) {
         let (kind, default) = match setting.form {
             Form::Number { range, default } => {
                 let kind = ControlKind::Number(number_range(range, false, setting.unit, default));
@@ -273,17 +285,22 @@ impl List<'_> {
         let Some(kind) = material_kind(self.node) else { return self.kind(kinds, "", "What it is made of.") };
         self.kind(kinds, kind.name, kind.doc);
         for (index, param) in kind.params.iter().enumerate() {
-            let control = material_control(param);
-            self.push(control, Place::Node(if index == 0 { kind.name } else { param.name }));
+            let owner = if index == 0 { kind.name } else { param.name };
+            if !self.texture_of(param, owner) {
+                self.push(material_control(param), Place::Node(owner));
+                self.texture_choice_of(param, owner);
+            }
         }
         if kind.bsdf.is_some() {
             self.orbit_trap();
+            self.trap();
+            self.bump();
         }
     }
 
     fn orbit_trap(&mut self) {
         let traps = ControlKind::Choice(Trap::ALL.map(|trap| Cow::Borrowed(trap.name())).to_vec());
-        let doc = "Colours fractals by what their orbits come near to; its range and colours stand in the text.";
+        let doc = "Colours fractals by what their orbits come near to.";
         let mut trap = control(ORBIT_TRAP, "orbit trap", doc, "", traps, Value::None);
         trap.initial = Value::Text(Trap::Point.name().to_owned());
         self.push(trap, Place::Node(ORBIT_TRAP));
@@ -329,7 +346,7 @@ const LENS_KEYS: &[(&str, &str, &str)] =
     &[("radius", "lens.radius", "lens radius"), ("focus", "lens.focus", "focus distance")];
 
 /// The name of a setting for people, where it is not its word.
-fn label(word: &'static str) -> &'static str {
+pub(super) fn label(word: &'static str) -> &'static str {
     match word {
         "at" => "position",
         "rotate" => "rotation",
@@ -339,7 +356,7 @@ fn label(word: &'static str) -> &'static str {
     }
 }
 
-fn control(
+pub(super) fn control(
     key: &'static str,
     label: &'static str,
     doc: &'static str,
@@ -367,7 +384,7 @@ pub(super) fn parameter_value(param: &Param, value: f32) -> Value {
 }
 
 /// A parameter of a shape or an operator.
-fn parameter_control(param: &Param) -> Control {
+pub(super) fn parameter_control(param: &Param) -> Control {
     if param.unit == Unit::Axis {
         let kind = ControlKind::Choice(AXES.map(Cow::Borrowed).to_vec());
         return control(param.name, param.name, param.doc, "", kind, parameter_value(param, param.default));
@@ -425,6 +442,9 @@ fn number_range(range: Range, whole: bool, unit: &str, default: Option<f32>) -> 
 
 /// What stands at a place: nothing, something that cannot be read, or a value.
 fn given(node: &Node<'static>, place: Place, kind: &ControlKind) -> Option<Option<Value>> {
+    if let Place::Texture(owner) = place {
+        return texture_node(node, owner).map(|node| Some(Value::Text(node.name.value.to_string())));
+    }
     let entries = entries(node, place);
     (!entries.is_empty()).then(|| read(&entries, kind))
 }
@@ -442,6 +462,12 @@ fn entries<'n>(node: &'n Node<'static>, place: Place) -> Vec<&'n Entry<'static>>
         Place::NodeProperty(name, word) => {
             child(node, name).and_then(|child| property(child, word)).into_iter().collect()
         }
+        Place::Texture(_) => Vec::new(),
+        Place::Inside(owner, inside) => match (target(node, owner, inside), inside) {
+            (Some(node), Inside::Property(word)) => property(node, word).into_iter().collect(),
+            (Some(node), Inside::Argument) => arguments(node).take(1).collect(),
+            (node, _) => node.map_or_else(Vec::new, all),
+        },
     }
 }
 

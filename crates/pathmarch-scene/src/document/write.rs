@@ -167,6 +167,11 @@ impl<'d> Writer<'d> {
                 Some(child) => Ok(self.of(child).write_property(word, value)),
                 None => self.insert(&format!("{name} {word}={}", fresh(value))),
             },
+            Place::Texture(owner) => match value {
+                Value::Text(kind) => self.write_texture(owner, kind),
+                _ => Ok(Vec::new()),
+            },
+            Place::Inside(owner, inside) => self.write_inside(owner, inside, value),
         }
     }
 
@@ -181,6 +186,8 @@ impl<'d> Writer<'d> {
                 Ok(property(self.node, name).map(|entry| self.remove(entry)).into_iter().collect())
             }
             Place::Name | Place::Second | Place::Kind | Place::Arguments => Ok(Vec::new()),
+            Place::Texture(owner) => self.erase_texture(owner),
+            Place::Inside(owner, inside) => self.erase_inside(owner, inside),
             // The node that says the kind of a material says its first parameter, too.
             Place::Node(name) if crate::materials::kind(name).is_some() && self.node.name.value == "material" => {
                 let Some(child) = child(self.node, name) else { return Ok(Vec::new()) };
@@ -196,7 +203,7 @@ impl<'d> Writer<'d> {
         }
     }
 
-    fn of(&self, node: &'d Node<'static>) -> Self {
+    pub(super) fn of(&self, node: &'d Node<'static>) -> Self {
         Self { node, ..*self }
     }
 
@@ -233,7 +240,7 @@ impl<'d> Writer<'d> {
     }
 
     /// Removes an argument or a property; with its line, if that went on only for it.
-    fn remove(&self, entry: &Entry) -> Patch {
+    pub(super) fn remove(&self, entry: &Entry) -> Patch {
         let span = bytes(entry.span);
         let start = before_spaces(self.text, span.start);
         if starts_line(self.text, span.start) && tail(self.text, span.end).ends_line {
@@ -250,7 +257,7 @@ impl<'d> Writer<'d> {
         self.node.span().end as usize
     }
 
-    fn write_property(&self, name: &str, value: &Value) -> Vec<Patch> {
+    pub(super) fn write_property(&self, name: &str, value: &Value) -> Vec<Patch> {
         vec![match property(self.node, name) {
             Some(entry) => self.replace(entry, value),
             None => Patch::insert(self.end_of_entries(), format!(" {name}={}", fresh(value))),
@@ -268,7 +275,7 @@ impl<'d> Writer<'d> {
         Patch::replace(range, text)
     }
 
-    fn write_arguments(&self, value: &Value) -> Vec<Patch> {
+    pub(super) fn write_arguments(&self, value: &Value) -> Vec<Patch> {
         let arguments: Vec<_> = arguments(self.node).collect();
         let each = |values: &[f32]| {
             let changed = arguments.iter().zip(values).filter(|(entry, value)| read_number(entry) != Some(**value));

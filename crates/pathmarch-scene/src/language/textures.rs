@@ -87,7 +87,7 @@ pub(super) fn texture(owner: &Node, to: Use, files: &mut Files, report: &mut Rep
     let meaning = meaning(node, kind, to, &named, report);
     let mut placement = Placements::default();
     for child in node.child_nodes() {
-        if !placement.take(child, false, report) && !(child.name.value == COLOUR && matches!(to, Use::Colour)) {
+        if !(placement.take(child, false, report) || child.name.value == COLOUR && matches!(to, Use::Colour)) {
             let colours = matches!(to, Use::Colour).then_some(COLOUR);
             let known: Vec<&str> = PLACEMENT.iter().copied().chain(colours).collect();
             unexpected_node(&child.name, &known, &format!("in a `{}`", node.name.value), report);

@@ -11,13 +11,13 @@ pub(super) static KIND: TextureKind = TextureKind {
     source: "Ebert et al. 2003",
     params: &[
         Param::length("length", 0.25, "From brick to brick, mortar included."),
-        Param::length("height", 0.075, "From course to course, mortar included."),
+        Param::length("course", 0.075, "From course to course, mortar included."),
         Param::length_or_zero("mortar", 0.012, "Width of the joints."),
         Param::between("shift", 0.5, 0.0, 1.0, "How far each course is shifted against the one below, in bricks."),
         Param::between("variation", 0.4, 0.0, 0.9, "How much bricks differ: they are from 1 less this to 1."),
         SEED,
     ],
-    step: |[length, height, mortar, ..]| 0.05 * mortar.max(0.02 * length.min(*height)),
+    step: |[length, course, mortar, ..]| 0.05 * mortar.max(0.02 * length.min(*course)),
     value,
     wgsl: include_str!("brick.wgsl"),
 };

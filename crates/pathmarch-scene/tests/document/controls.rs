@@ -4,7 +4,7 @@
 use super::{all_items, path};
 use pathmarch_field::{Unit, registry};
 use pathmarch_scene::document::{Control, ControlKind, Document, Item, ItemKind, Value, key};
-use pathmarch_scene::{Scene, materials};
+use pathmarch_scene::{Scene, materials, textures};
 use std::collections::HashSet;
 
 const HEAD: &str = "pathmarch 1\ncamera \"first\" { position 0 1 5; target 0 1 0 }\n\
@@ -46,6 +46,23 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
             "it",
         ));
     }
+    for kind in textures::kinds() {
+        let name = kind.name;
+        let all: Vec<String> = kind.params.iter().map(|param| format!("{}={}", param.name, param.default)).collect();
+        let all = all.join(" ");
+        nodes.push((format!("material \"it\" {{ diffuse {{ {name} }} }}"), "it"));
+        nodes.push((
+            format!(
+                "material \"it\" {{ principled {{ {name} {all} {{ colour 1; colour \"#102030\"; at 1 2 3 }} }}\n    roughness {{ {name} from=0.1 \
+                 to=0.2 }}\n    bump {{\n        {name} height=0.1 {{ rotate 1 2 3; scale 2 }}\n    }}\n}}"
+            ),
+            "it",
+        ));
+    }
+    nodes.push((
+        "material \"it\" { metal 0.5; orbit-trap \"line\" from=0.2 to=2 { colour 0.1; colour 1 0.5 0.2 } }".to_owned(),
+        "it",
+    ));
     for shape in registry::shapes() {
         let name = shape.info().name;
         let default = |param: &pathmarch_field::Param| format!("{}", param.default);
@@ -187,7 +204,8 @@ impl Number for Value {
 /// All of a scene but its texts, as text.
 pub(super) fn meaning(scene: &Scene) -> String {
     let Scene { cameras, render, sky, lights, materials, objects, field, params, .. } = scene;
-    let materials: Vec<_> = materials.iter().map(|m| (&m.name, m.kind.name, &m.values, &m.orbit_trap)).collect();
+    let materials: Vec<_> =
+        materials.iter().map(|m| (&m.name, m.kind.name, &m.values, &m.orbit_trap, &m.painted, &m.bump)).collect();
     let sky = match sky {
         pathmarch_scene::Sky::Map(map) => format!("{map:?} {:?}", &map.texels[map.texels.len() / 3]),
         sky => format!("{sky:?}"),
@@ -241,8 +259,17 @@ fn setting_a_control_changes_it_alone() {
                 );
                 let after = all_values(&document);
                 let renamed = control.key == key::NAME;
-                assert_eq!(before.len(), after.len(), "{context}");
-                for (old, new) in before.iter().zip(&after) {
+                // A texture and an orbit trap bring controls of their own.
+                let brings = control.key.ends_with(key::TEXTURE) || control.key == "orbit-trap";
+                assert!(brings || before.len() == after.len(), "{context}");
+                let find = |old: &(String, &str, Value)| after.iter().find(|new| (&new.0, new.1) == (&old.0, old.1));
+                let owner = control.key.split('.').next();
+                let is_beside = |old: &&(String, &str, Value)| old.1.split('.').next() != owner;
+                let pairs: Vec<_> = match brings {
+                    true => before.iter().filter(is_beside).filter_map(|old| Some((old, find(old)?))).collect(),
+                    false => before.iter().zip(&after).collect(),
+                };
+                for (old, new) in pairs {
                     let same = old == new || (&old.0, old.1) == (&at.to_string(), control.key);
                     assert!(same || renamed, "{context}: {old:?} became {new:?}\n{}", document.text());
                 }
@@ -279,7 +306,8 @@ fn resetting_a_control_gives_its_default() {
             }
             let now = document.control(&at, control.key).unwrap();
             assert_eq!(now.value, control.default, "{context}\n{}", document.text());
-            for (old, new) in before.iter().zip(&all_values(&document)) {
+            let brings = control.key.ends_with(key::TEXTURE) || control.key == "orbit-trap";
+            for (old, new) in before.iter().zip(&all_values(&document)).filter(|_| !brings) {
                 assert!(old == new || old.1 == control.key, "{context}: {old:?} became {new:?}\n{}", document.text());
             }
             document.undo();
