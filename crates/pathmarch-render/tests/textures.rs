@@ -76,11 +76,11 @@ object \"lens\" material=\"wavy\" { sphere 0.3 { at -0.3 0.35 1.6 } }";
 #[test]
 fn both_backends_trace_what_varies_alike() {
     let scene = parse(EVERYTHING);
-    let pictures = pictures(&scene, Mode::Path, 32, [96, 64]);
+    let pictures = pictures(&scene, Mode::Path, 8, [60, 40]);
     if let [cpu, gpu] = &pictures[..] {
         let comparison = compare(gpu, cpu, PictureKind::Hdr).expect("of one size");
         println!("relMSE {}", comparison.relmse);
-        assert!(comparison.relmse < 2e-3, "{}", comparison.relmse);
+        assert!(comparison.relmse < 5e-3, "{}", comparison.relmse);
     }
 }
 

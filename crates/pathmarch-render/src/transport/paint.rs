@@ -214,7 +214,7 @@ impl Layer {
 }
 
 /// Between two of the knots.
-fn between<'k, T>(knots: &'k [T], value: f32) -> (&'k T, &'k T, f32) {
+fn between<T>(knots: &[T], value: f32) -> (&T, &T, f32) {
     let place = value * (KNOTS - 1) as f32;
     let first = (place as usize).min(KNOTS - 2);
     (&knots[first], &knots[first + 1], place - first as f32)
@@ -291,11 +291,11 @@ impl<'p> Painted<'p> {
 
     /// The material's colour here, its first parameter, where that varies.
     pub(crate) fn colour(&self) -> Option<Vec3> {
-        let colours = self.paint.layers.iter().filter_map(|layer| match &layer.change {
+        let mut colours = self.paint.layers.iter().filter_map(|layer| match &layer.change {
             Change::Colour { place: 0, colours } => self.colour_of(&layer.source, colours.as_ref()),
             _ => None,
         });
-        colours.last()
+        colours.next_back()
     }
 
     /// What a quick picture shows of the material here.
