@@ -291,3 +291,43 @@ fn distances_are_bounds_and_gradients_agree_with_differences() {
         }
     }
 }
+
+/// Where a point is in a leaf's coordinates: its distance there is that of the field, and the gradients are its slopes.
+#[test]
+fn coordinates_are_the_leafs_own() {
+    let placement =
+        Placement { rotate: Some([20.0, 30.0, 10.0]), scale: Some(1.3), at: Some([0.2, 0.1, 0.0]), normal: None };
+    let twisted = Node { placement, ..modified("twist", &[0.2], vec![block(0.8)]) };
+    let nodes = [
+        block(0.8),
+        twisted.clone(),
+        Node { placement, ..modified("polar", &[3.0], vec![Node { placement: at(0.8, 0.0, 0.0), ..twisted.clone() }]) },
+        modified("bend", &[0.08], vec![twisted]),
+    ];
+    for (k, node) in nodes.iter().enumerate() {
+        let field = Field::new(std::slice::from_ref(node));
+        let leaf = &field.leaves()[0];
+        let mut random = Random::new(k as u64);
+        let mut compared = 0;
+        for _ in 0..500 {
+            let p = random.point(Aabb::centred(1.2, 1.2, 1.2));
+            let here = field.coordinates(0, p).expect("a leaf");
+            // Every modifier here keeps the sign of what it holds.
+            let inside = leaf.shape.distance(here.point, &leaf.params);
+            assert!(inside.abs() < 1e-4 || (inside < 0.0) == (field.distance(p) < 0.0), "{k} at {p:?}");
+            let step = 1e-3;
+            for (axis, offset) in [Vec3::new(step, 0.0, 0.0), Vec3::new(0.0, step, 0.0), Vec3::new(0.0, 0.0, step)]
+                .into_iter()
+                .enumerate()
+            {
+                let [a, b] = [p - offset, p + offset].map(|p| field.coordinates(0, p).expect("a leaf").point);
+                let slope = (b - a) / (2.0 * step);
+                let gradient = here.gradients.map(|g| [g.x, g.y, g.z][axis]);
+                let apart = (slope - Vec3::new(gradient[0], gradient[1], gradient[2])).length();
+                // On a border between copies the coordinates jump.
+                compared += usize::from(apart < 0.01);
+            }
+        }
+        assert!(compared > 1400, "{k}: {compared} of 1500");
+    }
+}

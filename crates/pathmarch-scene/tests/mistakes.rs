@@ -384,3 +384,15 @@ material \"b\" { metal 1; orbit-trap from=1 to=1 { colour 0.5 } }
 material \"c\" { emit 1; orbit-trap { colour 1 } }
 material \"d\" { glass 1; orbit-trap \"line\" \"plane\" size=2; orbit-trap { colour 2 } }"
 );
+body!(
+    textures,
+    "material \"a\" { diffuse { marbel size=0.1 } }
+material \"b\" { diffuse 0.5 { fbm } }
+material \"c\" { emit { fbm } }
+material \"d\" { glass 1; absorb { fbm }; ior { cells }; roughness { picture } }
+material \"e\" { diffuse { fbm; wood } }
+material \"f\" { principled { fbm size=0 octaves=2.5 from=1 { color 1; colour 2; att 1 2 3 } }; roughness { fbm from=2; } }
+material \"g\" { metal { picture \"no.png\" }; edge { picture \"\" size=-1 }; bump { }; roughness { checker { colour 1 } } }
+material \"h\" { diffuse { picture \"tests/data/small.hdr\" }; bump 2 { fbm heigt=1 } }
+material \"i\" { diffuse { picture \"tests\" } }"
+);

@@ -1,0 +1,200 @@
+//! Every texture: from 0 to 1 and of a sensible spread, without jumps where it promises none, moved as it is placed; and what
+//! a material's parameters make of them.
+
+use glam::Vec3;
+use pathmarch_field::Placement;
+use pathmarch_scene::materials::{Meaning, Texturing, kinds};
+use pathmarch_scene::textures::{self, Pattern, Spot, Texture, TextureKind, TextureNumbers};
+use pathmarch_scene::{Material, Scene};
+
+/// A small generator (PCG; O'Neill 2014), so that samples are the same on each run.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let word = (((self.0 >> 18) ^ self.0) >> 27) as u32;
+        (word.rotate_right((self.0 >> 59) as u32) >> 8) as f32 / 16_777_216.0
+    }
+    /// Within a box of this half edge.
+    fn point(&mut self, half: f32) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next()) * (2.0 * half) - half
+    }
+}
+
+fn spot(p: Vec3) -> Spot {
+    Spot { p, normal: Vec3::Z, footprint: 0.0 }
+}
+
+fn defaults(kind: &TextureKind) -> TextureNumbers {
+    std::array::from_fn(|k| kind.params.get(k).map_or(0.0, |param| param.default))
+}
+
+fn texture(kind: &'static TextureKind, placement: Placement) -> Texture {
+    Texture { pattern: Pattern::Computed { kind, numbers: defaults(kind) }, pose: placement.pose() }
+}
+
+#[test]
+fn values_are_between_0_and_1_and_spread_over_them() {
+    for kind in textures::kinds() {
+        let texture = texture(kind, Placement::default());
+        let mut random = Random(1);
+        let n = 40_000;
+        let values: Vec<f32> = (0..n).map(|_| texture.value(&spot(random.point(5.0)))).collect();
+        let mean = values.iter().sum::<f32>() / n as f32;
+        let deviation = (values.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / n as f32).sqrt();
+        println!("{}: {mean} ± {deviation}", kind.name);
+        assert!(values.iter().all(|v| (0.0..=1.0).contains(v)), "{}", kind.name);
+        assert!((0.1..0.95).contains(&mean), "{}: a mean of {mean}", kind.name);
+        assert!(deviation > 0.1, "{}: a deviation of {deviation}", kind.name);
+        // Uncut but for few.
+        let cut = values.iter().filter(|v| **v <= 0.0 || **v >= 1.0).count() as f32 / n as f32;
+        let has_flats = ["checker", "brick", "cracks", "voronoi"].contains(&kind.name);
+        assert!(has_flats || cut < 0.05, "{}: {cut} are cut", kind.name);
+        // Mirrored and far points have values, too.
+        for p in [Vec3::splat(-1e6), Vec3::splat(1e30), Vec3::new(0.0, 1e12, -1e12), Vec3::ZERO] {
+            assert!(texture.value(&spot(p)).is_finite(), "{} at {p}", kind.name);
+        }
+    }
+}
+
+#[test]
+fn those_without_edges_do_not_jump() {
+    for kind in textures::kinds().iter().filter(|kind| !["checker", "cells"].contains(&kind.name)) {
+        let texture = texture(kind, Placement::default());
+        let step = 1e-3 * (kind.step)(&defaults(kind));
+        let mut random = Random(2);
+        let mut worst = 0.0_f32;
+        for _ in 0..40_000 {
+            let p = random.point(1.0);
+            let towards = random.point(1.0).normalize() * step;
+            worst = worst.max((texture.value(&spot(p + towards)) - texture.value(&spot(p))).abs());
+        }
+        println!("{}: {worst}", kind.name);
+        assert!(worst < 0.02, "{}: {worst} over {step} m", kind.name);
+    }
+}
+
+#[test]
+fn a_seed_is_another_one() {
+    for kind in textures::kinds() {
+        let Some(seed) = kind.params.iter().position(|param| param.name == "seed") else { continue };
+        let mut random = Random(3);
+        let differing = (0..1000).filter(|_| {
+            let at = spot(random.point(2.0));
+            let mut numbers = defaults(kind);
+            let first = (kind.value)(&at, &numbers);
+            numbers[seed] = 12.0;
+            (first - (kind.value)(&at, &numbers)).abs() > 1e-3
+        });
+        // Bricks differ by their own values alone, most of the cracks are none.
+        let differing = differing.count();
+        assert!(differing > 200, "{}: {differing} of 1000", kind.name);
+    }
+}
+
+#[test]
+fn a_checker_is_exact_and_whole_on_its_lattice() {
+    let kind = textures::kind("checker").expect("registered");
+    let texture = Texture {
+        pattern: Pattern::Computed { kind, numbers: [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] },
+        pose: Placement::default().pose(),
+    };
+    for (x, y, z) in (-3..3).flat_map(|x| (-3..3).flat_map(move |y| (-3..3).map(move |z| (x, y, z)))) {
+        let corner = Vec3::new(x as f32, y as f32, z as f32) * 0.5;
+        let expected = (x + y + z).rem_euclid(2) as f32;
+        for inside in [0.01, 0.25, 0.49] {
+            assert_eq!(texture.value(&spot(corner + inside)), expected, "{corner} + {inside}");
+        }
+        // A face in the lattice is of one side, whatever rounding does.
+        let above = texture.value(&spot(corner + Vec3::new(0.25, 1e-6, 0.25)));
+        let below = texture.value(&spot(corner + Vec3::new(0.25, -1e-6, 0.25)));
+        assert_eq!(above, below, "at {corner}");
+    }
+}
+
+#[test]
+fn a_texture_is_where_it_is_placed() {
+    let placement = Placement {
+        at: Some([0.3, -0.2, 1.0]),
+        rotate: Some([0.0, 90.0, 0.0]),
+        scale: Some(2.0),
+        ..Placement::default()
+    };
+    for kind in textures::kinds().iter().filter(|kind| kind.name != "brick") {
+        let (plain, placed) = (texture(kind, Placement::default()), texture(kind, placement));
+        let mut random = Random(4);
+        for _ in 0..200 {
+            let p = random.point(0.5);
+            // A right-handed quarter turn about y takes z to x and x to -z.
+            let moved = Vec3::new(0.3, -0.2, 1.0) + 2.0 * Vec3::new(p.z, p.y, -p.x);
+            let (a, b) = (plain.value(&spot(p)), placed.value(&spot(moved)));
+            assert!((a - b).abs() < 2e-2 || ["checker", "cells"].contains(&kind.name), "{} at {p}: {a} {b}", kind.name);
+        }
+    }
+}
+
+/// What a texture may stand for says truly what the numbers of its material are.
+#[test]
+fn parameters_that_may_be_textured_keep_their_numbers_apart() {
+    for kind in kinds() {
+        let Some(bsdf) = kind.bsdf else {
+            assert!(kind.params.iter().all(|param| param.texturing == Texturing::None));
+            continue;
+        };
+        let plain: Vec<[f32; 3]> = kind.params.iter().map(|param| param.default).collect();
+        let numbers = (bsdf.pack)(&plain);
+        let mut taken = [None; 32];
+        for (index, param) in kind.params.iter().enumerate() {
+            let changed = |value: [f32; 3]| {
+                let mut values = plain.clone();
+                values[index] = value;
+                (bsdf.pack)(&values)
+            };
+            let places: Vec<usize> = match param.texturing {
+                Texturing::None => continue,
+                Texturing::Colour(place) => {
+                    let with = changed([0.125, 0.25, 0.375]);
+                    assert_eq!(with[place..place + 3], [0.125, 0.25, 0.375], "{} {}", kind.name, param.name);
+                    assert!((0..32).all(|k| with[k] == numbers[k] || (place..place + 3).contains(&k)), "{}", kind.name);
+                    assert_eq!(place % 4, 0, "a vector of its own");
+                    (place..place + 3).collect()
+                }
+                Texturing::Packed => {
+                    let all: Vec<_> = [0.0, 0.3, 0.7, 1.0].map(|value| changed([value, 0.0, 0.0])).to_vec();
+                    (0..32).filter(|&k| all.iter().any(|with| with[k] != numbers[k])).collect()
+                }
+            };
+            for place in places {
+                assert_eq!(taken[place].replace(param.name), None, "{}: number {place}", kind.name);
+            }
+        }
+    }
+}
+
+fn material(text: &str) -> Material {
+    let scene = format!(
+        "pathmarch 1\ncamera {{ position 0 1 5; target 0 1 0 }}\nsky 1\nmaterial \"it\" {{ {text} }}\nobject \"o\" material=\"it\" {{ sphere }}"
+    );
+    Scene::parse("scene.kdl", &scene).unwrap_or_else(|error| panic!("{text}: {error:?}")).materials[0].clone()
+}
+
+#[test]
+fn every_way_to_write_a_texture_is_read() {
+    let it = material(
+        "principled { marble size=2 octaves=3 { colour 1 0.5 0; colour \"#000\"; at 1 2 3; scale 2 } }; roughness { fbm from=0.6 to=0.1 }; \
+         metallic { checker }; bump { cracks height=-0.01 { rotate 0 90 0 } }",
+    );
+    let names: Vec<_> = it.painted.iter().map(|painted| it.kind.params[painted.param].name).collect();
+    assert_eq!(names, ["colour", "metallic", "roughness"]);
+    assert_eq!(it.painted[0].meaning, Meaning::Colours(vec![[1.0, 0.5, 0.0], [0.0; 3]]));
+    assert_eq!(it.painted[2].meaning, Meaning::Range([0.6, 0.1]));
+    assert_eq!(it.value("roughness"), Some([0.35, 0.0, 0.0]));
+    assert_eq!(it.albedo(), [0.5, 0.25, 0.0]);
+    assert_eq!((it.painted[0].texture.pose.at, it.painted[0].texture.pose.scale), ([1.0, 2.0, 3.0], 2.0));
+    assert_eq!(it.bump.expect("a relief").height, -0.01);
+    for kind in textures::kinds() {
+        let all: Vec<String> = kind.params.iter().map(|param| format!("{}={}", param.name, param.default)).collect();
+        material(&format!("diffuse {{ {} {} }}", kind.name, all.join(" ")));
+    }
+}
