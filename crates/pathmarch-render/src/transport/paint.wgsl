@@ -52,7 +52,9 @@ fn texture_at(at: u32, leaf: u32, of_shape: Spot) -> vec4f {
     for (var k = 0u; k < 8u; k++) {
         numbers[k] = table_number(at + 15u + k);
     }
-    return vec4f(clamp(computed_texture(kind, spot, numbers), 0.0, 1.0));
+    let value = computed_texture(kind, spot, numbers);
+    // What is not a number is 0.
+    return vec4f(select(0.0, min(value, 1.0), value > 0.0));
 }
 
 /// The colour of a layer that is one, for what its texture shows.

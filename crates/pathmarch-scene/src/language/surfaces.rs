@@ -82,7 +82,7 @@ fn describe(node: &Node, files: &mut Files, report: &mut Report) -> Option<Mater
         if !is_textured || has_value {
             material.values[index] = value(node, param, report).unwrap_or(param.default);
         } else if param.texturing == Texturing::None {
-            textures::refuse(node, kind.name, report);
+            textures::refuse(node, report);
         } else if let Some(painted) = painted(node, index, param, files, report) {
             material.values[index] = painted.middle();
             material.painted.push(painted);

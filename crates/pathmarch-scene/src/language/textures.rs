@@ -193,12 +193,12 @@ fn picture(node: &Node, size: f32, encoded: bool, files: &mut Files, report: &mu
 }
 
 /// Reports braces behind a parameter that no texture may stand for.
-pub(super) fn refuse(node: &Node, kind: &str, report: &mut Report) {
+pub(super) fn refuse(node: &Node, report: &mut Report) {
     let has_texture = node.child_nodes().iter().any(|child| names().contains(&&*child.name.value));
     if !has_texture {
         return no_children(node, report);
     }
-    let message = format!("No texture may stand for the `{}` of a `{kind}` material.", node.name.value);
+    let message = format!("No texture may stand for `{}`.", node.name.value);
     let child = node.child_nodes()[0].name.span;
     let mistake = draft("pathmarch::no_texture", child, message).label("not here");
     report.add(mistake.help(match &*node.name.value {

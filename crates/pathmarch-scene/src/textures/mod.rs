@@ -137,7 +137,8 @@ impl Texture {
             Pattern::Computed { kind, numbers } => (kind.value)(&self.placed(spot), numbers),
             Pattern::Picture { .. } => self.colour(spot).dot(Vec3::from(LUMINANCE)),
         };
-        value.clamp(0.0, 1.0)
+        // What is not a number is 0.
+        if value > 0.0 { value.min(1.0) } else { 0.0 }
     }
 
     /// Its own colour at a spot of the shape; grey where it has none.
