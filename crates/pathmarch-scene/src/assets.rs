@@ -9,8 +9,8 @@
 use crate::atmosphere::Day;
 use crate::environment::{Environment, EnvironmentError, Loaded};
 use crate::scene::Light;
-use pathmarch_field::own::{Code, Fault};
 use crate::textures::{Picture as Texture, PictureError};
+use pathmarch_field::own::{Code, Fault};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
