@@ -49,6 +49,8 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "" "gyroid" "jpg" "A lantern of a gyroid, declared by the scene.";
     "" "nautilus" "jpg" "A shell around a spiral, declared by the scene.";
     "" "columns" "jpg" "Twisted columns, brought over from GLSL.";
+    "" "clay" "jpg" "Cracked mud, crazed glaze, hammered copper.";
+    "" "textures" "jpg" "Every texture, as colours and as a relief.";
     "" "operators" "jpg" "Twisted, bent, repeated, hollow and round.";
     "" "glass-still-life" "jpg" "Clear and coloured glass on a table.";
     "" "day" "jpg" "The sky of a clear day, and its sun.";
