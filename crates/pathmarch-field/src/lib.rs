@@ -15,6 +15,7 @@ mod modifiers;
 pub mod number;
 mod operators;
 mod orbit;
+pub mod outline;
 pub mod own;
 pub mod registry;
 mod shapes;

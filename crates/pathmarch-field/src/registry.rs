@@ -123,12 +123,33 @@ pub struct Info {
     /// A profile: it stands in the plane of x and y, its distance does not depend on z, and it has no end along z. What is
     /// [of profiles](Modifier::OF_PROFILES) makes solids of it.
     pub profile: bool,
+    /// What its outline is made of, if it is drawn: numbers behind its parameters, [`crate::outline`].
+    pub outline: Option<Outline>,
+}
+
+/// What people write of a shape that is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outline {
+    /// Points.
+    Points,
+    /// Letters of a font.
+    Text,
 }
 
 impl Info {
     /// An exact solid without size parameters; override fields with struct update syntax.
     pub const fn new(name: &'static str, doc: &'static str, source: &'static str) -> Self {
-        Self { name, doc, source, exact: true, size_params: 0, sheet: false, facing: false, profile: false }
+        Self {
+            name,
+            doc,
+            source,
+            exact: true,
+            size_params: 0,
+            sheet: false,
+            facing: false,
+            profile: false,
+            outline: None,
+        }
     }
 }
 
@@ -274,6 +295,11 @@ pub trait Shape: Send + Sync {
     /// The numbers that the functions below read, found once of the parameters.
     fn numbers(&self, params: &[f32]) -> Vec<f32> {
         params.to_vec()
+    }
+    /// Whether those numbers are a table of vectors, which may be of any length: its WGSL functions read it in the table of the
+    /// field, and are given the number of its first vector there instead of the numbers themselves.
+    fn reads_table(&self) -> bool {
+        false
     }
     /// Distance at one point.
     fn distance(&self, p: Vec3<f32>, params: &[f32]) -> f32;

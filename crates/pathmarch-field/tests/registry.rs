@@ -33,7 +33,8 @@ fn names_and_parameters_are_sound() {
 #[test]
 fn every_shape_prints_valid_wgsl() {
     for shape in shapes() {
-        validate(&(shape.wgsl_distance() + &shape.wgsl_gradient()));
+        let table = if shape.reads_table() { sampling::table() } else { String::new() };
+        validate(&(table + &shape.wgsl_distance() + &shape.wgsl_gradient()));
     }
 }
 

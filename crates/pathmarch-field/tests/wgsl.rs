@@ -52,10 +52,6 @@ fn a_smooth_union_of_a_placed_torus_and_box() {
     let operator = operator("union").expect("registered");
     let kind = Kind::Combine { operator, smooth: Some(0.1.into()), children };
     let program = Program::new(&Field::new(&[Node { kind, placement: Placement::default() }]));
-    sampling::validate(&format!(
-        "@group(0) @binding(0) var<uniform> field_parameters: array<vec4f, {}>;\n{}",
-        program.parameters.len(),
-        program.code
-    ));
+    sampling::validate(&(sampling::declared(&program) + &program.code));
     insta::assert_snapshot!(program.code);
 }

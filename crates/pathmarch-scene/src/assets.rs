@@ -1,4 +1,5 @@
-//! What a scene needs besides its text and is costly to make: pictures of the sky and of textures, and computed days.
+//! What a scene needs besides its text and is costly to make: pictures of the sky and of textures, computed days, and the
+//! files of fonts.
 //!
 //! A text that is edited is read again after every change, and most changes leave the sky as it is. The cache holds what
 //! the last readings used: a picture as its file was when it was read, a day by its parameters. The same sky is the same
@@ -17,6 +18,11 @@ use std::time::SystemTime;
 
 /// Days that are kept: enough for steps back and forth.
 const DAYS: usize = 8;
+
+/// Fonts that are kept.
+const FONTS: usize = 4;
+/// Larger files are no fonts.
+const MAX_FONT_BYTES: u64 = 64 << 20;
 
 /// Codes of fields that are kept: those of a scene, and steps back and forth.
 const CODES: usize = 128;
@@ -74,6 +80,7 @@ pub(crate) struct Assets {
     codes: Vec<(CodeSource, Arc<Code>)>,
     /// The last ones used come first.
     textures: Vec<(Source, Arc<Texture>)>,
+    fonts: Vec<(Source, Arc<[u8]>)>,
 }
 
 impl Assets {
@@ -134,6 +141,24 @@ impl Assets {
         self.textures.truncate(TEXTURES - 1);
         self.textures.insert(0, (source, picture.clone()));
         Ok(picture)
+    }
+
+    /// The bytes of the font in the file at `path`, or why there are none.
+    pub(crate) fn font(&mut self, path: &Path) -> Result<Arc<[u8]>, String> {
+        let source = Source::now(path);
+        let known = self.fonts.iter().position(|(known, _)| *known == source);
+        let (source, bytes) = match known.map(|index| self.fonts.remove(index)) {
+            Some(known) => known,
+            None if source.bytes > MAX_FONT_BYTES => {
+                return Err(format!("it is larger than {} MiB", MAX_FONT_BYTES >> 20));
+            }
+            // A folder or a pipe may give no end of bytes, or wait for them.
+            None if path.exists() && !path.is_file() => return Err("it is no file".to_owned()),
+            None => (source, std::fs::read(path).map_err(|error| error.to_string())?.into()),
+        };
+        self.fonts.truncate(FONTS - 1);
+        self.fonts.insert(0, (source, Arc::clone(&bytes)));
+        Ok(bytes)
     }
 
     /// The sky of a day and its sun.

@@ -16,6 +16,7 @@ pub mod materials;
 pub mod render_settings;
 pub mod scene;
 pub mod sky;
+mod text;
 pub mod textures;
 
 pub use animation::Animation;

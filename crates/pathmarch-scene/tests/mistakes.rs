@@ -145,6 +145,14 @@ body!(
 object \"b\" { morph 2 { sphere; box }; morph smooth=1 { sphere }; morph { sphere; box; torus; at 0 1 0 } }"
 );
 body!(
+    outlines,
+    "object \"a\" { extrude { polygon { point 0 0; point 1 0 }; polygon { point 0 0; point 1 1; point 2 2; at 0 0 0 }
+polygon { point 0; point 1 x; point 2e6 0; pont 1 1 }; polygon 3 { point 0 0; sphere }; text 5; text \"\"; text \" \" size=0
+text \"a\" 2 font=\"none.ttf\"; text \"\u{4e2d}\"; text font=\"\"; text font=3 { point 0 0 }; text fnt=\"a\"
+text \"ab\" font=\"Cargo.toml\"; circle { point 0 0 }; text font=\"tests\" } }
+object \"b\" { polygon; text \"c\" }"
+);
+body!(
     unused_arguments,
     "object \"a\" \"b\" { sphere 1 2; plane 3 4; union 0.1 { sphere { at 1 2 3 4 } } }
 render 5 { samples 1 2 }"

@@ -1,5 +1,6 @@
 //! Files that are right, and what becomes of them.
 
+use pathmarch_field::Node;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::registry;
 use pathmarch_scene::{Caustics, Light, Sampler, Scene, Sky, Tonemap};
@@ -7,7 +8,7 @@ use pathmarch_scene::{Caustics, Light, Sampler, Scene, Sky, Tonemap};
 const HEAD: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky 1\n";
 
 fn parse(text: &str) -> Scene {
-    match Scene::parse("test.kdl", text) {
+    match Scene::parse("tests/data/test.kdl", text) {
         Ok(scene) => scene,
         Err(error) => panic!("{:?}", miette::Report::new(error)),
     }
@@ -27,7 +28,14 @@ fn params(shape: &str) -> Vec<f32> {
         shape.to_owned()
     };
     let scene = body(&format!("object \"o\" {{ {solid} }}"));
-    scene.field.leaves()[0].params.clone()
+    fn first(node: &Node) -> Vec<f32> {
+        match &node.kind {
+            // Behind them stands the outline of what is drawn.
+            Kind::Shape { shape, params, .. } => params[..shape.params().len()].to_vec(),
+            Kind::Combine { children, .. } | Kind::Modify { children, .. } => first(&children[0]),
+        }
+    }
+    first(&scene.objects[0].root)
 }
 
 #[test]
@@ -263,4 +271,25 @@ fn hidden_point_warns() {
     // A hollow is outside.
     let hollow = "object \"a\" { subtract { box 2; box 1 } }";
     assert!(codes(&format!("point {{ at 0 0 0; intensity 1 }}\n{hollow}")).is_empty());
+}
+
+/// The outlines of polygons and texts, by what they hold.
+#[test]
+fn polygons_and_texts() {
+    use pathmarch_field::number::Vec3;
+    let field = |text: &str| body(&format!("object \"o\" {{ extrude 0.5 {{ {text} }} }}")).field;
+    let inside = |text: &str, x: f32, y: f32| field(text).distance(Vec3::new(x, y, 0.0)) < 0.0_f32;
+    let notched = "polygon { point 0 0; point 2 0; point 2 2; point 1 0.5; at 1 0 0; point 0 2 }";
+    assert!(inside(notched, 1.2, 1.0) && inside(notched, 2.8, 1.0) && !inside(notched, 2.0, 1.0));
+    // The hole of an o is none, and what stands beside it is not there.
+    assert!(!inside("text \"o\"", 0.0, 0.25) && inside("text \"o\" size=2", -0.45, 0.5));
+    let width = |text: &str| {
+        let bounds = field(text).bounds();
+        bounds.max[0] - bounds.min[0]
+    };
+    assert!((width("text \"Hello\" size=2") - 2.0 * width("text \"Hello\"")).abs() < 1e-3);
+    assert!((width("text \"Hello\" font=\"../../fonts/Cantarell-Regular.ttf\"") - width("text Hello")).abs() < 1e-6);
+    assert!(width("text") > 1.0 && width("text \"AAAA\"") > 3.0 * width("text \"A\""));
+    let lines = field("text \"up\\nxx\"").bounds();
+    assert!(lines.min[1].abs() < 0.02 && lines.max[1] > 1.3, "{lines:?}");
 }

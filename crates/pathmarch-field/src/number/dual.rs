@@ -182,6 +182,10 @@ impl<N: Differentiable> Real for Dual<N> {
         Self::choose(mask, yes, no)
     }
     #[inline(always)]
+    fn vector(table: &[f32], index: Self) -> [Self; 4] {
+        N::vector(table, index.value).map(Self::independent)
+    }
+    #[inline(always)]
     fn iterate<const K: usize>(
         count: Self,
         limit: u32,

@@ -100,6 +100,11 @@ impl Real for f32x8 {
         Select::select(mask.0, yes, no)
     }
     #[inline(always)]
+    fn vector(table: &[f32], index: Self) -> [Self; 4] {
+        let vectors = index.to_array().map(|index| f32::vector(table, index));
+        std::array::from_fn(|k| f32x8::from(vectors.map(|vector| vector[k])))
+    }
+    #[inline(always)]
     fn iterate<const K: usize>(
         count: Self,
         limit: u32,

@@ -72,6 +72,10 @@ pub trait Real:
         body: impl Fn([Self; K]) -> ([Self; K], Self::Mask),
     ) -> [Self; K];
 
+    /// The vector of this number, counted from 0, in a table of four numbers each; an index beyond it gives any of them.
+    /// Printed code reads the table of the field, wherever it was recorded.
+    fn vector(table: &[f32], index: Self) -> [Self; 4];
+
     /// A name for this value in printed code; does nothing elsewhere.
     fn named(self, _name: &'static str) -> Self {
         self

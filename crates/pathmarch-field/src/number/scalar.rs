@@ -62,6 +62,12 @@ impl Real for f32 {
         if mask { yes } else { no }
     }
     #[inline(always)]
+    fn vector(table: &[f32], index: Self) -> [Self; 4] {
+        let last = (table.len() / 4).saturating_sub(1);
+        let start = 4 * (index as usize).min(last);
+        table.get(start..start + 4).map_or([0.0; 4], |vector| [vector[0], vector[1], vector[2], vector[3]])
+    }
+    #[inline(always)]
     fn iterate<const K: usize>(
         count: Self,
         limit: u32,

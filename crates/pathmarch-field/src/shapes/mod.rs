@@ -1,18 +1,23 @@
-//! The shapes. A name in this list is a file and its registration; those of folders stand behind their names.
+//! The shapes. A name in this list is a file and its registration; those of folders stand behind their names, the last one
+//! being that of shapes that are drawn.
 
 use crate::registry::{Entry, Shape};
 use std::marker::PhantomData;
 
 macro_rules! shapes {
-    ($($module:ident),* $(,)? $(; $folder:ident: $($inner:ident),* $(,)?)*) => {
+    ($($module:ident),* $(,)? $(; $folder:ident: $($inner:ident),* $(,)?)*; & $last:ident: $($drawn:ident),* $(,)?) => {
         $(mod $module;)*
         $(mod $folder {
             $(pub(super) mod $inner;)*
         })*
+        mod $last {
+            $(pub(super) mod $drawn;)*
+        }
         /// Every shape, in this order.
         pub(crate) static ALL: &[&'static dyn Shape] = &[
             $(&Entry::<$module::Shape>(PhantomData),)*
             $($(&Entry::<$folder::$inner::Shape>(PhantomData),)*)*
+            $(&$last::$drawn::SHAPE),*
         ];
     };
 }
@@ -46,7 +51,10 @@ shapes!(
     profiles:
     circle,
     rectangle,
-    star,
+    star;
+    &outlines:
+    polygon,
+    text,
 );
 
 /// The box, which bounds what is cut by one.

@@ -30,6 +30,9 @@ pub struct Program {
     pub whole_distance: String,
     /// The numbers, at least one vector.
     pub parameters: Parameters,
+    /// Whether the code looks numbers up in tables: then the array has no length in its type, which another point of an
+    /// outline would change.
+    pub has_tables: bool,
 }
 
 const SURFACE: &str = "\
@@ -52,7 +55,26 @@ fn choice(seed: u32, index: u32) -> f32 {
 }
 ";
 
+/// WGSL text of `table_vector(index: f32) -> vec4f`, as it stands in the code of a field with shapes that read tables.
+pub const TABLE: &str = "\
+/// A vector of the field's numbers.
+fn table_vector(index: f32) -> vec4f {
+    return field_parameters[min(u32(index), arrayLength(&field_parameters) - 1u)];
+}
+";
+
 impl Program {
+    /// Whether the numbers may be a uniform buffer: if they fit, and are not looked up in tables of any length.
+    pub fn is_uniform(&self) -> bool {
+        !self.has_tables && self.parameters.len() <= MAX_UNIFORM_VECTORS
+    }
+    /// The type of the array of numbers.
+    pub fn parameters_type(&self) -> String {
+        match self.has_tables {
+            true => "array<vec4f>".to_owned(),
+            false => format!("array<vec4f, {}>", self.parameters.len()),
+        }
+    }
     /// Prints a field.
     pub fn new(field: &Field) -> Self {
         let Composed { mut composer, functions, has_choice } = Composed::new(field);
@@ -74,12 +96,17 @@ impl Program {
             code += "\n";
             code += CHOICE;
         }
+        let has_tables = field.leaves().iter().any(|leaf| leaf.shape.reads_table());
+        if has_tables {
+            code += "\n";
+            code += TABLE;
+        }
         for (_, function) in &functions {
             code += "\n";
             code += function;
         }
         let code = format!("{code}\n{distance}\n{direct}\n{surface}");
-        Self { code, whole_distance, parameters: composer.parameters }
+        Self { code, whole_distance, parameters: composer.parameters, has_tables }
     }
 
     /// WGSL text, to stand behind [`code`](Self::code), of functions `NAME(p: vec3f, own: u32) -> f32`: each is
@@ -120,7 +147,11 @@ impl<'a> Composed<'a> {
         let mut functions = BTreeSet::new();
         for leaf in field.leaves() {
             composer.starts.push(composer.parameters.len());
-            composer.place(&leaf.pose, &leaf.params);
+            match leaf.shape.reads_table() {
+                // Where its table is, once that is known.
+                true => composer.place(&leaf.pose, &[0.0]),
+                false => composer.place(&leaf.pose, &leaf.params),
+            }
             functions.insert((0, leaf.shape.wgsl_gradient()));
         }
         let mut has_choice = false;
@@ -136,6 +167,7 @@ impl<'a> Composed<'a> {
         for tree in field.objects() {
             composer.modifiers(tree, &mut functions);
         }
+        composer.tables();
         Self { composer, functions, has_choice }
     }
 }
@@ -169,6 +201,17 @@ impl Composer<'_> {
         }
         for chunk in numbers.chunks(4) {
             self.parameters.push(std::array::from_fn(|k| chunk.get(k).copied().unwrap_or(0.0)));
+        }
+    }
+
+    /// Puts the tables of shapes behind all other numbers, whose places do not depend on how long they are.
+    fn tables(&mut self) {
+        let leaves = self.field.leaves().iter().enumerate().filter(|(_, leaf)| leaf.shape.reads_table());
+        for (index, leaf) in leaves {
+            let (_, place) = local(&leaf.pose, self.starts[index], "p");
+            self.parameters[place][0] = self.parameters.len() as f32;
+            let vectors = leaf.params.chunks_exact(4).map(|v| [v[0], v[1], v[2], v[3]]);
+            self.parameters.extend(vectors);
         }
     }
 
@@ -299,7 +342,7 @@ impl Composer<'_> {
     fn arguments(&self, index: u32, p: &str) -> (String, String) {
         let leaf = &self.field.leaves()[index as usize];
         let (point, next) = local(&leaf.pose, self.starts[index as usize], p);
-        (point, arguments(next, leaf.params.len()))
+        (point, arguments(next, if leaf.shape.reads_table() { 1 } else { leaf.params.len() }))
     }
 
     fn distance(&self) -> String {

@@ -26,6 +26,10 @@ pub(super) enum Node {
     Unary(Unary, u32),
     /// Mask, value where true, value where false.
     Select(u32, u32, u32),
+    /// The vector of a table by its index.
+    Vector(u32),
+    /// The k-th number of a vector.
+    Component(u32, u32),
     /// The k-th state of a loop while it runs.
     LoopVariable(u32, u32),
     /// A loop as a whole: the place where it is printed.
@@ -110,7 +114,7 @@ impl Graph {
         let home = match node {
             Node::Constant(_) | Node::Truth(_) | Node::Input(_) => None,
             Node::Binary(_, a, b) => self.inner(self.home[a as usize], self.home[b as usize]),
-            Node::Unary(_, a) => self.home[a as usize],
+            Node::Unary(_, a) | Node::Vector(a) | Node::Component(a, _) => self.home[a as usize],
             Node::Select(m, a, b) => {
                 let inner = self.inner(self.home[a as usize], self.home[b as usize]);
                 self.inner(self.home[m as usize], inner)
@@ -299,6 +303,10 @@ impl Real for Expr {
     }
     fn select(mask: ExprMask, yes: Self, no: Self) -> Self {
         if yes == no { yes } else { Self(push(Node::Select(mask.0, yes.0, no.0))) }
+    }
+    fn vector(_table: &[f32], index: Self) -> [Self; 4] {
+        let vector = push(Node::Vector(index.0));
+        std::array::from_fn(|k| Self(push(Node::Component(vector, k as u32))))
     }
     fn iterate<const K: usize>(
         count: Self,

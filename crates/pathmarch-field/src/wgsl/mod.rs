@@ -9,7 +9,7 @@ mod compose;
 mod expr;
 mod print;
 
-pub use compose::{CHOICE, MAX_UNIFORM_VECTORS, Parameters, Program};
+pub use compose::{CHOICE, MAX_UNIFORM_VECTORS, Parameters, Program, TABLE};
 pub use expr::Expr;
 pub use print::Function;
 pub(crate) use print::identifier;

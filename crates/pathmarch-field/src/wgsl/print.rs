@@ -11,6 +11,9 @@ use std::fmt::Write;
 /// Longest expression written without a `let`, in characters.
 const LONGEST_INLINE: usize = 64;
 
+/// What reads a vector of the table; see [`TABLE`](super::TABLE).
+const TABLE_VECTOR: &str = "table_vector";
+
 /// Names that WGSL reserves and that parameters of shapes could have.
 const RESERVED: [&str; 14] = [
     "union", "smooth", "box", "loop", "switch", "target", "filter", "mod", "move", "ref", "self", "type", "unit",
@@ -116,7 +119,7 @@ impl<'a> Printer<'a> {
                 self.count(a, home);
                 self.count(b, home);
             }
-            Node::Unary(_, a) => self.count(a, home),
+            Node::Unary(_, a) | Node::Vector(a) | Node::Component(a, _) => self.count(a, home),
             Node::Select(m, a, b) => {
                 self.count(m, home);
                 self.count(a, home);
@@ -267,6 +270,10 @@ impl<'a> Printer<'a> {
                 (format!("{value:?}"), if value < 0.0 { 3 } else { 4 })
             }
             Node::Truth(value) => (value.to_string(), 4),
+            Node::Vector(index) => (format!("{TABLE_VECTOR}({})", self.operand(index, scope, 0)), 4),
+            Node::Component(vector, k) => {
+                (format!("{}.{}", self.operand(vector, scope, 4), ["x", "y", "z", "w"][k as usize]), 4)
+            }
             Node::Input(k) => (self.inputs[k as usize].clone(), 4),
             Node::Unary(op, a) => match op {
                 Unary::Neg => (format!("-{}", self.operand(a, scope, 4)), 3),

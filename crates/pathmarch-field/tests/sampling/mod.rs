@@ -4,6 +4,7 @@
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use pathmarch_field::number::{Dual, Vec3};
 use pathmarch_field::registry::shapes;
+use pathmarch_field::wgsl::{Program, TABLE};
 use pathmarch_field::{Aabb, Shape, Unit};
 use wide::f32x8;
 
@@ -54,13 +55,14 @@ pub struct Case {
 impl Case {
     /// From a shape and its numbers.
     pub fn new(shape: &'static dyn Shape, params: Vec<f32>) -> Self {
+        let params = shape.numbers(&params);
         let bounds = shape.bounds(&params).intersection(Aabb::centred(3.0, 3.0, 3.0));
         let size = (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f32::max);
         Self { shape, params, bounds, size }
     }
     /// What to print when something is wrong.
     pub fn name(&self) -> String {
-        format!("{} {:?}", self.shape.info().name, self.params)
+        format!("{} {:?}", self.shape.info().name, &self.params[..self.params.len().min(12)])
     }
     pub fn distance(&self, p: Vec3<f32>) -> f32 {
         self.shape.distance(p, &self.params)
@@ -145,6 +147,17 @@ pub fn random_params(shape: &dyn Shape, random: &mut Random) -> Vec<f32> {
 pub fn lanes(points: &[Vec3<f32>]) -> Vec3<f32x8> {
     let gather = |f: fn(&Vec3<f32>) -> f32| f32x8::from(std::array::from_fn(|k| f(&points[k])));
     Vec3::new(gather(|p| p.x), gather(|p| p.y), gather(|p| p.z))
+}
+
+/// The declaration that a program's code expects.
+pub fn declared(program: &Program) -> String {
+    let space = if program.is_uniform() { "uniform" } else { "storage, read" };
+    format!("@group(0) @binding(0) var<{space}> field_parameters: {};\n", program.parameters_type())
+}
+
+/// What the functions of a shape that reads a table expect.
+pub fn table() -> String {
+    format!("@group(0) @binding(0) var<storage, read> field_parameters: array<vec4f>;\n{TABLE}")
 }
 
 /// Fails with naga's message unless `source` is valid WGSL.

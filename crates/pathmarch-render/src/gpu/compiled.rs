@@ -4,7 +4,7 @@ use super::Device;
 use super::kernel::kernel;
 use crate::error::RenderError;
 use crate::frame::Prepared;
-use pathmarch_field::wgsl::{MAX_UNIFORM_VECTORS, Program};
+use pathmarch_field::wgsl::Program;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -17,18 +17,20 @@ pub(crate) struct Printed {
     pub(super) parameters: Vec<[f32; 4]>,
     /// Whether no text of a user is in the code.
     trusted: bool,
+    uniform: bool,
 }
 
 impl Printed {
     pub(crate) fn new(prepared: &Prepared) -> Self {
         let program = Program::new(&prepared.field);
         let trusted = prepared.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
-        Self { code: kernel(prepared, &program), parameters: program.parameters, trusted }
+        let (code, uniform) = (kernel(prepared, &program), program.is_uniform());
+        Self { code, parameters: program.parameters, uniform, trusted }
     }
 
     /// Whether the parameters are a uniform buffer.
     pub(super) fn is_uniform(&self) -> bool {
-        self.parameters.len() <= MAX_UNIFORM_VECTORS
+        self.uniform
     }
 
     /// Whether the device has it ready.

@@ -5,7 +5,7 @@ use crate::frame::{EMITS, Features, Prepared};
 use crate::mode::Mode;
 use crate::transport::paint::{self, Paint};
 use crate::transport::{self, lights};
-use pathmarch_field::wgsl::{CHOICE, MAX_UNIFORM_VECTORS, Program};
+use pathmarch_field::wgsl::{CHOICE, Program};
 use pathmarch_scene::materials::{self, albedo};
 use pathmarch_scene::textures;
 use std::collections::BTreeSet;
@@ -38,11 +38,10 @@ fn marched_distance(p: vec3f) -> f32 {
 
 /// The kernel, in WGSL.
 pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
-    let count = program.parameters.len();
-    let space = if count <= MAX_UNIFORM_VECTORS { "uniform" } else { "storage, read" };
+    let kind = program.parameters_type();
+    let space = if program.is_uniform() { "uniform" } else { "storage, read" };
     let mode = prepared.mode;
-    let mut code =
-        format!("@group(0) @binding(2) var<{space}> field_parameters: array<vec4f, {count}>;\n\n{}", program.code);
+    let mut code = format!("@group(0) @binding(2) var<{space}> field_parameters: {kind};\n\n{}", program.code);
     if mode.traces_paths() {
         if prepared.features.penumbra {
             code.push('\n');

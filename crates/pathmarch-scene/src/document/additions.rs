@@ -14,6 +14,8 @@ use crate::language::fields::FIELD;
 use crate::language::params::PARAM;
 use crate::language::schema::{self, AXES};
 use crate::materials;
+use crate::text::DEFAULT_TEXT;
+use pathmarch_field::registry::Outline;
 use pathmarch_field::{Modify, Shape, Solid, Unit, registry};
 
 /// What may be added to a node of this kind, or to the file.
@@ -127,8 +129,14 @@ pub(super) fn add_top(work: &mut Work, word: &str, template: &str) -> Result<Pat
     work.put_in(None, before.map_or(0, |index| index + 1), &chunk)
 }
 
-/// A shape with its numbers.
+/// A shape with its numbers and, if it is drawn, something to change.
 fn shape_text(shape: &dyn Shape) -> String {
+    let name = &shape.info().name;
+    match shape.info().outline {
+        Some(Outline::Points) => return format!("{name} {{ point -0.5 -0.4; point 0.5 -0.4; point 0 0.5 }}"),
+        Some(Outline::Text) => return format!("{name} {}", quoted(DEFAULT_TEXT)),
+        None => {}
+    }
     let numbers = shape.params().iter().map(|param| number(param.default));
     std::iter::once(shape.info().name.to_owned()).chain(numbers).collect::<Vec<_>>().join(" ")
 }

@@ -14,10 +14,11 @@ use super::structure::title;
 use super::textures::texture_node;
 use super::work::Work;
 use super::write::check;
-use crate::language::names::{NORMAL, listed};
+use crate::language::names::{NORMAL, POINT, listed};
 use crate::language::schema;
 use crate::language::tree;
 use crate::materials::{self, Texturing};
+use pathmarch_field::registry::Outline;
 use pathmarch_field::{Param, Solid, registry};
 
 /// Makes a node one of another kind.
@@ -92,6 +93,10 @@ fn set_solid(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> 
     for (param, value) in kept {
         let slot = work.slot(path, param.name)?;
         let patches = work.writer(work.find(path)?).write(&slot, &value)?;
+        work.then(patches)?;
+    }
+    while new.info().outline != Some(Outline::Points) && child(work.find(path)?.node, POINT).is_some() {
+        let patches = work.writer(work.find(path)?).erase_node(POINT)?;
         work.then(patches)?;
     }
     if !new.info().facing && child(work.find(path)?.node, NORMAL).is_some() {

@@ -67,6 +67,8 @@ pub mod key {
     pub const SCALE: &str = "place.scale";
     /// Where a shape faces.
     pub const NORMAL: &str = "place.normal";
+    /// What a text says.
+    pub const TEXT: &str = "text";
     /// Number of a parameter.
     pub const VALUE: &str = "value";
     /// What a key ends with, behind a dot, that says which texture stands for a parameter.

@@ -3,7 +3,7 @@
 use super::path::Path;
 use super::slots::{arguments, material_kind, property, text_argument};
 use crate::language::fields::FIELD;
-use crate::language::names::{NORMAL, PLACEMENT};
+use crate::language::names::{NORMAL, PLACEMENT, POINT};
 use crate::language::params::PARAM;
 use crate::language::tree::{Block, Node, Value};
 use pathmarch_field::registry;
@@ -67,7 +67,7 @@ impl ItemKind {
     fn shows(self, word: &str) -> bool {
         match self {
             Self::Object | Self::Operator => !PLACEMENT.contains(&word),
-            Self::Shape => !PLACEMENT.contains(&word) && word != NORMAL,
+            Self::Shape => !PLACEMENT.contains(&word) && word != NORMAL && word != POINT,
             _ => false,
         }
     }

@@ -10,9 +10,11 @@ use super::textures::{Inside, target, texture_node};
 use crate::language::Values;
 use crate::language::arguments::{Range, srgb};
 use crate::language::expression::Expression;
-use crate::language::schema::{self, AXES, Form, ORBIT_TRAP, Setting};
+use crate::language::schema::{self, AXES, FONT, Form, ORBIT_TRAP, Setting};
 use crate::language::tree::{self, Block, Entry, Node};
 use crate::materials::{self, MaterialKind, MaterialParam, ParamKind, Trap};
+use crate::text::DEFAULT_TEXT;
+use pathmarch_field::registry::Outline;
 use pathmarch_field::{Param, Solid, Unit, registry};
 use std::borrow::Cow;
 
@@ -21,6 +23,8 @@ use std::borrow::Cow;
 pub(super) enum Place {
     /// The string that is its first argument.
     Name,
+    /// Its first argument, which is no name.
+    First,
     /// Its second argument.
     Second,
     /// In the words that say what it is.
@@ -312,6 +316,14 @@ impl List<'_> {
         let own = self.values.fields.names().filter(|_| !solid.is_operator() && !solid.info().profile);
         let alike = registry::solids().filter(is_alike).map(|other| other.info().name).chain(own);
         self.kind(alike.collect(), solid.info().name, solid.info().doc);
+        if solid.info().outline == Some(Outline::Text) {
+            let words = Value::Text(DEFAULT_TEXT.to_owned());
+            let doc = "What it says; \\n begins another line.";
+            self.push(control(key::TEXT, key::TEXT, doc, "", ControlKind::Text, words).required(), Place::First);
+            let doc = "A .ttf or .otf file, relative to the scene file; the font that comes along when absent.";
+            let none = Value::Text(String::new());
+            self.push(control(FONT, FONT, doc, "", ControlKind::Picture, none), Place::Property(FONT));
+        }
         let given = parameters(solid, self.node);
         for (param, (index, entry)) in solid.params().iter().zip(given.into_iter().enumerate()) {
             let control = parameter_control(param);
@@ -454,7 +466,7 @@ fn entries<'n>(node: &'n Node<'static>, place: Place) -> Vec<&'n Entry<'static>>
     let all = |node: &'n Node<'static>| arguments(node).collect();
     match place {
         Place::Kind | Place::Parameter(_) => Vec::new(),
-        Place::Name => arguments(node).take(1).collect(),
+        Place::Name | Place::First => arguments(node).take(1).collect(),
         Place::Second => arguments(node).skip(1).take(1).collect(),
         Place::Property(name) => property(node, name).into_iter().collect(),
         Place::Arguments => all(node),
@@ -555,6 +567,15 @@ pub(super) fn has_one_size(solid: Solid, node: &Node<'static>) -> bool {
     sizes > 1 && !named && (1..sizes).contains(&arguments(node).count())
 }
 
+/// The arguments that are numbers of a shape or an operator: all, but for the words of a text.
+pub(super) fn number_arguments<'n>(
+    solid: Solid,
+    node: &'n Node<'static>,
+) -> impl Iterator<Item = &'n Entry<'static>> + use<'n> {
+    let is_text = solid.info().outline == Some(Outline::Text);
+    arguments(node).filter(move |_| !is_text)
+}
+
 /// What gives a shape or an operator its numbers, as far as something does.
 pub(super) fn parameters<'n>(solid: Solid, node: &'n Node<'static>) -> Vec<Option<&'n Entry<'static>>> {
     let sizes = solid.info().size_params;
@@ -565,7 +586,7 @@ pub(super) fn parameters<'n>(solid: Solid, node: &'n Node<'static>) -> Vec<Optio
             true => index + 1 - sizes,
             false => index,
         };
-        arguments(node).nth(slot).or_else(|| property(node, param.name))
+        number_arguments(solid, node).nth(slot).or_else(|| property(node, param.name))
     };
     solid.params().iter().enumerate().map(|(index, param)| entry(index, param)).collect()
 }

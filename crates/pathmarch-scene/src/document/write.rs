@@ -9,12 +9,15 @@ use super::error::EditError;
 use super::layout::{Chunk, Site, Style, before_spaces, bytes, insert_first, starts_line, tail};
 use super::number::{formula, fresh, number, quoted, string_like};
 use super::patch::Patch;
-use super::slots::{Place, Slot, arguments, child, formula_text, has_one_size, parameter_value, property, read_number};
+use super::slots::{
+    Place, Slot, arguments, child, formula_text, has_one_size, number_arguments, parameter_value, property, read_number,
+};
 use crate::language::arguments::{Range, srgb};
 use crate::language::characters;
 use crate::language::fields::Fields;
 use crate::language::tree::{self, Entry, Node};
 use pathmarch_field::Solid;
+use pathmarch_field::registry::Outline;
 
 /// A node and the text that it stands in.
 #[derive(Clone, Copy)]
@@ -155,6 +158,10 @@ impl<'d> Writer<'d> {
             },
             Place::Property(name) => Ok(self.write_property(name, value)),
             Place::Name | Place::Kind | Place::Arguments => Ok(self.write_arguments(value)),
+            Place::First => Ok(match arguments(self.node).next() {
+                Some(entry) => vec![self.replace(entry, value)],
+                None => vec![Patch::insert(bytes(self.node.name.span).end, format!(" {}", fresh(value)))],
+            }),
             Place::Second => Ok(match arguments(self.node).nth(1) {
                 Some(entry) => vec![self.replace(entry, value)],
                 None => vec![Patch::insert(self.end_of_entries(), format!(" {}", fresh(value)))],
@@ -185,7 +192,7 @@ impl<'d> Writer<'d> {
             Place::Property(name) => {
                 Ok(property(self.node, name).map(|entry| self.remove(entry)).into_iter().collect())
             }
-            Place::Name | Place::Second | Place::Kind | Place::Arguments => Ok(Vec::new()),
+            Place::Name | Place::First | Place::Second | Place::Kind | Place::Arguments => Ok(Vec::new()),
             Place::Texture(owner) => self.erase_texture(owner),
             Place::Inside(owner, inside) => self.erase_inside(owner, inside),
             // The node that says the kind of a material says its first parameter, too.
@@ -308,7 +315,7 @@ impl<'d> Writer<'d> {
     fn write_parameter(&self, solid: Solid, index: usize, value: &Value) -> Vec<Patch> {
         let sizes = solid.info().size_params;
         let one_size = has_one_size(solid, self.node);
-        let arguments: Vec<_> = arguments(self.node).collect();
+        let arguments: Vec<_> = number_arguments(solid, self.node).collect();
         if one_size && index < sizes {
             let range = bytes(arguments[0].value_span);
             let now = &self.text[range.clone()];
@@ -321,7 +328,8 @@ impl<'d> Writer<'d> {
         if let Some(entry) = arguments.get(slot).copied().or_else(|| property(self.node, name)) {
             return vec![Patch::replace(bytes(entry.value_span), fresh(value))];
         }
-        let next = slot == arguments.len() && self.one_size_of(solid, arguments.len() + 1) == one_size;
+        let is_text = solid.info().outline == Some(Outline::Text);
+        let next = !is_text && slot == arguments.len() && self.one_size_of(solid, arguments.len() + 1) == one_size;
         match (next, arguments.last()) {
             (true, Some(last)) => vec![Patch::insert(bytes(last.span).end, format!(" {}", fresh(value)))],
             (true, None) => vec![Patch::insert(bytes(self.node.name.span).end, format!(" {}", fresh(value)))],
@@ -340,7 +348,7 @@ impl<'d> Writer<'d> {
     fn erase_parameter(&self, solid: Solid, index: usize) -> Vec<Patch> {
         let sizes = solid.info().size_params;
         let one_size = has_one_size(solid, self.node);
-        let arguments: Vec<_> = arguments(self.node).collect();
+        let arguments: Vec<_> = number_arguments(solid, self.node).collect();
         let param = &solid.params()[index];
         let slot = if one_size { (index + 1).saturating_sub(sizes) } else { index };
         if slot >= arguments.len() {

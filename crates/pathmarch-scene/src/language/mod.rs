@@ -6,6 +6,7 @@
 
 pub(crate) mod arguments;
 pub(crate) mod characters;
+mod drawings;
 pub(crate) mod expression;
 pub(crate) mod fields;
 pub(crate) mod names;
@@ -30,6 +31,7 @@ use crate::diagnostic::SceneError;
 use crate::scene::{Light, Moment, Parameter, Scene};
 use crate::sky::Sky;
 use arguments::{Range, numbers, twice, wrong_type};
+use drawings::Files;
 use fields::Fields;
 use names::{TOP, unexpected_node};
 use pathmarch_field::Field;
@@ -236,7 +238,7 @@ fn scene(
     let mut files = textures::Files { scene: name, assets };
     nodes("material").for_each(|node| materials.add(node, &mut files, report));
     *fields = Fields::new(file, assets, report);
-    let mut solids = Solids::new(&mut materials, fields);
+    let mut solids = Solids::new(&mut materials, fields, Files { scene: name, assets });
     let objects = nodes("object").filter_map(|node| solids.object(node, report)).collect();
     let scene = Scene {
         cameras,

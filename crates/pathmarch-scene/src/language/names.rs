@@ -17,6 +17,9 @@ pub(crate) const PLACEMENT: &[&str] =
 /// Node in shapes that face somewhere.
 pub(crate) const NORMAL: &str = schema::NORMAL.name;
 
+/// Node in shapes that are drawn of points.
+pub(crate) const POINT: &str = "point";
+
 /// Names of all shapes and operators.
 pub(crate) fn solids() -> impl Iterator<Item = &'static str> {
     registry::solids().map(|solid| solid.info().name)

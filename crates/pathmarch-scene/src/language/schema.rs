@@ -311,6 +311,9 @@ pub(crate) const COLOUR: &str = "colour";
 /// The node of a material that colours fractals by their orbits.
 pub(crate) const ORBIT_TRAP: &str = "orbit-trap";
 
+/// The property of texts that names a font.
+pub(crate) const FONT: &str = "font";
+
 /// The words of [`Unit::Axis`](pathmarch_field::Unit::Axis), in the order of its numbers.
 pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 

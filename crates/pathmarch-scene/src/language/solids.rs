@@ -3,15 +3,17 @@
 //! Names, parameters and ranges come from [`pathmarch_field::registry`]; nothing here knows a shape.
 
 use super::arguments::{accepted, arguments, missing_arguments, name, properties, string, twice};
+use super::drawings::{self, Files};
 use super::fields::Fields;
-use super::names::{NORMAL, PLACEMENT, listed, nearest, solids, unexpected_node};
+use super::names::{NORMAL, PLACEMENT, POINT, listed, nearest, solids, unexpected_node};
 use super::report::{Report, draft, shown};
-use super::schema::{self, AXES, Properties, single, triple};
+use super::schema::{self, AXES, FONT, Properties, single, triple};
 use super::surfaces::Materials;
 use super::tree::{Entry, Node, Span};
 use crate::materials::Material;
 use crate::scene::Object;
 use pathmarch_field::graph::Kind;
+use pathmarch_field::registry::Outline;
 use pathmarch_field::{
     Blend, BlendProfile, Combine, Field, Modify, Node as FieldNode, Param, Placement, ShapeRef, Solid, Unit, registry,
 };
@@ -19,22 +21,36 @@ use pathmarch_field::{
 /// More shapes are refused.
 pub(crate) const MAX_SHAPES: usize = 100_000;
 
+/// More segments of all that is drawn are refused: their tables must fit the memory that a GPU binds at once.
+const MAX_SEGMENTS: usize = 100_000;
+
 /// Turns object nodes into objects.
 pub(crate) struct Solids<'m> {
     pub(crate) materials: &'m mut Materials,
     /// Shapes that the file declares.
     fields: &'m Fields,
+    files: Files<'m>,
     /// Names of the objects so far, and where.
     pub(crate) names: std::collections::HashMap<String, Span>,
     shapes: usize,
+    segments: usize,
     default: Option<u32>,
     /// How many operators of profiles are around.
     planes: usize,
 }
 
 impl<'m> Solids<'m> {
-    pub(crate) fn new(materials: &'m mut Materials, fields: &'m Fields) -> Self {
-        Self { materials, fields, names: Default::default(), shapes: 0, default: None, planes: 0 }
+    pub(super) fn new(materials: &'m mut Materials, fields: &'m Fields, files: Files<'m>) -> Self {
+        Self {
+            materials,
+            fields,
+            files,
+            names: Default::default(),
+            shapes: 0,
+            segments: 0,
+            default: None,
+            planes: 0,
+        }
     }
 
     /// The index of the default material, which is added at the first call.
@@ -150,17 +166,33 @@ impl<'m> Solids<'m> {
         }
         let mut known: Vec<&str> = shape.params().iter().map(|param| param.name).collect();
         known.push("material");
+        known.extend((info.outline == Some(Outline::Text)).then_some(FONT));
         let mut named = properties(node, &known, report);
         let own = named.iter().position(|(name, _)| *name == "material").map(|at| named.swap_remove(at).1);
+        let font = named.iter().position(|(name, _)| *name == FONT).map(|at| named.swap_remove(at).1);
         let tag = match (own, material) {
             (Some(entry), _) => self.material(entry, report),
             (None, Some(material)) => material,
             (None, None) => self.default_material(),
         };
-        let params = params(Solid::Shape(&*shape), node, &named, report);
+        let mut params = params(Solid::Shape(&*shape), node, &named, report);
+        match info.outline {
+            Some(Outline::Points) => params.extend(drawings::points(node, report)),
+            Some(Outline::Text) => params.extend(drawings::text(node, font, &mut self.files, report)),
+            None => {}
+        }
+        let segments = (params.len() - shape.params().len()) / 4;
+        let fitted = self.segments <= MAX_SEGMENTS;
+        self.segments += segments;
+        if fitted && self.segments > MAX_SEGMENTS {
+            let message = format!("The outlines of the scene have more than {MAX_SEGMENTS} segments.");
+            let mistake = draft("pathmarch::too_large", node.name.span, message).label("too many with this");
+            report.add(mistake.help("Write less: a letter has about a hundred."));
+        }
+        let has_points = info.outline == Some(Outline::Points);
         let mut placement = Placements::default();
         for child in node.child_nodes() {
-            if placement.take(child, info.facing, report) {
+            if placement.take(child, info.facing, report) || has_points && child.name.value == POINT {
                 continue;
             }
             let word = &child.name.value;
@@ -175,7 +207,8 @@ impl<'m> Solids<'m> {
                 report.add(mistake.help("Turn it with `rotate x y z`."));
             } else {
                 let facing = info.facing.then_some(NORMAL);
-                let known: Vec<&str> = PLACEMENT.iter().copied().chain(facing).collect();
+                let points = has_points.then_some(POINT);
+                let known: Vec<&str> = PLACEMENT.iter().copied().chain(facing).chain(points).collect();
                 unexpected_node(&child.name, &known, &format!("in a `{}`", info.name), report);
             }
         }
@@ -336,7 +369,9 @@ fn first_tag(node: &FieldNode) -> u32 {
 fn params(solid: Solid, node: &Node, named: &[(&str, &Entry)], report: &mut Report) -> Vec<f32> {
     let all = solid.params();
     let sizes = solid.info().size_params;
-    let entries = arguments(node, all.len(), &usage(solid), report);
+    // The argument of a text is its words.
+    let is_text = solid.info().outline == Some(Outline::Text);
+    let entries = if is_text { Vec::new() } else { arguments(node, all.len(), &usage(solid), report) };
     let mut given: Vec<Option<&Entry>> = vec![None; all.len()];
     let size_named = named.iter().any(|(name, _)| all[..sizes].iter().any(|param| param.name == *name));
     let one_size = sizes > 1 && !size_named && (1..sizes).contains(&entries.len());
@@ -390,6 +425,9 @@ pub(super) fn number(param: &Param, entry: &Entry, report: &mut Report) -> Optio
 /// As in "`box x y z`".
 fn usage(solid: Solid) -> String {
     let info = solid.info();
+    if info.outline == Some(Outline::Points) {
+        return format!("`{} {{ {POINT} x y; … }}`", info.name);
+    }
     let names: Vec<&str> = std::iter::once(info.name).chain(solid.params().iter().map(|param| param.name)).collect();
     match info.size_params {
         0 | 1 => format!("`{}`", names.join(" ")),

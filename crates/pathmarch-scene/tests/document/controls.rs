@@ -2,6 +2,7 @@
 //! alone.
 
 use super::{all_items, path};
+use pathmarch_field::registry::Outline;
 use pathmarch_field::{Unit, registry};
 use pathmarch_scene::document::{Control, ControlKind, Document, Item, ItemKind, Value, key};
 use pathmarch_scene::{Scene, materials, textures};
@@ -75,7 +76,7 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
         nodes.push((
             format!(
                 "object \"o\" {{ {open} {name} material=\"white\" {} {{ at 1 2 3; rotate 1 2 3; scale 2\n{normal} }} {close} }}",
-                all.join(" ")
+                (if shape.info().outline.is_some() { &named } else { &all }).join(" ")
             ),
             name,
         ));
@@ -86,6 +87,17 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
             ),
             name,
         ));
+        match shape.info().outline {
+            Some(Outline::Points) => nodes.push((
+                format!("object \"o\" {{ {open} {name} {{ point 0 0; point 1 0\n point 0 1 }} {close} }}"),
+                name,
+            )),
+            Some(Outline::Text) => nodes.push((
+                format!("object \"o\" {{ {open} {name} \"a b\" size=0.3 font=\"../../fonts/Cantarell-Regular.ttf\" {close} }}"),
+                name,
+            )),
+            None => {}
+        }
         if shape.info().size_params > 1 {
             nodes.push((format!("object \"o\" {{ {open} {name} 3; {close} }}"), name));
         }

@@ -2,7 +2,7 @@
 
 use crate::exit::{DONE, Failure};
 use pathmarch_render::pathmarch_field::blend::DEFAULT_STEPS;
-use pathmarch_render::pathmarch_field::registry::{modifiers, operators, shapes, solid, solids};
+use pathmarch_render::pathmarch_field::registry::{Outline, modifiers, operators, shapes, solid, solids};
 use pathmarch_render::pathmarch_field::{BlendProfile, Info, Param, Solid};
 
 #[derive(clap::Args)]
@@ -38,6 +38,18 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         Some(Solid::Shape(shape)) => {
             page(shape.info(), shape.params());
+            match shape.info().outline {
+                Some(Outline::Points) => {
+                    println!("\n  point x y as a child is a corner; three at least, or none for an arrow.")
+                }
+                Some(Outline::Text) => println!(
+                    "\n  Its argument is what it says. font= names a .ttf or .otf file relative to the scene file."
+                ),
+                None => {}
+            }
+            if shape.info().profile {
+                println!("\n  Stands in extrude or revolve.");
+            }
             if shape.info().facing {
                 println!("\n  normal x y z as a child turns +y to this direction.");
             }

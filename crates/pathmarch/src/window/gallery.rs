@@ -52,6 +52,9 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "" "clay" "jpg" "Cracked mud, crazed glaze, hammered copper.";
     "" "textures" "jpg" "Every texture, as colours and as a relief.";
     "" "operators" "jpg" "Twisted, bent, repeated, hollow and round.";
+    "" "lathe" "jpg" "Profiles, turned on a lathe and drawn out.";
+    "" "letters" "jpg" "Letters of a font, in low light.";
+    "" "seams" "jpg" "Soft, round, chamfered and stepped seams.";
     "" "glass-still-life" "jpg" "Clear and coloured glass on a table.";
     "" "day" "jpg" "The sky of a clear day, and its sun.";
     "" "material-grid" "jpg" "Every kind of material, smooth to rough.";

@@ -1,0 +1,149 @@
+//! The table of an outline: cells, and the segments that can be nearest to a point of each.
+//!
+//! A segment is left out of a cell where another is nearer everywhere in it: where the least distance of the cell from it is
+//! above the largest of the cell from that other, which is that of a corner, because the distance to a segment is convex.
+//! Cells are found by halving, so that each half only looks at what its whole has left.
+//!
+//! The table is vectors of four numbers. Three of a header: the box of the outline; the lower left corner of the cells and
+//! how many there are to a metre; columns and rows, and the upper right corner. Then one for each cell: where its list starts and
+//! how long it is. Then the lists, two vectors for each segment: start and direction; length and the signs of its ends.
+
+use super::clean::Piece;
+
+/// Vectors of the header.
+pub(super) const HEADER: usize = 3;
+/// Vectors of a segment.
+pub(super) const PER_SEGMENT: usize = 2;
+/// The most cells.
+const MOST_CELLS: f64 = 65_536.0;
+/// The most cells along an axis.
+const MOST_ACROSS: f64 = 2_048.0;
+/// How far the cells reach beyond the outline, as a share of its smaller side and at least of its larger one.
+const MARGIN: [f64; 2] = [0.25, 0.002];
+
+type Point = [f64; 2];
+
+struct Cells<'p> {
+    pieces: &'p [Piece],
+    low: Point,
+    cell: Point,
+    columns: usize,
+    lists: Vec<Vec<u32>>,
+}
+
+/// The table of an outline.
+pub(super) fn table(pieces: &[Piece]) -> Vec<f32> {
+    // Of nothing, a point with nothing inside.
+    let nothing = [Piece { from: [0.0; 2], to: [0.0; 2], signs: [1.0; 2] }];
+    let pieces = if pieces.is_empty() { &nothing } else { pieces };
+    let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for point in pieces.iter().flat_map(|piece| [piece.from, piece.to]) {
+        for k in 0..2 {
+            (min[k], max[k]) = (min[k].min(point[k]), max[k].max(point[k]));
+        }
+    }
+    let sides = [max[0] - min[0], max[1] - min[1]];
+    let margin = (MARGIN[0] * sides[0].min(sides[1])).max(MARGIN[1] * sides[0].max(sides[1])).max(1e-6);
+    // As f32 has them: the numbers that the distance computes with.
+    let low = min.map(|v| (v - margin) as f32);
+    let high = max.map(|v| (v + margin) as f32);
+    let sides = [0, 1].map(|k| f64::from(high[k]) - f64::from(low[k]));
+    let wanted = (2.0 * pieces.len() as f64).clamp(64.0, MOST_CELLS);
+    let cell = (sides[0] * sides[1] / wanted).sqrt();
+    let counts = sides.map(|side| (side / cell).ceil().clamp(1.0, MOST_ACROSS));
+    let rates = [0, 1].map(|k| (counts[k] / sides[k]) as f32);
+    let (columns, rows) = (counts[0] as usize, counts[1] as usize);
+    let mut cells = Cells {
+        pieces,
+        low: low.map(f64::from),
+        cell: [0, 1].map(|k| sides[k] / counts[k]),
+        columns,
+        lists: vec![Vec::new(); columns * rows],
+    };
+    let all: Vec<u32> = (0..pieces.len() as u32).collect();
+    cells.divide([0, 0], [columns, rows], &all);
+    let float = |v: f64| v as f32;
+    let mut table = vec![
+        float(min[0]),
+        float(min[1]),
+        float(max[0]),
+        float(max[1]),
+        low[0],
+        low[1],
+        rates[0],
+        rates[1],
+        columns as f32,
+        rows as f32,
+        high[0],
+        high[1],
+    ];
+    let mut start = HEADER + cells.lists.len();
+    for list in &cells.lists {
+        table.extend([start as f32, list.len() as f32, 0.0, 0.0]);
+        start += PER_SEGMENT * list.len();
+    }
+    for Piece { from, to, signs } in cells.lists.iter().flatten().map(|&index| pieces[index as usize]) {
+        let (x, y) = (to[0] - from[0], to[1] - from[1]);
+        let length = x.hypot(y);
+        let unit = if length > 0.0 { [x / length, y / length] } else { [1.0, 0.0] };
+        table.extend([from[0], from[1], unit[0], unit[1], length].map(float));
+        table.extend([signs[0], signs[1], 0.0]);
+    }
+    table
+}
+
+impl Cells<'_> {
+    /// Fills the cells from `first` on, `count` along each axis, with those of `candidates` that can be nearest there.
+    fn divide(&mut self, first: [usize; 2], count: [usize; 2], candidates: &[u32]) {
+        // Wider by a share of a cell, for points that rounding puts into the neighbour.
+        let slack = self.cell.map(|side| 1e-3 * side);
+        let low: Point = std::array::from_fn(|k| self.low[k] + self.cell[k] * first[k] as f64 - slack[k]);
+        let high: Point = std::array::from_fn(|k| self.low[k] + self.cell[k] * (first[k] + count[k]) as f64 + slack[k]);
+        let piece = |index: &u32| &self.pieces[*index as usize];
+        let corners = [low, [high[0], low[1]], [low[0], high[1]], high];
+        let farthest =
+            |piece: &Piece| corners.iter().map(|corner| squared_distance(*corner, piece)).fold(0.0, f64::max);
+        let bound = candidates.iter().map(|index| farthest(piece(index))).fold(f64::INFINITY, f64::min);
+        let can_be_nearest = |index: &&u32| squared_from_box(piece(index), low, high) <= bound;
+        let left: Vec<u32> = candidates.iter().filter(can_be_nearest).copied().collect();
+        let axis = usize::from(count[1] > count[0]);
+        if count[axis] == 1 {
+            self.lists[first[1] * self.columns + first[0]] = left;
+            return;
+        }
+        let half = count[axis] / 2;
+        let (mut counts, mut rest, mut beyond) = (count, count, first);
+        (counts[axis], rest[axis], beyond[axis]) = (half, count[axis] - half, first[axis] + half);
+        self.divide(first, counts, &left);
+        self.divide(beyond, rest, &left);
+    }
+}
+
+/// The square of the distance of a point from a segment.
+fn squared_distance(p: Point, Piece { from, to, .. }: &Piece) -> f64 {
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let offset = [p[0] - from[0], p[1] - from[1]];
+    let square = along[0] * along[0] + along[1] * along[1];
+    let t = if square > 0.0 { ((offset[0] * along[0] + offset[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (offset[0] - t * along[0]).powi(2) + (offset[1] - t * along[1]).powi(2)
+}
+
+/// The square of the least distance between a segment and a box: between an end and the box, a corner and the segment, or
+/// none.
+fn squared_from_box(piece: &Piece, low: Point, high: Point) -> f64 {
+    let to_box = |p: Point| {
+        let [x, y] = [0, 1].map(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0));
+        x * x + y * y
+    };
+    let ends = to_box(piece.from).min(to_box(piece.to));
+    let along = [piece.to[0] - piece.from[0], piece.to[1] - piece.from[1]];
+    let corners = [low, [high[0], low[1]], [low[0], high[1]], high];
+    let sides = corners.map(|c| along[0] * (c[1] - piece.from[1]) - along[1] * (c[0] - piece.from[0]));
+    let overlaps =
+        (0..2).all(|k| piece.from[k].min(piece.to[k]) <= high[k] && piece.from[k].max(piece.to[k]) >= low[k]);
+    let crosses = overlaps && sides.iter().any(|s| *s <= 0.0) && sides.iter().any(|s| *s >= 0.0);
+    if ends == 0.0 || crosses {
+        return 0.0;
+    }
+    corners.iter().map(|corner| squared_distance(*corner, piece)).fold(ends, f64::min)
+}

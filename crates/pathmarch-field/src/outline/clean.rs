@@ -1,0 +1,206 @@
+//! Outlines without crossings: segments are cut where they meet, and those that have the inside on one side and the outside
+//! on the other are kept and turned, so that the inside is on their left.
+//!
+//! What is inside is asked to the left and to the right of the middle of each piece, by counting the segments that a way to
+//! +x crosses (Shimrat 1962, with half-open segments; with their directions: Hormann and Agathos 2001). Segments are sorted
+//! into rows, and there from left to right, so that only those of one row are looked at. Computed over f64. Cost: linear but
+//! for the segments of a row.
+
+use super::Fill;
+use std::collections::{HashMap, HashSet};
+
+type Point = [f64; 2];
+
+/// A piece of an outline, the inside on its left, and for each end whether its corner points outwards (1) or inwards (-1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Piece {
+    pub(super) from: Point,
+    pub(super) to: Point,
+    pub(super) signs: [f32; 2],
+}
+
+/// Segments by the rows that they reach into.
+struct Rows {
+    low: f64,
+    height: f64,
+    rows: Vec<Vec<u32>>,
+}
+
+impl Rows {
+    fn new(segments: &[[Point; 2]]) -> Self {
+        let heights = segments.iter().flatten().map(|p| p[1]);
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(y), b.max(y)));
+        let count = (segments.len() / 2).clamp(1, 8192);
+        let mut rows = Self { low, height: ((high - low) / count as f64).max(1e-300), rows: vec![Vec::new(); count] };
+        for (index, [a, b]) in segments.iter().enumerate() {
+            let (first, last) = (rows.of(a[1].min(b[1])), rows.of(a[1].max(b[1])));
+            rows.rows[first..=last].iter_mut().for_each(|row| row.push(index as u32));
+        }
+        rows
+    }
+    fn of(&self, y: f64) -> usize {
+        (((y - self.low) / self.height).max(0.0) as usize).min(self.rows.len() - 1)
+    }
+}
+
+fn minus([ax, ay]: Point, [bx, by]: Point) -> Point {
+    [ax - bx, ay - by]
+}
+
+fn cross([ax, ay]: Point, [bx, by]: Point) -> f64 {
+    ax * by - ay * bx
+}
+
+fn dot([ax, ay]: Point, [bx, by]: Point) -> f64 {
+    ax * bx + ay * by
+}
+
+/// The pieces of the outline of these segments, four numbers each.
+pub(super) fn cleaned(numbers: &[f32], fill: Fill) -> Vec<Piece> {
+    let mut segments: Vec<[Point; 2]> = numbers
+        .chunks_exact(4)
+        .map(|s| [[f64::from(s[0]), f64::from(s[1])], [f64::from(s[2]), f64::from(s[3])]])
+        .filter(|[a, b]| a != b)
+        .collect();
+    let reach = segments.iter().flatten().flatten().fold(0.0_f64, |most, v| most.max(v.abs()));
+    // Points nearer to each other than this are one; f32 does not tell them apart.
+    let grain = reach * 1e-7;
+    if segments.is_empty() || !grain.is_finite() || grain <= 0.0 {
+        return Vec::new();
+    }
+    // In each row those that begin to the left come first.
+    segments.sort_by(|[a, b], [c, d]| a[0].min(b[0]).total_cmp(&c[0].min(d[0])));
+    let rows = Rows::new(&segments);
+    let mut seen = HashSet::new();
+    let key = |[x, y]: Point| ((x / grain).round() as i64, (y / grain).round() as i64);
+    let mut pieces = Vec::new();
+    for (mut points, [a, b]) in cuts(&segments, &rows, grain).into_iter().zip(&segments) {
+        points.extend([*a, *b]);
+        let along = minus(*b, *a);
+        points.sort_by(|p, q| dot(minus(*p, *a), along).total_cmp(&dot(minus(*q, *a), along)));
+        points.dedup_by_key(|p| key(*p));
+        for pair in points.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            // Where two segments lie on each other, their piece counts once.
+            let ends = [key(from), key(to)];
+            if !seen.insert([ends[0].min(ends[1]), ends[0].max(ends[1])]) {
+                continue;
+            }
+            let [x, y] = minus(to, from);
+            let step = grain / x.hypot(y);
+            let left = [-y * step, x * step];
+            let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
+            let is_inside =
+                |side: f64| is_inside([middle[0] + side * left[0], middle[1] + side * left[1]], &segments, &rows, fill);
+            match (is_inside(1.0), is_inside(-1.0)) {
+                (true, false) => pieces.push([from, to]),
+                (false, true) => pieces.push([to, from]),
+                _ => {}
+            }
+        }
+    }
+    with_corners(&pieces, key)
+}
+
+/// Where each segment is met by others.
+fn cuts(segments: &[[Point; 2]], rows: &Rows, grain: f64) -> Vec<Vec<Point>> {
+    let mut cuts = vec![Vec::new(); segments.len()];
+    let spans = |k: u32| {
+        let [a, b] = segments[k as usize];
+        [0, 1].map(|axis| (a[axis].min(b[axis]) - grain, a[axis].max(b[axis]) + grain))
+    };
+    for (number, row) in rows.rows.iter().enumerate() {
+        for (k, &one) in row.iter().enumerate() {
+            let reach = spans(one);
+            for &other in &row[k + 1..] {
+                let there = spans(other);
+                if there[0].0 > reach[0].1 {
+                    break;
+                }
+                let apart = reach[1].1 < there[1].0 || there[1].1 < reach[1].0;
+                // A pair that shares several rows is looked at in the first of them.
+                let first = rows.of((reach[1].0 + grain).max(there[1].0 + grain));
+                if apart || first != number {
+                    continue;
+                }
+                let ([a, b], [c, d]) = (segments[one as usize], segments[other as usize]);
+                let (ab, cd) = (minus(b, a), minus(d, c));
+                // Ends that lie on the other segment.
+                let is_on = |p: Point, from: Point, along: Point| {
+                    let square = dot(along, along);
+                    let (t, off) = (dot(minus(p, from), along) / square, cross(along, minus(p, from)) / square.sqrt());
+                    off.abs() <= grain && (0.0..=1.0).contains(&t)
+                };
+                let mut touches = false;
+                for p in [c, d] {
+                    if is_on(p, a, ab) {
+                        cuts[one as usize].push(p);
+                        touches = true;
+                    }
+                }
+                for p in [a, b] {
+                    if is_on(p, c, cd) {
+                        cuts[other as usize].push(p);
+                        touches = true;
+                    }
+                }
+                let area = cross(ab, cd);
+                let (t, u) = (cross(minus(c, a), cd) / area, cross(minus(c, a), ab) / area);
+                if !touches && (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u) {
+                    let p = [a[0] + t * ab[0], a[1] + t * ab[1]];
+                    cuts[one as usize].push(p);
+                    cuts[other as usize].push(p);
+                }
+            }
+        }
+    }
+    cuts
+}
+
+fn is_inside([x, y]: Point, segments: &[[Point; 2]], rows: &Rows, fill: Fill) -> bool {
+    let (mut crossed, mut around) = (0, 0);
+    for &index in &rows.rows[rows.of(y)] {
+        let [a, b] = segments[index as usize];
+        if (a[1] <= y) == (b[1] <= y) {
+            continue;
+        }
+        // The segment lies to the right if the point is on its left as it goes up.
+        let side = cross(minus(b, a), minus([x, y], a));
+        let up = a[1] <= y;
+        if (side > 0.0) == up {
+            crossed += 1;
+            around += if up { 1 } else { -1 };
+        }
+    }
+    match fill {
+        Fill::EvenOdd => crossed % 2 == 1,
+        Fill::NonZero => around != 0,
+    }
+}
+
+/// Which corners point outwards. The points nearest to a corner, and to none of its segments elsewhere, lie in the widest
+/// angle between them, which is more than half a turn; it is outside or inside.
+fn with_corners(pieces: &[[Point; 2]], key: impl Fn(Point) -> (i64, i64)) -> Vec<Piece> {
+    let mut corners: HashMap<(i64, i64), Vec<(f64, bool)>> = HashMap::new();
+    for [from, to] in pieces {
+        let ([x, y], [back_x, back_y]) = (minus(*to, *from), minus(*from, *to));
+        corners.entry(key(*from)).or_default().push((y.atan2(x), true));
+        corners.entry(key(*to)).or_default().push((back_y.atan2(back_x), false));
+    }
+    let signs: HashMap<(i64, i64), f32> = corners
+        .into_iter()
+        .map(|(corner, mut ways)| {
+            ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let next = |k: usize| match ways.get(k + 1) {
+                Some((angle, _)) => *angle,
+                None => ways[0].0 + std::f64::consts::TAU,
+            };
+            let widest = (0..ways.len()).max_by(|&a, &b| (next(a) - ways[a].0).total_cmp(&(next(b) - ways[b].0)));
+            // Counter-clockwise of a way from the corner is its left: the inside where the piece starts here.
+            let inside = widest.is_some_and(|k| ways[k].1);
+            (corner, if inside { -1.0 } else { 1.0 })
+        })
+        .collect();
+    let sign = |p: Point| signs.get(&key(p)).copied().unwrap_or(1.0);
+    pieces.iter().map(|[from, to]| Piece { from: *from, to: *to, signs: [sign(*from), sign(*to)] }).collect()
+}
