@@ -41,16 +41,7 @@ pub(crate) struct Solids<'m> {
 
 impl<'m> Solids<'m> {
     pub(super) fn new(materials: &'m mut Materials, fields: &'m Fields, files: Files<'m>) -> Self {
-        Self {
-            materials,
-            fields,
-            files,
-            names: Default::default(),
-            shapes: 0,
-            segments: 0,
-            default: None,
-            planes: 0,
-        }
+        Self { materials, fields, files, names: Default::default(), shapes: 0, segments: 0, default: None, planes: 0 }
     }
 
     /// The index of the default material, which is added at the first call.
@@ -169,7 +160,8 @@ impl<'m> Solids<'m> {
         known.extend((info.outline == Some(Outline::Text)).then_some(FONT));
         let mut named = properties(node, &known, report);
         let own = named.iter().position(|(name, _)| *name == "material").map(|at| named.swap_remove(at).1);
-        let font = named.iter().position(|(name, _)| *name == FONT).map(|at| named.swap_remove(at).1);
+        let is_font = |(name, _): &(&str, &Entry)| info.outline == Some(Outline::Text) && *name == FONT;
+        let font = named.iter().position(is_font).map(|at| named.swap_remove(at).1);
         let tag = match (own, material) {
             (Some(entry), _) => self.material(entry, report),
             (None, Some(material)) => material,
