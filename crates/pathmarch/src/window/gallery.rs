@@ -55,6 +55,8 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "" "lathe" "jpg" "Profiles, turned on a lathe and drawn out.";
     "" "letters" "jpg" "Letters of a font, in low light.";
     "" "seams" "jpg" "Soft, round, chamfered and stepped seams.";
+    "" "molten" "jpg" "Coloured clay, melted together.";
+    "" "rotunda" "jpg" "A round temple in still water.";
     "" "glass-still-life" "jpg" "Clear and coloured glass on a table.";
     "" "day" "jpg" "The sky of a clear day, and its sun.";
     "" "material-grid" "jpg" "Every kind of material, smooth to rough.";
