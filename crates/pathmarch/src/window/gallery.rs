@@ -40,6 +40,7 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "fractals/" "julia" "jpg" "A slice of a quaternion Julia set.";
     "thesis/" "cream-julia" "jpg" "A Julia set in cream and green.";
     "fractals/" "mandelbox" "jpg" "The mandelbox.";
+    "thesis/" "inside-mandelbox" "jpg" "Inside a mandelbox.";
     "fractals/" "coral" "jpg" "A coral: an iterated function system.";
     "thesis/" "mandelbulb-landscape" "jpg" "A land on a mandelbulb.";
     "fractals/" "apollonian" "jpg" "Spheres within spheres.";
