@@ -20,6 +20,10 @@ pub struct RenderSettings {
     pub clamp: Option<f32>,
     /// How near to a surface a ray ends, pixels as seen along the path so far, 0.001 to 10.
     pub detail: f32,
+    /// Pictures of an animation in a second, above 0.
+    pub fps: f32,
+    /// For which part of a frame's time the shutter is open, 0 to 1; 0 is no motion blur.
+    pub shutter: f32,
 }
 
 /// A tenth of a pixel: small against the half by which an edge may be off unnoticed.
@@ -36,6 +40,8 @@ impl Default for RenderSettings {
             caustics: Caustics::default(),
             clamp: None,
             detail: DETAIL,
+            fps: 24.0,
+            shutter: 0.0,
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::sky::Sky;
 use pathmarch_field::{Field, Node};
 use std::fs::File;
 use std::io::{ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// When a scene is looked at. Formulas know it as `t` and `frame`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,6 +65,8 @@ pub struct Scene {
     pub field: Field,
     /// Parameters in the order they were written.
     pub params: Vec<Parameter>,
+    /// Other files whose text it includes, in the order in which they were found.
+    pub includes: Vec<PathBuf>,
     /// When this is: [`Moment::default`] unless said otherwise.
     pub moment: Moment,
     /// Whether anything of it depends on the moment.

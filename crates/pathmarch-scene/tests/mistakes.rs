@@ -210,6 +210,33 @@ param later 1 doc=3
 param "x" 1 2 { y }
 object "a" { param inside 1; sphere late { at lonely word 0 } }"##
 );
+body!(
+    declared_shapes,
+    r##"shape "bolt" { param length 0.1 min=0.01; param head "length/5"; cylinder 0.01 length; sphre 1 }
+shape "sphere" { box }
+shape "at" { box }
+shape "pin" { param r 1; sphere "r - 1.5"; at 0 1 0 }
+shape "tube" { param r 1; cylinder r "2 - r" }
+shape "tube" { box }
+shape "empty" { param r 1 }
+shape "a" { union { b } }
+shape "b" { c; sphere }
+shape "c" { box; a 1 { at 0 1 0 } }
+shape { box }
+shape "slab" { param material 1; box }
+object "o" {
+    tube r=-1
+    tube 3 r=2
+    tube r=3
+    tube r=4
+    tube lenght=1 2 3
+    tube { sphere; at 0 1 0 }
+    tub
+    a
+    sphere { tube }
+    tube material="iron"
+}"##
+);
 body!(not_finite, "object \"a\" { sphere #inf; sphere radius=#nan; sphere { at 0 #-inf 1e300 } }");
 body!(
     out_of_range,

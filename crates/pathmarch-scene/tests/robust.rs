@@ -168,3 +168,33 @@ fn hostile_texts() {
     timed("one long string", &format!("{head}object \"{string}\" {{ sphere }}"), limit);
     timed("long lines", &format!("{head}object \"\"\"\n{}\n\"\"\" {{ sphere }}", "a\n".repeat(1 << 22)), limit);
 }
+
+/// A few lines that would be a billion shapes are refused at once.
+#[test]
+fn shapes_of_shapes_are_bounded() {
+    let head = "pathmarch 1\ncamera { position 0 0 5; target 0 0 0 }\nsky 1\n";
+    let refused = |text: &str| {
+        let start = Instant::now();
+        let error = Scene::parse("laughs.kdl", text).expect_err("too much");
+        assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+        error.mistakes().iter().map(|mistake| mistake.message.clone()).collect::<Vec<_>>()
+    };
+    let ten = |name: &str| format!("{name}; ").repeat(10);
+    let laughs = |first: &str, levels: usize| {
+        let mut text = format!("{head}shape \"s0\" {{ {first} }}\n");
+        (1..levels).for_each(|k| text += &format!("shape \"s{k}\" {{ {} }}\n", ten(&format!("s{}", k - 1))));
+        format!("{text}object \"o\" {{ s{} }}\n", levels - 1)
+    };
+    assert_eq!(refused(&laughs("box; sphere", 10)), ["The scene has more than 100000 shapes."]);
+    assert_eq!(refused(&laughs("s1", 10)).len(), 10);
+    assert_eq!(refused(&laughs("spher", 30)).len(), 1);
+    assert_eq!(refused(&laughs("sphere \"t - 1\"", 30)).len(), 1);
+    let mut chain = format!("{head}shape \"s0\" {{ sphere }}\n");
+    (1..20_000).for_each(|k| chain += &format!("shape \"s{k}\" {{ s{} }}\n", k - 1));
+    assert!(Scene::parse("chain.kdl", &format!("{chain}object \"o\" {{ s60 }}\n")).is_ok());
+    assert_eq!(
+        refused(&format!("{chain}object \"o\" {{ s19999 }}\n")),
+        ["Shapes are nested more than 64 levels deep."]
+    );
+    let _ = pathmarch_scene::Document::new("chain.kdl", chain);
+}

@@ -59,6 +59,64 @@ fn a_render_may_be_bounded_in_time() {
     }
 }
 
+const MOVING: &str = "pathmarch 1
+camera { position 0 0 5; target 0 0 0 }
+render { size 16 9; samples 2; fps 10 }
+sky 1
+object \"ball\" { sphere \"1.05 - t\" { at frame 0 0 } }
+";
+
+#[test]
+fn frames_are_rendered_one_after_the_other() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("ball.kdl"), MOVING).expect("written");
+    let run = |arguments: &[&str]| {
+        pathmarch(&[&["render", "ball.kdl", "--backend", "cpu"], arguments].concat(), directory.path())
+    };
+    let there = |name: &str| directory.path().join(name).is_file();
+    let output = run(&["--frames", "1-5x2", "-o", "f-###.exr"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(there("f-001.exr") && there("f-003.exr") && there("f-005.exr") && !there("f-002.exr"));
+    assert!(stderr(&output).contains("wrote 3 frames to f-###.exr"), "{}", stderr(&output));
+    // The frames differ; one rendered by itself is the same.
+    let picture = |name: &str| load(&directory.path().join(name)).expect("a picture").picture.pixels;
+    assert_ne!(picture("f-001.exr"), picture("f-003.exr"));
+    let output = run(&["--time", "0.3", "-o", "at.exr"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert_eq!(picture("f-003.exr"), picture("at.exr"));
+    // What is there is not rendered again.
+    std::fs::write(directory.path().join("f-003.exr"), "mine").expect("written");
+    let output = run(&["--frames", "3-4", "-o", "f-###.exr", "--skip-existing"]);
+    assert!(
+        stderr(&output).contains("wrote 1 frame to f-###.exr") && stderr(&output).contains("1 were there"),
+        "{}",
+        stderr(&output)
+    );
+    assert_eq!(std::fs::read_to_string(directory.path().join("f-003.exr")).expect("text"), "mine");
+    // By itself, a range has a name with digits.
+    assert_eq!(code(&run(&["--frames", "7"])), 0);
+    assert!(there("ball-0007.png"));
+    // A mistake in a later frame names it, and earlier ones stay.
+    let output = run(&["--frames", "9-12", "-o", "g#.png"]);
+    assert_eq!(code(&output), 2);
+    let told = stderr(&output);
+    assert!(
+        told.contains("frame 11 cannot be rendered") && told.contains("is -0.05") && told.contains("frame 11"),
+        "{told}"
+    );
+    assert!(there("g9.png") && there("g10.png") && !there("g11.png"));
+    for wrong in [
+        &["--frames", "5-1"][..],
+        &["--frames", "1-2", "-o", "one.png"],
+        &["--frames", "1", "--time", "2"],
+        &["--skip-existing"],
+        &["--fps", "0"],
+    ] {
+        assert_eq!(code(&run(wrong)), 2, "{wrong:?}");
+    }
+    assert!(stderr(&run(&["--frames", "1-2", "-o", "one.png"])).contains("-o one-####.png"));
+}
+
 #[test]
 fn a_picture_shows_what_its_mode_says() {
     let directory = tempfile::tempdir().expect("a directory");

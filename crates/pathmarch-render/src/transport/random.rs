@@ -55,7 +55,7 @@ pub(crate) fn hash(x: u32) -> u32 {
 }
 
 /// Owen scrambling of the reversed bits `x`: every bit is flipped by a hash of the bits below it.
-fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
+pub(crate) fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);

@@ -4,13 +4,15 @@ use super::control::{Addition, Group};
 use super::error::EditError;
 use super::kinds::required;
 use super::layout::Chunk;
-use super::number::{number, quoted};
+use super::number::{number, quoted, string_like};
 use super::outline::ItemKind;
 use super::path::Path;
-use super::slots::SKIES;
+use super::slots::{SKIES, interned, text_argument};
 use super::structure::free_name;
 use super::work::Work;
+use crate::language::declared::SHAPE;
 use crate::language::fields::FIELD;
+use crate::language::include::INCLUDE;
 use crate::language::params::PARAM;
 use crate::language::schema::{self, AXES};
 use crate::materials;
@@ -24,7 +26,8 @@ pub(super) fn additions(work: &Work, parent: Option<ItemKind>) -> Vec<Addition> 
         |group| work.fields().all_shapes().map(move |shape| addition(group, shape.info().name, shape.info().doc));
     let operators = registry::solids().filter(|solid| solid.is_operator());
     match parent {
-        Some(ItemKind::Object | ItemKind::Operator) => shapes(Group::Shape)
+        Some(kind) if kind.holds_shapes() => declared(work)
+            .chain(shapes(Group::Shape))
             .chain(operators.map(|op| addition(Group::Operator, op.info().name, op.info().doc)))
             .collect(),
         Some(_) => Vec::new(),
@@ -48,6 +51,14 @@ pub(super) fn additions(work: &Work, parent: Option<ItemKind>) -> Vec<Addition> 
     }
 }
 
+/// The shapes that the file declares.
+fn declared(work: &Work) -> impl Iterator<Item = Addition> {
+    let values = work.values();
+    let shapes = work.file.nodes.iter().chain(values.included.iter()).filter(|node| node.name.value == SHAPE);
+    let names: Vec<&'static str> = shapes.filter_map(text_argument).map(interned).collect();
+    names.into_iter().map(|name| addition(Group::Shape, name, "A shape that this file declares or includes."))
+}
+
 fn addition(group: Group, name: &'static str, doc: &'static str) -> Addition {
     Addition { group, name, doc }
 }
@@ -66,6 +77,7 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
                 Some(Solid::Shape(shape)) if is_in_plane(work, parent) => shape_text(shape),
                 Some(Solid::Shape(shape)) => solid_text(shape),
                 Some(Solid::Modify(modifier)) => modifier_text(modifier),
+                None => string_like(word, ""),
                 _ => operator_text(word),
             };
             let chunk = Chunk::new(&text, work.style);
@@ -113,7 +125,8 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
 
 /// Adds a node at the top of the file, behind the others of its word, or where files have such nodes.
 pub(super) fn add_top(work: &mut Work, word: &str, template: &str) -> Result<Path, EditError> {
-    const ORDER: [&str; 9] = ["pathmarch", PARAM, "camera", "render", "sky", "sun", "material", FIELD, "object"];
+    const ORDER: [&str; 11] =
+        ["pathmarch", INCLUDE, PARAM, "camera", "render", "sky", "sun", "material", FIELD, SHAPE, "object"];
     let rank = |word: &str| {
         let word = if word == "point" { "sun" } else { word };
         ORDER.iter().position(|other| *other == word).unwrap_or(ORDER.len())

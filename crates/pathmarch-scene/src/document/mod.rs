@@ -106,7 +106,7 @@ impl Reading {
     fn new(name: &str, text: &str, moment: Moment, assets: &mut Assets) -> Self {
         let Read { file, scene, values } = language::read(name, text, moment, assets);
         let file = file.map(Block::into_owned);
-        let outline = file.as_ref().map_or_else(Vec::new, outline::outline);
+        let outline = file.as_ref().map_or_else(Vec::new, |file| outline::outline(file, &values.included));
         let style = Style::of(text, file.as_ref());
         Self { file, scene: scene.map(Arc::new), values, outline, style }
     }
@@ -353,7 +353,11 @@ impl Document {
     pub fn path_of_leaf(&self, leaf: usize) -> Option<Path> {
         fn find(items: &[Item], leaf: usize) -> Option<&Item> {
             let item = items.iter().find(|item| (item.leaves.0..item.leaves.0 + item.leaves.1).contains(&leaf))?;
-            if item.kind == ItemKind::Shape { Some(item) } else { find(&item.children, leaf) }
+            if matches!(item.kind, ItemKind::Shape | ItemKind::Instance) {
+                Some(item)
+            } else {
+                find(&item.children, leaf)
+            }
         }
         find(&self.reading.outline, leaf).map(|item| item.path.clone())
     }

@@ -2,18 +2,22 @@
 
 use super::path::Path;
 use super::slots::{arguments, material_kind, property, text_argument};
+use crate::language::declared::{SHAPE, leaf_counts};
 use crate::language::fields::FIELD;
+use crate::language::include::INCLUDE;
 use crate::language::names::{NORMAL, PLACEMENT, POINT};
 use crate::language::params::PARAM;
 use crate::language::tree::{Block, Node, Value};
 use pathmarch_field::registry;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// What a node is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ItemKind {
     /// `pathmarch 1`
     Version,
+    /// Another file of which this takes materials, shapes, objects and lights.
+    Include,
     /// A number with a name, which formulas use.
     Param,
     /// A shape that the scene declares.
@@ -32,6 +36,10 @@ pub enum ItemKind {
     Material,
     /// An object.
     Object,
+    /// A shape that the file declares.
+    Declaration,
+    /// A use of a declared shape; of none that is declared, a mistake.
+    Instance,
     /// A shape of the registry.
     Shape,
     /// An operator of the registry.
@@ -45,6 +53,7 @@ impl ItemKind {
     fn of(word: &str, parent: Option<Self>, declared: &dyn Fn(&str) -> bool) -> Self {
         match (parent, word) {
             (None, "pathmarch") => Self::Version,
+            (None, INCLUDE) => Self::Include,
             (None, PARAM) => Self::Param,
             (None, FIELD) => Self::Field,
             (None, "camera") => Self::Camera,
@@ -53,12 +62,13 @@ impl ItemKind {
             (None, "sun") => Self::Sun,
             (None, "point") => Self::Point,
             (None, "material") => Self::Material,
+            (None, SHAPE) => Self::Declaration,
             (None, "object") => Self::Object,
             (Some(_), word) => match registry::solid(word) {
                 Some(solid) if solid.is_operator() => Self::Operator,
                 Some(_) => Self::Shape,
                 None if declared(word) => Self::Shape,
-                None => Self::Other,
+                None => Self::Instance,
             },
             _ => Self::Other,
         }
@@ -67,21 +77,23 @@ impl ItemKind {
     fn shows(self, word: &str) -> bool {
         match self {
             Self::Object | Self::Operator => !PLACEMENT.contains(&word),
+            Self::Declaration => word != PARAM,
+            Self::Instance => !PLACEMENT.contains(&word),
             Self::Shape => !PLACEMENT.contains(&word) && word != NORMAL && word != POINT,
             _ => false,
         }
     }
     /// Whether it holds shapes.
     pub fn holds_shapes(self) -> bool {
-        matches!(self, Self::Object | Self::Operator)
+        matches!(self, Self::Object | Self::Operator | Self::Declaration)
     }
     /// Whether it has a name.
     pub fn is_named(self) -> bool {
-        matches!(self, Self::Param | Self::Field | Self::Camera | Self::Material | Self::Object)
+        matches!(self, Self::Param | Self::Field | Self::Camera | Self::Material | Self::Declaration | Self::Object)
     }
     /// Whether it may stand in an object or operator.
     pub fn is_solid(self) -> bool {
-        matches!(self, Self::Shape | Self::Operator)
+        matches!(self, Self::Shape | Self::Instance | Self::Operator)
     }
 }
 
@@ -112,12 +124,13 @@ impl Item {
 }
 
 /// The outline of a file.
-pub(super) fn outline(file: &Block<'static>) -> Vec<Item> {
+pub(super) fn outline(file: &Block<'static>, included: &[Node<'static>]) -> Vec<Item> {
     let names: HashSet<&str> = declared_names(file).collect();
-    items(file, None, &Path::default(), &mut Walk { declared: &|word| names.contains(word), leaves: 0 })
+    let counts = leaf_counts(file.nodes.iter().chain(included));
+    items(file, None, &Path::default(), &mut Walk { declared: &|word| names.contains(word), counts, leaves: 0 })
 }
 
-/// Names of the shapes that a file declares.
+/// Names of the fields that a file declares.
 fn declared_names<'b>(file: &'b Block<'static>) -> impl Iterator<Item = &'b str> {
     file.nodes.iter().filter(|node| node.name.value == FIELD).filter_map(text_argument)
 }
@@ -125,6 +138,8 @@ fn declared_names<'b>(file: &'b Block<'static>) -> impl Iterator<Item = &'b str>
 /// A walk through a file.
 struct Walk<'w> {
     declared: &'w dyn Fn(&str) -> bool,
+    /// How many shapes come of each declared shape.
+    counts: HashMap<String, usize>,
     /// Shapes so far.
     leaves: usize,
 }
@@ -138,25 +153,36 @@ fn item(node: &Node<'static>, parent: Option<ItemKind>, path: Path, walk: &mut W
     let word = &*node.name.value;
     let kind = ItemKind::of(word, parent, walk.declared);
     let first = walk.leaves;
-    walk.leaves += usize::from(kind == ItemKind::Shape);
+    walk.leaves += match kind {
+        ItemKind::Shape => 1,
+        ItemKind::Instance => walk.counts.get(word).copied().unwrap_or(0),
+        _ => 0,
+    };
     let name = kind.is_named().then(|| text_argument(node).map(str::to_owned)).flatten();
     let unnamed_camera = kind == ItemKind::Camera && arguments(node).next().is_none();
     let material = match kind {
         ItemKind::Material => material_kind(node).map(|kind| kind.name.to_owned()),
-        ItemKind::Object | ItemKind::Shape | ItemKind::Operator => match property(node, "material").map(|e| &e.value) {
-            Some(Value::Text(name)) => Some(name.to_string()),
-            _ => None,
-        },
+        ItemKind::Object | ItemKind::Shape | ItemKind::Instance | ItemKind::Operator => {
+            match property(node, "material").map(|e| &e.value) {
+                Some(Value::Text(name)) => Some(name.to_string()),
+                _ => None,
+            }
+        }
         _ => None,
     };
     let children = node.children.as_ref().map_or_else(Vec::new, |block| items(block, Some(kind), &path, walk));
+    if kind == ItemKind::Declaration {
+        // What it holds stands nowhere; its uses do.
+        walk.leaves = first;
+    }
+    let leaves = (first, walk.leaves - first);
     Item {
         kind,
         word: word.to_owned(),
         name: name.or_else(|| unnamed_camera.then(|| "main".to_owned())),
         material,
         children,
-        leaves: (first, walk.leaves - first),
+        leaves,
         path,
     }
 }

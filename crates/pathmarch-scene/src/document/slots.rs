@@ -9,7 +9,10 @@ use super::outline::ItemKind;
 use super::textures::{Inside, target, texture_node};
 use crate::language::Values;
 use crate::language::arguments::{Range, srgb};
+use crate::language::declared::SHAPE;
 use crate::language::expression::Expression;
+use crate::language::fields::FIELD;
+use crate::language::params;
 use crate::language::schema::{self, AXES, FONT, Form, ORBIT_TRAP, Setting};
 use crate::language::tree::{self, Block, Entry, Node};
 use crate::materials::{self, MaterialKind, MaterialParam, ParamKind, Trap};
@@ -17,16 +20,16 @@ use crate::text::DEFAULT_TEXT;
 use pathmarch_field::registry::Outline;
 use pathmarch_field::{Param, Solid, Unit, registry};
 use std::borrow::Cow;
+use std::collections::BTreeSet;
+use std::sync::{Mutex, PoisonError};
 
 /// Where in a node a parameter stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Place {
     /// The string that is its first argument.
     Name,
-    /// Its first argument, which is no name.
-    First,
-    /// Its second argument.
-    Second,
+    /// Its argument of this index.
+    Argument(usize),
     /// In the words that say what it is.
     Kind,
     /// The number of a shape with this index: an argument or a property.
@@ -50,6 +53,21 @@ pub(super) enum Place {
 pub(super) struct Slot {
     pub(super) control: Control,
     pub(super) place: Place,
+}
+
+/// A name as long-lived as the program. Each name is kept once: those that people give to the numbers and shapes that they
+/// declare, while a program runs.
+pub(super) fn interned(name: &str) -> &'static str {
+    static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+    match names.get(name) {
+        Some(known) => known,
+        None => {
+            let kept: &'static str = Box::leak(name.to_owned().into_boxed_str());
+            names.insert(kept);
+            kept
+        }
+    }
 }
 
 /// The forms of a sky, as they are written and what they are.
@@ -98,9 +116,10 @@ pub(super) fn material_kind(node: &Node) -> Option<&'static MaterialKind> {
     node.child_nodes().iter().find_map(|child| materials::kind(&child.name.value))
 }
 
-/// Names of all materials of a file.
-pub(super) fn material_names(file: &Block<'static>) -> Vec<String> {
-    let materials = file.nodes.iter().filter(|node| node.name.value == "material");
+/// Names of all materials of a file and of those that it includes.
+pub(super) fn material_names(file: &Block<'static>, values: &Values) -> Vec<String> {
+    let nodes = file.nodes.iter().chain(values.included.iter());
+    let materials = nodes.filter(|node| node.name.value == "material");
     materials.filter_map(|node| text_argument(node).map(str::to_owned)).collect()
 }
 
@@ -108,6 +127,11 @@ pub(super) fn material_names(file: &Block<'static>) -> Vec<String> {
 pub(super) fn slots(file: &Block<'static>, values: &Values, kind: ItemKind, node: &Node<'static>) -> Vec<Slot> {
     let mut list = List { node, values, slots: Vec::new() };
     match kind {
+        ItemKind::Include => {
+            let doc = "Another file of which this takes materials, shapes, objects and lights; relative to this one.";
+            let control = control("file", "file", doc, "", ControlKind::Text, Value::Text(String::new()));
+            list.push(control.required(), Place::Name);
+        }
         ItemKind::Param => list.param(),
         ItemKind::Camera => {
             list.name("main");
@@ -128,6 +152,15 @@ pub(super) fn slots(file: &Block<'static>, values: &Values, kind: ItemKind, node
             }
         }
         ItemKind::Field => list.name(""),
+        ItemKind::Declaration => list.name(""),
+        ItemKind::Instance => {
+            let all = file.nodes.iter().chain(values.included.iter());
+            let declared = all.filter(|declared| matches!(&*declared.name.value, SHAPE | FIELD));
+            let mut declared = declared.filter(|declared| text_argument(declared) == Some(&*node.name.value));
+            if let Some(declared) = declared.next() {
+                list.instance(file, declared);
+            }
+        }
         ItemKind::Version | ItemKind::Other => {}
     }
     list.slots
@@ -175,7 +208,7 @@ impl List<'_> {
         self.slots.push(Slot { control, place: Place::Kind });
     }
     fn material_of(&mut self, file: &Block<'static>, doc: &'static str) {
-        let kind = ControlKind::Material(material_names(file));
+        let kind = ControlKind::Material(material_names(file, self.values));
         self.push(control(key::MATERIAL, key::MATERIAL, doc, "", kind, Value::None), Place::Property("material"));
     }
 
@@ -239,18 +272,34 @@ impl List<'_> {
 
     fn param(&mut self) {
         self.name("");
-        let limit = |word: &str, open: f32| {
-            property(self.node, word).and_then(|entry| number(entry, self.values)).unwrap_or(open)
-        };
+        let control = self.declared_number(self.node, key::VALUE);
+        self.push(Control { default: Value::Number(0.0), ..control }.required(), Place::Argument(1));
+    }
+    /// The control of a number that a `param` node declares; its default is the value there.
+    fn declared_number(&self, param: &Node<'static>, name: &'static str) -> Control {
+        let number = |entry: Option<&Entry<'static>>| entry.and_then(|entry| number(entry, self.values));
+        let limit = |word: &str, open: f32| number(property(param, word)).unwrap_or(open);
         let range = Range::from_to(limit("min", f32::MIN), limit("max", f32::MAX));
-        let now = entries(self.node, Place::Second).first().and_then(|entry| number(entry, self.values));
-        let range = number_range(range, false, "", now);
-        let mut control = control(key::VALUE, key::VALUE, "", "", ControlKind::Number(range), Value::Number(0.0));
-        control.doc = match property(self.node, "doc").map(|entry| &entry.value) {
+        let default = number(arguments(param).nth(1));
+        let kind = ControlKind::Number(number_range(range, false, "", default));
+        let mut control = control(name, name, "", "", kind, Value::Number(default.unwrap_or(0.0)));
+        control.doc = match property(param, "doc").map(|entry| &entry.value) {
             Some(tree::Value::Text(doc)) => Cow::Owned(doc.to_string()),
-            _ => Cow::Borrowed("What formulas find under its name."),
+            _ => Cow::Borrowed("A number that formulas find under its name."),
         };
-        self.push(control.required(), Place::Second);
+        control
+    }
+
+    /// A use of a declared shape.
+    fn instance(&mut self, file: &Block<'static>, declared: &Node<'static>) {
+        for (index, param) in params::nodes(declared.child_nodes()).enumerate() {
+            let Some(name) = params::declared_name(param).map(interned) else { continue };
+            let control = self.declared_number(param, name);
+            let is_argument = arguments(self.node).nth(index).is_some();
+            self.push(control, if is_argument { Place::Argument(index) } else { Place::Property(name) });
+        }
+        self.material_of(file, "Material of what it holds that names no other; that of what it stands in when absent.");
+        self.placement(false);
     }
 
     fn sky(&mut self) {
@@ -319,7 +368,7 @@ impl List<'_> {
         if solid.info().outline == Some(Outline::Text) {
             let words = Value::Text(DEFAULT_TEXT.to_owned());
             let doc = "What it says; \\n begins another line.";
-            self.push(control(key::TEXT, key::TEXT, doc, "", ControlKind::Text, words).required(), Place::First);
+            self.push(control(key::TEXT, key::TEXT, doc, "", ControlKind::Text, words).required(), Place::Argument(0));
             let doc = "A .ttf or .otf file, relative to the scene file; the font that comes along when absent.";
             let none = Value::Text(String::new());
             self.push(control(FONT, FONT, doc, "", ControlKind::Picture, none), Place::Property(FONT));
@@ -466,8 +515,8 @@ fn entries<'n>(node: &'n Node<'static>, place: Place) -> Vec<&'n Entry<'static>>
     let all = |node: &'n Node<'static>| arguments(node).collect();
     match place {
         Place::Kind | Place::Parameter(_) => Vec::new(),
-        Place::Name | Place::First => arguments(node).take(1).collect(),
-        Place::Second => arguments(node).skip(1).take(1).collect(),
+        Place::Name => arguments(node).take(1).collect(),
+        Place::Argument(index) => arguments(node).skip(index).take(1).collect(),
         Place::Property(name) => property(node, name).into_iter().collect(),
         Place::Arguments => all(node),
         Place::Node(name) => child(node, name).map_or_else(Vec::new, all),

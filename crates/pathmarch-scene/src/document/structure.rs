@@ -10,6 +10,7 @@ use super::path::Path;
 use super::slots::{arguments, child, property, text_argument};
 use super::work::Work;
 use super::write::{check, keeping_formulas};
+use crate::language::declared::SHAPE;
 use crate::language::names::{PLACEMENT, listed};
 use crate::language::params::{self, PARAM};
 use crate::language::tree::{self, Node};
@@ -72,7 +73,7 @@ pub(super) fn remove(work: &mut Work, path: &Path) -> Result<(), EditError> {
                 ));
             }
         }
-        ItemKind::Shape | ItemKind::Operator if siblings == 1 => {
+        ItemKind::Shape | ItemKind::Instance | ItemKind::Operator if siblings == 1 => {
             let parent = path.parent().unwrap_or_default();
             let parent = work.find(&parent)?;
             let parent = title(parent.node, parent.kind);
@@ -90,7 +91,7 @@ fn users(work: &Work, material: &str) -> Vec<String> {
         matches!(own, Some(tree::Value::Text(name)) if name == material)
             || node.child_nodes().iter().any(|child| uses(child, material))
     }
-    let objects = work.file.nodes.iter().filter(|node| node.name.value == "object");
+    let objects = work.file.nodes.iter().filter(holds_shapes);
     objects.filter(|node| uses(node, material)).map(|node| title(node, ItemKind::Object)).collect()
 }
 
@@ -100,7 +101,7 @@ pub(super) fn rename(work: &mut Work, path: &Path, new: &str) -> Result<(), Edit
     let word = found.node.name.value.to_string();
     if !found.kind.is_named() {
         return Err(EditError::Name(format!(
-            "A `{word}` has no name. Cameras, materials, fields, objects and parameters have."
+            "A `{word}` has no name. Cameras, materials, fields, objects, parameters and declared shapes have."
         )));
     }
     if new.is_empty() {
@@ -116,12 +117,16 @@ pub(super) fn rename(work: &mut Work, path: &Path, new: &str) -> Result<(), Edit
     }
     let mut patches = vec![name_patch(work, found, new)];
     if let (ItemKind::Material, Some(old)) = (found.kind, old) {
-        let objects = work.file.nodes.iter().filter(|node| node.name.value == "object");
+        let objects = work.file.nodes.iter().filter(holds_shapes);
         objects.for_each(|object| references(&work.text, object, (old, new), &mut patches));
     }
     if let (ItemKind::Field, Some(old)) = (found.kind, old) {
-        let objects = work.file.nodes.iter().filter(|node| node.name.value == "object");
+        let objects = work.file.nodes.iter().filter(holds_shapes);
         objects.for_each(|object| uses(object, (old, new), &mut patches));
+    }
+    if let (ItemKind::Declaration, Some(old)) = (found.kind, old) {
+        let objects = work.file.nodes.iter().filter(holds_shapes);
+        objects.for_each(|object| instances(&work.text, object, (old, new), &mut patches));
     }
     if let (ItemKind::Param, Some(old)) = (found.kind, old) {
         let values = work.values();
@@ -130,6 +135,23 @@ pub(super) fn rename(work: &mut Work, path: &Path, new: &str) -> Result<(), Edit
     }
     work.last(patches);
     Ok(())
+}
+
+/// Whether a node at the top of a file holds shapes.
+fn holds_shapes(node: &&Node<'static>) -> bool {
+    matches!(&*node.name.value, "object" | SHAPE)
+}
+
+/// Renames the uses of a declared shape in a node's braces.
+fn instances(text: &str, node: &Node<'static>, (old, new): (&str, &str), patches: &mut Vec<Patch>) {
+    for child in node.child_nodes() {
+        if child.name.value == old {
+            let range = bytes(child.name.span);
+            let written = string_like(new, &text[range.clone()]);
+            patches.push(Patch::replace(range, written));
+        }
+        instances(text, child, (old, new), patches);
+    }
 }
 
 /// Renames a parameter in the formulas of a node and of all in it; what declares another of this name keeps that.

@@ -88,7 +88,8 @@ impl<'d> Work<'d> {
             (!touched).then(|| (at as usize).wrapping_add_signed(shift) as u32)
         };
         let formulas = self.known.formulas.iter().filter_map(|(at, value)| Some((now(*at)?, *value))).collect();
-        Cow::Owned(Values { formulas, fields: self.known.fields.clone() })
+        let (fields, included) = (self.known.fields.clone(), self.known.included.clone());
+        Cow::Owned(Values { formulas, fields, included })
     }
     pub(super) fn slot(&self, path: &Path, key: &str) -> Result<Slot, EditError> {
         let word = self.find(path)?.node.name.value.to_string();

@@ -158,11 +158,7 @@ impl<'d> Writer<'d> {
             },
             Place::Property(name) => Ok(self.write_property(name, value)),
             Place::Name | Place::Kind | Place::Arguments => Ok(self.write_arguments(value)),
-            Place::First => Ok(match arguments(self.node).next() {
-                Some(entry) => vec![self.replace(entry, value)],
-                None => vec![Patch::insert(bytes(self.node.name.span).end, format!(" {}", fresh(value)))],
-            }),
-            Place::Second => Ok(match arguments(self.node).nth(1) {
+            Place::Argument(index) => Ok(match arguments(self.node).nth(index) {
                 Some(entry) => vec![self.replace(entry, value)],
                 None => vec![Patch::insert(self.end_of_entries(), format!(" {}", fresh(value)))],
             }),
@@ -192,7 +188,16 @@ impl<'d> Writer<'d> {
             Place::Property(name) => {
                 Ok(property(self.node, name).map(|entry| self.remove(entry)).into_iter().collect())
             }
-            Place::Name | Place::First | Place::Second | Place::Kind | Place::Arguments => Ok(Vec::new()),
+            Place::Name | Place::Kind | Place::Arguments => Ok(Vec::new()),
+            // Another that others follow is given its default.
+            Place::Argument(index) => {
+                let arguments: Vec<_> = arguments(self.node).collect();
+                Ok(match arguments.get(index) {
+                    Some(last) if index + 1 == arguments.len() => vec![self.remove(last)],
+                    Some(entry) => vec![self.replace(entry, &slot.control.default)],
+                    None => Vec::new(),
+                })
+            }
             Place::Texture(owner) => self.erase_texture(owner),
             Place::Inside(owner, inside) => self.erase_inside(owner, inside),
             // The node that says the kind of a material says its first parameter, too.

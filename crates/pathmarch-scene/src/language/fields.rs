@@ -241,8 +241,9 @@ fn kept(text: &str, entry: &Entry, report: &mut Report) -> Option<&'static str> 
 /// Reports what is wrong in a text, where it stands in the file.
 fn wrong(entry: &Entry, fault: &Fault, report: &mut Report) {
     let span = fault.range.as_ref().and_then(|range| {
+        let (text, base) = report.text_at(entry.value_span);
         let start = entry.value_span.start as usize;
-        let written = report.text().get(start..entry.value_span.end as usize)?;
+        let written = text.get(start - base..entry.value_span.end as usize - base)?;
         let places = origins(written);
         let first = *places.get(range.start)?;
         let last = *places.get(range.end.max(range.start + 1) - 1)?;

@@ -6,9 +6,11 @@
 
 pub(crate) mod arguments;
 pub(crate) mod characters;
+pub(crate) mod declared;
 mod drawings;
 pub(crate) mod expression;
 pub(crate) mod fields;
+pub(crate) mod include;
 pub(crate) mod names;
 pub(crate) mod params;
 mod report;
@@ -31,14 +33,18 @@ use crate::diagnostic::SceneError;
 use crate::scene::{Light, Moment, Parameter, Scene};
 use crate::sky::Sky;
 use arguments::{Range, numbers, twice, wrong_type};
+use declared::Declarations;
 use drawings::Files;
 use fields::Fields;
+use include::Included;
 use names::{TOP, unexpected_node};
 use pathmarch_field::Field;
 use report::{Report, draft};
 use scope::Scope;
 use solids::Solids;
+use std::borrow::Cow;
 use std::collections::HashMap;
+use std::sync::Arc;
 use surfaces::Materials;
 use tree::{Block, Span, Value};
 
@@ -73,6 +79,8 @@ pub(crate) struct Values {
     pub(crate) formulas: HashMap<u32, f64>,
     /// Its own shapes.
     pub(crate) fields: Fields,
+    /// What it includes from other files.
+    pub(crate) included: Arc<Vec<tree::Node<'static>>>,
 }
 
 /// Reads a text, which came from `name`, as of a moment.
@@ -109,9 +117,11 @@ fn scene_of(
     mut report: Report,
 ) -> (Result<Scene, SceneError>, Values) {
     report.scope = Scope::at(moment);
+    let included = Included::of(name, text, file, &mut report);
     let mut fields = Fields::default();
-    let scene = meaning(name, text, file, assets, &mut fields, &mut report);
-    let values = Values { formulas: std::mem::take(&mut report.scope.values), fields };
+    let scene = meaning(name, text, file, &included, assets, &mut fields, &mut report);
+    let formulas = std::mem::take(&mut report.scope.values);
+    let values = Values { formulas, fields, included: Arc::new(included.nodes) };
     match scene {
         Some(scene) if !report.has_mistakes() => (Ok(Scene { warnings: report.into_warnings(), ..scene }), values),
         _ => (Err(report.into_error()), values),
@@ -128,6 +138,7 @@ fn meaning(
     name: &str,
     text: &str,
     file: &Block,
+    included: &Included,
     assets: &mut Assets,
     fields: &mut Fields,
     report: &mut Report,
@@ -135,7 +146,11 @@ fn meaning(
     if version(file, report) == Version::Other {
         return None;
     }
-    let (mut scene, sky) = scene(name, text, file, assets, fields, report);
+    let mut all = Cow::Borrowed(file);
+    if !included.nodes.is_empty() {
+        all.to_mut().nodes.extend(included.nodes.iter().cloned());
+    }
+    let (mut scene, sky) = scene(name, text, file, &all, included, assets, fields, report);
     if report.has_mistakes() {
         return None;
     }
@@ -144,7 +159,7 @@ fn meaning(
     scene.lights.extend(sun);
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
     scene.field = Field::new(&roots);
-    warnings::warn(&scene, file, report);
+    warnings::warn(&scene, &all, report);
     Some(scene)
 }
 
@@ -191,16 +206,19 @@ fn version(file: &Block, report: &mut Report) -> Version {
     Version::This
 }
 
-/// What the nodes of the file say; the field is still empty, and the sky black.
+/// What the nodes of the file, and those of `all` with what it includes, say; the field is still empty, and the sky black.
 fn scene(
     name: &str,
     text: &str,
     file: &Block,
+    all: &Block,
+    included: &Included,
     assets: &mut Assets,
     fields: &mut Fields,
     report: &mut Report,
 ) -> (Scene, skies::Described) {
     let nodes = |name: &'static str| file.nodes.iter().filter(move |node| node.name.value == name);
+    let of_all = |name: &'static str| all.nodes.iter().filter(move |node| node.name.value == name);
     for node in &file.nodes {
         if !TOP.contains(&&*node.name.value) {
             unexpected_node(&node.name, TOP, "at the top of a scene", report);
@@ -214,7 +232,7 @@ fn scene(
             twice(&format!("`{unique}`"), again.name.span, first, report);
         }
     }
-    let params = params::declare(params::nodes(&file.nodes), &[], &[], report);
+    let params = params::declare(params::nodes(&included.nodes).chain(params::nodes(&file.nodes)), &[], &[], report);
     let mut names = HashMap::new();
     let cameras: Vec<_> = nodes("camera").filter_map(|node| settings::camera(node, &mut names, report)).collect();
     if nodes("camera").next().is_none() && !file.broken {
@@ -225,7 +243,7 @@ fn scene(
     }
     let render = nodes("render").next().and_then(|node| settings::render(node, report));
     let sky = nodes("sky").next().and_then(|node| skies::sky(node, name, assets, report)).unwrap_or_default();
-    let lights: Vec<Light> = file
+    let lights: Vec<Light> = all
         .nodes
         .iter()
         .filter_map(|node| match &*node.name.value {
@@ -236,10 +254,12 @@ fn scene(
         .collect();
     let mut materials = Materials::default();
     let mut files = textures::Files { scene: name, assets };
-    nodes("material").for_each(|node| materials.add(node, &mut files, report));
-    *fields = Fields::new(file, assets, report);
-    let mut solids = Solids::new(&mut materials, fields, Files { scene: name, assets });
-    let objects = nodes("object").filter_map(|node| solids.object(node, report)).collect();
+    of_all("material").for_each(|node| materials.add(node, &mut files, report));
+    *fields = Fields::new(all, assets, report);
+    let mut declared = Declarations::gather(&all.nodes, fields, report);
+    Solids::check(&mut materials, &mut declared, fields, (name, assets), report);
+    let mut solids = Solids::new(&mut materials, &declared, fields, Files { scene: name, assets });
+    let objects = of_all("object").filter_map(|node| solids.object(node, report)).collect();
     let scene = Scene {
         cameras,
         render: render.unwrap_or_default(),
@@ -249,6 +269,7 @@ fn scene(
         objects,
         field: Field::new(&[]),
         params: params.into_iter().map(Parameter::from).collect(),
+        includes: included.files.clone(),
         moment: report.scope.moment,
         animated: report.scope.animated,
         warnings: Vec::new(),

@@ -1,6 +1,8 @@
 //! The words of the scene language, and which are nearest to a misspelt one.
 
+use super::declared::SHAPE;
 use super::fields::FIELD;
+use super::include::INCLUDE;
 use super::params::PARAM;
 use super::report::{Report, draft, shown};
 use super::schema;
@@ -10,7 +12,7 @@ use pathmarch_field::registry;
 
 /// Nodes of the file.
 pub(crate) const TOP: &[&str] =
-    &["pathmarch", PARAM, "camera", "render", "sky", "sun", "point", "material", FIELD, "object"];
+    &["pathmarch", INCLUDE, PARAM, "camera", "render", "sky", "sun", "point", "material", FIELD, SHAPE, "object"];
 /// Nodes in every shape and operator.
 pub(crate) const PLACEMENT: &[&str] =
     &[schema::PLACEMENT[0].name, schema::PLACEMENT[1].name, schema::PLACEMENT[2].name];

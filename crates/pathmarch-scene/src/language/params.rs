@@ -44,7 +44,7 @@ pub(crate) struct Given<'n> {
 }
 
 /// The nodes that declare parameters.
-pub(crate) fn nodes<'n>(nodes: &'n [Node<'n>]) -> impl Iterator<Item = &'n Node<'n>> {
+pub(crate) fn nodes<'n, 't>(nodes: &'n [Node<'t>]) -> impl Iterator<Item = &'n Node<'t>> {
     nodes.iter().filter(|node| node.name.value == PARAM)
 }
 
@@ -56,7 +56,6 @@ pub(crate) fn declared_name<'n>(node: &'n Node) -> Option<&'n str> {
     }
 }
 
-#[allow(dead_code, reason = "for what declares parameters of its own")]
 /// The values that a node's properties give to parameters, evaluated where the node stands.
 pub(crate) fn given<'n>(named: &[(&'n str, &'n Entry<'n>)], report: &mut Report) -> Vec<(&'n str, Given<'n>)> {
     let mut all = Vec::new();

@@ -13,11 +13,41 @@ pub(crate) const KEPT: usize = 100;
 /// The mistakes of a file so far, and what its formulas may name.
 pub(crate) struct Report {
     pub(crate) scope: Scope,
+    /// What is being expanded, and what to say of it beside mistakes in what it is made of.
+    pub(crate) within: Option<(Span, String)>,
     name: String,
-    source: Arc<NamedSource<String>>,
-    mistakes: Vec<Mistake>,
-    warnings: Vec<Mistake>,
+    /// The text and those that it includes, one behind the other.
+    sources: Vec<Source>,
+    /// Where the text begins that is being read.
+    base: u32,
+    /// With the place among all texts.
+    mistakes: Vec<(u32, Mistake)>,
+    warnings: Vec<(u32, Mistake)>,
     total: usize,
+}
+
+/// A text and where it begins among all.
+struct Source {
+    base: u32,
+    bytes: u32,
+    code: Arc<NamedSource<String>>,
+}
+
+impl Source {
+    fn new(base: u32, name: &str, text: &str) -> Self {
+        // What does not show, or would command a terminal, is printed as a mark of the same number of bytes.
+        let visible = |c: char| match c.len_utf8() {
+            _ if !is_forbidden(c) => c,
+            1 => '?',
+            _ => char::REPLACEMENT_CHARACTER,
+        };
+        let code = Arc::new(NamedSource::new(name, text.chars().map(visible).collect()));
+        Self { base, bytes: text.len() as u32, code }
+    }
+    /// A place among all texts as one of this.
+    fn local(&self, span: Span) -> Span {
+        Span { start: span.start - self.base, end: span.end - self.base }
+    }
 }
 
 /// A mistake before it has found its file.
@@ -53,38 +83,72 @@ impl Draft {
 
 impl Report {
     pub(crate) fn new(name: &str, text: &str) -> Self {
-        // What does not show, or would command a terminal, is printed as a mark of the same number of bytes.
-        let visible = |c: char| match c.len_utf8() {
-            _ if !is_forbidden(c) => c,
-            1 => '?',
-            _ => char::REPLACEMENT_CHARACTER,
-        };
-        let source = Arc::new(NamedSource::new(name, text.chars().map(visible).collect()));
+        let sources = vec![Source::new(0, name, text)];
         let (mistakes, warnings) = (Vec::new(), Vec::new());
-        Self { scope: Scope::default(), name: name.to_owned(), source, mistakes, warnings, total: 0 }
+        let (scope, within, name) = (Scope::default(), None, name.to_owned());
+        Self { scope, within, name, sources, base: 0, mistakes, warnings, total: 0 }
     }
-    fn finish(&self, draft: Draft, warning: bool) -> Mistake {
-        Mistake {
+    /// Begins with a text that is included, of which places are told from its own beginning; says where that is among all.
+    pub(crate) fn begin(&mut self, name: &str, text: &str) -> u32 {
+        // One byte apart, so that the end of one is not the beginning of the next.
+        self.base = self.sources.last().map_or(0, |last| last.base + last.bytes + 1);
+        self.sources.push(Source::new(self.base, name, text));
+        self.base
+    }
+    /// Says that its form has been read: places are told among all texts again.
+    pub(crate) fn end(&mut self) {
+        self.base = 0;
+    }
+    /// The text of a place among all.
+    fn source(&self, span: Span) -> &Source {
+        let at = self.sources.partition_point(|source| source.base <= span.start);
+        &self.sources[at.max(1) - 1]
+    }
+    fn finish(&self, draft: Draft, warning: bool) -> (u32, Mistake) {
+        let among_all = |span: Span| Span { start: span.start + self.base, end: span.end + self.base };
+        let span = among_all(draft.span);
+        let source = self.source(span);
+        let also = draft.also.map(|(span, label)| (among_all(span), label)).or_else(|| self.within.clone());
+        let (mut shown, mut help) = (None, draft.help);
+        if let Some((other, label)) = also {
+            let place = self.source(other);
+            let local = place.local(other);
+            if place.base == source.base {
+                shown = Some((local.into(), label));
+            } else {
+                // One report shows one file.
+                let line = 1 + place.code.inner()[..local.start as usize].matches('\n').count();
+                let more = format!("In {}, line {line}: {label}.", place.code.name());
+                help = Some(help.map_or_else(|| more.clone(), |help| format!("{help} {more}")));
+            }
+        }
+        let mistake = Mistake {
             message: draft.message,
             code: draft.code,
             label: draft.label,
-            help: draft.help,
-            span: draft.span.into(),
-            also: draft.also.map(|(span, label)| (span.into(), label)),
+            help,
+            span: source.local(span).into(),
+            also: shown,
             warning,
-            source_code: self.source.clone(),
-        }
+            source_code: source.code.clone(),
+        };
+        (span.start, mistake)
     }
-    /// The text as it is shown: with marks for what does not show.
-    pub(crate) fn text(&self) -> &str {
-        self.source.inner()
+    /// The text of a place, as it is shown, with marks for what does not show; and where it begins among all.
+    pub(crate) fn text_at(&self, span: Span) -> (&str, usize) {
+        let source = self.source(span);
+        (source.code.inner(), source.base as usize)
     }
     /// How many mistakes there are so far.
     pub(crate) fn count_so_far(&self) -> usize {
         self.total
     }
-    /// A mistake.
+    /// A mistake; the same at the same place is told once, however often it is expanded.
     pub(crate) fn add(&mut self, draft: Draft) {
+        let same = |(start, mistake): &(u32, Mistake)| *start == draft.span.start && mistake.message == draft.message;
+        if self.within.is_some() && self.mistakes.iter().any(same) {
+            return;
+        }
         self.total += 1;
         if self.mistakes.len() < KEPT {
             let mistake = self.finish(draft, false);
@@ -112,13 +176,14 @@ impl Report {
     }
     /// The warnings, in the order of the file.
     pub(crate) fn into_warnings(mut self) -> Vec<Mistake> {
-        self.warnings.sort_by_key(|warning| warning.span.offset());
-        self.warnings
+        self.warnings.sort_by_key(|(start, _)| *start);
+        self.warnings.into_iter().map(|(_, warning)| warning).collect()
     }
     /// The mistakes, in the order of the file.
     pub(crate) fn into_error(mut self) -> SceneError {
-        self.mistakes.sort_by_key(|mistake| mistake.span.offset());
-        SceneError::Mistakes { name: self.name, total: self.total, mistakes: self.mistakes }
+        self.mistakes.sort_by_key(|(start, _)| *start);
+        let mistakes = self.mistakes.into_iter().map(|(_, mistake)| mistake).collect();
+        SceneError::Mistakes { name: self.name, total: self.total, mistakes }
     }
 }
 

@@ -178,6 +178,20 @@ pub(crate) const RENDER: &[Setting] = &[
         "detail 0.1",
         "How near to a surface a ray ends, as it is seen: smaller shows finer detail of fractals, and costs steps.",
     ),
+    setting(
+        "fps",
+        number(Range { max: 1000.0, ..Range::POSITIVE }, 24.0),
+        "/s",
+        "fps 24",
+        "Pictures of an animation in a second.",
+    ),
+    setting(
+        "shutter",
+        number(Range::from_to(0.0, 1.0), 0.0),
+        "",
+        "shutter 0.5",
+        "Part of a frame's time that the shutter is open: motion blur; 0 is none.",
+    ),
 ];
 
 const PENUMBRA: Setting = setting(

@@ -41,7 +41,6 @@ pub(crate) struct Scope {
     work: usize,
 }
 
-#[allow(dead_code, reason = "for what declares parameters of its own")]
 impl Scope {
     pub(crate) fn at(moment: Moment) -> Self {
         Self { moment, ..Self::default() }
@@ -117,7 +116,6 @@ impl Scope {
     }
 }
 
-#[allow(dead_code, reason = "for what declares parameters of its own")]
 /// What is out of sight inside something that has parameters of its own.
 pub(crate) struct Outside {
     own: Vec<(String, Evaluated)>,

@@ -80,6 +80,8 @@ pub(crate) fn render(node: &Node, report: &mut Report) -> Option<RenderSettings>
     let caustics = settings.choice("caustics", "kind of caustics", &Caustics::ALL, Caustics::name, report);
     let clamp = settings.number("clamp", report);
     let detail = settings.number("detail", report);
+    let fps = settings.number("fps", report);
+    let shutter = settings.number("shutter", report);
     Some(RenderSettings {
         size: size?.into(),
         samples: samples?,
@@ -89,6 +91,8 @@ pub(crate) fn render(node: &Node, report: &mut Report) -> Option<RenderSettings>
         caustics: caustics?,
         clamp,
         detail: detail?,
+        fps: fps?,
+        shutter: shutter?,
     })
 }
 

@@ -3,13 +3,17 @@
 //! Names, parameters and ranges come from [`pathmarch_field::registry`]; nothing here knows a shape.
 
 use super::arguments::{accepted, arguments, missing_arguments, name, properties, string, twice};
+use super::declared::{Declaration, Declarations, MATERIAL, given_entries};
 use super::drawings::{self, Files};
 use super::fields::Fields;
 use super::names::{NORMAL, PLACEMENT, POINT, listed, nearest, solids, unexpected_node};
+use super::params::{self, Given, PARAM};
 use super::report::{Report, draft, shown};
 use super::schema::{self, AXES, FONT, Properties, single, triple};
 use super::surfaces::Materials;
+use super::syntax::MAX_NESTING;
 use super::tree::{Entry, Node, Span};
+use crate::assets::Assets;
 use crate::materials::Material;
 use crate::scene::Object;
 use pathmarch_field::graph::Kind;
@@ -30,6 +34,13 @@ pub(crate) struct Solids<'m> {
     /// Shapes that the file declares.
     fields: &'m Fields,
     files: Files<'m>,
+    declared: &'m Declarations<'m>,
+    /// Whether declarations are read by themselves, so that those that they use are not expanded.
+    checking: bool,
+    /// Uses of declared shapes that were expanded.
+    expanded: usize,
+    /// Operators and uses around.
+    depth: usize,
     /// Names of the objects so far, and where.
     pub(crate) names: std::collections::HashMap<String, Span>,
     shapes: usize,
@@ -40,8 +51,138 @@ pub(crate) struct Solids<'m> {
 }
 
 impl<'m> Solids<'m> {
-    pub(super) fn new(materials: &'m mut Materials, fields: &'m Fields, files: Files<'m>) -> Self {
-        Self { materials, fields, files, names: Default::default(), shapes: 0, segments: 0, default: None, planes: 0 }
+    pub(super) fn new(
+        materials: &'m mut Materials,
+        declared: &'m Declarations<'m>,
+        fields: &'m Fields,
+        files: Files<'m>,
+    ) -> Self {
+        Self {
+            materials,
+            fields,
+            files,
+            declared,
+            checking: false,
+            expanded: 0,
+            depth: 0,
+            names: Default::default(),
+            shapes: 0,
+            segments: 0,
+            default: None,
+            planes: 0,
+        }
+    }
+
+    /// Reads every declaration by itself, with its parameters as they are declared; says which are sound.
+    pub(crate) fn check(
+        materials: &mut Materials,
+        declared: &mut Declarations,
+        fields: &Fields,
+        (scene, assets): (&str, &mut Assets),
+        report: &mut Report,
+    ) {
+        let mut sound = Vec::new();
+        let animated = report.scope.animated;
+        for declaration in &declared.list {
+            let before = report.count_so_far();
+            let files = Files { scene, assets: &mut *assets };
+            let mut solids = Solids { checking: true, planes: 1, ..Solids::new(materials, declared, fields, files) };
+            if declaration.node.child_nodes().iter().all(|child| child.name.value == PARAM)
+                && !declaration.node.broken()
+            {
+                let message = "This shape holds nothing.";
+                let mistake = draft("pathmarch::no_shapes", declaration.node.name.span, message);
+                let help = "For example: shape \"pin\" { param length 1; cylinder 0.1 length }.";
+                report.add(mistake.label("expected a shape in its braces").help(help));
+            }
+            solids.body(declaration, &[], Some(0), report);
+            sound.push(declaration.sound && report.count_so_far() == before && !declaration.node.broken());
+        }
+        report.scope.animated = animated;
+        for (declaration, sound) in declared.list.iter_mut().zip(sound) {
+            declaration.sound = sound;
+        }
+        declared.spread();
+    }
+
+    /// What a declared shape holds, with these values of its parameters.
+    fn body(
+        &mut self,
+        declaration: &Declaration,
+        given: &[(&str, Given)],
+        material: Option<u32>,
+        report: &mut Report,
+    ) -> Vec<FieldNode> {
+        let outside = report.scope.enter();
+        let nodes = declaration.node.child_nodes();
+        params::declare(params::nodes(nodes), given, &[MATERIAL], report);
+        let mut children = Vec::new();
+        for child in nodes.iter().filter(|child| child.name.value != PARAM) {
+            if PLACEMENT.contains(&&*child.name.value) {
+                let message = format!("A declared shape has no `{}` of its own.", child.name.value);
+                let mistake = draft("pathmarch::misplaced_node", child.name.span, message).label("not here");
+                report.add(mistake.help("Put it where the shape is used, or in the braces of what it holds."));
+            } else {
+                children.extend(self.solid(child, material, ("in a declared shape", &[PARAM]), report));
+            }
+        }
+        report.scope.leave(outside);
+        children
+    }
+
+    /// A use of a declared shape.
+    fn instance(
+        &mut self,
+        declaration: &Declaration,
+        node: &Node,
+        material: Option<u32>,
+        report: &mut Report,
+    ) -> Option<FieldNode> {
+        let mut known = declaration.params.clone();
+        known.push(MATERIAL);
+        let mut named = properties(node, &known, report);
+        let own = named.iter().position(|(name, _)| *name == MATERIAL).map(|at| named.swap_remove(at).1);
+        let material = own.map(|entry| self.material(entry, report)).or(material);
+        let entries = given_entries(declaration, node, named, report);
+        let given = params::given(&entries, report);
+        let mut placement = Placements::default();
+        for child in node.child_nodes() {
+            if !placement.take(child, false, report) {
+                unexpected_node(&child.name, PLACEMENT, &format!("in a `{}`", declaration.name), report);
+            }
+        }
+        let placement = placement.value;
+        if self.checking {
+            // Something of the kind, for what looks at it.
+            let shape = registry::shape("sphere")?;
+            let params = shape.params().iter().map(|param| param.default).collect();
+            return Some(FieldNode { kind: Kind::Shape { shape: shape.into(), params, tag: 0 }, placement });
+        }
+        self.expanded += 1;
+        if self.expanded == MAX_SHAPES + 1 {
+            let message = format!("The scene uses declared shapes more than {MAX_SHAPES} times.");
+            report.add(draft("pathmarch::too_large", node.name.span, message).label("one too many"));
+        }
+        if !declaration.sound || self.expanded > MAX_SHAPES || self.shapes > MAX_SHAPES {
+            return None;
+        }
+        let outermost = report.within.is_none();
+        if outermost {
+            report.within = Some((node.name.span, "used here".to_owned()));
+        }
+        let mut children = self.body(declaration, &given, material, report);
+        if outermost {
+            report.within = None;
+        }
+        match &mut children[..] {
+            [] => None,
+            [only] if only.placement == Placement::default() => {
+                only.placement = placement;
+                children.pop()
+            }
+            [_] if placement == Placement::default() => children.pop(),
+            _ => Some(FieldNode { placement, ..combined("union", children)? }),
+        }
     }
 
     /// The index of the default material, which is added at the first call.
@@ -110,9 +251,28 @@ impl<'m> Solids<'m> {
         &mut self,
         node: &Node,
         material: Option<u32>,
+        place: (&str, &[&'static str]),
+        report: &mut Report,
+    ) -> Option<FieldNode> {
+        if self.depth > MAX_NESTING {
+            let message = format!("Shapes are nested more than {MAX_NESTING} levels deep.");
+            report.add(draft("pathmarch::nesting", node.name.span, message).label("one level too many"));
+            return None;
+        }
+        self.depth += 1;
+        let solid = self.solid_within(node, material, place, report);
+        self.depth -= 1;
+        solid
+    }
+
+    fn solid_within(
+        &mut self,
+        node: &Node,
+        material: Option<u32>,
         (place, others): (&str, &[&'static str]),
         report: &mut Report,
     ) -> Option<FieldNode> {
+        let declared = self.declared;
         match registry::solid(&node.name.value) {
             Some(Solid::Shape(shape)) => self.counted_shape(shape.into(), node, material, report),
             Some(Solid::Combine(operator)) => self.operator(operator, node, material, report),
@@ -121,8 +281,12 @@ impl<'m> Solids<'m> {
                 if let Some(shape) = self.fields.shape(&node.name.value) {
                     return self.counted_shape(shape, node, material, report);
                 }
+                if let Some(index) = declared.find(&node.name.value) {
+                    return self.instance(&declared.list[index], node, material, report);
+                }
                 if !self.fields.is_broken(&node.name.value) {
-                    let known: Vec<&str> = solids().chain(self.fields.names()).chain(others.iter().copied()).collect();
+                    let words = solids().chain(self.fields.names()).chain(others.iter().copied());
+                    let known: Vec<&str> = words.map(|word| -> &str { word }).chain(declared.names()).collect();
                     unexpected_node(&node.name, &known, place, report);
                 }
                 None
@@ -167,7 +331,7 @@ impl<'m> Solids<'m> {
             (None, Some(material)) => material,
             (None, None) => self.default_material(),
         };
-        let mut params = params(Solid::Shape(&*shape), node, &named, report);
+        let mut params = numbers(Solid::Shape(&*shape), node, &named, report);
         match info.outline {
             Some(Outline::Points) => params.extend(drawings::points(node, report)),
             Some(Outline::Text) => params.extend(drawings::text(node, font, &mut self.files, report)),
@@ -188,7 +352,7 @@ impl<'m> Solids<'m> {
                 continue;
             }
             let word = &child.name.value;
-            if solids().chain(self.fields.names()).any(|solid| solid == word) {
+            if solids().chain(self.fields.names()).any(|solid| solid == word) || self.declared.find(word).is_some() {
                 let message = format!("`{}` is a shape and holds no others.", info.name);
                 let mistake =
                     draft("pathmarch::unexpected_children", child.name.span, message).label("unexpected shape");
@@ -226,7 +390,7 @@ impl<'m> Solids<'m> {
             arguments(node, 0, &format!("`{name} smooth=0.1 {{ … }}`"), report);
             blend(&named, report)
         } else {
-            params(Solid::Combine(operator), node, &named, report).first().map(|&amount| amount.into())
+            numbers(Solid::Combine(operator), node, &named, report).first().map(|&amount| amount.into())
         };
         let (placement, children, written) = self.held(node, material, report);
         let (least, most) = operator.children();
@@ -260,7 +424,7 @@ impl<'m> Solids<'m> {
         let mut named = properties(node, &known, report);
         let own = named.iter().position(|(name, _)| *name == "material").map(|at| named.swap_remove(at).1);
         let material = own.map(|entry| self.material(entry, report)).or(material);
-        let params = params(Solid::Modify(modifier), node, &named, report);
+        let params = numbers(Solid::Modify(modifier), node, &named, report);
         self.planes += usize::from(modifier.of_profiles());
         let (placement, children, _) = self.held(node, material, report);
         self.planes -= usize::from(modifier.of_profiles());
@@ -358,7 +522,7 @@ fn first_tag(node: &FieldNode) -> u32 {
 }
 
 /// The numbers of a shape or an operator: arguments in order, or by name; one size for several where it allows it.
-fn params(solid: Solid, node: &Node, named: &[(&str, &Entry)], report: &mut Report) -> Vec<f32> {
+fn numbers(solid: Solid, node: &Node, named: &[(&str, &Entry)], report: &mut Report) -> Vec<f32> {
     let all = solid.params();
     let sizes = solid.info().size_params;
     // The argument of a text is its words.

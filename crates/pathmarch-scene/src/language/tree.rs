@@ -118,6 +118,21 @@ impl Entry<'_> {
 }
 
 impl Block<'_> {
+    /// Moves all places, as of a text that stands behind another.
+    pub(crate) fn shift(&mut self, by: u32) {
+        let moved = |span: &mut Span| *span = Span { start: span.start + by, end: span.end + by };
+        moved(&mut self.span);
+        for node in &mut self.nodes {
+            moved(&mut node.name.span);
+            moved(&mut node.whole);
+            for entry in &mut node.entries {
+                moved(&mut entry.span);
+                moved(&mut entry.value_span);
+                entry.name.iter_mut().for_each(|name| moved(&mut name.span));
+            }
+            node.children.iter_mut().for_each(|block| block.shift(by));
+        }
+    }
     /// The same without the text.
     pub(crate) fn into_owned(self) -> Block<'static> {
         let nodes = self.nodes.into_iter().map(|node| Node {

@@ -308,7 +308,10 @@ fn names_change_with_what_refers_to_them() {
     let empty = refused(objects, |document| document.rename(&path(document, "a"), ""));
     assert_eq!(empty, "The name of an object must not be empty.");
     let nameless = refused(objects, |document| document.rename(&path(document, "sphere"), "b"));
-    assert_eq!(nameless, "A `sphere` has no name. Cameras, materials, fields, objects and parameters have.");
+    assert_eq!(
+        nameless,
+        "A `sphere` has no name. Cameras, materials, fields, objects, parameters and declared shapes have."
+    );
 }
 
 #[test]
@@ -767,4 +770,61 @@ fn a_text_with_mistakes_can_be_edited_as_far_as_it_is_read() {
     let mut refused = Document::new("", "{".repeat(100));
     assert_eq!(refused.outline(), []);
     assert!(refused.add(None, &Addition { group: Group::Sky, name: "day", doc: "" }).is_err());
+}
+
+const BOLTS: &str = "material \"steel\" { metal 0.6 }\n\
+shape \"bolt\" { param length 0.5 min=0.1 max=2 doc=\"Of its shaft.\"; param r 0.1; cylinder r length; sphere r }\n\
+object \"o\" { box; bolt length=1; union { sphere; bolt 2 { at 0 1 0 } } }\n";
+
+#[test]
+fn uses_of_declared_shapes_are_nodes() {
+    use pathmarch_scene::document::{ControlKind, ItemKind};
+    let document = Document::new("", format!("{HEAD}{BOLTS}"));
+    assert_eq!(document.scene().unwrap().field.leaves().len(), 6);
+    let word = |leaf| document.path_of_leaf(leaf).map(|path| document.item(&path).unwrap().word.clone());
+    let words: Vec<String> = (0..6).map_while(word).collect();
+    assert_eq!(words, ["box", "bolt", "bolt", "sphere", "bolt", "bolt"]);
+    let object = path(&document, "o");
+    let (first, second) = (object.child(1), object.child(2).child(1));
+    assert_eq!((document.leaves_of(&first), document.leaves_of(&second)), (vec![1, 2], vec![4, 5]));
+    assert_eq!(document.item(&first).unwrap().kind, ItemKind::Instance);
+    let length = document.control(&second, "length").unwrap();
+    assert_eq!((&length.value, &length.default), (&Value::Number(2.0), &Value::Number(0.5)));
+    assert!(length.given && &*length.doc == "Of its shaft.");
+    assert!(matches!(length.kind, ControlKind::Number(range) if (range.min, range.max) == (0.1, 2.0)));
+    assert_eq!(document.control(&first, "r").unwrap().value, Value::Number(0.1));
+    let shape = path(&document, "bolt");
+    assert_eq!(document.item(&shape).unwrap().kind, ItemKind::Declaration);
+    assert!(document.leaves_of(&shape).is_empty());
+    assert_eq!(document.control(&shape.child(0), "radius").unwrap().value, Value::Formulas(vec!["r".to_owned()]));
+    assert_eq!(document.control(&shape.child(0), "radius").unwrap().present, Value::Number(0.1));
+}
+
+#[test]
+fn uses_of_declared_shapes_are_edited() {
+    let use_of = |document: &Document, index| path(document, "o").child(index);
+    let set = |key: &'static str, value: f32| {
+        edited(BOLTS, |document| {
+            let at = use_of(document, 1);
+            document.set(&at, key, Value::Number(value), None)
+        })
+    };
+    assert!(set("length", 0.3).contains("box; bolt length=0.3;"), "{}", set("length", 0.3));
+    assert!(set("r", 0.2).contains("box; bolt length=1 r=0.2;"), "{}", set("r", 0.2));
+    let text = edited(BOLTS, |document| document.reset(&use_of(document, 1), "length"));
+    assert!(text.contains("box; bolt;"), "{text}");
+    let text = edited(BOLTS, |document| document.rename(&path(document, "bolt"), "long pin"));
+    assert!(text.contains("shape \"long pin\"") && text.contains("box; \"long pin\" length=1;"), "{text}");
+    let text = edited(BOLTS, |document| document.set_material(&use_of(document, 1), Some("steel")));
+    assert!(text.contains("bolt length=1 material=\"steel\""), "{text}");
+    let message = refused(BOLTS, |document| document.remove(&path(document, "bolt")));
+    assert!(message.contains("There is no `bolt` in an object."), "{message}");
+    let message = refused(BOLTS, |document| document.set(&use_of(document, 1), "length", Value::Number(3.0), None));
+    assert_eq!(message, "`length` must be from 0.1 to 2.");
+    let text = edited(BOLTS, |document| {
+        let object = path(document, "o");
+        let addition = document.additions(Some(&object)).into_iter().find(|addition| addition.name == "bolt");
+        document.add(Some(&object), &addition.expect("a declared shape"))
+    });
+    assert!(text.contains("; bolt }"), "{text}");
 }

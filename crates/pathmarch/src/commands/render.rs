@@ -1,14 +1,16 @@
 //! `pathmarch render`: a scene to a picture.
 
+use super::frames::{self, Frames};
 use super::{BackendArgument, check_directory, listed, parse_size, progress_bar, watch_interrupts};
 use crate::exit::{DONE, Failure, INTERRUPTED, print_report};
 use crate::picture::{Rendered, accumulate};
 use pathmarch_render::aov::Layer;
+use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
-use pathmarch_render::pathmarch_scene::{Caustics, Sampler, Scene};
+use pathmarch_render::pathmarch_scene::{Animation, Caustics, Moment, Sampler, Scene};
 use pathmarch_render::tonemap::{Display, Tonemap};
-use pathmarch_render::{Job, MAX_BOUNCES, Mode, RenderError, Renderer, Settings};
-use std::path::PathBuf;
+use pathmarch_render::{Job, MAX_BOUNCES, Mode, MotionError, MovingJob, RenderError, Renderer, Settings, Shutter};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -83,6 +85,24 @@ pub struct Arguments {
     /// Depth, position and the ids are those at the pixel's centre.
     #[arg(long, value_name = "LAYERS", num_args = 0..=1, default_missing_value = "all", value_parser = parse_layers, verbatim_doc_comment)]
     aov: Option<Layers>,
+    /// Frames of an animation: one, a range such as 1-120, or every second of it, 1-120x2
+    ///
+    /// Formulas of the scene know the number as frame, and frame/fps as t. The name of the file has # where the digits of
+    /// the number go: -o out/frame-####.png. Frames that are written stay when the program is interrupted.
+    #[arg(long, value_name = "RANGE", value_parser = frames::parse, verbatim_doc_comment)]
+    frames: Option<Frames>,
+    /// Leave out frames whose file is there, to go on after an interrupt
+    #[arg(long, requires = "frames")]
+    skip_existing: bool,
+    /// Frames in a second [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = parse_fps)]
+    fps: Option<f32>,
+    /// The moment of the picture: seconds since frame 0
+    #[arg(long, value_name = "SECONDS", conflicts_with = "frames", value_parser = parse_moment)]
+    time: Option<f64>,
+    /// For which part of a frame's time the shutter is open, 0 to 1: motion blur [default: the scene's]
+    #[arg(long, value_name = "PART", value_parser = parse_shutter)]
+    shutter: Option<f32>,
     /// What to render on
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendArgument,
@@ -123,6 +143,24 @@ fn parse_detail(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|pixels: &f32| (0.001..=10.0).contains(pixels))
         .ok_or("expected a number from 0.001 to 10".to_owned())
+}
+
+fn parse_fps(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|fps: &f32| *fps > 0.0 && *fps <= 1000.0)
+        .ok_or("expected a number above 0, at most 1000".to_owned())
+}
+
+fn parse_moment(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|seconds: &f64| (0.0..=1e9).contains(seconds))
+        .ok_or("expected a number of seconds, 0 or more".to_owned())
+}
+
+fn parse_shutter(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|part| (0.0..=1.0).contains(part)).ok_or("expected a number from 0 to 1".to_owned())
 }
 
 /// `--aov`
@@ -177,8 +215,15 @@ impl Arguments {
     fn output(&self) -> Result<PathBuf, Failure> {
         let output = match &self.output {
             Some(output) => output.clone(),
-            None => PathBuf::from(self.scene.file_stem().unwrap_or_default()).with_extension("png"),
+            None => {
+                let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
+                let digits = if self.frames.is_some() { "-####" } else { "" };
+                PathBuf::from(format!("{stem}{digits}.png"))
+            }
         };
+        if let Some(frames) = self.frames {
+            frames::check_pattern(&output, frames)?;
+        }
         let format = ImageFormat::from_path(&output).map_err(|error| Failure::Usage(error.to_string()))?;
         if self.aov.is_some() && format != ImageFormat::Exr {
             return Err(Failure::Usage(format!(
@@ -194,7 +239,16 @@ impl Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let output = arguments.output()?;
-    let scene = Scene::load(&arguments.scene)?;
+    let mut animation = Animation::load(&arguments.scene)?;
+    let fps = match arguments.fps {
+        Some(fps) => fps,
+        None => animation.at(Moment::default())?.render.fps,
+    };
+    if let Some(frames) = arguments.frames {
+        return run_frames(arguments, frames, fps, &output, &mut animation);
+    }
+    let moment = Moment::of_seconds(arguments.time.unwrap_or(0.0), fps);
+    let scene = animation.at(moment)?;
     for warning in &scene.warnings {
         print_report(warning);
     }
@@ -202,39 +256,21 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let interrupted = watch_interrupts()?;
     let mut renderer =
         Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
-    let mut job = renderer.start(&scene, &settings).map_err(|error| match error {
-        RenderError::Settings(message) => Failure::Usage(message),
-        other => Failure::other(other),
-    })?;
-    if let Some(notice) = renderer.notice() {
-        eprintln!("note: {notice}; rendering on the CPU");
-    }
-    let [width, height] = settings.size;
-    eprintln!(
-        "{}: {width}x{height}, {}, on {} ({})",
-        arguments.scene.display(),
-        described(&settings),
-        renderer.backend_name(),
-        renderer.adapter_name(),
-    );
+    let mut exposure = Exposure::start(arguments, &mut renderer, &scene, &settings, fps)?;
+    tell_what_is_rendered(arguments, &renderer, &settings);
     let started = Instant::now();
-    accumulate_and_tell(&mut job, &settings, arguments.seconds, &interrupted).map_err(Failure::other)?;
-    let film = job.film().map_err(Failure::other)?;
+    // Thousandths of a sample, so that a sample that takes long is seen to move.
+    let bar = progress_bar(u64::from(settings.samples) * 1000);
+    let over = |done: f64| is_over(arguments, &interrupted, started, done);
+    exposure.accumulate(&mut renderer, &mut animation, settings.samples, over, |done| {
+        bar.set_position((done * 1000.0) as u64);
+        let rate = done / started.elapsed().as_secs_f64().max(1e-9);
+        bar.set_message(format!("{}/{} samples, {rate:.2} samples/s", done as u32, settings.samples));
+    })?;
+    bar.finish_and_clear();
+    let film = exposure.film()?;
     let seconds = started.elapsed().as_secs_f64();
-    let camera = settings.camera_of(&scene);
-    let display = settings.mode.display(Display {
-        tonemap: arguments.tonemap.unwrap_or(scene.render.tonemap),
-        exposure_stops: arguments.exposure.unwrap_or(camera.exposure),
-    });
-    let rendered = Rendered {
-        scene: &scene,
-        settings: &settings,
-        film: &film,
-        backend: renderer.backend_name(),
-        adapter: renderer.adapter_name(),
-    };
-    let layers = arguments.aov.as_ref().map_or(&[][..], |Layers(layers)| layers);
-    rendered.write(&output, &display, layers).map_err(Failure::Other)?;
+    write(arguments, &renderer, &scene, &settings, &film, &output)?;
     if film.non_finite() > 0 {
         eprintln!("warning: {} samples were not finite and were left out", film.non_finite());
     }
@@ -250,6 +286,194 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(if cut_short { INTERRUPTED } else { DONE })
 }
 
+/// Renders frames one after the other. Each is written once it is whole.
+fn run_frames(
+    arguments: &Arguments,
+    frames: Frames,
+    fps: f32,
+    pattern: &Path,
+    animation: &mut Animation,
+) -> Result<u8, Failure> {
+    let all: Vec<u32> = frames.numbers().collect();
+    let there = |frame: &u32| arguments.skip_existing && frames::file(pattern, *frame).exists();
+    let left: Vec<u32> = all.iter().copied().filter(|frame| !there(frame)).collect();
+    let skipped = all.len() - left.len();
+    let Some(&first) = left.first() else {
+        eprintln!("all {} frames are there already", all.len());
+        return Ok(DONE);
+    };
+    let interrupted = watch_interrupts()?;
+    let mut renderer =
+        Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
+    let began = Instant::now();
+    let bar = progress_bar(left.len() as u64 * 1000);
+    let mut left_out = 0;
+    let mut warned: Vec<String> = Vec::new();
+    for (index, &frame) in left.iter().enumerate() {
+        let scene = animation.at(Moment::of_frame(frame, fps)).map_err(|error| in_frame(frame, error.into()))?;
+        for warning in scene.warnings.iter().filter(|warning| !warned.contains(&warning.message)) {
+            bar.suspend(|| print_report(warning));
+        }
+        warned.extend(scene.warnings.iter().map(|warning| warning.message.clone()));
+        let settings = arguments.settings(&scene)?;
+        let exposure = Exposure::start(arguments, &mut renderer, &scene, &settings, fps);
+        let mut exposure = exposure.map_err(|failure| in_frame(frame, failure))?;
+        if frame == first {
+            tell_what_is_rendered(arguments, &renderer, &settings);
+        }
+        let started = Instant::now();
+        let over = |done: f64| is_over(arguments, &interrupted, started, done);
+        let told = exposure.accumulate(&mut renderer, animation, settings.samples, over, |done| {
+            let share = done / f64::from(settings.samples);
+            bar.set_position(((index as f64 + share) * 1000.0) as u64);
+            let (number, count) = (index + 1, left.len());
+            bar.set_message(format!("frame {frame} ({number}/{count}), {}/{} samples", done as u32, settings.samples));
+        });
+        told.map_err(|failure| in_frame(frame, failure))?;
+        // What is half done is not written: its file would be taken for the frame.
+        if interrupted.load(Ordering::SeqCst) {
+            bar.finish_and_clear();
+            let (wrote, more) = (counted(index), left.len() - index);
+            eprintln!("interrupted: wrote {wrote}, {more} are left; go on with --skip-existing");
+            return Ok(INTERRUPTED);
+        }
+        let film = exposure.film().map_err(|failure| in_frame(frame, failure))?;
+        let output = frames::file(pattern, frame);
+        let wrote = write(arguments, &renderer, &scene, &settings, &film, &output);
+        wrote.map_err(|failure| in_frame(frame, failure))?;
+        left_out += film.non_finite();
+    }
+    bar.finish_and_clear();
+    if left_out > 0 {
+        eprintln!("warning: {left_out} samples were not finite and were left out");
+    }
+    let there = if skipped > 0 { format!(", {skipped} were there") } else { String::new() };
+    let (wrote, seconds) = (counted(left.len()), began.elapsed().as_secs_f64());
+    eprintln!("wrote {wrote} to {} in {seconds:.1} s{there}", pattern.display());
+    Ok(DONE)
+}
+
+fn counted(frames: usize) -> String {
+    if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") }
+}
+
+/// A failure that says in which frame.
+fn in_frame(frame: u32, failure: Failure) -> Failure {
+    match failure {
+        Failure::Scene(error) => {
+            eprintln!("frame {frame} cannot be rendered; what was written before it stays");
+            Failure::Scene(error)
+        }
+        Failure::Usage(message) => Failure::Usage(format!("frame {frame}: {message}")),
+        Failure::Other(message) => Failure::Other(format!("frame {frame}: {message}")),
+    }
+}
+
+/// Whether a picture has to end as it is.
+fn is_over(arguments: &Arguments, interrupted: &AtomicBool, started: Instant, done: f64) -> bool {
+    let late = arguments.seconds.is_some_and(|seconds| started.elapsed().as_secs_f64() >= seconds);
+    interrupted.load(Ordering::SeqCst) || late && done >= 1.0
+}
+
+fn tell_what_is_rendered(arguments: &Arguments, renderer: &Renderer, settings: &Settings) {
+    if let Some(notice) = renderer.notice() {
+        eprintln!("note: {notice}; rendering on the CPU");
+    }
+    let [width, height] = settings.size;
+    eprintln!(
+        "{}: {width}x{height}, {}, on {} ({})",
+        arguments.scene.display(),
+        described(settings),
+        renderer.backend_name(),
+        renderer.adapter_name(),
+    );
+}
+
+/// Writes a film as a picture.
+fn write(
+    arguments: &Arguments,
+    renderer: &Renderer,
+    scene: &Scene,
+    settings: &Settings,
+    film: &Film,
+    output: &Path,
+) -> Result<(), Failure> {
+    let display = settings.mode.display(Display {
+        tonemap: arguments.tonemap.unwrap_or(scene.render.tonemap),
+        exposure_stops: arguments.exposure.unwrap_or(settings.camera_of(scene).exposure),
+    });
+    let (backend, adapter) = (renderer.backend_name(), renderer.adapter_name());
+    let rendered = Rendered { scene, settings, film, backend, adapter };
+    let layers = arguments.aov.as_ref().map_or(&[][..], |Layers(layers)| layers);
+    rendered.write(output, &display, layers).map_err(Failure::Other)
+}
+
+/// A picture being rendered, with the shutter open for a moment or for longer.
+enum Exposure {
+    Still(Box<Job>),
+    Moving(Box<MovingJob>),
+}
+
+impl Exposure {
+    fn start(
+        arguments: &Arguments,
+        renderer: &mut Renderer,
+        scene: &Scene,
+        settings: &Settings,
+        fps: f32,
+    ) -> Result<Self, Failure> {
+        let part = arguments.shutter.unwrap_or(scene.render.shutter);
+        let shutter = Shutter { opens: scene.moment, seconds: f64::from(part) / f64::from(fps) };
+        // What traces no paths shows the moment at which the shutter opens.
+        if part > 0.0 && scene.animated && settings.mode == Mode::Path {
+            return Ok(Self::Moving(Box::new(MovingJob::new(settings, shutter))));
+        }
+        let job = renderer.start(scene, settings).map_err(of_renderer)?;
+        Ok(Self::Still(Box::new(job)))
+    }
+
+    fn accumulate(
+        &mut self,
+        renderer: &mut Renderer,
+        animation: &mut Animation,
+        samples: u32,
+        stop: impl Fn(f64) -> bool,
+        mut progress: impl FnMut(f64),
+    ) -> Result<(), Failure> {
+        match self {
+            Self::Still(job) => accumulate(job, samples, stop, progress).map_err(Failure::other),
+            Self::Moving(job) => {
+                while job.samples_done() < f64::from(samples) && !stop(job.samples_done()) {
+                    job.advance(renderer, animation).map_err(of_motion)?;
+                    progress(job.samples_done());
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn film(&mut self) -> Result<Film, Failure> {
+        match self {
+            Self::Still(job) => job.film().map_err(Failure::other),
+            Self::Moving(job) => job.film().map_err(of_motion),
+        }
+    }
+}
+
+fn of_renderer(error: RenderError) -> Failure {
+    match error {
+        RenderError::Settings(message) => Failure::Usage(message),
+        other => Failure::other(other),
+    }
+}
+
+fn of_motion(error: MotionError) -> Failure {
+    match error {
+        MotionError::Scene(error) => error.into(),
+        MotionError::Render(error) => of_renderer(error),
+    }
+}
+
 /// What is rendered, in words.
 fn described(settings: &Settings) -> String {
     let Settings { samples, bounces, mode, .. } = settings;
@@ -258,28 +482,4 @@ fn described(settings: &Settings) -> String {
         Mode::Variance => format!("mode {}, {samples} samples, {bounces} bounces", mode.name()),
         _ => format!("mode {}, {samples} samples", mode.name()),
     }
-}
-
-/// Renders until all samples are done, the time is over or an interrupt comes, and shows how far it is.
-fn accumulate_and_tell(
-    job: &mut Job,
-    settings: &Settings,
-    seconds: Option<f64>,
-    interrupted: &AtomicBool,
-) -> Result<(), RenderError> {
-    // Thousandths of a sample, so that a sample that takes long is seen to move.
-    let total = u64::from(settings.samples) * 1000;
-    let bar = progress_bar(total);
-    let started = Instant::now();
-    let over = |done: f64| {
-        let late = seconds.is_some_and(|seconds| started.elapsed().as_secs_f64() >= seconds);
-        interrupted.load(Ordering::SeqCst) || late && done >= 1.0
-    };
-    accumulate(job, settings.samples, over, |done| {
-        bar.set_position((done * 1000.0) as u64);
-        let rate = done / started.elapsed().as_secs_f64().max(1e-9);
-        bar.set_message(format!("{}/{} samples, {rate:.2} samples/s", done as u32, settings.samples));
-    })?;
-    bar.finish_and_clear();
-    Ok(())
 }

@@ -265,6 +265,10 @@ impl App {
             Some(Reload::Unreadable(why)) => self.complain(&why),
             None => {}
         }
+        if self.open.as_mut().is_some_and(|open| open.follow_parts(&self.waker)) {
+            self.changed();
+            self.say("A file that the scene includes has changed.");
+        }
         let mut said = Vec::new();
         self.exports.retain(|export| match export.finished() {
             Some(result) => {

@@ -59,6 +59,7 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "" "molten" "jpg" "Coloured clay, melted together.";
     "" "rotunda" "jpg" "A round temple in still water.";
     "" "hall" "jpg" "A flooded hall of columns without end.";
+    "" "gears" "jpg" "Gears that turn, by formulas; with motion blur.";
     "" "glass-still-life" "jpg" "Clear and coloured glass on a table.";
     "" "day" "jpg" "The sky of a clear day, and its sun.";
     "" "material-grid" "jpg" "Every kind of material, smooth to rough.";

@@ -87,7 +87,7 @@ fn placement_around(document: &Document, path: &Path) -> Placed {
 pub(super) fn handled(document: &Document, selection: &Path) -> Option<Path> {
     let item = document.item(selection)?;
     match item.kind {
-        ItemKind::Shape | ItemKind::Operator | ItemKind::Point => Some(selection.clone()),
+        kind if kind.is_solid() || kind == ItemKind::Point => Some(selection.clone()),
         ItemKind::Object if item.children.len() == 1 => Some(item.children[0].path.clone()),
         _ => None,
     }

@@ -51,7 +51,7 @@ impl App {
         });
         self.controls_of(ui, &item.path);
         // Of what it is made, at hand; where it does not say, of what it stands in.
-        if matches!(item.kind, ItemKind::Object | ItemKind::Shape | ItemKind::Operator) {
+        if item.kind == ItemKind::Object || item.kind.is_solid() {
             let Some(open) = &self.open else { return };
             let up = |path: &Path| path.parent();
             let around = std::iter::successors(Some(item.path.clone()), up);

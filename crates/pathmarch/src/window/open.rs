@@ -12,6 +12,8 @@ use std::time::{Duration, Instant};
 
 /// A live picture has at most this many pixels: those of a screen of 3840 by 2160.
 const MOST_PIXELS: f64 = 3840.0 * 2160.0;
+/// The most included files that are followed: each has a thread.
+const MOST_PARTS: usize = 32;
 /// For so long after the last movement the picture counts as moving.
 const STILL_AFTER: Duration = Duration::from_millis(160);
 
@@ -23,6 +25,8 @@ pub(super) struct Open {
     /// What the file held when it was last read or written.
     disk: Option<String>,
     watch: Option<Watch>,
+    /// The files that the scene includes.
+    parts: Vec<(PathBuf, Watch)>,
     /// What the file holds now, where it was changed by someone else while there were unsaved changes here.
     pub(super) conflict: Option<String>,
     pub(super) view: View,
@@ -55,6 +59,7 @@ impl Open {
             path,
             disk,
             watch: None,
+            parts: Vec::new(),
             conflict: None,
             view,
             timeline: Timeline::default(),
@@ -113,6 +118,28 @@ impl Open {
         }
         self.take_from_disk(text);
         Some(Reload::Taken)
+    }
+
+    /// Follows the files that the scene includes, and reads them again where one has changed; says whether one has.
+    pub(super) fn follow_parts(&mut self, waker: &Waker) -> bool {
+        let includes = match (self.document.last_good(), &self.path) {
+            (Some(scene), Some(_)) => &scene.includes[..],
+            _ => &[],
+        };
+        let includes = &includes[..includes.len().min(MOST_PARTS)];
+        if !self.parts.iter().map(|(path, _)| path).eq(includes) {
+            let watched = |path: &PathBuf| {
+                let waker = waker.clone();
+                (path.clone(), Watch::new(path, move || waker()))
+            };
+            self.parts = includes.iter().map(watched).collect();
+        }
+        let news: Vec<_> = self.parts.iter_mut().filter_map(|(_, watch)| watch.changed()).collect();
+        if !news.is_empty() {
+            // One that can no longer be read is told as a mistake of the scene.
+            self.document.refresh();
+        }
+        !news.is_empty()
     }
 
     /// Makes the document what the file says. What was here can be had again by undoing.

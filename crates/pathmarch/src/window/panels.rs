@@ -248,7 +248,15 @@ impl App {
             } else {
                 format!("{} ({})", mistake.message, mistake.label)
             };
-            lines.push((mistake.span.offset(), words, mistake.help.clone()));
+            // A place in a file that the scene includes is told in words: the text here is another.
+            let source = &mistake.source_code;
+            if source.name() == open.document.name() {
+                lines.push((mistake.span.offset(), words, mistake.help.clone()));
+            } else {
+                let before = source.inner().get(..mistake.span.offset()).unwrap_or_default();
+                let line = 1 + before.matches('\n').count();
+                lines.push((0, format!("in {}, line {line}: {words}", source.name()), mistake.help.clone()));
+            }
         }
         if lines.is_empty() {
             lines.push((0, error.to_string(), None));

@@ -40,8 +40,8 @@ impl Timeline {
 }
 
 /// Frames for each second of a scene.
-pub(super) fn fps(_scene: &Scene) -> f32 {
-    24.0
+pub(super) fn fps(scene: &Scene) -> f32 {
+    scene.render.fps
 }
 
 impl App {

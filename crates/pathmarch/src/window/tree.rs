@@ -161,10 +161,10 @@ impl App {
     fn context_menu(&self, ui: &mut Ui, row_id: egui::Id, item: &Item, asks: &mut Vec<Ask>) {
         let path = &item.path;
         asks.push(Ask::Select(path.clone()));
-        if matches!(item.kind, ItemKind::Object | ItemKind::Operator) {
+        if item.kind.holds_shapes() {
             ui.menu_button("Add…", |ui| self.add_menu(ui, Some(path), asks));
         }
-        let named = matches!(item.kind, ItemKind::Object | ItemKind::Material | ItemKind::Camera);
+        let named = item.kind.is_named();
         if named && ui.button("Rename").clicked() {
             let name = item.name.clone().unwrap_or_default();
             ui.data_mut(|data| data.insert_temp(row_id, name));
@@ -174,7 +174,7 @@ impl App {
             asks.push(Ask::Duplicate(path.clone()));
             ui.close();
         }
-        if matches!(item.kind, ItemKind::Shape | ItemKind::Operator) {
+        if item.kind.is_solid() {
             ui.menu_button("Group into", |ui| {
                 for operator in solids().filter(|solid| solid.is_operator()) {
                     let info = operator.info();
@@ -313,7 +313,7 @@ fn drag(ui: &Ui, response: &Response, item: &Item, asks: &mut Vec<Ask>) {
     }
     let rect = response.rect;
     let height = (pointer.y - rect.min.y) / rect.height();
-    let holds = matches!(item.kind, ItemKind::Object | ItemKind::Operator) && dragged.parent().is_some();
+    let holds = item.kind.holds_shapes() && dragged.parent().is_some();
     let into = holds && (0.25..0.75).contains(&height);
     let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);
     if into {

@@ -1,0 +1,95 @@
+//! Motion blur: what moves is the mean of where it is while the shutter is open, on both backends.
+
+mod common;
+
+use common::{renderers, worst_block};
+use pathmarch_render::film::Film;
+use pathmarch_render::pathmarch_scene::{Animation, Moment};
+use pathmarch_render::{MovingJob, Renderer, Settings, Shutter};
+
+/// A lit ball that crosses half of the picture in a second, over a ground that stays.
+const SCENE: &str = "pathmarch 1
+camera { position 0 0.5 5; target 0 0.5 0; fov 40 }
+render { size 64 36; samples 256; bounces 1 }
+sky 0.4 0.5 0.6
+sun { direction 1 2 1.5; irradiance 2; angle 10 }
+material \"red\" { diffuse 0.8 0.2 0.1 }
+object \"ball\" material=\"red\" { sphere 0.5 { at \"2*t - 1\" 0.5 0 } }
+object \"ground\" { plane }";
+const OPEN: Shutter = Shutter { opens: Moment { seconds: 0.0, frame: 0 }, seconds: 1.0 };
+
+fn animation() -> Animation {
+    Animation::new("motion.kdl", SCENE)
+}
+
+fn settings(samples: u32, first_sample: u32, seed: u32) -> Settings {
+    let scene = animation().at(Moment::default()).expect("a scene");
+    Settings { samples, first_sample, seed, ..Settings::of(&scene) }
+}
+
+fn blurred(renderer: &mut Renderer, settings: &Settings, shutter: Shutter) -> Film {
+    let (mut animation, mut job) = (animation(), MovingJob::new(settings, shutter));
+    while job.samples_done() < f64::from(settings.samples) {
+        job.advance(renderer, &mut animation).expect("renders");
+    }
+    let film = job.film().expect("a film");
+    assert_eq!((film.samples, film.non_finite()), (settings.samples, 0));
+    film
+}
+
+fn still(renderer: &mut Renderer, seconds: f64, settings: &Settings) -> Film {
+    let scene = animation().at(Moment { seconds, frame: 0 }).expect("a scene");
+    renderer.render(&scene, settings).expect("renders")
+}
+
+#[test]
+fn blur_is_the_mean_over_the_time() {
+    for mut renderer in renderers() {
+        let name = renderer.backend_name();
+        // Sixty-four still pictures, each by few samples of its own.
+        let mut mean = Film::new(64, 36);
+        for k in 0..64 {
+            let at = (f64::from(k) + 0.5) / 64.0;
+            mean.add(&still(&mut renderer, at, &settings(8, 0, 100 + k))).expect("one size");
+        }
+        let film = blurred(&mut renderer, &settings(256, 0, 1), OPEN);
+        let (blur, mean) = (film.mean(), mean.mean());
+        let error = worst_block(&blur, &mean, 4);
+        let unmoved = worst_block(&still(&mut renderer, 0.5, &settings(256, 0, 1)).mean(), &mean, 4);
+        println!("{name}: worst block {error:.4}, of the ball at rest {unmoved:.4}");
+        assert!(error < 0.05 && unmoved > 0.5, "{name}: {error} {unmoved}");
+        // A shutter that is open for no time shows the moment at which it opens.
+        let shut = Shutter { opens: Moment { seconds: 0.5, frame: 0 }, seconds: 0.0 };
+        let frozen = worst_block(
+            &blurred(&mut renderer, &settings(16, 0, 1), shut).mean(),
+            &still(&mut renderer, 0.5, &settings(16, 0, 1)).mean(),
+            1,
+        );
+        assert!(frozen < 1e-3, "{name}: {frozen}");
+    }
+}
+
+#[test]
+fn ranges_of_samples_add_up() {
+    for mut renderer in renderers() {
+        let whole = blurred(&mut renderer, &settings(24, 0, 5), OPEN);
+        let mut parts = blurred(&mut renderer, &settings(10, 0, 5), OPEN);
+        parts.add(&blurred(&mut renderer, &settings(14, 10, 5), OPEN)).expect("one size");
+        let error = worst_block(&parts.mean(), &whole.mean(), 1);
+        assert!(error < 1e-4, "{}: {error}", renderer.backend_name());
+    }
+}
+
+#[test]
+fn mistakes_of_a_moment_are_told() {
+    let mut animation = Animation::new("motion.kdl", SCENE.replace("sphere 0.5", "sphere \"0.9 - t\""));
+    let mut renderer = renderers().remove(0);
+    let mut job = MovingJob::new(&settings(64, 0, 0), OPEN);
+    let error = loop {
+        match job.advance(&mut renderer, &mut animation) {
+            Ok(()) => assert!(job.samples_done() < 64.0, "the radius becomes negative"),
+            Err(error) => break error,
+        }
+    };
+    assert!(error.to_string().contains("motion.kdl has 1 mistake"), "{error}");
+}

@@ -1,0 +1,94 @@
+//! Frames of an animation: their numbers on the command line, and the names of their files.
+
+use crate::exit::Failure;
+use std::path::{Path, PathBuf};
+
+/// The most frames of one command.
+const MOST: u32 = 1_000_000;
+
+/// `--frames`: first and last frame, and how many from one to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frames {
+    first: u32,
+    last: u32,
+    step: u32,
+}
+
+/// Parses `7`, `1-120`, or `1-120x2`.
+pub fn parse(text: &str) -> Result<Frames, String> {
+    let expected = || "expected the number of a frame, a range such as 1-120, or one with steps, 1-120x2".to_owned();
+    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| expected());
+    let (range, step) = match text.split_once(['x', '×']) {
+        Some((range, step)) => (range, number(step)?),
+        None => (text, 1),
+    };
+    let (first, last) = match range.split_once('-') {
+        Some((first, last)) => (number(first)?, number(last)?),
+        None => (number(range)?, number(range)?),
+    };
+    if first > last {
+        return Err(format!("frame {first} is behind frame {last}"));
+    }
+    if step == 0 {
+        return Err("frames cannot be 0 apart".to_owned());
+    }
+    if (last - first) / step >= MOST {
+        return Err(format!("at most {MOST} frames"));
+    }
+    Ok(Frames { first, last, step })
+}
+
+impl Frames {
+    /// Their numbers.
+    pub fn numbers(self) -> impl Iterator<Item = u32> {
+        (self.first..=self.last).step_by(self.step as usize)
+    }
+}
+
+/// The name of a frame's file: that of `pattern` with the number of the frame in place of its last `#`s, padded with zeros.
+pub fn file(pattern: &Path, frame: u32) -> PathBuf {
+    let name = pattern.file_name().unwrap_or_default().to_string_lossy();
+    let Some(end) = name.rfind('#') else { return pattern.to_owned() };
+    let start = name[..end].trim_end_matches('#').len();
+    let digits = end + 1 - start;
+    pattern.with_file_name(format!("{}{frame:0digits$}{}", &name[..start], &name[end + 1..]))
+}
+
+/// Refuses a name that would be that of several frames.
+pub fn check_pattern(pattern: &Path, frames: Frames) -> Result<(), Failure> {
+    if frames.numbers().nth(1).is_none() || file(pattern, 0) != pattern {
+        return Ok(());
+    }
+    let (stem, extension) = (pattern.file_stem().unwrap_or_default(), pattern.extension().unwrap_or_default());
+    let name = format!("{}-####.{}", stem.to_string_lossy(), extension.to_string_lossy());
+    Err(Failure::Usage(format!(
+        "{} would be the file of every frame; put # where the digits of its number go: -o {}",
+        pattern.display(),
+        pattern.with_file_name(name).display()
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Frames, file, parse};
+    use std::path::Path;
+
+    #[test]
+    fn ranges_are_parsed() {
+        assert_eq!(parse("7"), Ok(Frames { first: 7, last: 7, step: 1 }));
+        assert_eq!(parse("1-120"), Ok(Frames { first: 1, last: 120, step: 1 }));
+        assert_eq!(parse("0-9x4").unwrap().numbers().collect::<Vec<_>>(), [0, 4, 8]);
+        for wrong in ["", "-", "a", "1-", "-3", "5-1", "1-9x0", "1x", "0-4294967295", "1-2-3", "1.5"] {
+            assert!(parse(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn numbers_take_the_place_of_digits() {
+        let named = |pattern: &str, frame| file(Path::new(pattern), frame).display().to_string();
+        assert_eq!(named("out/frame-####.png", 12), "out/frame-0012.png");
+        assert_eq!(named("a#/b##c.png", 123), "a#/b123c.png");
+        assert_eq!(named("take#2-###.exr", 7), "take#2-007.exr");
+        assert_eq!(named("still.png", 7), "still.png");
+    }
+}
