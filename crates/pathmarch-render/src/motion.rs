@@ -17,7 +17,7 @@ use crate::film::Film;
 use crate::renderer::{Job, Renderer};
 use crate::settings::Settings;
 use crate::transport::random::{hash, scramble_reversed};
-use pathmarch_scene::{Animation, Moment, SceneError};
+use pathmarch_scene::{Animation, Moment, Scene, SceneError};
 
 /// Samples in a row that share a moment: halves what moments cost; more would show as single pictures where samples are few.
 const RUN: u32 = 2;
@@ -32,6 +32,14 @@ pub struct Shutter {
 }
 
 impl Shutter {
+    /// Opens at the moment of a scene, for a part of the time of a frame.
+    pub fn open_for(scene: &Scene, part: f32, fps: f32) -> Self {
+        Self { opens: scene.moment, seconds: f64::from(part) / f64::from(fps) }
+    }
+    /// As the scene says.
+    pub fn of(scene: &Scene) -> Self {
+        Self::open_for(scene, scene.render.shutter, scene.render.fps)
+    }
     /// The moment at which a sample sees the scene. The frame stays the same.
     pub fn moment(&self, seed: u32, sample: u32) -> Moment {
         let run = sample / RUN;

@@ -139,6 +139,30 @@ fn views_show_a_ball_as_it_is() {
 }
 
 #[test]
+fn violations_show_where_a_field_lies() {
+    let scene = |lipschitz: f32| {
+        parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 40 }}\n\
+             field \"ball\" {{ lipschitz {lipschitz}; bounds 3; \
+             wgsl \"fn distance(p: vec3f) -> f32 {{ return 3.0 * (length(p) - 1.0); }}\" }}\n\
+             object \"it\" {{ ball }}"
+        ))
+    };
+    for renderer in &mut renderers() {
+        let mut coloured = |lipschitz: f32| {
+            let scene = scene(lipschitz);
+            let settings = Settings { size: [64, 64], samples: 1, mode: Mode::Violations, ..Settings::of(&scene) };
+            let picture = render(renderer, &scene, &settings).mean();
+            let is_grey = |[r, g, b]: [f32; 3]| (r - g).abs() < 1e-6 && (g - b).abs() < 1e-6;
+            picture.pixels.into_iter().filter(|&pixel| !is_grey(pixel)).count()
+        };
+        let counts = [coloured(3.0), coloured(1.0)];
+        println!("{counts:?} of 4096 pixels are coloured");
+        assert!(counts[0] == 0 && counts[1] > 1000, "{counts:?}");
+    }
+}
+
+#[test]
 fn the_depth_of_a_plane_across_the_view_is_one_grey() {
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 3; target 0 0 0; fov 90 }\nsky 1\nobject \"wall\" { plane { normal 0 0 1 } }",

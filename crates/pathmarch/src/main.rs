@@ -5,6 +5,7 @@
 
 mod commands;
 mod exit;
+mod frames;
 mod picture;
 mod window;
 

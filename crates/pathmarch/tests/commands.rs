@@ -114,7 +114,7 @@ fn frames_are_rendered_one_after_the_other() {
     ] {
         assert_eq!(code(&run(wrong)), 2, "{wrong:?}");
     }
-    assert!(stderr(&run(&["--frames", "1-2", "-o", "one.png"])).contains("-o one-####.png"));
+    assert!(stderr(&run(&["--frames", "1-2", "-o", "one.png"])).contains("as in one-####.png"));
 }
 
 #[test]

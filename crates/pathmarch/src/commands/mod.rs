@@ -5,7 +5,6 @@ pub mod check;
 pub mod compare;
 pub mod devices;
 pub mod export;
-mod frames;
 pub mod render;
 pub mod shapes;
 pub mod view;

@@ -1,15 +1,15 @@
 //! `pathmarch render`: a scene to a picture.
 
-use super::frames::{self, Frames};
 use super::{BackendArgument, check_directory, listed, parse_size, progress_bar, watch_interrupts};
 use crate::exit::{DONE, Failure, INTERRUPTED, print_report};
-use crate::picture::{Rendered, accumulate};
+use crate::frames::{self, Frames};
+use crate::picture::{Exposure, Rendered};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::{Animation, Caustics, Moment, Sampler, Scene};
 use pathmarch_render::tonemap::{Display, Tonemap};
-use pathmarch_render::{Job, MAX_BOUNCES, Mode, MotionError, MovingJob, RenderError, Renderer, Settings, Shutter};
+use pathmarch_render::{MAX_BOUNCES, Mode, MotionError, RenderError, Renderer, Settings, Shutter};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -212,6 +212,10 @@ impl Arguments {
         })
     }
 
+    fn shutter(&self, scene: &Scene, fps: f32) -> Shutter {
+        Shutter::open_for(scene, self.shutter.unwrap_or(scene.render.shutter), fps)
+    }
+
     fn output(&self) -> Result<PathBuf, Failure> {
         let output = match &self.output {
             Some(output) => output.clone(),
@@ -222,7 +226,7 @@ impl Arguments {
             }
         };
         if let Some(frames) = self.frames {
-            frames::check_pattern(&output, frames)?;
+            frames::check_pattern(&output, frames).map_err(Failure::Usage)?;
         }
         let format = ImageFormat::from_path(&output).map_err(|error| Failure::Usage(error.to_string()))?;
         if self.aov.is_some() && format != ImageFormat::Exr {
@@ -256,19 +260,22 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let interrupted = watch_interrupts()?;
     let mut renderer =
         Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
-    let mut exposure = Exposure::start(arguments, &mut renderer, &scene, &settings, fps)?;
+    let mut exposure =
+        Exposure::start(&mut renderer, &scene, &settings, arguments.shutter(&scene, fps)).map_err(of_renderer)?;
     tell_what_is_rendered(arguments, &renderer, &settings);
     let started = Instant::now();
     // Thousandths of a sample, so that a sample that takes long is seen to move.
     let bar = progress_bar(u64::from(settings.samples) * 1000);
     let over = |done: f64| is_over(arguments, &interrupted, started, done);
-    exposure.accumulate(&mut renderer, &mut animation, settings.samples, over, |done| {
-        bar.set_position((done * 1000.0) as u64);
-        let rate = done / started.elapsed().as_secs_f64().max(1e-9);
-        bar.set_message(format!("{}/{} samples, {rate:.2} samples/s", done as u32, settings.samples));
-    })?;
+    exposure
+        .accumulate(&mut renderer, &mut animation, settings.samples, over, |done| {
+            bar.set_position((done * 1000.0) as u64);
+            let rate = done / started.elapsed().as_secs_f64().max(1e-9);
+            bar.set_message(format!("{}/{} samples, {rate:.2} samples/s", done as u32, settings.samples));
+        })
+        .map_err(of_motion)?;
     bar.finish_and_clear();
-    let film = exposure.film()?;
+    let film = exposure.film().map_err(of_motion)?;
     let seconds = started.elapsed().as_secs_f64();
     write(arguments, &renderer, &scene, &settings, &film, &output)?;
     if film.non_finite() > 0 {
@@ -316,8 +323,8 @@ fn run_frames(
         }
         warned.extend(scene.warnings.iter().map(|warning| warning.message.clone()));
         let settings = arguments.settings(&scene)?;
-        let exposure = Exposure::start(arguments, &mut renderer, &scene, &settings, fps);
-        let mut exposure = exposure.map_err(|failure| in_frame(frame, failure))?;
+        let exposure = Exposure::start(&mut renderer, &scene, &settings, arguments.shutter(&scene, fps));
+        let mut exposure = exposure.map_err(|error| in_frame(frame, of_renderer(error)))?;
         if frame == first {
             tell_what_is_rendered(arguments, &renderer, &settings);
         }
@@ -329,7 +336,7 @@ fn run_frames(
             let (number, count) = (index + 1, left.len());
             bar.set_message(format!("frame {frame} ({number}/{count}), {}/{} samples", done as u32, settings.samples));
         });
-        told.map_err(|failure| in_frame(frame, failure))?;
+        told.map_err(|error| in_frame(frame, of_motion(error)))?;
         // What is half done is not written: its file would be taken for the frame.
         if interrupted.load(Ordering::SeqCst) {
             bar.finish_and_clear();
@@ -337,7 +344,7 @@ fn run_frames(
             eprintln!("interrupted: wrote {wrote}, {more} are left; go on with --skip-existing");
             return Ok(INTERRUPTED);
         }
-        let film = exposure.film().map_err(|failure| in_frame(frame, failure))?;
+        let film = exposure.film().map_err(|error| in_frame(frame, of_motion(error)))?;
         let output = frames::file(pattern, frame);
         let wrote = write(arguments, &renderer, &scene, &settings, &film, &output);
         wrote.map_err(|failure| in_frame(frame, failure))?;
@@ -406,58 +413,6 @@ fn write(
     let rendered = Rendered { scene, settings, film, backend, adapter };
     let layers = arguments.aov.as_ref().map_or(&[][..], |Layers(layers)| layers);
     rendered.write(output, &display, layers).map_err(Failure::Other)
-}
-
-/// A picture being rendered, with the shutter open for a moment or for longer.
-enum Exposure {
-    Still(Box<Job>),
-    Moving(Box<MovingJob>),
-}
-
-impl Exposure {
-    fn start(
-        arguments: &Arguments,
-        renderer: &mut Renderer,
-        scene: &Scene,
-        settings: &Settings,
-        fps: f32,
-    ) -> Result<Self, Failure> {
-        let part = arguments.shutter.unwrap_or(scene.render.shutter);
-        let shutter = Shutter { opens: scene.moment, seconds: f64::from(part) / f64::from(fps) };
-        // What traces no paths shows the moment at which the shutter opens.
-        if part > 0.0 && scene.animated && settings.mode == Mode::Path {
-            return Ok(Self::Moving(Box::new(MovingJob::new(settings, shutter))));
-        }
-        let job = renderer.start(scene, settings).map_err(of_renderer)?;
-        Ok(Self::Still(Box::new(job)))
-    }
-
-    fn accumulate(
-        &mut self,
-        renderer: &mut Renderer,
-        animation: &mut Animation,
-        samples: u32,
-        stop: impl Fn(f64) -> bool,
-        mut progress: impl FnMut(f64),
-    ) -> Result<(), Failure> {
-        match self {
-            Self::Still(job) => accumulate(job, samples, stop, progress).map_err(Failure::other),
-            Self::Moving(job) => {
-                while job.samples_done() < f64::from(samples) && !stop(job.samples_done()) {
-                    job.advance(renderer, animation).map_err(of_motion)?;
-                    progress(job.samples_done());
-                }
-                Ok(())
-            }
-        }
-    }
-
-    fn film(&mut self) -> Result<Film, Failure> {
-        match self {
-            Self::Still(job) => job.film().map_err(Failure::other),
-            Self::Moving(job) => job.film().map_err(of_motion),
-        }
-    }
 }
 
 fn of_renderer(error: RenderError) -> Failure {

@@ -4,10 +4,12 @@
 use super::age::age;
 use super::app::App;
 use super::chooser::Chooser;
-use super::export::{self, Export, Task};
+use super::export::{self, Export, Sequence, Task};
 use super::files::{After, For, purpose};
 use super::open::Open;
 use super::recovery::Recovered;
+use super::timeline::LAST_FRAME;
+use crate::frames::{self, Frames};
 use crate::picture::Rendered;
 use egui::{Context, Id, Modal, RichText, Ui};
 use pathmarch_render::aov::Layer;
@@ -31,6 +33,9 @@ pub(super) enum Dialog {
     Busy,
 }
 
+/// Stands in the name of a file for the digits of a frame's number.
+const DIGITS: &str = "-####";
+
 /// Settings of a final render.
 pub(super) struct RenderDialog {
     pub(super) output: String,
@@ -41,6 +46,10 @@ pub(super) struct RenderDialog {
     /// From where one looks now, not from where the scene's camera stands.
     own_viewpoint: bool,
     may_choose_viewpoint: bool,
+    /// First and last frame, where something moves, and whether these are rendered rather than the frame that is shown.
+    frames: Option<[u32; 2]>,
+    all_frames: bool,
+    skip_existing: bool,
 }
 
 impl RenderDialog {
@@ -57,7 +66,43 @@ impl RenderDialog {
             layers: false,
             own_viewpoint: open.view.has_moved_away(),
             may_choose_viewpoint: open.view.has_moved_away(),
+            frames: scene.animated.then_some([0, open.timeline.last]),
+            all_frames: false,
+            skip_existing: false,
         })
+    }
+
+    /// As [`Self::new`], for all frames.
+    pub(super) fn of_frames(open: &Open) -> Option<Self> {
+        let mut dialog = Self::new(open)?;
+        dialog.render_frames(true);
+        Some(dialog)
+    }
+
+    /// Renders frames, or the picture that is shown; the name of the file follows.
+    fn render_frames(&mut self, all: bool) {
+        self.all_frames = all;
+        let path = Path::new(&self.output);
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let named = match (all, stem.strip_suffix(DIGITS)) {
+            (true, None) if !stem.contains('#') => format!("{stem}{DIGITS}"),
+            (false, Some(without)) => without.to_owned(),
+            _ => return,
+        };
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        self.output = path.with_file_name(format!("{named}.{extension}")).display().to_string();
+    }
+
+    /// The frames to render, where it is not one picture.
+    fn sequence(&self) -> Option<Sequence> {
+        let [first, last] = self.frames.filter(|_| self.all_frames)?;
+        Some(Sequence { frames: Frames::from_to(first, last), skip_existing: self.skip_existing })
+    }
+
+    /// What is wrong with it, in words.
+    fn problem(&self) -> Option<String> {
+        let Some(sequence) = self.sequence() else { return self.format().err() };
+        self.format().err().or_else(|| frames::check_pattern(Path::new(&self.output), sequence.frames).err())
     }
 
     fn format(&self) -> Result<ImageFormat, String> {
@@ -236,11 +281,13 @@ impl App {
         let (backend, adapter) = (self.options.backend, self.options.adapter.clone());
         let wake = self.waker.clone();
         let output = PathBuf::from(&render.output);
-        if let Err(why) = export::check_output(&output, &layers) {
+        let first = render.sequence().map_or(output.clone(), |sequence| sequence.file(&output));
+        if let Err(why) = export::check_output(&first, &layers) {
             self.complain(&why);
             return;
         }
-        let task = Task { scene, settings, display, layers, output, backend, adapter };
+        let frames = render.sequence();
+        let task = Task { scene, settings, display, layers, output, backend, adapter, frames };
         self.exports.push(Export::start(task, move || wake()));
         self.dialog = None;
     }
@@ -370,19 +417,36 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
             });
             ui.end_row();
         }
+        if let Some([mut first, mut last]) = render.frames {
+            let label = ui.label("frames");
+            ui.horizontal(|ui| {
+                let mut all = render.all_frames;
+                if ui.checkbox(&mut all, "from").labelled_by(label.id).changed() {
+                    render.render_frames(all);
+                }
+                ui.add_enabled_ui(all, |ui| {
+                    ui.add(egui::DragValue::new(&mut first).range(0..=last)).labelled_by(label.id);
+                    ui.label("to");
+                    ui.add(egui::DragValue::new(&mut last).range(first..=LAST_FRAME)).labelled_by(label.id);
+                    ui.checkbox(&mut render.skip_existing, "skip those that are there");
+                });
+            });
+            render.frames = Some([first, last]);
+            ui.end_row();
+        }
         if matches!(render.format(), Ok(ImageFormat::Exr)) {
             let label = ui.label("layers");
             ui.checkbox(&mut render.layers, "albedo, normal, depth, ids").labelled_by(label.id);
             ui.end_row();
         }
     });
-    let format = render.format();
-    if let Err(why) = &format {
+    let problem = render.problem();
+    if let Some(why) = &problem {
         ui.colored_label(ui.visuals().error_fg_color, why);
     }
     ui.add_space(8.0);
     ui.horizontal(|ui| {
-        if ui.add_enabled(format.is_ok(), egui::Button::new(RichText::new("Start").strong())).clicked() {
+        if ui.add_enabled(problem.is_none(), egui::Button::new(RichText::new("Start").strong())).clicked() {
             *answer = Answer::Start;
         }
         if ui.button("Cancel").clicked() {

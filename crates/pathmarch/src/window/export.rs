@@ -4,13 +4,14 @@
 //! [`crate::picture`].
 
 use super::saving::check_writable;
-use crate::picture::{Rendered, accumulate};
+use crate::frames::{self, Frames};
+use crate::picture::{Exposure, Rendered};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
-use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
 use pathmarch_render::tonemap::Display;
-use pathmarch_render::{Backend, Renderer, Settings};
+use pathmarch_render::{Backend, MotionError, Renderer, Settings, Shutter};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -35,6 +36,24 @@ pub struct Task {
     pub backend: Backend,
     /// Part of the name of the GPU adapter.
     pub adapter: Option<String>,
+    /// The frames to render, where it is not one picture: `#` in the file's name are the digits of their numbers.
+    pub frames: Option<Sequence>,
+}
+
+/// Frames to render, each to a file.
+#[derive(Clone, Copy, Debug)]
+pub struct Sequence {
+    /// Which.
+    pub frames: Frames,
+    /// Whether those whose files are there are left as they are.
+    pub skip_existing: bool,
+}
+
+impl Sequence {
+    /// The file of the first frame.
+    pub fn file(&self, pattern: &Path) -> PathBuf {
+        frames::file(pattern, self.frames.numbers().next().unwrap_or(0))
+    }
 }
 
 /// How far an [`Export`] is.
@@ -42,8 +61,8 @@ pub struct Task {
 pub struct Progress {
     /// Samples of each pixel done, with a fraction for one that is begun.
     pub samples: f64,
-    /// Samples of each pixel asked for.
-    pub of: u32,
+    /// Samples of each pixel asked for, of all frames.
+    pub of: f64,
     /// Time since the first sample was begun, seconds.
     pub seconds: f64,
     /// Time that is left, seconds, as far as it can be told.
@@ -85,7 +104,7 @@ impl Shared {
 pub struct Export {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
-    of: u32,
+    of: f64,
     output: PathBuf,
 }
 
@@ -93,7 +112,8 @@ impl Export {
     /// Begins. `wake` is called, on another thread, when there is progress and when it is finished.
     pub fn start(task: Task, wake: impl Fn() + Send + 'static) -> Self {
         let shared = Arc::<Shared>::default();
-        let (of, output) = (task.settings.samples, task.output.clone());
+        let count = task.frames.as_ref().map_or(1, |sequence| sequence.frames.numbers().count());
+        let (of, output) = (f64::from(task.settings.samples) * count as f64, task.output.clone());
         let of_thread = shared.clone();
         let thread = std::thread::Builder::new().name("export".to_owned()).spawn(move || {
             let outcome = catch_unwind(AssertUnwindSafe(|| work(&task, &of_thread, &wake))).unwrap_or_else(|_| {
@@ -121,7 +141,7 @@ impl Export {
     pub fn progress(&self) -> Progress {
         let state = self.shared.state();
         let seconds = state.started.map_or(0.0, |started| started.elapsed().as_secs_f64());
-        let left = f64::from(self.of) - state.samples;
+        let left = self.of - state.samples;
         // The first samples also wait for the machine to warm up; a guess from nothing helps nobody.
         let remaining = (state.samples > 0.0 && seconds > 0.0).then(|| (left * seconds / state.samples).max(0.0));
         Progress { samples: state.samples, of: self.of, seconds, remaining, writing: state.writing }
@@ -198,47 +218,113 @@ fn samples_of(film: &Film, settings: &Settings) -> String {
 
 /// The thread.
 fn work(task: &Task, shared: &Shared, wake: &impl Fn()) -> Result<String, String> {
-    check_output(&task.output, &task.layers)?;
-    let cancelled = || Ok(format!("cancelled; {} was not written", task.output.display()));
-    let mut renderer = Renderer::open(task.backend, task.adapter.as_deref()).map_err(|error| error.to_string())?;
-    let mut job = renderer.start(&task.scene, &task.settings).map_err(|error| error.to_string())?;
-    let started = Instant::now();
-    shared.state().started = Some(started);
-    let stop = |done: f64| match shared.wish() {
-        GO_ON => false,
-        STOP_AND_KEEP => done >= 1.0,
-        _ => true,
+    let renderer = Renderer::open(task.backend, task.adapter.as_deref()).map_err(|error| error.to_string())?;
+    let animation = Animation::new(task.scene.source_name.as_str(), task.scene.source_text.as_str());
+    let mut worker = Worker { task, shared, wake, renderer, animation };
+    shared.state().started = Some(Instant::now());
+    let sentence = match &task.frames {
+        None => worker.still()?,
+        Some(sequence) => worker.frames(sequence)?,
     };
-    let progress = |done| {
-        shared.state().samples = done;
-        wake();
-    };
-    accumulate(&mut job, task.settings.samples, stop, progress).map_err(|error| error.to_string())?;
-    if shared.wish() == CANCEL {
-        return cancelled();
+    let notice = worker.renderer.notice();
+    Ok(sentence + &notice.map(|notice| format!("; {notice}; rendered on the CPU")).unwrap_or_default())
+}
+
+/// Renders pictures one after the other.
+struct Worker<'a, W> {
+    task: &'a Task,
+    shared: &'a Shared,
+    wake: &'a W,
+    renderer: Renderer,
+    animation: Animation,
+}
+
+impl<W: Fn()> Worker<'_, W> {
+    fn still(&mut self) -> Result<String, String> {
+        let (task, started) = (self.task, Instant::now());
+        let written = self.picture(&task.scene, &task.display, &task.output, 0.0, true)?;
+        Ok(match written {
+            Some(sentence) => format!("{sentence} in {:.1} s", started.elapsed().as_secs_f64()),
+            None => format!("cancelled; {} was not written", task.output.display()),
+        })
     }
-    let film = job.film().map_err(|error| error.to_string())?;
-    let seconds = started.elapsed().as_secs_f64();
-    {
-        // From here on a drop waits; before, it does not, and nothing is written.
-        let mut state = shared.state();
-        if shared.wish() == CANCEL {
-            return cancelled();
+
+    fn frames(&mut self, sequence: &Sequence) -> Result<String, String> {
+        let (task, started) = (self.task, Instant::now());
+        let fps = task.scene.render.fps;
+        let (mut wrote, mut were_there) = (0, 0);
+        for (index, frame) in sequence.frames.numbers().enumerate() {
+            if self.shared.wish() != GO_ON {
+                break;
+            }
+            let output = frames::file(&task.output, frame);
+            if sequence.skip_existing && output.exists() {
+                were_there += 1;
+                continue;
+            }
+            let in_frame = |error: String| format!("frame {frame}: {error}; what was written before it stays");
+            let scene = self.animation.at(Moment::of_frame(frame, fps)).map_err(|error| in_frame(error.to_string()))?;
+            let exposure_stops = task.settings.camera_of(&scene).exposure;
+            let display = Display { exposure_stops, ..task.display };
+            let before = f64::from(task.settings.samples) * index as f64;
+            let written = self.picture(&scene, &display, &output, before, false).map_err(in_frame)?;
+            wrote += u32::from(written.is_some());
         }
-        state.writing = true;
-        state.samples = film.samples.into();
+        let files = if wrote == 1 { "1 frame".to_owned() } else { format!("{wrote} frames") };
+        let begun = if self.shared.wish() == GO_ON { "wrote" } else { "stopped; wrote" };
+        let there = if were_there > 0 { format!(", {were_there} were there") } else { String::new() };
+        let seconds = started.elapsed().as_secs_f64();
+        Ok(format!("{begun} {files} to {} in {seconds:.1} s{there}", task.output.display()))
     }
-    wake();
-    let rendered = Rendered {
-        scene: &task.scene,
-        settings: &task.settings,
-        film: &film,
-        backend: renderer.backend_name(),
-        adapter: renderer.adapter_name(),
-    };
-    let notice = renderer.notice().map(|notice| format!("; {notice}; rendered on the CPU")).unwrap_or_default();
-    let sentence = save_film(&rendered, &task.output, &task.display, &task.layers)?;
-    Ok(format!("{sentence} in {seconds:.1} s{notice}"))
+
+    /// Renders and writes one picture; what was written, or nothing where it was cancelled. `before` is the number of samples of the
+    /// pictures before; a picture that is cut short is written only if it `may_be_short`.
+    fn picture(
+        &mut self,
+        scene: &Scene,
+        display: &Display,
+        output: &Path,
+        before: f64,
+        may_be_short: bool,
+    ) -> Result<Option<String>, String> {
+        let (task, shared) = (self.task, self.shared);
+        check_output(output, &task.layers)?;
+        let fail = |error: MotionError| error.to_string();
+        let mut exposure = Exposure::start(&mut self.renderer, scene, &task.settings, Shutter::of(scene))
+            .map_err(|error| error.to_string())?;
+        let stop = |done: f64| match shared.wish() {
+            GO_ON => false,
+            STOP_AND_KEEP if may_be_short => done >= 1.0,
+            _ => true,
+        };
+        let progress = |done| {
+            shared.state().samples = before + done;
+            (self.wake)();
+        };
+        exposure
+            .accumulate(&mut self.renderer, &mut self.animation, task.settings.samples, stop, progress)
+            .map_err(fail)?;
+        let is_cancelled = || shared.wish() == CANCEL || !may_be_short && shared.wish() != GO_ON;
+        if is_cancelled() {
+            return Ok(None);
+        }
+        let film = exposure.film().map_err(fail)?;
+        {
+            // From here on a drop waits; before, it does not, and nothing is written.
+            let mut state = shared.state();
+            if is_cancelled() {
+                return Ok(None);
+            }
+            state.writing = true;
+            state.samples = before + f64::from(film.samples);
+        }
+        (self.wake)();
+        let (backend, adapter) = (self.renderer.backend_name(), self.renderer.adapter_name());
+        let rendered = Rendered { scene, settings: &task.settings, film: &film, backend, adapter };
+        let sentence = save_film(&rendered, output, display, &task.layers);
+        shared.state().writing = false;
+        sentence.map(Some)
+    }
 }
 
 #[cfg(test)]

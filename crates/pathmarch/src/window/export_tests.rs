@@ -15,7 +15,16 @@ fn task(output: PathBuf) -> Task {
     let settings = Settings { size: [48, 27], samples: 3, seed: 5, ..Settings::of(&scene) };
     let display = Display { tonemap: scene.render.tonemap, exposure_stops: settings.camera_of(&scene).exposure };
     let layers = Vec::new();
-    Task { scene: Arc::new(scene), settings, display, layers, output, backend: Backend::Cpu, adapter: None }
+    Task {
+        scene: Arc::new(scene),
+        settings,
+        display,
+        layers,
+        output,
+        backend: Backend::Cpu,
+        adapter: None,
+        frames: None,
+    }
 }
 
 /// Whether two files hold the same picture, layers and provenance. The attributes of an OpenEXR file come in any order, so
@@ -110,7 +119,7 @@ fn a_cancelled_one_leaves_nothing() {
     let export = Export::start(task.clone(), move || sender.send(()).unwrap_or_default());
     woken.recv_timeout(Duration::from_secs(600)).expect("progress");
     let progress = export.progress();
-    assert!(progress.samples > 0.0 && progress.of == 1_000_000 && progress.remaining.is_some(), "{progress:?}");
+    assert!(progress.samples > 0.0 && progress.of == 1_000_000.0 && progress.remaining.is_some(), "{progress:?}");
     export.cancel();
     let sentence = end(&export, &woken).expect("that is no failure");
     assert!(sentence.contains("cancelled"), "{sentence}");
@@ -161,4 +170,52 @@ fn what_cannot_be_written_is_said_at_once() {
     task.settings.samples = 0;
     assert!(run(task).expect_err("there is nothing to render").contains("samples"));
     assert_eq!(directory.path().read_dir().expect("there").count(), 0);
+}
+
+/// A scene that moves, and the frames of it that are rendered.
+fn sequence(directory: &Path, radius: &str, first: u32, last: u32) -> Task {
+    let text = format!(
+        "pathmarch 1\ncamera {{ position 0 0 4; target 0 0 0 }}\nrender {{ size 24 16; samples 2; bounces 1; shutter 0.5 }}\n\
+         sky 1\nobject \"ball\" {{ sphere \"{radius}\" {{ at \"t\" 0 0 }} }}"
+    );
+    let scene = Scene::parse("scene.kdl", &text).expect("a scene");
+    let frames = Some(Sequence { frames: Frames::from_to(first, last), skip_existing: true });
+    Task {
+        settings: Settings::of(&scene),
+        scene: Arc::new(scene),
+        output: directory.join("a-##.exr"),
+        frames,
+        ..task(PathBuf::new())
+    }
+}
+
+#[test]
+fn frames_are_those_of_the_command_line_and_what_is_there_stays() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("a-03.exr"), "mine").expect("written");
+    let task = sequence(directory.path(), "0.5", 2, 4);
+    let scene = directory.path().join("scene.kdl");
+    std::fs::write(&scene, &task.scene.source_text).expect("written");
+    let sentence = run(task).expect("written");
+    assert!(sentence.starts_with("wrote 2 frames") && sentence.ends_with("1 were there"), "{sentence}");
+    let file = |name: &str| directory.path().join(name);
+    assert_eq!(std::fs::read_to_string(file("a-03.exr")).expect("there"), "mine");
+    let Some(program) = program() else { return };
+    let mut command = Command::new(&program);
+    command.arg("render").arg(&scene).arg("-o").arg(file("b-##.exr")).args(["--frames", "2-4x2", "--backend", "cpu"]);
+    assert!(command.status().expect("it starts").success());
+    for frame in ["02", "04"] {
+        let [one, two] = ["a", "b"].map(|name| image::load(&file(&format!("{name}-{frame}.exr"))).expect("a picture"));
+        assert!(one.picture == two.picture, "frame {frame}");
+    }
+    let [one, two] = ["02", "04"].map(|frame| image::load(&file(&format!("a-{frame}.exr"))).expect("a picture"));
+    assert!(one.picture != two.picture, "it moves");
+}
+
+#[test]
+fn a_frame_with_a_mistake_says_so_and_keeps_those_before() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let error = run(sequence(directory.path(), "0.5 - frame/4", 0, 9)).expect_err("a radius of zero");
+    assert!(error.starts_with("frame 2: ") && error.ends_with("what was written before it stays"), "{error}");
+    assert!(directory.path().join("a-01.exr").exists() && !directory.path().join("a-02.exr").exists());
 }

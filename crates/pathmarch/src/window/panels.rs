@@ -154,7 +154,7 @@ impl App {
             ui.horizontal(|ui| {
                 for (index, export) in self.exports.iter().enumerate() {
                     let progress = export.progress();
-                    let share = (progress.samples / f64::from(progress.of.max(1))) as f32;
+                    let share = (progress.samples / progress.of.max(1.0)) as f32;
                     let left = progress.remaining.map_or(String::new(), |left| {
                         let left = HumanDuration(Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX));
                         format!(", {left:#} left")

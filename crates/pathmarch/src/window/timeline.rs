@@ -4,6 +4,7 @@
 //! pictures take longer than a frame, some are left out, so that what moves keeps its speed.
 
 use super::app::App;
+use super::dialogs::{Dialog, RenderDialog};
 use egui::{Context, DragValue, Slider, SliderClamping, Ui};
 use pathmarch_render::pathmarch_scene::{Moment, Scene};
 use std::time::Duration;
@@ -22,8 +23,8 @@ impl Default for Timeline {
     }
 }
 
-/// The largest number of a last frame.
-const MOST_FRAMES: u32 = 1_000_000;
+/// The largest number of a frame.
+pub(super) const LAST_FRAME: u32 = 999_999;
 
 impl Timeline {
     pub(super) fn is_playing(&self) -> bool {
@@ -103,7 +104,7 @@ impl App {
         let Some(scene) = open.document.last_good().filter(|scene| scene.animated) else { return };
         let (fps, moment, plays) = (fps(scene), open.document.moment(), open.timeline.is_playing());
         let (mut frame, mut last) = (moment.frame, open.timeline.last);
-        let mut toggled = false;
+        let (mut toggled, mut rendered) = (false, false);
         egui::Panel::bottom("timeline").show(ui, |ui| {
             ui.horizontal(|ui| {
                 let words = if plays { "Pause" } else { "Play" };
@@ -113,8 +114,9 @@ impl App {
                 ui.spacing_mut().slider_width = (ui.available_width() - 420.0).max(80.0);
                 ui.add(Slider::new(&mut frame, 0..=last).clamping(SliderClamping::Always)).labelled_by(label.id);
                 let label = ui.label("Last frame").on_hover_text("Playing goes on with frame 0 after it.");
-                ui.add(DragValue::new(&mut last).range(1..=MOST_FRAMES)).labelled_by(label.id);
+                ui.add(DragValue::new(&mut last).range(1..=LAST_FRAME)).labelled_by(label.id);
                 ui.weak(format!("{fps} a second"));
+                rendered = ui.button("Render frames…").on_hover_text("Each to a file, in the background.").clicked();
             });
         });
         open.timeline.last = last;
@@ -124,6 +126,9 @@ impl App {
         } else if frame != moment.frame {
             open.timeline.playing = None;
             self.look_at(frame.min(last), fps);
+        }
+        if rendered {
+            self.dialog = self.open.as_ref().and_then(RenderDialog::of_frames).map(Dialog::Render);
         }
     }
 }

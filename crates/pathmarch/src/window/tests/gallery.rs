@@ -6,7 +6,7 @@ use crate::window::gallery::EXAMPLES;
 #[test]
 fn every_example_is_shown_and_opens_by_a_click() {
     // High enough that every card is in sight.
-    let mut person = Start::new().size(1000.0, 3000.0).go();
+    let mut person = Start::new().size(1000.0, 6000.0).go();
     person.wait(EXAMPLES.len());
     for example in EXAMPLES {
         assert!(person.has(example.name) && person.has(example.doc), "{}", example.name);

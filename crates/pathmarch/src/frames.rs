@@ -1,6 +1,5 @@
 //! Frames of an animation: their numbers on the command line, and the names of their files.
 
-use crate::exit::Failure;
 use std::path::{Path, PathBuf};
 
 /// The most frames of one command.
@@ -39,6 +38,10 @@ pub fn parse(text: &str) -> Result<Frames, String> {
 }
 
 impl Frames {
+    /// All from the first to the last one; the last one alone where it is before the first.
+    pub fn from_to(first: u32, last: u32) -> Self {
+        Self { first: first.min(last), last, step: 1 }
+    }
     /// Their numbers.
     pub fn numbers(self) -> impl Iterator<Item = u32> {
         (self.first..=self.last).step_by(self.step as usize)
@@ -55,17 +58,20 @@ pub fn file(pattern: &Path, frame: u32) -> PathBuf {
 }
 
 /// Refuses a name that would be that of several frames.
-pub fn check_pattern(pattern: &Path, frames: Frames) -> Result<(), Failure> {
+///
+/// # Errors
+/// In words.
+pub fn check_pattern(pattern: &Path, frames: Frames) -> Result<(), String> {
     if frames.numbers().nth(1).is_none() || file(pattern, 0) != pattern {
         return Ok(());
     }
     let (stem, extension) = (pattern.file_stem().unwrap_or_default(), pattern.extension().unwrap_or_default());
     let name = format!("{}-####.{}", stem.to_string_lossy(), extension.to_string_lossy());
-    Err(Failure::Usage(format!(
-        "{} would be the file of every frame; put # where the digits of its number go: -o {}",
+    Err(format!(
+        "{} would be the file of every frame; put # where the digits of its number go, as in {}",
         pattern.display(),
         pattern.with_file_name(name).display()
-    )))
+    ))
 }
 
 #[cfg(test)]
