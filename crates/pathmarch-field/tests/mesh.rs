@@ -39,7 +39,7 @@ fn at(x: f32, y: f32, z: f32) -> Placement {
 }
 
 fn meshed_within(field: &Field, fineness: Fineness, cut: Option<Aabb>) -> Result<Mesh, MeshError> {
-    Mesh::new(field, fineness, cut, |leaf| [leaf.tag as f32; 3], &|_| ControlFlow::Continue(()))
+    Mesh::new(field, fineness, cut, &|leaf, _, _| [field.leaves()[leaf].tag as f32; 3], &|_| ControlFlow::Continue(()))
 }
 
 fn meshed(node: Node, resolution: u32) -> Mesh {
@@ -348,9 +348,9 @@ fn progress_rises_and_stops() {
         heard.lock().expect("unpoisoned").push(share);
         ControlFlow::Continue(())
     };
-    Mesh::new(&field, Fineness::Resolution(100), None, |_| [1.0; 3], &hear).expect("a mesh");
+    Mesh::new(&field, Fineness::Resolution(100), None, &|_, _, _| [1.0; 3], &hear).expect("a mesh");
     let heard = heard.into_inner().expect("unpoisoned");
     assert!(heard.len() > 10 && heard.iter().all(|share| (0.0..=1.0).contains(share)) && heard.last() == Some(&1.0));
-    let stopped = Mesh::new(&field, Fineness::Resolution(100), None, |_| [1.0; 3], &|_| ControlFlow::Break(()));
+    let stopped = Mesh::new(&field, Fineness::Resolution(100), None, &|_, _, _| [1.0; 3], &|_| ControlFlow::Break(()));
     assert_eq!(stopped.err(), Some(MeshError::Stopped));
 }

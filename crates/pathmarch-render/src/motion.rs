@@ -137,8 +137,8 @@ mod tests {
             parts.sort_unstable();
             assert_eq!(parts, (0..count).collect::<Vec<_>>(), "seed {seed}, block {block}");
         }
-        assert_eq!(SHUTTER.moment(3, 4), SHUTTER.moment(3, 7));
-        assert_ne!(SHUTTER.moment(3, 4), SHUTTER.moment(3, 8));
+        assert_eq!(SHUTTER.moment(3, RUN), SHUTTER.moment(3, 2 * RUN - 1));
+        assert_ne!(SHUTTER.moment(3, RUN), SHUTTER.moment(3, 2 * RUN));
         assert_eq!(SHUTTER.moment(3, 4).frame, 48);
     }
 

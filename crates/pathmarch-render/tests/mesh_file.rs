@@ -147,3 +147,31 @@ fn names_and_places_that_cannot_be_written_are_refused() {
     assert!(save(&directory.path().join("no/such/mesh.stl"), &mesh).is_err());
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 0, "nothing is left behind");
 }
+
+#[test]
+fn vertices_have_the_colours_of_textures_and_orbits() {
+    let coloured = |material: &str, shape: &str| {
+        let text = format!(
+            "pathmarch 1\ncamera {{ position 0 1 4; target 0 0 0 }}\nsky 1\nmaterial \"it\" {{ {material} }}\n\
+             object \"it\" material=\"it\" {{ {shape} }}"
+        );
+        let scene = Scene::parse("it.kdl", &text).expect("a scene");
+        let objects: Vec<_> = scene.objects.iter().collect();
+        let made = mesh(&scene, &objects, Fineness::Resolution(24), None, &|_| ControlFlow::Continue(()));
+        made.expect("a mesh")
+    };
+    let checker = "diffuse { checker size=0.5 { colour 0.8 0.1 0.1; colour 0.1 0.1 0.8 } }";
+    let painted = coloured(checker, "box 2 2 2 { at 0.25 0.25 0.25 }");
+    let count = |colour: [f32; 3]| {
+        let near = |found: &&[f32; 3]| (0..3).all(|k| (found[k] - colour[k]).abs() < 1e-4);
+        painted.colours.iter().filter(near).count() as f64 / painted.colours.len() as f64
+    };
+    let [red, blue] = [count([0.8, 0.1, 0.1]), count([0.1, 0.1, 0.8])];
+    println!("{red:.3} red, {blue:.3} blue");
+    assert!((red + blue - 1.0).abs() < 1e-9 && (red - 0.5).abs() < 0.1);
+    let trap = "diffuse 0.5; orbit-trap \"point\" from=0 to=2 { colour 0; colour 1 }";
+    let fractal = coloured(trap, "mandelbulb iterations=4");
+    let mut greys: Vec<f32> = fractal.colours.iter().map(|colour| colour[0]).collect();
+    greys.sort_by(f32::total_cmp);
+    assert!(greys[greys.len() - 1] - greys[0] > 0.05, "{} to {}", greys[0], greys[greys.len() - 1]);
+}

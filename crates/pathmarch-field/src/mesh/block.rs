@@ -1,8 +1,8 @@
 //! A block of four by four by four cells: its crossings, patches and vertices, found without a look at any other.
 
 use super::patches::{Patches, corners, is_crossed, pinched};
-use super::qef;
 use super::solid::{Points, Solid, in_lanes};
+use super::{Paint, qef};
 use crate::number::{Real, Vec3};
 use glam::DVec3;
 use wide::f32x8;
@@ -89,8 +89,8 @@ struct Crossing {
 }
 
 impl Block {
-    /// The block whose first cell is `low`. `paints` has a colour for each leaf.
-    pub fn new(solid: &Solid, low: [i32; 3], paints: &[[f32; 3]]) -> Self {
+    /// The block whose first cell is `low`. `paint` gives colours.
+    pub fn new(solid: &Solid, low: [i32; 3], paint: Paint) -> Self {
         let corner_at = |index: usize| {
             let along = along(index);
             [0, 1, 2].map(|k| low[k] + along[k] as i32)
@@ -146,7 +146,7 @@ impl Block {
                             let crossing = &crossings[number_of[edge / 4][index(corners(edge)[0])] as usize];
                             (place.local(crossing.point), glam::Vec3::from(crossing.normal).as_dvec3())
                         }));
-                        block.vertices.push(place.vertex(&mut planes, paints));
+                        block.vertices.push(place.vertex(&mut planes, paint));
                     }
                 }
             }
@@ -275,7 +275,7 @@ impl Place<'_> {
     }
 
     /// The vertex of a patch, of the tangent planes at its crossings.
-    fn vertex(&self, planes: &mut Vec<(DVec3, DVec3)>, paints: &[[f32; 3]]) -> Vertex {
+    fn vertex(&self, planes: &mut Vec<(DVec3, DVec3)>, paint: Paint) -> Vertex {
         let normal: DVec3 = planes.iter().map(|(_, normal)| normal).sum();
         let normal = normal.try_normalize().unwrap_or(DVec3::Y);
         let (met, told) = qef::solve(planes.iter().copied());
@@ -288,9 +288,9 @@ impl Place<'_> {
         let kept = kept.or_else(|| Some(met).filter(|&met| self.may_hold(met, false)));
         let kept = kept.unwrap_or(met.clamp(DVec3::splat(-0.5), DVec3::splat(0.5)));
         let position = self.in_world(kept);
-        let is_plain = paints.iter().all(|paint| paint == &paints[0]);
-        let colour = if is_plain { paints[0] } else { blended(self.solid, position, paints) };
-        Vertex { position, normal: normal.as_vec3().into(), colour }
+        let normal = normal.as_vec3().into();
+        let colour = blended(self.solid, position, &|leaf| paint(leaf, position, normal));
+        Vertex { position, normal, colour }
     }
 
     /// Whether distances at the corners are those to one plane.
@@ -344,13 +344,16 @@ impl Place<'_> {
 }
 
 /// The colour at a place: the mean over eight choices between blended materials, an eighth apart for each blend.
-fn blended(solid: &Solid, at: [f32; 3], paints: &[[f32; 3]]) -> [f32; 3] {
+fn blended(solid: &Solid, at: [f32; 3], colour: &dyn Fn(usize) -> [f32; 3]) -> [f32; 3] {
     let threshold = |blend: u32| {
         let odd = 2 * blend + 1;
         f32x8::from(std::array::from_fn(|lane| ((lane as u32).wrapping_mul(odd) % 8) as f32 / 8.0 + 0.0625))
     };
     let leaves = solid.surface(Vec3::constant(at), &threshold).leaf.to_array();
-    let sum: glam::Vec3 = leaves.iter().map(|&leaf| glam::Vec3::from(paints[leaf as usize])).sum();
+    if leaves.iter().all(|leaf| *leaf == leaves[0]) {
+        return colour(leaves[0] as usize);
+    }
+    let sum: glam::Vec3 = leaves.iter().map(|&leaf| glam::Vec3::from(colour(leaf as usize))).sum();
     (sum / 8.0).into()
 }
 

@@ -29,7 +29,7 @@ mod qef;
 mod solid;
 
 use crate::bounds::Aabb;
-use crate::graph::{Field, Leaf};
+use crate::graph::Field;
 use block::{Block, Cell, FARTHEST, SIDE, Vertex, key, unpacked};
 use glam::{DVec3, Vec3};
 use patches::is_crossed;
@@ -90,8 +90,11 @@ pub enum MeshError {
 /// Hears how much is done, 0 to 1, and whether to stop; from any thread.
 pub type Progress<'a> = &'a (dyn Fn(f32) -> ControlFlow<()> + Sync);
 
+/// Tells the colour of a leaf of this number at a position, where the unit normal is the second one.
+pub type Paint<'a> = &'a (dyn Fn(usize, [f32; 3], [f32; 3]) -> [f32; 3] + Sync);
+
 impl Mesh {
-    /// The surface of the union of a field's objects, cut by the box `cut` where there is one; `paint` gives each leaf's colour.
+    /// The surface of the union of a field's objects, cut by the box `cut` where there is one; `paint` gives colours.
     /// The same input gives the same mesh, on any number of cores.
     ///
     /// # Errors
@@ -100,12 +103,11 @@ impl Mesh {
         field: &Field,
         fineness: Fineness,
         cut: Option<Aabb>,
-        paint: impl Fn(&Leaf) -> [f32; 3],
+        paint: Paint,
         progress: Progress,
     ) -> Result<Self, MeshError> {
         let solid = grid(field, fineness, cut)?;
-        let paints: Vec<_> = field.leaves().iter().map(paint).collect();
-        let (mut cells, vertices) = gather(&solid, divide(&solid)?, &paints, progress)?;
+        let (mut cells, vertices) = gather(&solid, divide(&solid)?, paint, progress)?;
         if cells.is_empty() {
             return Err(MeshError::Empty);
         }
@@ -204,7 +206,7 @@ fn divide(solid: &Solid) -> Result<Vec<[i32; 3]>, MeshError> {
 fn gather(
     solid: &Solid,
     blocks: Vec<[i32; 3]>,
-    paints: &[[f32; 3]],
+    paint: Paint,
     progress: Progress,
 ) -> Result<(Vec<Cell>, Vec<Vertex>), MeshError> {
     let (mut cells, mut vertices) = (Vec::new(), Vec::new());
@@ -213,7 +215,7 @@ fn gather(
     let mut ahead = blocks;
     while !ahead.is_empty() {
         let work = |&low: &[i32; 3]| {
-            let block = Block::new(solid, low, paints);
+            let block = Block::new(solid, low, paint);
             if found.fetch_add(block.cells.len(), Ordering::Relaxed) + block.cells.len() > MAX_CELLS {
                 return Err(MeshError::TooManyCells);
             }

@@ -22,6 +22,10 @@ mod obj;
 mod ply;
 mod stl;
 
+use crate::frame::Prepared;
+use crate::mode::Mode;
+use crate::settings::Settings;
+use crate::transport::paint::Painted;
 use crate::whole;
 use pathmarch_field::mesh::{Fineness, MeshError, Progress};
 use pathmarch_field::{Aabb, Field, Mesh};
@@ -86,7 +90,8 @@ pub enum MeshFileError {
     },
 }
 
-/// The mesh of the union of `objects` of a scene, in the colours of their materials (albedo, linear Rec. 709; of a lamp, its
+/// The mesh of the union of `objects` of a scene, in the colours of their materials (albedo, linear Rec. 709, with textures and
+/// orbit traps as they are at each vertex; of a lamp, its
 /// radiance clipped to 1). See [`Mesh::new`].
 ///
 /// # Errors
@@ -99,8 +104,16 @@ pub fn mesh(
     progress: Progress,
 ) -> Result<Mesh, MeshError> {
     let roots: Vec<_> = objects.iter().map(|object| object.root.clone()).collect();
+    let objects = objects.iter().map(|object| (*object).clone()).collect();
+    let scene = Scene { objects, field: Field::new(&roots), ..scene.clone() };
+    // Only materials matter; this mode prepares nothing for light.
+    let prepared = Prepared::new(&scene, &Settings { mode: Mode::Normal, ..Settings::of(&scene) });
     let colours: Vec<_> = scene.materials.iter().map(|material| material.albedo().map(|v| v.clamp(0.0, 1.0))).collect();
-    Mesh::new(&Field::new(&roots), fineness, cut, |leaf| colours[leaf.tag as usize], progress)
+    let paint = |leaf: usize, p: [f32; 3], normal: [f32; 3]| {
+        let varying = Painted::new(&prepared, leaf, p.into(), normal.into(), 0.0).and_then(|painted| painted.colour());
+        varying.map_or(colours[scene.field.leaves()[leaf].tag as usize], |colour| colour.to_array())
+    };
+    Mesh::new(&scene.field, fineness, cut, &paint, progress)
 }
 
 /// Writes a mesh. Whoever looks sees the file that was there before or the new one, never half of one.
