@@ -8,8 +8,8 @@
 //! round holes, whether there are a hundred or ten thousand. Beyond the cells the distance is a lower bound: what lies in a box is at least √(d² + e²) away, d to the box and e from
 //! there (the projection onto a convex set; Boyd and Vandenberghe 2004, section 8.1).
 //!
-//! [`clean`] first makes an outline of which every segment has the inside on its left and the outside on its right, whatever
-//! crosses and overlaps in what people wrote. [`cells`] makes the table. It stands behind all other numbers of the field, so
+//! `clean` first makes an outline of which every segment has the inside on its left and the outside on its right, whatever
+//! crosses and overlaps in what people wrote. `cells` makes the table. It stands behind all other numbers of the field, so
 //! that neither moving a point nor adding one changes the printed code. Cost: about 800 bytes for each segment, and the making of
 //! the table, 15 ms for 1,000 segments, ten letters or so; both are measured in `tests/outline.rs`.
 

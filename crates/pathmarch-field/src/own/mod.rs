@@ -1,8 +1,8 @@
 //! Fields that a scene declares itself: a WGSL function `distance(p: vec3f) -> f32` as a shape like any other.
 //!
 //! naga reads and checks the text. Three things are made of it. The text for the GPU is printed from naga's tree under names that
-//! nothing else has, its loops made to count ([`budget`]). For the CPU the tree is compiled ([`compile`]) and run for eight points
-//! at once ([`machine`]), so that what needs the CPU (layers, meshes, the survey, machines without a driver) works with own fields,
+//! nothing else has, its loops made to count ([`budget`]). For the CPU the tree is compiled (`compile`) and run for eight points
+//! at once (`machine`), so that what needs the CPU (layers, meshes, the survey, machines without a driver) works with own fields,
 //! too. And whatever one of the two cannot have is refused with the place in the text where it stands.
 //!
 //! The value is divided by the declared Lipschitz constant and cut by the declared box, so that a true declaration gives a safe

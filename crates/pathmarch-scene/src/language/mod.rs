@@ -150,7 +150,7 @@ fn meaning(
     if !included.nodes.is_empty() {
         all.to_mut().nodes.extend(included.nodes.iter().cloned());
     }
-    let (mut scene, sky) = scene(name, text, file, &all, included, assets, fields, report);
+    let (mut scene, sky) = scene((name, text), file, &all, included, assets, fields, report);
     if report.has_mistakes() {
         return None;
     }
@@ -208,8 +208,7 @@ fn version(file: &Block, report: &mut Report) -> Version {
 
 /// What the nodes of the file, and those of `all` with what it includes, say; the field is still empty, and the sky black.
 fn scene(
-    name: &str,
-    text: &str,
+    (name, text): (&str, &str),
     file: &Block,
     all: &Block,
     included: &Included,
