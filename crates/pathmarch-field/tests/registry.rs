@@ -2,9 +2,9 @@
 
 mod sampling;
 
-use pathmarch_field::number::{Dual, Vec3};
+use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::shapes;
-use sampling::{Case, Random, cases, lanes, validate};
+use sampling::{Case, Random, cases, validate};
 
 /// Shapes whose distance inside is only a bound.
 const BOUND_INSIDE: [&str; 2] = ["ellipsoid", "menger"];
@@ -42,20 +42,7 @@ fn every_shape_prints_valid_wgsl() {
 fn eight_lanes_equal_one() {
     let mut random = Random::new(1);
     for case in cases(6) {
-        for points in case.points(512, &mut random).chunks(8) {
-            let p = lanes(points);
-            let distances = case.shape.distance_lanes(p, &case.params).to_array();
-            let fields = case.shape.gradient_lanes(Dual::variables(p), &case.params);
-            for (k, &point) in points.iter().enumerate() {
-                let tolerance = 1e-6 * (point.length() + case.size);
-                let field = case.gradient(point);
-                assert!((distances[k] - case.distance(point)).abs() <= tolerance, "{} {point:?}", case.name());
-                assert!((fields.value.to_array()[k] - field.value).abs() <= tolerance, "{} {point:?}", case.name());
-                let [x, y, z] = [fields.gradient.x, fields.gradient.y, fields.gradient.z].map(|v| v.to_array()[k]);
-                let apart = (Vec3::new(x, y, z) - field.gradient).length();
-                assert!(apart < 1e-4, "{} {point:?}: gradients {apart} apart", case.name());
-            }
-        }
+        case.assert_lanes_equal_one(512, &mut random);
     }
 }
 

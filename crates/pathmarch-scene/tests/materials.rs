@@ -1,23 +1,12 @@
 //! Every kind of material that scatters: what it samples is what it says it samples, it makes no light, and it is the same
 //! both ways where it should be.
 
+mod random;
+
 use glam::Vec3;
 use pathmarch_scene::materials::{Bsdf, MaterialKind, Numbers, ParamKind, albedo, kinds};
+use random::Random;
 use std::f32::consts::{PI, TAU};
-
-/// A small generator (PCG; O'Neill 2014), so that samples are independent and the same on each run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let word = (((self.0 >> 18) ^ self.0) >> 27) as u32;
-        (word.rotate_right((self.0 >> 59) as u32) >> 8) as f32 / 16_777_216.0
-    }
-    fn three(&mut self) -> [f32; 3] {
-        [self.next(), self.next(), self.next()]
-    }
-}
 
 struct Variant {
     name: String,

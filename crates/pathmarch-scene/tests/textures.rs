@@ -1,26 +1,14 @@
 //! Every texture: from 0 to 1 and of a sensible spread, without jumps where it promises none, moved as it is placed; and what
 //! a material's parameters make of them.
 
+mod random;
+
 use glam::Vec3;
 use pathmarch_field::Placement;
 use pathmarch_scene::materials::{Meaning, Texturing, kinds};
 use pathmarch_scene::textures::{self, Pattern, Spot, Texture, TextureKind, TextureNumbers};
 use pathmarch_scene::{Material, Scene};
-
-/// A small generator (PCG; O'Neill 2014), so that samples are the same on each run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let word = (((self.0 >> 18) ^ self.0) >> 27) as u32;
-        (word.rotate_right((self.0 >> 59) as u32) >> 8) as f32 / 16_777_216.0
-    }
-    /// Within a box of this half edge.
-    fn point(&mut self, half: f32) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next()) * (2.0 * half) - half
-    }
-}
+use random::Random;
 
 fn spot(p: Vec3) -> Spot {
     Spot { p, normal: Vec3::Z, footprint: 0.0 }

@@ -53,6 +53,23 @@ pub struct Case {
 }
 
 impl Case {
+    /// Distances and gradients of eight points side by side are those of each by itself, at this many random points.
+    pub fn assert_lanes_equal_one(&self, count: usize, random: &mut Random) {
+        for points in self.points(count, random).chunks(8) {
+            let p = lanes(points);
+            let distances = self.shape.distance_lanes(p, &self.params).to_array();
+            let fields = self.shape.gradient_lanes(Dual::variables(p), &self.params);
+            for (k, &point) in points.iter().enumerate() {
+                let tolerance = 1e-6 * (point.length() + self.size);
+                let field = self.gradient(point);
+                assert!((distances[k] - self.distance(point)).abs() <= tolerance, "{} {point:?}", self.name());
+                assert!((fields.value.to_array()[k] - field.value).abs() <= tolerance, "{} {point:?}", self.name());
+                let [x, y, z] = [fields.gradient.x, fields.gradient.y, fields.gradient.z].map(|v| v.to_array()[k]);
+                let apart = (Vec3::new(x, y, z) - field.gradient).length();
+                assert!(apart < 1e-4, "{} {point:?}: gradients {apart} apart", self.name());
+            }
+        }
+    }
     /// From a shape and its numbers.
     pub fn new(shape: &'static dyn Shape, params: Vec<f32>) -> Self {
         let params = shape.numbers(&params);
