@@ -169,6 +169,8 @@ fn vertices_have_the_colours_of_textures_and_orbits() {
     let [red, blue] = [count([0.8, 0.1, 0.1]), count([0.1, 0.1, 0.8])];
     println!("{red:.3} red, {blue:.3} blue");
     assert!((red + blue - 1.0).abs() < 1e-9 && (red - 0.5).abs() < 0.1);
+    let lamp = coloured("emit 4 0.5 0", "sphere");
+    assert!(lamp.colours.iter().all(|colour| *colour == [1.0, 0.5, 0.0]), "the radiance, clipped to 1");
     let trap = "diffuse 0.5; orbit-trap \"point\" from=0 to=2 { colour 0; colour 1 }";
     let fractal = coloured(trap, "mandelbulb iterations=4");
     let mut greys: Vec<f32> = fractal.colours.iter().map(|colour| colour[0]).collect();

@@ -11,17 +11,9 @@ use pathmarch_scene::textures;
 use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
 
-/// The field's distance, which says how often a march called it.
-const COUNTING: &str = "
-fn marched_distance(p: vec3f) -> f32 {
-    steps += 1u;
-    return uncounted_distance(p);
-}
-";
-
-/// The field's distance, which says how fast it changed between the points of a march at most, over what is allowed.
+/// The field's distance, which says how often a march called it, and how fast it changed between its points at most, over what
+/// is allowed.
 const WATCHING: &str = "
-var<private> steepest: f32;
 var<private> watched: vec4f;
 
 fn marched_distance(p: vec3f) -> f32 {
@@ -52,10 +44,7 @@ pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
     } else {
         // `steady.wgsl` has one without noise.
         code = code.replace(CHOICE, "");
-        if mode == Mode::Steps {
-            code = code.replace("fn marched_distance(", "fn uncounted_distance(") + COUNTING;
-        }
-        if mode == Mode::Violations {
+        if matches!(mode, Mode::Steps | Mode::Violations) {
             code = code.replace("fn marched_distance(", "fn unwatched_distance(") + WATCHING;
         }
         code += &numbers_of_mode(prepared);
@@ -85,9 +74,6 @@ fn numbers_of_mode(prepared: &Prepared) -> String {
         // The others show a colour of the leaf and nothing else.
         let view = views.iter().position(|&view| view == prepared.mode).unwrap_or(views.len());
         writeln!(code, "const VIEW = {view}u;").expect("writing to a string");
-        if prepared.mode != Mode::Violations {
-            code += "const steepest = 0.0;\n";
-        }
     }
     writeln!(code, "const MODE_TABLE = {}u;", prepared.mode_table).expect("writing to a string");
     code

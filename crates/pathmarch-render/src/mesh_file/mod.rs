@@ -26,10 +26,11 @@ use crate::frame::Prepared;
 use crate::mode::Mode;
 use crate::settings::Settings;
 use crate::transport::paint::Painted;
+use crate::transport::views::shown_colour;
 use crate::whole;
 use pathmarch_field::mesh::{Fineness, MeshError, Progress};
 use pathmarch_field::{Aabb, Field, Mesh};
-use pathmarch_scene::{Object, Scene};
+use pathmarch_scene::{Object, Scene, Sky};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -91,8 +92,7 @@ pub enum MeshFileError {
 }
 
 /// The mesh of the union of `objects` of a scene, in the colours of their materials (albedo, linear Rec. 709, with textures and
-/// orbit traps as they are at each vertex; of a lamp, its
-/// radiance clipped to 1). See [`Mesh::new`].
+/// orbit traps as they are at each vertex; of a lamp, its radiance clipped to 1). See [`Mesh::new`].
 ///
 /// # Errors
 /// [`MeshError`].
@@ -105,13 +105,12 @@ pub fn mesh(
 ) -> Result<Mesh, MeshError> {
     let roots: Vec<_> = objects.iter().map(|object| object.root.clone()).collect();
     let objects = objects.iter().map(|object| (*object).clone()).collect();
-    let scene = Scene { objects, field: Field::new(&roots), ..scene.clone() };
-    // Only materials matter; this mode prepares nothing for light.
+    // Only materials matter: no tables of a sky are made.
+    let scene = Scene { objects, field: Field::new(&roots), sky: Sky::default(), ..scene.clone() };
     let prepared = Prepared::new(&scene, &Settings { mode: Mode::Normal, ..Settings::of(&scene) });
-    let colours: Vec<_> = scene.materials.iter().map(|material| material.albedo().map(|v| v.clamp(0.0, 1.0))).collect();
     let paint = |leaf: usize, p: [f32; 3], normal: [f32; 3]| {
         let varying = Painted::new(&prepared, leaf, p.into(), normal.into(), 0.0).and_then(|painted| painted.colour());
-        varying.map_or(colours[scene.field.leaves()[leaf].tag as usize], |colour| colour.to_array())
+        varying.map_or_else(|| shown_colour(&scene, scene.field.leaves()[leaf].tag), |colour| colour.to_array())
     };
     Mesh::new(&scene.field, fineness, cut, &paint, progress)
 }

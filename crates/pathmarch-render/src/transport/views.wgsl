@@ -1,7 +1,8 @@
 // Views of what the camera's ray meets. Twin of views.rs, which explains them.
 
-/// Evaluations of the field so far, where they are counted.
+/// Evaluations of the field so far, and its steepest change over what is allowed, where the march is watched.
 var<private> steps: u32;
+var<private> steepest: f32;
 
 /// Distances may be off by this many roundings of their point without a word.
 const NOISE = 16.0;

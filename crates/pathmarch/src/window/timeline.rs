@@ -6,7 +6,7 @@
 use super::app::App;
 use super::dialogs::{Dialog, RenderDialog};
 use egui::{Context, DragValue, Slider, SliderClamping, Ui};
-use pathmarch_render::pathmarch_scene::{Moment, Scene};
+use pathmarch_render::pathmarch_scene::Moment;
 use std::time::Duration;
 
 /// How time goes on.
@@ -40,11 +40,6 @@ impl Timeline {
     }
 }
 
-/// Frames for each second of a scene.
-pub(super) fn fps(scene: &Scene) -> f32 {
-    scene.render.fps
-}
-
 impl App {
     /// Begins to play, or stops.
     pub(super) fn play_or_pause(&mut self, ctx: &Context) {
@@ -63,7 +58,7 @@ impl App {
     pub(super) fn step_frame(&mut self, forwards: bool) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().filter(|scene| scene.animated) else { return };
-        let (fps, count) = (fps(scene), open.timeline.last + 1);
+        let (fps, count) = (scene.render.fps, open.timeline.last + 1);
         let frame = open.document.moment().frame;
         open.timeline.playing = None;
         self.look_at((if forwards { frame + 1 } else { frame + count - 1 }) % count, fps);
@@ -73,7 +68,7 @@ impl App {
     pub(super) fn keep_time(&mut self, ctx: &Context) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good() else { return };
-        let fps = fps(scene);
+        let fps = scene.render.fps;
         if !scene.animated {
             open.timeline.playing = None;
         }
@@ -102,7 +97,7 @@ impl App {
     pub(super) fn timeline_panel(&mut self, ui: &mut Ui) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().filter(|scene| scene.animated) else { return };
-        let (fps, moment, plays) = (fps(scene), open.document.moment(), open.timeline.is_playing());
+        let (fps, moment, plays) = (scene.render.fps, open.document.moment(), open.timeline.is_playing());
         let (mut frame, mut last) = (moment.frame, open.timeline.last);
         let (mut toggled, mut rendered) = (false, false);
         egui::Panel::bottom("timeline").show(ui, |ui| {

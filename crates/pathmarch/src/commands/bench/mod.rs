@@ -39,6 +39,13 @@ pub struct Arguments {
     json: Option<PathBuf>,
 }
 
+impl Arguments {
+    /// The size of the pictures whose rays are counted.
+    fn counted_size(&self) -> [u32; 2] {
+        self.size.map(|side| side.div_ceil(4))
+    }
+}
+
 struct Entry {
     scene: String,
     backend: String,
@@ -81,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         // One sample to warm up.
         let samples = 1 + arguments.rounds * arguments.samples;
         let settings = Settings { size: arguments.size, bounces: arguments.bounces, samples, ..Settings::of(&scene) };
-        let small = Settings { size: arguments.size.map(|side| side.div_ceil(4)), ..settings.clone() };
+        let small = Settings { size: arguments.counted_size(), ..settings.clone() };
         let census = census(&scene, &small).map_err(Failure::other)?;
         for renderer in &mut renderers {
             let backend = format!("{} ({})", renderer.backend_name(), renderer.adapter_name());
@@ -137,7 +144,7 @@ fn print(arguments: &Arguments, entries: &[Entry]) {
 
 /// Rays of one sample.
 fn rays_per_pixel(arguments: &Arguments, entry: &Entry) -> f64 {
-    let pixels: u32 = arguments.size.map(|side| side.div_ceil(4)).iter().product();
+    let pixels: u32 = arguments.counted_size().iter().product();
     entry.census.rays as f64 / f64::from(pixels)
 }
 
