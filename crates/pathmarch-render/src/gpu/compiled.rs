@@ -2,6 +2,7 @@
 
 use super::Device;
 use super::kernel::kernel;
+use super::memory::{self, BINDINGS, Memory};
 use crate::error::RenderError;
 use crate::frame::Prepared;
 use pathmarch_field::wgsl::Program;
@@ -15,22 +16,19 @@ const KEPT: usize = 24;
 pub(crate) struct Printed {
     code: String,
     pub(super) parameters: Vec<[f32; 4]>,
+    pub(super) memory: Memory,
     /// Whether no text of a user is in the code.
     trusted: bool,
-    uniform: bool,
 }
 
 impl Printed {
-    pub(crate) fn new(prepared: &Prepared) -> Self {
+    /// As it suits a device.
+    pub(crate) fn new(prepared: &Prepared, device: &Device) -> Self {
         let program = Program::new(&prepared.field);
         let trusted = prepared.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
-        let (code, uniform) = (kernel(prepared, &program), program.is_uniform());
-        Self { code, parameters: program.parameters, uniform, trusted }
-    }
-
-    /// Whether the parameters are a uniform buffer.
-    pub(super) fn is_uniform(&self) -> bool {
-        self.uniform
+        let memory = Memory::new(prepared, &program, device.is_software());
+        let code = kernel(prepared, &program, &memory);
+        Self { code, parameters: program.parameters, memory, trusted }
     }
 
     /// Whether the device has it ready.
@@ -78,7 +76,7 @@ impl Kernels {
         let gpu = &device.device;
         let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
         let memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let layout = bind_group_layout(gpu, printed.is_uniform());
+        let layout = bind_group_layout(gpu, &printed.memory);
         let descriptor = wgpu::ShaderModuleDescriptor {
             label: Some("trace"),
             source: wgpu::ShaderSource::Wgsl(printed.code.as_str().into()),
@@ -117,28 +115,23 @@ impl Kernels {
     }
 }
 
-fn bind_group_layout(gpu: &wgpu::Device, uniform_parameters: bool) -> wgpu::BindGroupLayout {
-    let entry = |binding, ty, has_dynamic_offset| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None },
-        count: None,
-    };
-    let uniform = wgpu::BufferBindingType::Uniform;
-    let table = wgpu::BufferBindingType::Storage { read_only: true };
-    let film = wgpu::BufferBindingType::Storage { read_only: false };
-    gpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("trace"),
-        entries: &[
-            entry(0, table, false),
-            entry(1, uniform, true),
-            entry(2, if uniform_parameters { uniform } else { table }, false),
-            entry(3, table, false),
-            entry(4, table, false),
-            entry(5, table, false),
-            entry(6, film, false),
-            entry(7, table, false),
-            entry(8, table, false),
-        ],
-    })
+fn bind_group_layout(gpu: &wgpu::Device, memory: &Memory) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = (0..BINDINGS)
+        .map(|binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: match binding {
+                    memory::SLICE => wgpu::BufferBindingType::Uniform,
+                    memory::FILM => wgpu::BufferBindingType::Storage { read_only: false },
+                    _ if memory.is_uniform(binding) => wgpu::BufferBindingType::Uniform,
+                    _ => wgpu::BufferBindingType::Storage { read_only: true },
+                },
+                has_dynamic_offset: binding == memory::SLICE,
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect();
+    gpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("trace"), entries: &entries })
 }

@@ -9,6 +9,7 @@ use super::Device;
 use super::compiled::{Kernel, Printed};
 use super::device::HUNG;
 use super::display::Screen;
+use super::memory;
 use crate::error::RenderError;
 use crate::film::Film;
 use crate::frame::{Frame, Prepared};
@@ -102,7 +103,8 @@ impl GpuJob {
         target: Duration,
     ) -> Result<Self, RenderError> {
         check_limits(&device, [prepared.frame.width, prepared.frame.height], prepared.leaves.len())?;
-        Self::of_printed(device, prepared, &Printed::new(prepared), first_sample, target)
+        let printed = Printed::new(prepared, &device);
+        Self::of_printed(device, prepared, &printed, first_sample, target)
     }
 
     /// As [`new`](Self::new), with the kernel's text at hand.
@@ -120,23 +122,20 @@ impl GpuJob {
         let kernel = device.kernels.compile(&device, printed)?;
         let gpu = &device.device;
         let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
-        let memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let constant = |label, contents: &[u8], usage| {
-            // A binding may not be empty.
-            let contents = if contents.is_empty() { &[0; 256] } else { contents };
-            let size = contents.len() as u64;
-            let usage = usage | wgpu::BufferUsages::COPY_DST;
-            let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            });
+        let out_of_memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
+        let copied = wgpu::BufferUsages::COPY_DST;
+        let constant = |binding, label, contents: &[u8]| {
+            let memory = &printed.memory;
+            // A binding may be neither empty nor shorter than what is declared.
+            let size = memory.bytes(binding, contents.len()) as u64;
+            let kind = if memory.is_uniform(binding) { uniform } else { storage };
+            let descriptor =
+                wgpu::BufferDescriptor { label: Some(label), size, usage: kind | copied, mapped_at_creation: false };
+            let buffer = gpu.create_buffer(&descriptor);
             device.queue.write_buffer(&buffer, 0, contents);
             buffer
         };
-        let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
-        let copied = wgpu::BufferUsages::COPY_DST;
         let slice_stride = gpu.limits().min_uniform_buffer_offset_alignment.max(16);
         let slices = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("slices"),
@@ -150,34 +149,31 @@ impl GpuJob {
             usage: storage | copied | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let parameters_usage = if printed.is_uniform() { uniform } else { storage };
-        let frame = constant("frame", bytemuck::bytes_of(frame), storage);
+        let frame = constant(memory::FRAME, "frame", bytemuck::bytes_of(frame));
+        let texels = prepared.sky.texels();
         let tables = [
-            constant("parameters", bytemuck::cast_slice(&printed.parameters), parameters_usage),
-            constant("leaves", bytemuck::cast_slice(&prepared.leaves), storage),
-            constant("materials", bytemuck::cast_slice(&prepared.materials), storage),
-            constant("lights", bytemuck::cast_slice(&prepared.lights), storage),
-            constant("tables", bytemuck::cast_slice(&prepared.tables), storage),
-            constant("sky", bytemuck::cast_slice(&prepared.sky.texels()), storage),
-        ];
+            (memory::PARAMETERS, "parameters", bytemuck::cast_slice(&printed.parameters)),
+            (memory::LEAVES, "leaves", bytemuck::cast_slice(&prepared.leaves)),
+            (memory::MATERIALS, "materials", bytemuck::cast_slice(&prepared.materials)),
+            (memory::LIGHTS, "lights", bytemuck::cast_slice(&prepared.lights)),
+            (memory::TABLES, "tables", bytemuck::cast_slice(&prepared.tables)),
+            (memory::SKY, "sky", bytemuck::cast_slice(&texels)),
+        ]
+        .map(|(binding, label, contents)| (binding, constant(binding, label, contents)));
         let slice = wgpu::BufferBinding { buffer: &slices, offset: 0, size: wgpu::BufferSize::new(16) };
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let mut entries = vec![
+            entry(memory::FRAME, frame.as_entire_binding()),
+            entry(memory::SLICE, wgpu::BindingResource::Buffer(slice)),
+            entry(memory::FILM, film.as_entire_binding()),
+        ];
+        entries.extend(tables.iter().map(|(binding, table)| entry(*binding, table.as_entire_binding())));
         let bindings = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("trace"),
             layout: &kernel.layout,
-            entries: &[
-                entry(0, frame.as_entire_binding()),
-                entry(1, wgpu::BindingResource::Buffer(slice)),
-                entry(2, tables[0].as_entire_binding()),
-                entry(3, tables[1].as_entire_binding()),
-                entry(4, tables[2].as_entire_binding()),
-                entry(5, tables[3].as_entire_binding()),
-                entry(6, film.as_entire_binding()),
-                entry(7, tables[4].as_entire_binding()),
-                entry(8, tables[5].as_entire_binding()),
-            ],
+            entries: &entries,
         });
-        for scope in [memory, validation] {
+        for scope in [out_of_memory, validation] {
             if let Some(error) = pollster::block_on(scope.pop()) {
                 return Err(device.error(error));
             }

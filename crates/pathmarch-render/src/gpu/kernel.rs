@@ -1,6 +1,7 @@
 //! The whole kernel of a scene as text: the fixed parts, the scene's field, its materials, and what it needs of the
 //! estimator as constants, so that a scene pays for nothing that it does not use.
 
+use super::memory::Memory;
 use crate::frame::{EMITS, Features, Prepared};
 use crate::mode::Mode;
 use crate::transport::paint::{self, Paint};
@@ -29,11 +30,9 @@ fn marched_distance(p: vec3f) -> f32 {
 ";
 
 /// The kernel, in WGSL.
-pub(crate) fn kernel(prepared: &Prepared, program: &Program) -> String {
-    let kind = program.parameters_type();
-    let space = if program.is_uniform() { "uniform" } else { "storage, read" };
+pub(super) fn kernel(prepared: &Prepared, program: &Program, memory: &Memory) -> String {
     let mode = prepared.mode;
-    let mut code = format!("@group(0) @binding(2) var<{space}> field_parameters: {kind};\n\n{}", program.code);
+    let mut code = memory.declarations(prepared, program) + &program.code;
     if mode.traces_paths() {
         if prepared.features.penumbra {
             code.push('\n');
@@ -181,6 +180,7 @@ fn paint(prepared: &Prepared) -> String {
     }
     for (name, value) in [
         ("PAINT_TABLE", prepared.paint_table as u32),
+        ("LEAF_COUNT", prepared.leaves.len() as u32),
         ("KNOTS", paint::KNOTS as u32),
         ("ORBIT_SOURCE", paint::ORBIT),
         ("PICTURE_SOURCE", paint::PICTURE),

@@ -356,11 +356,13 @@ impl Engine {
             Gpu::Closed { from } if *from > Instant::now() => return,
             Gpu::Closed { .. } => None,
         };
-        let printed = Printed::new(prepared);
-        let ready = device.as_ref().is_some_and(|device| printed.is_compiled(device));
-        self.printed = Some(printed);
-        if ready {
-            return;
+        if let Some(device) = &device {
+            let printed = Printed::new(prepared, device);
+            let ready = printed.is_compiled(device);
+            self.printed = Some(printed);
+            if ready {
+                return;
+            }
         }
         // A picture of one workgroup is enough to have it compiled.
         let mut sample = prepared.clone();

@@ -82,12 +82,9 @@ const DELTA = 2u;
 /// Light passes to the other side.
 const TRANSMITS = 4u;
 
-// Not a uniform: Mesa's software Vulkan makes a kernel anew at every dispatch, which takes milliseconds and memory until the
-// program ends, where uniforms alone decide a branch.
-@group(0) @binding(0) var<storage, read> frame: Frame;
+// gpu/memory.rs declares the frame, the leaves and the materials, in the memory that suits the device.
+
 @group(0) @binding(1) var<uniform> slice: Slice;
-@group(0) @binding(3) var<storage, read> leaves: array<LeafRecord>;
-@group(0) @binding(4) var<storage, read> materials: array<Material>;
 /// Sums of radiance; the fourth number counts samples that were not finite and were left out.
 @group(0) @binding(6) var<storage, read_write> film: array<vec4f>;
 /// Tables of numbers, at the places that the constants of the scene say.

@@ -26,8 +26,6 @@ struct LightSample {
     penumbra: f32,
 }
 
-@group(0) @binding(5) var<storage, read> lights: array<Light>;
-
 const POINT = 0u;
 const SUN = 1u;
 const SPHERE = 2u;

@@ -75,7 +75,7 @@ fn layer_colour(layer: u32, shown: vec4f) -> vec3f {
 fn paint(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) {
     relief = vec3f(0.0);
     start_paint(m);
-    let what = tables[PAINT_TABLE + 13u * arrayLength(&leaves) + m];
+    let what = tables[PAINT_TABLE + 13u * LEAF_COUNT + m];
     if what == 0u {
         return;
     }

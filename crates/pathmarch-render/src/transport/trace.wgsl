@@ -3,6 +3,7 @@
 
 @compute @workgroup_size(8, 8)
 fn trace(@builtin(global_invocation_id) id: vec3u) {
+    load_frame();
     let x = slice.first_column + id.x;
     if x >= frame.width || id.y >= slice.rows {
         return;

@@ -1,0 +1,148 @@
+//! In which memory of a device each table of a kernel stands.
+//!
+//! Idea: a GPU reads uniform memory as fast as registers where all of its threads read one place, and storage where they
+//! read many. Software that runs kernels on a processor (Mesa's llvmpipe) has other costs: reading storage is a loop over
+//! the lanes wherever a branch is about, and reading uniforms a plain load; but where uniforms alone decide a branch it makes
+//! the kernel anew at every dispatch. So there, the frame is read from storage once, before the first branch, and small
+//! tables are uniform. Measured on two cores: emitting-spheres 67 to 38 ms a sample at 480x270 (docs/performance.md).
+
+use crate::frame::{Frame, LeafRecord, MaterialRecord, Prepared};
+use crate::transport::lights::LightRecord;
+use pathmarch_field::wgsl::Program;
+
+/// What the bindings of a kernel are, by their numbers.
+pub(super) const FRAME: u32 = 0;
+pub(super) const SLICE: u32 = 1;
+pub(super) const PARAMETERS: u32 = 2;
+pub(super) const LEAVES: u32 = 3;
+pub(super) const MATERIALS: u32 = 4;
+pub(super) const LIGHTS: u32 = 5;
+pub(super) const FILM: u32 = 6;
+pub(super) const TABLES: u32 = 7;
+pub(super) const SKY: u32 = 8;
+pub(super) const BINDINGS: u32 = 9;
+
+/// The size of uniform memory that every adapter has, bytes.
+const UNIFORM_BYTES: usize = 1 << 16;
+
+/// Where each table stands.
+pub(crate) struct Memory {
+    /// Bytes of those that are uniform, else 0; by binding.
+    uniform: [usize; BINDINGS as usize],
+    software: bool,
+}
+
+impl Memory {
+    pub(super) fn new(prepared: &Prepared, program: &Program, software: bool) -> Self {
+        let mut uniform = [0; BINDINGS as usize];
+        uniform[PARAMETERS as usize] = if program.is_uniform() { 16 * program.parameters.len() } else { 0 };
+        if software {
+            let tables = [
+                (LEAVES, prepared.leaves.len(), size_of::<LeafRecord>()),
+                (MATERIALS, prepared.materials.len(), size_of::<MaterialRecord>()),
+                (LIGHTS, prepared.lights.len(), size_of::<LightRecord>()),
+            ];
+            for (binding, count, size) in tables {
+                // A few more or less are the same code.
+                let bytes = count.next_power_of_two() * size;
+                uniform[binding as usize] = if bytes <= UNIFORM_BYTES { bytes } else { 0 };
+            }
+        } else {
+            uniform[FRAME as usize] = size_of::<Frame>();
+        }
+        Self { uniform, software }
+    }
+
+    /// Whether this table is uniform.
+    pub(super) fn is_uniform(&self, binding: u32) -> bool {
+        self.uniform[binding as usize] > 0
+    }
+
+    /// Bytes of a table that holds so many.
+    pub(super) fn bytes(&self, binding: u32, contents: usize) -> usize {
+        match self.uniform[binding as usize] {
+            0 => contents.max(256),
+            declared => declared,
+        }
+    }
+
+    /// The bindings that depend on it, in WGSL, and `load_frame()`.
+    pub(super) fn declarations(&self, prepared: &Prepared, program: &Program) -> String {
+        let table = |binding: u32, name: &str, kind: &str| {
+            let space = if self.is_uniform(binding) { "uniform" } else { "storage, read" };
+            format!("@group(0) @binding({binding}) var<{space}> {name}: {kind};\n")
+        };
+        let array = |binding: u32, name: &str, record: &str, size: usize| {
+            let kind = match self.uniform[binding as usize] {
+                0 => format!("array<{record}>"),
+                bytes => format!("array<{record}, {}>", bytes / size),
+            };
+            table(binding, name, &kind)
+        };
+        let mut text = match self.software {
+            true => {
+                table(FRAME, "stored_frame", "Frame")
+                    + "var<private> frame: Frame;\n\nfn load_frame() {\n    frame = stored_frame;\n}\n\n"
+            }
+            false => table(FRAME, "frame", "Frame") + "\nfn load_frame() {}\n\n",
+        };
+        text += &table(PARAMETERS, "field_parameters", &program.parameters_type());
+        text += &array(LEAVES, "leaves", "LeafRecord", size_of::<LeafRecord>());
+        text += &array(MATERIALS, "materials", "Material", size_of::<MaterialRecord>());
+        if prepared.mode.traces_paths() || prepared.preview.is_some() {
+            text += &array(LIGHTS, "lights", "Light", size_of::<LightRecord>());
+        }
+        text + "\n"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::gpu::{Device, GpuJob, Printed, WHOLE};
+    use crate::settings::Settings;
+    use pathmarch_scene::Scene;
+    use std::sync::Arc;
+
+    const SCENE: &str = r#"pathmarch 1
+camera "main" { position 0 1 4; target 0 0.5 0; fov 40 }
+sky 0.2 0.3 0.4
+point { at 1 3 2; intensity 20 }
+material "red" { diffuse 0.8 0.1 0.1 }
+material "glass" { glass 1; ior 1.5 }
+material "lamp" { emit 4 }
+object "floor" material="red" { plane }
+object "ball" material="glass" { torus 0.4 0.15 { at 0 0.3 0 } }
+object "lamp" material="lamp" { sphere 0.2 { at 0.6 1 -0.5 } }
+"#;
+
+    #[test]
+    fn pictures_do_not_depend_on_it() {
+        let mut device = match Device::open(None) {
+            Ok(device) => device,
+            Err(error) if std::env::var_os("PATHMARCH_REQUIRE_GPU").is_some() => panic!("{error}"),
+            Err(error) => return eprintln!("NOT TESTED on a GPU: {error}"),
+        };
+        let scene = Scene::parse("test.kdl", SCENE).expect("valid");
+        let prepared =
+            crate::frame::Prepared::new(&scene, &Settings { size: [24, 16], samples: 2, ..Settings::of(&scene) });
+        let mut films = ["software", "discrete GPU"]
+            .map(|kind| {
+                device.description.kind = kind;
+                Arc::new(std::mem::replace(&mut device, Device::open(None).expect("opens again")))
+            })
+            .map(|device| {
+                let printed = Printed::new(&prepared, &device);
+                assert_eq!(printed.memory.is_uniform(super::FRAME), !device.is_software());
+                assert_eq!(printed.memory.is_uniform(super::LEAVES), device.is_software());
+                let mut job = GpuJob::of_printed(device, &prepared, &printed, 0, WHOLE).expect("starts");
+                while job.samples_done() < 2.0 {
+                    job.advance(2).expect("goes on");
+                }
+                job.film().expect("is read")
+            });
+        let [a, b] = &mut films;
+        assert!(a.sums.iter().flatten().sum::<f32>() > 0.0);
+        let difference = a.sums.iter().flatten().zip(b.sums.iter().flatten()).map(|(a, b)| (a - b).abs());
+        assert!(difference.fold(0.0, f32::max) < 1e-3);
+    }
+}
