@@ -6,11 +6,12 @@
 //! tree for the GPU. Cost of an evaluation: one virtual call and one transform for each leaf.
 
 mod coordinates;
+mod solids;
 
 use crate::blend::Blend;
 use crate::bounds::Aabb;
 use crate::number::{Differentiable, Dual, Real, Vec3};
-use crate::registry::{Combine, Modify, NO_HIT, Shape, ShapeRef, TRAPS, union};
+use crate::registry::{Combine, Modify, NO_HIT, Shape, ShapeRef, Span, TRAPS, union};
 pub use coordinates::Coordinates;
 use glam::{EulerRot, Mat3, Quat};
 use wide::f32x8;
@@ -147,9 +148,14 @@ impl Pose {
         Vec3::new(x, y, z)
     }
 
+    /// A length in local coordinates as one in the world.
+    fn length<N: Real>(&self, local: N) -> N {
+        if self.turn == Turn::None { local } else { local * N::constant(self.scale) }
+    }
+
     /// A distance and its gradient in local coordinates as those in the world.
     fn world<N: Real>(&self, local: Dual<N>) -> Dual<N> {
-        let value = if self.turn == Turn::None { local.value } else { local.value * N::constant(self.scale) };
+        let value = self.length(local.value);
         if self.turn != Turn::Turned {
             return Dual { value, gradient: local.gradient };
         }
@@ -243,6 +249,8 @@ pub trait Batch: Differentiable {
     #[doc(hidden)]
     fn shape_ray(shape: &dyn Shape, origin: Vec3<Self>, direction: Vec3<Self>, params: &[f32]) -> Self;
     #[doc(hidden)]
+    fn shape_span(shape: &dyn Shape, origin: Vec3<Self>, direction: Vec3<Self>, params: &[f32]) -> Span<Self>;
+    #[doc(hidden)]
     fn modified_point(modifier: &dyn Modify, p: Vec3<Self>, place: Self, numbers: &[f32]) -> Vec3<Self>;
     #[doc(hidden)]
     fn modified_point_gradient(modifier: &dyn Modify, p: Vec3<Self>, place: Self, numbers: &[f32]) -> Vec3<Dual<Self>>;
@@ -271,6 +279,9 @@ impl Batch for f32 {
     }
     fn shape_ray(shape: &dyn Shape, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> f32 {
         shape.ray(origin, direction, params)
+    }
+    fn shape_span(shape: &dyn Shape, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> Span<f32> {
+        shape.span(origin, direction, params)
     }
     fn modified_point(modifier: &dyn Modify, p: Vec3<f32>, place: f32, numbers: &[f32]) -> Vec3<f32> {
         modifier.point(p, place, numbers)
@@ -311,6 +322,9 @@ impl Batch for f32x8 {
     }
     fn shape_ray(shape: &dyn Shape, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> f32x8 {
         shape.ray_lanes(origin, direction, params)
+    }
+    fn shape_span(shape: &dyn Shape, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> Span<f32x8> {
+        shape.span_lanes(origin, direction, params)
     }
     fn modified_point(modifier: &dyn Modify, p: Vec3<f32x8>, place: f32x8, numbers: &[f32]) -> Vec3<f32x8> {
         modifier.point_lanes(p, place, numbers)
@@ -411,7 +425,7 @@ impl Field {
                 let bounds = field.tree_bounds(&tree);
                 field.bounds = field.bounds.union(bounds);
                 field.object_bounds.push(bounds);
-                if field.direct(&tree).is_none() {
+                if !field.is_direct(&tree) {
                     field.marched_bounds = field.marched_bounds.union(bounds);
                 }
                 field.objects.push(tree);
@@ -495,16 +509,22 @@ impl Field {
     pub fn marched_bounds(&self) -> Aabb {
         self.marched_bounds
     }
-    /// The shape of an object that rays meet in closed form.
+    /// The shape of an object that is a single one which rays meet in closed form.
     pub(crate) fn direct(&self, object: &Tree) -> Option<u32> {
         match object {
             Tree::Leaf(index) if self.leaves[*index as usize].shape.closed_form() => Some(*index),
             _ => None,
         }
     }
-    /// Indices of the leaves that rays meet in closed form, rising.
-    pub fn direct_leaves(&self) -> impl Iterator<Item = u32> {
-        self.objects.iter().filter_map(|object| self.direct(object))
+    /// Whether the leaf of this number is an object by itself, which rays meet in closed form.
+    pub fn is_whole(&self, leaf: usize) -> bool {
+        let object = self.leaves.get(leaf).and_then(|leaf| self.objects.get(leaf.object as usize));
+        object.is_some_and(|object| self.direct(object).is_some())
+    }
+    /// Whether rays meet the object of this leaf in closed form.
+    pub fn is_met_directly(&self, leaf: usize) -> bool {
+        let object = self.leaves.get(leaf).and_then(|leaf| self.objects.get(leaf.object as usize));
+        object.is_some_and(|object| self.is_direct(object))
     }
     pub(crate) fn objects(&self) -> &[Tree] {
         &self.objects
@@ -572,7 +592,7 @@ impl Field {
     /// object keeps its own surface: what lies inside a clear one is seen.
     pub fn marched_distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for object in self.objects.iter().filter(|object| self.direct(object).is_none()) {
+        for object in self.objects.iter().filter(|object| !self.is_direct(object)) {
             nearest = nearest.min(self.tree_distance(object, p).abs());
         }
         nearest
@@ -602,14 +622,12 @@ impl Field {
         self.objects.iter().map(move |object| self.tree_distance(object, p))
     }
 
-    /// Metres along each unit vector `direction` to the first surface of the shapes that have a closed form, or
+    /// Metres along each unit vector `direction` to the first surface of the objects that are met in closed form, or
     /// [`NO_HIT`].
     pub fn direct_hit<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> N {
         let mut nearest = N::constant(NO_HIT);
-        for leaf in self.direct_leaves() {
-            let leaf = &self.leaves[leaf as usize];
-            let t = N::shape_ray(&*leaf.shape, leaf.pose.local(origin), leaf.pose.turned(direction), &leaf.params);
-            nearest = nearest.min(if leaf.pose.turn == Turn::None { t } else { t * N::constant(leaf.pose.scale) });
+        for object in self.objects.iter().filter(|object| self.is_direct(object)) {
+            nearest = nearest.min(self.object_ray(object, origin, direction));
         }
         nearest
     }
@@ -618,14 +636,12 @@ impl Field {
         match tree {
             Tree::Leaf(leaf) => {
                 let leaf = &self.leaves[*leaf as usize];
-                let distance = N::shape_distance(&*leaf.shape, leaf.pose.local(p), &leaf.params);
-                if leaf.pose.turn == Turn::None { distance } else { distance * N::constant(leaf.pose.scale) }
+                leaf.pose.length(N::shape_distance(&*leaf.shape, leaf.pose.local(p), &leaf.params))
             }
             Tree::Modify(modified) => {
                 let p = modified.pose.local(p);
                 let (inside, _) = self.nearest_inside(modified, p);
-                let distance = N::modified(modified.modifier, p, inside, &modified.numbers);
-                if modified.pose.turn == Turn::None { distance } else { distance * N::constant(modified.pose.scale) }
+                modified.pose.length(N::modified(modified.modifier, p, inside, &modified.numbers))
             }
             Tree::Combine { operator, smooth, children, .. } => {
                 let mut result = self.tree_distance(&children[0], p);
@@ -691,7 +707,7 @@ impl Field {
         for object in &self.objects {
             let surface = self.tree_surface(object, p, threshold);
             let closer =
-                surface.field.value.abs().lt(nearest.field.value.abs()) & counts(self.direct(object).is_some());
+                surface.field.value.abs().lt(nearest.field.value.abs()) & counts(self.is_direct(object));
             nearest = Surface {
                 field: Dual::select(closer, surface.field, nearest.field),
                 leaf: N::select(closer, surface.leaf, nearest.leaf),

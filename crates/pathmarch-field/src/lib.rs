@@ -19,6 +19,7 @@ pub mod outline;
 pub mod own;
 pub mod registry;
 mod shapes;
+mod span;
 pub mod survey;
 pub mod wgsl;
 

@@ -7,6 +7,7 @@
 use crate::blend::{Blend, BlendProfile, Blending};
 use crate::bounds::Aabb;
 use crate::number::{Dual, Real, Vec3};
+pub use crate::span::Span;
 use crate::wgsl::{Expr, Function, identifier};
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -188,12 +189,18 @@ pub trait Primitive: Send + Sync + 'static {
     fn emitter(_params: Self::Params<f32>) -> Emitter {
         Emitter::Bounded
     }
-    /// Whether [`ray`](Self::ray) is written: where a ray meets this shape is known in closed form.
-    const CLOSED_FORM: bool = false;
+    /// Whether the solid is convex and [`span`](Self::span) is written.
+    const CONVEX: bool = false;
+    /// Where a line is inside a convex solid, metres from `origin` along the unit vector `direction`.
+    fn span<N: Real>(_origin: Vec3<N>, _direction: Vec3<N>, _params: Self::Params<N>) -> Span<N> {
+        Span::nowhere()
+    }
+    /// Whether where a ray meets this shape is known in closed form: [`span`](Self::span) or [`ray`](Self::ray) is written.
+    const CLOSED_FORM: bool = Self::CONVEX;
     /// Metres from `origin` along the unit vector `direction` to the first point of the surface ahead, from outside or
     /// inside; [`NO_HIT`] where there is none.
-    fn ray<N: Real>(_origin: Vec3<N>, _direction: Vec3<N>, _params: Self::Params<N>) -> N {
-        N::constant(NO_HIT)
+    fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, params: Self::Params<N>) -> N {
+        Self::span(origin, direction, params).ahead()
     }
     /// Whether [`orbit`](Self::orbit) is written: the shape is a fractal, which follows the orbit of a point.
     const ORBIT: bool = false;
@@ -225,6 +232,17 @@ pub enum Emitter {
 /// What a ray that meets nothing gives: farther than any scene, and finite.
 pub const NO_HIT: f32 = 1e30;
 
+/// An operation on truth values: what two solids hold together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Boolean {
+    /// Either.
+    Union,
+    /// Both.
+    Intersection,
+    /// The first, without the second.
+    Difference,
+}
+
 /// An operator that makes one solid of two, written once.
 ///
 /// More than two children are folded from the first to the last. Implementations are unit structs named `Shape`'s twin
@@ -238,6 +256,8 @@ pub trait Operator: Send + Sync + 'static {
     const BLENDS: bool = true;
     /// How many children it needs, and how many it may have.
     const CHILDREN: (usize, usize) = (1, usize::MAX);
+    /// What it does to solids, where it is sharp, as an operation on truth values.
+    const BOOLEAN: Option<Boolean> = None;
     /// The sharp result.
     fn sharp<N: Real>(a: N, b: N) -> N;
     /// The blended result.
@@ -317,6 +337,18 @@ pub trait Shape: Send + Sync {
     fn emitter(&self, params: &[f32]) -> Emitter;
     /// Whether rays meet it in closed form.
     fn closed_form(&self) -> bool;
+    /// Whether it is convex, and spans are known in closed form.
+    fn is_convex(&self) -> bool {
+        false
+    }
+    /// Where a line is inside; see [`Primitive::span`].
+    fn span(&self, _origin: Vec3<f32>, _direction: Vec3<f32>, _params: &[f32]) -> Span<f32> {
+        Span::nowhere()
+    }
+    /// Where eight lines are inside.
+    fn span_lanes(&self, _origin: Vec3<f32x8>, _direction: Vec3<f32x8>, _params: &[f32]) -> Span<f32x8> {
+        Span::nowhere()
+    }
     /// Where a ray first meets it, or [`NO_HIT`]; see [`Primitive::ray`].
     fn ray(&self, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> f32;
     /// Where eight rays first meet it.
@@ -329,6 +361,10 @@ pub trait Shape: Send + Sync {
     fn orbit_lanes(&self, p: Vec3<f32x8>, params: &[f32]) -> [f32x8; TRAPS];
     /// The orbit as a WGSL function `NAME_orbit(p: vec3f, …) -> array<f32, 5>`.
     fn wgsl_orbit(&self) -> String;
+    /// The span as a WGSL function `NAME_span(origin: vec3f, direction: vec3f, …) -> vec2f`.
+    fn wgsl_span(&self) -> String {
+        String::new()
+    }
     /// The closed form as a WGSL function `NAME_ray(origin: vec3f, direction: vec3f, …) -> f32`.
     fn wgsl_ray(&self) -> String;
     /// The distance as a WGSL function `NAME_distance(p: vec3f, …) -> f32`.
@@ -390,6 +426,8 @@ pub trait Combine: Send + Sync {
     fn blends(&self) -> bool;
     /// How many children it needs, and how many it may have.
     fn children(&self) -> (usize, usize);
+    /// What it does to solids; see [`Operator::BOOLEAN`].
+    fn boolean(&self) -> Option<Boolean>;
     /// The distance of the result; sharp without `blend`.
     fn distance(&self, a: f32, b: f32, blend: Option<Blend>) -> f32;
     /// The distances of eight results.
@@ -494,6 +532,20 @@ impl<T: Primitive> Entry<T> {
     }
 }
 
+impl<T: Primitive> Entry<T> {
+    fn along_line(
+        &self,
+        suffix: &str,
+        doc: String,
+        body: impl FnOnce(Vec3<Expr>, Vec3<Expr>, T::Params<Expr>) -> Vec<Expr>,
+    ) -> String {
+        self.function(suffix, &["origin", "direction"], doc).print(|inputs| {
+            let [origin, direction] = [0, 3].map(|k| Vec3::new(inputs[k], inputs[k + 1], inputs[k + 2]));
+            body(origin, direction, T::Params::from_fn(|k| inputs[6 + k]))
+        })
+    }
+}
+
 impl<T: Primitive> Shape for Entry<T> {
     fn info(&self) -> &Info {
         &T::INFO
@@ -525,6 +577,15 @@ impl<T: Primitive> Shape for Entry<T> {
     fn closed_form(&self) -> bool {
         T::CLOSED_FORM
     }
+    fn is_convex(&self) -> bool {
+        T::CONVEX
+    }
+    fn span(&self, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> Span<f32> {
+        T::span(origin, direction, values(params))
+    }
+    fn span_lanes(&self, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> Span<f32x8> {
+        T::span(origin, direction, values(params))
+    }
     fn ray(&self, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> f32 {
         T::ray(origin, direction, values(params))
     }
@@ -550,13 +611,16 @@ impl<T: Primitive> Shape for Entry<T> {
             T::orbit(p, T::Params::from_fn(|k| inputs[3 + k])).to_vec()
         })
     }
+    fn wgsl_span(&self) -> String {
+        let doc = format!("Where a line enters and leaves `{}`, metres.", T::INFO.name);
+        self.along_line("span", doc, |origin, direction, params| {
+            let Span { enter, leave } = T::span(origin, direction, params);
+            vec![enter, leave]
+        })
+    }
     fn wgsl_ray(&self) -> String {
         let doc = format!("Metres to where a ray first meets `{}`.", T::INFO.name);
-        self.function("ray", &["origin", "direction"], doc).print(|inputs| {
-            let (origin, direction) =
-                (Vec3::new(inputs[0], inputs[1], inputs[2]), Vec3::new(inputs[3], inputs[4], inputs[5]));
-            vec![T::ray(origin, direction, T::Params::from_fn(|k| inputs[6 + k]))]
-        })
+        self.along_line("ray", doc, |origin, direction, params| vec![T::ray(origin, direction, params)])
     }
     fn wgsl_distance(&self) -> String {
         self.function("distance", &["p"], T::INFO.doc.to_owned()).print(|inputs| {
@@ -606,6 +670,9 @@ impl<T: Operator> Combine for Entry<T> {
     }
     fn children(&self) -> (usize, usize) {
         T::CHILDREN
+    }
+    fn boolean(&self) -> Option<Boolean> {
+        T::BOOLEAN
     }
     fn distance(&self, a: f32, b: f32, blend: Option<Blend>) -> f32 {
         combine::<T, _>(a, b, blend)

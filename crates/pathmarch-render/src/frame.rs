@@ -279,9 +279,8 @@ impl Prepared {
         let frame = Frame::new(scene, settings, &sky, &lights);
         let light_of_leaf: HashMap<u32, u32> =
             (0..).zip(&lights).filter_map(|(index, light)| Some((light.emitting_leaf()?, index))).collect();
-        let direct: Vec<u32> = scene.field.direct_leaves().collect();
         let flags = |index: usize, sheet: bool| {
-            let is_direct = direct.binary_search(&(index as u32)).is_ok();
+            let is_direct = scene.field.is_met_directly(index);
             let light = light_of_leaf.get(&(index as u32)).map_or(0, |light| light + 1);
             (SHEET * u32::from(sheet)) | (DIRECT * u32::from(is_direct)) | (light << LIGHT_SHIFT)
         };

@@ -150,7 +150,7 @@ fn every_scene_renders_alike_on_both_backends() {
 
 #[test]
 fn marched_shapes_look_as_those_met_in_closed_form() {
-    // A union of one sphere and a far small one must be marched; the picture is that of the plain sphere.
+    // A blend of one sphere and a small one within must be marched; the picture is that of the plain sphere.
     let text = |ball: &str| {
         format!(
             "pathmarch 1\ncamera {{ position 0 3 6; target 0 0.8 0; fov 35 }}\nsky 0.3 0.375 0.5\n\
@@ -158,7 +158,7 @@ fn marched_shapes_look_as_those_met_in_closed_form() {
         )
     };
     let direct = parse(&text("sphere 1 { at 0 1 0 }"));
-    let marched = parse(&text("union { sphere 1 { at 0 1 0 }; sphere 0.001 { at 0 1 0 } }"));
+    let marched = parse(&text("union smooth=1e-6 { sphere 1 { at 0 1 0 }; sphere 0.001 { at 0 1 0 } }"));
     for renderer in &mut renderers() {
         let settings = Settings { size: [160, 90], samples: 256, ..Settings::of(&direct) };
         let [a, b] = [&direct, &marched].map(|scene| render(renderer, scene, &settings).mean());
@@ -168,7 +168,7 @@ fn marched_shapes_look_as_those_met_in_closed_form() {
     }
 }
 
-/// Every registered shape, turned and scaled, once by itself and once in a union, which must be marched.
+/// Every registered shape, turned and scaled, once by itself and once in a blend, which must be marched.
 #[test]
 fn every_shape_renders_alike_on_both_backends_and_in_closed_form() {
     let mut renderers = renderers();
@@ -184,7 +184,7 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form() {
         let (open, close) = if shape.info().profile { ("extrude {", ";") } else { ("", "{") };
         let placed = format!("{open} {name} {close} rotate 25 30 10; scale 1.2; at 0 0.1 0 }}");
         let alone = parse(&text(&placed));
-        let marched = parse(&text(&format!("union {{ {placed}; sphere 0.001 {{ at 0 0.1 0 }} }}")));
+        let marched = parse(&text(&format!("union smooth=1e-6 {{ {placed}; sphere 0.001 {{ at 0 0.1 0 }} }}")));
         let settings = Settings { size: [96, 54], samples: 16, ..Settings::of(&alone) };
         let mut pictures = Vec::new();
         for renderer in &mut renderers {

@@ -5,12 +5,13 @@ use super::union::SOURCE;
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
 use crate::number::Real;
-use crate::registry::{Info, Operator};
+use crate::registry::{Boolean, Info, Operator};
 
 pub(crate) struct Op;
 
 impl Operator for Op {
     const INFO: Info = Info { exact: false, ..Info::new("intersect", "What all of the children hold.", SOURCE) };
+    const BOOLEAN: Option<Boolean> = Some(Boolean::Intersection);
 
     #[inline(always)]
     fn sharp<N: Real>(a: N, b: N) -> N {

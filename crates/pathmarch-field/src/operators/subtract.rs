@@ -5,7 +5,7 @@ use super::union::SOURCE;
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
 use crate::number::Real;
-use crate::registry::{Info, Operator};
+use crate::registry::{Boolean, Info, Operator};
 
 pub(crate) struct Op;
 
@@ -13,6 +13,7 @@ impl Operator for Op {
     const INFO: Info =
         Info { exact: false, ..Info::new("subtract", "The first child without what the others hold.", SOURCE) };
     const CHILDREN: (usize, usize) = (2, usize::MAX);
+    const BOOLEAN: Option<Boolean> = Some(Boolean::Difference);
 
     #[inline(always)]
     fn sharp<N: Real>(a: N, b: N) -> N {

@@ -4,7 +4,7 @@
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
 use crate::number::Real;
-use crate::registry::{Info, Operator};
+use crate::registry::{Boolean, Info, Operator};
 
 pub(crate) struct Op;
 
@@ -13,6 +13,7 @@ pub(super) const SOURCE: &str = "Ricci 1973; blends: Quilez 2013, quadratic smoo
 
 impl Operator for Op {
     const INFO: Info = Info { exact: false, ..Info::new("union", "What any of the children holds.", SOURCE) };
+    const BOOLEAN: Option<Boolean> = Some(Boolean::Union);
 
     #[inline(always)]
     fn sharp<N: Real>(a: N, b: N) -> N {

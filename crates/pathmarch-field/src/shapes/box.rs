@@ -3,7 +3,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Emitter, Info, NO_HIT, Param, Primitive};
+use crate::registry::{Emitter, Info, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -26,23 +26,12 @@ impl Primitive for Shape {
         let inside = excess.largest().min(N::zero());
         outside + inside
     }
-    const CLOSED_FORM: bool = true;
-    /// Slabs (Kay and Kajiya 1986, "Ray Tracing Complex Scenes").
+    const CONVEX: bool = true;
     #[inline(always)]
-    fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> N {
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> Span<N> {
         let half = N::constant(0.5);
-        let slab = |o: N, d: N, size: N| {
-            let d = d.divisor();
-            let (a, b) = ((-size * half - o) / d, (size * half - o) / d);
-            (a.min(b), a.max(b))
-        };
-        let (x0, x1) = slab(origin.x, direction.x, x);
-        let (y0, y1) = slab(origin.y, direction.y, y);
-        let (z0, z1) = slab(origin.z, direction.z, z);
-        let near = x0.max(y0.max(z0)).named("near");
-        let far = x1.min(y1.min(z1)).named("far");
-        let ahead = N::select(N::zero().lt(near), near, far);
-        N::select(near.lt(far) & N::zero().lt(far), ahead, N::constant(NO_HIT))
+        let slab = |o: N, d: N, size: N| Span::slab(o, d, size * half);
+        slab(origin.x, direction.x, x).and(slab(origin.y, direction.y, y)).and(slab(origin.z, direction.z, z))
     }
     fn emitter([x, y, z]: [f32; 3]) -> Emitter {
         Emitter::Box([x, y, z])

@@ -4,7 +4,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -24,6 +24,14 @@ impl Primitive for Shape {
     fn distance<N: Real>(p: Vec3<N>, [radius, height]: [N; 2]) -> N {
         let past_end = (p.y.abs() - height * N::constant(0.5)).max(N::zero()).named("past_end");
         Vec3::new(p.x, past_end, p.z).length() - radius
+    }
+    const CONVEX: bool = true;
+    #[inline(always)]
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> Span<N> {
+        let half = height * N::constant(0.5);
+        let cylinder = super::cylinder::Shape::span(origin, direction, [radius, height]);
+        let end = |y: N| super::sphere::Shape::span(Vec3::new(origin.x, origin.y - y, origin.z), direction, [radius]);
+        cylinder.or(end(half)).or(end(-half))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height + radius, radius)

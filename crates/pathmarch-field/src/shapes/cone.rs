@@ -7,7 +7,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, NO_HIT, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -38,6 +38,37 @@ impl Primitive for Shape {
         let from_base = below.hypot(outwards.max(zero));
         let inside = side.max(below).named("inside");
         N::select(zero.lt(inside), from_segment.min(from_base), inside)
+    }
+    const CONVEX: bool = true;
+    #[inline(always)]
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> Span<N> {
+        // From the apex downwards, x² + z² ≤ (slope·depth)².
+        let (half, slope) = (height * N::constant(0.5), radius / height);
+        let depth = half - origin.y;
+        let (rise, start) = (slope * -direction.y, slope * depth);
+        let flat = direction.x * direction.x + direction.z * direction.z;
+        let a = (flat - rise * rise).named("a");
+        let b = (origin.x * direction.x + origin.z * direction.z - start * rise).named("b");
+        let c = (origin.x * origin.x + origin.z * origin.z - start * start).named("c");
+        let root = (b * b - a * c).max(N::zero()).sqrt().named("root");
+        let q = (-b - root * b.sign()).named("q");
+        let (one, other) = (q / a.divisor(), c / q.divisor());
+        let (first, last) = (one.min(other), one.max(other));
+        // A steep line is inside both nappes but for what is between: of those, the one below counts.
+        let steep = a.lt(N::zero());
+        let downwards = N::zero().lt(rise);
+        let between = Span { enter: first, leave: last };
+        let missed = !steep & (b * b - a * c).lt(N::zero());
+        let nowhere = Span::nowhere();
+        let side = Span {
+            enter: N::select(steep, N::select(downwards, last, N::constant(-NO_HIT)), between.enter),
+            leave: N::select(steep, N::select(downwards, N::constant(NO_HIT), first), between.leave),
+        };
+        let side = Span {
+            enter: N::select(missed, nowhere.enter, side.enter),
+            leave: N::select(missed, nowhere.leave, side.leave),
+        };
+        side.and(Span::slab(origin.y, direction.y, half))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, radius)

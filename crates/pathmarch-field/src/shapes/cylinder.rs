@@ -3,7 +3,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -21,6 +21,23 @@ impl Primitive for Shape {
         let side = (p.x.hypot(p.z) - radius).named("side");
         let ends = (p.y.abs() - height * N::constant(0.5)).named("ends");
         side.max(N::zero()).hypot(ends.max(N::zero())) + side.max(ends).min(N::zero())
+    }
+    const CONVEX: bool = true;
+    #[inline(always)]
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> Span<N> {
+        let a = direction.x * direction.x + direction.z * direction.z;
+        let b = origin.x * direction.x + origin.z * direction.z;
+        let c = (origin.x * origin.x + origin.z * origin.z - radius * radius).named("c");
+        let moment = origin.x * direction.z - origin.z * direction.x;
+        let side = Span::quadric(a, b, c, radius * radius * a - moment * moment);
+        // Along the axis, it is inside all along or not at all.
+        let parallel = a.lt(N::constant(1e-12));
+        let within = Span::half_space(c, N::zero());
+        let side = Span {
+            enter: N::select(parallel, within.enter, side.enter),
+            leave: N::select(parallel, within.leave, side.leave),
+        };
+        side.and(Span::slab(origin.y, direction.y, height * N::constant(0.5)))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, radius)

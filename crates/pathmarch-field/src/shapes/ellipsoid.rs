@@ -22,7 +22,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -72,6 +72,17 @@ impl Primitive for Shape {
         let support = Vec3::new(x * normal.x, y * normal.y, z * normal.z).length();
         let outside = (normal.dot(p) - support) / normal.length().max(tiny);
         N::select(zero.lt(level), outside, level * smallest)
+    }
+    const CONVEX: bool = true;
+    #[inline(always)]
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> Span<N> {
+        // A sphere of radius one in coordinates that are as much longer.
+        let scaled = |v: Vec3<N>| Vec3::new(v.x / x, v.y / y, v.z / z);
+        let (o, d) = (scaled(origin), scaled(direction));
+        let a = d.dot(d).named("a");
+        let b = o.dot(d).named("b");
+        let across = o - d * (b / a);
+        Span::quadric(a, b, o.dot(o) - N::one(), a * (N::one() - across.dot(across)))
     }
     fn bounds([x, y, z]: [f32; 3]) -> Aabb {
         Aabb::centred(x, y, z)

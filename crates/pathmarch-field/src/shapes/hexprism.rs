@@ -6,7 +6,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -38,6 +38,18 @@ impl Primitive for Shape {
         let inside = side.max(ends);
         let outside = Vec3::new(past_corner, side.max(zero), ends.max(zero)).length();
         N::select(zero.lt(inside.max(past_corner)), outside, inside)
+    }
+    const CONVEX: bool = true;
+    #[inline(always)]
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> Span<N> {
+        let (half, half_root) = (N::constant(0.5), N::constant(HALF_SQRT_3));
+        let inner = radius * half_root;
+        let faces = |sign: f32| {
+            let across = |v: Vec3<N>| v.x * half_root * N::constant(sign) + v.z * half;
+            Span::slab(across(origin), across(direction), inner)
+        };
+        let ends = Span::slab(origin.y, direction.y, height * half);
+        faces(1.0).and(faces(-1.0)).and(Span::slab(origin.z, direction.z, inner)).and(ends)
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, HALF_SQRT_3 * radius)

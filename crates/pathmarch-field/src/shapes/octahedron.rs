@@ -8,7 +8,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -46,6 +46,15 @@ impl Primitive for Shape {
         let from_face = excess * N::constant(INVERSE_SQRT_3);
         let past_face = (c * N::constant(3.0)).lt(excess);
         N::select(past_face, N::select(b.lt(past_corner), from_corner, from_edge), from_face)
+    }
+    const CONVEX: bool = true;
+    #[inline(always)]
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius]: [N; 1]) -> Span<N> {
+        let faces = |x: f32, z: f32| {
+            let across = |v: Vec3<N>| v.x * N::constant(x) + v.y + v.z * N::constant(z);
+            Span::slab(across(origin), across(direction), radius)
+        };
+        faces(1.0, 1.0).and(faces(1.0, -1.0)).and(faces(-1.0, 1.0)).and(faces(-1.0, -1.0))
     }
     fn bounds([radius]: [f32; 1]) -> Aabb {
         Aabb::centred(radius, radius, radius)

@@ -4,7 +4,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, NO_HIT, Param, Primitive};
+use crate::registry::{Info, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -20,11 +20,10 @@ impl Primitive for Shape {
     fn distance<N: Real>(p: Vec3<N>, []: [N; 0]) -> N {
         p.y
     }
-    const CLOSED_FORM: bool = true;
+    const CONVEX: bool = true;
     #[inline(always)]
-    fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, []: [N; 0]) -> N {
-        let t = -origin.y / direction.y.divisor();
-        N::select(N::zero().lt(t), t, N::constant(NO_HIT))
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, []: [N; 0]) -> Span<N> {
+        Span::half_space(origin.y, direction.y)
     }
     fn bounds([]: [f32; 0]) -> Aabb {
         Aabb { max: [f32::INFINITY, 0.0, f32::INFINITY], ..Aabb::EVERYTHING }

@@ -3,7 +3,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -37,6 +37,18 @@ impl Primitive for Shape {
         let inside = below.max(ends);
         let outside = Vec3::new(past_corner, below.max(zero), ends.max(zero)).length();
         N::select(zero.lt(inside.max(past_corner)), outside, inside)
+    }
+    const CONVEX: bool = true;
+    #[inline(always)]
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [side, depth]: [N; 2]) -> Span<N> {
+        let (half, inner) = (N::constant(0.5), side * N::constant(0.5 / SQRT_3));
+        let slope = N::constant(0.5 * SQRT_3);
+        let face = |sign: f32| {
+            let across = |v: Vec3<N>| v.x * slope * N::constant(sign) + v.y * half;
+            Span::half_space(across(origin) - inner, across(direction))
+        };
+        let below = Span::half_space(-origin.y - inner, -direction.y);
+        face(1.0).and(face(-1.0)).and(below).and(Span::slab(origin.z, direction.z, depth * half))
     }
     fn bounds([side, depth]: [f32; 2]) -> Aabb {
         let (half, inner) = (0.5 * side, 0.5 * side / SQRT_3);

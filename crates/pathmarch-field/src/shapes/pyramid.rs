@@ -8,7 +8,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::registry::{Info, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -48,6 +48,16 @@ impl Primitive for Shape {
         let from_base = Vec3::new(outwards.max(zero), p.y, sideways.max(zero)).length();
         let inside = face.max(-p.y).named("inside");
         N::select(zero.lt(inside), from_face.min(from_base), inside)
+    }
+    const CONVEX: bool = true;
+    #[inline(always)]
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [base, height]: [N; 2]) -> Span<N> {
+        let half = base * N::constant(0.5);
+        // A face rises from the edge of the base to the apex.
+        let face = |o: N, d: N| Span::half_space(o * height + (origin.y - height) * half, d * height + direction.y * half);
+        let base = Span::half_space(-origin.y, -direction.y);
+        let along_x = face(origin.x, direction.x).and(face(-origin.x, -direction.x));
+        base.and(along_x).and(face(origin.z, direction.z).and(face(-origin.z, -direction.z)))
     }
     fn bounds([base, height]: [f32; 2]) -> Aabb {
         let half = 0.5 * base;

@@ -2,7 +2,7 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Emitter, Info, NO_HIT, Param, Primitive};
+use crate::registry::{Emitter, Info, Param, Primitive, Span};
 
 pub(crate) struct Shape;
 
@@ -15,21 +15,13 @@ impl Primitive for Shape {
     fn distance<N: Real>(p: Vec3<N>, [radius]: [N; 1]) -> N {
         p.length() - radius
     }
-    const CLOSED_FORM: bool = true;
-    /// The quadratic in the form that does not cancel (Haines et al. 2019, "Precision Improvements for Ray/Sphere
-    /// Intersection").
+    const CONVEX: bool = true;
     #[inline(always)]
-    fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius]: [N; 1]) -> N {
+    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius]: [N; 1]) -> Span<N> {
         let along = origin.dot(direction).named("along");
         let across = origin - direction * along;
         let square = (radius * radius - across.dot(across)).named("square");
-        let half_chord = square.max(N::zero()).sqrt();
-        let q = (-along - half_chord * along.sign()).named("q");
-        let other = (origin.dot(origin) - radius * radius) / q.divisor();
-        let (near, far) = (q.min(other), q.max(other));
-        let no_hit = N::constant(NO_HIT);
-        let ahead = N::select(N::zero().lt(near), near, N::select(N::zero().lt(far), far, no_hit));
-        N::select(N::zero().lt(square), ahead, no_hit)
+        Span::quadric(N::one(), along, origin.dot(origin) - radius * radius, square)
     }
     fn emitter([radius]: [f32; 1]) -> Emitter {
         Emitter::Sphere(radius)

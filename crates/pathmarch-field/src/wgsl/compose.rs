@@ -4,6 +4,7 @@
 //! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
 
 mod coordinates;
+mod solids;
 
 use crate::blend::{Blend, BlendProfile};
 use crate::graph::{Field, Modified, Pose, Tree, Turn};
@@ -157,11 +158,9 @@ impl<'a> Composed<'a> {
         let mut has_choice = false;
         for tree in field.objects() {
             has_choice |= composer.operators(tree, &mut functions);
-            match field.direct(tree) {
-                Some(leaf) => {
-                    functions.insert((0, field.leaves()[leaf as usize].shape.wgsl_ray()));
-                }
-                None => composer.distances(tree, &mut functions),
+            match field.is_direct(tree) {
+                true => composer.rays(tree, &mut functions),
+                false => composer.distances(tree, &mut functions),
             }
         }
         for tree in field.objects() {
@@ -347,7 +346,7 @@ impl Composer<'_> {
 
     fn distance(&self) -> String {
         let marched: Vec<&Tree> =
-            self.field.objects().iter().filter(|object| self.field.direct(object).is_none()).collect();
+            self.field.objects().iter().filter(|object| !self.field.is_direct(object)).collect();
         let doc = "Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.";
         self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, false)
     }
@@ -378,31 +377,6 @@ impl Composer<'_> {
         for object in self.field.objects() {
             let value = self.tree_distance(object, &mut text, &mut counter);
             writeln!(text, "    nearest = min(nearest, {value});").expect("writing to a string");
-        }
-        text + "    return nearest;\n}\n"
-    }
-
-    fn direct_hit(&self) -> String {
-        let mut text = String::from(
-            "/// Metres to the first surface of the shapes that rays meet in closed form, or 1e30.\n\
-             fn direct_hit(origin: vec3f, direction: vec3f) -> f32 {\n    var nearest = 1e30;\n",
-        );
-        for index in self.field.direct_leaves() {
-            let leaf = &self.field.leaves()[index as usize];
-            let (point, values) = self.arguments(index, "origin");
-            let start = self.starts[index as usize];
-            let (direction, factor) = match leaf.pose.turn {
-                Turn::None => ("direction".to_owned(), String::new()),
-                Turn::Scaled => ("direction".to_owned(), format!(" * {}", component(start, 3))),
-                // The stored rows are divided by the scale.
-                Turn::Turned => {
-                    let scale = component(start, 3);
-                    (format!("direction * {} * {scale}", rows(start + 1)), format!(" * {scale}"))
-                }
-            };
-            let name = leaf.shape.wgsl_name();
-            writeln!(text, "    nearest = min(nearest, {name}_ray({point}, {direction}{values}){factor});")
-                .expect("writing to a string");
         }
         text + "    return nearest;\n}\n"
     }
@@ -446,7 +420,7 @@ impl Composer<'_> {
         let mut counter = 0;
         for object in self.field.objects() {
             let (value, leaf) = self.tree_surface(object, &mut text, &mut counter);
-            let not = if self.field.direct(object).is_some() { "" } else { "!" };
+            let not = if self.field.is_direct(object) { "" } else { "!" };
             writeln!(
                 text,
                 "    if {not}direct && abs({value}.w) < abs(nearest.w) {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"

@@ -37,7 +37,7 @@ pub struct Function<'a> {
 }
 
 impl Function<'_> {
-    /// Records `body` and prints it; one output gives an `f32`, three a `vec3f`, four a `vec4f`, any other number an array.
+    /// Records `body` and prints it; one output gives an `f32`, two a `vec2f`, three a `vec3f`, four a `vec4f`, any other number an array.
     pub fn print(&self, body: impl FnOnce(&[Expr]) -> Vec<Expr>) -> String {
         let mut inputs = Vec::new();
         for (name, kind) in &self.parameters {
@@ -53,6 +53,7 @@ impl Function<'_> {
             self.parameters.iter().map(|(name, kind)| format!("{}: {kind}", identifier(name))).collect();
         let result = match outputs.len() {
             1 => "f32".to_owned(),
+            2 => "vec2f".to_owned(),
             3 => "vec3f".to_owned(),
             4 => "vec4f".to_owned(),
             count => format!("array<f32, {count}>"),

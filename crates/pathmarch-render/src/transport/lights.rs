@@ -168,7 +168,7 @@ fn surface_record(field: &Field, index: usize, radiance: [f32; 3]) -> Option<(Li
     let leaf = &field.leaves()[index];
     let [x, y, z] = leaf.pose.axes.map(|axis| Vec3::from(axis) * (0.5 * leaf.pose.scale));
     // What is combined with other shapes may lack parts of its surface.
-    let whole = field.direct_leaves().any(|direct| direct as usize == index);
+    let whole = field.is_whole(index);
     let form = if whole { leaf.shape.emitter(&leaf.params) } else { Emitter::Bounded };
     let facing = Vec3::from(leaf.pose.axes[1]);
     let none = Vec3::ZERO;

@@ -1,0 +1,97 @@
+//! What rays meet in closed form, as WGSL: that of `graph/solids.rs`, which explains it.
+
+use super::{Composer, component, rows};
+use crate::graph::{Tree, Turn};
+use crate::registry::Boolean;
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+impl Composer<'_> {
+    /// Collects the functions by which rays meet an object.
+    pub(super) fn rays(&self, object: &Tree, functions: &mut BTreeSet<(u32, String)>) {
+        let mut leaves = Vec::new();
+        collect(object, &mut leaves);
+        for leaf in leaves {
+            let shape = &self.field.leaves()[leaf as usize].shape;
+            functions.insert((0, if self.field.direct(object).is_some() { shape.wgsl_ray() } else { shape.wgsl_span() }));
+        }
+    }
+
+    pub(super) fn direct_hit(&self) -> String {
+        let mut text = String::from(
+            "/// Metres to the first surface of the objects that rays meet in closed form, or 1e30.\n\
+             fn direct_hit(origin: vec3f, direction: vec3f) -> f32 {\n    var nearest = 1e30;\n",
+        );
+        for object in self.field.objects() {
+            match self.field.direct(object) {
+                Some(leaf) => {
+                    writeln!(text, "    nearest = min(nearest, {});", self.along_ray(leaf, "ray"))
+                        .expect("writing to a string");
+                }
+                None if self.field.is_direct(object) => self.combined_hit(object, &mut text),
+                None => {}
+            }
+        }
+        text + "    return nearest;\n}\n"
+    }
+
+    /// The first surface of a combination, if it is nearer.
+    fn combined_hit(&self, object: &Tree, text: &mut String) {
+        let mut leaves = Vec::new();
+        collect(object, &mut leaves);
+        for leaf in &leaves {
+            writeln!(text, "    let s{leaf} = {};", self.along_ray(*leaf, "span")).expect("writing to a string");
+        }
+        for t in leaves.iter().flat_map(|leaf| ["x", "y"].map(|end| format!("s{leaf}.{end}"))) {
+            let [before, behind] = [false, true].map(|behind| holds(object, &t, behind));
+            writeln!(
+                text,
+                "    nearest = select(nearest, min(nearest, {t}), (0.0 < {t}) & ({before} != {behind}));"
+            )
+            .expect("writing to a string");
+        }
+    }
+
+    /// What a function of a leaf's shape says of the ray, in metres.
+    fn along_ray(&self, leaf: u32, function: &str) -> String {
+        let (point, values) = self.arguments(leaf, "origin");
+        let start = self.starts[leaf as usize];
+        let leaf = &self.field.leaves()[leaf as usize];
+        let (direction, factor) = match leaf.pose.turn {
+            Turn::None => ("direction".to_owned(), String::new()),
+            Turn::Scaled => ("direction".to_owned(), format!(" * {}", component(start, 3))),
+            // The stored rows are divided by the scale.
+            Turn::Turned => {
+                let scale = component(start, 3);
+                (format!("direction * {} * {scale}", rows(start + 1)), format!(" * {scale}"))
+            }
+        };
+        format!("{}_{function}({point}, {direction}{values}){factor}", leaf.shape.wgsl_name())
+    }
+}
+
+fn collect(tree: &Tree, leaves: &mut Vec<u32>) {
+    match tree {
+        Tree::Leaf(index) => leaves.push(*index),
+        Tree::Combine { children, .. } => children.iter().for_each(|child| collect(child, leaves)),
+        Tree::Modify(_) => {}
+    }
+}
+
+/// Whether an object holds the points just before or just behind `t`, as an expression in brackets.
+fn holds(tree: &Tree, t: &str, behind: bool) -> String {
+    match tree {
+        Tree::Leaf(index) if behind => format!("((s{index}.x <= {t}) & ({t} < s{index}.y))"),
+        Tree::Leaf(index) => format!("((s{index}.x < {t}) & ({t} <= s{index}.y))"),
+        Tree::Combine { operator, children, .. } => {
+            let parts: Vec<String> = children.iter().map(|child| holds(child, t, behind)).collect();
+            let sign = match operator.boolean() {
+                Some(Boolean::Intersection) => " & ",
+                Some(Boolean::Difference) => " & !",
+                _ => " | ",
+            };
+            format!("({})", parts.join(sign))
+        }
+        Tree::Modify(_) => "false".to_owned(),
+    }
+}
