@@ -439,7 +439,7 @@ impl Field {
         match &node.kind {
             Kind::Shape { shape, params, tag } => {
                 self.leaves.push(Leaf {
-                    shape: shape.clone(),
+                    shape: shape.variant(params).map_or_else(|| shape.clone(), ShapeRef::from),
                     params: shape.numbers(params),
                     tag: *tag,
                     object,

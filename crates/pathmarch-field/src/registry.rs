@@ -202,6 +202,12 @@ pub trait Primitive: Send + Sync + 'static {
     fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, params: Self::Params<N>) -> N {
         Self::span(origin, direction, params).ahead()
     }
+    /// Tells apart the shapes that [`variant`](Self::variant) gives, which have this one's name; 0 for the one of the list.
+    const VARIANT: u32 = 0;
+    /// The same shape with some of its numbers fixed in its code, which then is faster.
+    fn variant(_params: Self::Params<f32>) -> Option<&'static dyn Shape> {
+        None
+    }
     /// Whether [`orbit`](Self::orbit) is written: the shape is a fractal, which follows the orbit of a point.
     const ORBIT: bool = false;
     /// What the orbit of `p` comes near to: its least distance to the origin, to the y axis, to the plane y = 0 and to the
@@ -320,6 +326,10 @@ pub trait Shape: Send + Sync {
     /// field, and are given the number of its first vector there instead of the numbers themselves.
     fn reads_table(&self) -> bool {
         false
+    }
+    /// The same shape with some of its numbers fixed in its code, which then is faster; see [`Primitive::variant`].
+    fn variant(&self, _params: &[f32]) -> Option<&'static dyn Shape> {
+        None
     }
     /// Distance at one point.
     fn distance(&self, p: Vec3<f32>, params: &[f32]) -> f32;
@@ -552,6 +562,14 @@ impl<T: Primitive> Shape for Entry<T> {
     }
     fn params(&self) -> &[Param] {
         T::PARAMS
+    }
+    fn variant(&self, params: &[f32]) -> Option<&'static dyn Shape> {
+        T::variant(values(params))
+    }
+    fn wgsl_name(&self) -> String {
+        let name = identifier(T::INFO.name);
+        let name = name.trim_end_matches('_');
+        if T::VARIANT > 0 { format!("{name}_{}", T::VARIANT) } else { name.to_owned() }
     }
     fn distance(&self, p: Vec3<f32>, params: &[f32]) -> f32 {
         T::distance(p, values(params))

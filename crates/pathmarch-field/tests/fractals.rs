@@ -3,8 +3,8 @@
 mod sampling;
 
 use pathmarch_field::number::Vec3;
-use pathmarch_field::registry::shapes;
-use pathmarch_field::{Param, Shape, Unit};
+use pathmarch_field::registry::{shape, shapes};
+use pathmarch_field::{Aabb, Param, Shape, Unit};
 use sampling::{Case, Random, cases, lanes, validate};
 
 fn fractals() -> impl Iterator<Item = &'static dyn Shape> {
@@ -147,4 +147,23 @@ fn orbits_of_eight_lanes_equal_one_and_print_valid_wgsl() {
             }
         }
     }
+}
+
+/// A power that is fixed in the code gives what the code for any power gives.
+#[test]
+fn variants_are_the_shape_that_they_stand_for() {
+    let any = shape("mandelbulb").expect("registered");
+    let mut random = Random::new(16);
+    for power in 2..=16 {
+        let params = [power as f32, 6.0];
+        let variant = any.variant(&params).expect("there is one");
+        assert_eq!(variant.wgsl_name(), format!("mandelbulb_{power}"));
+        validate(&(variant.wgsl_distance() + &variant.wgsl_gradient() + &variant.wgsl_orbit()));
+        for _ in 0..500 {
+            let p = random.point(Aabb::centred(1.5, 1.5, 1.5));
+            let [a, b] = [any, variant].map(|shape| shape.distance(p, &params));
+            assert!((a - b).abs() < 2e-4 * (1.0 + a.abs()), "power {power} at {p:?}: {a} {b}");
+        }
+    }
+    assert!(any.variant(&[8.0, 6.0]).is_some_and(|shape| shape.variant(&[8.0, 6.0]).is_none()));
 }

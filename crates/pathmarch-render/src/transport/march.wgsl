@@ -3,6 +3,13 @@
 const MAX_STEPS = 256u;
 const START_OFFSET = 3.0;
 const NO_HIT = -1.0;
+/// How the distance changes along a ray, at the least and at the most.
+const STEEPEST_FALL = -1.0;
+const STEEPEST_RISE = 0.3;
+/// The share of a step in which two balls overlap that touch by the estimate of their slope.
+const RELAXED = 1.9;
+/// Weight of the last change in the estimate of the slope.
+const NEWS = 0.4;
 /// A distance beyond every scene.
 const AT_INFINITY = 1e30;
 
@@ -45,22 +52,44 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
     let end = min(min(far.x, min(far.y, far.z)), min(direct, last));
     var t = max(largest(near), 0.0);
     let otherwise = select(NO_HIT, direct, direct < last);
+    if !HAS_MARCHED {
+        return Hit(otherwise, true);
+    }
     // On the way off the surface that the ray starts on, while the distance rises, closeness is no hit.
     var last_distance = select(AT_INFINITY, 0.0, t == 0.0);
     var distance = 0.0;
+    var radius = 0.0;
+    var stride = 0.0;
+    var slope = STEEPEST_FALL;
     for (var step = 0u; step < MAX_STEPS; step++) {
         if t >= end {
-            distance = AT_INFINITY;
-            break;
+            // The way there may not be free.
+            t += radius - stride;
+            stride = radius;
+            slope = STEEPEST_FALL;
+            if t >= end {
+                distance = AT_INFINITY;
+                break;
+            }
         }
         let p = ray.origin + ray.direction * t;
         distance = marched_distance(p) * frame.step_factor;
+        if stride > radius + distance {
+            t += radius - stride;
+            stride = radius;
+            slope = STEEPEST_FALL;
+            continue;
+        }
         let close = tolerance(p, before + t);
         if distance < min(close, last_distance) {
             break;
         }
         last_distance = select(AT_INFINITY, distance, distance < close);
-        t += max(distance, close);
+        let change = clamp((distance - radius) / max(stride, 1e-30), STEEPEST_FALL, STEEPEST_RISE);
+        slope += NEWS * (select(STEEPEST_FALL, change, stride > 0.0) - slope);
+        radius = max(distance, close);
+        stride = radius * max(RELAXED / (1.0 - slope), 1.0);
+        t += stride;
     }
     // Out of steps, close to a surface counts as on it.
     if distance < 0.01 * (before + t) {
