@@ -17,6 +17,8 @@ pub enum Failure {
     Scene(Box<SceneError>),
     /// A mistake on the command line.
     Usage(String),
+    /// Ctrl-C.
+    Interrupted,
     /// Anything else.
     Other(String),
 }
@@ -30,6 +32,7 @@ impl Failure {
     pub fn code(&self) -> u8 {
         match self {
             Self::Scene(_) | Self::Usage(_) => USAGE,
+            Self::Interrupted => INTERRUPTED,
             Self::Other(_) => FAILED,
         }
     }
@@ -37,6 +40,7 @@ impl Failure {
     pub fn print(&self) {
         match self {
             Self::Scene(error) => print_report(&**error),
+            Self::Interrupted => eprintln!("pathmarch: interrupted"),
             Self::Usage(message) | Self::Other(message) => eprintln!("pathmarch: {message}"),
         }
     }

@@ -6,6 +6,7 @@
 mod commands;
 mod exit;
 mod frames;
+mod measure;
 mod picture;
 mod window;
 
@@ -41,7 +42,7 @@ enum Command {
     Devices,
     /// The reference of shapes and operators.
     Shapes(shapes::Arguments),
-    /// Measure how long a sample of a picture takes, for each scene and backend.
+    /// Measure how long a sample of a picture takes, and what quality costs, for each scene and backend.
     Bench(bench::Arguments),
 }
 

@@ -5,6 +5,7 @@ mod device;
 mod display;
 mod job;
 mod kernel;
+mod stopwatch;
 
 pub(crate) use compiled::Printed;
 pub(crate) use device::Device;
