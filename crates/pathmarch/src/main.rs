@@ -11,7 +11,7 @@ mod picture;
 mod window;
 
 use clap::{Parser, Subcommand};
-use commands::{bench, check, compare, devices, export, render, shapes, view};
+use commands::{bench, check, compare, devices, export, render, shapes, study, view};
 use std::process::ExitCode;
 
 /// A path tracer for distance fields: scenes as text, light that is right.
@@ -44,6 +44,8 @@ enum Command {
     Shapes(shapes::Arguments),
     /// Measure how long a sample of a picture takes, and what quality costs, for each scene and backend.
     Bench(bench::Arguments),
+    /// Repeat the evaluation of the thesis: tables, plots and pictures.
+    Study(study::Arguments),
 }
 
 /// Mesa's device-select layer complains on standard error where there is no desktop session; nothing is lost without it
@@ -71,6 +73,7 @@ fn main() -> ExitCode {
         Command::Devices => devices::run(),
         Command::Shapes(arguments) => shapes::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
     };
     match result {
         Ok(code) => ExitCode::from(code),

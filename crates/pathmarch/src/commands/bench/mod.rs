@@ -22,6 +22,7 @@ use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{MAX_BOUNCES, Renderer, Settings, census};
 use report::{Entry, Quality, Results, Spread};
 use scenes::Chosen;
+pub use scenes::built_in;
 use std::path::PathBuf;
 use std::time::Instant;
 
