@@ -3,7 +3,7 @@
 //! relMSE against a converged picture whose own noise is known and taken off ([`crate::measure`]), once with the sampler
 //! of the program and once with independent random numbers, whose error falls as one over the samples.
 
-use super::plot::{Line, Lines, save};
+use super::plot::{Line, Lines, SeriesLabelPosition, save};
 use super::table::Table;
 use super::{Study, example};
 use crate::exit::Failure;
@@ -104,6 +104,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         title: "Error by samples".to_owned(),
         x: "samples of each pixel".to_owned(),
         y: "relMSE against the converged picture".to_owned(),
+        legend: SeriesLabelPosition::LowerLeft,
         lines,
     };
     save(study.directory, "accumulation", &plot)?;

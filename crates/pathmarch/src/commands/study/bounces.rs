@@ -2,11 +2,10 @@
 //!
 //! The thesis counts surface hits; `bounces` counts what comes after the first of them.
 
-use super::plot::{Line, Lines, save};
+use super::plot::{Line, Lines, SeriesLabelPosition, save};
 use super::table::{Table, milliseconds};
 use super::{Study, example};
 use crate::exit::Failure;
-use crate::measure::described;
 use pathmarch_render::Settings;
 
 const SCENE: &str = "three-spheres";
@@ -17,7 +16,7 @@ const SIZE_THEN: [u32; 2] = [1280, 720];
 
 pub fn study(study: &mut Study) -> Result<String, Failure> {
     let scene = example(SCENE)?;
-    let backends: Vec<_> = study.renderers.iter().map(described).collect();
+    let backends = study.backends();
     let mut heads = vec!["hits".to_owned(), "bounces".to_owned()];
     heads.extend(backends.iter().map(|backend| format!("ms/sample, {backend}")));
     heads.extend(["ms/sample, the thesis's program".to_owned(), "light".to_owned()]);
@@ -51,6 +50,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         title: "Time of a sample by surface hits, three spheres".to_owned(),
         x: "surface hits of a path at most".to_owned(),
         y: format!("milliseconds for a sample of {width}x{height}"),
+        legend: SeriesLabelPosition::UpperLeft,
         lines,
     };
     save(study.directory, "bounces", &plot)?;

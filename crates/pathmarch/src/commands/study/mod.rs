@@ -218,6 +218,14 @@ impl Study<'_> {
         self.write("README.md", &page)
     }
 
+    /// Short names of the backends, all different.
+    fn backends(&self) -> Vec<String> {
+        let names: Vec<_> = self.renderers.iter().map(Renderer::backend_name).collect();
+        let is_alone = |name: &String| names.iter().filter(|other| *other == name).count() == 1;
+        let both = names.iter().zip(&self.renderers);
+        both.map(|(name, renderer)| if is_alone(name) { name.clone() } else { measure::described(renderer) }).collect()
+    }
+
     /// What a part ran on, and how to repeat it.
     fn conditions(&self, what: &str) -> String {
         let backends: Vec<_> = self.renderers.iter().map(measure::described).collect();

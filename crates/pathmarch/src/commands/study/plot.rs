@@ -6,6 +6,9 @@
 //! leave the choice of a sans-serif font to who shows them.
 
 use crate::exit::Failure;
+use image::ImageEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+pub use plotters::chart::SeriesLabelPosition;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::register_font;
@@ -48,8 +51,11 @@ pub fn save(directory: &Path, name: &str, plot: &impl Plot) -> Result<(), Failur
     plot.draw(&area, FINE).map_err(Failure::Other)?;
     drop(area);
     let path = directory.join(format!("{name}.png"));
-    image::save_buffer(&path, &pixels, width, height, image::ExtendedColorType::Rgb8)
-        .map_err(|error| Failure::Other(format!("{}: {error}", path.display())))
+    let mut png = Vec::new();
+    PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::NoFilter)
+        .write_image(&pixels, width, height, image::ExtendedColorType::Rgb8)
+        .map_err(|error| Failure::Other(format!("{}: {error}", path.display())))?;
+    std::fs::write(&path, png).map_err(|error| Failure::Other(format!("{}: {error}", path.display())))
 }
 
 /// A line of a [`Lines`].
@@ -70,6 +76,8 @@ pub struct Lines {
     pub x: String,
     /// What is up, with its unit.
     pub y: String,
+    /// Where the legend leaves the lines free.
+    pub legend: SeriesLabelPosition,
     /// The lines.
     pub lines: Vec<Line>,
 }
@@ -83,8 +91,8 @@ fn around(values: impl Iterator<Item = f64> + Clone, room: f64) -> std::ops::Ran
 
 /// A number of a logarithmic axis.
 fn label(value: &f64) -> String {
-    if *value >= 0.0999 && *value < 1e5 {
-        format!("{}", (value * 100.0).round() / 100.0)
+    if *value >= 0.000_99 && *value < 1e5 {
+        format!("{}", (value * 1000.0).round() / 1000.0)
     } else {
         format!("{value:.0e}")
     }
@@ -138,7 +146,7 @@ impl Plot for Lines {
         }
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(self.legend.clone())
             .legend_area_size(26 * factor)
             .margin(8 * factor)
             .background_style(WHITE.mix(0.85))
@@ -150,6 +158,9 @@ impl Plot for Lines {
     }
 }
 
+/// Groups that the legend of bars takes the room of.
+const ROOM: u32 = 3;
+
 /// Bars to the right over a logarithmic axis, in groups one below the other.
 pub struct Bars {
     /// Above the plot.
@@ -158,13 +169,13 @@ pub struct Bars {
     pub x: String,
     /// The names of the groups, from the top.
     pub groups: Vec<String>,
-    /// For each colour its name, and its bar in each group where there is one.
+    /// For each colour its name, and its bar in each group where there is one; the last is grey: known, not measured.
     pub series: Vec<(String, Vec<Option<f64>>)>,
 }
 
 impl Plot for Bars {
     fn size(&self) -> (u32, u32) {
-        (860, 110 + 30 * self.groups.len() as u32)
+        (860, 110 + 30 * (self.groups.len() as u32 + ROOM))
     }
 
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, factor: u32) -> Result<(), String> {
@@ -179,7 +190,7 @@ impl Plot for Bars {
             .margin(12 * factor)
             .x_label_area_size(46 * factor)
             .y_label_area_size(180 * factor)
-            .build_cartesian_2d(range.log_scale(), 0.0..groups.max(1) as f64)
+            .build_cartesian_2d(range.log_scale(), 0.0..groups as f64 + f64::from(ROOM))
             .map_err(told)?;
         // Plotters puts labels at lines: the names are drawn beside the middle of their group instead.
         chart
@@ -196,6 +207,7 @@ impl Plot for Bars {
             .map_err(told)?;
         let thickness = 0.8 / self.series.len().max(1) as f64;
         for (index, ((name, values), colour)) in self.series.iter().zip(COLOURS.iter().cycle()).enumerate() {
+            let colour = if index + 1 == self.series.len() { &GREY } else { colour };
             let bars = values.iter().enumerate().filter_map(|(group, value)| {
                 let top = (groups - group) as f64 - 0.1 - index as f64 * thickness;
                 Some(Rectangle::new([(least, top - thickness), ((*value)?, top)], colour.filled()))

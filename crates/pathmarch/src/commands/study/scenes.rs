@@ -6,8 +6,9 @@ use super::plot::{Bars, save};
 use super::table::{Table, milliseconds};
 use super::{Study, example};
 use crate::exit::Failure;
-use crate::measure::described;
 
+/// The size at which the thesis's program was timed.
+const SIZE_THEN: [u32; 2] = [1280, 720];
 /// Scattering events after the first hit.
 const BOUNCES: u32 = 3;
 
@@ -58,7 +59,7 @@ static ROWS: [Row; 22] = [
 ];
 
 pub fn study(study: &mut Study) -> Result<String, Failure> {
-    let backends: Vec<_> = study.renderers.iter().map(described).collect();
+    let backends = study.backends();
     let mut heads = vec!["kind".to_owned(), "scene".to_owned(), "figure".to_owned()];
     heads.extend(backends.iter().map(|backend| format!("ms/sample, {backend}")));
     heads.extend(
@@ -79,7 +80,9 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         for ((_, values), time) in bars.iter_mut().zip(times.iter().copied().chain([row.then])) {
             values.push(time);
         }
-        let ratio = row.then.zip(times[fastest]).map(|(then, now)| format!("{:.1}", then / now));
+        // Times of other sizes say nothing.
+        let then = row.then.filter(|_| study.plan.size == SIZE_THEN);
+        let ratio = then.zip(times[fastest]).map(|(then, now)| format!("{:.1}", then / now));
         let mut cells = vec![row.kind.to_owned(), row.scene.to_owned(), row.figure.to_owned()];
         cells.extend(times.iter().map(|time| milliseconds(*time)));
         cells.push(milliseconds(row.then));
