@@ -176,7 +176,10 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
             let svg = std::fs::read_to_string(page.join(format!("{part}.svg"))).expect("written");
             assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
             let png = image::open(page.join(format!("{part}.png"))).expect("a picture").into_rgb8();
-            assert!(png.pixels().any(|pixel| pixel.0 == [0, 114, 178]), "{part}: something is drawn in the first colour");
+            assert!(
+                png.pixels().any(|pixel| pixel.0 == [0, 114, 178]),
+                "{part}: something is drawn in the first colour"
+            );
         }
     }
     assert!(text.contains("on CPU (") && text.contains("pathmarch study -o page --quick"), "{text}");

@@ -61,7 +61,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         let scene = example(name)?;
         let settings = Settings { size: study.plan.error_size, samples, ..Settings::of(&scene) };
         study.say(&format!("accumulation: {name}, which backend is faster"));
-        let times = study.time(&scene, settings.bounces)?;
+        let times = study.time(&scene, settings.bounces, settings.size)?;
         let backend = Study::fastest(&times);
         study.say(&format!("accumulation: {name}, reference of {} samples", 4 * samples));
         let mut half = |seed| {

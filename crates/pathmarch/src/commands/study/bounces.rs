@@ -27,7 +27,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     for (hits, then) in HITS {
         study.say(&format!("bounces: {hits} hits"));
         let bounces = hits - 1;
-        let times = study.time(&scene, bounces)?;
+        let times = study.time(&scene, bounces, study.plan.size)?;
         for (line, time) in lines.iter_mut().zip(&times) {
             line.points.extend(time.map(|time| (f64::from(hits), time)));
         }

@@ -53,7 +53,7 @@ pub struct Arguments {
     /// Samples up to which the error is measured; its reference has four times as many [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65_536))]
     samples: Option<u32>,
-    /// Samples of the pictures on the page [default: 64]
+    /// Samples of the pictures on the page [default: 48]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     picture_samples: Option<u32>,
     /// What to render on [default: every adapter, and the CPU, are timed; the faster one takes the pictures]
@@ -109,7 +109,7 @@ impl Plan {
             picture_size: size(arguments.picture_size, [256, 144]),
             rounds: number(arguments.rounds, 1, 3),
             samples: number(arguments.samples, 4, 64),
-            picture_samples: number(arguments.picture_samples, 4, 64),
+            picture_samples: number(arguments.picture_samples, 4, 48),
         }
     }
 }
@@ -238,8 +238,8 @@ impl Study<'_> {
     }
 
     /// Median milliseconds of a sample on each backend, none where it cannot render the scene.
-    fn time(&mut self, scene: &Scene, bounces: u32) -> Result<Vec<Option<f64>>, Failure> {
-        let Plan { size, rounds, .. } = self.plan;
+    fn time(&mut self, scene: &Scene, bounces: u32, size: [u32; 2]) -> Result<Vec<Option<f64>>, Failure> {
+        let rounds = self.plan.rounds;
         let settings = Settings { size, bounces, samples: 1 + rounds, ..Settings::of(scene) };
         let (mut jobs, mut able) = (Vec::new(), Vec::new());
         for renderer in &mut self.renderers {

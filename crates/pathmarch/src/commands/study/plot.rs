@@ -89,6 +89,12 @@ fn around(values: impl Iterator<Item = f64> + Clone, room: f64) -> std::ops::Ran
     if least > most { 0.1..10.0 } else { least / room..most * room }
 }
 
+/// As [`around`], from one power of ten to another: within few decades, other ends leave Plotters without labels.
+fn decades(values: impl Iterator<Item = f64> + Clone) -> std::ops::Range<f64> {
+    let range = around(values, 1.1);
+    10f64.powf(range.start.log10().floor())..10f64.powf(range.end.log10().ceil())
+}
+
 /// A number of a logarithmic axis.
 fn label(value: &f64) -> String {
     if *value >= 0.000_99 && *value < 1e5 {
@@ -115,7 +121,7 @@ impl Plot for Lines {
             .y_label_area_size(74 * factor)
             .build_cartesian_2d(
                 around(points().map(|point| point.0), 1.15).log_scale().base(2.0),
-                around(points().map(|point| point.1), 1.4).log_scale(),
+                decades(points().map(|point| point.1)).log_scale(),
             )
             .map_err(told)?;
         chart
@@ -181,7 +187,7 @@ impl Plot for Bars {
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, factor: u32) -> Result<(), String> {
         let told = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
         let values = || self.series.iter().flat_map(|(_, values)| values.iter().flatten().copied());
-        let range = around(values(), 1.5);
+        let range = decades(values());
         let (least, groups) = (range.start, self.groups.len());
         area.fill(&WHITE).map_err(told)?;
         let text = |size: u32| ("sans-serif", size * factor).into_font();

@@ -73,7 +73,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     for (index, row) in ROWS.iter().enumerate() {
         study.say(&format!("scenes: {} ({}/{})", row.scene, index + 1, ROWS.len()));
         let scene = example(row.scene)?;
-        let times = study.time(&scene, BOUNCES)?;
+        let times = study.time(&scene, BOUNCES, study.plan.size)?;
         let fastest = Study::fastest(&times);
         let settings = study.picture_settings(&scene);
         study.picture(&format!("scene-{}.jpg", row.scene), &scene, &settings, fastest)?;
