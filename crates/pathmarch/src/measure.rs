@@ -17,6 +17,7 @@ use pathmarch_render::metrics::relmse;
 use pathmarch_render::pathmarch_scene::{Scene, Tonemap};
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Backend, Job, RenderError, Renderer, Settings, adapters, scene_hash};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -82,14 +83,12 @@ pub fn until(job: &mut Job, samples: u32, watch: &Watch) -> Result<(), Failure> 
     job.wait().map_err(Failure::other)
 }
 
-/// Rounds that a median needs, however long they take.
-const FEWEST_ROUNDS: u32 = 3;
-
 /// Milliseconds for one sample of every pixel, round after round; the first sample warms up and does not count. Pictures
-/// take turns, so that a machine whose speed drifts treats all alike. Ends early once `seconds` are over.
+/// take turns, so that a machine whose speed drifts treats all alike. Ends early once `seconds` are over and there are as
+/// many rounds as the range begins with.
 pub fn time_in_turn(
     jobs: &mut [Job],
-    rounds: u32,
+    rounds: RangeInclusive<u32>,
     samples: u32,
     seconds: f64,
     watch: &Watch,
@@ -99,13 +98,13 @@ pub fn time_in_turn(
     for job in &mut *jobs {
         until(job, 1, watch)?;
     }
-    for round in 0..rounds {
+    for round in 0..*rounds.end() {
         for (job, times) in jobs.iter_mut().zip(&mut times) {
             let started = Instant::now();
             until(job, 1 + (round + 1) * samples, watch)?;
             times.0.push(started.elapsed().as_secs_f64() * 1e3 / f64::from(samples));
         }
-        if round + 1 >= FEWEST_ROUNDS && began.elapsed().as_secs_f64() > seconds {
+        if round + 1 >= *rounds.start() && began.elapsed().as_secs_f64() > seconds {
             break;
         }
     }

@@ -26,6 +26,8 @@ pub use scenes::built_in;
 use std::path::PathBuf;
 use std::time::Instant;
 
+/// Rounds that a median needs, however long they take.
+const FEWEST_ROUNDS: u32 = 3;
 /// Seconds for a reference, in those of what is measured against it.
 const REFERENCE_EFFORT: f64 = 4.0;
 
@@ -250,7 +252,7 @@ impl Stage<'_> {
         }
         let (rounds, samples) = (arguments.rounds, arguments.samples);
         self.say(&format!("{rounds} rounds of {samples} samples"));
-        let times = measure::time_in_turn(&mut jobs, rounds, samples, arguments.limit, watch)?;
+        let times = measure::time_in_turn(&mut jobs, FEWEST_ROUNDS..=rounds, samples, arguments.limit, watch)?;
         let mut entries = Vec::new();
         for (((renderer, job), times), compile_ms) in able.iter().zip(&mut jobs).zip(&times).zip(compile_ms) {
             let [median, min, max] = times.spread();

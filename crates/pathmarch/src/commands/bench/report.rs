@@ -191,14 +191,15 @@ impl Entry {
             self.peak_mib.map_or("-".to_owned(), |mebibytes| format!("{mebibytes:.0}")),
         );
         if let Some(quality) = &self.quality {
+            let small = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2e}"));
             print!(
                 "  {:>10} {:>7.2} {:>6} {:>9} {:>10} {:>9}",
                 "",
                 quality.seconds,
                 quality.samples,
-                shown(quality.relmse),
-                shown(quality.seconds_relmse),
-                shown(quality.reference_relmse)
+                small(quality.relmse),
+                small(quality.seconds_relmse),
+                small(quality.reference_relmse)
             );
         }
         println!("  {}", self.backend);

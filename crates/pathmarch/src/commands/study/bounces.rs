@@ -60,7 +60,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     pictures.push(HITS.map(|(hits, _)| format!("![{hits} hits](bounces-{hits}.jpg)")));
     let size_note = if study.plan.size == SIZE_THEN { "" } else { " The thesis's program was timed at 1280x720." };
     let conditions = study.conditions(&format!(
-        "times at {width}x{height}, median of {}; pictures of {} samples",
+        "times at {width}x{height}, median of {} where there is time; pictures of {} samples",
         study.plan.rounds, study.plan.picture_samples
     ));
     Ok(format!(

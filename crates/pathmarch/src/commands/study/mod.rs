@@ -64,6 +64,9 @@ pub struct Arguments {
     adapter: Option<String>,
 }
 
+/// Seconds after which a scene is not timed once more.
+const LONG: f64 = 8.0;
+
 /// A part of the study.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Part {
@@ -255,7 +258,7 @@ impl Study<'_> {
             }
             able.push(true);
         }
-        let times = measure::time_in_turn(&mut jobs, rounds, 1, f64::INFINITY, &self.watch)?;
+        let times = measure::time_in_turn(&mut jobs, 1..=rounds, 1, LONG, &self.watch)?;
         let mut medians = times.iter().map(|times| times.spread()[0]);
         Ok(able.into_iter().map(|able| able.then(|| medians.next()).flatten()).collect())
     }

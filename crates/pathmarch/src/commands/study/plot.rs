@@ -117,6 +117,7 @@ impl Plot for Lines {
         let mut chart = ChartBuilder::on(area)
             .caption(&self.title, text(19))
             .margin(12 * factor)
+            .margin_right(30 * factor)
             .x_label_area_size(46 * factor)
             .y_label_area_size(74 * factor)
             .build_cartesian_2d(
@@ -194,6 +195,7 @@ impl Plot for Bars {
         let mut chart = ChartBuilder::on(area)
             .caption(&self.title, text(19))
             .margin(12 * factor)
+            .margin_right(30 * factor)
             .x_label_area_size(46 * factor)
             .y_label_area_size(180 * factor)
             .build_cartesian_2d(range.log_scale(), 0.0..groups as f64 + f64::from(ROOM))

@@ -102,7 +102,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     save(study.directory, "scenes", &plot)?;
     table.save(study.directory, "scenes")?;
     let conditions = study.conditions(&format!(
-        "times at {width}x{height}, `bounces {BOUNCES}`, median of {}; pictures of {} samples with each scene's own bounces",
+        "times at {width}x{height}, `bounces {BOUNCES}`, median of {} where there is time; pictures of {} samples with each scene's own bounces",
         study.plan.rounds, study.plan.picture_samples
     ));
     Ok(format!(
