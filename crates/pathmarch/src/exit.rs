@@ -12,6 +12,7 @@ pub const USAGE: u8 = 2;
 pub const INTERRUPTED: u8 = 130;
 
 /// Why a command ends early.
+#[derive(Debug)]
 pub enum Failure {
     /// A scene with mistakes; prints each with its place.
     Scene(Box<SceneError>),
