@@ -706,8 +706,7 @@ impl Field {
         let mut nearest = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
         for object in &self.objects {
             let surface = self.tree_surface(object, p, threshold);
-            let closer =
-                surface.field.value.abs().lt(nearest.field.value.abs()) & counts(self.is_direct(object));
+            let closer = surface.field.value.abs().lt(nearest.field.value.abs()) & counts(self.is_direct(object));
             nearest = Surface {
                 field: Dual::select(closer, surface.field, nearest.field),
                 leaf: N::select(closer, surface.leaf, nearest.leaf),

@@ -31,10 +31,7 @@ impl<N: Real> Span<N> {
         let slope = slope.divisor();
         let t = -height / slope;
         let falls = slope.lt(N::zero());
-        Self {
-            enter: N::select(falls, t, N::constant(-NO_HIT)),
-            leave: N::select(falls, N::constant(NO_HIT), t),
-        }
+        Self { enter: N::select(falls, t, N::constant(-NO_HIT)), leave: N::select(falls, N::constant(NO_HIT), t) }
     }
     /// What is within `half` of zero of a height that starts at `height` and rises by `slope`.
     #[inline(always)]

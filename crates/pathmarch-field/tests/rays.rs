@@ -37,7 +37,10 @@ fn check(field: &Field, random: &mut Random, what: &str) -> u32 {
         let rays: [([f32; 3], [f32; 3]); 8] =
             std::array::from_fn(|_| (std::array::from_fn(|_| random.within(-2.0, 2.0)), unit(random)));
         let eight = field
-            .direct_hit(lanes(&rays.map(|(o, _)| at(o, [0.0; 3], 0.0))), lanes(&rays.map(|(_, d)| at([0.0; 3], d, 1.0))))
+            .direct_hit(
+                lanes(&rays.map(|(o, _)| at(o, [0.0; 3], 0.0))),
+                lanes(&rays.map(|(_, d)| at([0.0; 3], d, 1.0))),
+            )
             .to_array();
         for ((o, d), lane) in rays.into_iter().zip(eight) {
             let t = field.direct_hit(at(o, [0.0; 3], 0.0), at([0.0; 3], d, 1.0));
@@ -121,7 +124,11 @@ fn sharp_combinations_are_met_where_their_distance_is_zero() {
 #[test]
 fn faces_in_common_need_no_margin() {
     let cube = |x: f32, z: f32, size: [f32; 3]| Node {
-        kind: Kind::Shape { shape: pathmarch_field::registry::shape("box").expect("registered").into(), params: size.into(), tag: 0 },
+        kind: Kind::Shape {
+            shape: pathmarch_field::registry::shape("box").expect("registered").into(),
+            params: size.into(),
+            tag: 0,
+        },
         placement: Placement { at: Some([x, 0.0, z]), ..Placement::default() },
     };
     let combined = |name: &str, children: Vec<Node>| {

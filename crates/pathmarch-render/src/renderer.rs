@@ -180,4 +180,27 @@ impl Job {
             Tracer::Cpu(_) => Duration::ZERO,
         }
     }
+
+    /// From now on measures how long the work takes on the GPU's own clock, see [`gpu_time`](Self::gpu_time). False where
+    /// there is none: on the CPU, and on adapters without timestamps.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] where the GPU fails.
+    pub fn measure_gpu_time(&mut self) -> Result<bool, RenderError> {
+        match &mut self.tracer {
+            Tracer::Gpu(job) => job.measure_gpu_time(),
+            Tracer::Cpu(_) => Ok(false),
+        }
+    }
+
+    /// How long the GPU worked since it is measured; none where it is not. Waits for work that is on its way.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] where the GPU fails.
+    pub fn gpu_time(&mut self) -> Result<Option<Duration>, RenderError> {
+        match &mut self.tracer {
+            Tracer::Gpu(job) => job.gpu_time(),
+            Tracer::Cpu(_) => Ok(None),
+        }
+    }
 }

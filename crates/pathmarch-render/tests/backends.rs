@@ -223,3 +223,26 @@ fn settings_out_of_range_are_refused_in_words() {
         assert!(renderer.start(&scene, &settings).is_err_and(|error| error.to_string().len() > 10), "{settings:?}");
     }
 }
+
+/// The device's own time is there where the adapter has timestamps and somebody asks, and it grows with the samples.
+#[test]
+fn the_gpus_own_time_is_measured() {
+    let scene = parse("pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject \"ball\" { sphere 1 }");
+    for renderer in &mut renderers() {
+        let settings = Settings { size: [64, 36], samples: 8, ..Settings::of(&scene) };
+        let mut job = renderer.start(&scene, &settings).expect("starts");
+        assert_eq!(job.gpu_time().expect("works"), None, "nobody has asked");
+        let measured = job.measure_gpu_time().expect("works");
+        assert!(!measured || renderer.backend_name() != "CPU");
+        let mut before = std::time::Duration::ZERO;
+        for samples in [4, 8] {
+            while job.samples_done() < f64::from(samples) {
+                job.advance(samples).expect("renders");
+            }
+            let time = job.gpu_time().expect("works");
+            assert_eq!(time.is_some(), measured);
+            assert!(!measured || time.is_some_and(|time| time > before));
+            before = time.unwrap_or_default();
+        }
+    }
+}

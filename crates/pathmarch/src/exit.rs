@@ -12,11 +12,14 @@ pub const USAGE: u8 = 2;
 pub const INTERRUPTED: u8 = 130;
 
 /// Why a command ends early.
+#[derive(Debug)]
 pub enum Failure {
     /// A scene with mistakes; prints each with its place.
     Scene(Box<SceneError>),
     /// A mistake on the command line.
     Usage(String),
+    /// Ctrl-C.
+    Interrupted,
     /// Anything else.
     Other(String),
 }
@@ -30,6 +33,7 @@ impl Failure {
     pub fn code(&self) -> u8 {
         match self {
             Self::Scene(_) | Self::Usage(_) => USAGE,
+            Self::Interrupted => INTERRUPTED,
             Self::Other(_) => FAILED,
         }
     }
@@ -37,6 +41,7 @@ impl Failure {
     pub fn print(&self) {
         match self {
             Self::Scene(error) => print_report(&**error),
+            Self::Interrupted => eprintln!("pathmarch: interrupted"),
             Self::Usage(message) | Self::Other(message) => eprintln!("pathmarch: {message}"),
         }
     }

@@ -6,11 +6,12 @@
 mod commands;
 mod exit;
 mod frames;
+mod measure;
 mod picture;
 mod window;
 
 use clap::{Parser, Subcommand};
-use commands::{bench, check, compare, devices, export, render, shapes, view};
+use commands::{bench, check, compare, devices, export, render, shapes, study, view};
 use std::process::ExitCode;
 
 /// A path tracer for distance fields: scenes as text, light that is right.
@@ -41,8 +42,10 @@ enum Command {
     Devices,
     /// The reference of shapes and operators.
     Shapes(shapes::Arguments),
-    /// Measure how long a sample of a picture takes, for each scene and backend.
+    /// Measure how long a sample of a picture takes, and what quality costs, for each scene and backend.
     Bench(bench::Arguments),
+    /// Repeat the evaluation of the thesis: tables, plots and pictures.
+    Study(study::Arguments),
 }
 
 /// Mesa's device-select layer complains on standard error where there is no desktop session; nothing is lost without it
@@ -70,6 +73,7 @@ fn main() -> ExitCode {
         Command::Devices => devices::run(),
         Command::Shapes(arguments) => shapes::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
     };
     match result {
         Ok(code) => ExitCode::from(code),

@@ -8,10 +8,10 @@
 //! eight. Faces that touch or coincide need no margin: of two equal ends, what is before and behind both is the same.
 //! Cost: for N shapes, N intersections and 4N² pairs of comparisons; nothing is marched.
 
+use super::Batch;
 use super::{Field, Tree};
 use crate::number::{Real, Vec3};
 use crate::registry::{Boolean, NO_HIT, Span};
-use super::Batch;
 
 /// The most shapes of a combination that is met in closed form: beyond it marching costs less.
 const MOST_SHAPES: usize = 12;

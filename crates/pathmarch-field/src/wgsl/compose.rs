@@ -345,8 +345,7 @@ impl Composer<'_> {
     }
 
     fn distance(&self) -> String {
-        let marched: Vec<&Tree> =
-            self.field.objects().iter().filter(|object| !self.field.is_direct(object)).collect();
+        let marched: Vec<&Tree> = self.field.objects().iter().filter(|object| !self.field.is_direct(object)).collect();
         let doc = "Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.";
         self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, false)
     }

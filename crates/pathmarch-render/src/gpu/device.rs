@@ -120,6 +120,8 @@ impl Device {
         let description = describe(adapter);
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pathmarch"),
+            // For whoever measures.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             required_limits: adapter.limits(),
             ..Default::default()
         });

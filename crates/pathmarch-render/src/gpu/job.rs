@@ -10,6 +10,7 @@ use super::compiled::{Kernel, Printed};
 use super::device::HUNG;
 use super::display::Screen;
 use super::memory;
+use super::stopwatch::Stopwatch;
 use crate::error::RenderError;
 use crate::film::Film;
 use crate::frame::{Frame, Prepared};
@@ -74,6 +75,7 @@ pub(crate) struct GpuJob {
     /// With the number of pixels in each.
     in_flight: VecDeque<(wgpu::SubmissionIndex, f64, Instant)>,
     last_completion: Instant,
+    stopwatch: Option<Stopwatch>,
     pub(crate) compile_time: Duration,
 }
 
@@ -194,6 +196,7 @@ impl GpuJob {
             quota: f64::from(BAND * 64),
             in_flight: VecDeque::new(),
             last_completion: Instant::now(),
+            stopwatch: None,
             compile_time: Duration::ZERO,
         };
         if !job.kernel.is_warm() {
@@ -245,8 +248,9 @@ impl GpuJob {
         self.device.queue.write_buffer(&self.slices, 0, &bytes);
         let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("trace") });
         {
-            let mut pass = encoder
-                .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("trace"), timestamp_writes: None });
+            let timestamp_writes = self.stopwatch.as_mut().map(Stopwatch::next);
+            let mut pass =
+                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("trace"), timestamp_writes });
             pass.set_pipeline(&self.kernel.pipeline);
             for (k, (slice, columns)) in slices.iter().enumerate() {
                 pass.set_bind_group(0, &self.bindings, &[k as u32 * self.slice_stride]);
@@ -308,6 +312,9 @@ impl GpuJob {
 
     /// Does about a submission of work towards `samples` samples of every pixel.
     pub(crate) fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
+        if self.stopwatch.as_ref().is_some_and(Stopwatch::is_full) {
+            self.gpu_time()?;
+        }
         let mut slices = Vec::new();
         let mut left = self.quota;
         while left > 0.0 && self.submitted.samples < samples && slices.len() < MAX_DISPATCHES {
@@ -338,6 +345,18 @@ impl GpuJob {
             self.complete_oldest()?;
         }
         Ok(())
+    }
+
+    /// From now on measures the device's own time; false where the adapter cannot.
+    pub(crate) fn measure_gpu_time(&mut self) -> Result<bool, RenderError> {
+        self.stopwatch = Stopwatch::new(&self.device)?;
+        Ok(self.stopwatch.is_some())
+    }
+
+    /// The device's own time since it is measured, if it is; waits for everything handed to the GPU.
+    pub(crate) fn gpu_time(&mut self) -> Result<Option<Duration>, RenderError> {
+        self.wait()?;
+        self.stopwatch.as_mut().map(|stopwatch| stopwatch.read(&self.device)).transpose()
     }
 
     /// Reads the film back; the caller has seen to it that no sample is half done.

@@ -6,6 +6,7 @@ mod display;
 mod job;
 mod kernel;
 mod memory;
+mod stopwatch;
 
 pub(crate) use compiled::Printed;
 pub(crate) use device::Device;

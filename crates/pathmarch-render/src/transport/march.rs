@@ -31,11 +31,9 @@ pub(crate) const NOISE: f32 = 16.0;
 
 /// How the distance changes along a ray, at the least and at the most.
 const STEEPEST_FALL: f32 = -1.0;
-const STEEPEST_RISE: f32 = 0.3;
+const STEEPEST_RISE: f32 = 0.6;
 /// The share of a step in which two balls overlap that touch by the estimate of their slope.
 const RELAXED: f32 = 1.9;
-/// Weight of the last change in the estimate of the slope.
-const NEWS: f32 = 0.4;
 
 /// How far off a surface a ray starts, in roundings.
 const START_OFFSET: f32 = 3.0;
@@ -170,17 +168,16 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
     let mut lane_ray = [IDLE; 8];
     let mut steps = [0u32; 8];
     // Per lane: origin, direction, t, limit, length before; last distance, which is infinite once the ray has left the surface
-    // that it starts on; what is free around the last point, the step from there, and the slope of the distance.
-    let mut state = [[0.0f32; 8]; 13];
+    // that it starts on; what is free around the last point, and the step from there.
+    let mut state = [[0.0f32; 8]; 12];
     // What is watched: last t, the unsigned distance there, and the steepest change so far.
     let mut watched = [f32x8::ZERO; 3];
-    let mut refill = |lane: usize, lane_ray: &mut [usize; 8], state: &mut [[f32; 8]; 13], steps: &mut [u32; 8]| {
+    let mut refill = |lane: usize, lane_ray: &mut [usize; 8], state: &mut [[f32; 8]; 12], steps: &mut [u32; 8]| {
         lane_ray[lane] = IDLE;
         if let Some((index, span)) = queue.next() {
             let March { ray: Ray { origin: o, direction: d }, before, .. } = rays[index];
             let last = if span.start == 0.0 { 0.0 } else { f32::INFINITY };
-            let values =
-                [o.x, o.y, o.z, d.x, d.y, d.z, span.start, span.end, before, last, 0.0, 0.0, STEEPEST_FALL];
+            let values = [o.x, o.y, o.z, d.x, d.y, d.z, span.start, span.end, before, last, 0.0, 0.0];
             for (slot, value) in state.iter_mut().zip(values) {
                 slot[lane] = value;
             }
@@ -198,8 +195,7 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
     let factor = f32x8::splat(frame.step_factor);
     let (zero, fall) = (f32x8::ZERO, f32x8::splat(STEEPEST_FALL));
     while lane_ray.iter().any(|&ray| ray != IDLE) {
-        let [ox, oy, oz, dx, dy, dz, mut t, limit, before, mut last, mut radius, mut stride, mut slope] =
-            state.map(f32x8::from);
+        let [ox, oy, oz, dx, dy, dz, mut t, limit, before, mut last, mut radius, mut stride] = state.map(f32x8::from);
         // March until some lane ends.
         let (ended, was_hit) = loop {
             let p = FieldVec3::new(ox + dx * t, oy + dy * t, oz + dz * t);
@@ -220,20 +216,19 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
             let hit = close & distance.simd_lt(last) & !apart;
             let change = (distance - radius) / stride.fast_max(f32x8::splat(1e-30));
             let change = change.fast_max(fall).fast_min(f32x8::splat(STEEPEST_RISE));
-            let known = slope + f32x8::splat(NEWS) * (Real::select(Mask8(zero.simd_lt(stride)), change, fall) - slope);
+            let slope = Real::select(Mask8(zero.simd_lt(stride)), change, fall);
             let free = distance.fast_max(tolerance);
-            let relaxed = free * (f32x8::splat(RELAXED) / (f32x8::ONE - known)).fast_max(f32x8::ONE);
+            let relaxed = free * (f32x8::splat(RELAXED) / (f32x8::ONE - slope)).fast_max(f32x8::ONE);
             let left = Real::select(Mask8(close), distance, f32x8::splat(f32::INFINITY));
             let kept = |back: f32x8, on: f32x8| Real::select(Mask8(apart), back, on);
             let on = kept(radius - stride, relaxed);
-            (last, slope, stride, radius) = (kept(last, left), kept(fall, known), kept(radius, relaxed), kept(radius, free));
+            (last, stride, radius) = (kept(last, left), kept(radius, relaxed), kept(radius, free));
             t = Real::select(Mask8(hit), t, t + on);
             // The way to the end may not be free.
             let doubtful = limit.simd_lt(t) & !hit;
             let back = t + radius - stride;
             t = Real::select(Mask8(doubtful), back, t);
             stride = Real::select(Mask8(doubtful), radius, stride);
-            slope = Real::select(Mask8(doubtful), fall, slope);
             let beyond = limit.simd_lt(t);
             let mut ended = (hit | beyond).to_bitmask();
             let mut was_hit = hit.to_bitmask() & !beyond.to_bitmask();
@@ -251,7 +246,7 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
             }
         };
         state[6] = t.to_array();
-        for (slot, value) in state[9..].iter_mut().zip([last, radius, stride, slope]) {
+        for (slot, value) in state[9..].iter_mut().zip([last, radius, stride]) {
             *slot = value.to_array();
         }
         for lane in 0..8 {

@@ -5,11 +5,9 @@ const START_OFFSET = 3.0;
 const NO_HIT = -1.0;
 /// How the distance changes along a ray, at the least and at the most.
 const STEEPEST_FALL = -1.0;
-const STEEPEST_RISE = 0.3;
+const STEEPEST_RISE = 0.6;
 /// The share of a step in which two balls overlap that touch by the estimate of their slope.
 const RELAXED = 1.9;
-/// Weight of the last change in the estimate of the slope.
-const NEWS = 0.4;
 /// A distance beyond every scene.
 const AT_INFINITY = 1e30;
 
@@ -60,13 +58,11 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
     var distance = 0.0;
     var radius = 0.0;
     var stride = 0.0;
-    var slope = STEEPEST_FALL;
     for (var step = 0u; step < MAX_STEPS; step++) {
         if t >= end {
             // The way there may not be free.
             t += radius - stride;
             stride = radius;
-            slope = STEEPEST_FALL;
             if t >= end {
                 distance = AT_INFINITY;
                 break;
@@ -77,7 +73,6 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
         if stride > radius + distance {
             t += radius - stride;
             stride = radius;
-            slope = STEEPEST_FALL;
             continue;
         }
         let close = tolerance(p, before + t);
@@ -86,7 +81,7 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
         }
         last_distance = select(AT_INFINITY, distance, distance < close);
         let change = clamp((distance - radius) / max(stride, 1e-30), STEEPEST_FALL, STEEPEST_RISE);
-        slope += NEWS * (select(STEEPEST_FALL, change, stride > 0.0) - slope);
+        let slope = select(STEEPEST_FALL, change, stride > 0.0);
         radius = max(distance, close);
         stride = radius * max(RELAXED / (1.0 - slope), 1.0);
         t += stride;

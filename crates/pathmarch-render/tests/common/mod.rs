@@ -18,7 +18,7 @@ pub fn data(name: &str) -> PathBuf {
 pub fn scenes() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let mut found = Vec::new();
-    for directory in [root.clone(), root.join("thesis"), root.join("fractals")] {
+    for directory in [root.clone(), root.join("thesis"), root.join("fractals"), root.join("benchmarks")] {
         for file in std::fs::read_dir(&directory).expect("the scenes are there") {
             let path = file.expect("a file").path();
             if path.extension().is_some_and(|extension| extension == "kdl") {

@@ -7,6 +7,7 @@ pub mod devices;
 pub mod export;
 pub mod render;
 pub mod shapes;
+pub mod study;
 pub mod view;
 
 use crate::exit::{Failure, INTERRUPTED};

@@ -371,6 +371,7 @@ fn in_frame(frame: u32, failure: Failure) -> Failure {
             eprintln!("frame {frame} cannot be rendered; what was written before it stays");
             Failure::Scene(error)
         }
+        Failure::Interrupted => Failure::Interrupted,
         Failure::Usage(message) => Failure::Usage(format!("frame {frame}: {message}")),
         Failure::Other(message) => Failure::Other(format!("frame {frame}: {message}")),
     }

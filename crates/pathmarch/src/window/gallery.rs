@@ -88,6 +88,11 @@ pub(super) static EXAMPLES: &[Example] = examples! {
     "thesis/" "diffuse-sphere" "png" "The simplest: a ball and a floor.";
 };
 
+/// Every example as its file's path in the folder of scenes, and its text.
+pub(crate) fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {
+    EXAMPLES.iter().map(|example| (example.file, example.text))
+}
+
 /// Pictures of the sky that examples need.
 static ASSETS: &[(&str, &[u8])] = &[("environment.exr", include_bytes!("../../../../scenes/environment.exr"))];
 

@@ -17,6 +17,8 @@ pub struct Places {
     pub preferences: PathBuf,
     /// For work that is not saved.
     pub recovery: PathBuf,
+    /// For converged pictures that others are measured against; they can be made again.
+    pub references: PathBuf,
 }
 
 impl Places {
@@ -28,10 +30,15 @@ impl Places {
     fn with_home(home: Option<OsString>) -> Option<Self> {
         if let Some(home) = home.filter(|home| !home.is_empty()) {
             let home = PathBuf::from(home);
-            return Some(Self { recovery: home.join("recovery"), preferences: home });
+            let (recovery, references) = (home.join("recovery"), home.join("references"));
+            return Some(Self { preferences: home, recovery, references });
         }
         let system = ProjectDirs::from("org", "pathmarch", "pathmarch")?;
-        Some(Self { preferences: system.config_dir().to_owned(), recovery: system.data_local_dir().join("recovery") })
+        Some(Self {
+            preferences: system.config_dir().to_owned(),
+            recovery: system.data_local_dir().join("recovery"),
+            references: system.cache_dir().join("references"),
+        })
     }
 }
 
@@ -44,6 +51,7 @@ mod tests {
         let places = Places::with_home(Some("/somewhere/own".into())).expect("places");
         assert_eq!(places.preferences, PathBuf::from("/somewhere/own"));
         assert_eq!(places.recovery, PathBuf::from("/somewhere/own").join("recovery"));
+        assert_eq!(places.references, PathBuf::from("/somewhere/own").join("references"));
         let system = Places::with_home(None);
         assert_ne!(system.as_ref(), Some(&places));
         assert_eq!(Places::with_home(Some(OsString::new())), system, "empty is as if not set");

@@ -110,7 +110,7 @@ impl Start {
         let desk = Desk {
             app: None,
             options: Options { scene: self.scene, backend: Backend::Cpu, adapter: None, timings: false },
-            places: Places { recovery: home.join("recovery"), preferences: home },
+            places: Places { recovery: home.join("recovery"), references: home.join("references"), preferences: home },
         };
         let frame = |ui: &mut egui::Ui, desk: &mut Desk| {
             let Desk { app, options, places } = desk;

@@ -13,7 +13,8 @@ impl Composer<'_> {
         collect(object, &mut leaves);
         for leaf in leaves {
             let shape = &self.field.leaves()[leaf as usize].shape;
-            functions.insert((0, if self.field.direct(object).is_some() { shape.wgsl_ray() } else { shape.wgsl_span() }));
+            functions
+                .insert((0, if self.field.direct(object).is_some() { shape.wgsl_ray() } else { shape.wgsl_span() }));
         }
     }
 
@@ -44,11 +45,8 @@ impl Composer<'_> {
         }
         for t in leaves.iter().flat_map(|leaf| ["x", "y"].map(|end| format!("s{leaf}.{end}"))) {
             let [before, behind] = [false, true].map(|behind| holds(object, &t, behind));
-            writeln!(
-                text,
-                "    nearest = select(nearest, min(nearest, {t}), (0.0 < {t}) & ({before} != {behind}));"
-            )
-            .expect("writing to a string");
+            writeln!(text, "    nearest = select(nearest, min(nearest, {t}), (0.0 < {t}) & ({before} != {behind}));")
+                .expect("writing to a string");
         }
     }
 

@@ -1,201 +1,320 @@
-//! `pathmarch bench`: what one sample of every pixel costs, for each scene and backend.
+//! `pathmarch bench`: what one sample of every pixel costs, and how far a picture is after a time, for each scene and backend.
 //!
-//! Scenes and backends are measured in turn, round after round, and the median is reported, so that a machine whose
-//! speed drifts treats all alike. Compilation is timed apart. Rays and evaluations of the field are counted on the CPU, which
-//! follows the same paths as a GPU, in pictures of a fourth of the size each way.
+//! **How.** One scene at a time, so that others do not stand in memory; its backends take turns, round after round, and the
+//! median is reported, so that a machine whose speed drifts treats both alike. Compilation is timed apart. Rays and
+//! evaluations of the field are counted on the CPU, which follows the same paths as a GPU, in pictures of a fourth of the
+//! size each way. Memory is that of a process of its own ([`memory`]). Errors are measured against references that know
+//! their own noise ([`crate::measure`]); their pictures have the bounces that the scene asks for.
+//!
+//! **Cost.** A scene takes `1 + rounds * samples` samples on each backend, and one more for its memory; with `--error S`
+//! `S` seconds on each backend, and four times as many once for its reference.
 
 mod generated;
+mod memory;
+mod report;
+mod scenes;
 
-use super::{BackendArgument, parse_size};
-use crate::exit::{DONE, Failure};
+use super::{BackendArgument, check_directory, parse_size, watch_interrupts};
+use crate::exit::{DONE, FAILED, Failure, INTERRUPTED};
+use crate::measure::{self, Effort, References, Watch};
+use crate::window::Places;
 use pathmarch_render::pathmarch_scene::Scene;
-use pathmarch_render::{Backend, Census, Job, MAX_BOUNCES, Renderer, Settings, adapters, census};
-use std::path::{Path, PathBuf};
+use pathmarch_render::{MAX_BOUNCES, Renderer, Settings, census};
+use report::{Entry, Quality, Results, Spread};
+use scenes::Chosen;
+pub use scenes::built_in;
+use std::path::PathBuf;
 use std::time::Instant;
+
+/// Rounds that a median needs, however long they take.
+const FEWEST_ROUNDS: u32 = 3;
+/// Seconds for a reference, in those of what is measured against it.
+const REFERENCE_EFFORT: f64 = 4.0;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Scene files, or scenes that are made on demand: union-100, union-1000, union-10000, lights-64
-    /// [default: all of scenes/thesis]
+    /// What to measure [default: default]
+    ///
+    /// Scene files, folders of them, examples by their name in the gallery, scenes that are made on demand (union-100,
+    /// union-1000, union-10000, lights-64), or sets of scenes:
+    /// default: the thesis's, fractals, a repeated field, glass, a Cornell box, 64 lights, unions of 1,000 and 10,000 shapes.
+    /// thesis: all after the figures of the thesis.
+    /// quality: those on which other renderers were timed, for --error.
     #[arg(verbatim_doc_comment)]
     scenes: Vec<PathBuf>,
     /// Size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     size: [u32; 2],
-    /// Scattering events after the first hit
+    /// Scattering events after the first hit, in what is timed
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_BOUNCES)))]
     bounces: u32,
     /// Rounds to measure
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
     /// Samples in a round
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     samples: u32,
+    /// End the rounds of a scene after so many seconds, with three at least; leave out the CPU where a sample takes longer
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = parse_seconds)]
+    limit: f64,
+    /// Measure the error, too: relMSE after so many seconds, and seconds times relMSE, with the bounces of the scene
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    error: Option<f64>,
+    /// Size of the pictures whose error is measured
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size)]
+    error_size: [u32; 2],
+    /// Where references are kept: a file NAME.exr of your own for a scene, else they are made [default: the user's cache]
+    ///
+    /// A reference takes four times the seconds of --error on the faster backend, with other random numbers than what is
+    /// measured. Its own noise is estimated from two halves, subtracted, and reported. That of a file of your own is not
+    /// known and taken for 0. Delete the files to have them made again, as after a change of how light is computed.
+    #[arg(long, value_name = "DIR", requires = "error", verbatim_doc_comment)]
+    references: Option<PathBuf>,
     /// Which backends to measure [default: every adapter, and the CPU]
     #[arg(long, value_enum)]
     backend: Option<BackendArgument>,
+    /// The GPU adapter whose name contains this
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
     /// Write the figures to this file, too, as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Print ratios to the figures of an earlier run, a file of --json
+    #[arg(long, value_name = "FILE")]
+    compare: Option<PathBuf>,
+    /// Measure nothing: show the figures of this file of --json
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "json", "error", "references"])]
+    from: Option<PathBuf>,
+    /// Print the memory that this process took for one sample
+    #[arg(long, hide = true)]
+    peak_memory: bool,
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0 && *seconds <= 86_400.0);
+    number.ok_or("expected a number of seconds above 0, at most 86400".to_owned())
 }
 
 impl Arguments {
+    /// What is timed.
+    fn settings(&self, scene: &Scene, samples: u32) -> Settings {
+        Settings { size: self.size, bounces: self.bounces, samples, ..Settings::of(scene) }
+    }
     /// The size of the pictures whose rays are counted.
     fn counted_size(&self) -> [u32; 2] {
         self.size.map(|side| side.div_ceil(4))
     }
-}
-
-struct Entry {
-    scene: String,
-    backend: String,
-    compile_ms: f64,
-    census: Census,
-    job: Job,
-    times_ms: Vec<f64>,
-}
-
-impl Entry {
-    /// Median, least and most.
-    fn spread(&self) -> [f64; 3] {
-        let mut times = self.times_ms.clone();
-        times.sort_by(f64::total_cmp);
-        [times[times.len() / 2], times[0], times[times.len() - 1]]
+    /// Where references are, and how long to work on those that are not.
+    fn kept_references(&self) -> Result<Option<References>, Failure> {
+        let Some(seconds) = self.error else { return Ok(None) };
+        let folder = match &self.references {
+            Some(folder) if folder.is_dir() => folder.clone(),
+            Some(folder) => {
+                return Err(Failure::Usage(format!("there is no directory {}; make it first", folder.display())));
+            }
+            None => {
+                let places = Places::of_user().ok_or_else(|| {
+                    Failure::Usage("there is no home directory to keep references in; give --references DIR".to_owned())
+                })?;
+                let failed = |error| Failure::Other(format!("{}: {error}", places.references.display()));
+                std::fs::create_dir_all(&places.references).map_err(failed)?;
+                places.references
+            }
+        };
+        Ok(Some(References::new(folder, REFERENCE_EFFORT * seconds)))
+    }
+    /// What is said of all figures.
+    fn results(&self) -> Results {
+        Results {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            size: self.size,
+            bounces: self.bounces,
+            rounds: self.rounds,
+            samples: self.samples,
+            error_size: self.error.map(|_| self.error_size),
+            entries: Vec::new(),
+        }
     }
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let mut paths = arguments.scenes.clone();
-    if paths.is_empty() {
-        paths = thesis_scenes()?;
-    }
-    let mut renderers = vec![];
-    if arguments.backend != Some(BackendArgument::Cpu) {
-        for adapter in adapters().iter().filter(|adapter| adapter.unusable.is_none()) {
-            renderers.push(Renderer::open(Backend::Gpu, Some(&adapter.name)).map_err(Failure::other)?);
+    let before = arguments.compare.as_deref().map(Results::load).transpose()?;
+    if let Some(path) = &arguments.from {
+        let results = Results::load(path)?;
+        results.print_head();
+        results.entries.iter().for_each(Entry::print);
+        if let Some(before) = before {
+            results.print_ratios(&before);
         }
+        return Ok(DONE);
     }
-    if arguments.backend != Some(BackendArgument::Gpu) {
-        renderers.push(Renderer::open(Backend::Cpu, None).map_err(Failure::other)?);
+    let watch = Watch(watch_interrupts()?);
+    if arguments.peak_memory {
+        return memory::report(arguments, &watch);
     }
-    if renderers.is_empty() {
-        return Err(Failure::Usage("no GPU adapter is usable; `pathmarch devices` says why".to_owned()));
-    }
-
-    let mut entries = Vec::new();
-    for path in &paths {
-        let (name, scene) = scene(path)?;
-        // One sample to warm up.
-        let samples = 1 + arguments.rounds * arguments.samples;
-        let settings = Settings { size: arguments.size, bounces: arguments.bounces, samples, ..Settings::of(&scene) };
-        let small = Settings { size: arguments.counted_size(), ..settings.clone() };
-        let census = census(&scene, &small).map_err(Failure::other)?;
-        for renderer in &mut renderers {
-            let backend = format!("{} ({})", renderer.backend_name(), renderer.adapter_name());
-            let mut job = match renderer.start(&scene, &settings) {
-                Ok(job) => job,
-                Err(error) => {
-                    eprintln!("{name}: not on {backend}: {error}");
-                    continue;
-                }
-            };
-            until(&mut job, 1)?;
-            let compile_ms = job.compile_time().as_secs_f64() * 1e3;
-            entries.push(Entry { scene: name.clone(), backend, compile_ms, census, job, times_ms: Vec::new() });
-        }
-    }
-    for round in 0..arguments.rounds {
-        for entry in &mut entries {
-            let started = Instant::now();
-            until(&mut entry.job, 1 + (round + 1) * arguments.samples)?;
-            entry.times_ms.push(started.elapsed().as_secs_f64() * 1e3 / f64::from(arguments.samples));
-        }
-    }
-    print(arguments, &entries);
     if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&json(arguments, &entries)).expect("numbers and strings");
-        std::fs::write(path, text + "\n").map_err(|error| Failure::Other(format!("{}: {error}", path.display())))?;
+        check_directory(path)?;
     }
-    Ok(DONE)
-}
-
-fn print(arguments: &Arguments, entries: &[Entry]) {
-    let [width, height] = arguments.size;
-    println!(
-        "{width}x{height}, {} bounces, {} rounds of {} samples",
-        arguments.bounces, arguments.rounds, arguments.samples
-    );
-    println!(
-        "{:<24} {:>10} {:>10} {:>10} {:>11} {:>11} {:>10}  backend",
-        "scene", "ms/sample", "min", "max", "compile ms", "rays/pixel", "evals/ray"
-    );
-    for entry in entries {
-        let [median, least, most] = entry.spread();
-        println!(
-            "{:<24} {median:>10.1} {least:>10.1} {most:>10.1} {:>11.1} {:>11.2} {:>10.2}  {}",
-            entry.scene,
-            entry.compile_ms,
-            rays_per_pixel(arguments, entry),
-            entry.census.evaluations_per_ray(),
-            entry.backend
-        );
+    let references = arguments.kept_references()?;
+    let all = scenes::chosen(&arguments.scenes)?;
+    let mut renderers = measure::renderers(arguments.backend.map(Into::into), arguments.adapter.as_deref())?;
+    let mut results = arguments.results();
+    results.print_head();
+    let mut interrupted = false;
+    for (index, chosen) in all.iter().enumerate() {
+        let stage = Stage { arguments, chosen, watch: &watch, place: format!("{}/{}", index + 1, all.len()) };
+        match stage.measure(&mut renderers, references.as_ref()) {
+            Ok(entries) => {
+                entries.iter().for_each(Entry::print);
+                results.entries.extend(entries);
+            }
+            Err(Failure::Interrupted) => {
+                interrupted = true;
+                break;
+            }
+            Err(failure) => {
+                eprintln!("{}: skipped", chosen.name);
+                failure.print();
+            }
+        }
     }
-}
-
-/// Rays of one sample.
-fn rays_per_pixel(arguments: &Arguments, entry: &Entry) -> f64 {
-    let pixels: u32 = arguments.counted_size().iter().product();
-    entry.census.rays as f64 / f64::from(pixels)
-}
-
-fn json(arguments: &Arguments, entries: &[Entry]) -> serde_json::Value {
-    let entries: Vec<_> = entries
-        .iter()
-        .map(|entry| {
-            let [median, least, most] = entry.spread();
-            serde_json::json!({
-                "scene": entry.scene,
-                "backend": entry.backend,
-                "ms_per_sample": { "median": median, "min": least, "max": most },
-                "compile_ms": entry.compile_ms,
-                "rays_per_pixel": rays_per_pixel(arguments, entry),
-                "evaluations_per_ray": entry.census.evaluations_per_ray(),
-            })
-        })
-        .collect();
-    serde_json::json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "size": arguments.size,
-        "bounces": arguments.bounces,
-        "rounds": arguments.rounds,
-        "samples": arguments.samples,
-        "entries": entries,
+    if let Some(path) = &arguments.json {
+        results.save(path)?;
+    }
+    if let Some(before) = before {
+        results.print_ratios(&before);
+    }
+    Ok(match (interrupted, results.entries.is_empty()) {
+        (true, _) => {
+            eprintln!("interrupted: the figures are those of the scenes before");
+            INTERRUPTED
+        }
+        (false, true) => FAILED,
+        (false, false) => DONE,
     })
 }
 
-/// A scene that is made on demand, or one of a file.
-fn scene(path: &Path) -> Result<(String, Scene), Failure> {
-    if let Some(made) = generated::ALL.iter().find(|made| Path::new(made.name) == path) {
-        return Ok((made.name.to_owned(), Scene::parse(made.name, &made.text())?));
-    }
-    Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), Scene::load(path)?))
+/// A scene and how it is measured.
+struct Stage<'a> {
+    arguments: &'a Arguments,
+    chosen: &'a Chosen,
+    watch: &'a Watch,
+    /// Which of how many.
+    place: String,
 }
 
-/// Renders until this many samples are done, the GPU's work included.
-fn until(job: &mut Job, samples: u32) -> Result<(), Failure> {
-    while job.samples_done() < f64::from(samples) {
-        job.advance(samples).map_err(Failure::other)?;
+impl Stage<'_> {
+    fn say(&self, what: &str) {
+        eprintln!("[{}] {}: {what}", self.place, self.chosen.name);
     }
-    job.wait().map_err(Failure::other)
-}
 
-fn thesis_scenes() -> Result<Vec<PathBuf>, Failure> {
-    let directory = PathBuf::from("scenes/thesis");
-    let files = std::fs::read_dir(&directory).map_err(|error| {
-        Failure::Usage(format!("{}: {error}; run in the project's directory, or name scenes", directory.display()))
-    })?;
-    let mut paths: Vec<_> = files.filter_map(|file| Some(file.ok()?.path())).collect();
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "kdl"));
-    paths.sort();
-    Ok(paths)
+    /// Pixels of what is timed for each of what is counted.
+    fn enlarged(&self) -> f64 {
+        let pixels = |size: [u32; 2]| size.map(f64::from).iter().product::<f64>();
+        pixels(self.arguments.size) / pixels(self.arguments.counted_size())
+    }
+
+    /// The figures of every backend that can render the scene.
+    fn measure(&self, renderers: &mut [Renderer], references: Option<&References>) -> Result<Vec<Entry>, Failure> {
+        let Self { arguments, chosen: Chosen { scene, .. }, watch, .. } = *self;
+        watch.check()?;
+        self.say("counting rays");
+        let settings = arguments.settings(scene, 1 + arguments.rounds * arguments.samples);
+        let counted = Settings { size: arguments.counted_size(), ..settings.clone() };
+        let began = Instant::now();
+        let census = census(scene, &counted).map_err(Failure::other)?;
+        // The CPU renders it in about as long as a sample of so many pixels takes.
+        let cpu_seconds = began.elapsed().as_secs_f64() * self.enlarged();
+        let pixels = f64::from(arguments.counted_size().iter().product::<u32>());
+
+        let (mut able, mut jobs) = (Vec::new(), Vec::new());
+        for renderer in renderers {
+            watch.check()?;
+            if renderer.backend_name() == "CPU" && cpu_seconds > arguments.limit {
+                let told = format!("a sample takes about {cpu_seconds:.0} s, above --limit");
+                self.say(&format!("not on {}: {told}; choose a smaller --size", measure::described(renderer)));
+                continue;
+            }
+            match measure::start(renderer, scene, &settings) {
+                Ok(job) => {
+                    able.push(renderer);
+                    jobs.push(job);
+                }
+                Err(failure) => {
+                    self.say(&format!("not on {}", measure::described(renderer)));
+                    failure.print();
+                }
+            }
+        }
+        let compile_ms: Vec<_> = jobs.iter().map(|job| job.compile_time().as_secs_f64() * 1e3).collect();
+        for job in &mut jobs {
+            job.measure_gpu_time().map_err(Failure::other)?;
+        }
+        let (rounds, samples) = (arguments.rounds, arguments.samples);
+        self.say(&format!("{rounds} rounds of {samples} samples"));
+        let times = measure::time_in_turn(&mut jobs, FEWEST_ROUNDS..=rounds, samples, arguments.limit, watch)?;
+        let mut entries = Vec::new();
+        for (((renderer, job), times), compile_ms) in able.iter().zip(&mut jobs).zip(&times).zip(compile_ms) {
+            let [median, min, max] = times.spread();
+            let gpu = job.gpu_time().map_err(Failure::other)?;
+            entries.push(Entry {
+                scene: self.chosen.name.clone(),
+                backend: measure::described(renderer),
+                rounds: Some(times.rounds()),
+                ms_per_sample: Spread { median, min, max },
+                gpu_ms_per_sample: gpu.map(|time| time.as_secs_f64() * 1e3 / job.samples_done()),
+                compile_ms,
+                rays_per_pixel: census.rays as f64 / pixels,
+                evaluations_per_ray: census.evaluations_per_ray(),
+                evaluations_per_pixel: Some(census.evaluations as f64 / pixels),
+                steps_per_marched_ray: Some(census.evaluations as f64 / census.marched_rays.max(1) as f64),
+                peak_mib: None,
+                quality: None,
+            });
+        }
+        // Their pictures need not stand in memory while others are measured.
+        drop(jobs);
+        for (entry, renderer) in entries.iter_mut().zip(&able) {
+            watch.check()?;
+            self.say("memory");
+            entry.peak_mib = memory::of_scene(arguments, &self.chosen.argument, renderer);
+        }
+        if let Some(references) = references {
+            self.measure_errors(&mut able, &mut entries, references)?;
+        }
+        Ok(entries)
+    }
+
+    /// The errors of every backend, against the reference that the fastest renders.
+    fn measure_errors(
+        &self,
+        renderers: &mut [&mut Renderer],
+        entries: &mut [Entry],
+        references: &References,
+    ) -> Result<(), Failure> {
+        let Self { arguments, chosen: Chosen { name, scene, .. }, watch, .. } = *self;
+        let settings = Settings { size: arguments.error_size, ..Settings::of(scene) };
+        let median = |index: &usize| entries[*index].ms_per_sample.median;
+        let fastest = (0..entries.len()).min_by(|a, b| median(a).total_cmp(&median(b)));
+        let (Some(fastest), Some(seconds)) = (fastest, arguments.error) else { return Ok(()) };
+        self.say("reference");
+        let reference = references.get(name, scene, &settings, renderers[fastest], watch)?;
+        for (renderer, entry) in renderers.iter_mut().zip(entries) {
+            self.say(&format!("error after {seconds} s"));
+            let taken = measure::take(renderer, scene, &settings, Effort::Seconds(seconds), watch)?;
+            let error = reference.error_of(&taken.picture)?;
+            let relmse = Some(error).filter(|error| *error > 0.1 * reference.noise.unwrap_or(0.0));
+            entry.quality = Some(Quality {
+                seconds: taken.seconds,
+                samples: taken.samples,
+                bounces: settings.bounces,
+                relmse,
+                seconds_relmse: relmse.map(|relmse| relmse * taken.seconds),
+                reference_relmse: reference.noise,
+                reference_samples: reference.samples,
+                mean_difference: reference.mean_difference(&taken.picture),
+            });
+        }
+        Ok(())
+    }
 }

@@ -1,0 +1,249 @@
+//! Plots: lines over two logarithmic axes, and bars over one; each as SVG and as PNG.
+//!
+//! **Source.** Colours that people with any colour vision tell apart: Okabe and Ito 2008, "Color Universal Design".
+//!
+//! The text of PNG files is drawn with the font that the program carries, so that no font need be installed; SVG files
+//! leave the choice of a sans-serif font to who shows them.
+
+use crate::exit::Failure;
+use image::ImageEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+pub use plotters::chart::SeriesLabelPosition;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::register_font;
+use std::path::Path;
+
+const FONT: &[u8] = include_bytes!("../../../../pathmarch-scene/fonts/Cantarell-Regular.ttf");
+const COLOURS: [RGBColor; 6] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+];
+const GREY: RGBColor = RGBColor(120, 120, 120);
+/// How much finer PNG files are than SVG's pixels.
+const FINE: u32 = 2;
+
+/// What can be drawn.
+pub trait Plot {
+    /// Width and height, pixels of SVG.
+    fn size(&self) -> (u32, u32);
+    /// Draws it, everything enlarged by a factor.
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, factor: u32) -> Result<(), String>;
+}
+
+/// Writes `NAME.svg` and `NAME.png`.
+pub fn save(directory: &Path, name: &str, plot: &impl Plot) -> Result<(), Failure> {
+    register_font("sans-serif", FontStyle::Normal, FONT)
+        .map_err(|_| Failure::Other("the font of plots cannot be read".to_owned()))?;
+    let (width, height) = plot.size();
+    let mut text = String::new();
+    plot.draw(&SVGBackend::with_string(&mut text, (width, height)).into_drawing_area(), 1).map_err(Failure::Other)?;
+    let path = directory.join(format!("{name}.svg"));
+    std::fs::write(&path, text).map_err(|error| Failure::Other(format!("{}: {error}", path.display())))?;
+
+    let (width, height) = (width * FINE, height * FINE);
+    let mut pixels = vec![255; 3 * width as usize * height as usize];
+    let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
+    plot.draw(&area, FINE).map_err(Failure::Other)?;
+    drop(area);
+    let path = directory.join(format!("{name}.png"));
+    let mut png = Vec::new();
+    PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::NoFilter)
+        .write_image(&pixels, width, height, image::ExtendedColorType::Rgb8)
+        .map_err(|error| Failure::Other(format!("{}: {error}", path.display())))?;
+    std::fs::write(&path, png).map_err(|error| Failure::Other(format!("{}: {error}", path.display())))
+}
+
+/// A line of a [`Lines`].
+pub struct Line {
+    /// What the legend calls it.
+    pub name: String,
+    /// Its points, above 0 both.
+    pub points: Vec<(f64, f64)>,
+    /// Grey and without marks: what is known, not measured.
+    pub is_guide: bool,
+}
+
+/// Lines over two logarithmic axes.
+pub struct Lines {
+    /// Above the plot.
+    pub title: String,
+    /// What is to the right, with its unit.
+    pub x: String,
+    /// What is up, with its unit.
+    pub y: String,
+    /// Where the legend leaves the lines free.
+    pub legend: SeriesLabelPosition,
+    /// The lines.
+    pub lines: Vec<Line>,
+}
+
+/// A range that holds all numbers, with some room.
+fn around(values: impl Iterator<Item = f64> + Clone, room: f64) -> std::ops::Range<f64> {
+    let least = values.clone().fold(f64::INFINITY, f64::min);
+    let most = values.fold(0.0, f64::max);
+    if least > most { 0.1..10.0 } else { least / room..most * room }
+}
+
+/// As [`around`], from one power of ten to another: within few decades, other ends leave Plotters without labels.
+fn decades(values: impl Iterator<Item = f64> + Clone) -> std::ops::Range<f64> {
+    let range = around(values, 1.1);
+    10f64.powf(range.start.log10().floor())..10f64.powf(range.end.log10().ceil())
+}
+
+/// A number of a logarithmic axis.
+fn label(value: &f64) -> String {
+    if *value >= 0.000_99 && *value < 1e5 {
+        format!("{}", (value * 1000.0).round() / 1000.0)
+    } else {
+        format!("{value:.0e}")
+    }
+}
+
+impl Plot for Lines {
+    fn size(&self) -> (u32, u32) {
+        (760, 460)
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, factor: u32) -> Result<(), String> {
+        let told = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
+        let points = || self.lines.iter().flat_map(|line| line.points.iter());
+        area.fill(&WHITE).map_err(told)?;
+        let text = |size: u32| ("sans-serif", size * factor).into_font();
+        let mut chart = ChartBuilder::on(area)
+            .caption(&self.title, text(19))
+            .margin(12 * factor)
+            .margin_right(30 * factor)
+            .x_label_area_size(46 * factor)
+            .y_label_area_size(74 * factor)
+            .build_cartesian_2d(
+                around(points().map(|point| point.0), 1.15).log_scale().base(2.0),
+                decades(points().map(|point| point.1)).log_scale(),
+            )
+            .map_err(told)?;
+        chart
+            .configure_mesh()
+            .x_desc(&self.x)
+            .y_desc(&self.y)
+            .axis_desc_style(text(15))
+            .label_style(text(13))
+            .x_label_formatter(&label)
+            .y_label_formatter(&label)
+            .bold_line_style(RGBColor(205, 205, 205).stroke_width(factor))
+            .light_line_style(RGBColor(238, 238, 238).stroke_width(factor))
+            .draw()
+            .map_err(told)?;
+        let mut colours = COLOURS.iter().cycle();
+        for line in &self.lines {
+            let colour = if line.is_guide { GREY } else { *colours.next().unwrap_or(&BLACK) };
+            let stroke = colour.stroke_width(if line.is_guide { factor } else { 2 * factor });
+            chart
+                .draw_series(LineSeries::new(line.points.iter().copied(), stroke))
+                .map_err(told)?
+                .label(&line.name)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18 * factor as i32, y)], stroke));
+            if !line.is_guide {
+                let mark = |point: &(f64, f64)| Circle::new(*point, 3 * factor, colour.filled());
+                chart.draw_series(line.points.iter().map(mark)).map_err(told)?;
+            }
+        }
+        chart
+            .configure_series_labels()
+            .position(self.legend.clone())
+            .legend_area_size(26 * factor)
+            .margin(8 * factor)
+            .background_style(WHITE.mix(0.85))
+            .border_style(RGBColor(190, 190, 190))
+            .label_font(text(14))
+            .draw()
+            .map_err(told)?;
+        area.present().map_err(told)
+    }
+}
+
+/// Groups that the legend of bars takes the room of.
+const ROOM: u32 = 3;
+
+/// Bars to the right over a logarithmic axis, in groups one below the other.
+pub struct Bars {
+    /// Above the plot.
+    pub title: String,
+    /// What is to the right, with its unit.
+    pub x: String,
+    /// The names of the groups, from the top.
+    pub groups: Vec<String>,
+    /// For each colour its name, and its bar in each group where there is one; the last is grey: known, not measured.
+    pub series: Vec<(String, Vec<Option<f64>>)>,
+}
+
+impl Plot for Bars {
+    fn size(&self) -> (u32, u32) {
+        (860, 110 + 30 * (self.groups.len() as u32 + ROOM))
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, factor: u32) -> Result<(), String> {
+        let told = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
+        let values = || self.series.iter().flat_map(|(_, values)| values.iter().flatten().copied());
+        let range = decades(values());
+        let (least, groups) = (range.start, self.groups.len());
+        area.fill(&WHITE).map_err(told)?;
+        let text = |size: u32| ("sans-serif", size * factor).into_font();
+        let mut chart = ChartBuilder::on(area)
+            .caption(&self.title, text(19))
+            .margin(12 * factor)
+            .margin_right(30 * factor)
+            .x_label_area_size(46 * factor)
+            .y_label_area_size(180 * factor)
+            .build_cartesian_2d(range.log_scale(), 0.0..groups as f64 + f64::from(ROOM))
+            .map_err(told)?;
+        // Plotters puts labels at lines: the names are drawn beside the middle of their group instead.
+        chart
+            .configure_mesh()
+            .disable_y_mesh()
+            .y_labels(0)
+            .x_desc(&self.x)
+            .axis_desc_style(text(15))
+            .label_style(text(13))
+            .x_label_formatter(&label)
+            .bold_line_style(RGBColor(205, 205, 205).stroke_width(factor))
+            .light_line_style(RGBColor(238, 238, 238).stroke_width(factor))
+            .draw()
+            .map_err(told)?;
+        let thickness = 0.8 / self.series.len().max(1) as f64;
+        for (index, ((name, values), colour)) in self.series.iter().zip(COLOURS.iter().cycle()).enumerate() {
+            let colour = if index + 1 == self.series.len() { &GREY } else { colour };
+            let bars = values.iter().enumerate().filter_map(|(group, value)| {
+                let top = (groups - group) as f64 - 0.1 - index as f64 * thickness;
+                Some(Rectangle::new([(least, top - thickness), ((*value)?, top)], colour.filled()))
+            });
+            let swatch = 10 * factor as i32;
+            chart.draw_series(bars).map_err(told)?.label(name).legend(move |(x, y)| {
+                Rectangle::new([(x, y - swatch / 2), (x + swatch, y + swatch / 2)], colour.filled())
+            });
+        }
+        for (group, name) in self.groups.iter().enumerate() {
+            let (x, y) = chart.backend_coord(&(least, (groups - group) as f64 - 0.5));
+            let anchor = plotters::style::text_anchor::Pos::new(
+                plotters::style::text_anchor::HPos::Right,
+                plotters::style::text_anchor::VPos::Center,
+            );
+            let style = text(13).color(&BLACK).pos(anchor);
+            area.draw_text(name, &style, (x - 8 * factor as i32, y)).map_err(told)?;
+        }
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .legend_area_size(20 * factor)
+            .margin(8 * factor)
+            .background_style(WHITE.mix(0.85))
+            .border_style(RGBColor(190, 190, 190))
+            .label_font(text(14))
+            .draw()
+            .map_err(told)?;
+        area.present().map_err(told)
+    }
+}

@@ -1,0 +1,223 @@
+//! `bench` and `study` from end to end, at tiny sizes. What they measure differs from run to run; what is tried is its form.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn pathmarch(arguments: &[&str], directory: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pathmarch"))
+        .args(arguments)
+        .current_dir(directory)
+        .env("PATHMARCH_HOME", directory.join("home"))
+        .output()
+        .expect("the program starts")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("it ended by itself")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+const SMALL: [&str; 8] = ["bench", "--backend", "cpu", "--size", "32x18", "--rounds", "3", "--bounces=2"];
+
+fn parsed(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).expect("written")).expect("JSON")
+}
+
+#[test]
+fn figures_are_printed_and_kept() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let bench = |more: &[&str]| pathmarch(&[&SMALL[..], more].concat(), directory.path());
+    let output = bench(&["diffuse-sphere", "union-100", "--json", "a.json"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let table = stdout(&output);
+    let rows: Vec<_> = table.lines().filter(|line| line.contains("CPU (")).collect();
+    assert_eq!(rows.len(), 2, "{table}");
+    assert!(rows[0].starts_with("diffuse-sphere ") && rows[1].starts_with("union-100 "), "{table}");
+    assert!(!table.contains("relMSE"), "errors are measured when asked for");
+    assert!(stderr(&output).contains("[2/2] union-100"), "{}", stderr(&output));
+
+    let figures = parsed(&directory.path().join("a.json"));
+    assert_eq!(figures["size"], serde_json::json!([32, 18]));
+    assert_eq!((&figures["bounces"], &figures["rounds"], &figures["samples"]), (&2.into(), &3.into(), &1.into()));
+    let entries = figures["entries"].as_array().expect("a list");
+    assert_eq!(entries.len(), 2);
+    for entry in entries {
+        let number = |value: &Value| value.as_f64().expect("a number");
+        let spread = &entry["ms_per_sample"];
+        let [least, median, most] = ["min", "median", "max"].map(|name| number(&spread[name]));
+        assert!(0.0 < least && least <= median && median <= most);
+        assert!(number(&entry["rays_per_pixel"]) >= 1.0);
+        assert_eq!(entry["rounds"], 3);
+        assert!(entry["gpu_ms_per_sample"].is_null() && entry["quality"].is_null());
+        if cfg!(target_os = "linux") {
+            assert!(number(&entry["peak_mib"]) > 1.0);
+        }
+    }
+    // Spheres and planes are not marched, the union is.
+    assert_eq!(entries[0]["evaluations_per_pixel"], 0.0);
+    assert!(entries[1]["steps_per_marched_ray"].as_f64().expect("a number") > 1.0);
+
+    // The figures again, beside themselves.
+    let output = bench(&["--from", "a.json", "--compare", "a.json"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(stdout(&output).contains("1.000  geometric mean"), "{}", stdout(&output));
+}
+
+#[test]
+fn errors_are_measured_against_references_that_are_kept() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let bench = |more: &[&str]| {
+        let arguments = ["cornell-box", "--error", "0.01", "--error-size", "16x9", "--json", "e.json"];
+        pathmarch(&[&SMALL[..], &arguments[..], more].concat(), directory.path())
+    };
+    let quality = || parsed(&directory.path().join("e.json"))["entries"][0]["quality"].clone();
+    let output = bench(&[]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(stdout(&output).contains("s x relMSE"), "{}", stdout(&output));
+    let first = quality();
+    assert!(first["samples"].as_u64().expect("a number") >= 1);
+    assert_eq!(first["bounces"], 8, "the scene's own");
+    assert!(first["reference_relmse"].as_f64().expect("known") > 0.0);
+    // Both halves are in the cache, and used again.
+    let kept = directory.path().join("home/references");
+    assert_eq!(kept.read_dir().expect("made").count(), 2);
+    assert_eq!(code(&bench(&[])), 0);
+    assert_eq!(quality()["reference_samples"], first["reference_samples"]);
+
+    // A file of one's own, whose noise is not known.
+    std::fs::create_dir(directory.path().join("own")).expect("made");
+    let own = ["render", "cornell.kdl", "--backend", "cpu", "--samples", "3", "-o", "own/cornell-box.exr"];
+    let text = include_str!("../../../scenes/benchmarks/cornell-box.kdl");
+    std::fs::write(directory.path().join("cornell.kdl"), text).expect("written");
+    assert_eq!(code(&pathmarch(&[&own[..], &["--size", "16x9"]].concat(), directory.path())), 0);
+    let output = bench(&["--references", "own"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert_eq!((&quality()["reference_samples"], &quality()["reference_relmse"]), (&3.into(), &Value::Null));
+    // One of another size is refused, and the scene left out.
+    assert_eq!(code(&pathmarch(&[&own[..], &["--size", "8x8"]].concat(), directory.path())), 0);
+    let output = bench(&["--references", "own"]);
+    assert_eq!(code(&output), 1);
+    assert!(stderr(&output).contains("8x8") && stderr(&output).contains("skipped"), "{}", stderr(&output));
+}
+
+#[test]
+fn wrong_arguments_of_bench_are_told() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::create_dir(directory.path().join("empty")).expect("made");
+    std::fs::write(directory.path().join("not.json"), "{}").expect("written");
+    std::fs::write(directory.path().join("bad.kdl"), "pathmarch 1\nspere").expect("written");
+    for (arguments, code_expected, told) in [
+        (&["cornel-box"][..], 2, "did you mean cornell-box?"),
+        (&["nothing/like.kdl"], 2, "no such file or folder"),
+        (&["empty"], 2, "no scenes (.kdl) in it"),
+        (&["bad.kdl"], 2, "spere"),
+        (&["--json", "missing/a.json"], 1, "no directory missing"),
+        (&["--error", "0"], 2, "above 0"),
+        (&["--references", "empty"], 2, "--error"),
+        (&["--error", "1", "--references", "missing"], 2, "no directory missing"),
+        (&["--compare", "missing.json"], 2, "missing.json"),
+        (&["--from", "not.json"], 2, "not a file of `bench --json`"),
+        (&["--from", "not.json", "cornell-box"], 2, "cannot be used with"),
+    ] {
+        let output = pathmarch(&[&SMALL[..], arguments].concat(), directory.path());
+        assert_eq!(code(&output), code_expected, "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(told), "{arguments:?}: {}", stderr(&output));
+    }
+}
+
+/// A scene that takes too long is left out, and the others are measured.
+#[test]
+fn what_takes_too_long_is_left_out() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::create_dir(directory.path().join("two")).expect("made");
+    for (name, count) in [("a", 1), ("b", 1)] {
+        let text = format!(
+            "pathmarch 1\ncamera {{ position 0 0 4; target 0 0 0 }}\nsky 1\nobject \"ball\" {{ sphere {count} }}\n"
+        );
+        std::fs::write(directory.path().join("two").join(format!("{name}.kdl")), text).expect("written");
+    }
+    let output = pathmarch(&[&SMALL[..], &["two", "--limit", "1e-9"]].concat(), directory.path());
+    assert_eq!(code(&output), 1, "nothing was measured: {}", stderr(&output));
+    assert!(stderr(&output).contains("above --limit"), "{}", stderr(&output));
+    let output = pathmarch(&[&SMALL[..], &["two"]].concat(), directory.path());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert_eq!(stdout(&output).lines().filter(|line| line.contains("CPU (")).count(), 2);
+}
+
+const QUICK: [&str; 7] = ["--quick", "--backend", "cpu", "--size", "16x9", "--error-size", "16x9"];
+
+#[test]
+fn a_study_is_a_page_of_tables_plots_and_pictures() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let page = directory.path().join("page");
+    std::fs::create_dir(&page).expect("made");
+    std::fs::write(page.join("notes.txt"), "mine").expect("written");
+    let output = pathmarch(&[&["study", "-o", "page"], &QUICK[..]].concat(), directory.path());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert_eq!(std::fs::read_to_string(page.join("notes.txt")).expect("it stays"), "mine");
+
+    let text = std::fs::read_to_string(page.join("README.md")).expect("written");
+    for part in ["bounces", "accumulation", "scenes", "features"] {
+        let alone = std::fs::read_to_string(page.join(format!("{part}.md"))).expect("written");
+        assert!(text.contains(&alone), "{part} is on the page");
+        let mut table = csv::Reader::from_path(page.join(format!("{part}.csv"))).expect("written");
+        let heads = table.headers().expect("heads").len();
+        let rows: Vec<_> = table.records().map(|row| row.expect("as long as its head")).collect();
+        assert!(heads >= 4 && rows.len() >= 6, "{part}: {heads} by {}", rows.len());
+        if part != "features" {
+            let svg = std::fs::read_to_string(page.join(format!("{part}.svg"))).expect("written");
+            assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+            let png = image::open(page.join(format!("{part}.png"))).expect("a picture").into_rgb8();
+            assert!(
+                png.pixels().any(|pixel| pixel.0 == [0, 114, 178]),
+                "{part}: something is drawn in the first colour"
+            );
+        }
+    }
+    assert!(text.contains("on CPU (") && text.contains("pathmarch study -o page --quick"), "{text}");
+    // Whatever the page shows is there, and every row of a table has as many cells as its head.
+    let shown: Vec<_> = text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    let files: Vec<_> = shown.into_iter().filter(|target| !target.starts_with("http")).collect();
+    assert!(files.len() > 30, "{files:?}");
+    for file in files {
+        image::open(page.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+    }
+    let mut cells = None;
+    for line in text.lines() {
+        let count = line.starts_with('|').then(|| line.matches('|').count());
+        assert!(cells.is_none() || count.is_none() || cells == count, "{line}");
+        cells = count;
+    }
+
+    // A part alone replaces its own files, and the others stay on the page.
+    let output = pathmarch(&[&["study", "features", "-o", "page"], &QUICK[..]].concat(), directory.path());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let again = std::fs::read_to_string(page.join("README.md")).expect("written");
+    assert_eq!(text, again);
+}
+
+#[test]
+fn wrong_arguments_of_study_are_told() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("file"), "mine").expect("written");
+    for (arguments, code_expected, told) in [
+        (&["study"][..], 2, "--output"),
+        (&["study", "speed", "-o", "page"], 2, "accumulation"),
+        (&["study", "-o", "missing/page"], 1, "missing/page"),
+        (&["study", "-o", "file"], 1, "name a directory"),
+        (&["study", "-o", "page", "--samples", "1"], 2, "1"),
+    ] {
+        let output = pathmarch(arguments, directory.path());
+        assert_eq!(code(&output), code_expected, "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(told), "{arguments:?}: {}", stderr(&output));
+    }
+    assert_eq!(std::fs::read_to_string(directory.path().join("file")).expect("text"), "mine");
+}
