@@ -6,12 +6,14 @@
 //! tree for the GPU. Cost of an evaluation: one virtual call and one transform for each leaf.
 
 mod coordinates;
+pub(crate) mod crowd;
 
 use crate::blend::Blend;
 use crate::bounds::Aabb;
 use crate::number::{Differentiable, Dual, Real, Vec3};
 use crate::registry::{Combine, Modify, NO_HIT, Shape, ShapeRef, TRAPS, union};
 pub use coordinates::Coordinates;
+use crowd::{Afar, Crowd};
 use glam::{EulerRot, Mat3, Quat};
 use wide::f32x8;
 
@@ -117,6 +119,18 @@ pub struct Leaf {
     pub pose: Pose,
     /// Whether that is in the space of a modifier, not in the world.
     pub modified: bool,
+}
+
+impl Leaf {
+    fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
+        let distance = N::shape_distance(&*self.shape, self.pose.local(p), &self.params);
+        if self.pose.turn == Turn::None { distance } else { distance * N::constant(self.pose.scale) }
+    }
+
+    fn surface<N: Batch>(&self, p: Vec3<N>) -> Dual<N> {
+        let local = N::shape_gradient(&*self.shape, Dual::variables(self.pose.local(p)), &self.params);
+        self.pose.world(local)
+    }
 }
 
 impl Pose {
@@ -227,15 +241,36 @@ pub struct Field {
     bounds: Aabb,
     object_bounds: Vec<Aabb>,
     marched_bounds: Aabb,
+    /// How each object is evaluated.
+    roles: Vec<Role>,
+    crowds: Vec<Crowd>,
     /// How many choices and modifiers there are so far.
     choices: u32,
     modifiers: u32,
+}
+
+/// How an object is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// By itself: met in closed form or marched as code.
+    Alone,
+    /// It is the crowd of this number.
+    Crowd(usize),
+    /// Its one shape is in a crowd of such objects.
+    InCrowd,
 }
 
 /// A number that a [`Field`] can be evaluated over on the CPU.
 pub trait Batch: Differentiable {
     /// One seed for each point.
     type Seeds: Copy;
+    /// How many points.
+    #[doc(hidden)]
+    const LANES: usize;
+    #[doc(hidden)]
+    fn lanes(self) -> [f32; 8];
+    #[doc(hidden)]
+    fn from_lanes(lanes: [f32; 8]) -> Self;
     #[doc(hidden)]
     fn shape_distance(shape: &dyn Shape, p: Vec3<Self>, params: &[f32]) -> Self;
     #[doc(hidden)]
@@ -263,6 +298,13 @@ pub trait Batch: Differentiable {
 
 impl Batch for f32 {
     type Seeds = u32;
+    const LANES: usize = 1;
+    fn lanes(self) -> [f32; 8] {
+        [self; 8]
+    }
+    fn from_lanes(lanes: [f32; 8]) -> f32 {
+        lanes[0]
+    }
     fn shape_distance(shape: &dyn Shape, p: Vec3<f32>, params: &[f32]) -> f32 {
         shape.distance(p, params)
     }
@@ -303,6 +345,13 @@ impl Batch for f32 {
 
 impl Batch for f32x8 {
     type Seeds = [u32; 8];
+    const LANES: usize = 8;
+    fn lanes(self) -> [f32; 8] {
+        self.to_array()
+    }
+    fn from_lanes(lanes: [f32; 8]) -> f32x8 {
+        f32x8::from(lanes)
+    }
     fn shape_distance(shape: &dyn Shape, p: Vec3<f32x8>, params: &[f32]) -> f32x8 {
         shape.distance_lanes(p, params)
     }
@@ -397,12 +446,20 @@ impl Frame {
 impl Field {
     /// The union of `objects`. A [`Kind::Combine`] without children is left out.
     pub fn new(objects: &[Node]) -> Self {
+        Self::with_crowds_from(objects, crowd::LEAST)
+    }
+
+    /// [`new`](Self::new), where so many shapes are a crowd.
+    #[doc(hidden)]
+    pub fn with_crowds_from(objects: &[Node], least: usize) -> Self {
         let mut field = Self {
             leaves: Vec::new(),
             objects: Vec::new(),
             bounds: Aabb::NOTHING,
             object_bounds: Vec::new(),
             marched_bounds: Aabb::NOTHING,
+            roles: Vec::new(),
+            crowds: Vec::new(),
             choices: 0,
             modifiers: 0,
         };
@@ -417,6 +474,7 @@ impl Field {
                 field.objects.push(tree);
             }
         }
+        field.gather(least);
         field
     }
 
@@ -506,9 +564,6 @@ impl Field {
     pub fn direct_leaves(&self) -> impl Iterator<Item = u32> {
         self.objects.iter().filter_map(|object| self.direct(object))
     }
-    pub(crate) fn objects(&self) -> &[Tree] {
-        &self.objects
-    }
     /// What the orbit of a point of the world comes near to on the leaf of this number: [`Shape::orbit`], where the leaf is a
     /// fractal.
     pub fn orbit(&self, leaf: usize, p: Vec3<f32>) -> Option<[f32; TRAPS]> {
@@ -551,6 +606,11 @@ impl Field {
             Tree::Modify(modified) => {
                 modified.pose.world_bounds(modified.modifier.bounds(&modified.params, modified.inside_bounds))
             }
+            Tree::Combine { operator, smooth, children, .. } if crowd::joins(*operator) => children
+                .iter()
+                .map(|child| self.tree_bounds(child))
+                .fold(Aabb::NOTHING, Aabb::union)
+                .expanded(crowd::growth(*smooth, children.len())),
             Tree::Combine { operator, smooth, children, .. } => children
                 .iter()
                 .map(|child| self.tree_bounds(child))
@@ -562,8 +622,20 @@ impl Field {
     /// Signed distance from each point to the nearest surface, metres; infinite in an empty scene.
     pub fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for object in &self.objects {
+        for distance in self.object_distances(p) {
+            nearest = nearest.min(distance);
+        }
+        nearest
+    }
+
+    /// [`distance`](Self::distance), which far from unions of many shapes need only be about right: what shading asks for.
+    pub fn estimated_distance<N: Batch>(&self, p: Vec3<N>) -> N {
+        let mut nearest = N::constant(f32::INFINITY);
+        for object in self.alone() {
             nearest = nearest.min(self.tree_distance(object, p));
+        }
+        for crowd in &self.crowds {
+            nearest = nearest.min(crowd.distance(self, p, Afar::Estimate));
         }
         nearest
     }
@@ -572,8 +644,11 @@ impl Field {
     /// object keeps its own surface: what lies inside a clear one is seen.
     pub fn marched_distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for object in self.objects.iter().filter(|object| self.direct(object).is_none()) {
+        for object in self.alone().filter(|object| self.direct(object).is_none()) {
             nearest = nearest.min(self.tree_distance(object, p).abs());
+        }
+        for crowd in &self.crowds {
+            nearest = nearest.min(crowd.distance(self, p, Afar::Bound).abs());
         }
         nearest
     }
@@ -583,8 +658,12 @@ impl Field {
     /// does not count if it has a closed form: it is convex, so that nothing of it is before its own surface.
     pub fn distance_to<N: Batch>(&self, p: Vec3<N>, counts: &[bool], own: N) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for (object, _) in self.objects.iter().zip(counts).filter(|(_, counts)| **counts) {
-            let distance = self.tree_distance(object, p).abs();
+        for ((object, role), _) in self.objects.iter().zip(&self.roles).zip(counts).filter(|(_, counts)| **counts) {
+            let distance = match role {
+                Role::Crowd(crowd) => self.crowds[*crowd].distance(self, p, Afar::Estimate),
+                _ => self.tree_distance(object, p),
+            };
+            let distance = distance.abs();
             let closer = nearest.min(distance);
             nearest = match self.direct(object) {
                 Some(leaf) => {
@@ -599,7 +678,10 @@ impl Field {
 
     /// Signed distance from each point to each object, in their order, metres.
     pub fn object_distances<N: Batch>(&self, p: Vec3<N>) -> impl Iterator<Item = N> {
-        self.objects.iter().map(move |object| self.tree_distance(object, p))
+        self.objects.iter().zip(&self.roles).map(move |(object, role)| match role {
+            Role::Crowd(crowd) => self.crowds[*crowd].distance(self, p, Afar::Exact),
+            _ => self.tree_distance(object, p),
+        })
     }
 
     /// Metres along each unit vector `direction` to the first surface of the shapes that have a closed form, or
@@ -616,11 +698,7 @@ impl Field {
 
     fn tree_distance<N: Batch>(&self, tree: &Tree, p: Vec3<N>) -> N {
         match tree {
-            Tree::Leaf(leaf) => {
-                let leaf = &self.leaves[*leaf as usize];
-                let distance = N::shape_distance(&*leaf.shape, leaf.pose.local(p), &leaf.params);
-                if leaf.pose.turn == Turn::None { distance } else { distance * N::constant(leaf.pose.scale) }
-            }
+            Tree::Leaf(leaf) => self.leaves[*leaf as usize].distance(p),
             Tree::Modify(modified) => {
                 let p = modified.pose.local(p);
                 let (inside, _) = self.nearest_inside(modified, p);
@@ -654,15 +732,18 @@ impl Field {
     /// material shows. Where smooth operators blend materials, one of them is chosen with the probability of its weight,
     /// by the point's seed.
     pub fn surface<N: Batch>(&self, p: Vec3<N>, seeds: N::Seeds) -> Surface<N> {
-        self.nearest_surface(p, |_| N::truth(true), &|index| N::choice(seeds, index))
+        self.nearest_surface(p, |_| N::truth(true), &|index| N::choice(seeds, index), Afar::Exact)
     }
 
     /// The surface of the union at each point: of the object whose signed distance is least, as in
     /// [`distance`](Self::distance). Thresholds are as in [`surface_met`](Self::surface_met).
     pub fn union_surface<N: Batch>(&self, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         let mut least = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
-        for object in &self.objects {
-            let surface = self.tree_surface(object, p, threshold);
+        for (object, role) in self.objects.iter().zip(&self.roles) {
+            let surface = match role {
+                Role::Crowd(crowd) => self.crowds[*crowd].surface(self, p, threshold, Afar::Exact),
+                _ => self.tree_surface(object, p, threshold),
+            };
             let is_less = surface.field.value.lt(least.field.value);
             least = Surface {
                 field: Dual::select(is_less, surface.field, least.field),
@@ -678,7 +759,7 @@ impl Field {
     pub fn surface_met<N: Batch>(&self, p: Vec3<N>, direct: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         let half = N::constant(0.5);
         let of_kind = |closed: bool| if closed { half.lt(direct) } else { direct.lt(half) };
-        self.nearest_surface(p, of_kind, threshold)
+        self.nearest_surface(p, of_kind, threshold, Afar::Estimate)
     }
 
     fn nearest_surface<N: Batch>(
@@ -686,16 +767,21 @@ impl Field {
         p: Vec3<N>,
         counts: impl Fn(bool) -> N::Mask,
         threshold: &dyn Fn(u32) -> N,
+        afar: Afar,
     ) -> Surface<N> {
         let mut nearest = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
-        for object in &self.objects {
-            let surface = self.tree_surface(object, p, threshold);
-            let closer =
-                surface.field.value.abs().lt(nearest.field.value.abs()) & counts(self.direct(object).is_some());
+        let mut add = |surface: Surface<N>, counts: N::Mask| {
+            let closer = surface.field.value.abs().lt(nearest.field.value.abs()) & counts;
             nearest = Surface {
                 field: Dual::select(closer, surface.field, nearest.field),
                 leaf: N::select(closer, surface.leaf, nearest.leaf),
             };
+        };
+        for object in self.alone() {
+            add(self.tree_surface(object, p, threshold), counts(self.direct(object).is_some()));
+        }
+        for crowd in &self.crowds {
+            add(crowd.surface(self, p, threshold, afar), counts(false));
         }
         nearest
     }
@@ -703,9 +789,7 @@ impl Field {
     fn tree_surface<N: Batch>(&self, tree: &Tree, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         match tree {
             Tree::Leaf(index) => {
-                let leaf = &self.leaves[*index as usize];
-                let local = N::shape_gradient(&*leaf.shape, Dual::variables(leaf.pose.local(p)), &leaf.params);
-                let field = leaf.pose.world(local);
+                let field = self.leaves[*index as usize].surface(p);
                 Surface { field, leaf: N::constant(*index as f32) }
             }
             Tree::Modify(modified) => {

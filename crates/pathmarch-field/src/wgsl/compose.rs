@@ -4,6 +4,7 @@
 //! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
 
 mod coordinates;
+mod crowd;
 
 use crate::blend::{Blend, BlendProfile};
 use crate::graph::{Field, Modified, Pose, Tree, Turn};
@@ -79,7 +80,7 @@ impl Program {
     pub fn new(field: &Field) -> Self {
         let Composed { mut composer, functions, has_choice } = Composed::new(field);
         let mut code_of_distances = BTreeSet::new();
-        for tree in field.objects() {
+        for tree in field.alone() {
             composer.distances(tree, &mut code_of_distances);
         }
         let mut whole_distance: String =
@@ -96,8 +97,9 @@ impl Program {
             code += "\n";
             code += CHOICE;
         }
-        let has_tables = field.leaves().iter().any(|leaf| leaf.shape.reads_table());
-        if has_tables {
+        let reads_tables = field.leaves().iter().any(|leaf| leaf.shape.reads_table());
+        let has_tables = reads_tables || !field.crowds().is_empty();
+        if reads_tables {
             code += "\n";
             code += TABLE;
         }
@@ -105,7 +107,8 @@ impl Program {
             code += "\n";
             code += function;
         }
-        let code = format!("{code}\n{distance}\n{direct}\n{surface}");
+        let crowds = composer.crowds();
+        let code = format!("{code}\n{crowds}{distance}\n{direct}\n{surface}");
         Self { code, whole_distance, parameters: composer.parameters, has_tables }
     }
 
@@ -117,11 +120,12 @@ impl Program {
         let mut text = String::new();
         for (name, counts) in named {
             let counted: Vec<&Tree> =
-                field.objects().iter().zip(*counts).filter(|(_, counts)| **counts).map(|(tree, _)| tree).collect();
+                field.alone_with(counts).filter(|(_, counts)| *counts).map(|(tree, _)| tree).collect();
+            let crowds = field.crowds_that_count(counts);
             counted.iter().for_each(|tree| composer.distances(tree, &mut of_distances));
             let doc =
                 "Distance from `p` to the nearest surface of the objects that count here, from either side, metres.";
-            text += &composer.unsigned_distance(&format!("{name}(p: vec3f, own: u32)"), doc, &counted, true);
+            text += &composer.unsigned_distance(&format!("{name}(p: vec3f, own: u32)"), doc, &counted, &crowds, true);
         }
         of_distances.difference(&functions).map(|(_, function)| format!("{function}\n")).collect::<String>() + &text
     }
@@ -143,19 +147,28 @@ impl<'a> Composed<'a> {
             widths: Vec::new(),
             starts: Vec::new(),
             modifier_starts: Vec::new(),
+            crowd_starts: Vec::new(),
         };
         let mut functions = BTreeSet::new();
-        for leaf in field.leaves() {
+        let mut printed = BTreeSet::new();
+        let mut in_crowds = vec![false; field.leaves().len()];
+        field.crowds().iter().flat_map(|crowd| &crowd.leaves).for_each(|&leaf| in_crowds[leaf as usize] = true);
+        for (leaf, in_crowd) in field.leaves().iter().zip(in_crowds) {
             composer.starts.push(composer.parameters.len());
+            if in_crowd {
+                continue;
+            }
             match leaf.shape.reads_table() {
                 // Where its table is, once that is known.
                 true => composer.place(&leaf.pose, &[0.0]),
                 false => composer.place(&leaf.pose, &leaf.params),
             }
-            functions.insert((0, leaf.shape.wgsl_gradient()));
+            if printed.insert(leaf.shape.wgsl_name()) {
+                functions.insert((0, leaf.shape.wgsl_gradient()));
+            }
         }
-        let mut has_choice = false;
-        for tree in field.objects() {
+        let mut has_choice = composer.crowd_functions(&mut functions);
+        for tree in field.alone() {
             has_choice |= composer.operators(tree, &mut functions);
             match field.direct(tree) {
                 Some(leaf) => {
@@ -164,10 +177,11 @@ impl<'a> Composed<'a> {
                 None => composer.distances(tree, &mut functions),
             }
         }
-        for tree in field.objects() {
+        for tree in field.alone() {
             composer.modifiers(tree, &mut functions);
         }
         composer.tables();
+        composer.crowd_numbers();
         Self { composer, functions, has_choice }
     }
 }
@@ -181,6 +195,8 @@ struct Composer<'a> {
     starts: Vec<usize>,
     /// Where the numbers of each modifier start.
     modifier_starts: Vec<usize>,
+    /// Where what tells of each crowd starts.
+    crowd_starts: Vec<usize>,
 }
 
 fn profile(smooth: Option<Blend>) -> Option<BlendProfile> {
@@ -346,14 +362,22 @@ impl Composer<'_> {
     }
 
     fn distance(&self) -> String {
-        let marched: Vec<&Tree> =
-            self.field.objects().iter().filter(|object| self.field.direct(object).is_none()).collect();
+        let marched: Vec<&Tree> = self.field.alone().filter(|object| self.field.direct(object).is_none()).collect();
+        let crowds: Vec<usize> = (0..self.field.crowds().len()).collect();
         let doc = "Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.";
-        self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, false)
+        self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, &crowds, false)
     }
 
-    /// A function of this signature; where it has an `own` leaf, one with a closed form does not count.
-    fn unsigned_distance(&self, signature: &str, doc: &str, objects: &[&Tree], has_own: bool) -> String {
+    /// A function of this signature; where it has an `own` leaf, one with a closed form does not count, and distances to crowds
+    /// are about what they are.
+    fn unsigned_distance(
+        &self,
+        signature: &str,
+        doc: &str,
+        objects: &[&Tree],
+        crowds: &[usize],
+        has_own: bool,
+    ) -> String {
         let mut text = format!("/// {doc}\nfn {signature} -> f32 {{\n    var nearest = 1e30;\n");
         let mut counter = 0;
         for object in objects {
@@ -366,6 +390,10 @@ impl Composer<'_> {
             }
             .expect("writing to a string");
         }
+        for crowd in crowds {
+            writeln!(text, "    nearest = min(nearest, abs(crowd_{crowd}_distance(p, {has_own})));")
+                .expect("writing to a string");
+        }
         text + "    return nearest;\n}\n"
     }
 
@@ -375,9 +403,13 @@ impl Composer<'_> {
              fn whole_distance(p: vec3f) -> f32 {\n    var nearest = 1e30;\n",
         );
         let mut counter = 0;
-        for object in self.field.objects() {
+        for object in self.field.alone() {
             let value = self.tree_distance(object, &mut text, &mut counter);
             writeln!(text, "    nearest = min(nearest, {value});").expect("writing to a string");
+        }
+        for crowd in 0..self.field.crowds().len() {
+            writeln!(text, "    nearest = min(nearest, crowd_{crowd}_distance(p, true));")
+                .expect("writing to a string");
         }
         text + "    return nearest;\n}\n"
     }
@@ -444,12 +476,22 @@ impl Composer<'_> {
              fn surface(p: vec3f, direct: bool, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
         );
         let mut counter = 0;
-        for object in self.field.objects() {
+        for object in self.field.alone() {
             let (value, leaf) = self.tree_surface(object, &mut text, &mut counter);
             let not = if self.field.direct(object).is_some() { "" } else { "!" };
             writeln!(
                 text,
                 "    if {not}direct && abs({value}.w) < abs(nearest.w) {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
+            )
+            .expect("writing to a string");
+        }
+        for crowd in 0..self.field.crowds().len() {
+            let name = format!("crowd{crowd}");
+            writeln!(
+                text,
+                "    if !direct {{\n        let {name} = crowd_{crowd}_surface(p, seed);\n        if abs({name}.distance) < \
+                 abs(nearest.w) {{\n            nearest = vec4f({name}.gradient, {name}.distance);\n            leaf = \
+                 {name}.leaf;\n        }}\n    }}"
             )
             .expect("writing to a string");
         }

@@ -132,7 +132,7 @@ fn near_misses(prepared: &Prepared, ray: Ray, limit: f32, sharpness: f32) -> f32
     let mut t = tolerance(frame, ray.origin, 0.0);
     for _ in 0..MAX_STEPS {
         let p = ray.origin + ray.direction * t;
-        let distance = prepared.field.distance(FieldVec3::new(p.x, p.y, p.z)) * frame.step_factor;
+        let distance = prepared.field.estimated_distance(FieldVec3::new(p.x, p.y, p.z)) * frame.step_factor;
         light = light.min(sharpness * distance / t);
         if light < 0.001 {
             return 0.0;
