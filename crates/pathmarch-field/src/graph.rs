@@ -5,13 +5,15 @@
 //! transform away from the world, and evaluates the tree for one point or eight. [`crate::wgsl::Program`] prints the same
 //! tree for the GPU. Cost of an evaluation: one virtual call and one transform for each leaf.
 
+pub(crate) mod bvh;
 mod coordinates;
 pub(crate) mod crowd;
 
 use crate::blend::Blend;
 use crate::bounds::Aabb;
-use crate::number::{Differentiable, Dual, Real, Vec3};
+use crate::number::{Differentiable, Dual, Mask8, Real, Vec3};
 use crate::registry::{Combine, Modify, NO_HIT, Shape, ShapeRef, TRAPS, union};
+use bvh::Bvh;
 pub use coordinates::Coordinates;
 use crowd::{Afar, Crowd};
 use glam::{EulerRot, Mat3, Quat};
@@ -125,6 +127,11 @@ impl Leaf {
     fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let distance = N::shape_distance(&*self.shape, self.pose.local(p), &self.params);
         if self.pose.turn == Turn::None { distance } else { distance * N::constant(self.pose.scale) }
+    }
+
+    fn ray<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> N {
+        let t = N::shape_ray(&*self.shape, self.pose.local(origin), self.pose.turned(direction), &self.params);
+        if self.pose.turn == Turn::None { t } else { t * N::constant(self.pose.scale) }
     }
 
     fn surface<N: Batch>(&self, p: Vec3<N>) -> Dual<N> {
@@ -244,10 +251,15 @@ pub struct Field {
     /// How each object is evaluated.
     roles: Vec<Role>,
     crowds: Vec<Crowd>,
+    /// Over many objects of closed form.
+    bvh: Bvh,
     /// How many choices and modifiers there are so far.
     choices: u32,
     modifiers: u32,
 }
+
+/// Stands for the leaf where a ray met none of closed form.
+pub const MARCHED: f32 = -1.0;
 
 /// How an object is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -258,6 +270,8 @@ pub(crate) enum Role {
     Crowd(usize),
     /// Its one shape is in a crowd of such objects.
     InCrowd,
+    /// Its one shape is met in closed form, by way of the hierarchy.
+    InBvh,
 }
 
 /// A number that a [`Field`] can be evaluated over on the CPU.
@@ -267,6 +281,8 @@ pub trait Batch: Differentiable {
     /// How many points.
     #[doc(hidden)]
     const LANES: usize;
+    #[doc(hidden)]
+    fn any(mask: Self::Mask) -> bool;
     #[doc(hidden)]
     fn lanes(self) -> [f32; 8];
     #[doc(hidden)]
@@ -299,6 +315,9 @@ pub trait Batch: Differentiable {
 impl Batch for f32 {
     type Seeds = u32;
     const LANES: usize = 1;
+    fn any(mask: bool) -> bool {
+        mask
+    }
     fn lanes(self) -> [f32; 8] {
         [self; 8]
     }
@@ -346,6 +365,9 @@ impl Batch for f32 {
 impl Batch for f32x8 {
     type Seeds = [u32; 8];
     const LANES: usize = 8;
+    fn any(mask: Mask8) -> bool {
+        mask.0.to_bitmask() != 0
+    }
     fn lanes(self) -> [f32; 8] {
         self.to_array()
     }
@@ -460,6 +482,7 @@ impl Field {
             marched_bounds: Aabb::NOTHING,
             roles: Vec::new(),
             crowds: Vec::new(),
+            bvh: Bvh::default(),
             choices: 0,
             modifiers: 0,
         };
@@ -637,7 +660,7 @@ impl Field {
         for crowd in &self.crowds {
             nearest = nearest.min(crowd.distance(self, p, Afar::Estimate));
         }
-        nearest
+        self.bvh.distance(self, p, nearest, |_| true, N::constant(MARCHED))
     }
 
     /// Distance to the nearest surface that must be marched, from outside or inside; infinite where there is none. Every
@@ -658,13 +681,8 @@ impl Field {
     /// does not count if it has a closed form: it is convex, so that nothing of it is before its own surface.
     pub fn distance_to<N: Batch>(&self, p: Vec3<N>, counts: &[bool], own: N) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for ((object, role), _) in self.objects.iter().zip(&self.roles).zip(counts).filter(|(_, counts)| **counts) {
-            let distance = match role {
-                Role::Crowd(crowd) => self.crowds[*crowd].distance(self, p, Afar::Estimate),
-                _ => self.tree_distance(object, p),
-            };
-            let distance = distance.abs();
-            let closer = nearest.min(distance);
+        for (object, _) in self.alone_with(counts).filter(|(_, counts)| *counts) {
+            let closer = nearest.min(self.tree_distance(object, p).abs());
             nearest = match self.direct(object) {
                 Some(leaf) => {
                     let is_own = (own - N::constant(leaf as f32)).abs().lt(N::constant(0.5));
@@ -673,7 +691,11 @@ impl Field {
                 None => closer,
             };
         }
-        nearest
+        for crowd in self.crowds_that_count(counts) {
+            nearest = nearest.min(self.crowds[crowd].distance(self, p, Afar::Estimate).abs());
+        }
+        let leaf_counts = |leaf: u32| counts.get(self.leaves[leaf as usize].object as usize) == Some(&true);
+        self.bvh.distance(self, p, nearest, leaf_counts, own)
     }
 
     /// Signed distance from each point to each object, in their order, metres.
@@ -685,15 +707,15 @@ impl Field {
     }
 
     /// Metres along each unit vector `direction` to the first surface of the shapes that have a closed form, or
-    /// [`NO_HIT`].
-    pub fn direct_hit<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> N {
-        let mut nearest = N::constant(NO_HIT);
-        for leaf in self.direct_leaves() {
-            let leaf = &self.leaves[leaf as usize];
-            let t = N::shape_ray(&*leaf.shape, leaf.pose.local(origin), leaf.pose.turned(direction), &leaf.params);
-            nearest = nearest.min(if leaf.pose.turn == Turn::None { t } else { t * N::constant(leaf.pose.scale) });
+    /// [`NO_HIT`]; and the number of that leaf, or [`MARCHED`].
+    pub fn direct_hit<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> (N, N) {
+        let (mut nearest, mut met) = (N::constant(NO_HIT), N::constant(MARCHED));
+        for leaf in self.alone().filter_map(|object| self.direct(object)) {
+            let t = self.leaves[leaf as usize].ray(origin, direction);
+            met = N::select(t.lt(nearest), N::constant(leaf as f32), met);
+            nearest = nearest.min(t);
         }
-        nearest
+        self.bvh.hit(self, origin, direction, (nearest, met))
     }
 
     fn tree_distance<N: Batch>(&self, tree: &Tree, p: Vec3<N>) -> N {
@@ -753,13 +775,28 @@ impl Field {
         least
     }
 
-    /// The surface that a ray met at each point, as [`surface`](Self::surface): only of the objects that have a closed form
-    /// where `direct` is 1, only of the others where it is 0. Where a smooth operator blends two materials, the second one
-    /// shows if its weight exceeds the threshold of the blend's number: [`Batch::choice`], or 0.5 for the heavier one.
-    pub fn surface_met<N: Batch>(&self, p: Vec3<N>, direct: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
-        let half = N::constant(0.5);
-        let of_kind = |closed: bool| if closed { half.lt(direct) } else { direct.lt(half) };
-        self.nearest_surface(p, of_kind, threshold, Afar::Estimate)
+    /// The surface that a ray met at each point, as [`surface`](Self::surface): of the leaf of closed form that
+    /// [`direct_hit`](Self::direct_hit) gave as `met`, or of the objects that are marched where that is [`MARCHED`]. Where a smooth
+    /// operator blends two materials, the second one shows if its weight exceeds the threshold of the blend's number:
+    /// [`Batch::choice`], or 0.5 for the heavier one.
+    pub fn surface_met<N: Batch>(&self, p: Vec3<N>, met: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
+        let all = &met.lanes()[..N::LANES];
+        let mut result = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
+        if all.iter().any(|&met| met < 0.0) {
+            result = self.nearest_surface(p, |closed| N::truth(!closed), threshold, Afar::Estimate);
+        }
+        for (lane, &leaf) in all.iter().enumerate().filter(|(_, leaf)| **leaf >= 0.0) {
+            if all[..lane].contains(&leaf) {
+                continue;
+            }
+            let Some(shape) = self.leaves.get(leaf as usize) else { continue };
+            let (field, is_it) = (shape.surface(p), (met - N::constant(leaf)).abs().lt(N::constant(0.5)));
+            result = Surface {
+                field: Dual::select(is_it, field, result.field),
+                leaf: N::select(is_it, N::constant(leaf), result.leaf),
+            };
+        }
+        result
     }
 
     fn nearest_surface<N: Batch>(
@@ -777,8 +814,12 @@ impl Field {
                 leaf: N::select(closer, surface.leaf, nearest.leaf),
             };
         };
-        for object in self.alone() {
-            add(self.tree_surface(object, p, threshold), counts(self.direct(object).is_some()));
+        for (object, role) in self.objects.iter().zip(&self.roles) {
+            let closed = self.direct(object).is_some();
+            let is_evaluated = *role == Role::Alone || *role == Role::InBvh;
+            if is_evaluated && N::any(counts(closed)) {
+                add(self.tree_surface(object, p, threshold), counts(closed));
+            }
         }
         for crowd in &self.crowds {
             add(crowd.surface(self, p, threshold, afar), counts(false));

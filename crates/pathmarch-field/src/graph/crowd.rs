@@ -16,6 +16,7 @@
 
 mod grid;
 
+use super::bvh::{self, Bvh};
 use super::{Batch, Field, Role, Surface, Tree};
 use crate::blend::{Blend, BlendProfile};
 use crate::bounds::Aabb;
@@ -260,11 +261,14 @@ impl Field {
         let mut roles = vec![Role::Alone; self.objects.len()];
         let has_end = |leaf: u32| Some(self.leaf_bounds(leaf as usize)).filter(|b| b.is_finite() && !b.is_empty());
         let mut crowds = Vec::new();
-        let mut apart = Vec::new();
+        let (mut apart, mut closed) = (Vec::new(), Vec::new());
         for (index, object) in self.objects.iter().enumerate() {
             match object {
                 Tree::Leaf(leaf) if self.direct(object).is_none() && has_end(*leaf).is_some() => {
                     apart.push((index, *leaf))
+                }
+                Tree::Leaf(leaf) if self.direct(object).is_some() && has_end(*leaf).is_some() => {
+                    closed.push((index, *leaf));
                 }
                 Tree::Combine { operator, smooth, children, first_choice }
                     if children.len() >= least && joins(*operator) =>
@@ -291,6 +295,12 @@ impl Field {
             }
             crowds.push(Crowd::new(apart.into_iter().map(|(_, leaf)| leaf).collect(), None, true, 0, bounds));
         }
+        if closed.len() >= least.max(bvh::LEAST) {
+            for &(index, _) in &closed {
+                roles[index] = Role::InBvh;
+            }
+            self.bvh = Bvh::new(closed.into_iter().map(|(index, leaf)| (leaf, self.object_bounds[index])).collect());
+        }
         (self.roles, self.crowds) = (roles, crowds);
     }
 
@@ -310,12 +320,17 @@ impl Field {
         let last = self.crowds.len().wrapping_sub(1);
         let number = |(role, counts): (&Role, &bool)| match role {
             _ if !counts => None,
-            Role::Alone => None,
+            Role::Alone | Role::InBvh => None,
             Role::Crowd(crowd) => Some(*crowd),
             Role::InCrowd => Some(last),
         };
         let numbers: BTreeSet<usize> = self.roles.iter().zip(counts).filter_map(number).collect();
         numbers.into_iter().collect()
+    }
+
+    /// Over the objects of closed form that are in it.
+    pub(crate) fn bvh(&self) -> &Bvh {
+        &self.bvh
     }
 
     /// Those of many shapes.
@@ -325,7 +340,8 @@ impl Field {
 
     /// How many shapes are printed as code: those of crowds are numbers.
     pub fn shapes_as_code(&self) -> usize {
-        self.leaves.len() - self.crowds.iter().map(|crowd| crowd.leaves.len()).sum::<usize>()
+        let in_bvh = self.roles.iter().filter(|role| **role == Role::InBvh).count();
+        self.leaves.len() - in_bvh - self.crowds.iter().map(|crowd| crowd.leaves.len()).sum::<usize>()
     }
 
     /// What the grids of crowds take that were built so far, bytes.

@@ -3,6 +3,7 @@
 //! Structure is code, numbers are data: every number of the scene stands in [`Program::parameters`], so that a scene of
 //! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
 
+mod bvh;
 mod coordinates;
 mod crowd;
 
@@ -20,8 +21,8 @@ pub type Parameters = Vec<[f32; 4]>;
 /// A field's code and numbers.
 ///
 /// The code expects an array `field_parameters` of `vec4f` and declares `marched_distance(p: vec3f) -> f32`,
-/// `direct_hit(origin: vec3f, direction: vec3f) -> f32`, the struct `Surface` and `surface(p: vec3f, direct: bool, seed: u32)
-/// -> Surface`: the WGSL of the [`Field`] methods of these names, the last one that of [`Field::surface_met`].
+/// `direct_hit(origin: vec3f, direction: vec3f) -> DirectHit`, the struct `Surface` and `surface(p: vec3f, met: u32, seed: u32)
+/// -> Surface`, where `met` is that of a direct hit or `MARCHED`: the WGSL of the [`Field`] methods of these names, the last one that of [`Field::surface_met`].
 #[derive(Clone, Debug)]
 pub struct Program {
     /// WGSL text; equal for scenes of equal structure.
@@ -34,9 +35,20 @@ pub struct Program {
     /// Whether the code looks numbers up in tables: then the array has no length in its type, which another point of an
     /// outline would change.
     pub has_tables: bool,
+    /// Records of the leaves of the hierarchy.
+    bvh_records: Vec<(u32, usize)>,
 }
 
 const SURFACE: &str = "\
+/// A surface that was met by marching.
+const MARCHED = 0xffffffffu;
+
+/// The first surface of closed form along a ray: metres, or 1e30, and what `surface` tells it by.
+struct DirectHit {
+    t: f32,
+    met: u32,
+}
+
 /// The nearest surface as seen from a point.
 struct Surface {
     gradient: vec3f,
@@ -98,7 +110,7 @@ impl Program {
             code += CHOICE;
         }
         let reads_tables = field.leaves().iter().any(|leaf| leaf.shape.reads_table());
-        let has_tables = reads_tables || !field.crowds().is_empty();
+        let has_tables = reads_tables || !field.crowds().is_empty() || !field.bvh().nodes.is_empty();
         if reads_tables {
             code += "\n";
             code += TABLE;
@@ -107,9 +119,10 @@ impl Program {
             code += "\n";
             code += function;
         }
-        let crowds = composer.crowds();
+        let crowds = composer.records() + &composer.crowds() + &composer.bvh();
         let code = format!("{code}\n{crowds}{distance}\n{direct}\n{surface}");
-        Self { code, whole_distance, parameters: composer.parameters, has_tables }
+        let Composer { parameters, bvh_records, .. } = composer;
+        Self { code, whole_distance, parameters, has_tables, bvh_records }
     }
 
     /// WGSL text, to stand behind [`code`](Self::code), of functions `NAME(p: vec3f, own: u32) -> f32`: each is
@@ -118,14 +131,15 @@ impl Program {
         let Composed { composer, functions, .. } = Composed::new(field);
         let mut of_distances = BTreeSet::new();
         let mut text = String::new();
-        for (name, counts) in named {
+        for (bit, (name, counts)) in named.iter().enumerate() {
             let counted: Vec<&Tree> =
                 field.alone_with(counts).filter(|(_, counts)| *counts).map(|(tree, _)| tree).collect();
             let crowds = field.crowds_that_count(counts);
             counted.iter().for_each(|tree| composer.distances(tree, &mut of_distances));
             let doc =
                 "Distance from `p` to the nearest surface of the objects that count here, from either side, metres.";
-            text += &composer.unsigned_distance(&format!("{name}(p: vec3f, own: u32)"), doc, &counted, &crowds, true);
+            text +=
+                &composer.unsigned_distance(&format!("{name}(p: vec3f, own: u32)"), doc, &counted, &crowds, Some(bit));
         }
         of_distances.difference(&functions).map(|(_, function)| format!("{function}\n")).collect::<String>() + &text
     }
@@ -148,11 +162,14 @@ impl<'a> Composed<'a> {
             starts: Vec::new(),
             modifier_starts: Vec::new(),
             crowd_starts: Vec::new(),
+            bvh_start: 0,
+            bvh_records: Vec::new(),
         };
         let mut functions = BTreeSet::new();
         let mut printed = BTreeSet::new();
         let mut in_crowds = vec![false; field.leaves().len()];
-        field.crowds().iter().flat_map(|crowd| &crowd.leaves).for_each(|&leaf| in_crowds[leaf as usize] = true);
+        let in_data = field.crowds().iter().flat_map(|crowd| crowd.leaves.iter().copied());
+        in_data.chain(field.bvh().leaves()).for_each(|leaf| in_crowds[leaf as usize] = true);
         for (leaf, in_crowd) in field.leaves().iter().zip(in_crowds) {
             composer.starts.push(composer.parameters.len());
             if in_crowd {
@@ -168,6 +185,7 @@ impl<'a> Composed<'a> {
             }
         }
         let mut has_choice = composer.crowd_functions(&mut functions);
+        composer.bvh_functions(&mut functions);
         for tree in field.alone() {
             has_choice |= composer.operators(tree, &mut functions);
             match field.direct(tree) {
@@ -182,6 +200,7 @@ impl<'a> Composed<'a> {
         }
         composer.tables();
         composer.crowd_numbers();
+        composer.bvh_numbers();
         Self { composer, functions, has_choice }
     }
 }
@@ -197,6 +216,10 @@ struct Composer<'a> {
     modifier_starts: Vec<usize>,
     /// Where what tells of each crowd starts.
     crowd_starts: Vec<usize>,
+    /// Where what tells of the hierarchy starts.
+    bvh_start: usize,
+    /// Where the record of each of its leaves stands.
+    bvh_records: Vec<(u32, usize)>,
 }
 
 fn profile(smooth: Option<Blend>) -> Option<BlendProfile> {
@@ -365,24 +388,24 @@ impl Composer<'_> {
         let marched: Vec<&Tree> = self.field.alone().filter(|object| self.field.direct(object).is_none()).collect();
         let crowds: Vec<usize> = (0..self.field.crowds().len()).collect();
         let doc = "Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.";
-        self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, &crowds, false)
+        self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, &crowds, None)
     }
 
-    /// A function of this signature; where it has an `own` leaf, one with a closed form does not count, and distances to crowds
-    /// are about what they are.
+    /// A function of this signature; where it is of a set of objects that count, the leaf `own` of closed form does not,
+    /// and distances to crowds are about what they are.
     fn unsigned_distance(
         &self,
         signature: &str,
         doc: &str,
         objects: &[&Tree],
         crowds: &[usize],
-        has_own: bool,
+        set: Option<usize>,
     ) -> String {
         let mut text = format!("/// {doc}\nfn {signature} -> f32 {{\n    var nearest = 1e30;\n");
         let mut counter = 0;
         for object in objects {
             let value = self.tree_distance(object, &mut text, &mut counter);
-            match self.field.direct(object).filter(|_| has_own) {
+            match self.field.direct(object).filter(|_| set.is_some()) {
                 Some(leaf) => {
                     writeln!(text, "    nearest = select(min(nearest, abs({value})), nearest, own == {leaf}u);")
                 }
@@ -391,8 +414,11 @@ impl Composer<'_> {
             .expect("writing to a string");
         }
         for crowd in crowds {
-            writeln!(text, "    nearest = min(nearest, abs(crowd_{crowd}_distance(p, {has_own})));")
+            writeln!(text, "    nearest = min(nearest, abs(crowd_{crowd}_distance(p, {})));", set.is_some())
                 .expect("writing to a string");
+        }
+        if let Some(set) = set.filter(|_| !self.field.bvh().nodes.is_empty()) {
+            writeln!(text, "    nearest = bvh_distance(p, nearest, {}u, own);", 1 << set).expect("writing to a string");
         }
         text + "    return nearest;\n}\n"
     }
@@ -417,9 +443,10 @@ impl Composer<'_> {
     fn direct_hit(&self) -> String {
         let mut text = String::from(
             "/// Metres to the first surface of the shapes that rays meet in closed form, or 1e30.\n\
-             fn direct_hit(origin: vec3f, direction: vec3f) -> f32 {\n    var nearest = 1e30;\n",
+             fn direct_hit(origin: vec3f, direction: vec3f) -> DirectHit {\n    var nearest = 1e30;\n    var met = MARCHED;\n    \
+             var t: f32;\n",
         );
-        for index in self.field.direct_leaves() {
+        for index in self.field.alone().filter_map(|object| self.field.direct(object)) {
             let leaf = &self.field.leaves()[index as usize];
             let (point, values) = self.arguments(index, "origin");
             let start = self.starts[index as usize];
@@ -433,10 +460,18 @@ impl Composer<'_> {
                 }
             };
             let name = leaf.shape.wgsl_name();
-            writeln!(text, "    nearest = min(nearest, {name}_ray({point}, {direction}{values}){factor});")
-                .expect("writing to a string");
+            writeln!(
+                text,
+                "    t = {name}_ray({point}, {direction}{values}){factor};\n    met = select(met, {index}u, t < nearest);\n    \
+                 nearest = min(nearest, t);"
+            )
+            .expect("writing to a string");
         }
-        text + "    return nearest;\n}\n"
+        if !self.field.bvh().nodes.is_empty() {
+            text += "    return bvh_hit(origin, direction, DirectHit(nearest, met));\n}\n";
+            return text;
+        }
+        text + "    return DirectHit(nearest, met);\n}\n"
     }
 
     fn tree_distance(&self, tree: &Tree, text: &mut String, counter: &mut u32) -> String {
@@ -471,29 +506,49 @@ impl Composer<'_> {
 
     fn surface(&self) -> String {
         let mut text = String::from(
-            "/// The surface that a ray met at `p`, of an object with a closed form or of one that is marched: its signed \
-             distance,\n/// gradient, and the leaf whose material shows.\n\
-             fn surface(p: vec3f, direct: bool, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
+            "/// The surface that a ray met at `p`, of the leaf of a direct hit or of what is marched: its signed distance,\n\
+             /// gradient, and the leaf whose material shows.\n\
+             fn surface(p: vec3f, met: u32, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
         );
         let mut counter = 0;
-        for object in self.field.alone() {
+        let (closed, marched): (Vec<&Tree>, Vec<&Tree>) =
+            self.field.alone().partition(|object| self.field.direct(object).is_some());
+        if !marched.is_empty() || !self.field.crowds().is_empty() {
+            text += &asked("met != MARCHED");
+        }
+        for object in &marched {
             let (value, leaf) = self.tree_surface(object, &mut text, &mut counter);
-            let not = if self.field.direct(object).is_some() { "" } else { "!" };
             writeln!(
                 text,
-                "    if {not}direct && abs({value}.w) < abs(nearest.w) {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
+                "    if abs({value}.w) < abs(nearest.w) {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
             )
             .expect("writing to a string");
         }
         for crowd in 0..self.field.crowds().len() {
-            let name = format!("crowd{crowd}");
             writeln!(
                 text,
-                "    if !direct {{\n        let {name} = crowd_{crowd}_surface(p, seed);\n        if abs({name}.distance) < \
-                 abs(nearest.w) {{\n            nearest = vec4f({name}.gradient, {name}.distance);\n            leaf = \
-                 {name}.leaf;\n        }}\n    }}"
+                "    let crowd{crowd} = crowd_{crowd}_surface(p, seed);\n    if abs(crowd{crowd}.distance) < abs(nearest.w) \
+                 {{\n        nearest = vec4f(crowd{crowd}.gradient, crowd{crowd}.distance);\n        leaf = \
+                 crowd{crowd}.leaf;\n    }}"
             )
             .expect("writing to a string");
+        }
+        if !marched.is_empty() || !self.field.crowds().is_empty() {
+            text += ANSWERED;
+        }
+        for object in &closed {
+            let mut inner = String::new();
+            let (value, leaf) = self.tree_surface(object, &mut inner, &mut counter);
+            text += &asked(&format!("met != {leaf}"));
+            text += &inner;
+            writeln!(text, "    nearest = {value};\n    leaf = {leaf};").expect("writing to a string");
+            text += ANSWERED;
+        }
+        if !self.field.bvh().nodes.is_empty() {
+            text += &asked("met < BVH || met == MARCHED");
+            text += "    let record = met - BVH;\n    nearest = item_gradient(record, p);\n    leaf = \
+                     u32(field_parameters[record + 3u].w);\n";
+            text += ANSWERED;
         }
         text + "    return Surface(nearest.xyz, nearest.w, leaf);\n}\n"
     }
@@ -564,6 +619,14 @@ impl Composer<'_> {
         }
     }
 }
+
+/// What no invocation needs is skipped by a loop that is left at once: software Vulkan runs both sides of an `if`.
+fn asked(not: &str) -> String {
+    format!("    loop {{\n        if {not} {{\n            break;\n        }}\n")
+}
+
+/// The end of what was [`asked`].
+const ANSWERED: &str = "        break;\n    }\n";
 
 /// The matrix whose columns are the rows stored from this vector on.
 fn rows(start: usize) -> String {

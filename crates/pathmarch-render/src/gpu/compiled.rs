@@ -22,7 +22,10 @@ pub(crate) struct Printed {
 
 impl Printed {
     pub(crate) fn new(prepared: &Prepared) -> Self {
-        let program = Program::new(&prepared.field);
+        let mut program = Program::new(&prepared.field);
+        if let Some(preview) = &prepared.preview {
+            program.count(&prepared.field, &preview.counted());
+        }
         let trusted = prepared.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
         let (code, uniform) = (kernel(prepared, &program), program.is_uniform());
         Self { code, parameters: program.parameters, uniform, trusted }

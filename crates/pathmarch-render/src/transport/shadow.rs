@@ -94,7 +94,7 @@ fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<Hit>) 
     let reached = origin + direction * t;
     let p = FieldVec3::new(reached.x, reached.y, reached.z);
     let threshold = |index| f32::choice(connection.seed, index);
-    let met = prepared.field.surface_met(p, f32::from(direct), &threshold);
+    let met = prepared.field.surface_met(p, Hit::met(direct), &threshold);
     let leaf = &prepared.leaves[met.leaf as usize];
     if target == Some(met.leaf as u32) {
         // A sheet's gradient points to the side it is seen from.

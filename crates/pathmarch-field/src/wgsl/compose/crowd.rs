@@ -33,19 +33,35 @@ struct CrowdCell {
 ";
 
 impl Composer<'_> {
-    /// The shapes of crowds, one of each kind, and what their functions' names begin with.
+    /// The shapes that have records, one of each kind, and what their functions' names begin with.
     pub(super) fn crowd_kinds(&self) -> Vec<(String, &dyn Shape)> {
         let mut kinds: Vec<(String, &dyn Shape)> = Vec::new();
-        for crowd in self.field.crowds() {
-            for &leaf in &crowd.leaves {
-                let shape = &*self.field.leaves()[leaf as usize].shape;
-                let name = shape.wgsl_name();
-                if kinds.iter().all(|(known, _)| *known != name) {
-                    kinds.push((name, shape));
-                }
+        for leaf in self.leaves_with_records() {
+            let shape = &*self.field.leaves()[leaf as usize].shape;
+            let name = shape.wgsl_name();
+            if kinds.iter().all(|(known, _)| *known != name) {
+                kinds.push((name, shape));
             }
         }
+        // Not in the order of places, by which leaves stand in a hierarchy.
+        kinds.sort_by(|(a, _), (b, _)| a.cmp(b));
         kinds
+    }
+
+    fn leaves_with_records(&self) -> impl Iterator<Item = u32> {
+        self.field.crowds().iter().flat_map(|crowd| crowd.leaves.iter().copied()).chain(self.field.bvh().leaves())
+    }
+
+    /// The kinds as they are called.
+    pub(super) fn record_kinds(&self) -> Vec<Item> {
+        let item = |(name, shape): (String, &dyn Shape)| {
+            let leaves = self.field.leaves();
+            let known = self.leaves_with_records().map(|leaf| &leaves[leaf as usize]);
+            let count = known.into_iter().find(|leaf| leaf.shape.wgsl_name() == name).map(|leaf| leaf.params.len());
+            let numbers = if shape.reads_table() { 1 } else { count.unwrap_or_default() };
+            Item { is_long: is_long(&shape.wgsl_distance()), has_ray: shape.closed_form(), name, numbers }
+        };
+        self.crowd_kinds().into_iter().map(item).collect()
     }
 
     /// Collects the functions that crowds call and keeps places for what tells of them; whether any blends.
@@ -135,7 +151,7 @@ impl Composer<'_> {
         if self.field.crowds().is_empty() {
             return String::new();
         }
-        let mut text = format!("{CELL}\n{}\n{}\n", find(), self.items());
+        let mut text = format!("{CELL}\n{}\n", find());
         for (number, (crowd, &header)) in self.field.crowds().iter().zip(&self.crowd_starts).enumerate() {
             text += &crowd_functions(number, crowd, header);
         }
@@ -143,19 +159,11 @@ impl Composer<'_> {
     }
 
     /// The distance and the gradient of the shape of a record.
-    fn items(&self) -> String {
-        let kinds: Vec<Item> = self
-            .crowd_kinds()
-            .into_iter()
-            .map(|(name, shape)| {
-                let count = self.field.crowds().iter().flat_map(|crowd| &crowd.leaves).find_map(|&leaf| {
-                    let leaf = &self.field.leaves()[leaf as usize];
-                    (leaf.shape.wgsl_name() == name).then_some(leaf.params.len())
-                });
-                let numbers = if shape.reads_table() { 1 } else { count.unwrap_or_default() };
-                Item { is_long: is_long(&shape.wgsl_distance()), name, numbers }
-            })
-            .collect();
+    pub(super) fn records(&self) -> String {
+        let kinds = self.record_kinds();
+        if kinds.is_empty() {
+            return String::new();
+        }
         let local = "    let at = field_parameters[record];\n    let x = field_parameters[record + 1u];\n    \
                      let y = field_parameters[record + 2u];\n    let z = field_parameters[record + 3u];\n    \
                      let n = field_parameters[record + 4u];\n    let q = (p - at.xyz) * mat3x3f(x.xyz, y.xyz, z.xyz);\n";
@@ -163,7 +171,7 @@ impl Composer<'_> {
             "/// Signed distance to the shape of a record.\nfn item_distance(record: u32, p: vec3f) -> f32 {{\n{local}    var d = \
              1e30;\n{}    return d * at.w;\n}}\n\n/// Gradient (xyz) and distance (w) of the shape of a record.\n\
              fn item_gradient(record: u32, p: vec3f) -> vec4f {{\n{local}    var d = vec4f(0.0, 0.0, 0.0, 1e30);\n{}    return \
-             vec4f(mat3x3f(x.xyz, y.xyz, z.xyz) * d.xyz, d.w) * at.w;\n}}\n",
+             vec4f(mat3x3f(x.xyz, y.xyz, z.xyz) * d.xyz, d.w) * at.w;\n}}\n\n",
             cases(&kinds, "d", "distance", "q"),
             cases(&kinds, "d", "gradient", "q"),
         )
@@ -175,6 +183,7 @@ pub(super) struct Item {
     pub(super) name: String,
     pub(super) numbers: usize,
     pub(super) is_long: bool,
+    pub(super) has_ray: bool,
 }
 
 /// Whether a function loops, so that it is worth a question.
@@ -200,12 +209,13 @@ pub(super) fn cases(kinds: &[Item], result: &str, function: &str, inputs: &str) 
         return format!("    {}\n", call(item));
     }
     let mut text = String::from("    switch u32(x.w) {\n");
-    for (number, item) in kinds.iter().enumerate().filter(|(_, item)| !item.is_long) {
+    let is_called = |item: &Item| item.has_ray || function != "ray";
+    for (number, item) in kinds.iter().enumerate().filter(|(_, item)| !item.is_long && is_called(item)) {
         writeln!(text, "        case {number}u: {{\n            {}\n        }}", call(item))
             .expect("writing to a string");
     }
     text += "        default: {}\n    }\n";
-    for (number, item) in kinds.iter().enumerate().filter(|(_, item)| item.is_long) {
+    for (number, item) in kinds.iter().enumerate().filter(|(_, item)| item.is_long && is_called(item)) {
         writeln!(
             text,
             "    loop {{\n        if u32(x.w) != {number}u {{\n            break;\n        }}\n        {}\n        break;\n    }}",
