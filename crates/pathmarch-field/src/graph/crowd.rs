@@ -1,8 +1,8 @@
 //! Crowds: unions of so many shapes that they are numbers, not code.
 //!
 //! Idea: of thousands of shapes only a few matter near a point. A sparse grid over the crowd keeps for each of its cells which
-//! ones, and in what order they are folded; cells far from every surface keep one bound of the distance instead (Barbier,
-//! Paris, Bernard, Galin and Guérin 2025, "Lipschitz Pruning: Hierarchical Simplification of Primitive-Based SDFs"). `grid.rs`
+//! ones, and in what order they are folded; cells far from every surface keep one bound of the distance instead (Barbier
+//! et al. 2025, "Lipschitz Pruning: Hierarchical Simplification of Primitive-Based SDFs"). `grid.rs`
 //! has the rule and the building.
 //!
 //! Where we differ: a crowd is one fold over a list and not a tree of operators, so that what matters can be told exactly; near
@@ -10,7 +10,7 @@
 //! a list keeps the point of the surface nearest to its centre, which stands for the crowd where a view is so coarse that a
 //! ray ends there, and where shading asks for a distance rather than for a bound.
 //!
-//! A crowd is an object that is one union, sharp or smooth, of at least [`LEAST`] shapes with ends, or all objects that are one
+//! A crowd is an object that is one union, sharp or smooth, of at least [`LEAST`] shapes that have ends and are no fractals, or all objects that are one
 //! such shape each and are marched. Cost: a descent of at most five cells and the fold of a short list; building 10,000 shapes
 //! takes a fraction of a second, done when something is first marched. Memory is bounded: [`Grid::bytes`].
 
@@ -259,7 +259,11 @@ impl Field {
     pub(super) fn gather(&mut self, least: usize) {
         let least = least.max(2);
         let mut roles = vec![Role::Alone; self.objects.len()];
-        let has_end = |leaf: u32| Some(self.leaf_bounds(leaf as usize)).filter(|b| b.is_finite() && !b.is_empty());
+        // Fractals stay code: what is asked of their orbits is.
+        let has_end = |leaf: u32| {
+            let bounds = Some(self.leaf_bounds(leaf as usize)).filter(|b| b.is_finite() && !b.is_empty());
+            bounds.filter(|_| !self.leaves[leaf as usize].shape.has_orbit())
+        };
         let mut crowds = Vec::new();
         let (mut apart, mut closed) = (Vec::new(), Vec::new());
         for (index, object) in self.objects.iter().enumerate() {
@@ -336,6 +340,13 @@ impl Field {
     /// Those of many shapes.
     pub(crate) fn crowds(&self) -> &[Crowd] {
         &self.crowds
+    }
+
+    /// Builds what finds the shapes near a point, where there are many: for those who will ask for many distances.
+    pub fn index(&self) {
+        for crowd in &self.crowds {
+            crowd.grid(self);
+        }
     }
 
     /// How many shapes are printed as code: those of crowds are numbers.
