@@ -2,7 +2,7 @@
 //!
 //! Twin of `graph/crowd.rs`, which explains them. Behind all other numbers of the field stand, for each crowd, a record of every
 //! shape (place, scale, turn, parameters), the cells of its grid, two vectors each, and the lists of records. The code knows only
-//! where the crowd's six numbers of its own start, so that it does not change with how many shapes there are or where.
+//! where the five vectors that tell of the crowd stand, so that it does not change with how many shapes there are or where.
 //!
 //! Cost: a descent without a loop, and one iteration for each shape in a list. Mesa's software Vulkan ends all loops of an
 //! invocation once they have run 65,535 times together: a path of ten rays at a hundred evaluations each, lists of eight at every
