@@ -51,6 +51,12 @@ impl Aabb {
     pub fn contains(&self, p: Vec3<f32>, slack: f32) -> bool {
         [p.x, p.y, p.z].iter().enumerate().all(|(k, &v)| v >= self.min[k] - slack && v <= self.max[k] + slack)
     }
+    /// Metres from the point to the box; zero inside.
+    pub fn distance(&self, p: [f32; 3]) -> f32 {
+        let beyond = |k: usize| (self.min[k] - p[k]).max(p[k] - self.max[k]).max(0.0);
+        let [x, y, z] = [0, 1, 2].map(beyond);
+        (x * x + y * y + z * z).sqrt()
+    }
     /// The eight corners.
     pub fn corners(&self) -> [[f32; 3]; 8] {
         std::array::from_fn(|i| std::array::from_fn(|k| if i >> k & 1 == 0 { self.min[k] } else { self.max[k] }))

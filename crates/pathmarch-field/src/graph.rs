@@ -5,14 +5,18 @@
 //! transform away from the world, and evaluates the tree for one point or eight. [`crate::wgsl::Program`] prints the same
 //! tree for the GPU. Cost of an evaluation: one virtual call and one transform for each leaf.
 
+pub(crate) mod bvh;
 mod coordinates;
+pub(crate) mod crowd;
 mod solids;
 
 use crate::blend::Blend;
 use crate::bounds::Aabb;
-use crate::number::{Differentiable, Dual, Real, Vec3};
+use crate::number::{Differentiable, Dual, Mask8, Real, Vec3};
 use crate::registry::{Combine, Modify, NO_HIT, Shape, ShapeRef, Span, TRAPS, union};
+use bvh::Bvh;
 pub use coordinates::Coordinates;
+use crowd::{Afar, Crowd};
 use glam::{EulerRot, Mat3, Quat};
 use wide::f32x8;
 
@@ -118,6 +122,31 @@ pub struct Leaf {
     pub pose: Pose,
     /// Whether that is in the space of a modifier, not in the world.
     pub modified: bool,
+    /// Whether rays meet it in closed form from within: it is taken away from its object.
+    pub hollow: bool,
+}
+
+impl Leaf {
+    fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
+        let distance = N::shape_distance(&*self.shape, self.pose.local(p), &self.params);
+        self.pose.length(distance)
+    }
+
+    fn ray<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> N {
+        let t = N::shape_ray(&*self.shape, self.pose.local(origin), self.pose.turned(direction), &self.params);
+        self.pose.length(t)
+    }
+
+    fn span<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> Span<N> {
+        let (origin, direction) = (self.pose.local(origin), self.pose.turned(direction));
+        let Span { enter, leave } = N::shape_span(&*self.shape, origin, direction, &self.params);
+        Span { enter: self.pose.length(enter), leave: self.pose.length(leave) }
+    }
+
+    fn surface<N: Batch>(&self, p: Vec3<N>) -> Dual<N> {
+        let local = N::shape_gradient(&*self.shape, Dual::variables(self.pose.local(p)), &self.params);
+        self.pose.world(local)
+    }
 }
 
 impl Pose {
@@ -233,15 +262,45 @@ pub struct Field {
     bounds: Aabb,
     object_bounds: Vec<Aabb>,
     marched_bounds: Aabb,
+    /// How each object is evaluated.
+    roles: Vec<Role>,
+    crowds: Vec<Crowd>,
+    /// Over many objects of closed form.
+    bvh: Bvh,
     /// How many choices and modifiers there are so far.
     choices: u32,
     modifiers: u32,
+}
+
+/// Stands for the leaf where a ray met none of closed form.
+pub const MARCHED: f32 = -1.0;
+
+/// How an object is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// By itself: met in closed form or marched as code.
+    Alone,
+    /// It is the crowd of this number.
+    Crowd(usize),
+    /// Its one shape is in a crowd of such objects.
+    InCrowd,
+    /// Its one shape is met in closed form, by way of the hierarchy.
+    InBvh,
 }
 
 /// A number that a [`Field`] can be evaluated over on the CPU.
 pub trait Batch: Differentiable {
     /// One seed for each point.
     type Seeds: Copy;
+    /// How many points.
+    #[doc(hidden)]
+    const LANES: usize;
+    #[doc(hidden)]
+    fn any(mask: Self::Mask) -> bool;
+    #[doc(hidden)]
+    fn lanes(self) -> [f32; 8];
+    #[doc(hidden)]
+    fn from_lanes(lanes: [f32; 8]) -> Self;
     #[doc(hidden)]
     fn shape_distance(shape: &dyn Shape, p: Vec3<Self>, params: &[f32]) -> Self;
     #[doc(hidden)]
@@ -271,6 +330,16 @@ pub trait Batch: Differentiable {
 
 impl Batch for f32 {
     type Seeds = u32;
+    const LANES: usize = 1;
+    fn any(mask: bool) -> bool {
+        mask
+    }
+    fn lanes(self) -> [f32; 8] {
+        [self; 8]
+    }
+    fn from_lanes(lanes: [f32; 8]) -> f32 {
+        lanes[0]
+    }
     fn shape_distance(shape: &dyn Shape, p: Vec3<f32>, params: &[f32]) -> f32 {
         shape.distance(p, params)
     }
@@ -314,6 +383,16 @@ impl Batch for f32 {
 
 impl Batch for f32x8 {
     type Seeds = [u32; 8];
+    const LANES: usize = 8;
+    fn any(mask: Mask8) -> bool {
+        mask.0.to_bitmask() != 0
+    }
+    fn lanes(self) -> [f32; 8] {
+        self.to_array()
+    }
+    fn from_lanes(lanes: [f32; 8]) -> f32x8 {
+        f32x8::from(lanes)
+    }
     fn shape_distance(shape: &dyn Shape, p: Vec3<f32x8>, params: &[f32]) -> f32x8 {
         shape.distance_lanes(p, params)
     }
@@ -411,12 +490,21 @@ impl Frame {
 impl Field {
     /// The union of `objects`. A [`Kind::Combine`] without children is left out.
     pub fn new(objects: &[Node]) -> Self {
+        Self::with_crowds_from(objects, crowd::LEAST)
+    }
+
+    /// [`new`](Self::new), where so many shapes are a crowd.
+    #[doc(hidden)]
+    pub fn with_crowds_from(objects: &[Node], least: usize) -> Self {
         let mut field = Self {
             leaves: Vec::new(),
             objects: Vec::new(),
             bounds: Aabb::NOTHING,
             object_bounds: Vec::new(),
             marched_bounds: Aabb::NOTHING,
+            roles: Vec::new(),
+            crowds: Vec::new(),
+            bvh: Bvh::default(),
             choices: 0,
             modifiers: 0,
         };
@@ -425,12 +513,14 @@ impl Field {
                 let bounds = field.tree_bounds(&tree);
                 field.bounds = field.bounds.union(bounds);
                 field.object_bounds.push(bounds);
-                if !field.is_direct(&tree) {
-                    field.marched_bounds = field.marched_bounds.union(bounds);
+                match field.is_direct(&tree) {
+                    true => field.mark_hollow(&tree, false),
+                    false => field.marched_bounds = field.marched_bounds.union(bounds),
                 }
                 field.objects.push(tree);
             }
         }
+        field.gather(least);
         field
     }
 
@@ -445,6 +535,7 @@ impl Field {
                     object,
                     pose: frame.pose(),
                     modified,
+                    hollow: false,
                 });
                 Some(Tree::Leaf(self.leaves.len() as u32 - 1))
             }
@@ -526,9 +617,6 @@ impl Field {
         let object = self.leaves.get(leaf).and_then(|leaf| self.objects.get(leaf.object as usize));
         object.is_some_and(|object| self.is_direct(object))
     }
-    pub(crate) fn objects(&self) -> &[Tree] {
-        &self.objects
-    }
     /// What the orbit of a point of the world comes near to on the leaf of this number: [`Shape::orbit`], where the leaf is a
     /// fractal.
     pub fn orbit(&self, leaf: usize, p: Vec3<f32>) -> Option<[f32; TRAPS]> {
@@ -571,6 +659,11 @@ impl Field {
             Tree::Modify(modified) => {
                 modified.pose.world_bounds(modified.modifier.bounds(&modified.params, modified.inside_bounds))
             }
+            Tree::Combine { operator, smooth, children, .. } if crowd::joins(*operator) => children
+                .iter()
+                .map(|child| self.tree_bounds(child))
+                .fold(Aabb::NOTHING, Aabb::union)
+                .expanded(crowd::growth(*smooth, children.len())),
             Tree::Combine { operator, smooth, children, .. } => children
                 .iter()
                 .map(|child| self.tree_bounds(child))
@@ -582,18 +675,33 @@ impl Field {
     /// Signed distance from each point to the nearest surface, metres; infinite in an empty scene.
     pub fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for object in &self.objects {
-            nearest = nearest.min(self.tree_distance(object, p));
+        for distance in self.object_distances(p) {
+            nearest = nearest.min(distance);
         }
         nearest
+    }
+
+    /// [`distance`](Self::distance), which far from unions of many shapes need only be about right: what shading asks for.
+    pub fn estimated_distance<N: Batch>(&self, p: Vec3<N>) -> N {
+        let mut nearest = N::constant(f32::INFINITY);
+        for object in self.alone() {
+            nearest = nearest.min(self.tree_distance(object, p));
+        }
+        for crowd in &self.crowds {
+            nearest = nearest.min(crowd.distance(self, p, Afar::Estimate));
+        }
+        self.bvh.distance(self, p, nearest, |_| true, N::constant(MARCHED))
     }
 
     /// Distance to the nearest surface that must be marched, from outside or inside; infinite where there is none. Every
     /// object keeps its own surface: what lies inside a clear one is seen.
     pub fn marched_distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for object in self.objects.iter().filter(|object| !self.is_direct(object)) {
+        for object in self.alone().filter(|object| !self.is_direct(object)) {
             nearest = nearest.min(self.tree_distance(object, p).abs());
+        }
+        for crowd in &self.crowds {
+            nearest = nearest.min(crowd.distance(self, p, Afar::Bound).abs());
         }
         nearest
     }
@@ -603,9 +711,8 @@ impl Field {
     /// does not count if it has a closed form: it is convex, so that nothing of it is before its own surface.
     pub fn distance_to<N: Batch>(&self, p: Vec3<N>, counts: &[bool], own: N) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for (object, _) in self.objects.iter().zip(counts).filter(|(_, counts)| **counts) {
-            let distance = self.tree_distance(object, p).abs();
-            let closer = nearest.min(distance);
+        for (object, _) in self.alone_with(counts).filter(|(_, counts)| *counts) {
+            let closer = nearest.min(self.tree_distance(object, p).abs());
             nearest = match self.direct(object) {
                 Some(leaf) => {
                     let is_own = (own - N::constant(leaf as f32)).abs().lt(N::constant(0.5));
@@ -614,30 +721,34 @@ impl Field {
                 None => closer,
             };
         }
-        nearest
+        for crowd in self.crowds_that_count(counts) {
+            nearest = nearest.min(self.crowds[crowd].distance(self, p, Afar::Estimate).abs());
+        }
+        let leaf_counts = |leaf: u32| counts.get(self.leaves[leaf as usize].object as usize) == Some(&true);
+        self.bvh.distance(self, p, nearest, leaf_counts, own)
     }
 
     /// Signed distance from each point to each object, in their order, metres.
     pub fn object_distances<N: Batch>(&self, p: Vec3<N>) -> impl Iterator<Item = N> {
-        self.objects.iter().map(move |object| self.tree_distance(object, p))
+        self.objects.iter().zip(&self.roles).map(move |(object, role)| match role {
+            Role::Crowd(crowd) => self.crowds[*crowd].distance(self, p, Afar::Exact),
+            _ => self.tree_distance(object, p),
+        })
     }
 
     /// Metres along each unit vector `direction` to the first surface of the objects that are met in closed form, or
-    /// [`NO_HIT`].
-    pub fn direct_hit<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> N {
-        let mut nearest = N::constant(NO_HIT);
-        for object in self.objects.iter().filter(|object| self.is_direct(object)) {
-            nearest = nearest.min(self.object_ray(object, origin, direction));
+    /// [`NO_HIT`]; and the number of its leaf, or [`MARCHED`].
+    pub fn direct_hit<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> (N, N) {
+        let mut hit = (N::constant(NO_HIT), N::constant(MARCHED));
+        for object in self.alone().filter(|object| self.is_direct(object)) {
+            hit = self.object_hit(object, origin, direction, hit);
         }
-        nearest
+        self.bvh.hit(self, origin, direction, hit)
     }
 
     fn tree_distance<N: Batch>(&self, tree: &Tree, p: Vec3<N>) -> N {
         match tree {
-            Tree::Leaf(leaf) => {
-                let leaf = &self.leaves[*leaf as usize];
-                leaf.pose.length(N::shape_distance(&*leaf.shape, leaf.pose.local(p), &leaf.params))
-            }
+            Tree::Leaf(leaf) => self.leaves[*leaf as usize].distance(p),
             Tree::Modify(modified) => {
                 let p = modified.pose.local(p);
                 let (inside, _) = self.nearest_inside(modified, p);
@@ -670,15 +781,18 @@ impl Field {
     /// material shows. Where smooth operators blend materials, one of them is chosen with the probability of its weight,
     /// by the point's seed.
     pub fn surface<N: Batch>(&self, p: Vec3<N>, seeds: N::Seeds) -> Surface<N> {
-        self.nearest_surface(p, |_| N::truth(true), &|index| N::choice(seeds, index))
+        self.nearest_surface(p, |_| N::truth(true), &|index| N::choice(seeds, index), Afar::Exact)
     }
 
     /// The surface of the union at each point: of the object whose signed distance is least, as in
     /// [`distance`](Self::distance). Thresholds are as in [`surface_met`](Self::surface_met).
     pub fn union_surface<N: Batch>(&self, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         let mut least = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
-        for object in &self.objects {
-            let surface = self.tree_surface(object, p, threshold);
+        for (object, role) in self.objects.iter().zip(&self.roles) {
+            let surface = match role {
+                Role::Crowd(crowd) => self.crowds[*crowd].surface(self, p, threshold, Afar::Exact),
+                _ => self.tree_surface(object, p, threshold),
+            };
             let is_less = surface.field.value.lt(least.field.value);
             least = Surface {
                 field: Dual::select(is_less, surface.field, least.field),
@@ -688,13 +802,29 @@ impl Field {
         least
     }
 
-    /// The surface that a ray met at each point, as [`surface`](Self::surface): only of the objects that have a closed form
-    /// where `direct` is 1, only of the others where it is 0. Where a smooth operator blends two materials, the second one
-    /// shows if its weight exceeds the threshold of the blend's number: [`Batch::choice`], or 0.5 for the heavier one.
-    pub fn surface_met<N: Batch>(&self, p: Vec3<N>, direct: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
-        let half = N::constant(0.5);
-        let of_kind = |closed: bool| if closed { half.lt(direct) } else { direct.lt(half) };
-        self.nearest_surface(p, of_kind, threshold)
+    /// The surface that a ray met at each point, as [`surface`](Self::surface): of the leaf of closed form that
+    /// [`direct_hit`](Self::direct_hit) gave as `met`, or of the objects that are marched where that is [`MARCHED`]. Where a smooth
+    /// operator blends two materials, the second one shows if its weight exceeds the threshold of the blend's number:
+    /// [`Batch::choice`], or 0.5 for the heavier one.
+    pub fn surface_met<N: Batch>(&self, p: Vec3<N>, met: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
+        let all = &met.lanes()[..N::LANES];
+        let mut result = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
+        if all.iter().any(|&met| met < 0.0) {
+            result = self.nearest_surface(p, |closed| N::truth(!closed), threshold, Afar::Estimate);
+        }
+        for (lane, &leaf) in all.iter().enumerate().filter(|(_, leaf)| **leaf >= 0.0) {
+            if all[..lane].contains(&leaf) {
+                continue;
+            }
+            let Some(shape) = self.leaves.get(leaf as usize) else { continue };
+            let field = if shape.hollow { -shape.surface(p) } else { shape.surface(p) };
+            let is_it = (met - N::constant(leaf)).abs().lt(N::constant(0.5));
+            result = Surface {
+                field: Dual::select(is_it, field, result.field),
+                leaf: N::select(is_it, N::constant(leaf), result.leaf),
+            };
+        }
+        result
     }
 
     fn nearest_surface<N: Batch>(
@@ -702,15 +832,25 @@ impl Field {
         p: Vec3<N>,
         counts: impl Fn(bool) -> N::Mask,
         threshold: &dyn Fn(u32) -> N,
+        afar: Afar,
     ) -> Surface<N> {
         let mut nearest = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
-        for object in &self.objects {
-            let surface = self.tree_surface(object, p, threshold);
-            let closer = surface.field.value.abs().lt(nearest.field.value.abs()) & counts(self.is_direct(object));
+        let mut add = |surface: Surface<N>, counts: N::Mask| {
+            let closer = surface.field.value.abs().lt(nearest.field.value.abs()) & counts;
             nearest = Surface {
                 field: Dual::select(closer, surface.field, nearest.field),
                 leaf: N::select(closer, surface.leaf, nearest.leaf),
             };
+        };
+        for (object, role) in self.objects.iter().zip(&self.roles) {
+            let closed = self.is_direct(object);
+            let is_evaluated = *role == Role::Alone || *role == Role::InBvh;
+            if is_evaluated && N::any(counts(closed)) {
+                add(self.tree_surface(object, p, threshold), counts(closed));
+            }
+        }
+        for crowd in &self.crowds {
+            add(crowd.surface(self, p, threshold, afar), counts(false));
         }
         nearest
     }
@@ -718,9 +858,7 @@ impl Field {
     fn tree_surface<N: Batch>(&self, tree: &Tree, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         match tree {
             Tree::Leaf(index) => {
-                let leaf = &self.leaves[*index as usize];
-                let local = N::shape_gradient(&*leaf.shape, Dual::variables(leaf.pose.local(p)), &leaf.params);
-                let field = leaf.pose.world(local);
+                let field = self.leaves[*index as usize].surface(p);
                 Surface { field, leaf: N::constant(*index as f32) }
             }
             Tree::Modify(modified) => {

@@ -104,7 +104,11 @@ fn altered(node: &Node) -> Node {
     };
     let kind = match &node.kind {
         Kind::Shape { shape, params, tag } => {
-            Kind::Shape { shape: shape.clone(), params: params.iter().map(|v| v * 1.25).collect(), tag: *tag }
+            // A number that is fixed in the code is structure.
+            let fixed = usize::from(shape.variant(params).is_some());
+            let factor = |k: usize| if k < fixed { 1.0 } else { 1.25 };
+            let params = params.iter().enumerate().map(|(k, v)| v * factor(k)).collect();
+            Kind::Shape { shape: shape.clone(), params, tag: *tag }
         }
         Kind::Combine { operator, smooth, children } => Kind::Combine {
             operator: *operator,

@@ -32,7 +32,7 @@ fn unit(random: &mut Random) -> [f32; 3] {
 fn check(field: &Field, random: &mut Random, what: &str) -> u32 {
     assert!(field.marched_bounds().is_empty(), "{what}: nothing is left to march");
     const FAR: f32 = 8.0;
-    let mut hits = 0;
+    let (mut hits, mut outwards) = (0, 0);
     for _ in 0..25 {
         let rays: [([f32; 3], [f32; 3]); 8] =
             std::array::from_fn(|_| (std::array::from_fn(|_| random.within(-2.0, 2.0)), unit(random)));
@@ -41,15 +41,21 @@ fn check(field: &Field, random: &mut Random, what: &str) -> u32 {
                 lanes(&rays.map(|(o, _)| at(o, [0.0; 3], 0.0))),
                 lanes(&rays.map(|(_, d)| at([0.0; 3], d, 1.0))),
             )
+            .0
             .to_array();
         for ((o, d), lane) in rays.into_iter().zip(eight) {
-            let t = field.direct_hit(at(o, [0.0; 3], 0.0), at([0.0; 3], d, 1.0));
+            let (t, leaf) = field.direct_hit(at(o, [0.0; 3], 0.0), at([0.0; 3], d, 1.0));
             assert!((t - lane).abs() <= 1e-4 * t.abs() || t > FAR && lane > FAR, "{what}: {t} alone, {lane} of eight");
             assert!(t > 0.0 && t <= NO_HIT, "{what}: {t}");
             if t < FAR {
                 hits += 1;
-                let there = field.distance(at(o, d, t));
+                let p = at(o, d, t);
+                let there = field.distance(p);
                 assert!(there.abs() < 2e-4, "{what}: {there} from the surface at {t} along {d:?} from {o:?}");
+                let met = field.surface_met(p, leaf, &|_| 0.5).field;
+                assert!(met.value.abs() < 2e-4, "{what}: {} from the leaf that was met", met.value);
+                let [within, without] = [-2e-3, 2e-3].map(|off| field.distance(p + met.gradient * off));
+                outwards += u32::from(within < without);
             }
             // On the way there it is on one side.
             let starts_inside = field.distance(at(o, d, 0.0)) < 0.0;
@@ -61,6 +67,7 @@ fn check(field: &Field, random: &mut Random, what: &str) -> u32 {
             }
         }
     }
+    assert!(outwards + 2 >= hits - hits / 50, "{what}: {outwards} of {hits} gradients point outwards");
     hits
 }
 
@@ -135,7 +142,7 @@ fn faces_in_common_need_no_margin() {
         let kind = Kind::Combine { operator: operator(name).expect("registered"), smooth: None, children };
         Field::new(&[Node { kind, placement: Placement::default() }])
     };
-    let hit = |field: &Field, o: [f32; 3], d: [f32; 3]| field.direct_hit(at(o, d, 0.0), at([0.0; 3], d, 1.0));
+    let hit = |field: &Field, o: [f32; 3], d: [f32; 3]| field.direct_hit(at(o, d, 0.0), at([0.0; 3], d, 1.0)).0;
     // Side by side: a ray from within leaves at the far end; one from above meets the top they have in common.
     let beside = combined("union", vec![cube(0.0, 0.0, [1.0; 3]), cube(1.0, 0.0, [1.0; 3])]);
     assert_eq!(hit(&beside, [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]), 1.5);

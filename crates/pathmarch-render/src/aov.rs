@@ -167,7 +167,7 @@ struct Hit {
     ray: Ray,
     length: f32,
     /// Whether it met an object that has a closed form.
-    direct: bool,
+    direct: Option<u32>,
 }
 
 /// What a range of pixels sees.
@@ -209,7 +209,7 @@ fn batch(prepared: &Prepared, colours: &[Vec3], range: std::ops::Range<u32>) -> 
         let points = std::array::from_fn(|k| lane(k).ray.origin);
         let surfaces = near(points, |p| {
             let threshold = |blend| f32x8::from(std::array::from_fn(|k| blend_threshold(lane(k).place, blend)));
-            let direct = f32x8::from(std::array::from_fn(|k| f32::from(lane(k).direct)));
+            let direct = f32x8::from(std::array::from_fn(|k| march::Hit::met(lane(k).direct)));
             prepared.field.surface_met(p, direct, &threshold)
         });
         for (hit, near) in chunk.iter().zip(&surfaces) {

@@ -11,7 +11,7 @@
 use super::Batch;
 use super::{Field, Tree};
 use crate::number::{Real, Vec3};
-use crate::registry::{Boolean, NO_HIT, Span};
+use crate::registry::{Boolean, Span};
 
 /// The most shapes of a combination that is met in closed form: beyond it marching costs less.
 const MOST_SHAPES: usize = 12;
@@ -44,35 +44,57 @@ impl Field {
         }
     }
 
-    /// Metres along a ray to the first surface of an object that is met in closed form, or [`NO_HIT`].
-    pub(super) fn object_ray<N: Batch>(&self, object: &Tree, origin: Vec3<N>, direction: Vec3<N>) -> N {
+    /// Remembers which shapes of a combination are taken away from it.
+    pub(super) fn mark_hollow(&mut self, tree: &Tree, hollow: bool) {
+        match tree {
+            Tree::Leaf(index) => self.leaves[*index as usize].hollow = hollow,
+            Tree::Combine { operator, children, .. } => {
+                let taken_away = operator.boolean() == Some(Boolean::Difference);
+                for (k, child) in children.iter().enumerate() {
+                    self.mark_hollow(child, hollow != (taken_away && k > 0));
+                }
+            }
+            Tree::Modify(_) => {}
+        }
+    }
+
+    /// The first hit so far, metres along a ray and the number of the leaf, or that of an object which is met in closed form
+    /// where that is nearer.
+    pub(super) fn object_hit<N: Batch>(
+        &self,
+        object: &Tree,
+        origin: Vec3<N>,
+        direction: Vec3<N>,
+        first: (N, N),
+    ) -> (N, N) {
+        let nearer = |(nearest, met): (N, N), t: N, counts: N::Mask, leaf: u32| {
+            let counts = counts & t.lt(nearest);
+            (N::select(counts, t, nearest), N::select(counts, N::constant(leaf as f32), met))
+        };
         if let Some(index) = self.direct(object) {
-            let leaf = &self.leaves[index as usize];
-            let (origin, direction) = (leaf.pose.local(origin), leaf.pose.turned(direction));
-            return leaf.pose.length(N::shape_ray(&*leaf.shape, origin, direction, &leaf.params));
+            let t = self.leaves[index as usize].ray(origin, direction);
+            return nearer(first, t, N::truth(true), index);
         }
         let mut spans = Spans { first: u32::MAX, ends: [[N::zero(); 2]; MOST_SHAPES], count: 0 };
         self.collect(object, origin, direction, &mut spans);
-        let mut nearest = N::constant(NO_HIT);
-        for k in 0..spans.count {
-            for t in spans.ends[k] {
+        let mut hit = first;
+        for (k, ends) in (0..).zip(&spans.ends[..spans.count]) {
+            for &t in ends {
                 let [before, behind] = [Side::Before, Side::Behind].map(|side| spans.holds(object, t, side));
                 let changes = (before & !behind) | (behind & !before);
-                nearest = N::select(changes & N::zero().lt(t), nearest.min(t), nearest);
+                hit = nearer(hit, t, changes & N::zero().lt(t), spans.first + k);
             }
         }
-        nearest
+        hit
     }
 
     fn collect<N: Batch>(&self, tree: &Tree, origin: Vec3<N>, direction: Vec3<N>, spans: &mut Spans<N>) {
         match tree {
             Tree::Leaf(index) => {
-                let leaf = &self.leaves[*index as usize];
-                let (origin, direction) = (leaf.pose.local(origin), leaf.pose.turned(direction));
-                let Span { enter, leave } = N::shape_span(&*leaf.shape, origin, direction, &leaf.params);
+                let Span { enter, leave } = self.leaves[*index as usize].span(origin, direction);
                 spans.first = spans.first.min(*index);
                 if let Some(ends) = spans.ends.get_mut(spans.count) {
-                    *ends = [enter, leave].map(|t| leaf.pose.length(t));
+                    *ends = [enter, leave];
                     spans.count += 1;
                 }
             }

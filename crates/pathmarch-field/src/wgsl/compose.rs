@@ -3,7 +3,9 @@
 //! Structure is code, numbers are data: every number of the scene stands in [`Program::parameters`], so that a scene of
 //! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
 
+mod bvh;
 mod coordinates;
+mod crowd;
 mod solids;
 
 use crate::blend::{Blend, BlendProfile};
@@ -20,8 +22,8 @@ pub type Parameters = Vec<[f32; 4]>;
 /// A field's code and numbers.
 ///
 /// The code expects an array `field_parameters` of `vec4f` and declares `marched_distance(p: vec3f) -> f32`,
-/// `direct_hit(origin: vec3f, direction: vec3f) -> f32`, the struct `Surface` and `surface(p: vec3f, direct: bool, seed: u32)
-/// -> Surface`: the WGSL of the [`Field`] methods of these names, the last one that of [`Field::surface_met`].
+/// `direct_hit(origin: vec3f, direction: vec3f) -> DirectHit`, the struct `Surface` and `surface(p: vec3f, met: u32, seed: u32)
+/// -> Surface`, where `met` is that of a direct hit or `MARCHED`: the WGSL of the [`Field`] methods of these names, the last one that of [`Field::surface_met`].
 #[derive(Clone, Debug)]
 pub struct Program {
     /// WGSL text; equal for scenes of equal structure.
@@ -34,9 +36,20 @@ pub struct Program {
     /// Whether the code looks numbers up in tables: then the array has no length in its type, which another point of an
     /// outline would change.
     pub has_tables: bool,
+    /// Records of the leaves of the hierarchy.
+    bvh_records: Vec<(u32, usize)>,
 }
 
 const SURFACE: &str = "\
+/// A surface that was met by marching.
+const MARCHED = 0xffffffffu;
+
+/// The first surface of closed form along a ray: metres, or 1e30, and what `surface` tells it by.
+struct DirectHit {
+    t: f32,
+    met: u32,
+}
+
 /// The nearest surface as seen from a point.
 struct Surface {
     gradient: vec3f,
@@ -80,7 +93,7 @@ impl Program {
     pub fn new(field: &Field) -> Self {
         let Composed { mut composer, functions, has_choice } = Composed::new(field);
         let mut code_of_distances = BTreeSet::new();
-        for tree in field.objects() {
+        for tree in field.alone() {
             composer.distances(tree, &mut code_of_distances);
         }
         let mut whole_distance: String =
@@ -97,8 +110,9 @@ impl Program {
             code += "\n";
             code += CHOICE;
         }
-        let has_tables = field.leaves().iter().any(|leaf| leaf.shape.reads_table());
-        if has_tables {
+        let reads_tables = field.leaves().iter().any(|leaf| leaf.shape.reads_table());
+        let has_tables = reads_tables || !field.crowds().is_empty() || !field.bvh().nodes.is_empty();
+        if reads_tables {
             code += "\n";
             code += TABLE;
         }
@@ -106,8 +120,10 @@ impl Program {
             code += "\n";
             code += function;
         }
-        let code = format!("{code}\n{distance}\n{direct}\n{surface}");
-        Self { code, whole_distance, parameters: composer.parameters, has_tables }
+        let crowds = composer.records() + &composer.crowds() + &composer.bvh();
+        let code = format!("{code}\n{crowds}{distance}\n{direct}\n{surface}");
+        let Composer { parameters, bvh_records, .. } = composer;
+        Self { code, whole_distance, parameters, has_tables, bvh_records }
     }
 
     /// WGSL text, to stand behind [`code`](Self::code), of functions `NAME(p: vec3f, own: u32) -> f32`: each is
@@ -116,13 +132,15 @@ impl Program {
         let Composed { composer, functions, .. } = Composed::new(field);
         let mut of_distances = BTreeSet::new();
         let mut text = String::new();
-        for (name, counts) in named {
+        for (bit, (name, counts)) in named.iter().enumerate() {
             let counted: Vec<&Tree> =
-                field.objects().iter().zip(*counts).filter(|(_, counts)| **counts).map(|(tree, _)| tree).collect();
+                field.alone_with(counts).filter(|(_, counts)| *counts).map(|(tree, _)| tree).collect();
+            let crowds = field.crowds_that_count(counts);
             counted.iter().for_each(|tree| composer.distances(tree, &mut of_distances));
             let doc =
                 "Distance from `p` to the nearest surface of the objects that count here, from either side, metres.";
-            text += &composer.unsigned_distance(&format!("{name}(p: vec3f, own: u32)"), doc, &counted, true);
+            text +=
+                &composer.unsigned_distance(&format!("{name}(p: vec3f, own: u32)"), doc, &counted, &crowds, Some(bit));
         }
         of_distances.difference(&functions).map(|(_, function)| format!("{function}\n")).collect::<String>() + &text
     }
@@ -144,29 +162,44 @@ impl<'a> Composed<'a> {
             widths: Vec::new(),
             starts: Vec::new(),
             modifier_starts: Vec::new(),
+            crowd_starts: Vec::new(),
+            bvh_start: 0,
+            bvh_records: Vec::new(),
         };
         let mut functions = BTreeSet::new();
-        for leaf in field.leaves() {
+        let mut printed = BTreeSet::new();
+        let mut in_crowds = vec![false; field.leaves().len()];
+        let in_data = field.crowds().iter().flat_map(|crowd| crowd.leaves.iter().copied());
+        in_data.chain(field.bvh().leaves()).for_each(|leaf| in_crowds[leaf as usize] = true);
+        for (leaf, in_crowd) in field.leaves().iter().zip(in_crowds) {
             composer.starts.push(composer.parameters.len());
+            if in_crowd {
+                continue;
+            }
             match leaf.shape.reads_table() {
                 // Where its table is, once that is known.
                 true => composer.place(&leaf.pose, &[0.0]),
                 false => composer.place(&leaf.pose, &leaf.params),
             }
-            functions.insert((0, leaf.shape.wgsl_gradient()));
+            if printed.insert(leaf.shape.wgsl_name()) {
+                functions.insert((0, leaf.shape.wgsl_gradient()));
+            }
         }
-        let mut has_choice = false;
-        for tree in field.objects() {
+        let mut has_choice = composer.crowd_functions(&mut functions);
+        composer.bvh_functions(&mut functions);
+        for tree in field.alone() {
             has_choice |= composer.operators(tree, &mut functions);
             match field.is_direct(tree) {
                 true => composer.rays(tree, &mut functions),
                 false => composer.distances(tree, &mut functions),
             }
         }
-        for tree in field.objects() {
+        for tree in field.alone() {
             composer.modifiers(tree, &mut functions);
         }
         composer.tables();
+        composer.crowd_numbers();
+        composer.bvh_numbers();
         Self { composer, functions, has_choice }
     }
 }
@@ -180,6 +213,12 @@ struct Composer<'a> {
     starts: Vec<usize>,
     /// Where the numbers of each modifier start.
     modifier_starts: Vec<usize>,
+    /// Where what tells of each crowd starts.
+    crowd_starts: Vec<usize>,
+    /// Where what tells of the hierarchy starts.
+    bvh_start: usize,
+    /// Where the record of each of its leaves stands.
+    bvh_records: Vec<(u32, usize)>,
 }
 
 fn profile(smooth: Option<Blend>) -> Option<BlendProfile> {
@@ -345,24 +384,40 @@ impl Composer<'_> {
     }
 
     fn distance(&self) -> String {
-        let marched: Vec<&Tree> = self.field.objects().iter().filter(|object| !self.field.is_direct(object)).collect();
+        let marched: Vec<&Tree> = self.field.alone().filter(|object| !self.field.is_direct(object)).collect();
+        let crowds: Vec<usize> = (0..self.field.crowds().len()).collect();
         let doc = "Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.";
-        self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, false)
+        self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, &crowds, None)
     }
 
-    /// A function of this signature; where it has an `own` leaf, one with a closed form does not count.
-    fn unsigned_distance(&self, signature: &str, doc: &str, objects: &[&Tree], has_own: bool) -> String {
+    /// A function of this signature; where it is of a set of objects that count, the leaf `own` of closed form does not,
+    /// and distances to crowds are about what they are.
+    fn unsigned_distance(
+        &self,
+        signature: &str,
+        doc: &str,
+        objects: &[&Tree],
+        crowds: &[usize],
+        set: Option<usize>,
+    ) -> String {
         let mut text = format!("/// {doc}\nfn {signature} -> f32 {{\n    var nearest = 1e30;\n");
         let mut counter = 0;
         for object in objects {
             let value = self.tree_distance(object, &mut text, &mut counter);
-            match self.field.direct(object).filter(|_| has_own) {
+            match self.field.direct(object).filter(|_| set.is_some()) {
                 Some(leaf) => {
                     writeln!(text, "    nearest = select(min(nearest, abs({value})), nearest, own == {leaf}u);")
                 }
                 None => writeln!(text, "    nearest = min(nearest, abs({value}));"),
             }
             .expect("writing to a string");
+        }
+        for crowd in crowds {
+            writeln!(text, "    nearest = min(nearest, abs(crowd_{crowd}_distance(p, {})));", set.is_some())
+                .expect("writing to a string");
+        }
+        if let Some(set) = set.filter(|_| !self.field.bvh().nodes.is_empty()) {
+            writeln!(text, "    nearest = bvh_distance(p, nearest, {}u, own);", 1 << set).expect("writing to a string");
         }
         text + "    return nearest;\n}\n"
     }
@@ -373,9 +428,13 @@ impl Composer<'_> {
              fn whole_distance(p: vec3f) -> f32 {\n    var nearest = 1e30;\n",
         );
         let mut counter = 0;
-        for object in self.field.objects() {
+        for object in self.field.alone() {
             let value = self.tree_distance(object, &mut text, &mut counter);
             writeln!(text, "    nearest = min(nearest, {value});").expect("writing to a string");
+        }
+        for crowd in 0..self.field.crowds().len() {
+            writeln!(text, "    nearest = min(nearest, crowd_{crowd}_distance(p, true));")
+                .expect("writing to a string");
         }
         text + "    return nearest;\n}\n"
     }
@@ -412,19 +471,50 @@ impl Composer<'_> {
 
     fn surface(&self) -> String {
         let mut text = String::from(
-            "/// The surface that a ray met at `p`, of an object with a closed form or of one that is marched: its signed \
-             distance,\n/// gradient, and the leaf whose material shows.\n\
-             fn surface(p: vec3f, direct: bool, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
+            "/// The surface that a ray met at `p`, of the leaf of a direct hit or of what is marched: its signed distance,\n\
+             /// gradient, and the leaf whose material shows.\n\
+             fn surface(p: vec3f, met: u32, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
         );
         let mut counter = 0;
-        for object in self.field.objects() {
+        let (closed, marched): (Vec<&Tree>, Vec<&Tree>) =
+            self.field.alone().partition(|object| self.field.is_direct(object));
+        if !marched.is_empty() || !self.field.crowds().is_empty() {
+            text += &asked("met != MARCHED");
+        }
+        for object in &marched {
             let (value, leaf) = self.tree_surface(object, &mut text, &mut counter);
-            let not = if self.field.is_direct(object) { "" } else { "!" };
             writeln!(
                 text,
-                "    if {not}direct && abs({value}.w) < abs(nearest.w) {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
+                "    if abs({value}.w) < abs(nearest.w) {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
             )
             .expect("writing to a string");
+        }
+        for crowd in 0..self.field.crowds().len() {
+            writeln!(
+                text,
+                "    let crowd{crowd} = crowd_{crowd}_surface(p, seed);\n    if abs(crowd{crowd}.distance) < abs(nearest.w) \
+                 {{\n        nearest = vec4f(crowd{crowd}.gradient, crowd{crowd}.distance);\n        leaf = \
+                 crowd{crowd}.leaf;\n    }}"
+            )
+            .expect("writing to a string");
+        }
+        if !marched.is_empty() || !self.field.crowds().is_empty() {
+            text += ANSWERED;
+        }
+        for index in closed.iter().flat_map(|object| solids::leaves(object)) {
+            let mut inner = String::new();
+            let (value, leaf) = self.tree_surface(&Tree::Leaf(index), &mut inner, &mut counter);
+            let sign = if self.field.leaves()[index as usize].hollow { "-" } else { "" };
+            text += &asked(&format!("met != {leaf}"));
+            text += &inner;
+            writeln!(text, "    nearest = {sign}{value};\n    leaf = {leaf};").expect("writing to a string");
+            text += ANSWERED;
+        }
+        if !self.field.bvh().nodes.is_empty() {
+            text += &asked("met < BVH || met == MARCHED");
+            text += "    let record = met - BVH;\n    nearest = item_gradient(record, p);\n    leaf = \
+                     u32(field_parameters[record + 3u].w);\n";
+            text += ANSWERED;
         }
         text + "    return Surface(nearest.xyz, nearest.w, leaf);\n}\n"
     }
@@ -495,6 +585,14 @@ impl Composer<'_> {
         }
     }
 }
+
+/// What no invocation needs is skipped by a loop that is left at once: software Vulkan runs both sides of an `if`.
+fn asked(not: &str) -> String {
+    format!("    loop {{\n        if {not} {{\n            break;\n        }}\n")
+}
+
+/// The end of what was [`asked`].
+const ANSWERED: &str = "        break;\n    }\n";
 
 /// The matrix whose columns are the rows stored from this vector on.
 fn rows(start: usize) -> String {

@@ -24,7 +24,10 @@ pub(crate) struct Printed {
 impl Printed {
     /// As it suits a device.
     pub(crate) fn new(prepared: &Prepared, device: &Device) -> Self {
-        let program = Program::new(&prepared.field);
+        let mut program = Program::new(&prepared.field);
+        if let Some(preview) = &prepared.preview {
+            program.count(&prepared.field, &preview.counted());
+        }
         let trusted = prepared.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
         let memory = Memory::new(prepared, &program, device.is_software());
         let code = kernel(prepared, &program, &memory);

@@ -30,7 +30,7 @@ const MAX_DISPATCHES: usize = 256;
 /// Storage buffers that the kernel binds at most: leaves, materials, lights, film, tables, sky, and the parameters of a
 /// large field.
 pub(crate) const STORAGE_BUFFERS: u32 = 7;
-/// Shapes beyond which a field is too large to be compiled as code.
+/// Shapes that are code, not numbers, beyond which a field is too large to be compiled.
 pub(crate) const MAX_LEAVES: usize = 2048;
 
 /// The layout is that of `Slice` in `transport/frame.wgsl`.
@@ -92,6 +92,17 @@ fn check_limits(device: &Device, size: [u32; 2], shapes: usize) -> Result<(), Re
     Ok(())
 }
 
+/// Why the numbers of a field are too many for the device.
+fn check_numbers(device: &Device, parameters: &[[f32; 4]]) -> Result<(), RenderError> {
+    let limits = device.device.limits();
+    let bytes = size_of_val(parameters) as u64;
+    if bytes > limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) {
+        let what = format!("a field of {} MB of numbers", bytes >> 20);
+        return Err(RenderError::TooLarge { adapter: device.description.name.clone(), what });
+    }
+    Ok(())
+}
+
 fn film_bytes([width, height]: [u32; 2]) -> u64 {
     16 * u64::from(width) * u64::from(height)
 }
@@ -104,7 +115,7 @@ impl GpuJob {
         first_sample: u32,
         target: Duration,
     ) -> Result<Self, RenderError> {
-        check_limits(&device, [prepared.frame.width, prepared.frame.height], prepared.leaves.len())?;
+        check_limits(&device, [prepared.frame.width, prepared.frame.height], prepared.field.shapes_as_code())?;
         let printed = Printed::new(prepared, &device);
         Self::of_printed(device, prepared, &printed, first_sample, target)
     }
@@ -119,7 +130,8 @@ impl GpuJob {
     ) -> Result<Self, RenderError> {
         let frame = &prepared.frame;
         let size = [frame.width, frame.height];
-        check_limits(&device, size, prepared.leaves.len())?;
+        check_limits(&device, size, prepared.field.shapes_as_code())?;
+        check_numbers(&device, &printed.parameters)?;
         let started = Instant::now();
         let kernel = device.kernels.compile(&device, printed)?;
         let gpu = &device.device;

@@ -63,8 +63,7 @@ pub(super) fn kernel(prepared: &Prepared, program: &Program, memory: &Memory) ->
 fn numbers_of_mode(prepared: &Prepared) -> String {
     let mut code = String::from("\n");
     if let Some(preview) = &prepared.preview {
-        let distances = [("occluder_distance", &preview.occluders[..]), ("near_distance", &preview.neighbours[..])];
-        code += &Program::distances_to(&prepared.field, &distances);
+        code += &Program::distances_to(&prepared.field, &preview.counted());
         code += &constants(prepared);
         writeln!(code, "const MIRRORS = {};", preview.mirrors()).expect("writing to a string");
     } else {

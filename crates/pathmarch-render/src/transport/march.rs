@@ -20,6 +20,7 @@ use super::camera::Ray;
 use crate::frame::{Frame, Prepared};
 use glam::Vec3;
 use pathmarch_field::Field;
+use pathmarch_field::graph::MARCHED;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use wide::f32x8;
 
@@ -91,8 +92,15 @@ impl Rays8 {
 pub(crate) struct Hit {
     /// Metres from its origin.
     pub(crate) t: f32,
-    /// Whether the object has a closed form.
-    pub(crate) direct: bool,
+    /// The leaf, if it has a closed form.
+    pub(crate) direct: Option<u32>,
+}
+
+impl Hit {
+    /// The leaf of closed form as [`Field::surface_met`] is given it.
+    pub(crate) fn met(direct: Option<u32>) -> f32 {
+        direct.map_or(MARCHED, |leaf| leaf as f32)
+    }
 }
 
 /// What of a ray must be marched, metres from its origin, and its hit if nothing is met there.
@@ -105,7 +113,7 @@ struct Span {
 
 /// Meets eight rays with the shapes that have a closed form, and with the box of the others.
 fn spans(field: &Field, frame: &Frame, rays: &Rays8) -> [Span; 8] {
-    let direct = field.direct_hit(rays.origin, rays.direction);
+    let (direct, leaf) = field.direct_hit(rays.origin, rays.direction);
     let last = rays.limit.fast_min(f32x8::splat(frame.far));
     let slab = |o: f32x8, d: f32x8, min: f32, max: f32| {
         let inverse = f32x8::ONE / d.divisor();
@@ -118,11 +126,11 @@ fn spans(field: &Field, frame: &Frame, rays: &Rays8) -> [Span; 8] {
     let (z0, z1) = slab(rays.origin.z, rays.direction.z, min[2], max[2]);
     let start = x0.fast_max(y0.fast_max(z0)).fast_max(f32x8::ZERO).to_array();
     let end = x1.fast_min(y1.fast_min(z1)).fast_min(direct.fast_min(last)).to_array();
-    let (direct, last) = (direct.to_array(), last.to_array());
+    let (direct, leaf, last) = (direct.to_array(), leaf.to_array(), last.to_array());
     std::array::from_fn(|lane| Span {
         start: start[lane],
         end: end[lane],
-        otherwise: (direct[lane] < last[lane]).then_some(Hit { t: direct[lane], direct: true }),
+        otherwise: (direct[lane] < last[lane]).then_some(Hit { t: direct[lane], direct: Some(leaf[lane] as u32) }),
     })
 }
 
@@ -255,7 +263,7 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
                     trails[lane_ray[lane]] = Trail { evaluations: steps[lane], steepest: watched[2].to_array()[lane] };
                 }
                 if was_hit >> lane & 1 == 1 {
-                    hits[lane_ray[lane]] = Some(Hit { t: state[6][lane], direct: false });
+                    hits[lane_ray[lane]] = Some(Hit { t: state[6][lane], direct: None });
                 }
                 refill(lane, &mut lane_ray, &mut state, &mut steps);
             }

@@ -36,11 +36,14 @@ struct Hit {
     t: f32,
     /// Whether the object has a closed form.
     direct: bool,
+    /// What `surface` tells it by.
+    met: u32,
 }
 
 /// Follows a ray after a path of length `before` up to `limit` metres.
 fn march(ray: Ray, before: f32, limit: f32) -> Hit {
-    let direct = direct_hit(ray.origin, ray.direction);
+    let first = direct_hit(ray.origin, ray.direction);
+    let direct = first.t;
     let last = min(limit, frame.far);
     let inverse = 1.0 / select(ray.direction, vec3f(1e-12), abs(ray.direction) < vec3f(1e-12));
     let a = (frame.bounds_min - ray.origin) * inverse;
@@ -88,7 +91,7 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
     }
     // Out of steps, close to a surface counts as on it.
     if distance < 0.01 * (before + t) {
-        return Hit(t, false);
+        return Hit(t, false, MARCHED);
     }
-    return Hit(otherwise, true);
+    return Hit(otherwise, true, first.met);
 }

@@ -35,8 +35,8 @@ struct Path {
     length: f32,
     /// Length of the last ray.
     last: f32,
-    /// Whether it met an object that has a closed form.
-    direct: bool,
+    /// The leaf that it met, if that has a closed form.
+    direct: Option<u32>,
     /// Density of the ray's direction over solid angle; 0 for a single direction.
     scatter_pdf: f32,
     /// What the medium that the path is in absorbs, per metre.
@@ -88,7 +88,7 @@ pub(super) fn radiance_along(prepared: &Prepared, rays: impl Iterator<Item = (Ra
             throughput: Vec3::ONE,
             length: 0.0,
             last: 0.0,
-            direct: false,
+            direct: None,
             scatter_pdf: 0.0,
             medium: Vec3::from(frame.medium),
             passing: false,
@@ -161,7 +161,7 @@ fn surfaces(prepared: &Prepared, paths: &[Path], surface_index: u32) -> Vec<Near
     for chunk in paths.chunks(8) {
         let points = std::array::from_fn(|k| chunk.get(k).map_or(Vec3::ZERO, |path| path.ray.origin));
         let seeds = std::array::from_fn(|k| chunk.get(k).map_or(0, |path| path.random.loose(surface_index)));
-        let direct = std::array::from_fn(|k| chunk.get(k).map_or(0.0, |path| f32::from(path.direct)));
+        let direct = std::array::from_fn(|k| Hit::met(chunk.get(k).unwrap_or(&chunk[0]).direct));
         let surface = |p| prepared.field.surface_met(p, f32x8::from(direct), &|index| f32x8::choice(seeds, index));
         result.extend(near(points, surface).into_iter().take(chunk.len()));
     }

@@ -51,7 +51,7 @@ fn radiance_along(camera: Ray, random: Random) -> vec3f {
         }
         path_length += t;
         let reached = ray.origin + ray.direction * t;
-        let near = surface(reached, hit.direct, random_loose(random, surface_index));
+        let near = surface(reached, hit.met, random_loose(random, surface_index));
         let steepness = max(length(near.gradient), 1e-6);
         let outward = near.gradient / steepness;
         let leaf = leaves[near.leaf];

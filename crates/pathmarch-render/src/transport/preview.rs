@@ -101,6 +101,11 @@ impl Preview {
         Self { around, reach: reach(scene), lights, looks, occluders, neighbours }
     }
 
+    /// Which objects count in which distance of `preview.wgsl`.
+    pub(crate) fn counted(&self) -> [(&str, &[bool]); 2] {
+        [("occluder_distance", &self.occluders), ("near_distance", &self.neighbours)]
+    }
+
     /// Whether any material mirrors.
     pub(crate) fn mirrors(&self) -> bool {
         self.looks.iter().any(|look| look_of(look).mirrored.as_flattened().iter().any(|&share| share > 0.0))

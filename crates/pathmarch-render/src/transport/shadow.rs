@@ -94,7 +94,7 @@ fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<Hit>) 
     let reached = origin + direction * t;
     let p = FieldVec3::new(reached.x, reached.y, reached.z);
     let threshold = |index| f32::choice(connection.seed, index);
-    let met = prepared.field.surface_met(p, f32::from(direct), &threshold);
+    let met = prepared.field.surface_met(p, Hit::met(direct), &threshold);
     let leaf = &prepared.leaves[met.leaf as usize];
     if target == Some(met.leaf as u32) {
         // A sheet's gradient points to the side it is seen from.
@@ -132,7 +132,7 @@ fn near_misses(prepared: &Prepared, ray: Ray, limit: f32, sharpness: f32) -> f32
     let mut t = tolerance(frame, ray.origin, 0.0);
     for _ in 0..MAX_STEPS {
         let p = ray.origin + ray.direction * t;
-        let distance = prepared.field.distance(FieldVec3::new(p.x, p.y, p.z)) * frame.step_factor;
+        let distance = prepared.field.estimated_distance(FieldVec3::new(p.x, p.y, p.z)) * frame.step_factor;
         light = light.min(sharpness * distance / t);
         if light < 0.001 {
             return 0.0;

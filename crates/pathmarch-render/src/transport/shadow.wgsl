@@ -26,7 +26,7 @@ fn light_through(start: Ray, before: f32, light: LightSample, scatter_pdf: f32, 
             return vec3f(0.0);
         }
         let reached = ray.origin + ray.direction * obstacle;
-        let met = surface(reached, hit.direct, seed);
+        let met = surface(reached, hit.met, seed);
         let leaf = leaves[met.leaf];
         if HAS_BOUNDED && met.leaf == light.target_leaf {
             // A sheet's gradient points to the side it is seen from.

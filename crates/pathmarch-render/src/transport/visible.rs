@@ -36,7 +36,7 @@ pub(crate) fn visible(prepared: &Prepared, rays: &[(March, Hit)], sample: u32) -
     for chunk in rays.chunks(8) {
         let lane = |k: usize| chunk.get(k).unwrap_or(&chunk[0]);
         let reached: [Vec3; 8] = std::array::from_fn(|k| lane(k).0.ray.origin + lane(k).0.ray.direction * lane(k).1.t);
-        let direct = f32x8::from(std::array::from_fn(|k| f32::from(lane(k).1.direct)));
+        let direct = f32x8::from(std::array::from_fn(|k| Hit::met(lane(k).1.direct)));
         let threshold = |index| f32x8::splat(steady::threshold(sample, index));
         let surfaces = near(reached, |p| prepared.field.surface_met(p, direct, &threshold));
         for ((&(March { ray, before, .. }, hit), near), reached) in chunk.iter().zip(&surfaces).zip(reached) {

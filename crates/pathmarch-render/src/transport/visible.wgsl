@@ -14,7 +14,7 @@ struct Visible {
 
 fn visible(ray: Ray, hit: Hit, random: Random) -> Visible {
     let reached = ray.origin + ray.direction * hit.t;
-    let near = surface(reached, hit.direct, random.sample);
+    let near = surface(reached, hit.met, random.sample);
     let steepness = max(length(near.gradient), 1e-6);
     let outward = near.gradient / steepness;
     let off = rounding_at(reached, leaves[near.leaf].at);

@@ -30,7 +30,7 @@ impl Program {
     pub fn coordinates(field: &Field) -> String {
         let Composed { composer, .. } = Composed::new(field);
         let (mut functions, mut cases) = (String::new(), String::new());
-        for tree in field.objects() {
+        for tree in field.alone() {
             composer.coordinates(tree, "world", &mut functions, &mut cases);
         }
         format!(

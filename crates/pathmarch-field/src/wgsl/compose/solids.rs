@@ -9,9 +9,7 @@ use std::fmt::Write;
 impl Composer<'_> {
     /// Collects the functions by which rays meet an object.
     pub(super) fn rays(&self, object: &Tree, functions: &mut BTreeSet<(u32, String)>) {
-        let mut leaves = Vec::new();
-        collect(object, &mut leaves);
-        for leaf in leaves {
+        for leaf in leaves(object) {
             let shape = &self.field.leaves()[leaf as usize].shape;
             functions
                 .insert((0, if self.field.direct(object).is_some() { shape.wgsl_ray() } else { shape.wgsl_span() }));
@@ -21,32 +19,44 @@ impl Composer<'_> {
     pub(super) fn direct_hit(&self) -> String {
         let mut text = String::from(
             "/// Metres to the first surface of the objects that rays meet in closed form, or 1e30.\n\
-             fn direct_hit(origin: vec3f, direction: vec3f) -> f32 {\n    var nearest = 1e30;\n",
+             fn direct_hit(origin: vec3f, direction: vec3f) -> DirectHit {\n    var nearest = 1e30;\n    var met = MARCHED;\n    \
+             var t: f32;\n",
         );
-        for object in self.field.objects() {
+        for object in self.field.alone() {
             match self.field.direct(object) {
                 Some(leaf) => {
-                    writeln!(text, "    nearest = min(nearest, {});", self.along_ray(leaf, "ray"))
-                        .expect("writing to a string");
+                    let ray = self.along_ray(leaf, "ray");
+                    writeln!(
+                        text,
+                        "    t = {ray};\n    met = select(met, {leaf}u, t < nearest);\n    nearest = min(nearest, t);"
+                    )
+                    .expect("writing to a string");
                 }
                 None if self.field.is_direct(object) => self.combined_hit(object, &mut text),
                 None => {}
             }
         }
-        text + "    return nearest;\n}\n"
+        match self.field.bvh().nodes.is_empty() {
+            true => text + "    return DirectHit(nearest, met);\n}\n",
+            false => text + "    return bvh_hit(origin, direction, DirectHit(nearest, met));\n}\n",
+        }
     }
 
     /// The first surface of a combination, if it is nearer.
     fn combined_hit(&self, object: &Tree, text: &mut String) {
-        let mut leaves = Vec::new();
-        collect(object, &mut leaves);
+        let leaves = leaves(object);
         for leaf in &leaves {
             writeln!(text, "    let s{leaf} = {};", self.along_ray(*leaf, "span")).expect("writing to a string");
         }
-        for t in leaves.iter().flat_map(|leaf| ["x", "y"].map(|end| format!("s{leaf}.{end}"))) {
+        for (leaf, end) in leaves.iter().flat_map(|leaf| ["x", "y"].map(|end| (leaf, end))) {
+            let t = format!("s{leaf}.{end}");
             let [before, behind] = [false, true].map(|behind| holds(object, &t, behind));
-            writeln!(text, "    nearest = select(nearest, min(nearest, {t}), (0.0 < {t}) & ({before} != {behind}));")
-                .expect("writing to a string");
+            writeln!(
+                text,
+                "    t = select(1e30, {t}, (0.0 < {t}) & ({before} != {behind}));\n    met = select(met, {leaf}u, t < nearest);\n    \
+                 nearest = min(nearest, t);"
+            )
+            .expect("writing to a string");
         }
     }
 
@@ -68,11 +78,12 @@ impl Composer<'_> {
     }
 }
 
-fn collect(tree: &Tree, leaves: &mut Vec<u32>) {
+/// The shapes of a combination.
+pub(super) fn leaves(tree: &Tree) -> Vec<u32> {
     match tree {
-        Tree::Leaf(index) => leaves.push(*index),
-        Tree::Combine { children, .. } => children.iter().for_each(|child| collect(child, leaves)),
-        Tree::Modify(_) => {}
+        Tree::Leaf(index) => vec![*index],
+        Tree::Combine { children, .. } => children.iter().flat_map(leaves).collect(),
+        Tree::Modify(_) => vec![],
     }
 }
 

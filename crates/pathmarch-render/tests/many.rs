@@ -1,0 +1,80 @@
+//! Scenes of many shapes, which are numbers and not code.
+
+mod common;
+
+use common::{parse, render, renderers};
+use pathmarch_render::metrics::relmse;
+use pathmarch_render::pathmarch_field::Field;
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::{Backend, Mode, Renderer, Settings};
+use std::fmt::Write;
+
+/// A smooth union of shapes of two colours, spheres and tori that are objects of their own, lamps, and a floor.
+fn scene() -> Scene {
+    let mut text = String::from(
+        "pathmarch 1\ncamera { position 3 4 9; target 0 0.8 0; fov 40 }\nsky 0.5 0.6 0.7\n\
+         sun { direction 0.5 0.8 0.6; irradiance 2.5; angle 2 }\nmaterial \"a\" { diffuse 0.7 0.5 0.4 }\n\
+         material \"b\" { diffuse 0.3 0.5 0.7 }\nmaterial \"lamp\" { emit 20 15 8 }\nobject \"floor\" material=\"a\" { plane }\n\
+         object \"union\" material=\"a\" {\n    union smooth=0.1 {\n",
+    );
+    let place = |k: u32| {
+        let angle = 2.399_963 * k as f32;
+        let radius = 0.2 * (k as f32).sqrt();
+        [radius * angle.cos(), 0.3 + 0.5 * (0.37 * k as f32).sin().abs(), radius * angle.sin()]
+    };
+    let shapes = ["sphere 0.15", "box 0.3 0.2 0.2", "torus 0.15 0.05", "capsule 0.06 0.3", "octahedron 0.2"];
+    for k in 0..150 {
+        let [x, y, z] = place(k);
+        let colour = if k % 3 == 0 { " material=\"b\"" } else { "" };
+        let shape = shapes[k as usize % shapes.len()];
+        writeln!(text, "        {shape}{colour} {{ at {x} {y} {z}; rotate {} 30 0 }}", 7 * k)
+            .expect("writing to a string");
+    }
+    text += "    }\n}\n";
+    for k in 0..120 {
+        let [x, y, z] = place(k);
+        let (shape, material) = match k % 4 {
+            0 => ("torus 0.1 0.03", "b"),
+            1 => ("sphere 0.03", "lamp"),
+            _ => ("sphere 0.08", "a"),
+        };
+        writeln!(text, "object \"o{k}\" material=\"{material}\" {{ {shape} {{ at {x} {} {z} }} }}", y + 1.2)
+            .expect("writing to a string");
+    }
+    parse(&text)
+}
+
+/// The same scene as code.
+fn as_code(scene: &Scene) -> Scene {
+    let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
+    Scene { field: Field::with_crowds_from(&roots, usize::MAX), ..scene.clone() }
+}
+
+#[test]
+fn many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends() {
+    let scene = scene();
+    assert_eq!((scene.field.shapes_as_code(), as_code(&scene).field.shapes_as_code()), (1, 271));
+    let settings = Settings { size: [128, 72], samples: 64, ..Settings::of(&scene) };
+    let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+    let reference = render(&mut cpu, &as_code(&scene), &settings).mean();
+    for renderer in &mut renderers() {
+        let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("sizes agree");
+        println!("{}: relMSE {error:.6} to the same as code", renderer.backend_name());
+        assert!(error < 0.0005, "{}: {error}", renderer.backend_name());
+    }
+}
+
+#[test]
+fn previews_and_views_of_many_shapes_are_alike_on_both_backends() {
+    let scene = scene();
+    for mode in [Mode::Preview, Mode::Normal, Mode::Depth, Mode::Albedo] {
+        let settings = Settings { size: [128, 72], samples: 4, mode, ..Settings::of(&scene) };
+        let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+        let code = render(&mut cpu, &as_code(&scene), &settings).mean();
+        for renderer in &mut renderers() {
+            let error = relmse(&render(renderer, &scene, &settings).mean(), &code).expect("sizes agree");
+            println!("{mode:?} {}: relMSE {error:.6} to the same as code", renderer.backend_name());
+            assert!(error < 0.005, "{mode:?} {}: {error}", renderer.backend_name());
+        }
+    }
+}
