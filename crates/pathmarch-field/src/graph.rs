@@ -259,6 +259,8 @@ pub struct Surface<N> {
 pub struct Field {
     leaves: Vec<Leaf>,
     objects: Vec<Tree>,
+    /// Whether nothing is met in closed form.
+    marches_all: bool,
     bounds: Aabb,
     object_bounds: Vec<Aabb>,
     marched_bounds: Aabb,
@@ -496,7 +498,18 @@ impl Field {
     /// [`new`](Self::new), where so many shapes are a crowd.
     #[doc(hidden)]
     pub fn with_crowds_from(objects: &[Node], least: usize) -> Self {
+        Self::of(objects, least, false)
+    }
+
+    /// [`new`](Self::new), where nothing is met in closed form and nothing is a crowd.
+    #[doc(hidden)]
+    pub fn all_marched(objects: &[Node]) -> Self {
+        Self::of(objects, usize::MAX, true)
+    }
+
+    fn of(objects: &[Node], least: usize, marches_all: bool) -> Self {
         let mut field = Self {
+            marches_all,
             leaves: Vec::new(),
             objects: Vec::new(),
             bounds: Aabb::NOTHING,
@@ -603,7 +616,7 @@ impl Field {
     /// The shape of an object that is a single one which rays meet in closed form.
     pub(crate) fn direct(&self, object: &Tree) -> Option<u32> {
         match object {
-            Tree::Leaf(index) if self.leaves[*index as usize].shape.closed_form() => Some(*index),
+            Tree::Leaf(index) if !self.marches_all && self.leaves[*index as usize].shape.closed_form() => Some(*index),
             _ => None,
         }
     }

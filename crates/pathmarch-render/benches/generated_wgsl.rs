@@ -1,7 +1,8 @@
-//! Is WGSL printed from Rust as fast as WGSL written by hand?
+//! Is WGSL printed from Rust as fast as WGSL written by hand? And are gradients of dual numbers as fast as differences?
 //!
 //! Five very different distances, each printed by the generic route and written by hand as a shader author would, run
-//! over the same points in turn; prints the median milliseconds of each and their ratio. `cargo bench -p pathmarch-render
+//! over the same points in turn; prints the median milliseconds of each and their ratio. Then shapes by their printed gradient
+//! and by four taps of their distance in a loop (Quilez 2015, "Normals for an SDF"). `cargo bench -p pathmarch-render
 //! --bench generated_wgsl`.
 
 use pathmarch_render::pathmarch_field::BlendProfile;
@@ -103,6 +104,36 @@ fn cases() -> Vec<(&'static str, String, String)> {
     ]
 }
 
+/// The printed gradient of a shape, and what a loop of four taps of its distance takes for it.
+fn gradient_case(name: &str) -> Option<(String, String)> {
+    let any = shape(name)?;
+    let values: Vec<f32> = any.params().iter().map(|param| param.default).collect();
+    let shape = any.variant(&values).unwrap_or(any);
+    let (name, distance) = (shape.wgsl_name(), shape.wgsl_distance());
+    let arguments: String = values.iter().map(|value| format!(", {value:?}")).collect();
+    let dual = format!(
+        "{}fn generated(p: vec3f) -> f32 {{
+    let g = {name}_gradient(p{arguments});
+    return g.w + 0.001 * dot(g.xyz, vec3f(1.0, 2.0, 3.0));
+}}",
+        shape.wgsl_gradient()
+    );
+    let taps = format!(
+        "{distance}fn hand(p: vec3f) -> f32 {{
+    var gradient = vec3f(0.0);
+    var sum = 0.0;
+    for (var i = 0u; i < 4u; i++) {{
+        let e = vec3f(f32(((i + 3u) >> 1u) & 1u), f32((i >> 1u) & 1u), f32(i & 1u)) * 2.0 - 1.0;
+        let d = {name}_distance(p + 0.0005 * e{arguments});
+        gradient += e * d;
+        sum += d;
+    }}
+    return 0.25 * sum + 0.5 * dot(gradient, vec3f(1.0, 2.0, 3.0));
+}}"
+    );
+    Some((dual, taps))
+}
+
 fn kernel(code: &str, function: &str) -> String {
     format!(
         "@group(0) @binding(0) var<uniform> parameters: array<vec4f, 1>;
@@ -172,6 +203,23 @@ impl Gpu {
     }
 }
 
+impl Gpu {
+    /// Prints what two functions take in turn.
+    fn compare(&self, name: &str, generated: &str, hand: &str) {
+        let printed = self.pipeline(&kernel(generated, "generated"));
+        let written = self.pipeline(&kernel(hand, "hand"));
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        self.time(&printed);
+        self.time(&written);
+        for _ in 0..ROUNDS {
+            a.push(self.time(&printed));
+            b.push(self.time(&written));
+        }
+        let ratios = a.iter().zip(&b).map(|(a, b)| a / b).collect();
+        println!("{name:<18} {:>10.2} {:>10.2} {:>8.3}", median(a), median(b), median(ratios));
+    }
+}
+
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
@@ -203,16 +251,12 @@ fn main() {
     println!("{}: {SIDE}x{SIDE} invocations of {EVALUATIONS} evaluations, median of {ROUNDS}", adapter.get_info().name);
     println!("{:<18} {:>10} {:>10} {:>8}", "distance", "printed ms", "by hand ms", "ratio");
     for (name, generated, hand) in cases() {
-        let printed = gpu.pipeline(&kernel(&generated, "generated"));
-        let written = gpu.pipeline(&kernel(&hand, "hand"));
-        let (mut a, mut b) = (Vec::new(), Vec::new());
-        gpu.time(&printed);
-        gpu.time(&written);
-        for _ in 0..ROUNDS {
-            a.push(gpu.time(&printed));
-            b.push(gpu.time(&written));
+        gpu.compare(name, &generated, &hand);
+    }
+    println!("{:<18} {:>10} {:>10} {:>8}", "gradient", "dual ms", "4 taps ms", "ratio");
+    for name in ["sphere", "box", "torus", "ellipsoid", "prism", "mandelbulb", "mandelbox", "julia", "menger"] {
+        if let Some((dual, taps)) = gradient_case(name) {
+            gpu.compare(name, &dual, &taps);
         }
-        let ratios = a.iter().zip(&b).map(|(a, b)| a / b).collect();
-        println!("{name:<18} {:>10.2} {:>10.2} {:>8.3}", median(a), median(b), median(ratios));
     }
 }

@@ -4,6 +4,7 @@ use crate::census::Counter;
 use crate::mode::Mode;
 use crate::settings::{LightSearch, Settings};
 use crate::transport::lights::{self, LightRecord};
+use crate::transport::march::RELAXATION;
 use crate::transport::paint::{self, Paint};
 use crate::transport::preview::Preview;
 use crate::transport::sky::Sky;
@@ -163,6 +164,8 @@ pub(crate) struct Features {
     pub(crate) bump: bool,
     /// How lights are found.
     pub(crate) light_search: LightSearch,
+    /// How far steps go beyond the distance: [`RELAXATION`], or 0 where tests do without.
+    pub(crate) relaxation: f32,
 }
 
 /// Everything a backend needs to trace a picture.
@@ -307,6 +310,7 @@ impl Prepared {
             orbits: paints.iter().any(Paint::has_orbit),
             bump: paints.iter().any(Paint::has_bump),
             light_search: settings.light_search,
+            relaxation: RELAXATION,
         };
         let mut tables: Vec<u32> = Vec::new();
         let sky_table = tables.len();

@@ -28,7 +28,7 @@ impl Field {
     pub(crate) fn is_direct(&self, object: &Tree) -> bool {
         match object {
             Tree::Leaf(_) => self.direct(object).is_some(),
-            _ => self.convex_shapes(object).is_some_and(|count| count <= MOST_SHAPES),
+            _ => !self.marches_all && self.convex_shapes(object).is_some_and(|count| count <= MOST_SHAPES),
         }
     }
 

@@ -49,6 +49,7 @@ pub(super) fn kernel(prepared: &Prepared, program: &Program, memory: &Memory) ->
         code += &numbers_of_mode(prepared);
     }
     code += &paint(prepared);
+    writeln!(code, "const RELAXATION = {:?};", prepared.features.relaxation).expect("writing to a string");
     writeln!(code, "const HAS_MARCHED = {};", !prepared.field.marched_bounds().is_empty())
         .expect("writing to a string");
     for part in transport::kernel(mode) {

@@ -7,6 +7,8 @@ mod job;
 mod kernel;
 mod memory;
 mod stopwatch;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use compiled::Printed;
 pub(crate) use device::Device;

@@ -33,8 +33,8 @@ pub(crate) const NOISE: f32 = 16.0;
 /// How the distance changes along a ray, at the least and at the most.
 const STEEPEST_FALL: f32 = -1.0;
 const STEEPEST_RISE: f32 = 0.6;
-/// The share of a step in which two balls overlap that touch by the estimate of their slope.
-const RELAXED: f32 = 1.9;
+/// Twice the share of a step from a point that two balls take which touch by the estimate of their slope.
+pub(crate) const RELAXATION: f32 = 1.9;
 
 /// How far off a surface a ray starts, in roundings.
 const START_OFFSET: f32 = 3.0;
@@ -226,7 +226,8 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
             let change = change.fast_max(fall).fast_min(f32x8::splat(STEEPEST_RISE));
             let slope = Real::select(Mask8(zero.simd_lt(stride)), change, fall);
             let free = distance.fast_max(tolerance);
-            let relaxed = free * (f32x8::splat(RELAXED) / (f32x8::ONE - slope)).fast_max(f32x8::ONE);
+            let relaxed =
+                free * (f32x8::splat(prepared.features.relaxation) / (f32x8::ONE - slope)).fast_max(f32x8::ONE);
             let left = Real::select(Mask8(close), distance, f32x8::splat(f32::INFINITY));
             let kept = |back: f32x8, on: f32x8| Real::select(Mask8(apart), back, on);
             let on = kept(radius - stride, relaxed);

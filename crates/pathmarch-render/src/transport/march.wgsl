@@ -6,8 +6,6 @@ const NO_HIT = -1.0;
 /// How the distance changes along a ray, at the least and at the most.
 const STEEPEST_FALL = -1.0;
 const STEEPEST_RISE = 0.6;
-/// The share of a step in which two balls overlap that touch by the estimate of their slope.
-const RELAXED = 1.9;
 /// A distance beyond every scene.
 const AT_INFINITY = 1e30;
 
@@ -54,7 +52,7 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
     var t = max(largest(near), 0.0);
     let otherwise = select(NO_HIT, direct, direct < last);
     if !HAS_MARCHED {
-        return Hit(otherwise, true);
+        return Hit(otherwise, true, first.met);
     }
     // On the way off the surface that the ray starts on, while the distance rises, closeness is no hit.
     var last_distance = select(AT_INFINITY, 0.0, t == 0.0);
@@ -86,7 +84,7 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
         let change = clamp((distance - radius) / max(stride, 1e-30), STEEPEST_FALL, STEEPEST_RISE);
         let slope = select(STEEPEST_FALL, change, stride > 0.0);
         radius = max(distance, close);
-        stride = radius * max(RELAXED / (1.0 - slope), 1.0);
+        stride = radius * max(RELAXATION / (1.0 - slope), 1.0);
         t += stride;
     }
     // Out of steps, close to a surface counts as on it.
