@@ -205,9 +205,9 @@ fn what_the_gpu_cannot_hold_is_rendered_on_the_cpu() {
         return;
     }
     let mut live = Live::new(Backend::Gpu, None, || {});
-    // More shapes than are compiled as code.
+    // More shapes than are compiled as code, in a space of their own, where they are no numbers.
     let balls: String = (0..2100).map(|k| format!("sphere 0.01 {{ at {} {} 0 }};", k % 50, k / 50)).collect();
-    let many = Arc::new(parse(&format!("{SCENE}\nobject \"many\" {{ {balls} }}")));
+    let many = Arc::new(parse(&format!("{SCENE}\nobject \"many\" {{ round 0.001 {{ {balls} }} }}")));
     let number = live.show(order(&many, [32, 18], 1));
     until(&live, "many shapes", |shown, status| {
         shown.order == number && shown.samples >= 1.0 && status.backend == "CPU" && status.notice.is_some()

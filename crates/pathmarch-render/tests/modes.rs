@@ -102,7 +102,7 @@ fn ball(shape: &str) -> Scene {
 }
 
 const DIRECT: &str = "sphere 1";
-const MARCHED: &str = "union { sphere 1; sphere 0.001 }";
+const MARCHED: &str = "union smooth=1e-6 { sphere 1; sphere 0.001 }";
 
 #[test]
 fn views_show_a_ball_as_it_is() {
