@@ -1,8 +1,12 @@
 // One sample of every pixel of a band of rows. What a sample is depends on the mode: gpu/kernel.rs names its function in
 // place of the path's.
 
+// Eight lanes that run together, as in software, are a tile of 4x2 pixels and not a row: their rays part later. Thirty-two are
+// 8x4 either way.
 @compute @workgroup_size(8, 8)
-fn trace(@builtin(global_invocation_id) id: vec3u) {
+fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let within = vec2u((lane & 3u) | ((lane >> 1u) & 4u), ((lane >> 2u) & 1u) | ((lane >> 3u) & 6u));
+    let id = 8u * group.xy + within;
     load_frame();
     let x = slice.first_column + id.x;
     if x >= frame.width || id.y >= slice.rows {
