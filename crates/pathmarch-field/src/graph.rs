@@ -280,8 +280,10 @@ pub const MARCHED: f32 = -1.0;
 /// How an object is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
-    /// By itself: met in closed form or marched as code.
-    Alone,
+    /// By itself: rays meet it in closed form.
+    Direct,
+    /// By itself: marched as code.
+    Marched,
     /// It is the crowd of this number.
     Crowd(usize),
     /// Its one shape is in a crowd of such objects.
@@ -526,9 +528,12 @@ impl Field {
                 let bounds = field.tree_bounds(&tree);
                 field.bounds = field.bounds.union(bounds);
                 field.object_bounds.push(bounds);
-                match field.is_direct(&tree) {
-                    true => field.mark_hollow(&tree, false),
-                    false => field.marched_bounds = field.marched_bounds.union(bounds),
+                if field.is_direct(&tree) {
+                    field.roles.push(Role::Direct);
+                    field.mark_hollow(&tree, false);
+                } else {
+                    field.roles.push(Role::Marched);
+                    field.marched_bounds = field.marched_bounds.union(bounds);
                 }
                 field.objects.push(tree);
             }
@@ -627,8 +632,8 @@ impl Field {
     }
     /// Whether rays meet the object of this leaf in closed form.
     pub fn is_met_directly(&self, leaf: usize) -> bool {
-        let object = self.leaves.get(leaf).and_then(|leaf| self.objects.get(leaf.object as usize));
-        object.is_some_and(|object| self.is_direct(object))
+        let role = self.leaves.get(leaf).and_then(|leaf| self.roles.get(leaf.object as usize));
+        matches!(role, Some(Role::Direct | Role::InBvh))
     }
     /// What the orbit of a point of the world comes near to on the leaf of this number: [`Shape::orbit`], where the leaf is a
     /// fractal.
@@ -710,7 +715,7 @@ impl Field {
     /// object keeps its own surface: what lies inside a clear one is seen.
     pub fn marched_distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for object in self.alone().filter(|object| !self.is_direct(object)) {
+        for object in self.marched_alone() {
             nearest = nearest.min(self.tree_distance(object, p).abs());
         }
         for crowd in &self.crowds {
@@ -753,7 +758,7 @@ impl Field {
     /// [`NO_HIT`]; and the number of its leaf, or [`MARCHED`].
     pub fn direct_hit<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> (N, N) {
         let mut hit = (N::constant(NO_HIT), N::constant(MARCHED));
-        for object in self.alone().filter(|object| self.is_direct(object)) {
+        for object in self.direct_alone() {
             hit = self.object_hit(object, origin, direction, hit);
         }
         self.bvh.hit(self, origin, direction, hit)
@@ -856,8 +861,8 @@ impl Field {
             };
         };
         for (object, role) in self.objects.iter().zip(&self.roles) {
-            let closed = self.is_direct(object);
-            let is_evaluated = *role == Role::Alone || *role == Role::InBvh;
+            let closed = matches!(role, Role::Direct | Role::InBvh);
+            let is_evaluated = closed || *role == Role::Marched;
             if is_evaluated && N::any(counts(closed)) {
                 add(self.tree_surface(object, p, threshold), counts(closed));
             }

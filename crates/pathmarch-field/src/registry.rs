@@ -344,9 +344,13 @@ pub trait Shape: Send + Sync {
     /// An upper bound of |∇distance|.
     fn lipschitz(&self, params: &[f32]) -> f32;
     /// What a light of this shape is sampled as.
-    fn emitter(&self, params: &[f32]) -> Emitter;
+    fn emitter(&self, _params: &[f32]) -> Emitter {
+        Emitter::Bounded
+    }
     /// Whether rays meet it in closed form.
-    fn closed_form(&self) -> bool;
+    fn closed_form(&self) -> bool {
+        false
+    }
     /// Whether it is convex, and spans are known in closed form.
     fn is_convex(&self) -> bool {
         false
@@ -360,23 +364,37 @@ pub trait Shape: Send + Sync {
         Span::nowhere()
     }
     /// Where a ray first meets it, or [`NO_HIT`]; see [`Primitive::ray`].
-    fn ray(&self, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> f32;
+    fn ray(&self, _origin: Vec3<f32>, _direction: Vec3<f32>, _params: &[f32]) -> f32 {
+        NO_HIT
+    }
     /// Where eight rays first meet it.
-    fn ray_lanes(&self, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> f32x8;
+    fn ray_lanes(&self, _origin: Vec3<f32x8>, _direction: Vec3<f32x8>, _params: &[f32]) -> f32x8 {
+        f32x8::splat(NO_HIT)
+    }
     /// Whether it follows orbits.
-    fn has_orbit(&self) -> bool;
+    fn has_orbit(&self) -> bool {
+        false
+    }
     /// What the orbit of a point comes near to; see [`Primitive::orbit`].
-    fn orbit(&self, p: Vec3<f32>, params: &[f32]) -> [f32; TRAPS];
+    fn orbit(&self, _p: Vec3<f32>, _params: &[f32]) -> [f32; TRAPS] {
+        [0.0; TRAPS]
+    }
     /// What the orbits of eight points come near to.
-    fn orbit_lanes(&self, p: Vec3<f32x8>, params: &[f32]) -> [f32x8; TRAPS];
+    fn orbit_lanes(&self, _p: Vec3<f32x8>, _params: &[f32]) -> [f32x8; TRAPS] {
+        [f32x8::ZERO; TRAPS]
+    }
     /// The orbit as a WGSL function `NAME_orbit(p: vec3f, …) -> array<f32, 5>`.
-    fn wgsl_orbit(&self) -> String;
+    fn wgsl_orbit(&self) -> String {
+        String::new()
+    }
     /// The span as a WGSL function `NAME_span(origin: vec3f, direction: vec3f, …) -> vec2f`.
     fn wgsl_span(&self) -> String {
         String::new()
     }
     /// The closed form as a WGSL function `NAME_ray(origin: vec3f, direction: vec3f, …) -> f32`.
-    fn wgsl_ray(&self) -> String;
+    fn wgsl_ray(&self) -> String {
+        String::new()
+    }
     /// The distance as a WGSL function `NAME_distance(p: vec3f, …) -> f32`.
     fn wgsl_distance(&self) -> String;
     /// The gradient (xyz) and distance (w) as a WGSL function `NAME_gradient(p: vec3f, …) -> vec4f`.

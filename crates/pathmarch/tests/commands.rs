@@ -1,25 +1,11 @@
 //! The command line: what it prints, what it writes, and its exit codes.
 
+mod program;
+
 use pathmarch_render::Mode;
 use pathmarch_render::image::load;
+use program::{code, pathmarch, stderr};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-fn pathmarch(arguments: &[&str], directory: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_pathmarch"))
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .expect("the program starts")
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().expect("it ended by itself")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
 
 fn scene(name: &str) -> String {
     let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "../../scenes/thesis", name].iter().collect();
@@ -328,7 +314,7 @@ fn what_cannot_be_exported_is_refused() {
 /// and the exit code.
 #[cfg(unix)]
 fn interrupted(arguments: &[&str], directory: &Path) -> (String, Vec<String>, Option<i32>) {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_pathmarch"))
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_pathmarch"))
         .args(arguments)
         .current_dir(directory)
         .stderr(std::process::Stdio::piped())
@@ -336,7 +322,8 @@ fn interrupted(arguments: &[&str], directory: &Path) -> (String, Vec<String>, Op
         .expect("the program starts");
     let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().expect("piped")));
     let first = lines.next().expect("a line").expect("text");
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    let killed =
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
     assert!(killed.success());
     let rest = lines.map(|line| line.expect("text")).collect();
     (first, rest, child.wait().expect("it ends").code())

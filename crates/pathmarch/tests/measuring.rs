@@ -1,25 +1,11 @@
 //! `bench` and `study` from end to end, at tiny sizes. What they measure differs from run to run; what is tried is its form.
 
+mod program;
+
+use program::{code, pathmarch, stderr};
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn pathmarch(arguments: &[&str], directory: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_pathmarch"))
-        .args(arguments)
-        .current_dir(directory)
-        .env("PATHMARCH_HOME", directory.join("home"))
-        .output()
-        .expect("the program starts")
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().expect("it ended by itself")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
+use std::process::Output;
 
 fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()

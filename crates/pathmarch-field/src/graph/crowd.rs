@@ -258,7 +258,7 @@ impl Field {
     /// Makes crowds of what has at least so many shapes.
     pub(super) fn gather(&mut self, least: usize) {
         let least = least.max(2);
-        let mut roles = vec![Role::Alone; self.objects.len()];
+        let mut roles = std::mem::take(&mut self.roles);
         // Fractals stay code: what is asked of their orbits is.
         let has_end = |leaf: u32| {
             let bounds = Some(self.leaf_bounds(leaf as usize)).filter(|b| b.is_finite() && !b.is_empty());
@@ -275,7 +275,7 @@ impl Field {
                     closed.push((index, *leaf));
                 }
                 Tree::Combine { operator, smooth, children, first_choice }
-                    if children.len() >= least && joins(*operator) =>
+                    if roles[index] == Role::Marched && children.len() >= least && joins(*operator) =>
                 {
                     let leaves: Option<Vec<u32>> = children
                         .iter()
@@ -310,13 +310,28 @@ impl Field {
 
     /// Objects that are in no crowd and none themselves.
     pub(crate) fn alone(&self) -> impl Iterator<Item = &Tree> {
-        self.objects.iter().zip(&self.roles).filter(|(_, role)| **role == Role::Alone).map(|(object, _)| object)
+        self.of_role(|role| matches!(role, Role::Direct | Role::Marched))
+    }
+
+    /// Those of them that rays meet in closed form.
+    pub(crate) fn direct_alone(&self) -> impl Iterator<Item = &Tree> {
+        self.of_role(|role| role == Role::Direct)
+    }
+
+    /// Those of them that are marched.
+    pub(crate) fn marched_alone(&self) -> impl Iterator<Item = &Tree> {
+        self.of_role(|role| role == Role::Marched)
+    }
+
+    fn of_role(&self, is_meant: impl Fn(Role) -> bool) -> impl Iterator<Item = &Tree> {
+        self.objects.iter().zip(&self.roles).filter(move |(_, role)| is_meant(**role)).map(|(object, _)| object)
     }
 
     /// Those in no crowd, and what `counts` says of each.
     pub(crate) fn alone_with(&self, counts: &[bool]) -> impl Iterator<Item = (&Tree, bool)> {
         let all = self.objects.iter().zip(&self.roles).zip(counts);
-        all.filter(|((_, role), _)| **role == Role::Alone).map(|((object, _), counts)| (object, *counts))
+        all.filter(|((_, role), _)| matches!(role, Role::Direct | Role::Marched))
+            .map(|((object, _), counts)| (object, *counts))
     }
 
     /// Numbers of the crowds of which any object counts.
@@ -324,7 +339,7 @@ impl Field {
         let last = self.crowds.len().wrapping_sub(1);
         let number = |(role, counts): (&Role, &bool)| match role {
             _ if !counts => None,
-            Role::Alone | Role::InBvh => None,
+            Role::Direct | Role::Marched | Role::InBvh => None,
             Role::Crowd(crowd) => Some(*crowd),
             Role::InCrowd => Some(last),
         };

@@ -25,7 +25,7 @@ enum Side {
 
 impl Field {
     /// Whether rays meet an object in closed form.
-    pub(crate) fn is_direct(&self, object: &Tree) -> bool {
+    pub(super) fn is_direct(&self, object: &Tree) -> bool {
         match object {
             Tree::Leaf(_) => self.direct(object).is_some(),
             _ => !self.marches_all && self.convex_shapes(object).is_some_and(|count| count <= MOST_SHAPES),

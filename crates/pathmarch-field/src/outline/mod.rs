@@ -18,7 +18,7 @@ mod clean;
 
 use crate::bounds::Aabb;
 use crate::number::{Dual, Real, Vec3};
-use crate::registry::{Emitter, Info, NO_HIT, Param, Shape, TRAPS};
+use crate::registry::{Info, NO_HIT, Param, Shape};
 use crate::wgsl::{Expr, Function};
 use cells::{HEADER, PER_SEGMENT};
 use wide::f32x8;
@@ -149,33 +149,6 @@ impl Shape for Drawn {
     }
     fn lipschitz(&self, _table: &[f32]) -> f32 {
         1.0
-    }
-    fn emitter(&self, _table: &[f32]) -> Emitter {
-        Emitter::Bounded
-    }
-    fn closed_form(&self) -> bool {
-        false
-    }
-    fn ray(&self, _origin: Vec3<f32>, _direction: Vec3<f32>, _table: &[f32]) -> f32 {
-        NO_HIT
-    }
-    fn ray_lanes(&self, _origin: Vec3<f32x8>, _direction: Vec3<f32x8>, _table: &[f32]) -> f32x8 {
-        Real::constant(NO_HIT)
-    }
-    fn has_orbit(&self) -> bool {
-        false
-    }
-    fn orbit(&self, _p: Vec3<f32>, _table: &[f32]) -> [f32; TRAPS] {
-        [0.0; TRAPS]
-    }
-    fn orbit_lanes(&self, _p: Vec3<f32x8>, _table: &[f32]) -> [f32x8; TRAPS] {
-        [Real::zero(); TRAPS]
-    }
-    fn wgsl_orbit(&self) -> String {
-        String::new()
-    }
-    fn wgsl_ray(&self) -> String {
-        String::new()
     }
     fn wgsl_distance(&self) -> String {
         self.function("distance", "Signed distance to an outline in the table.".to_owned()).print(|inputs| {

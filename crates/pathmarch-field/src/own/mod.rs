@@ -23,7 +23,7 @@ use crate::bounds::Aabb;
 use crate::graph::Batch;
 use crate::number::{Dual, Real, Vec3};
 use crate::orbit;
-use crate::registry::{Emitter, Info, NO_HIT, Param, Primitive, Shape, TRAPS};
+use crate::registry::{Info, Param, Primitive, Shape};
 use crate::shapes;
 use crate::wgsl::Function;
 use machine::{Machine, Mask};
@@ -247,33 +247,6 @@ impl Shape for OwnField {
     }
     fn lipschitz(&self, _params: &[f32]) -> f32 {
         1.0
-    }
-    fn emitter(&self, _params: &[f32]) -> Emitter {
-        Emitter::Bounded
-    }
-    fn closed_form(&self) -> bool {
-        false
-    }
-    fn ray(&self, _origin: Vec3<f32>, _direction: Vec3<f32>, _params: &[f32]) -> f32 {
-        NO_HIT
-    }
-    fn ray_lanes(&self, _origin: Vec3<f32x8>, _direction: Vec3<f32x8>, _params: &[f32]) -> f32x8 {
-        f32x8::splat(NO_HIT)
-    }
-    fn has_orbit(&self) -> bool {
-        false
-    }
-    fn orbit(&self, _p: Vec3<f32>, _params: &[f32]) -> [f32; TRAPS] {
-        [0.0; TRAPS]
-    }
-    fn orbit_lanes(&self, _p: Vec3<f32x8>, _params: &[f32]) -> [f32x8; TRAPS] {
-        [f32x8::ZERO; TRAPS]
-    }
-    fn wgsl_orbit(&self) -> String {
-        String::new()
-    }
-    fn wgsl_ray(&self) -> String {
-        String::new()
     }
     fn wgsl_name(&self) -> String {
         format!("own_{}", self.code.identifier)

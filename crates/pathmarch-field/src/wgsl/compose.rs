@@ -189,11 +189,9 @@ impl<'a> Composed<'a> {
         composer.bvh_functions(&mut functions);
         for tree in field.alone() {
             has_choice |= composer.operators(tree, &mut functions);
-            match field.is_direct(tree) {
-                true => composer.rays(tree, &mut functions),
-                false => composer.distances(tree, &mut functions),
-            }
         }
+        field.direct_alone().for_each(|tree| composer.rays(tree, &mut functions));
+        field.marched_alone().for_each(|tree| composer.distances(tree, &mut functions));
         for tree in field.alone() {
             composer.modifiers(tree, &mut functions);
         }
@@ -384,7 +382,7 @@ impl Composer<'_> {
     }
 
     fn distance(&self) -> String {
-        let marched: Vec<&Tree> = self.field.alone().filter(|object| !self.field.is_direct(object)).collect();
+        let marched: Vec<&Tree> = self.field.marched_alone().collect();
         let crowds: Vec<usize> = (0..self.field.crowds().len()).collect();
         let doc = "Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.";
         self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, &crowds, None)
@@ -476,8 +474,7 @@ impl Composer<'_> {
              fn surface(p: vec3f, met: u32, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
         );
         let mut counter = 0;
-        let (closed, marched): (Vec<&Tree>, Vec<&Tree>) =
-            self.field.alone().partition(|object| self.field.is_direct(object));
+        let marched: Vec<&Tree> = self.field.marched_alone().collect();
         if !marched.is_empty() || !self.field.crowds().is_empty() {
             text += &asked("met != MARCHED");
         }
@@ -501,7 +498,7 @@ impl Composer<'_> {
         if !marched.is_empty() || !self.field.crowds().is_empty() {
             text += ANSWERED;
         }
-        for index in closed.iter().flat_map(|object| solids::leaves(object)) {
+        for index in self.field.direct_alone().flat_map(solids::leaves) {
             let mut inner = String::new();
             let (value, leaf) = self.tree_surface(&Tree::Leaf(index), &mut inner, &mut counter);
             let sign = if self.field.leaves()[index as usize].hollow { "-" } else { "" };

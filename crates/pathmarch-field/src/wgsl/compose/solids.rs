@@ -22,7 +22,7 @@ impl Composer<'_> {
              fn direct_hit(origin: vec3f, direction: vec3f) -> DirectHit {\n    var nearest = 1e30;\n    var met = MARCHED;\n    \
              var t: f32;\n",
         );
-        for object in self.field.alone() {
+        for object in self.field.direct_alone() {
             match self.field.direct(object) {
                 Some(leaf) => {
                     let ray = self.along_ray(leaf, "ray");
@@ -32,8 +32,7 @@ impl Composer<'_> {
                     )
                     .expect("writing to a string");
                 }
-                None if self.field.is_direct(object) => self.combined_hit(object, &mut text),
-                None => {}
+                None => self.combined_hit(object, &mut text),
             }
         }
         match self.field.bvh().nodes.is_empty() {
