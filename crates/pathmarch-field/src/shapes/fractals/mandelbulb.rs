@@ -65,8 +65,14 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
             rest = halved;
             digit
         });
-        let escaped = (N::constant(ESCAPED.ln()) / power).exp();
-        Self { power, digits, iterations, radius: radius(power), escaped }
+        let known = POWER as f32;
+        let escaped = if POWER > 0 {
+            N::constant((ESCAPED.ln() / known).exp())
+        } else {
+            (N::constant(ESCAPED.ln()) / power).exp()
+        };
+        let radius = if POWER > 0 { N::constant(radius(known)) } else { radius(power) };
+        Self { power, digits, iterations, radius, escaped }
     }
     /// The power of a complex number under `times`; of one that is zero, zero.
     #[inline(always)]
@@ -127,18 +133,22 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
 /// A power that is known when code is made, by as few products as its binary digits take.
 #[inline(always)]
 fn known_power<const POWER: u32, V: Copy>(base: V, times: impl Fn(V, V) -> V) -> V {
-    let (mut square, mut result) = (base, None);
-    let mut rest = POWER;
-    loop {
-        if rest & 1 == 1 {
-            result = Some(result.map_or(square, |result| times(result, square)));
+    let (mut square, mut result) = (base, base);
+    let mut begun = false;
+    // A fixed number of turns, so that the loop is unrolled and its conditions vanish.
+    for k in 0..DIGITS as u32 {
+        if POWER >> k == 0 {
+            break;
         }
-        rest >>= 1;
-        if rest == 0 {
-            return result.unwrap_or(base);
+        if k > 0 {
+            square = times(square, square);
         }
-        square = times(square, square);
+        if POWER >> k & 1 == 1 {
+            result = if begun { times(result, square) } else { square };
+            begun = true;
+        }
     }
+    result
 }
 
 /// Beyond it every orbit escapes.
