@@ -40,7 +40,7 @@ pub fn census(scene: &Scene, settings: &Settings) -> Result<Census, RenderError>
     let counter = Arc::new(Counter::default());
     let mut prepared = Prepared::new(scene, settings);
     prepared.counter = Some(counter.clone());
-    CpuJob::new(prepared, settings.first_sample).advance();
+    CpuJob::new(prepared, settings.first_sample).advance(1);
     Ok(counter.total())
 }
 
@@ -61,7 +61,8 @@ impl Counter {
         self.marched_rays.fetch_add(marched, Ordering::Relaxed);
         self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
     }
-    fn total(&self) -> Census {
+    /// What all of them saw.
+    pub(crate) fn total(&self) -> Census {
         Census {
             rays: self.rays.load(Ordering::Relaxed),
             marched_rays: self.marched_rays.load(Ordering::Relaxed),

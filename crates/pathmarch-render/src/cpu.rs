@@ -4,7 +4,7 @@ use crate::film::Film;
 use crate::frame::Prepared;
 use crate::mode::{Mode, uncertainty_shown};
 use crate::tonemap::Display;
-use crate::transport::trace;
+use crate::transport::samples_of;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -18,8 +18,10 @@ pub(crate) struct CpuJob {
     prepared: Prepared,
     tiles: Vec<Tile>,
     film: Film,
-    /// Tiles of the sample that is begun which are done.
+    /// Tiles of the samples that are begun which are done.
     done: usize,
+    /// Samples that are begun together.
+    begun: u32,
     first_sample: u32,
 }
 
@@ -44,7 +46,7 @@ fn tiles(width: u32, height: u32) -> Vec<Tile> {
 impl CpuJob {
     pub(crate) fn new(prepared: Prepared, first_sample: u32) -> Self {
         let (width, height) = (prepared.frame.width, prepared.frame.height);
-        Self { prepared, tiles: tiles(width, height), film: Film::new(width, height), done: 0, first_sample }
+        Self { prepared, tiles: tiles(width, height), film: Film::new(width, height), done: 0, begun: 0, first_sample }
     }
 
     /// Starts again with what [`Prepared::reframe`] made of its scene.
@@ -58,39 +60,47 @@ impl CpuJob {
         self.done = 0;
     }
 
-    /// Finishes the sample that is begun, or renders one more, of every pixel.
-    pub(crate) fn advance(&mut self) {
-        self.trace(self.tiles.len() - self.done);
+    /// Finishes the samples that are begun, or renders one more of every pixel: more where they share rays of the camera, but
+    /// never above `upto`.
+    pub(crate) fn advance(&mut self, upto: u32) {
+        self.trace(self.tiles.len() - self.done, upto);
     }
 
-    /// Renders some tiles more, until this much time is over.
+    /// Renders some tiles more of the next sample, until this much time is over.
     pub(crate) fn advance_for(&mut self, budget: Duration) {
         let started = Instant::now();
         // As many at a time as keep every core busy to the end.
         let some = 4 * rayon::current_num_threads();
         loop {
-            self.trace(some);
+            self.trace(some, self.film.samples + 1);
             if started.elapsed() >= budget || self.done == 0 {
                 return;
             }
         }
     }
 
-    /// The next tiles of the sample, at most `count`.
-    fn trace(&mut self, count: usize) {
+    /// The next tiles of the samples towards `upto`, at most `count`.
+    fn trace(&mut self, count: usize, upto: u32) {
         let sample = self.first_sample + self.film.samples;
+        if self.is_whole() {
+            let splitting = self.prepared.features.splitting;
+            self.begun = (splitting - sample % splitting).min(upto.saturating_sub(self.film.samples));
+        }
+        let begun = self.begun;
         let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];
-        let trace = trace(self.prepared.mode);
         let rendered: Vec<_> = tiles
             .par_iter()
             .map(|tile| {
                 let pixels = tile.pixels();
-                let values = trace(&self.prepared, &pixels, sample);
+                let values = samples_of(&self.prepared, &pixels, sample, begun);
                 (pixels, values)
             })
             .collect();
-        self.done += rendered.len();
-        for ((x, y), value) in rendered.into_iter().flat_map(|(pixels, values)| pixels.into_iter().zip(values)) {
+        let done = self.done + rendered.len();
+        self.done = done;
+        let of_samples = |pixel: (u32, u32)| std::iter::repeat_n(pixel, begun as usize);
+        let rendered = rendered.into_iter().flat_map(|(pixels, values)| pixels.into_iter().flat_map(of_samples).zip(values));
+        for ((x, y), value) in rendered {
             let pixel = (y * self.film.width + x) as usize;
             // As the kernel, so that both leave out the same samples; comparisons with NaN are false.
             if value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all() {
@@ -103,13 +113,18 @@ impl CpuJob {
         }
         if self.done == self.tiles.len() {
             self.done = 0;
-            self.film.samples += 1;
+            self.film.samples += begun;
         }
     }
 
     /// Samples of every pixel, with a fraction for one that is begun.
     pub(crate) fn samples_done(&self) -> f64 {
-        f64::from(self.film.samples) + self.done as f64 / self.tiles.len() as f64
+        f64::from(self.film.samples) + f64::from(self.begun) * self.done as f64 / self.tiles.len() as f64
+    }
+
+    /// Whether every pixel has as many samples.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.done == 0
     }
 
     /// The film; the caller has seen to it that no sample is half done.
@@ -122,7 +137,7 @@ impl CpuJob {
         let mut counts = self.film.sample_counts();
         for tile in &self.tiles[..self.done] {
             for (x, y) in tile.pixels() {
-                counts[(y * self.film.width + x) as usize] += 1;
+                counts[(y * self.film.width + x) as usize] += self.begun;
             }
         }
         let mut codes = vec![255; 4 * counts.len()];

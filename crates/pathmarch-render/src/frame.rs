@@ -166,6 +166,8 @@ pub(crate) struct Features {
     pub(crate) light_search: LightSearch,
     /// How far steps go beyond the distance: [`RELAXATION`], or 0 where tests do without.
     pub(crate) relaxation: f32,
+    /// Paths that share a ray of the camera.
+    pub(crate) splitting: u32,
 }
 
 /// Everything a backend needs to trace a picture.
@@ -311,6 +313,7 @@ impl Prepared {
             bump: paints.iter().any(Paint::has_bump),
             light_search: settings.light_search,
             relaxation: RELAXATION,
+            splitting: if settings.mode == Mode::Path { settings.splitting.unwrap_or(1) } else { 1 },
         };
         let mut tables: Vec<u32> = Vec::new();
         let sky_table = tables.len();
@@ -352,6 +355,11 @@ impl Prepared {
             prepared.preview = Some(preview);
         }
         prepared
+    }
+
+    /// Whether anything of the scene has no closed form.
+    pub(crate) fn marches(&self) -> bool {
+        !self.field.marched_bounds().is_empty()
     }
 
     /// The same scene with another camera, size, seed, number of bounces or limit; other settings stay as they were.

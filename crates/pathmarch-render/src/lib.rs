@@ -45,7 +45,7 @@ pub use pathmarch_field;
 pub use pathmarch_scene;
 pub use pick::{Picked, clearance, pick};
 pub use renderer::{Backend, Job, Renderer};
-pub use settings::{LightSearch, MAX_BOUNCES, Settings};
+pub use settings::{LightSearch, MAX_BOUNCES, MAX_SPLITTING, Settings};
 
 /// SHA-256 of the scene's text and of its sky's picture, in hexadecimal: which scene a picture shows.
 pub fn scene_hash(scene: &pathmarch_scene::Scene) -> String {

@@ -5,8 +5,9 @@ use crate::error::RenderError;
 use crate::film::Film;
 use crate::frame::Prepared;
 use crate::gpu::{self, Device, GpuJob};
-use crate::settings::{MAX_BOUNCES, Settings};
+use crate::settings::{MAX_BOUNCES, MAX_SPLITTING, Settings};
 use crate::tracer::Tracer;
+use crate::transport::splitting;
 use pathmarch_scene::Scene;
 use std::sync::Arc;
 use std::time::Duration;
@@ -77,7 +78,12 @@ impl Renderer {
     /// [`RenderError`] where settings are out of range or the GPU refuses.
     pub fn start(&mut self, scene: &Scene, settings: &Settings) -> Result<Job, RenderError> {
         check(scene, settings)?;
-        let prepared = Prepared::new(scene, settings);
+        let mut prepared = Prepared::new(scene, settings);
+        // Mesa ends the loops of an invocation after 65,535 iterations in all: it may follow one path that marches, not many.
+        let may_split = self.gpu.as_ref().is_none_or(|device| !device.is_software() || !prepared.marches());
+        if settings.splitting.is_none() && may_split {
+            prepared.features.splitting = splitting::best(&prepared, settings.samples);
+        }
         if let Some(device) = &self.gpu {
             match GpuJob::new(device.clone(), &prepared, settings.first_sample, gpu::WHOLE) {
                 Ok(job) => return Ok(Job { tracer: Tracer::Gpu(Box::new(job)), settings: settings.clone() }),
@@ -126,6 +132,9 @@ pub(crate) fn check(scene: &Scene, settings: &Settings) -> Result<(), RenderErro
     }
     if settings.bounces > MAX_BOUNCES {
         return fail(format!("{} bounces: at most {MAX_BOUNCES}", settings.bounces));
+    }
+    if settings.splitting.is_some_and(|paths| !(1..=MAX_SPLITTING).contains(&paths)) {
+        return fail(format!("a splitting of {:?}: it must be from 1 to {MAX_SPLITTING}", settings.splitting));
     }
     if settings.viewpoint.is_none() && settings.camera >= scene.cameras.len() {
         return fail(format!("camera {} of {}", settings.camera, scene.cameras.len()));

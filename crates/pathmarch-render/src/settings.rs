@@ -6,6 +6,9 @@ use pathmarch_scene::{Camera, Caustics, Sampler, Scene};
 /// The largest number of bounces a path may have.
 pub const MAX_BOUNCES: u32 = 64;
 
+/// The largest number of paths that may share a ray of the camera.
+pub const MAX_SPLITTING: u32 = 8;
+
 /// How the light of what paths can meet, that is of all lights but points, is found. All ways converge to the same
 /// picture; the others are there to be compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,6 +51,9 @@ pub struct Settings {
     pub viewpoint: Option<Camera>,
     /// What the picture shows.
     pub mode: Mode,
+    /// Paths that share a ray of the camera, from 1 to [`MAX_SPLITTING`]; where absent, as many as make the picture converge
+    /// soonest. All are unbiased. Only of pictures of light.
+    pub splitting: Option<u32>,
 }
 
 impl Settings {
@@ -67,6 +73,7 @@ impl Settings {
             camera: 0,
             viewpoint: None,
             mode: Mode::Path,
+            splitting: None,
         }
     }
 

@@ -22,24 +22,32 @@ impl Tracer {
         }
     }
 
-    /// Does a slice of the work towards `samples` samples: a submission on a GPU, one sample of every pixel on the CPU.
+    /// Does a slice of the work towards `samples` samples: a submission on a GPU, one sample of every pixel (or those
+    /// that share a ray of the camera) on the CPU.
     pub(crate) fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
         match self {
             Self::Gpu(job) => job.advance(samples),
             Self::Cpu(job) => {
                 if job.samples_done() < f64::from(samples) {
-                    job.advance();
+                    job.advance(samples);
                 }
                 Ok(())
             }
         }
     }
 
-    /// The picture so far; finishes a sample that is begun.
+    /// Whether every pixel has as many samples.
+    fn is_whole(&self) -> bool {
+        match self {
+            Self::Gpu(job) => job.is_whole(),
+            Self::Cpu(job) => job.is_whole(),
+        }
+    }
+
+    /// The picture so far; finishes samples that are begun.
     pub(crate) fn film(&mut self) -> Result<Film, RenderError> {
-        let whole = self.samples_done().ceil() as u32;
-        while self.samples_done() < f64::from(whole) {
-            self.advance(whole)?;
+        while !self.is_whole() {
+            self.advance(self.samples_done() as u32 + 1)?;
         }
         match self {
             Self::Gpu(job) => job.film(),

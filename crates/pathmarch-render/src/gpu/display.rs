@@ -18,6 +18,7 @@ struct Shown {
     width: u32,
     height: u32,
     samples: u32,
+    begun: u32,
     row: u32,
     column: u32,
     gain: f32,
@@ -89,13 +90,13 @@ impl DisplayPass {
         device: &Arc<Device>,
         screen: &Screen,
         [width, height]: [u32; 2],
-        Progress { samples, row, column }: Progress,
+        Progress { samples, begun, row, column }: Progress,
         display: &Display,
         mode: Mode,
     ) -> Result<Vec<u8>, RenderError> {
         let (gain, tonemap) = (display.gain(), display.tonemap as u32);
         let variance = u32::from(mode == Mode::Variance);
-        let shown = Shown { width, height, samples, row, column, gain, tonemap, variance };
+        let shown = Shown { width, height, samples, begun, row, column, gain, tonemap, variance };
         device.queue.write_buffer(&self.shown, 0, bytemuck::bytes_of(&shown));
         let mut encoder =
             device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("display") });

@@ -5,7 +5,8 @@ struct Shown {
     height: u32,
     /// Whole samples of every pixel.
     samples: u32,
-    /// Pixels above this row, and of eight rows from here those left of the column, have one more.
+    /// Pixels above the row, and of eight rows from there those left of the column, have so many more.
+    begun: u32,
     row: u32,
     column: u32,
     /// What radiance is multiplied by.
@@ -27,8 +28,8 @@ fn show(@builtin(global_invocation_id) id: vec3u) {
     }
     let pixel = id.y * shown.width + id.x;
     let sum = film[pixel];
-    let one_more = id.y < shown.row || (id.y < shown.row + 8u && id.x < shown.column);
-    let samples = f32(shown.samples + select(0u, 1u, one_more)) - sum.w;
+    let has_more = id.y < shown.row || (id.y < shown.row + 8u && id.x < shown.column);
+    let samples = f32(shown.samples + select(0u, shown.begun, has_more)) - sum.w;
     var colour = sum.xyz / max(samples, 1.0);
     if shown.variance != 0u {
         colour = uncertainty(vec4f(sum.xyz, samples)).xyz;

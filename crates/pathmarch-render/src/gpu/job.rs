@@ -1,6 +1,6 @@
 //! A picture being rendered on the GPU.
 //!
-//! The kernel ([`super::kernel`]) is printed for the scene. A dispatch computes one sample of
+//! The kernel ([`super::kernel`]) is printed for the scene. A dispatch computes one sample, or those that share a ray of the camera, of
 //! a band of rows; bands and the number of dispatches in a submission adapt so that a submission takes about
 //! as long as it is asked to, which keeps displays alive on weak adapters and strong ones busy. Two submissions are in
 //! flight. The camera and the size of the picture may change without a new job.
@@ -38,16 +38,26 @@ pub(crate) const MAX_LEAVES: usize = 2048;
 #[repr(C)]
 struct Slice {
     sample: u32,
+    samples: u32,
     first_row: u32,
     rows: u32,
     first_column: u32,
+    padding: [u32; 3],
+}
+
+impl Slice {
+    /// Samples of single pixels, in so many columns.
+    fn work(&self, columns: u32) -> f64 {
+        f64::from(self.samples) * f64::from(self.rows) * f64::from(columns)
+    }
 }
 
 /// How far the samples of a film are: every pixel has `samples`; those above `row`, and of the eight rows from there
-/// those left of `column`, have one more.
+/// those left of `column`, have `begun` more.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Progress {
     pub(super) samples: u32,
+    pub(super) begun: u32,
     pub(super) row: u32,
     pub(super) column: u32,
 }
@@ -70,9 +80,11 @@ pub(crate) struct GpuJob {
     submitted: Progress,
     /// Aim for the time of one submission.
     target: Duration,
-    /// Pixels of one sample that take about as long.
+    /// Samples of single pixels that take about as long.
     quota: f64,
-    /// With the number of pixels in each.
+    /// Paths that share a ray of the camera: samples that a dispatch computes at most.
+    splitting: u32,
+    /// With the number of such samples in each.
     in_flight: VecDeque<(wgpu::SubmissionIndex, f64, Instant)>,
     last_completion: Instant,
     stopwatch: Option<Stopwatch>,
@@ -150,7 +162,7 @@ impl GpuJob {
             device.queue.write_buffer(&buffer, 0, contents);
             buffer
         };
-        let slice_stride = gpu.limits().min_uniform_buffer_offset_alignment.max(16);
+        let slice_stride = gpu.limits().min_uniform_buffer_offset_alignment.max(size_of::<Slice>() as u32);
         let slices = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("slices"),
             size: u64::from(slice_stride) * MAX_DISPATCHES as u64,
@@ -174,7 +186,7 @@ impl GpuJob {
             (memory::SKY, "sky", bytemuck::cast_slice(&texels)),
         ]
         .map(|(binding, label, contents)| (binding, constant(binding, label, contents)));
-        let slice = wgpu::BufferBinding { buffer: &slices, offset: 0, size: wgpu::BufferSize::new(16) };
+        let slice = wgpu::BufferBinding { buffer: &slices, offset: 0, size: wgpu::BufferSize::new(size_of::<Slice>() as u64) };
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let mut entries = vec![
             entry(memory::FRAME, frame.as_entire_binding()),
@@ -206,6 +218,7 @@ impl GpuJob {
             submitted: Progress::default(),
             target,
             quota: f64::from(BAND * 64),
+            splitting: prepared.features.splitting,
             in_flight: VecDeque::new(),
             last_completion: Instant::now(),
             stopwatch: None,
@@ -213,7 +226,7 @@ impl GpuJob {
         };
         if !job.kernel.is_warm() {
             // Drivers compile at the first dispatch: make one of no rows.
-            job.submit(&[(Slice { sample: 0, first_row: 0, rows: 0, first_column: 0 }, 1)]);
+            job.submit(&[(Slice::zeroed(), 1)]);
             job.complete_oldest()?;
             job.kernel.set_warm();
         }
@@ -255,7 +268,7 @@ impl GpuJob {
         let gpu = &self.device.device;
         let mut bytes = vec![0; self.slice_stride as usize * slices.len()];
         for (place, (slice, _)) in bytes.chunks_mut(self.slice_stride as usize).zip(slices) {
-            place[..16].copy_from_slice(bytemuck::bytes_of(slice));
+            place[..size_of::<Slice>()].copy_from_slice(bytemuck::bytes_of(slice));
         }
         self.device.queue.write_buffer(&self.slices, 0, &bytes);
         let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("trace") });
@@ -270,13 +283,13 @@ impl GpuJob {
             }
         }
         let index = self.device.queue.submit([encoder.finish()]);
-        let pixels = slices.iter().map(|(slice, columns)| f64::from(slice.rows) * f64::from(*columns)).sum();
-        self.in_flight.push_back((index, pixels, Instant::now()));
+        let samples = slices.iter().map(|(slice, columns)| slice.work(*columns)).sum();
+        self.in_flight.push_back((index, samples, Instant::now()));
     }
 
     /// Waits for the oldest submission and learns from its time.
     fn complete_oldest(&mut self) -> Result<(), RenderError> {
-        let Some((index, pixels, submitted)) = self.in_flight.pop_front() else { return Ok(()) };
+        let Some((index, samples, submitted)) = self.in_flight.pop_front() else { return Ok(()) };
         self.device
             .device
             .poll(wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(HUNG) })
@@ -286,23 +299,32 @@ impl GpuJob {
         // It ran from the completion of the one before, or from its own submission.
         let took = now.duration_since(self.last_completion.max(submitted)).as_secs_f64().max(1e-6);
         self.last_completion = now;
-        if pixels > 0.0 {
-            let fitting = pixels * self.target.as_secs_f64() / took;
+        if samples > 0.0 {
+            let fitting = samples * self.target.as_secs_f64() / took;
             let most = f64::from(self.size[0]) * f64::from(self.size[1]) * MAX_DISPATCHES as f64;
             self.quota = fitting.clamp(self.quota * 0.25, self.quota * 4.0).clamp(f64::from(BAND * 8), most);
         }
         Ok(())
     }
 
-    /// The next piece of work of at most about `pixels` pixels: whole workgroups, whole bands where there is room.
-    fn next_slice(&mut self, pixels: f64) -> (Slice, u32) {
+    /// The next piece of work towards `upto` samples, of at most about `work` samples of single pixels: whole workgroups,
+    /// whole bands where there is room.
+    fn next_slice(&mut self, upto: u32, work: f64) -> (Slice, u32) {
         let [width, height] = self.size;
-        let Progress { samples, row, column } = self.submitted;
+        let Progress { samples, row, column, .. } = self.submitted;
+        let sample = self.first_sample + samples;
+        if self.is_whole() {
+            self.submitted.begun = (self.splitting - sample % self.splitting).min(upto - samples);
+        }
+        let begun = self.submitted.begun;
+        let pixels = work / f64::from(begun);
         let slice = |rows: u32| Slice {
-            sample: self.first_sample + samples,
+            sample,
+            samples: begun,
             first_row: row,
             rows: rows.min(height - row),
             first_column: column,
+            padding: [0; 3],
         };
         let band = f64::from(width) * f64::from(BAND);
         let (slice, columns) = if column > 0 || pixels < band {
@@ -317,7 +339,7 @@ impl GpuJob {
             (next.row, next.column) = (row + slice.rows, 0);
         }
         if next.row == height {
-            *next = Progress { samples: samples + 1, ..Progress::default() };
+            *next = Progress { samples: samples + begun, ..Progress::default() };
         }
         (slice, columns)
     }
@@ -330,8 +352,8 @@ impl GpuJob {
         let mut slices = Vec::new();
         let mut left = self.quota;
         while left > 0.0 && self.submitted.samples < samples && slices.len() < MAX_DISPATCHES {
-            let (slice, columns) = self.next_slice(left);
-            left -= f64::from(slice.rows) * f64::from(columns);
+            let (slice, columns) = self.next_slice(samples, left);
+            left -= slice.work(columns);
             slices.push((slice, columns));
         }
         if !slices.is_empty() {
@@ -346,9 +368,14 @@ impl GpuJob {
     /// Samples of every pixel handed to the GPU, with a fraction for one that is begun.
     pub(crate) fn samples_done(&self) -> f64 {
         let [width, height] = self.size.map(f64::from);
-        let Progress { samples, row, column } = self.submitted;
+        let Progress { samples, begun, row, column } = self.submitted;
         let band = f64::from(BAND).min(height - f64::from(row));
-        f64::from(samples) + (f64::from(row) + band * f64::from(column) / width) / height
+        f64::from(samples) + f64::from(begun) * (f64::from(row) + band * f64::from(column) / width) / height
+    }
+
+    /// Whether every pixel was handed over as often.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.submitted.row == 0 && self.submitted.column == 0
     }
 
     /// Waits for everything handed to the GPU.

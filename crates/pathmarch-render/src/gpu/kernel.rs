@@ -50,14 +50,14 @@ pub(super) fn kernel(prepared: &Prepared, program: &Program, memory: &Memory) ->
     }
     code += &paint(prepared);
     writeln!(code, "const RELAXATION = {:?};", prepared.features.relaxation).expect("writing to a string");
-    writeln!(code, "const HAS_MARCHED = {};", !prepared.field.marched_bounds().is_empty())
-        .expect("writing to a string");
+    writeln!(code, "const HAS_MARCHED = {};", prepared.marches()).expect("writing to a string");
     for part in transport::kernel(mode) {
         code.push('\n');
         code.push_str(part);
     }
     code.push('\n');
-    code + &transport::TRACE.replace(transport::PATH_WGSL, transport::trace_wgsl(mode))
+    code += &transport::samples_wgsl(mode, prepared.features.splitting);
+    code + transport::TRACE
 }
 
 /// What a mode without noise needs of the scene.
@@ -112,6 +112,7 @@ fn constants(prepared: &Prepared) -> String {
     for (name, value) in [
         ("LIGHT_SEARCH", light_search as u32),
         ("SAMPLER", prepared.frame.sampler),
+        ("SPLITTING", prepared.features.splitting),
         ("SKY", sky),
         ("SKY_TABLE", sky_table as u32),
         ("GGX_TABLE", ggx_table as u32),

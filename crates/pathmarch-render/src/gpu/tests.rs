@@ -33,7 +33,7 @@ fn on_gpu(device: Arc<Device>, prepared: &Prepared, samples: u32) -> Film {
 
 fn on_cpu(prepared: &Prepared, samples: u32) -> Film {
     let mut job = CpuJob::new(prepared.clone(), 0);
-    (0..samples).for_each(|_| job.advance());
+    (0..samples).for_each(|_| job.advance(samples));
     job.film().clone()
 }
 

@@ -42,9 +42,12 @@ struct Frame {
     pixel: f32,
 }
 
-/// Which sample of which rows a dispatch computes.
+/// Which samples of which rows a dispatch computes.
 struct Slice {
+    /// The first of them.
     sample: u32,
+    /// How many; one, but for those that share a ray of the camera.
+    samples: u32,
     first_row: u32,
     rows: u32,
     first_column: u32,

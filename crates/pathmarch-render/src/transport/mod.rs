@@ -18,6 +18,7 @@ pub(crate) mod random;
 mod shadow;
 pub(crate) mod sky;
 mod soft_shadow;
+pub(crate) mod splitting;
 mod steady;
 mod variance;
 pub(crate) mod views;
@@ -27,21 +28,19 @@ use crate::frame::Prepared;
 use crate::mode::Mode;
 use glam::Vec3;
 
-/// What computes one sample of each of some pixels on the CPU.
-pub(crate) type Trace = fn(&Prepared, pixels: &[(u32, u32)], sample: u32) -> Vec<Vec3>;
-
-/// The function of a mode on the CPU.
-pub(crate) fn trace(mode: Mode) -> Trace {
-    match mode {
-        Mode::Path => path::trace,
-        Mode::Preview => preview::trace,
-        Mode::Variance => variance::moments,
-        _ => views::view,
+/// So many samples from this one on of each of these pixels on the CPU, those of a pixel in a row; more than one only where
+/// they share a ray of the camera.
+pub(crate) fn samples_of(prepared: &Prepared, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
+    match prepared.mode {
+        Mode::Path => path::trace(prepared, pixels, first, samples),
+        Mode::Preview => preview::trace(prepared, pixels, first),
+        Mode::Variance => variance::moments(prepared, pixels, first),
+        _ => views::view(prepared, pixels, first),
     }
 }
 
-/// The name of its twin on the GPU: `NAME(camera: Ray, random: Random) -> vec3f`.
-pub(crate) fn trace_wgsl(mode: Mode) -> &'static str {
+/// The name of what computes a sample on the GPU: `NAME(camera: Ray, random: Random) -> vec3f`.
+fn trace_wgsl(mode: Mode) -> &'static str {
     match mode {
         Mode::Path => PATH_WGSL,
         Mode::Preview => "preview_along",
@@ -50,11 +49,20 @@ pub(crate) fn trace_wgsl(mode: Mode) -> &'static str {
     }
 }
 
-/// The function of [`Mode::Path`], which [`TRACE`] calls.
-pub(crate) const PATH_WGSL: &str = "radiance_along";
+/// The function of [`Mode::Path`].
+const PATH_WGSL: &str = "radiance_along";
 
-/// The entry point of the kernel, as it is for [`Mode::Path`].
+/// The entry point of the kernel.
 pub(crate) const TRACE: &str = include_str!("trace.wgsl");
+
+/// What the entry point computes: `samples_of(x: u32, y: u32) -> vec4f`.
+pub(crate) fn samples_wgsl(mode: Mode, splitting: u32) -> String {
+    if splitting > 1 {
+        include_str!("splitting.wgsl").to_owned()
+    } else {
+        include_str!("sample.wgsl").replace(PATH_WGSL, trace_wgsl(mode))
+    }
+}
 
 /// The kernel's WGSL but for the scene's field and the entry point; declarations may stand in any order.
 pub(crate) fn kernel(mode: Mode) -> &'static [&'static str] {

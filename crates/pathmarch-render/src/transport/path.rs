@@ -23,8 +23,10 @@ use crate::frame::{DELTA, DIRECT, EMITS, LIGHT_SHIFT, Prepared, SHEET, TRANSMITS
 use glam::Vec3;
 use pathmarch_field::graph::{Batch, Surface};
 use pathmarch_field::number::Vec3 as FieldVec3;
+use std::iter::repeat_n;
 use wide::f32x8;
 
+#[derive(Clone)]
 struct Path {
     slot: usize,
     random: Random,
@@ -65,20 +67,38 @@ fn limited(prepared: &Prepared, contribution: Vec3, bounces: u32) -> Vec3 {
     contribution * (prepared.frame.clamp / contribution.max_element().max(prepared.frame.clamp))
 }
 
-/// The radiance of one sample of each of these pixels.
-pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> Vec<Vec3> {
+/// The radiance of so many samples from this one on of each of these pixels, those of a pixel in a row; more than one only
+/// where they share a ray of the camera.
+pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
     let frame = &prepared.frame;
     let rays = pixels.iter().map(|&(x, y)| {
-        let random = Random::of(frame, x, y, sample);
+        let random = Random::of(frame, x, y, first / prepared.features.splitting);
         (camera_ray(frame, x, y, random), random)
     });
-    radiance_along(prepared, rays)
+    let (paths, mut radiance) = start(prepared, rays);
+    let reached = arrive(prepared, paths, 0, &mut radiance);
+    let mut radiance: Vec<Vec3> = radiance.iter().flat_map(|&ended| repeat_n(ended, samples as usize)).collect();
+    let split = reached.iter().flat_map(|(path, near)| {
+        (0..samples).map(|k| {
+            let (slot, random) = (path.slot * samples as usize + k as usize, path.random.of_sample(first + k));
+            (Path { slot, random, ..path.clone() }, near.clone())
+        })
+    });
+    go_on(prepared, split.collect(), &mut radiance);
+    radiance
 }
 
 /// The radiance along each of these rays, which start where the camera is or in the same medium.
 pub(super) fn radiance_along(prepared: &Prepared, rays: impl Iterator<Item = (Ray, Random)>) -> Vec<Vec3> {
-    let frame = &prepared.frame;
-    let mut paths: Vec<Path> = rays
+    let (paths, mut radiance) = start(prepared, rays);
+    let reached = arrive(prepared, paths, 0, &mut radiance);
+    go_on(prepared, reached, &mut radiance);
+    radiance
+}
+
+/// The paths that begin with these rays, and the radiance of each so far.
+fn start(prepared: &Prepared, rays: impl Iterator<Item = (Ray, Random)>) -> (Vec<Path>, Vec<Vec3>) {
+    let paths: Vec<Path> = rays
         .enumerate()
         .map(|(slot, (ray, random))| Path {
             slot,
@@ -90,53 +110,60 @@ pub(super) fn radiance_along(prepared: &Prepared, rays: impl Iterator<Item = (Ra
             last: 0.0,
             direct: None,
             scatter_pdf: 0.0,
-            medium: Vec3::from(frame.medium),
+            medium: Vec3::from(prepared.frame.medium),
             passing: false,
             index_square: 1.0,
         })
         .collect();
-    let mut radiance = vec![Vec3::ZERO; paths.len()];
-    for surface_index in 0..=frame.bounces + 1 {
-        if paths.is_empty() {
+    let radiance = vec![Vec3::ZERO; paths.len()];
+    (paths, radiance)
+}
+
+/// Follows paths from the surfaces that they have reached to their ends.
+fn go_on(prepared: &Prepared, mut reached: Vec<(Path, Near)>, radiance: &mut [Vec3]) {
+    for surface_index in 0.. {
+        if reached.is_empty() {
             break;
         }
-        let marches: Vec<March> =
-            paths.iter().map(|path| March { ray: path.ray, before: path.length, limit: f32::INFINITY }).collect();
-        let hits = march(prepared, &marches);
-        let mut reached = Vec::with_capacity(paths.len());
-        for (mut path, hit) in paths.into_iter().zip(hits) {
-            if prepared.features.absorption {
-                path.throughput *= left_after(path.medium, hit.map_or(f32::INFINITY, |hit| hit.t));
-            }
-            match hit {
-                Some(Hit { t, direct }) => {
-                    path.length += t;
-                    path.last = t;
-                    path.direct = direct;
-                    path.ray.origin += path.ray.direction * t;
-                    reached.push(path);
-                }
-                None => {
-                    let contribution = path.throughput * beyond(prepared, &path);
-                    // Light that a ray meets fell on the surface before.
-                    radiance[path.slot] += limited(prepared, contribution, surface_index.saturating_sub(1));
-                }
-            }
-        }
-        let surfaces = surfaces(prepared, &reached, surface_index);
         let mut connections = Vec::with_capacity(reached.len());
-        paths = reached
+        let paths = reached
             .into_iter()
-            .zip(surfaces)
-            .filter_map(|(path, surface)| {
-                shade(prepared, path, &surface, surface_index, &mut radiance, &mut connections)
-            })
+            .filter_map(|(path, near)| shade(prepared, path, &near, surface_index, radiance, &mut connections))
             .collect();
         for (slot, arriving) in shadow::arriving(prepared, connections) {
             radiance[slot] += limited(prepared, arriving, surface_index);
         }
+        reached = arrive(prepared, paths, surface_index + 1, radiance);
     }
-    radiance
+}
+
+/// Follows the rays of paths to their next surface, after so many; those that meet none end.
+fn arrive(prepared: &Prepared, paths: Vec<Path>, surface_index: u32, radiance: &mut [Vec3]) -> Vec<(Path, Near)> {
+    let march_of = |path: &Path| March { ray: path.ray, before: path.length, limit: f32::INFINITY };
+    let marches: Vec<March> = paths.iter().map(march_of).collect();
+    let hits = march(prepared, &marches);
+    let mut reached = Vec::with_capacity(paths.len());
+    for (mut path, hit) in paths.into_iter().zip(hits) {
+        if prepared.features.absorption {
+            path.throughput *= left_after(path.medium, hit.map_or(f32::INFINITY, |hit| hit.t));
+        }
+        match hit {
+            Some(Hit { t, direct }) => {
+                path.length += t;
+                path.last = t;
+                path.direct = direct;
+                path.ray.origin += path.ray.direction * t;
+                reached.push(path);
+            }
+            None => {
+                let contribution = path.throughput * beyond(prepared, &path);
+                // Light that a ray meets fell on the surface before.
+                radiance[path.slot] += limited(prepared, contribution, surface_index.saturating_sub(1));
+            }
+        }
+    }
+    let surfaces = surfaces(prepared, &reached, surface_index);
+    reached.into_iter().zip(surfaces).collect()
 }
 
 /// Radiance from beyond the scene, weighed where it is sampled as a light, too.
@@ -149,6 +176,7 @@ fn beyond(prepared: &Prepared, path: &Path) -> Vec3 {
         + lights::suns_found(prepared, direction, path.scatter_pdf)
 }
 
+#[derive(Clone)]
 pub(crate) struct Near {
     pub(crate) distance: f32,
     pub(crate) gradient: Vec3,

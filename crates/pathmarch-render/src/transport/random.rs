@@ -115,6 +115,11 @@ impl Random {
         Self { base: hash(seed), place: morton ^ swap ^ (swap << 1), sample, independent: false }
     }
 
+    /// Of another sample of the same pixel.
+    pub(crate) fn of_sample(self, sample: u32) -> Self {
+        Self { sample, ..self }
+    }
+
     /// The point of a pair of dimensions, uniform in the unit square.
     pub(crate) fn pair(self, pair: u32) -> [f32; 2] {
         let seed = hash(self.base ^ pair.wrapping_mul(0x9e37_79b9));

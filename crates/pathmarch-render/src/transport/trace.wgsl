@@ -1,5 +1,4 @@
-// One sample of every pixel of a band of rows. What a sample is depends on the mode: gpu/kernel.rs names its function in
-// place of the path's.
+// Some samples of every pixel of a band of rows.
 
 // Eight lanes that run together, as in software, are a tile of 4x2 pixels and not a row: their rays part later. Thirty-two are
 // 8x4 either way.
@@ -13,13 +12,14 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
         return;
     }
     let y = slice.first_row + id.y;
-    let random = random_new(x, y, slice.sample, frame.seed);
-    let radiance = radiance_along(camera_ray(x, y, random), random);
-    let pixel = y * frame.width + x;
+    film[y * frame.width + x] += samples_of(x, y);
+}
+
+/// A sample as the film counts it: what is not finite is left out, and the fourth number says so.
+fn kept(radiance: vec3f) -> vec4f {
     // Comparisons with what is not a number are false, so this also catches NaN.
     if all(radiance >= vec3f(0.0)) && all(radiance < vec3f(1e30)) {
-        film[pixel] += vec4f(radiance, 0.0);
-    } else {
-        film[pixel].w += 1.0;
+        return vec4f(radiance, 0.0);
     }
+    return vec4f(0.0, 0.0, 0.0, 1.0);
 }

@@ -9,7 +9,7 @@ use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::{Animation, Caustics, Moment, Sampler, Scene};
 use pathmarch_render::tonemap::{Display, Tonemap};
-use pathmarch_render::{MAX_BOUNCES, Mode, MotionError, RenderError, Renderer, Settings, Shutter};
+use pathmarch_render::{MAX_SPLITTING, MAX_BOUNCES, Mode, MotionError, RenderError, Renderer, Settings, Shutter};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -68,6 +68,9 @@ pub struct Arguments {
     /// Largest radiance of a contribution of light that bounced, against fireflies; darkens [default: the scene's]
     #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
     clamp: Option<f32>,
+    /// Paths that share a ray of the camera, 1 to 8 [default: what makes the picture converge soonest]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPLITTING)))]
+    splitting: Option<u32>,
     /// How near to a surface a ray ends, in pixels as seen: smaller shows finer detail, and costs steps [default: the scene's]
     #[arg(long, value_name = "PIXELS", value_parser = parse_detail)]
     detail: Option<f32>,
@@ -209,6 +212,7 @@ impl Arguments {
             camera,
             viewpoint: None,
             mode,
+            splitting: self.splitting,
         })
     }
 

@@ -1,0 +1,136 @@
+//! How many paths share a ray of the camera.
+//!
+//! **Idea.** Where most of the noise is light that bounced, a new ray of the camera for each path finds the same surface again.
+//! Instead k samples in a row begin at the surface that one ray met: they differ in their random numbers from there on, and each
+//! is a path of its own, so that the picture stays what it was, whatever k. In a kernel, a lane whose path has ended takes
+//! the next one of its ray, and does not wait for the lanes beside it.
+//!
+//! What it costs is smoothness of edges, of lenses and of moving things, which converge with the number of rays. With the variance
+//! B between rays and W within one, and c₀ and c₁ as the costs of a ray and of a path from there on, the error after a given
+//! time is proportional to (B + W/k) (c₀ + k c₁). [`best`] estimates all four by a few thousand paths of the picture
+//! itself, and counts instead of timing, so that the same picture is split the same way everywhere.
+//!
+//! **Sources.** Splitting: Arvo and Kirk 1990, "Particle Transport and Image Synthesis", section 5. The best number of paths by
+//! the variances and costs of both parts: Bolin and Meyer 1997, "An Error Metric for Monte Carlo Ray Tracing", section 4;
+//! Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting". Paths taken anew by idle lanes: Novák, Havran and
+//! Dachsbacher 2010, "Path Regeneration for Interactive Path Tracing".
+//!
+//! **Cost.** 20,000 paths on the CPU, for pictures of at least 200 times as many.
+
+use super::camera::camera_ray;
+use super::march::{March, march};
+use super::path;
+use super::random::{Random, hash};
+use crate::census::Counter;
+use crate::frame::Prepared;
+use crate::mode::Mode;
+use crate::settings::MAX_SPLITTING;
+use glam::Vec3;
+use pathmarch_scene::Sampler;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Pixels that are looked at, along each side.
+const LOOKS: [u32; 2] = [48, 27];
+/// Rays through each of them.
+const RAYS: u32 = 4;
+/// Paths that share each of these.
+const PATHS: u32 = 4;
+/// A picture has so many paths for each that is spent on this.
+const WORTH: f64 = 200.0;
+/// A pixel has so many rays at least, for smooth edges.
+const RAYS_OF_A_PIXEL: u32 = 16;
+/// What an evaluation of the field costs, in rays with what belongs to them.
+const EVALUATION: f64 = 0.25;
+/// More than this share must be gained by more paths for a ray, as they cost smoothness.
+const GAIN: f64 = 0.05;
+
+/// How many paths should share a ray of the camera, in a picture of so many samples.
+pub(crate) fn best(prepared: &Prepared, samples: u32) -> u32 {
+    let [width, height] = [prepared.frame.width, prepared.frame.height];
+    let looks = LOOKS.map(f64::from).iter().product::<f64>() * f64::from(RAYS * PATHS);
+    if prepared.mode != Mode::Path || f64::from(width) * f64::from(height) * f64::from(samples) < WORTH * looks {
+        return 1;
+    }
+    let mut probe = prepared.clone();
+    probe.features.splitting = PATHS;
+    // Neither shares numbers with the picture nor has runs that are better than chance.
+    probe.frame.seed = hash(prepared.frame.seed);
+    probe.frame.sampler = Sampler::Independent as u32;
+    let pixels: Vec<(u32, u32)> = (0..LOOKS[0] * LOOKS[1])
+        .map(|k| {
+            let somewhere = |cell: u32, cells: u32, length: u32, random: u32| {
+                let within = f64::from(hash(2 * k + random)) / f64::from(u32::MAX);
+                ((f64::from(cell) + within) / f64::from(cells) * f64::from(length)) as u32
+            };
+            let x = somewhere(k % LOOKS[0], LOOKS[0], width, 0).min(width - 1);
+            (x, somewhere(k / LOOKS[0], LOOKS[1], height, 1).min(height - 1))
+        })
+        .collect();
+    let (rays, all) = (Arc::new(Counter::default()), Arc::new(Counter::default()));
+    let counting = |counter: &Arc<Counter>| Prepared { counter: Some(counter.clone()), ..probe.clone() };
+    let (of_rays, of_all) = (counting(&rays), counting(&all));
+    let variances = pixels.par_chunks(LOOKS[0] as usize).map(|pixels| {
+        camera_rays(&of_rays, pixels);
+        variances(&of_all, pixels)
+    });
+    let [between, within] = variances.reduce(|| [0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    let cost = |counter: &Counter| {
+        let counted = counter.total();
+        counted.rays as f64 + EVALUATION * counted.evaluations as f64
+    };
+    let ray = cost(&rays);
+    let path = (cost(&all) - ray) / f64::from(PATHS);
+    let error = |k: u32| (between.max(0.0) + within / f64::from(k)) * (ray + f64::from(k) * path);
+    let most = MAX_SPLITTING.min(samples / RAYS_OF_A_PIXEL).max(1);
+    let doubled = (0..=most.ilog2()).map(|k| 1 << k);
+    doubled.fold(1, |best, k| if error(k) < (1.0 - GAIN) * error(best) { k } else { best })
+}
+
+/// Follows the rays of the camera alone.
+fn camera_rays(probe: &Prepared, pixels: &[(u32, u32)]) {
+    let ray = |(x, y): (u32, u32), sample| {
+        let ray = camera_ray(&probe.frame, x, y, Random::of(&probe.frame, x, y, sample));
+        March { ray, before: 0.0, limit: f32::INFINITY }
+    };
+    let rays: Vec<March> =
+        pixels.iter().flat_map(|&pixel| (0..RAYS).map(move |sample| ray(pixel, sample))).collect();
+    march(probe, &rays);
+}
+
+/// The variance of a pixel between rays and within one, relative to its mean and summed over pixels.
+fn variances(probe: &Prepared, pixels: &[(u32, u32)]) -> [f64; 2] {
+    let of_rays: Vec<Vec<Vec3>> = (0..RAYS).map(|ray| path::trace(probe, pixels, ray * PATHS, PATHS)).collect();
+    let mut sums = [0.0; 2];
+    for pixel in 0..pixels.len() {
+        let paths: Vec<&[Vec3]> =
+            of_rays.iter().map(|values| &values[pixel * PATHS as usize..][..PATHS as usize]).collect();
+        for channel in 0..3 {
+            let [between, within] = parts(&paths, |value| f64::from(value[channel]));
+            // What is not finite says nothing.
+            if between.is_finite() && within.is_finite() {
+                sums[0] += between;
+                sums[1] += within;
+            }
+        }
+    }
+    sums
+}
+
+/// The parts of the variance of numbers that come in groups of [`PATHS`], between and within groups, relative to their mean as
+/// relMSE is, and limited so that no pixel outweighs all others.
+fn parts(groups: &[&[Vec3]], number: impl Fn(Vec3) -> f64) -> [f64; 2] {
+    const LIMIT: f64 = 10.0;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let variance = |values: &[f64]| {
+        let mean = mean(values);
+        values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64
+    };
+    let groups: Vec<Vec<f64>> = groups.iter().map(|group| group.iter().map(|&value| number(value)).collect()).collect();
+    let means: Vec<f64> = groups.iter().map(|group| mean(group)).collect();
+    let within = mean(&groups.iter().map(|group| variance(group)).collect::<Vec<_>>());
+    // The means of groups vary by what is within them, too.
+    let between = variance(&means) - within / groups[0].len() as f64;
+    let scale = 1.0 / (mean(&means).powi(2) + 0.01);
+    [between * scale, within * scale].map(|part| part.clamp(-LIMIT, LIMIT))
+}

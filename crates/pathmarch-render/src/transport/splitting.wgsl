@@ -1,0 +1,26 @@
+// Samples of a pixel that share a ray of the camera. Twin of splitting.rs, which explains them.
+
+fn samples_of(x: u32, y: u32) -> vec4f {
+    let random = random_new(x, y, slice.sample / SPLITTING, frame.seed);
+    var first = path_from(camera_ray(x, y, random), random);
+    if !path_arrive(&first) {
+        return kept(first.radiance) * f32(slice.samples);
+    }
+    var sum = vec4f(0.0);
+    var taken = 0u;
+    var path = first;
+    path.random.sample = slice.sample;
+    // A lane whose path has ended takes its next one, so that those that run together do not wait for each other.
+    loop {
+        if !path_scatter(&path) || !path_arrive(&path) {
+            sum += kept(path.radiance);
+            taken++;
+            if taken >= slice.samples {
+                break;
+            }
+            path = first;
+            path.random.sample = slice.sample + taken;
+        }
+    }
+    return sum;
+}
