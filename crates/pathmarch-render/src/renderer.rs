@@ -82,7 +82,7 @@ impl Renderer {
         // Mesa ends the loops of an invocation after 65,535 iterations in all: it may follow one path that marches, not many.
         let may_split = self.gpu.as_ref().is_none_or(|device| !device.is_software() || !prepared.marches());
         if settings.splitting.is_none() && may_split {
-            prepared.features.splitting = splitting::best(&prepared, settings.samples);
+            prepared.features.splitting = splitting::best(&prepared, settings.samples, self.gpu.is_some());
         }
         if let Some(device) = &self.gpu {
             match GpuJob::new(device.clone(), &prepared, settings.first_sample, gpu::WHOLE) {

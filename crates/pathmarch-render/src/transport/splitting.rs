@@ -8,7 +8,9 @@
 //! What it costs is smoothness of edges, of lenses and of moving things, which converge with the number of rays. With the variance
 //! B between rays and W within one, and c₀ and c₁ as the costs of a ray and of a path from there on, the error after a given
 //! time is proportional to (B + W/k) (c₀ + k c₁). [`best`] estimates all four by a few thousand paths of the picture
-//! itself, and counts instead of timing, so that the same picture is split the same way everywhere.
+//! itself, and counts instead of timing, so that the same picture is always split the same way. Lanes that run together last as
+//! long as the longest of them: the longest of eight sums of k lengths is k + 1.4 s √k, in mean lengths of a path whose
+//! deviation is s of them.
 //!
 //! **Sources.** Splitting: Arvo and Kirk 1990, "Particle Transport and Image Synthesis", section 5. The best number of paths by
 //! the variances and costs of both parts: Bolin and Meyer 1997, "An Error Metric for Monte Carlo Ray Tracing", section 4;
@@ -42,11 +44,14 @@ const WORTH: f64 = 200.0;
 const RAYS_OF_A_PIXEL: u32 = 16;
 /// What an evaluation of the field costs, in rays with what belongs to them.
 const EVALUATION: f64 = 0.25;
+/// By how much the slowest of eight lanes exceeds their mean, for one path each, in mean lengths of a path.
+const WAITING: f64 = 0.9;
 /// More than this share must be gained by more paths for a ray, as they cost smoothness.
 const GAIN: f64 = 0.05;
 
-/// How many paths should share a ray of the camera, in a picture of so many samples.
-pub(crate) fn best(prepared: &Prepared, samples: u32) -> u32 {
+/// How many paths should share a ray of the camera, in a picture of so many samples; `in_lanes` where paths wait for those
+/// beside them, as in a kernel.
+pub(crate) fn best(prepared: &Prepared, samples: u32, in_lanes: bool) -> u32 {
     let [width, height] = [prepared.frame.width, prepared.frame.height];
     let looks = LOOKS.map(f64::from).iter().product::<f64>() * f64::from(RAYS * PATHS);
     if prepared.mode != Mode::Path || f64::from(width) * f64::from(height) * f64::from(samples) < WORTH * looks {
@@ -81,7 +86,11 @@ pub(crate) fn best(prepared: &Prepared, samples: u32) -> u32 {
     };
     let ray = cost(&rays);
     let path = (cost(&all) - ray) / f64::from(PATHS);
-    let error = |k: u32| (between.max(0.0) + within / f64::from(k)) * (ray + f64::from(k) * path);
+    let waiting = if in_lanes { WAITING } else { 0.0 };
+    let error = |k: u32| {
+        let k = f64::from(k);
+        (between.max(0.0) + within / k) * (ray + (k + waiting * k.sqrt()) * path)
+    };
     let most = MAX_SPLITTING.min(samples / RAYS_OF_A_PIXEL).max(1);
     let doubled = (0..=most.ilog2()).map(|k| 1 << k);
     doubled.fold(1, |best, k| if error(k) < (1.0 - GAIN) * error(best) { k } else { best })
@@ -133,4 +142,52 @@ fn parts(groups: &[&[Vec3]], number: impl Fn(Vec3) -> f64) -> [f64; 2] {
     let between = variance(&means) - within / groups[0].len() as f64;
     let scale = 1.0 / (mean(&means).powi(2) + 0.01);
     [between * scale, within * scale].map(|part| part.clamp(-LIMIT, LIMIT))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+    use pathmarch_scene::Scene;
+
+    /// What is best for a picture of this size and these samples.
+    fn best_of(text: &str, size: [u32; 2], samples: u32) -> u32 {
+        let scene = Scene::parse("test.kdl", text).expect("valid");
+        let settings = Settings { size, samples, ..Settings::of(&scene) };
+        best(&Prepared::new(&scene, &settings), samples, true)
+    }
+
+    const ROOM: &str = r#"pathmarch 1
+camera { position 0 1 0.9; target 0 1 -1; fov 60 }
+render { bounces 6 }
+material "white" { diffuse 0.8 }
+material "lamp" { emit 20 }
+object "room" material="white" { box 2 2 2 { at 0 1 0 } }
+object "lamp" material="lamp" { sphere 0.1 { at 0.6 1.7 0.5 } }
+"#;
+
+    #[test]
+    fn light_that_bounced_is_split() {
+        assert!(best_of(ROOM, [640, 360], 256) >= 4);
+    }
+
+    #[test]
+    fn a_pixel_keeps_rays_enough_for_its_edges() {
+        assert_eq!(best_of(ROOM, [640, 360], 32), 2);
+        assert_eq!(best_of(ROOM, [640, 360], 31), 1);
+        // Too few to look twice.
+        assert_eq!(best_of(ROOM, [64, 36], 256), 1);
+    }
+
+    #[test]
+    fn edges_and_lenses_are_not_split() {
+        // Many bright balls, smaller than a pixel.
+        let mut balls = String::from("pathmarch 1\ncamera { position 0 0 9; target 0 0 0; fov 20 }\n");
+        balls += "material \"lamp\" { emit 5 }\nmaterial \"dark\" { diffuse 0 }\n";
+        balls += "object \"balls\" material=\"lamp\" { repeat 0.1 0.1 0 { sphere 0.01 } }\n";
+        balls += "object \"back\" material=\"dark\" { rect 9 9 { normal 0 0 1; at 0 0 -1 } }\n";
+        assert_eq!(best_of(&balls, [640, 360], 256), 1);
+        let lens = ROOM.replace("fov 60", "fov 60; lens radius=0.3 focus=0.5");
+        assert!(best_of(&lens, [640, 360], 256) <= best_of(ROOM, [640, 360], 256));
+    }
 }

@@ -1,0 +1,84 @@
+//! Paths that share a ray of the camera: the same picture, however many, and every sample counted once.
+
+mod common;
+
+use common::{parse, render, renderers};
+use pathmarch_render::metrics::relmse;
+use pathmarch_render::{MAX_SPLITTING, Settings};
+
+/// A closed room with glass, metal, a lamp that is seen, and something that is marched.
+const ROOM: &str = r#"pathmarch 1
+camera { position 0 1 2.8; target 0 0.9 0; fov 50 }
+render { bounces 5 }
+sky 0.3 0.4 0.6
+material "white" { diffuse 0.7 }
+material "red" { diffuse 0.6 0.1 0.1 }
+material "metal" { metal 0.9 0.7 0.4; roughness 0.4 }
+material "glass" { glass 0.95 }
+material "lamp" { emit 9 8 6 }
+object "floor" material="white" { plane }
+object "back" material="white" { rect 4 4 { normal 0 0 1; at 0 1 -1.2 } }
+object "left" material="red" { rect 4 4 { normal 1 0 0; at -1.2 1 0 } }
+object "metal" material="metal" { sphere 0.4 { at -0.5 0.4 -0.3 } }
+object "glass" material="glass" { box 0.4 0.8 0.4 { at 0.4 0.4 -0.2; rotate 0 30 0 } }
+object "ring" material="red" { torus 0.3 0.08 { at 0 1.3 -0.6; rotate 70 0 0 } }
+object "lamp" material="lamp" { sphere 0.15 { at 0.7 1.7 0 } }
+"#;
+
+#[test]
+fn paths_that_share_a_ray_make_the_same_picture() {
+    let scene = parse(ROOM);
+    for mut renderer in renderers() {
+        let mut picture = |splitting, seed| {
+            let settings = Settings {
+                size: [64, 40],
+                samples: 1024,
+                seed,
+                splitting: Some(splitting),
+                ..Settings::of(&scene)
+            };
+            render(&mut renderer, &scene, &settings).mean()
+        };
+        let reference = picture(1, 1);
+        let noise = relmse(&picture(1, 2), &reference).expect("same size");
+        for splitting in [3, MAX_SPLITTING] {
+            let error = relmse(&picture(splitting, 2), &reference).expect("same size");
+            println!("{splitting} paths to a ray: relMSE {error:.2e}, of one {noise:.2e}");
+            assert!(error < 1.6 * noise + 1e-5, "{splitting} paths to a ray: {error:.2e}, of one {noise:.2e}");
+        }
+    }
+}
+
+#[test]
+fn ranges_of_samples_add_up_whatever_shares_a_ray() {
+    let scene = parse(ROOM);
+    let settings = Settings { size: [32, 20], samples: 23, splitting: Some(4), ..Settings::of(&scene) };
+    for mut renderer in renderers() {
+        let whole = render(&mut renderer, &scene, &settings);
+        let mut parts = render(&mut renderer, &scene, &Settings { samples: 10, ..settings.clone() });
+        let rest = Settings { first_sample: 10, samples: 13, ..settings.clone() };
+        parts.add(&render(&mut renderer, &scene, &rest)).expect("same size");
+        assert_eq!((whole.samples, parts.samples), (23, 23));
+        for (a, b) in whole.sums.iter().flatten().zip(parts.sums.iter().flatten()) {
+            assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn a_picture_that_is_stopped_has_as_many_samples_everywhere() {
+    let scene = parse(ROOM);
+    for mut renderer in renderers() {
+        // Far more than are waited for, so that the last samples are begun and not finished.
+        let settings = Settings { size: [320, 200], samples: 4096, splitting: Some(8), ..Settings::of(&scene) };
+        let mut job = renderer.start(&scene, &settings).expect("starts");
+        while job.samples_done() <= 8.0 {
+            job.advance(settings.samples).expect("goes on");
+        }
+        let stopped = job.film().expect("is read");
+        assert_eq!(stopped.samples % 8, 0);
+        let settings = Settings { samples: stopped.samples, ..settings };
+        let whole = render(&mut renderer, &scene, &settings);
+        assert!(stopped.sums == whole.sums, "of {} samples", stopped.samples);
+    }
+}
