@@ -126,15 +126,41 @@ fn go_on(prepared: &Prepared, mut reached: Vec<(Path, Near)>, radiance: &mut [Ve
             break;
         }
         let mut connections = Vec::with_capacity(reached.len());
+        let drawn = drawn(prepared, &reached, surface_index);
         let paths = reached
             .into_iter()
-            .filter_map(|(path, near)| shade(prepared, path, &near, surface_index, radiance, &mut connections))
+            .zip(drawn)
+            .filter_map(|((path, near), drawn)| {
+                shade(prepared, path, &near, &drawn, surface_index, radiance, &mut connections)
+            })
             .collect();
         for (slot, arriving) in shadow::arriving(prepared, connections) {
             radiance[slot] += limited(prepared, arriving, surface_index);
         }
         reached = arrive(prepared, paths, surface_index + 1, radiance);
     }
+}
+
+/// The random numbers of a surface.
+struct Drawn {
+    /// Chooses the light, and whether the path goes on.
+    choice: [f32; 2],
+    light: [f32; 2],
+    scatter: [f32; 2],
+    lobe: f32,
+}
+
+/// What each of these paths draws at its surface.
+fn drawn(
+    prepared: &Prepared,
+    reached: &[(Path, Near)],
+    surface_index: u32,
+) -> impl Iterator<Item = Drawn> + use<> {
+    let randoms: Vec<Random> = reached.iter().map(|(path, _)| path.random).collect();
+    let of = |number: u32| Random::pairs(&randoms, pair::SURFACE + pair::PER_SURFACE * surface_index + number);
+    let lobes = if prepared.features.chooses_lobes { of(pair::LOBE) } else { vec![[0.0; 2]; randoms.len()] };
+    let numbers = of(pair::CHOICE).into_iter().zip(of(pair::LIGHT)).zip(of(pair::SCATTER)).zip(lobes);
+    numbers.map(|(((choice, light), scatter), [lobe, _])| Drawn { choice, light, scatter, lobe })
 }
 
 /// Follows the rays of paths to their next surface, after so many; those that meet none end.
@@ -224,6 +250,7 @@ fn shade(
     prepared: &Prepared,
     path: Path,
     near: &Near,
+    drawn: &Drawn,
     surface_index: u32,
     radiance: &mut [Vec3],
     connections: &mut Vec<Connection>,
@@ -273,13 +300,11 @@ fn shade(
     let wo = back.with_z(back.z.abs().max(1e-5));
     let transmits = material.flags & TRANSMITS != 0;
     let beyond = medium_beyond(path.medium, Vec3::from(material.absorption), inside);
-    let pairs = pair::SURFACE + pair::PER_SURFACE * surface_index;
-    let [choose_light, go_on] = path.random.pair(pairs + pair::CHOICE);
+    let [choose_light, go_on] = drawn.choice;
     let mut reference = path.reference;
     if material.flags & DELTA == 0 {
         reference = if transmits { p } else { p + away };
-        let position = path.random.pair(pairs + pair::LIGHT);
-        if let Some(light) = lights::sample(prepared, reference, choose_light, position) {
+        if let Some(light) = lights::sample(prepared, reference, choose_light, drawn.light) {
             let wi = local_from_world * light.direction;
             let below = wi.z < 0.0;
             if (wi.z > 0.0 || transmits) && !crosses(wi, light.direction) {
@@ -299,9 +324,8 @@ fn shade(
             }
         }
     }
-    let [u, v] = path.random.pair(pairs + pair::SCATTER);
-    let [lobe, _] = if bsdf.chooses_lobes { path.random.pair(pairs + pair::LOBE) } else { [0.0; 2] };
-    let scattered = (bsdf.sample)(numbers, wo, inside, [u, v, lobe])?;
+    let [u, v] = drawn.scatter;
+    let scattered = (bsdf.sample)(numbers, wo, inside, [u, v, drawn.lobe])?;
     let direction = (world_from_local * scattered.wi).normalize();
     if crosses(scattered.wi, direction) {
         return None;

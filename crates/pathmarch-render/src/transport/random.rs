@@ -48,6 +48,7 @@ pub(crate) mod pair {
 }
 
 /// A well-mixed word of a word (PCG output permutation; Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
+#[inline(always)]
 pub(crate) fn hash(x: u32) -> u32 {
     let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
@@ -55,6 +56,7 @@ pub(crate) fn hash(x: u32) -> u32 {
 }
 
 /// Owen scrambling of the reversed bits `x`: every bit is flipped by a hash of the bits below it.
+#[inline(always)]
 pub(crate) fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -64,11 +66,13 @@ pub(crate) fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
 }
 
 /// A uniform number in 0..1 of the high 24 bits.
+#[inline(always)]
 pub(crate) fn unit(x: u32) -> f32 {
     (x >> 8) as f32 / 16_777_216.0
 }
 
 /// The polynomial of eight digits in base Q, the coarsest in the two lowest bits.
+#[inline(always)]
 fn from_base_q(digits: u32) -> u32 {
     // By halves: Q^n = z^2n + z^n + 1 for n = 1, 2, 4.
     let mut sum = digits;
@@ -122,11 +126,41 @@ impl Random {
 
     /// The point of a pair of dimensions, uniform in the unit square.
     pub(crate) fn pair(self, pair: u32) -> [f32; 2] {
-        let seed = hash(self.base ^ pair.wrapping_mul(0x9e37_79b9));
-        if self.independent {
-            let x = hash(self.sample ^ hash(self.place ^ seed));
-            return [unit(x), unit(hash(x ^ seed))];
+        if self.independent { self.independent_pair(pair) } else { self.sobol_pair(pair) }
+    }
+
+    /// [`pair`](Self::pair) of many at once, all by one sampler.
+    pub(crate) fn pairs(of: &[Self], pair: u32) -> Vec<[f32; 2]> {
+        // In runs of a fixed length and without a branch, so that the compiler makes vectors of them.
+        const RUN: usize = 16;
+        if of.first().is_some_and(|random| random.independent) {
+            return of.iter().map(|random| random.independent_pair(pair)).collect();
         }
+        let mut result = Vec::with_capacity(of.len());
+        let (runs, rest) = of.as_chunks::<RUN>();
+        for run in runs {
+            let (bases, places, samples) = (run.map(|r| r.base), run.map(|r| r.place), run.map(|r| r.sample));
+            let (mut x, mut y) = ([0.0; RUN], [0.0; RUN]);
+            for k in 0..RUN {
+                let random = Self { base: bases[k], place: places[k], sample: samples[k], independent: false };
+                [x[k], y[k]] = random.sobol_pair(pair);
+            }
+            result.extend(x.into_iter().zip(y).map(<[f32; 2]>::from));
+        }
+        result.extend(rest.iter().map(|random| random.sobol_pair(pair)));
+        result
+    }
+
+    #[inline(always)]
+    fn independent_pair(self, pair: u32) -> [f32; 2] {
+        let seed = hash(self.base ^ pair.wrapping_mul(0x9e37_79b9));
+        let x = hash(self.sample ^ hash(self.place ^ seed));
+        [unit(x), unit(hash(x ^ seed))]
+    }
+
+    #[inline(always)]
+    fn sobol_pair(self, pair: u32) -> [f32; 2] {
+        let seed = hash(self.base ^ pair.wrapping_mul(0x9e37_79b9));
         let index = scramble_reversed(self.sample.reverse_bits(), seed).reverse_bits();
         let place = scramble_reversed(self.place, seed.rotate_left(24)) >> 16;
         let at_zero = index ^ (index << 8) ^ (index << 16) ^ from_base_q(place);
@@ -182,6 +216,16 @@ mod tests {
                     assert!(is_net(&points), "{edge} x {edge} pixels of {samples} samples from {first}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn many_at_once_are_those_of_each() {
+        for independent in [false, true] {
+            let randoms: Vec<Random> =
+                (0..37).map(|k| Random { independent, ..Random::new(k, 3 * k, k / 2, 5) }).collect();
+            let each: Vec<[f32; 2]> = randoms.iter().map(|random| random.pair(9)).collect();
+            assert_eq!(Random::pairs(&randoms, 9), each);
         }
     }
 
