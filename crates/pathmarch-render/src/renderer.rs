@@ -71,16 +71,20 @@ impl Renderer {
             .map_or_else(|| format!("{} threads", rayon::current_num_threads()), |d| d.description.name.clone())
     }
 
-    /// Begins a picture. With [`Backend::Auto`], a scene or size that the GPU cannot hold makes this a CPU renderer, and
-    /// [`notice`](Self::notice) says so.
+    /// Begins a picture. With [`Backend::Auto`], a scene or size that the GPU cannot hold makes this a CPU renderer, as does one
+    /// that is marched where the GPU is software; [`notice`](Self::notice) says so.
     ///
     /// # Errors
     /// [`RenderError`] where settings are out of range or the GPU refuses.
     pub fn start(&mut self, scene: &Scene, settings: &Settings) -> Result<Job, RenderError> {
         check(scene, settings)?;
         let mut prepared = Prepared::new(scene, settings);
+        if self.may_fall_back && self.gpu.as_ref().is_some_and(|device| device.is_software()) && prepared.marches() {
+            self.notice = Some("the only GPU adapter is software, which marches slower than the CPU backend".to_owned());
+            self.gpu = None;
+        }
         // Mesa ends the loops of an invocation after 65,535 iterations in all: it may follow one path that marches, not many.
-        let may_split = self.gpu.as_ref().is_none_or(|device| !device.is_software() || !prepared.marches());
+        let may_split = !prepared.marches() || self.gpu.as_ref().is_none_or(|device| !device.is_software());
         if settings.splitting.is_none() && may_split {
             prepared.features.splitting = splitting::best(&prepared, settings.samples, self.gpu.is_some());
         }

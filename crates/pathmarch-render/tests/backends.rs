@@ -8,7 +8,7 @@ use pathmarch_render::metrics::compare;
 use pathmarch_render::pathmarch_field::graph::Leaf;
 use pathmarch_render::pathmarch_field::registry::{ShapeRef, shapes};
 use pathmarch_render::pathmarch_scene::Scene;
-use pathmarch_render::{Backend, Renderer, Settings};
+use pathmarch_render::{Backend, Renderer, Settings, adapters};
 
 #[test]
 fn a_white_furnace_shows_the_albedo() {
@@ -225,6 +225,33 @@ fn settings_out_of_range_are_refused_in_words() {
 }
 
 /// The device's own time is there where the adapter has timestamps and somebody asks, and it grows with the samples.
+#[test]
+fn software_adapters_render_by_themselves_what_is_not_marched() {
+    let scene = |shape: &str| {
+        parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 0 4; target 0 0 0 }}\nmaterial \"m\" {{ diffuse 0.5 }}\n\
+             object \"o\" material=\"m\" {{ {shape} }}\n"
+        ))
+    };
+    let backend_of = |scene: &Scene, backend| {
+        let mut renderer = Renderer::open(backend, None).expect("opens");
+        let settings = Settings { size: [8, 8], samples: 1, ..Settings::of(scene) };
+        drop(renderer.start(scene, &settings).expect("starts"));
+        (renderer.backend_name(), renderer.notice().map(str::to_owned))
+    };
+    let Some(adapter) = adapters().into_iter().find(|adapter| adapter.unusable.is_none()) else { return };
+    let (direct, marched) = (scene("sphere 1"), scene("torus 1 0.3"));
+    assert_eq!(backend_of(&direct, Backend::Auto), (adapter.backend.clone(), None));
+    assert_eq!(backend_of(&marched, Backend::Gpu), (adapter.backend.clone(), None), "as it was asked for");
+    let (backend, notice) = backend_of(&marched, Backend::Auto);
+    if adapter.kind == "software" {
+        assert_eq!(backend, "CPU");
+        assert!(notice.expect("says why").contains("software"));
+    } else {
+        assert_eq!((backend, notice), (adapter.backend, None));
+    }
+}
+
 #[test]
 fn the_gpus_own_time_is_measured() {
     let scene = parse("pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject \"ball\" { sphere 1 }");
