@@ -1,7 +1,8 @@
 //! The WGSL of [`Field::coordinates`], as far as modifiers go, and of [`Field::orbit`].
 
-use super::{Composed, Composer, Modified, Program, Tree, Turn, arguments, component, local, rows};
-use crate::graph::Field;
+use super::numbers::{arguments, component, local, rows};
+use super::{Composed, Composer, Program};
+use crate::graph::{Field, Modified, Tree, Turn};
 use crate::registry::TRAPS;
 use std::collections::BTreeSet;
 use std::fmt::Write;

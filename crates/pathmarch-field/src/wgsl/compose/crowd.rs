@@ -9,7 +9,8 @@
 //! one of them, takes 9,000. There a `switch` runs all its cases, which costs less than asking for each; only what loops itself
 //! stands in a loop that is left at once, which is skipped.
 
-use super::{Composer, Pose, profile};
+use super::{Composer, profile};
+use crate::graph::Pose;
 use crate::graph::crowd::{BITS, Cell, Crowd, SPLITS};
 use crate::registry::{Shape, union};
 use std::collections::BTreeSet;

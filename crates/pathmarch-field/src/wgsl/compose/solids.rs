@@ -1,6 +1,7 @@
 //! What rays meet in closed form, as WGSL: that of `graph/solids.rs`, which explains it.
 
-use super::{Composer, component, rows};
+use super::Composer;
+use super::numbers::{component, rows};
 use crate::graph::{Tree, Turn};
 use crate::registry::Boolean;
 use std::collections::BTreeSet;

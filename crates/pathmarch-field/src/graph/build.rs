@@ -1,0 +1,120 @@
+//! A field made of the tree that people write: placements move down to the leaves, and each object gets its role.
+
+use super::bvh::Bvh;
+use super::pose::Frame;
+use super::{Field, Kind, Leaf, Modified, Node, Role, Tree, crowd};
+use crate::blend::Blend;
+use crate::bounds::Aabb;
+use crate::registry::{Combine, ShapeRef, union};
+
+impl Field {
+    /// The union of `objects`. A [`Kind::Combine`] without children is left out.
+    pub fn new(objects: &[Node]) -> Self {
+        Self::with_crowds_from(objects, crowd::LEAST)
+    }
+
+    /// [`new`](Self::new), where so many shapes are a crowd.
+    #[doc(hidden)]
+    pub fn with_crowds_from(objects: &[Node], least: usize) -> Self {
+        Self::of(objects, least, false)
+    }
+
+    /// [`new`](Self::new), where nothing is met in closed form and nothing is a crowd.
+    #[doc(hidden)]
+    pub fn all_marched(objects: &[Node]) -> Self {
+        Self::of(objects, usize::MAX, true)
+    }
+
+    fn of(objects: &[Node], least: usize, marches_all: bool) -> Self {
+        let mut field = Self {
+            marches_all,
+            leaves: Vec::new(),
+            objects: Vec::new(),
+            bounds: Aabb::NOTHING,
+            object_bounds: Vec::new(),
+            marched_bounds: Aabb::NOTHING,
+            roles: Vec::new(),
+            crowds: Vec::new(),
+            bvh: Bvh::default(),
+            choices: 0,
+            modifiers: 0,
+        };
+        for (index, object) in objects.iter().enumerate() {
+            if let Some(tree) = field.add(object, Frame::WORLD, index as u32, false) {
+                let bounds = field.tree_bounds(&tree);
+                field.bounds = field.bounds.union(bounds);
+                field.object_bounds.push(bounds);
+                if field.is_direct(&tree) {
+                    field.roles.push(Role::Direct);
+                    field.mark_hollow(&tree, false);
+                } else {
+                    field.roles.push(Role::Marched);
+                    field.marched_bounds = field.marched_bounds.union(bounds);
+                }
+                field.objects.push(tree);
+            }
+        }
+        field.gather(least);
+        field
+    }
+
+    fn add(&mut self, node: &Node, frame: Frame, object: u32, modified: bool) -> Option<Tree> {
+        let frame = frame.inside(&node.placement);
+        match &node.kind {
+            Kind::Shape { shape, params, tag } => {
+                self.leaves.push(Leaf {
+                    shape: shape.variant(params).map_or_else(|| shape.clone(), ShapeRef::from),
+                    params: shape.numbers(params),
+                    tag: *tag,
+                    object,
+                    pose: frame.pose(),
+                    modified,
+                    hollow: false,
+                });
+                Some(Tree::Leaf(self.leaves.len() as u32 - 1))
+            }
+            Kind::Combine { operator, smooth, children } => {
+                let scale = if operator.blends() { frame.scale } else { 1.0 };
+                let smooth = smooth.map(|blend| Blend { amount: blend.amount * scale, ..blend });
+                self.combine(*operator, smooth, children, frame, object, modified)
+            }
+            Kind::Modify { modifier, params, children } => {
+                let inside = self.combine(union(), None, children, Frame::WORLD, object, true)?;
+                // An intersection may hold nothing, and a box that holds nothing has no corners.
+                let inside_bounds = Some(self.tree_bounds(&inside)).filter(|bounds| !bounds.is_empty());
+                let inside_bounds = inside_bounds.unwrap_or(Aabb::centred(0.0, 0.0, 0.0));
+                self.modifiers += 1;
+                Some(Tree::Modify(Box::new(Modified {
+                    modifier: *modifier,
+                    index: self.modifiers - 1,
+                    numbers: modifier.numbers(params, inside_bounds),
+                    places: modifier.places(params, inside_bounds),
+                    pose: frame.pose(),
+                    inside,
+                    params: params.clone(),
+                    inside_bounds,
+                })))
+            }
+        }
+    }
+
+    fn combine(
+        &mut self,
+        operator: &'static dyn Combine,
+        smooth: Option<Blend>,
+        children: &[Node],
+        frame: Frame,
+        object: u32,
+        modified: bool,
+    ) -> Option<Tree> {
+        let mut children: Vec<Tree> =
+            children.iter().filter_map(|child| self.add(child, frame, object, modified)).collect();
+        let first_choice = self.choices;
+        self.choices += children.len() as u32;
+        match children.len() {
+            0 => None,
+            1 => children.pop(),
+            _ => Some(Tree::Combine { operator, smooth, children, first_choice }),
+        }
+    }
+}

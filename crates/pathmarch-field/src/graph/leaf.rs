@@ -1,0 +1,51 @@
+//! A leaf of a field: a shape, its numbers and where it stands, evaluated in the coordinates around it.
+
+use super::{Batch, Pose};
+use crate::number::{Dual, Vec3};
+use crate::registry::{ShapeRef, Span};
+
+/// A shape of the field.
+#[derive(Clone, Debug)]
+pub struct Leaf {
+    /// The shape.
+    pub shape: ShapeRef,
+    /// What it reads: [`Shape::numbers`](crate::Shape::numbers).
+    pub params: Vec<f32>,
+    /// The tag of its node.
+    pub tag: u32,
+    /// Index of the object it belongs to.
+    pub object: u32,
+    /// Where it stands.
+    pub pose: Pose,
+    /// Whether that is in the space of a modifier, not in the world.
+    pub modified: bool,
+    /// Whether rays meet it in closed form from within: it is taken away from its object.
+    pub hollow: bool,
+}
+
+impl Leaf {
+    #[inline]
+    pub(super) fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
+        let distance = N::shape_distance(&*self.shape, self.pose.local(p), &self.params);
+        self.pose.length(distance)
+    }
+
+    #[inline]
+    pub(super) fn ray<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> N {
+        let t = N::shape_ray(&*self.shape, self.pose.local(origin), self.pose.turned(direction), &self.params);
+        self.pose.length(t)
+    }
+
+    #[inline]
+    pub(super) fn span<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> Span<N> {
+        let (origin, direction) = (self.pose.local(origin), self.pose.turned(direction));
+        let Span { enter, leave } = N::shape_span(&*self.shape, origin, direction, &self.params);
+        Span { enter: self.pose.length(enter), leave: self.pose.length(leave) }
+    }
+
+    #[inline]
+    pub(super) fn surface<N: Batch>(&self, p: Vec3<N>) -> Dual<N> {
+        let local = N::shape_gradient(&*self.shape, Dual::variables(self.pose.local(p)), &self.params);
+        self.pose.world(local)
+    }
+}

@@ -1,0 +1,152 @@
+//! Local coordinates: placements folded into one similarity, and what it does to points, lengths and boxes.
+
+use super::Placement;
+use crate::bounds::Aabb;
+use crate::number::{Dual, Real, Vec3};
+use glam::{EulerRot, Mat3, Quat};
+
+/// How local coordinates are scaled and turned; decides which code is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Turn {
+    /// Neither.
+    None,
+    /// Scaled only.
+    Scaled,
+    /// Turned, perhaps scaled.
+    Turned,
+}
+
+/// Local coordinates: where a shape stands in the world, or in the space of the modifier that holds it.
+#[derive(Clone, Copy, Debug)]
+pub struct Pose {
+    /// Whether any placement moves it.
+    pub moved: bool,
+    /// Whether any placement scales or turns it.
+    pub turn: Turn,
+    /// Origin of the local coordinates, metres.
+    pub at: [f32; 3],
+    /// Size of a local unit, metres.
+    pub scale: f32,
+    /// The local axes x, y, z in the world, each of length one.
+    pub axes: [[f32; 3]; 3],
+}
+
+impl Pose {
+    /// Rows of the matrix from world offsets to local coordinates.
+    pub fn local_from_world(&self) -> [[f32; 3]; 3] {
+        self.axes.map(|axis| axis.map(|v| v / self.scale))
+    }
+
+    #[inline]
+    pub(super) fn local<N: Real>(&self, p: Vec3<N>) -> Vec3<N> {
+        let offset = if self.moved { p - Vec3::constant(self.at) } else { p };
+        match self.turn {
+            Turn::None => offset,
+            Turn::Scaled => offset * N::constant(1.0 / self.scale),
+            Turn::Turned => {
+                let inverse = N::constant(1.0 / self.scale);
+                let [x, y, z] = self.axes.map(|axis| Vec3::constant(axis).dot(offset) * inverse);
+                Vec3::new(x, y, z)
+            }
+        }
+    }
+
+    /// A direction in local axes; its length stays.
+    #[inline]
+    pub(super) fn turned<N: Real>(&self, direction: Vec3<N>) -> Vec3<N> {
+        if self.turn != Turn::Turned {
+            return direction;
+        }
+        let [x, y, z] = self.axes.map(|axis| Vec3::constant(axis).dot(direction));
+        Vec3::new(x, y, z)
+    }
+
+    /// A length in local coordinates as one in the world.
+    #[inline]
+    pub(super) fn length<N: Real>(&self, local: N) -> N {
+        if self.turn == Turn::None { local } else { local * N::constant(self.scale) }
+    }
+
+    /// A distance and its gradient in local coordinates as those in the world.
+    #[inline]
+    pub(super) fn world<N: Real>(&self, local: Dual<N>) -> Dual<N> {
+        let value = self.length(local.value);
+        if self.turn != Turn::Turned {
+            return Dual { value, gradient: local.gradient };
+        }
+        let [x, y, z] = self.axes.map(Vec3::constant);
+        let g = local.gradient;
+        Dual { value, gradient: x * g.x + y * g.y + z * g.z }
+    }
+
+    /// A box in the world that holds what this local box holds.
+    pub(super) fn world_bounds(&self, local: Aabb) -> Aabb {
+        if self.turn != Turn::Turned {
+            let place = |v: [f32; 3]| std::array::from_fn(|k| v[k] * self.scale + self.at[k]);
+            return Aabb { min: place(local.min), max: place(local.max) };
+        }
+        // Each edge of the box spans an interval along each axis of the world; one across that axis does not reach along it.
+        let mut bounds = Aabb { min: self.at, max: self.at };
+        for (axis, k) in (0..3).flat_map(|axis| (0..3).map(move |k| (axis, k))) {
+            let along = self.scale * self.axes[axis][k];
+            if along != 0.0 {
+                let (a, b) = (along * local.min[axis], along * local.max[axis]);
+                bounds.min[k] += a.min(b);
+                bounds.max[k] += a.max(b);
+            }
+        }
+        bounds
+    }
+}
+
+/// A placement under its parents: a similarity of the world, and which parts of it were written.
+#[derive(Clone, Copy)]
+pub(super) struct Frame {
+    at: glam::Vec3,
+    turn: Quat,
+    pub(super) scale: f32,
+    moved: bool,
+    kind: Turn,
+}
+
+impl Frame {
+    pub(super) const WORLD: Self =
+        Self { at: glam::Vec3::ZERO, turn: Quat::IDENTITY, scale: 1.0, moved: false, kind: Turn::None };
+
+    pub(super) fn inside(self, placement: &Placement) -> Self {
+        let mut frame = self;
+        if let Some(at) = placement.at {
+            frame.at += self.turn * (glam::Vec3::from(at) * self.scale);
+            frame.moved = true;
+        }
+        if let Some([x, y, z]) = placement.rotate {
+            // Fixed axes x, then y, then z: the matrix is Rz·Ry·Rx.
+            let turn = Quat::from_euler(EulerRot::ZYX, z.to_radians(), y.to_radians(), x.to_radians());
+            frame.turn = (frame.turn * turn).normalize();
+            frame.kind = Turn::Turned;
+        }
+        if let Some(scale) = placement.scale {
+            frame.scale *= scale;
+            if frame.kind == Turn::None {
+                frame.kind = Turn::Scaled;
+            }
+        }
+        if let Some(normal) = placement.normal {
+            let normal = glam::Vec3::from(normal).normalize_or(glam::Vec3::Y);
+            frame.turn = (frame.turn * Quat::from_rotation_arc(glam::Vec3::Y, normal)).normalize();
+            frame.kind = Turn::Turned;
+        }
+        frame
+    }
+
+    pub(super) fn pose(self) -> Pose {
+        let axes = Mat3::from_quat(self.turn);
+        Pose {
+            moved: self.moved,
+            turn: self.kind,
+            at: self.at.into(),
+            scale: self.scale,
+            axes: [axes.x_axis.into(), axes.y_axis.into(), axes.z_axis.into()],
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Expressions as operations: constants, values made of others and taken apart, and calls of functions.
+
+use super::{Body, Compiler, EACH, Pointer, Value, fault};
+use crate::own::Fault;
+use crate::own::machine::Op;
+use crate::own::math;
+use naga::{Expression, Handle, Literal, RelationalFunction, Span, TypeInner};
+
+impl<'m> Compiler<'m> {
+    fn literal(&mut self, literal: Literal, span: Span) -> Result<u32, Fault> {
+        let bits = match literal {
+            Literal::F32(value) => value.to_bits(),
+            Literal::U32(value) => value,
+            Literal::I32(value) => value as u32,
+            Literal::Bool(value) => {
+                if value {
+                    u32::MAX
+                } else {
+                    0
+                }
+            }
+            Literal::AbstractInt(value) => value as u32,
+            Literal::AbstractFloat(value) => (value as f32).to_bits(),
+            _ => return Err(fault(span, "Numbers of a field are f32, i32 and u32.")),
+        };
+        Ok(self.constant(bits))
+    }
+
+    /// A constant of the module: a tree of literals.
+    fn global(&mut self, expression: Handle<Expression>, ops: &mut Vec<Op>) -> Result<(u32, u32), Fault> {
+        let span = self.module.global_expressions.get_span(expression);
+        match &self.module.global_expressions[expression] {
+            Expression::Literal(literal) => Ok((self.literal(*literal, span)?, 1)),
+            Expression::Constant(constant) => self.global(self.module.constants[*constant].init, ops),
+            Expression::ZeroValue(ty) => {
+                let size = self.size_of(*ty, span)?;
+                Ok((self.alloc(size), size))
+            }
+            Expression::Compose { ty, components } => {
+                let size = self.size_of(*ty, span)?;
+                let to = self.alloc(size);
+                let mut at = 0;
+                for component in components {
+                    let (from, count) = self.global(*component, ops)?;
+                    ops.push(Op::Copy { to: to + at, from, count });
+                    at += count;
+                }
+                Ok((to, size))
+            }
+            Expression::Splat { size, value } => {
+                let (from, _) = self.global(*value, ops)?;
+                let to = self.alloc(*size as u32);
+                ops.extend((0..*size as u32).map(|k| Op::Copy { to: to + k, from, count: 1 }));
+                Ok((to, *size as u32))
+            }
+            _ => Err(fault(span, "A constant of a field is a number, or made of numbers.")),
+        }
+    }
+
+    pub(super) fn expression(&mut self, body: &mut Body<'m>, handle: Handle<Expression>) -> Result<Value, Fault> {
+        let span = body.function.expressions.get_span(handle);
+        let unknown = || fault(span, "A field only computes with numbers: this is not for it.");
+        let slot = match &body.function.expressions[handle] {
+            Expression::Literal(literal) => self.literal(*literal, span)?,
+            Expression::Constant(constant) => {
+                let init = self.module.constants[*constant].init;
+                let mut ops = Vec::new();
+                let (slot, _) = self.global(init, &mut ops)?;
+                body.ops.extend(ops);
+                slot
+            }
+            Expression::Override(param) => {
+                let name = &self.module.overrides[*param].name;
+                self.params.iter().position(|param| Some(param) == name.as_ref()).ok_or_else(unknown)? as u32
+            }
+            Expression::ZeroValue(ty) => {
+                let size = self.size_of(*ty, span)?;
+                self.alloc(size)
+            }
+            Expression::FunctionArgument(index) => {
+                let slot = body.arguments[*index as usize];
+                match self.inner(body, handle) {
+                    TypeInner::Pointer { .. } | TypeInner::ValuePointer { .. } => {
+                        return Ok(Value::Pointer(Pointer::At(slot)));
+                    }
+                    _ => slot,
+                }
+            }
+            Expression::LocalVariable(local) => return Ok(Value::Pointer(Pointer::Slot(body.locals[local]))),
+            Expression::Compose { ty, components } => {
+                let size = self.size_of(*ty, span)?;
+                let to = self.alloc(size);
+                let mut at = 0;
+                for &component in components {
+                    let from = self.value(body, component)?;
+                    let count = self.size(self.inner(body, component), span)?;
+                    body.ops.push(Op::Copy { to: to + at, from, count });
+                    at += count;
+                }
+                to
+            }
+            Expression::Splat { size, value } => {
+                let from = self.value(body, *value)?;
+                self.gathered(body, &vec![from; *size as usize])
+            }
+            Expression::Swizzle { size, vector, pattern } => {
+                let from = self.value(body, *vector)?;
+                let slots: Vec<u32> =
+                    pattern[..*size as usize].iter().map(|&component| from + component as u32).collect();
+                self.gathered(body, &slots)
+            }
+            Expression::AccessIndex { base, index } => {
+                let inner = self.pointee(body, *base);
+                let (offset, _, _) = self.element(&inner, *index, span)?;
+                match self.any(body, *base)? {
+                    Value::Slots(slot) => slot + offset,
+                    Value::Pointer(Pointer::Slot(slot)) => return Ok(Value::Pointer(Pointer::Slot(slot + offset))),
+                    Value::Pointer(Pointer::At(slot)) => {
+                        let index = self.constant(offset);
+                        let to = self.alloc(1);
+                        body.ops.push(Op::Address {
+                            to,
+                            base: slot,
+                            relative: true,
+                            index,
+                            stride: 1,
+                            limit: offset + 1,
+                        });
+                        return Ok(Value::Pointer(Pointer::At(to)));
+                    }
+                }
+            }
+            Expression::Access { base, index } => {
+                let inner = self.pointee(body, *base);
+                let (_, stride, limit) = self.element(&inner, 0, span)?;
+                let index = self.value(body, *index)?;
+                let base = self.any(body, *base)?;
+                let to = self.alloc(1);
+                let (slot, relative) = match base {
+                    Value::Slots(slot) | Value::Pointer(Pointer::Slot(slot)) => (slot, false),
+                    Value::Pointer(Pointer::At(slot)) => (slot, true),
+                };
+                body.ops.push(Op::Address { to, base: slot, relative, index, stride, limit });
+                if let Value::Pointer(_) = base {
+                    return Ok(Value::Pointer(Pointer::At(to)));
+                }
+                let value = self.alloc(stride);
+                body.ops.push(Op::Load { to: value, address: to, count: stride });
+                value
+            }
+            Expression::Load { pointer } => {
+                let count = self.size(self.inner(body, handle), span)?;
+                let pointer = self.pointer(body, *pointer)?;
+                let to = self.alloc(count);
+                body.ops.push(match pointer {
+                    Pointer::Slot(from) => Op::Copy { to, from, count },
+                    Pointer::At(address) => Op::Load { to, address, count },
+                });
+                to
+            }
+            Expression::Unary { op, expr } => {
+                let shape = self.shape(body, *expr).ok_or_else(unknown)?;
+                let a = self.value(body, *expr)?;
+                let function = math::unary(*op, shape.kind).ok_or_else(unknown)?;
+                self.apply(body, function, &[a], EACH, shape.count())
+            }
+            Expression::Binary { op, left, right } => {
+                let (a, b) = (self.value(body, *left)?, self.value(body, *right)?);
+                let shapes = self.shape(body, *left).zip(self.shape(body, *right)).ok_or_else(unknown)?;
+                self.binary(body, *op, (a, b), shapes).ok_or_else(unknown)?
+            }
+            Expression::Select { condition, accept, reject } => {
+                let count = self.size(self.inner(body, *accept), span)?;
+                let each = self.shape(body, *condition).ok_or_else(unknown)?.count() == count;
+                let condition = self.value(body, *condition)?;
+                let (accept, reject) = (self.value(body, *accept)?, self.value(body, *reject)?);
+                let steps = if each { EACH } else { 0b110 };
+                self.apply(body, math::SELECT, &[condition, accept, reject], steps, count)
+            }
+            Expression::Relational { fun, argument } => {
+                let count = self.shape(body, *argument).ok_or_else(unknown)?.count();
+                let a = self.value(body, *argument)?;
+                let function = match fun {
+                    RelationalFunction::All => math::BOTH,
+                    RelationalFunction::Any => math::EITHER,
+                    _ => return Err(unknown()),
+                };
+                (1..count).fold(a, |all, k| self.apply(body, function, &[all, a + k], EACH, 1))
+            }
+            Expression::Math { fun, arg, arg1, arg2, arg3: None } => {
+                let arguments: Vec<Handle<Expression>> = [Some(*arg), *arg1, *arg2].into_iter().flatten().collect();
+                self.math(body, *fun, &arguments)?.ok_or_else(|| {
+                    fault(span, format!("A field does not have the function `{}`.", format!("{fun:?}").to_lowercase()))
+                })?
+            }
+            Expression::As { expr, kind, convert } => {
+                let shape = self.shape(body, *expr).ok_or_else(unknown)?;
+                let a = self.value(body, *expr)?;
+                match convert {
+                    None => a,
+                    Some(1 | 4) => {
+                        let function = math::convert(shape.kind, *kind).ok_or_else(unknown)?;
+                        self.apply(body, function, &[a], EACH, shape.count())
+                    }
+                    Some(_) => return Err(fault(span, "Numbers of a field are f32, i32 and u32.")),
+                }
+            }
+            _ => return Err(unknown()),
+        };
+        Ok(Value::Slots(slot))
+    }
+}

@@ -1,0 +1,94 @@
+//! The WGSL of distances: to what is marched, to all, and to objects that count.
+
+use super::numbers::component;
+use super::{Composer, profile};
+use crate::graph::{Tree, Turn};
+use std::fmt::Write;
+
+impl Composer<'_> {
+    pub(super) fn distance(&self) -> String {
+        let marched: Vec<&Tree> = self.field.marched_alone().collect();
+        let crowds: Vec<usize> = (0..self.field.crowds().len()).collect();
+        let doc = "Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.";
+        self.unsigned_distance("marched_distance(p: vec3f)", doc, &marched, &crowds, None)
+    }
+
+    /// A function of this signature; where it is of a set of objects that count, the leaf `own` of closed form does not,
+    /// and distances to crowds are about what they are.
+    pub(super) fn unsigned_distance(
+        &self,
+        signature: &str,
+        doc: &str,
+        objects: &[&Tree],
+        crowds: &[usize],
+        set: Option<usize>,
+    ) -> String {
+        let mut text = format!("/// {doc}\nfn {signature} -> f32 {{\n    var nearest = 1e30;\n");
+        let mut counter = 0;
+        for object in objects {
+            let value = self.tree_distance(object, &mut text, &mut counter);
+            match self.field.direct(object).filter(|_| set.is_some()) {
+                Some(leaf) => {
+                    writeln!(text, "    nearest = select(min(nearest, abs({value})), nearest, own == {leaf}u);")
+                }
+                None => writeln!(text, "    nearest = min(nearest, abs({value}));"),
+            }
+            .expect("writing to a string");
+        }
+        for crowd in crowds {
+            writeln!(text, "    nearest = min(nearest, abs(crowd_{crowd}_distance(p, {})));", set.is_some())
+                .expect("writing to a string");
+        }
+        if let Some(set) = set.filter(|_| !self.field.bvh().nodes.is_empty()) {
+            writeln!(text, "    nearest = bvh_distance(p, nearest, {}u, own);", 1 << set).expect("writing to a string");
+        }
+        text + "    return nearest;\n}\n"
+    }
+
+    pub(super) fn whole_distance(&self) -> String {
+        let mut text = String::from(
+            "/// Signed distance from `p` to the nearest surface, metres.\n\
+             fn whole_distance(p: vec3f) -> f32 {\n    var nearest = 1e30;\n",
+        );
+        let mut counter = 0;
+        for object in self.field.alone() {
+            let value = self.tree_distance(object, &mut text, &mut counter);
+            writeln!(text, "    nearest = min(nearest, {value});").expect("writing to a string");
+        }
+        for crowd in 0..self.field.crowds().len() {
+            writeln!(text, "    nearest = min(nearest, crowd_{crowd}_distance(p, true));")
+                .expect("writing to a string");
+        }
+        text + "    return nearest;\n}\n"
+    }
+
+    pub(super) fn tree_distance(&self, tree: &Tree, text: &mut String, counter: &mut u32) -> String {
+        match tree {
+            Tree::Leaf(index) => {
+                let leaf = &self.field.leaves()[*index as usize];
+                let (point, values) = self.arguments(*index, "p");
+                let call = format!("{}_distance({point}{values})", leaf.shape.wgsl_name());
+                if leaf.pose.turn == Turn::None {
+                    call
+                } else {
+                    format!("{call} * {}", component(self.starts[*index as usize], 3))
+                }
+            }
+            Tree::Modify(modified) => format!("modified_{}_distance(p)", modified.index),
+            Tree::Combine { operator, smooth, children, first_choice } => {
+                let mut result = self.tree_distance(&children[0], text, counter);
+                let width = self.width(*first_choice, *smooth);
+                for child in &children[1..] {
+                    let other = self.tree_distance(child, text, counter);
+                    let name = format!("d{counter}");
+                    *counter += 1;
+                    let function = operator.wgsl_name(profile(*smooth));
+                    writeln!(text, "    let {name} = {function}_distance({result}, {other}{width});")
+                        .expect("writing to a string");
+                    result = name;
+                }
+                result
+            }
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! The WGSL of surfaces: distance, gradient, and the leaf whose material shows.
+
+use super::numbers::{component, rows};
+use super::{Composer, profile, solids};
+use crate::graph::{Tree, Turn};
+use std::fmt::Write;
+
+impl Composer<'_> {
+    pub(super) fn surface(&self) -> String {
+        let mut text = String::from(
+            "/// The surface that a ray met at `p`, of the leaf of a direct hit or of what is marched: its signed distance,\n\
+             /// gradient, and the leaf whose material shows.\n\
+             fn surface(p: vec3f, met: u32, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
+        );
+        let mut counter = 0;
+        let marched: Vec<&Tree> = self.field.marched_alone().collect();
+        if !marched.is_empty() || !self.field.crowds().is_empty() {
+            text += &asked("met != MARCHED");
+        }
+        for object in &marched {
+            let (value, leaf) = self.tree_surface(object, &mut text, &mut counter);
+            writeln!(
+                text,
+                "    if abs({value}.w) < abs(nearest.w) {{\n        nearest = {value};\n        leaf = {leaf};\n    }}"
+            )
+            .expect("writing to a string");
+        }
+        for crowd in 0..self.field.crowds().len() {
+            writeln!(
+                text,
+                "    let crowd{crowd} = crowd_{crowd}_surface(p, seed);\n    if abs(crowd{crowd}.distance) < abs(nearest.w) \
+                 {{\n        nearest = vec4f(crowd{crowd}.gradient, crowd{crowd}.distance);\n        leaf = \
+                 crowd{crowd}.leaf;\n    }}"
+            )
+            .expect("writing to a string");
+        }
+        if !marched.is_empty() || !self.field.crowds().is_empty() {
+            text += ANSWERED;
+        }
+        for index in self.field.direct_alone().flat_map(solids::leaves) {
+            let mut inner = String::new();
+            let (value, leaf) = self.tree_surface(&Tree::Leaf(index), &mut inner, &mut counter);
+            let sign = if self.field.leaves()[index as usize].hollow { "-" } else { "" };
+            text += &asked(&format!("met != {leaf}"));
+            text += &inner;
+            writeln!(text, "    nearest = {sign}{value};\n    leaf = {leaf};").expect("writing to a string");
+            text += ANSWERED;
+        }
+        if !self.field.bvh().nodes.is_empty() {
+            text += &asked("met < BVH || met == MARCHED");
+            text += "    let record = met - BVH;\n    nearest = item_gradient(record, p);\n    leaf = \
+                     u32(field_parameters[record + 3u].w);\n";
+            text += ANSWERED;
+        }
+        text + "    return Surface(nearest.xyz, nearest.w, leaf);\n}\n"
+    }
+
+    pub(super) fn tree_surface(&self, tree: &Tree, text: &mut String, counter: &mut u32) -> (String, String) {
+        let mut fresh = |prefix: &str| {
+            *counter += 1;
+            format!("{prefix}{}", *counter - 1)
+        };
+        match tree {
+            Tree::Leaf(index) => {
+                let leaf = &self.field.leaves()[*index as usize];
+                let (point, values) = self.arguments(*index, "p");
+                let call = format!("{}_gradient({point}{values})", leaf.shape.wgsl_name());
+                let name = fresh("g");
+                let start = self.starts[*index as usize];
+                match leaf.pose.turn {
+                    Turn::None => writeln!(text, "    let {name} = {call};"),
+                    Turn::Scaled => {
+                        writeln!(text, "    let {name} = {call} * vec4f(1.0, 1.0, 1.0, {});", component(start, 3))
+                    }
+                    Turn::Turned => {
+                        let local = fresh("l");
+                        let scale = component(start, 3);
+                        writeln!(
+                            text,
+                            "    let {local} = {call};\n    let {name} = vec4f({} * {local}.xyz, {local}.w) * {scale};",
+                            rows(start + 1)
+                        )
+                    }
+                }
+                .expect("writing to a string");
+                (name, format!("{index}u"))
+            }
+            Tree::Modify(modified) => {
+                let (name, surface) = (fresh("g"), fresh("s"));
+                writeln!(
+                    text,
+                    "    let {surface} = modified_{}_surface(p, seed);\n    let {name} = vec4f({surface}.gradient, {surface}.distance);",
+                    modified.index
+                )
+                .expect("writing to a string");
+                (name, format!("{surface}.leaf"))
+            }
+            Tree::Combine { operator, smooth, children, first_choice } => {
+                let (mut result, mut leaf) = self.tree_surface(&children[0], text, counter);
+                let width = self.width(*first_choice, *smooth);
+                let function = operator.wgsl_name(profile(*smooth));
+                for (k, child) in children[1..].iter().enumerate() {
+                    let (other, other_leaf) = self.tree_surface(child, text, counter);
+                    let name = format!("g{counter}");
+                    let chosen = format!("leaf{counter}");
+                    *counter += 1;
+                    let threshold = match smooth {
+                        Some(_) => format!("choice(seed, {}u)", first_choice + k as u32),
+                        None => "0.5".to_owned(),
+                    };
+                    writeln!(
+                        text,
+                        "    let {name} = {function}_gradient({result}, {other}{width});\n    let {chosen} = select({leaf}, \
+                         {other_leaf}, {threshold} < {function}_weight({result}.w, {other}.w{width}));"
+                    )
+                    .expect("writing to a string");
+                    (result, leaf) = (name, chosen);
+                }
+                (result, leaf)
+            }
+        }
+    }
+}
+
+/// What no invocation needs is skipped by a loop that is left at once: software Vulkan runs both sides of an `if`.
+fn asked(not: &str) -> String {
+    format!("    loop {{\n        if {not} {{\n            break;\n        }}\n")
+}
+
+/// The end of what was [`asked`].
+const ANSWERED: &str = "        break;\n    }\n";
