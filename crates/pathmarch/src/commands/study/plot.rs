@@ -9,7 +9,9 @@ use crate::exit::Failure;
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 pub use plotters::chart::SeriesLabelPosition;
-use plotters::coord::Shift;
+use plotters::chart::{MeshStyle, SeriesLabelStyle};
+use plotters::coord::ranged1d::Ranged;
+use plotters::coord::{CoordTranslate, Shift};
 use plotters::prelude::*;
 use plotters::style::register_font;
 use std::path::Path;
@@ -56,6 +58,64 @@ pub fn save(directory: &Path, name: &str, plot: &impl Plot) -> Result<(), Failur
         .write_image(&pixels, width, height, image::ExtendedColorType::Rgb8)
         .map_err(|error| Failure::Other(format!("{}: {error}", path.display())))?;
     std::fs::write(&path, png).map_err(|error| Failure::Other(format!("{}: {error}", path.display())))
+}
+
+/// What all charts look like, everything enlarged by this factor.
+#[derive(Clone, Copy)]
+struct Style(u32);
+
+impl Style {
+    fn text(self, size: u32) -> FontDesc<'static> {
+        ("sans-serif", size * self.0).into_font()
+    }
+
+    /// A chart under its title, with so much room for what stands left of it.
+    fn chart<'a, B: DrawingBackend>(
+        self,
+        area: &'a DrawingArea<B, Shift>,
+        title: &str,
+        left: u32,
+    ) -> ChartBuilder<'a, 'static, B> {
+        let mut chart = ChartBuilder::on(area);
+        chart
+            .caption(title, self.text(19))
+            .margin(12 * self.0)
+            .margin_right(30 * self.0)
+            .x_label_area_size(46 * self.0)
+            .y_label_area_size(left * self.0);
+        chart
+    }
+
+    /// The mesh, and the axis to the right with what is there.
+    fn mesh<X, Y, B>(self, mesh: &mut MeshStyle<'_, '_, X, Y, B>, x: &str)
+    where
+        X: Ranged<ValueType = f64>,
+        Y: Ranged,
+        B: DrawingBackend,
+    {
+        mesh.x_desc(x)
+            .axis_desc_style(self.text(15))
+            .label_style(self.text(13))
+            .x_label_formatter(&label)
+            .bold_line_style(RGBColor(205, 205, 205).stroke_width(self.0))
+            .light_line_style(RGBColor(238, 238, 238).stroke_width(self.0));
+    }
+
+    /// The legend, with so much room for what stands for a series.
+    fn legend<'a, B: DrawingBackend + 'a, C: CoordTranslate>(
+        self,
+        legend: &mut SeriesLabelStyle<'a, '_, B, C>,
+        position: SeriesLabelPosition,
+        sign: u32,
+    ) {
+        legend
+            .position(position)
+            .legend_area_size(sign * self.0)
+            .margin(8 * self.0)
+            .background_style(WHITE.mix(0.85))
+            .border_style(RGBColor(190, 190, 190))
+            .label_font(self.text(14));
+    }
 }
 
 /// A line of a [`Lines`].
@@ -113,30 +173,17 @@ impl Plot for Lines {
         let told = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
         let points = || self.lines.iter().flat_map(|line| line.points.iter());
         area.fill(&WHITE).map_err(told)?;
-        let text = |size: u32| ("sans-serif", size * factor).into_font();
-        let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, text(19))
-            .margin(12 * factor)
-            .margin_right(30 * factor)
-            .x_label_area_size(46 * factor)
-            .y_label_area_size(74 * factor)
+        let style = Style(factor);
+        let mut chart = style
+            .chart(area, &self.title, 74)
             .build_cartesian_2d(
                 around(points().map(|point| point.0), 1.15).log_scale().base(2.0),
                 decades(points().map(|point| point.1)).log_scale(),
             )
             .map_err(told)?;
-        chart
-            .configure_mesh()
-            .x_desc(&self.x)
-            .y_desc(&self.y)
-            .axis_desc_style(text(15))
-            .label_style(text(13))
-            .x_label_formatter(&label)
-            .y_label_formatter(&label)
-            .bold_line_style(RGBColor(205, 205, 205).stroke_width(factor))
-            .light_line_style(RGBColor(238, 238, 238).stroke_width(factor))
-            .draw()
-            .map_err(told)?;
+        let mut mesh = chart.configure_mesh();
+        style.mesh(&mut mesh, &self.x);
+        mesh.y_desc(&self.y).y_label_formatter(&label).draw().map_err(told)?;
         let mut colours = COLOURS.iter().cycle();
         for line in &self.lines {
             let colour = if line.is_guide { GREY } else { *colours.next().unwrap_or(&BLACK) };
@@ -151,16 +198,9 @@ impl Plot for Lines {
                 chart.draw_series(line.points.iter().map(mark)).map_err(told)?;
             }
         }
-        chart
-            .configure_series_labels()
-            .position(self.legend.clone())
-            .legend_area_size(26 * factor)
-            .margin(8 * factor)
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(190, 190, 190))
-            .label_font(text(14))
-            .draw()
-            .map_err(told)?;
+        let mut legend = chart.configure_series_labels();
+        style.legend(&mut legend, self.legend.clone(), 26);
+        legend.draw().map_err(told)?;
         area.present().map_err(told)
     }
 }
@@ -191,28 +231,15 @@ impl Plot for Bars {
         let range = decades(values());
         let (least, groups) = (range.start, self.groups.len());
         area.fill(&WHITE).map_err(told)?;
-        let text = |size: u32| ("sans-serif", size * factor).into_font();
-        let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, text(19))
-            .margin(12 * factor)
-            .margin_right(30 * factor)
-            .x_label_area_size(46 * factor)
-            .y_label_area_size(180 * factor)
+        let style = Style(factor);
+        let mut chart = style
+            .chart(area, &self.title, 180)
             .build_cartesian_2d(range.log_scale(), 0.0..groups as f64 + f64::from(ROOM))
             .map_err(told)?;
         // Plotters puts labels at lines: the names are drawn beside the middle of their group instead.
-        chart
-            .configure_mesh()
-            .disable_y_mesh()
-            .y_labels(0)
-            .x_desc(&self.x)
-            .axis_desc_style(text(15))
-            .label_style(text(13))
-            .x_label_formatter(&label)
-            .bold_line_style(RGBColor(205, 205, 205).stroke_width(factor))
-            .light_line_style(RGBColor(238, 238, 238).stroke_width(factor))
-            .draw()
-            .map_err(told)?;
+        let mut mesh = chart.configure_mesh();
+        style.mesh(&mut mesh, &self.x);
+        mesh.disable_y_mesh().y_labels(0).draw().map_err(told)?;
         let thickness = 0.8 / self.series.len().max(1) as f64;
         for (index, ((name, values), colour)) in self.series.iter().zip(COLOURS.iter().cycle()).enumerate() {
             let colour = if index + 1 == self.series.len() { &GREY } else { colour };
@@ -231,19 +258,12 @@ impl Plot for Bars {
                 plotters::style::text_anchor::HPos::Right,
                 plotters::style::text_anchor::VPos::Center,
             );
-            let style = text(13).color(&BLACK).pos(anchor);
-            area.draw_text(name, &style, (x - 8 * factor as i32, y)).map_err(told)?;
+            let text = style.text(13).color(&BLACK).pos(anchor);
+            area.draw_text(name, &text, (x - 8 * factor as i32, y)).map_err(told)?;
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .legend_area_size(20 * factor)
-            .margin(8 * factor)
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(190, 190, 190))
-            .label_font(text(14))
-            .draw()
-            .map_err(told)?;
+        let mut legend = chart.configure_series_labels();
+        style.legend(&mut legend, SeriesLabelPosition::UpperRight, 20);
+        legend.draw().map_err(told)?;
         area.present().map_err(told)
     }
 }
