@@ -96,10 +96,10 @@ impl CpuJob {
                 (pixels, values)
             })
             .collect();
-        let done = self.done + rendered.len();
-        self.done = done;
+        self.done += rendered.len();
         let of_samples = |pixel: (u32, u32)| std::iter::repeat_n(pixel, begun as usize);
-        let rendered = rendered.into_iter().flat_map(|(pixels, values)| pixels.into_iter().flat_map(of_samples).zip(values));
+        let rendered =
+            rendered.into_iter().flat_map(|(pixels, values)| pixels.into_iter().flat_map(of_samples).zip(values));
         for ((x, y), value) in rendered {
             let pixel = (y * self.film.width + x) as usize;
             // As the kernel, so that both leave out the same samples; comparisons with NaN are false.

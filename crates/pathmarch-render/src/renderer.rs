@@ -80,7 +80,8 @@ impl Renderer {
         check(scene, settings)?;
         let mut prepared = Prepared::new(scene, settings);
         if self.may_fall_back && self.gpu.as_ref().is_some_and(|device| device.is_software()) && prepared.marches() {
-            self.notice = Some("the only GPU adapter is software, which marches slower than the CPU backend".to_owned());
+            self.notice =
+                Some("the only GPU adapter is software, which marches slower than the CPU backend".to_owned());
             self.gpu = None;
         }
         // Mesa ends the loops of an invocation after 65,535 iterations in all: it may follow one path that marches, not many.

@@ -30,13 +30,8 @@ fn paths_that_share_a_ray_make_the_same_picture() {
     let scene = parse(ROOM);
     for mut renderer in renderers() {
         let mut picture = |splitting, seed| {
-            let settings = Settings {
-                size: [64, 40],
-                samples: 1024,
-                seed,
-                splitting: Some(splitting),
-                ..Settings::of(&scene)
-            };
+            let settings =
+                Settings { size: [64, 40], samples: 1024, seed, splitting: Some(splitting), ..Settings::of(&scene) };
             render(&mut renderer, &scene, &settings).mean()
         };
         let reference = picture(1, 1);

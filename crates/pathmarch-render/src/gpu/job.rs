@@ -186,7 +186,8 @@ impl GpuJob {
             (memory::SKY, "sky", bytemuck::cast_slice(&texels)),
         ]
         .map(|(binding, label, contents)| (binding, constant(binding, label, contents)));
-        let slice = wgpu::BufferBinding { buffer: &slices, offset: 0, size: wgpu::BufferSize::new(size_of::<Slice>() as u64) };
+        let slice =
+            wgpu::BufferBinding { buffer: &slices, offset: 0, size: wgpu::BufferSize::new(size_of::<Slice>() as u64) };
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let mut entries = vec![
             entry(memory::FRAME, frame.as_entire_binding()),

@@ -151,11 +151,7 @@ struct Drawn {
 }
 
 /// What each of these paths draws at its surface.
-fn drawn(
-    prepared: &Prepared,
-    reached: &[(Path, Near)],
-    surface_index: u32,
-) -> impl Iterator<Item = Drawn> + use<> {
+fn drawn(prepared: &Prepared, reached: &[(Path, Near)], surface_index: u32) -> impl Iterator<Item = Drawn> + use<> {
     let randoms: Vec<Random> = reached.iter().map(|(path, _)| path.random).collect();
     let of = |number: u32| Random::pairs(&randoms, pair::SURFACE + pair::PER_SURFACE * surface_index + number);
     let lobes = if prepared.features.chooses_lobes { of(pair::LOBE) } else { vec![[0.0; 2]; randoms.len()] };

@@ -102,8 +102,7 @@ fn camera_rays(probe: &Prepared, pixels: &[(u32, u32)]) {
         let ray = camera_ray(&probe.frame, x, y, Random::of(&probe.frame, x, y, sample));
         March { ray, before: 0.0, limit: f32::INFINITY }
     };
-    let rays: Vec<March> =
-        pixels.iter().flat_map(|&pixel| (0..RAYS).map(move |sample| ray(pixel, sample))).collect();
+    let rays: Vec<March> = pixels.iter().flat_map(|&pixel| (0..RAYS).map(move |sample| ray(pixel, sample))).collect();
     march(probe, &rays);
 }
 

@@ -9,7 +9,7 @@ use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::{Animation, Caustics, Moment, Sampler, Scene};
 use pathmarch_render::tonemap::{Display, Tonemap};
-use pathmarch_render::{MAX_SPLITTING, MAX_BOUNCES, Mode, MotionError, RenderError, Renderer, Settings, Shutter};
+use pathmarch_render::{MAX_BOUNCES, MAX_SPLITTING, Mode, MotionError, RenderError, Renderer, Settings, Shutter};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
