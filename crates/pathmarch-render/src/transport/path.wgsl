@@ -53,8 +53,8 @@ fn path_from(camera: Ray, random: Random) -> Path {
     return path;
 }
 
-/// The normal on the side that a path comes from, and the outward one's sign.
-fn facing(path: Path, outward: vec3f, off: f32) -> bool {
+/// Whether a path comes to its surface from the inside.
+fn is_inside(path: Path, outward: vec3f, off: f32) -> bool {
     // On the surface but for rounding, the side is the one the ray comes from; else the field says it.
     let on_surface = path.direct || abs(path.near.distance) <= off + frame.rounding * path.last;
     return select((path.near.distance < 0.0), (dot(outward, path.ray.direction) > 0.0), on_surface);
@@ -89,7 +89,7 @@ fn path_arrive(path: ptr<function, Path>) -> bool {
     let m = leaf.material;
     if HAS_EMITTERS && (materials[m].flags & EMITS) != 0u {
         let outward = (*path).near.gradient / max(length((*path).near.gradient), 1e-6);
-        let inside = facing(*path, outward, rounding_at(reached, leaf.at));
+        let inside = is_inside(*path, outward, rounding_at(reached, leaf.at));
         let normal = select(outward, -outward, inside);
         let light = leaf.flags >> LIGHT_SHIFT;
         let seen = (leaf.flags & SHEET) == 0u || dot(normal, leaf.facing) > 0.0;
@@ -118,7 +118,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     let outward = near.gradient / steepness;
     let leaf = leaves[near.leaf];
     let off = rounding_at(reached, leaf.at);
-    let inside = facing(*path, outward, off);
+    let inside = is_inside(*path, outward, off);
     let normal = select(outward, -outward, inside);
     let m = leaf.material;
     let flags = materials[m].flags;
