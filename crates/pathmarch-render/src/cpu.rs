@@ -4,7 +4,7 @@ use crate::film::Film;
 use crate::frame::Prepared;
 use crate::mode::{Mode, uncertainty_shown};
 use crate::tonemap::Display;
-use crate::transport::samples_of;
+use crate::transport::{samples_of, splitting};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -83,8 +83,8 @@ impl CpuJob {
     fn trace(&mut self, count: usize, upto: u32) {
         let sample = self.first_sample + self.film.samples;
         if self.is_whole() {
-            let splitting = self.prepared.features.splitting;
-            self.begun = (splitting - sample % splitting).min(upto.saturating_sub(self.film.samples));
+            let left = upto.saturating_sub(self.film.samples);
+            self.begun = splitting::together(sample, self.prepared.features.splitting, left);
         }
         let begun = self.begun;
         let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];

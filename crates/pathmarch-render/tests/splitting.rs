@@ -50,8 +50,8 @@ fn ranges_of_samples_add_up_whatever_shares_a_ray() {
     let settings = Settings { size: [32, 20], samples: 23, splitting: Some(4), ..Settings::of(&scene) };
     for mut renderer in renderers() {
         let whole = render(&mut renderer, &scene, &settings);
-        let mut parts = render(&mut renderer, &scene, &Settings { samples: 10, ..settings.clone() });
-        let rest = Settings { first_sample: 10, samples: 13, ..settings.clone() };
+        let mut parts = render(&mut renderer, &scene, &Settings { samples: 18, ..settings.clone() });
+        let rest = Settings { first_sample: 18, samples: 5, ..settings.clone() };
         parts.add(&render(&mut renderer, &scene, &rest)).expect("same size");
         assert_eq!((whole.samples, parts.samples), (23, 23));
         for (a, b) in whole.sums.iter().flatten().zip(parts.sums.iter().flatten()) {
@@ -67,7 +67,7 @@ fn a_picture_that_is_stopped_has_as_many_samples_everywhere() {
         // Far more than are waited for, so that the last samples are begun and not finished.
         let settings = Settings { size: [320, 200], samples: 4096, splitting: Some(8), ..Settings::of(&scene) };
         let mut job = renderer.start(&scene, &settings).expect("starts");
-        while job.samples_done() <= 8.0 {
+        while job.samples_done() <= 24.0 {
             job.advance(settings.samples).expect("goes on");
         }
         let stopped = job.film().expect("is read");

@@ -16,6 +16,7 @@ use crate::film::Film;
 use crate::frame::{Frame, Prepared};
 use crate::mode::Mode;
 use crate::tonemap::Display;
+use crate::transport::splitting;
 use bytemuck::{Pod, Zeroable};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -315,7 +316,7 @@ impl GpuJob {
         let Progress { samples, row, column, .. } = self.submitted;
         let sample = self.first_sample + samples;
         if self.is_whole() {
-            self.submitted.begun = (self.splitting - sample % self.splitting).min(upto - samples);
+            self.submitted.begun = splitting::together(sample, self.splitting, upto - samples);
         }
         let begun = self.submitted.begun;
         let pixels = work / f64::from(begun);

@@ -18,7 +18,7 @@ pub mod flip;
 use crate::image::{Picture, PictureKind};
 
 /// Added to the squared reference in relMSE, so that black does not divide by zero.
-const RELMSE_EPSILON: f64 = 0.01;
+pub(crate) const RELMSE_EPSILON: f64 = 0.01;
 
 /// Why two pictures could not be compared.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -19,6 +19,7 @@ use super::march::{Hit, March, march, rounding_at, start_offset};
 use super::paint::Painted;
 use super::random::{Random, pair};
 use super::shadow::{self, Connection};
+use super::splitting::ray_of;
 use crate::frame::{DELTA, DIRECT, EMITS, LIGHT_SHIFT, Prepared, SHEET, TRANSMITS};
 use glam::Vec3;
 use pathmarch_field::graph::{Batch, Surface};
@@ -71,10 +72,14 @@ fn limited(prepared: &Prepared, contribution: Vec3, bounces: u32) -> Vec3 {
 /// where they share a ray of the camera.
 pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
     let frame = &prepared.frame;
+    let shared = ray_of(first, prepared.features.splitting);
     let rays = pixels.iter().map(|&(x, y)| {
-        let random = Random::of(frame, x, y, first / prepared.features.splitting);
+        let random = Random::of(frame, x, y, shared);
         (camera_ray(frame, x, y, random), random)
     });
+    if prepared.features.splitting == 1 {
+        return radiance_along(prepared, rays);
+    }
     let (paths, mut radiance) = start(prepared, rays);
     let reached = arrive(prepared, paths, 0, &mut radiance);
     let mut radiance: Vec<Vec3> = radiance.iter().flat_map(|&ended| repeat_n(ended, samples as usize)).collect();

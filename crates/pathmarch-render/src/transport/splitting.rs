@@ -25,6 +25,7 @@ use super::path;
 use super::random::{Random, hash};
 use crate::census::Counter;
 use crate::frame::Prepared;
+use crate::metrics::RELMSE_EPSILON;
 use crate::mode::Mode;
 use crate::settings::MAX_SPLITTING;
 use glam::Vec3;
@@ -40,14 +41,26 @@ const RAYS: u32 = 4;
 const PATHS: u32 = 4;
 /// A picture has so many paths for each that is spent on this.
 const WORTH: f64 = 200.0;
-/// A pixel has so many rays at least, for smooth edges.
-const RAYS_OF_A_PIXEL: u32 = 16;
+/// The first samples of a pixel have rays of their own, for smooth edges of pictures that are stopped early, too.
+const OWN_RAYS: u32 = 16;
 /// What an evaluation of the field costs, in rays with what belongs to them.
 const EVALUATION: f64 = 0.25;
 /// By how much the slowest of eight lanes exceeds their mean, for one path each, in mean lengths of a path.
 const WAITING: f64 = 0.9;
 /// More than this share must be gained by more paths for a ray, as they cost smoothness.
 const GAIN: f64 = 0.05;
+
+/// The ray of the camera that a sample belongs to; its twin is in `splitting.wgsl`.
+pub(crate) fn ray_of(sample: u32, splitting: u32) -> u32 {
+    let shared = sample.saturating_sub(OWN_RAYS);
+    sample - shared + shared / splitting
+}
+
+/// How many samples from this one on belong to the same ray, of so many that are left.
+pub(crate) fn together(sample: u32, splitting: u32, left: u32) -> u32 {
+    let shares = sample.checked_sub(OWN_RAYS).map_or(1, |shared| splitting - shared % splitting);
+    shares.min(left)
+}
 
 /// How many paths should share a ray of the camera, in a picture of so many samples; `in_lanes` where paths wait for those
 /// beside them, as in a kernel.
@@ -73,8 +86,8 @@ pub(crate) fn best(prepared: &Prepared, samples: u32, in_lanes: bool) -> u32 {
         })
         .collect();
     let (rays, all) = (Arc::new(Counter::default()), Arc::new(Counter::default()));
-    let counting = |counter: &Arc<Counter>| Prepared { counter: Some(counter.clone()), ..probe.clone() };
-    let (of_rays, of_all) = (counting(&rays), counting(&all));
+    let of_rays = Prepared { counter: Some(rays.clone()), ..probe.clone() };
+    let of_all = Prepared { counter: Some(all.clone()), ..probe };
     let variances = pixels.par_chunks(LOOKS[0] as usize).map(|pixels| {
         camera_rays(&of_rays, pixels);
         variances(&of_all, pixels)
@@ -91,24 +104,25 @@ pub(crate) fn best(prepared: &Prepared, samples: u32, in_lanes: bool) -> u32 {
         let k = f64::from(k);
         (between.max(0.0) + within / k) * (ray + (k + waiting * k.sqrt()) * path)
     };
-    let most = MAX_SPLITTING.min(samples / RAYS_OF_A_PIXEL).max(1);
+    let most = MAX_SPLITTING.min(samples / OWN_RAYS).max(1);
     let doubled = (0..=most.ilog2()).map(|k| 1 << k);
     doubled.fold(1, |best, k| if error(k) < (1.0 - GAIN) * error(best) { k } else { best })
 }
 
 /// Follows the rays of the camera alone.
 fn camera_rays(probe: &Prepared, pixels: &[(u32, u32)]) {
-    let ray = |(x, y): (u32, u32), sample| {
-        let ray = camera_ray(&probe.frame, x, y, Random::of(&probe.frame, x, y, sample));
+    let ray = |(x, y): (u32, u32), ray| {
+        let ray = camera_ray(&probe.frame, x, y, Random::of(&probe.frame, x, y, OWN_RAYS + ray));
         March { ray, before: 0.0, limit: f32::INFINITY }
     };
-    let rays: Vec<March> = pixels.iter().flat_map(|&pixel| (0..RAYS).map(move |sample| ray(pixel, sample))).collect();
+    let rays: Vec<March> = pixels.iter().flat_map(|&pixel| (0..RAYS).map(move |k| ray(pixel, k))).collect();
     march(probe, &rays);
 }
 
 /// The variance of a pixel between rays and within one, relative to its mean and summed over pixels.
 fn variances(probe: &Prepared, pixels: &[(u32, u32)]) -> [f64; 2] {
-    let of_rays: Vec<Vec<Vec3>> = (0..RAYS).map(|ray| path::trace(probe, pixels, ray * PATHS, PATHS)).collect();
+    let of_ray = |ray: u32| path::trace(probe, pixels, OWN_RAYS + ray * PATHS, PATHS);
+    let of_rays: Vec<Vec<Vec3>> = (0..RAYS).map(of_ray).collect();
     let mut sums = [0.0; 2];
     for pixel in 0..pixels.len() {
         let paths: Vec<&[Vec3]> =
@@ -139,7 +153,7 @@ fn parts(groups: &[&[Vec3]], number: impl Fn(Vec3) -> f64) -> [f64; 2] {
     let within = mean(&groups.iter().map(|group| variance(group)).collect::<Vec<_>>());
     // The means of groups vary by what is within them, too.
     let between = variance(&means) - within / groups[0].len() as f64;
-    let scale = 1.0 / (mean(&means).powi(2) + 0.01);
+    let scale = 1.0 / (mean(&means).powi(2) + RELMSE_EPSILON);
     [between * scale, within * scale].map(|part| part.clamp(-LIMIT, LIMIT))
 }
 
@@ -164,6 +178,22 @@ material "lamp" { emit 20 }
 object "room" material="white" { box 2 2 2 { at 0 1 0 } }
 object "lamp" material="lamp" { sphere 0.1 { at 0.6 1.7 0.5 } }
 "#;
+
+    #[test]
+    fn every_sample_belongs_to_the_ray_that_it_is_begun_with() {
+        for splitting in 1..=MAX_SPLITTING {
+            let (mut sample, mut ray) = (0, 0);
+            while sample < 100 {
+                let begun = together(sample, splitting, 100 - sample);
+                assert!(begun >= 1 && (sample >= OWN_RAYS || begun == 1));
+                assert!((sample..sample + begun).all(|sample| ray_of(sample, splitting) == ray));
+                (sample, ray) = (sample + begun, ray + 1);
+            }
+            assert_eq!(sample, 100);
+            // One that is joined later begins with what is left of its ray.
+            assert_eq!(together(OWN_RAYS + 1, splitting, 100), if splitting == 1 { 1 } else { splitting - 1 });
+        }
+    }
 
     #[test]
     fn light_that_bounced_is_split() {

@@ -1,7 +1,15 @@
 // Samples of a pixel that share a ray of the camera. Twin of splitting.rs, which explains them.
 
+const OWN_RAYS = 16u;
+
+/// The ray of the camera that a sample belongs to.
+fn ray_of(sample: u32) -> u32 {
+    let own = min(sample, OWN_RAYS);
+    return own + (sample - own) / SPLITTING;
+}
+
 fn samples_of(x: u32, y: u32) -> vec4f {
-    let random = random_new(x, y, slice.sample / SPLITTING, frame.seed);
+    let random = random_new(x, y, ray_of(slice.sample), frame.seed);
     var first = path_from(camera_ray(x, y, random), random);
     if !path_arrive(&first) {
         return kept(first.radiance) * f32(slice.samples);

@@ -66,12 +66,11 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
             digit
         });
         let known = POWER as f32;
-        let escaped = if POWER > 0 {
-            N::constant((ESCAPED.ln() / known).exp())
+        let [radius, escaped] = if POWER > 0 {
+            [radius(known), escaped(known)].map(N::constant)
         } else {
-            (N::constant(ESCAPED.ln()) / power).exp()
+            [radius(power), escaped(power)]
         };
-        let radius = if POWER > 0 { N::constant(radius(known)) } else { radius(power) };
         Self { power, digits, iterations, radius, escaped }
     }
     /// The power of a complex number under `times`; of one that is zero, zero.
@@ -134,7 +133,6 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
 #[inline(always)]
 fn known_power<const POWER: u32, V: Copy>(base: V, times: impl Fn(V, V) -> V) -> V {
     let (mut square, mut result) = (base, base);
-    let mut begun = false;
     // A fixed number of turns, so that the loop is unrolled and its conditions vanish.
     for k in 0..DIGITS as u32 {
         if POWER >> k == 0 {
@@ -144,11 +142,16 @@ fn known_power<const POWER: u32, V: Copy>(base: V, times: impl Fn(V, V) -> V) ->
             square = times(square, square);
         }
         if POWER >> k & 1 == 1 {
-            result = if begun { times(result, square) } else { square };
-            begun = true;
+            let is_first = POWER & ((1 << k) - 1) == 0;
+            result = if is_first { square } else { times(result, square) };
         }
     }
     result
+}
+
+/// The length at which an orbit is left.
+fn escaped<N: Real>(power: N) -> N {
+    (N::constant(ESCAPED.ln()) / power).exp()
 }
 
 /// Beyond it every orbit escapes.

@@ -59,7 +59,8 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     let mut highest: f64 = 0.0;
     for name in SCENES {
         let scene = example(name)?;
-        let settings = Settings { size: study.plan.error_size, samples, ..Settings::of(&scene) };
+        // Looked at after every sample: each has a ray of the camera of its own.
+        let settings = Settings { size: study.plan.error_size, samples, splitting: Some(1), ..Settings::of(&scene) };
         study.say(&format!("accumulation: {name}, which backend is faster"));
         let times = study.time(&scene, settings.bounces, settings.size)?;
         let backend = Study::fastest(&times);
