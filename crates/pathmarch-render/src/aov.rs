@@ -15,19 +15,18 @@
 
 use crate::error::RenderError;
 use crate::film::Film;
-use crate::frame::{EMITS, Prepared, SHEET};
+use crate::frame::Prepared;
 use crate::image::{Channel, ChannelValues};
 use crate::renderer::check;
 use crate::settings::Settings;
-use crate::transport::camera::{Ray, central_ray};
-use crate::transport::march::{self, March, march};
+use crate::transport::camera::central_ray;
+use crate::transport::march::{March, march};
 use crate::transport::paint::Painted;
-use crate::transport::path::{Near, facing, near};
-use crate::transport::views::shown_colour;
+use crate::transport::views::{is_dark, shown_colour};
+use crate::transport::visible::{Visible, visible};
 use glam::Vec3;
 use pathmarch_scene::Scene;
 use rayon::prelude::*;
-use wide::f32x8;
 
 /// A group of channels that a file can have beside its R, G and B.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -158,18 +157,6 @@ pub fn render(scene: &Scene, settings: &Settings) -> Result<Aovs, RenderError> {
     })
 }
 
-/// A ray that has met something.
-struct Hit {
-    pixel: usize,
-    /// Which position of the pixel it went through.
-    place: u32,
-    /// Its origin moved to what it met.
-    ray: Ray,
-    length: f32,
-    /// Whether it met an object that has a closed form.
-    direct: Option<u32>,
-}
-
 /// What a range of pixels sees.
 fn batch(prepared: &Prepared, colours: &[Vec3], range: std::ops::Range<u32>) -> Vec<Pixel> {
     let frame = &prepared.frame;
@@ -185,16 +172,11 @@ fn batch(prepared: &Prepared, colours: &[Vec3], range: std::ops::Range<u32>) -> 
             March { ray, before: 0.0, limit: f32::INFINITY }
         })
         .collect();
-    let hits: Vec<Hit> = marches
-        .iter()
-        .zip(march(prepared, &marches))
-        .enumerate()
-        .filter_map(|(index, (&March { ray: Ray { origin, direction }, .. }, end))| {
-            let (pixel, place) = (index / (GRID as usize + 1), index as u32 % (GRID + 1));
-            let march::Hit { t: length, direct } = end?;
-            Some(Hit { pixel, place, ray: Ray { origin: origin + direction * length, direction }, length, direct })
-        })
-        .collect();
+    let hits = march(prepared, &marches);
+    let (indices, met): (Vec<usize>, Vec<_>) =
+        hits.iter().enumerate().filter_map(|(index, hit)| Some((index, (marches[index], (*hit)?)))).unzip();
+    let place = |index: usize| index as u32 % (GRID + 1);
+    let surfaces = visible(prepared, &met, |k, blend| blend_threshold(place(indices[k]), blend));
     let nothing = Pixel {
         albedo: Vec3::ZERO,
         normal: Vec3::ZERO,
@@ -204,17 +186,8 @@ fn batch(prepared: &Prepared, colours: &[Vec3], range: std::ops::Range<u32>) -> 
         material: 0,
     };
     let mut pixels = vec![nothing; marches.len() / (GRID as usize + 1)];
-    for chunk in hits.chunks(8) {
-        let lane = |k: usize| chunk.get(k).unwrap_or(&chunk[0]);
-        let points = std::array::from_fn(|k| lane(k).ray.origin);
-        let surfaces = near(points, |p| {
-            let threshold = |blend| f32x8::from(std::array::from_fn(|k| blend_threshold(lane(k).place, blend)));
-            let direct = f32x8::from(std::array::from_fn(|k| march::Hit::met(lane(k).direct)));
-            prepared.field.surface_met(p, direct, &threshold)
-        });
-        for (hit, near) in chunk.iter().zip(&surfaces) {
-            add(prepared, colours, hit, near, &mut pixels[hit.pixel]);
-        }
+    for (index, surface) in indices.into_iter().zip(surfaces) {
+        add(prepared, colours, place(index), &surface, &mut pixels[index / (GRID as usize + 1)]);
     }
     for pixel in &mut pixels {
         pixel.normal = pixel.normal.normalize_or_zero();
@@ -232,28 +205,20 @@ fn blend_threshold(place: u32, blend: u32) -> f32 {
     (((place * turn) % GRID) as f32 + 0.5) / GRID as f32
 }
 
-/// Adds what a ray has met to its pixel.
-fn add(prepared: &Prepared, colours: &[Vec3], hit: &Hit, near: &Near, pixel: &mut Pixel) {
-    let steepness = near.gradient.length().max(1e-6);
-    let outward = near.gradient / steepness;
-    if hit.place == CENTRE {
-        let leaf = &prepared.field.leaves()[near.leaf];
-        pixel.position = hit.ray.origin - outward * (near.distance / steepness);
-        pixel.depth = (pixel.position - Vec3::from(prepared.frame.position)).dot(Vec3::from(prepared.frame.forward));
-        pixel.object = leaf.object + 1;
-        pixel.material = leaf.tag + 1;
+/// Adds what the ray through this place of a pixel has met to it.
+fn add(prepared: &Prepared, colours: &[Vec3], place: u32, surface: &Visible, pixel: &mut Pixel) {
+    let &Visible { p, leaf, normal, .. } = surface;
+    let material = prepared.leaves[leaf].material as usize;
+    if place == CENTRE {
+        pixel.position = p;
+        pixel.depth = (p - Vec3::from(prepared.frame.position)).dot(Vec3::from(prepared.frame.forward));
+        pixel.object = prepared.field.leaves()[leaf].object + 1;
+        pixel.material = material as u32 + 1;
         return;
     }
-    let normal = facing(prepared, near, outward, &hit.ray, hit.length);
     pixel.normal += normal;
-    let leaf = &prepared.leaves[near.leaf];
-    let material = leaf.material as usize;
-    let dark_side = prepared.materials[material].flags & EMITS != 0
-        && leaf.flags & SHEET != 0
-        && normal.dot(Vec3::from(leaf.facing)) < 0.0;
-    if !dark_side {
-        let p = hit.ray.origin - outward * (near.distance / steepness);
-        let painted = Painted::new(prepared, near.leaf, p, outward, hit.length);
+    if !is_dark(prepared, leaf, normal) {
+        let painted = Painted::new(prepared, leaf, p, surface.outward(), surface.length);
         pixel.albedo += painted.and_then(|painted| painted.colour()).unwrap_or(colours[material]) / GRID as f32;
     }
 }

@@ -7,6 +7,7 @@ use crate::tonemap::Display;
 use crate::transport::{samples_of, splitting};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use wide::f32x8;
 
@@ -88,28 +89,33 @@ impl CpuJob {
         }
         let begun = self.begun;
         let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];
-        let rendered: Vec<_> = tiles
-            .par_iter()
-            .map(|tile| {
-                let pixels = tile.pixels();
-                let values = samples_of(&self.prepared, &pixels, sample, begun);
-                (pixels, values)
-            })
-            .collect();
-        self.done += rendered.len();
-        let of_samples = |pixel: (u32, u32)| std::iter::repeat_n(pixel, begun as usize);
-        let rendered =
-            rendered.into_iter().flat_map(|(pixels, values)| pixels.into_iter().flat_map(of_samples).zip(values));
-        for ((x, y), value) in rendered {
-            let pixel = (y * self.film.width + x) as usize;
-            // As the kernel, so that both leave out the same samples; comparisons with NaN are false.
-            if value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all() {
-                for (sum, value) in self.film.sums[pixel].iter_mut().zip(value.to_array()) {
-                    *sum += value;
+        let width = self.film.width;
+        // The tiles of a row of them share its rows of pixels.
+        let sums = self.film.sums.chunks_mut((TILE * width) as usize);
+        let rows: Vec<Mutex<&mut [[f32; 3]]>> = sums.map(Mutex::new).collect();
+        let add = |tile: &Tile| -> Vec<usize> {
+            let pixels = tile.pixels();
+            let values = samples_of(&self.prepared, &pixels, sample, begun);
+            let row = tile.y[0] / TILE;
+            let mut left_out = Vec::new();
+            let mut sums = rows[row as usize].lock().unwrap_or_else(PoisonError::into_inner);
+            for (&(x, y), values) in pixels.iter().zip(values.chunks(begun as usize)) {
+                let pixel = ((y - row * TILE) * width + x) as usize;
+                for value in values {
+                    // As the kernel, so that both leave out the same samples; comparisons with NaN are false.
+                    if value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all() {
+                        sums[pixel] = (Vec3::from(sums[pixel]) + *value).into();
+                    } else {
+                        left_out.push((y * width + x) as usize);
+                    }
                 }
-            } else {
-                self.film.leave_out(pixel, 1);
             }
+            left_out
+        };
+        let left_out: Vec<usize> = tiles.par_iter().flat_map_iter(add).collect();
+        self.done += tiles.len();
+        for pixel in left_out {
+            self.film.leave_out(pixel, 1);
         }
         if self.done == self.tiles.len() {
             self.done = 0;

@@ -6,6 +6,7 @@ use crate::renderer::check;
 use crate::settings::Settings;
 use crate::transport::camera::central_ray;
 use crate::transport::march::{March, march};
+use crate::transport::steady::HEAVIER;
 use crate::transport::visible::visible;
 use glam::Vec3;
 use pathmarch_field::number::Vec3 as FieldVec3;
@@ -39,7 +40,7 @@ pub fn pick(scene: &Scene, settings: &Settings, pixel: [f32; 2]) -> Option<Picke
     let ray = central_ray(&prepared.frame, pixel[0], pixel[1]);
     let rays = [March { ray, before: 0.0, limit: f32::INFINITY }];
     let hit = march(&prepared, &rays)[0]?;
-    let seen = &visible(&prepared, &[(rays[0], hit)], 0)[0];
+    let seen = &visible(&prepared, &[(rays[0], hit)], |_, _| HEAVIER)[0];
     let from_camera = seen.p - Vec3::from(prepared.frame.position);
     Some(Picked {
         object: prepared.field.leaves()[seen.leaf].object as usize,

@@ -13,20 +13,21 @@ pub(crate) struct Ray {
     pub(crate) direction: Vec3,
 }
 
-/// The ray of one sample of the pixel (`x`, `y`), row 0 the top.
-pub(crate) fn camera_ray(frame: &Frame, x: u32, y: u32, random: Random) -> Ray {
-    let [jitter_x, jitter_y] = random.pair(pair::PIXEL);
+/// The ray of one sample of each of these pixels (x, y), row 0 the top, and its random numbers.
+pub(crate) fn camera_rays(frame: &Frame, pixels: &[(u32, u32)], randoms: &[Random]) -> Vec<Ray> {
     let position = Vec3::from(frame.position);
-    let view = view(frame, x as f32 + jitter_x, y as f32 + jitter_y);
+    let jitters = Random::pairs(randoms, pair::PIXEL);
+    let views = pixels.iter().zip(jitters).map(|(&(x, y), [dx, dy])| view(frame, x as f32 + dx, y as f32 + dy));
     if frame.lens_radius == 0.0 {
-        return Ray { origin: position, direction: view.normalize() };
+        return views.map(|view| Ray { origin: position, direction: view.normalize() }).collect();
     }
-    let [u, v] = random.pair(pair::LENS);
-    let radius = frame.lens_radius * u.sqrt();
-    let (sine, cosine) = (TAU * v).sin_cos();
-    let offset =
-        Vec3::from(frame.right).normalize() * (radius * cosine) + Vec3::from(frame.up).normalize() * (radius * sine);
-    Ray { origin: position + offset, direction: (view * frame.focus - offset).normalize() }
+    let [right, up] = [frame.right, frame.up].map(|axis| Vec3::from(axis).normalize() * frame.lens_radius);
+    let through = |(view, [u, v]): (Vec3, [f32; 2])| {
+        let (sine, cosine) = (TAU * v).sin_cos();
+        let offset = (right * cosine + up * sine) * u.sqrt();
+        Ray { origin: position + offset, direction: (view * frame.focus - offset).normalize() }
+    };
+    views.zip(Random::pairs(randoms, pair::LENS)).map(through).collect()
 }
 
 /// The ray through the middle of the lens and a position in the picture, in pixels from its top left corner.

@@ -43,7 +43,8 @@ pub(crate) struct LightRecord {
     /// Sharpness of shadows from near misses; 0 for shadows as they are.
     pub(crate) penumbra: f32,
     pub(super) y: [f32; 3],
-    padding_y: u32,
+    /// Of a rectangle or a disc.
+    area: f32,
     pub(super) z: [f32; 3],
     padding_z: u32,
 }
@@ -208,6 +209,7 @@ fn surface_record(field: &Field, index: usize, radiance: [f32; 3]) -> Option<(Li
         power: radiance,
         leaf: index as u32,
         extent,
+        area: if matches!(kind, RECT | DISC) { area } else { 0.0 },
         x: x.into(),
         y: y.into(),
         z: z.into(),
@@ -226,7 +228,7 @@ pub(crate) fn sample(prepared: &Prepared, p: Vec3, choice: f32, position: [f32; 
     }
     let light = &records[index];
     let place = Vec3::from(light.place);
-    let power = Vec3::from(light.power) / light.probability;
+    let power = Vec3::from(light.power) * (1.0 / light.probability);
     let sample = |direction, distance, irradiance, pdf, target| {
         let pdf = pdf * light.probability;
         Some(LightSample { direction, distance, irradiance, pdf, target, penumbra: light.penumbra, weight: 1.0 })
@@ -236,7 +238,7 @@ pub(crate) fn sample(prepared: &Prepared, p: Vec3, choice: f32, position: [f32; 
             let offset = place - p;
             let square = offset.length_squared();
             let distance = square.sqrt();
-            sample(offset / distance, distance, power / square, 0.0, None)
+            sample(offset * (1.0 / distance), distance, power * (1.0 / square), 0.0, None)
         }
         SUN => {
             let direction = cone_direction(place, light.extent, position);
@@ -259,20 +261,20 @@ pub(crate) fn sample(prepared: &Prepared, p: Vec3, choice: f32, position: [f32; 
             } else {
                 (sphere_entry(offset, direction, light.extent), None)
             };
-            sample(direction, distance * SHORT_OF_LIGHT, power / pdf, pdf, target)
+            sample(direction, distance * SHORT_OF_LIGHT, power * (TAU * open), pdf, target)
         }
         _ => {
             let (point, normal, area) = point_on(light, p, position);
             let offset = point - p;
             let square = offset.length_squared();
             let distance = square.sqrt();
-            let direction = offset / distance;
+            let direction = offset * (1.0 / distance);
             let cosine = if light.kind == BOX { normal.dot(direction).abs() } else { -normal.dot(direction) };
             if cosine <= 0.0 {
                 return None;
             }
-            let pdf = square / (area * cosine);
-            sample(direction, distance * SHORT_OF_LIGHT, power / pdf, pdf, None)
+            let solid_angle = area * cosine / square;
+            sample(direction, distance * SHORT_OF_LIGHT, power * solid_angle, 1.0 / solid_angle, None)
         }
     }
 }
@@ -310,12 +312,12 @@ fn point_on(light: &LightRecord, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32)
     match light.kind {
         RECT => {
             let point = place + x * (2.0 * u - 1.0) + z * (2.0 * v - 1.0);
-            (point, y, 4.0 * x.length() * z.length())
+            (point, y, light.area)
         }
         DISC => {
             let radius = light.extent * u.sqrt();
             let (s, c) = (TAU * v).sin_cos();
-            (place + x * (radius * c) + z * (radius * s), y, PI * light.extent * light.extent)
+            (place + x * (radius * c) + z * (radius * s), y, light.area)
         }
         _ => {
             let (areas, total) = box_areas(light, p);
@@ -368,8 +370,7 @@ pub(crate) fn pdf(light: &LightRecord, p: Vec3, reached: Vec3, cosine: f32) -> f
             let outside = light.kind == BOUNDED && (reached - p).dot(offset) < (1.0 - open) * t * offset.length();
             return if outside { 0.0 } else { light.probability / (TAU * open) };
         }
-        RECT => 4.0 * Vec3::from(light.x).length() * Vec3::from(light.z).length(),
-        DISC => PI * light.extent * light.extent,
+        RECT | DISC => light.area,
         BOX => box_areas(light, p).1,
         _ => return 0.0,
     };

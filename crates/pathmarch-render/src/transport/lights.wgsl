@@ -13,6 +13,8 @@ struct Light {
     /// Sharpness of shadows from near misses; 0 for shadows as they are.
     penumbra: f32,
     y: vec3f,
+    /// Of a rectangle or a disc.
+    area: f32,
     z: vec3f,
 }
 
@@ -114,15 +116,13 @@ fn sphere_entry(offset: vec3f, direction: vec3f, radius: f32) -> f32 {
 fn area_sample(light: Light, p: vec3f, power: vec3f, position: vec2f) -> LightSample {
     var point = light.place;
     var normal = light.y;
-    var area = 0.0;
+    var area = light.area;
     if HAS_RECT && light.kind == RECT {
         point += light.x * (2.0 * position.x - 1.0) + light.z * (2.0 * position.y - 1.0);
-        area = 4.0 * length(light.x) * length(light.z);
     } else if HAS_DISC && light.kind == DISC {
         let radius = light.extent * sqrt(position.x);
         let angle = 6.2831853 * position.y;
         point += light.x * (radius * cos(angle)) + light.z * (radius * sin(angle));
-        area = 3.14159265 * light.extent * light.extent;
     } else if HAS_BOX {
         let areas = box_areas(light, p);
         area = areas.w;
@@ -191,12 +191,8 @@ fn light_pdf(light: Light, p: vec3f, reached: vec3f, cosine: f32) -> f32 {
         let outside = light.kind == BOUNDED && dot(reached - p, offset) < (1.0 - open) * t * length(offset);
         return select(light.probability / (6.2831853 * open), 0.0, outside);
     }
-    var area = 0.0;
-    if HAS_RECT && light.kind == RECT {
-        area = 4.0 * length(light.x) * length(light.z);
-    } else if HAS_DISC && light.kind == DISC {
-        area = 3.14159265 * light.extent * light.extent;
-    } else if HAS_BOX {
+    var area = light.area;
+    if HAS_BOX && light.kind == BOX {
         area = box_areas(light, p).w;
     }
     return light.probability * t * t / (area * max(cosine, 1e-6));

@@ -55,35 +55,46 @@ pub(crate) fn tolerance(frame: &Frame, p: Vec3, path_length: f32) -> f32 {
 }
 
 /// How far off a surface a ray starts; `off` is the rounding there and `distance` that of the point that was reached.
-pub(crate) fn start_offset(off: f32, distance: f32) -> f32 {
-    START_OFFSET * off + 0.05 * distance.abs()
+pub(crate) fn start_offset<N: Real>(off: N, distance: N) -> N {
+    N::constant(START_OFFSET) * off + N::constant(0.05) * distance.abs()
 }
 
 /// How far from a surface a point on it may be by rounding; `at` is the origin of its coordinates.
-pub(crate) fn rounding_at(frame: &Frame, p: Vec3, at: Vec3) -> f32 {
-    frame.rounding * p.abs().max((p - at).abs()).max_element()
+pub(crate) fn rounding_at<N: Real>(frame: &Frame, p: FieldVec3<N>, at: FieldVec3<N>) -> N {
+    N::constant(frame.rounding) * p.abs().largest().max((p - at).abs().largest())
+}
+
+/// A number for each of eight lanes.
+#[inline(always)]
+pub(super) fn lanes(value: impl Fn(usize) -> f32) -> f32x8 {
+    f32x8::from(std::array::from_fn(value))
 }
 
 /// Eight rays of which the last may be copies of the first.
-struct Rays8 {
-    origin: FieldVec3<f32x8>,
-    direction: FieldVec3<f32x8>,
+pub(super) struct Rays8 {
+    pub(super) origin: FieldVec3<f32x8>,
+    pub(super) direction: FieldVec3<f32x8>,
     limit: f32x8,
 }
 
 impl Rays8 {
-    fn new(rays: &[March]) -> Self {
-        let gather = |value: &dyn Fn(&March) -> f32| {
-            f32x8::from(std::array::from_fn(|lane| value(rays.get(lane).unwrap_or(&rays[0]))))
-        };
-        let vector = |value: &dyn Fn(&March) -> Vec3| {
-            FieldVec3::new(gather(&|m| value(m).x), gather(&|m| value(m).y), gather(&|m| value(m).z))
-        };
-        Self {
-            origin: vector(&|march| march.ray.origin),
-            direction: vector(&|march| march.ray.direction),
-            limit: gather(&|march| march.limit),
+    /// Of one to eight rays.
+    pub(super) fn new<'a>(rays: impl Iterator<Item = &'a March>) -> Self {
+        let mut parts = [[0.0; 8]; 7];
+        let mut count = 0;
+        for March { ray: Ray { origin, direction }, limit, .. } in rays {
+            let values = [origin.x, origin.y, origin.z, direction.x, direction.y, direction.z, *limit];
+            for (part, value) in parts.iter_mut().zip(values) {
+                part[count] = value;
+            }
+            count += 1;
         }
+        for part in &mut parts {
+            let first = part[0];
+            part[count..].fill(first);
+        }
+        let [ox, oy, oz, dx, dy, dz, limit] = parts.map(f32x8::from);
+        Self { origin: FieldVec3::new(ox, oy, oz), direction: FieldVec3::new(dx, dy, dz), limit }
     }
 }
 
@@ -165,7 +176,7 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
     let mut hits = Vec::with_capacity(rays.len());
     let mut marched = Vec::new();
     for chunk in rays.chunks(8) {
-        for span in &spans(field, frame, &Rays8::new(chunk))[..chunk.len()] {
+        for span in &spans(field, frame, &Rays8::new(chunk.iter()))[..chunk.len()] {
             if span.start < span.end {
                 marched.push((hits.len(), *span));
             }

@@ -19,7 +19,7 @@ mod shadow;
 pub(crate) mod sky;
 mod soft_shadow;
 pub(crate) mod splitting;
-mod steady;
+pub(crate) mod steady;
 mod variance;
 pub(crate) mod views;
 pub(crate) mod visible;

@@ -13,19 +13,18 @@
 //! Here the paths of a tile go side by side, one surface at a time: march all, shade each, march all shadow rays.
 
 use super::basis::basis;
-use super::camera::{Ray, camera_ray};
+use super::camera::{Ray, camera_rays};
 use super::lights;
-use super::march::{Hit, March, march, rounding_at, start_offset};
+use super::march::{March, march};
 use super::paint::Painted;
 use super::random::{Random, pair};
 use super::shadow::{self, Connection};
 use super::splitting::ray_of;
-use crate::frame::{DELTA, DIRECT, EMITS, LIGHT_SHIFT, Prepared, SHEET, TRANSMITS};
+use super::visible::{Visible, shines, visible};
+use crate::frame::{DELTA, EMITS, LIGHT_SHIFT, Prepared, TRANSMITS};
 use glam::Vec3;
-use pathmarch_field::graph::{Batch, Surface};
-use pathmarch_field::number::Vec3 as FieldVec3;
+use pathmarch_field::graph::Batch;
 use std::iter::repeat_n;
-use wide::f32x8;
 
 #[derive(Clone)]
 struct Path {
@@ -36,10 +35,6 @@ struct Path {
     reference: Vec3,
     throughput: Vec3,
     length: f32,
-    /// Length of the last ray.
-    last: f32,
-    /// The leaf that it met, if that has a closed form.
-    direct: Option<u32>,
     /// Density of the ray's direction over solid angle; 0 for a single direction.
     scatter_pdf: f32,
     /// What the medium that the path is in absorbs, per metre.
@@ -71,34 +66,30 @@ fn limited(prepared: &Prepared, contribution: Vec3, bounces: u32) -> Vec3 {
 /// The radiance of so many samples from this one on of each of these pixels, those of a pixel in a row; more than one only
 /// where they share a ray of the camera.
 pub(crate) fn trace(prepared: &Prepared, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
-    let frame = &prepared.frame;
     let shared = ray_of(first, prepared.features.splitting);
-    let rays = pixels.iter().map(|&(x, y)| {
-        let random = Random::of(frame, x, y, shared);
-        (camera_ray(frame, x, y, random), random)
-    });
+    let randoms: Vec<Random> = pixels.iter().map(|&(x, y)| Random::of(&prepared.frame, x, y, shared)).collect();
+    let rays = camera_rays(&prepared.frame, pixels, &randoms).into_iter().zip(randoms);
     if prepared.features.splitting == 1 {
         return radiance_along(prepared, rays);
     }
-    let (paths, mut radiance) = start(prepared, rays);
-    let reached = arrive(prepared, paths, 0, &mut radiance);
-    let mut radiance: Vec<Vec3> = radiance.iter().flat_map(|&ended| repeat_n(ended, samples as usize)).collect();
-    let split = reached.iter().flat_map(|(path, near)| {
+    let (mut paths, mut radiance) = start(prepared, rays);
+    let reached = arrive(prepared, &mut paths, 0, &mut radiance);
+    let radiance = radiance.iter().flat_map(|&ended| repeat_n(ended, samples as usize)).collect();
+    let split = paths.iter().flat_map(|path| {
         (0..samples).map(|k| {
             let (slot, random) = (path.slot * samples as usize + k as usize, path.random.of_sample(first + k));
-            (Path { slot, random, ..path.clone() }, near.clone())
+            Path { slot, random, ..path.clone() }
         })
     });
-    go_on(prepared, split.collect(), &mut radiance);
-    radiance
+    let reached = reached.into_iter().flat_map(|surface| repeat_n(surface, samples as usize)).collect();
+    go_on(prepared, split.collect(), reached, radiance)
 }
 
 /// The radiance along each of these rays, which start where the camera is or in the same medium.
 pub(super) fn radiance_along(prepared: &Prepared, rays: impl Iterator<Item = (Ray, Random)>) -> Vec<Vec3> {
-    let (paths, mut radiance) = start(prepared, rays);
-    let reached = arrive(prepared, paths, 0, &mut radiance);
-    go_on(prepared, reached, &mut radiance);
-    radiance
+    let (mut paths, mut radiance) = start(prepared, rays);
+    let reached = arrive(prepared, &mut paths, 0, &mut radiance);
+    go_on(prepared, paths, reached, radiance)
 }
 
 /// The paths that begin with these rays, and the radiance of each so far.
@@ -112,8 +103,6 @@ fn start(prepared: &Prepared, rays: impl Iterator<Item = (Ray, Random)>) -> (Vec
             reference: ray.origin,
             throughput: Vec3::ONE,
             length: 0.0,
-            last: 0.0,
-            direct: None,
             scatter_pdf: 0.0,
             medium: Vec3::from(prepared.frame.medium),
             passing: false,
@@ -124,26 +113,25 @@ fn start(prepared: &Prepared, rays: impl Iterator<Item = (Ray, Random)>) -> (Vec
     (paths, radiance)
 }
 
-/// Follows paths from the surfaces that they have reached to their ends.
-fn go_on(prepared: &Prepared, mut reached: Vec<(Path, Near)>, radiance: &mut [Vec3]) {
+/// Follows paths from the surfaces that they have reached to their ends; gives the radiance of all.
+fn go_on(prepared: &Prepared, mut paths: Vec<Path>, mut reached: Vec<Visible>, mut radiance: Vec<Vec3>) -> Vec<Vec3> {
     for surface_index in 0.. {
-        if reached.is_empty() {
+        if paths.is_empty() {
             break;
         }
-        let mut connections = Vec::with_capacity(reached.len());
-        let drawn = drawn(prepared, &reached, surface_index);
-        let paths = reached
-            .into_iter()
-            .zip(drawn)
-            .filter_map(|((path, near), drawn)| {
-                shade(prepared, path, &near, &drawn, surface_index, radiance, &mut connections)
+        let mut connections = Vec::with_capacity(paths.len());
+        let mut met = reached.iter().zip(drawn(prepared, &paths, surface_index));
+        paths.retain_mut(|path| {
+            met.next().is_some_and(|(surface, drawn)| {
+                shade(prepared, path, surface, &drawn, surface_index, &mut radiance, &mut connections).is_some()
             })
-            .collect();
-        for (slot, arriving) in shadow::arriving(prepared, connections) {
+        });
+        for (slot, arriving) in shadow::arriving(prepared, connections, surface_index) {
             radiance[slot] += limited(prepared, arriving, surface_index);
         }
-        reached = arrive(prepared, paths, surface_index + 1, radiance);
+        reached = arrive(prepared, &mut paths, surface_index + 1, &mut radiance);
     }
+    radiance
 }
 
 /// The random numbers of a surface.
@@ -156,41 +144,39 @@ struct Drawn {
 }
 
 /// What each of these paths draws at its surface.
-fn drawn(prepared: &Prepared, reached: &[(Path, Near)], surface_index: u32) -> impl Iterator<Item = Drawn> + use<> {
-    let randoms: Vec<Random> = reached.iter().map(|(path, _)| path.random).collect();
+fn drawn(prepared: &Prepared, paths: &[Path], surface_index: u32) -> impl Iterator<Item = Drawn> + use<> {
+    let randoms: Vec<Random> = paths.iter().map(|path| path.random).collect();
     let of = |number: u32| Random::pairs(&randoms, pair::SURFACE + pair::PER_SURFACE * surface_index + number);
     let lobes = if prepared.features.chooses_lobes { of(pair::LOBE) } else { vec![[0.0; 2]; randoms.len()] };
     let numbers = of(pair::CHOICE).into_iter().zip(of(pair::LIGHT)).zip(of(pair::SCATTER)).zip(lobes);
     numbers.map(|(((choice, light), scatter), [lobe, _])| Drawn { choice, light, scatter, lobe })
 }
 
-/// Follows the rays of paths to their next surface, after so many; those that meet none end.
-fn arrive(prepared: &Prepared, paths: Vec<Path>, surface_index: u32, radiance: &mut [Vec3]) -> Vec<(Path, Near)> {
+/// Follows the rays of paths to their next surface, after so many, and gives it for each; those that meet none end.
+fn arrive(prepared: &Prepared, paths: &mut Vec<Path>, surface_index: u32, radiance: &mut [Vec3]) -> Vec<Visible> {
     let march_of = |path: &Path| March { ray: path.ray, before: path.length, limit: f32::INFINITY };
     let marches: Vec<March> = paths.iter().map(march_of).collect();
     let hits = march(prepared, &marches);
-    let mut reached = Vec::with_capacity(paths.len());
-    for (mut path, hit) in paths.into_iter().zip(hits) {
+    let mut met = Vec::with_capacity(paths.len());
+    let mut ends = marches.into_iter().zip(hits);
+    paths.retain_mut(|path| {
+        let end = ends.next().and_then(|(march, hit)| Some((march, hit?)));
         if prepared.features.absorption {
-            path.throughput *= left_after(path.medium, hit.map_or(f32::INFINITY, |hit| hit.t));
+            path.throughput *= left_after(path.medium, end.map_or(f32::INFINITY, |(_, hit)| hit.t));
         }
-        match hit {
-            Some(Hit { t, direct }) => {
-                path.length += t;
-                path.last = t;
-                path.direct = direct;
-                path.ray.origin += path.ray.direction * t;
-                reached.push(path);
-            }
-            None => {
-                let contribution = path.throughput * beyond(prepared, &path);
-                // Light that a ray meets fell on the surface before.
-                radiance[path.slot] += limited(prepared, contribution, surface_index.saturating_sub(1));
-            }
+        if let Some((_, hit)) = end {
+            path.length += hit.t;
+            path.ray.origin += path.ray.direction * hit.t;
+        } else {
+            let contribution = path.throughput * beyond(prepared, path);
+            // Light that a ray meets fell on the surface before.
+            radiance[path.slot] += limited(prepared, contribution, surface_index.saturating_sub(1));
         }
-    }
-    let surfaces = surfaces(prepared, &reached, surface_index);
-    reached.into_iter().zip(surfaces).collect()
+        met.extend(end);
+        end.is_some()
+    });
+    let seed = |k: usize| paths[k].random.loose(surface_index);
+    visible(prepared, &met, |k, blend| f32::choice(seed(k), blend))
 }
 
 /// Radiance from beyond the scene, weighed where it is sampled as a light, too.
@@ -203,78 +189,30 @@ fn beyond(prepared: &Prepared, path: &Path) -> Vec3 {
         + lights::suns_found(prepared, direction, path.scatter_pdf)
 }
 
-#[derive(Clone)]
-pub(crate) struct Near {
-    pub(crate) distance: f32,
-    pub(crate) gradient: Vec3,
-    pub(crate) leaf: usize,
-}
-
-/// The surface that each path met, eight at a time.
-fn surfaces(prepared: &Prepared, paths: &[Path], surface_index: u32) -> Vec<Near> {
-    let mut result = Vec::with_capacity(paths.len());
-    for chunk in paths.chunks(8) {
-        let points = std::array::from_fn(|k| chunk.get(k).map_or(Vec3::ZERO, |path| path.ray.origin));
-        let seeds = std::array::from_fn(|k| chunk.get(k).map_or(0, |path| path.random.loose(surface_index)));
-        let direct = std::array::from_fn(|k| Hit::met(chunk.get(k).unwrap_or(&chunk[0]).direct));
-        let surface = |p| prepared.field.surface_met(p, f32x8::from(direct), &|index| f32x8::choice(seeds, index));
-        result.extend(near(points, surface).into_iter().take(chunk.len()));
-    }
-    result
-}
-
-/// What `surface` says of eight points.
-pub(crate) fn near(points: [Vec3; 8], surface: impl Fn(FieldVec3<f32x8>) -> Surface<f32x8>) -> [Near; 8] {
-    let lane = |value: fn(Vec3) -> f32| f32x8::from(points.map(value));
-    let Surface { field, leaf } = surface(FieldVec3::new(lane(|p| p.x), lane(|p| p.y), lane(|p| p.z)));
-    let (x, y, z) = (field.gradient.x.to_array(), field.gradient.y.to_array(), field.gradient.z.to_array());
-    let (distance, leaf) = (field.value.to_array(), leaf.to_array());
-    std::array::from_fn(|k| Near {
-        distance: distance[k],
-        gradient: Vec3::new(x[k], y[k], z[k]),
-        leaf: leaf[k] as usize,
-    })
-}
-
-/// The normal on the side that a ray which ends here after `length` metres comes from.
-pub(crate) fn facing(prepared: &Prepared, near: &Near, outward: Vec3, ray: &Ray, length: f32) -> Vec3 {
-    let leaf = &prepared.leaves[near.leaf];
-    let off = rounding_at(&prepared.frame, ray.origin, Vec3::from(leaf.at));
-    // On the surface but for rounding, the side is the one the ray comes from; else the field says it.
-    let on_surface = leaf.flags & DIRECT != 0 || near.distance.abs() <= off + prepared.frame.rounding * length;
-    let inside = if on_surface { outward.dot(ray.direction) > 0.0 } else { near.distance < 0.0 };
-    if inside { -outward } else { outward }
-}
-
-/// What happens at a surface; gives the path's continuation, if it has one.
+/// What happens at a surface; `None` where the path ends there.
 fn shade(
     prepared: &Prepared,
-    path: Path,
-    near: &Near,
+    path: &mut Path,
+    surface: &Visible,
     drawn: &Drawn,
     surface_index: u32,
     radiance: &mut [Vec3],
     connections: &mut Vec<Connection>,
-) -> Option<Path> {
+) -> Option<()> {
     let frame = &prepared.frame;
-    let steepness = near.gradient.length().max(1e-6);
-    let outward = near.gradient / steepness;
-    let leaf = &prepared.leaves[near.leaf];
-    let reached = path.ray.origin;
-    let off = rounding_at(frame, reached, Vec3::from(leaf.at));
-    let normal = facing(prepared, near, outward, &path.ray, path.last);
-    let inside = normal.dot(outward) < 0.0;
+    let &Visible { p, normal, inside, away, .. } = surface;
+    let leaf = &prepared.leaves[surface.leaf];
     let material = &prepared.materials[leaf.material as usize];
     if material.flags & EMITS != 0 {
         let light = leaf.flags >> LIGHT_SHIFT;
-        let seen = leaf.flags & SHEET == 0 || normal.dot(Vec3::from(leaf.facing)) > 0.0;
         // Shadow rays have brought it already.
         let counted = path.passing && light > 0;
-        if seen && !counted {
+        if shines(prepared, surface.leaf, normal) && !counted {
             let mut weight = 1.0;
             if light > 0 {
                 let cosine = normal.dot(path.ray.direction).abs();
-                let light_pdf = lights::pdf(&prepared.lights[light as usize - 1], path.reference, reached, cosine);
+                let light = &prepared.lights[light as usize - 1];
+                let light_pdf = lights::pdf(light, path.reference, path.ray.origin, cosine);
                 weight = lights::met_weight(prepared.features.light_search, path.scatter_pdf, light_pdf);
             }
             let contribution = path.throughput * Vec3::from(material.emission) * weight;
@@ -286,14 +224,12 @@ fn shade(
         return None;
     }
     let bsdf = prepared.bsdfs[leaf.material as usize]?;
-    let p = reached - outward * (near.distance / steepness);
-    let painted = Painted::new(prepared, near.leaf, p, outward, path.length);
+    let painted = Painted::new(prepared, surface.leaf, p, surface.outward(), path.length);
     let own = painted.as_ref().map(|painted| painted.numbers(&material.numbers));
     let numbers = own.as_ref().unwrap_or(&material.numbers);
     // What light sees; that of the shape says on which side a direction is.
-    let shaded = painted.map_or(normal, |painted| painted.normal(outward, normal, -path.ray.direction));
+    let shaded = painted.map_or(normal, |painted| painted.normal(surface.outward(), normal, -path.ray.direction));
     let crosses = |wi: Vec3, direction: Vec3| prepared.features.bump && (wi.z < 0.0) != (direction.dot(normal) < 0.0);
-    let away = normal * start_offset(off, near.distance / steepness);
     let world_from_local = basis(shaded);
     let local_from_world = world_from_local.transpose();
     let back = local_from_world * -path.ray.direction;
@@ -302,10 +238,9 @@ fn shade(
     let transmits = material.flags & TRANSMITS != 0;
     let beyond = medium_beyond(path.medium, Vec3::from(material.absorption), inside);
     let [choose_light, go_on] = drawn.choice;
-    let mut reference = path.reference;
     if material.flags & DELTA == 0 {
-        reference = if transmits { p } else { p + away };
-        if let Some(light) = lights::sample(prepared, reference, choose_light, drawn.light) {
+        path.reference = if transmits { p } else { p + away };
+        if let Some(light) = lights::sample(prepared, path.reference, choose_light, drawn.light) {
             let wi = local_from_world * light.direction;
             let below = wi.z < 0.0;
             if (wi.z > 0.0 || transmits) && !crosses(wi, light.direction) {
@@ -319,7 +254,7 @@ fn shade(
                         light,
                         before: path.length,
                         medium: if below { beyond } else { path.medium },
-                        seed: path.random.loose(surface_index),
+                        random: path.random,
                     });
                 }
             }
@@ -331,25 +266,22 @@ fn shade(
     if crosses(scattered.wi, direction) {
         return None;
     }
-    let mut throughput = path.throughput * scattered.weight;
-    let index_square = path.index_square * scattered.eta * scattered.eta;
+    path.throughput *= scattered.weight;
+    path.index_square *= scattered.eta * scattered.eta;
     if surface_index > 4 {
-        let survival = (throughput.max_element() * index_square).min(1.0);
+        let survival = (path.throughput.max_element() * path.index_square).min(1.0);
         if go_on >= survival {
             return None;
         }
-        throughput /= survival;
+        path.throughput /= survival;
     }
     let below = scattered.wi.z < 0.0;
     let straight = scattered.pdf == 0.0 && below && (path.passing || path.scatter_pdf > 0.0);
-    Some(Path {
-        ray: Ray { origin: p + if below { -away } else { away }, direction },
-        reference,
-        throughput,
-        scatter_pdf: scattered.pdf,
-        medium: if below { beyond } else { path.medium },
-        passing: prepared.features.fast_caustics && straight,
-        index_square,
-        ..path
-    })
+    path.passing = prepared.features.fast_caustics && straight;
+    path.ray = Ray { origin: p + if below { -away } else { away }, direction };
+    path.scatter_pdf = scattered.pdf;
+    if below {
+        path.medium = beyond;
+    }
+    Some(())
 }

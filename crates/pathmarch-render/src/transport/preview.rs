@@ -237,7 +237,7 @@ impl Follower<'_> {
                     }
                 }
             }
-            let seen = visible(prepared, &met, self.sample);
+            let seen = visible(prepared, &met, |_, blend| steady::threshold(self.sample, blend));
             let open = self.unoccluded(&seen);
             // By rank, so that the rays of a chunk go towards one light.
             let mut hidable = std::array::from_fn(|_| Vec::new());

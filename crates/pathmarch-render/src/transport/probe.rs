@@ -17,6 +17,7 @@ use super::lights::{LightRecord, luminance};
 use super::march::{March, march};
 use super::path;
 use super::random::{Random, unit};
+use super::steady::HEAVIER;
 use super::visible::visible;
 use crate::frame::{EMITS, LIGHT_SHIFT, Prepared};
 use crate::settings::LightSearch;
@@ -133,7 +134,7 @@ fn radiance(prepared: &Prepared, rays: Vec<(Ray, Random)>, known: &[u32], bounce
             None => found[slot] = prepared.sky.found(LightSearch::Met, rays[slot].0.direction, 0.0),
         }
     }
-    let seen = visible(prepared, &met, 0);
+    let seen = visible(prepared, &met, |_, _| HEAVIER);
     let counted = |leaf: usize| {
         let leaf = &prepared.leaves[leaf];
         let emits = prepared.materials[leaf.material as usize].flags & EMITS != 0;
@@ -167,6 +168,6 @@ pub(super) fn shown_share(prepared: &Prepared, light: &LightRecord) -> f32 {
         .collect();
     let hits = march(prepared, &marches);
     let met: Vec<_> = marches.into_iter().zip(hits).filter_map(|(march, hit)| Some((march, hit?))).collect();
-    let shining = visible(prepared, &met, 0).iter().filter(|seen| seen.leaf as u32 == light.leaf).count();
+    let shining = visible(prepared, &met, |_, _| HEAVIER).iter().filter(|seen| seen.leaf as u32 == light.leaf).count();
     (shining as f32 / RAYS as f32).max(unit(1 << 30))
 }

@@ -9,10 +9,12 @@
 
 use super::camera::Ray;
 use super::lights::{self, LightSample};
-use super::march::{Hit, MAX_STEPS, March, march, rounding_at, start_offset, tolerance};
+use super::march::{Hit, MAX_STEPS, March, march, tolerance};
 use super::paint::Painted;
 use super::path::{left_after, medium_beyond};
-use crate::frame::{CLEAR, Prepared, SHEET, passes_straight};
+use super::random::Random;
+use super::visible::{Visible, shines, visible};
+use crate::frame::{CLEAR, Prepared, passes_straight};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_field::number::Vec3 as FieldVec3;
@@ -32,95 +34,89 @@ pub(super) struct Connection {
     /// Length of the path before the ray.
     pub(super) before: f32,
     pub(super) medium: Vec3,
-    pub(super) seed: u32,
+    /// Of the path.
+    pub(super) random: Random,
 }
 
-/// What arrives of each connection: its slot and radiance.
-pub(super) fn arriving(prepared: &Prepared, connections: Vec<Connection>) -> Vec<(usize, Vec3)> {
+/// What arrives of each connection to the lights of surface `surface_index` of its path: its slot and radiance.
+pub(super) fn arriving(prepared: &Prepared, connections: Vec<Connection>, surface_index: u32) -> Vec<(usize, Vec3)> {
     let mut arrived = Vec::with_capacity(connections.len());
-    let mut under_way = Vec::with_capacity(connections.len());
-    for mut connection in connections {
-        if connection.light.penumbra > 0.0 {
-            let light = near_misses(prepared, connection.ray, connection.light.distance, connection.light.penumbra);
-            let left = left_after(connection.medium, connection.light.distance);
-            arrived.push((connection.slot, connection.radiance * left * light));
-        } else {
-            let (light_pdf, scatter_pdf) = (connection.light.pdf, connection.scatter_pdf);
-            connection.light.weight = lights::sampled_weight(prepared.features.light_search, light_pdf, scatter_pdf);
-            under_way.push(connection);
-        }
+    let mut under_way = connections;
+    if prepared.features.penumbra {
+        under_way.retain(|connection| {
+            let LightSample { distance, penumbra, .. } = connection.light;
+            if penumbra > 0.0 {
+                let light = near_misses(prepared, connection.ray, distance, penumbra);
+                let left = left_after(connection.medium, distance);
+                arrived.push((connection.slot, connection.radiance * left * light));
+            }
+            penumbra <= 0.0
+        });
+    }
+    for connection in &mut under_way {
+        let (light_pdf, scatter_pdf) = (connection.light.pdf, connection.scatter_pdf);
+        connection.light.weight = lights::sampled_weight(prepared.features.light_search, light_pdf, scatter_pdf);
     }
     for _ in 0..=(if prepared.features.fast_caustics { MAX_PASSED } else { 0 }) {
         if under_way.is_empty() {
             break;
         }
-        let marches: Vec<March> =
-            under_way.iter().map(|c| March { ray: c.ray, before: c.before, limit: c.light.distance }).collect();
+        let march_of = |c: &Connection| March { ray: c.ray, before: c.before, limit: c.light.distance };
+        let marches: Vec<March> = under_way.iter().map(march_of).collect();
         let hits = march(prepared, &marches);
-        let mut going_on = Vec::new();
-        for (connection, obstacle) in under_way.into_iter().zip(hits) {
-            match meet(prepared, connection, obstacle) {
-                Meeting::Arrives(slot, radiance) => arrived.push((slot, radiance)),
-                Meeting::GoesOn(connection) => going_on.push(connection),
-                Meeting::Blocked => {}
+        if prepared.features.absorption {
+            for (connection, obstacle) in under_way.iter_mut().zip(&hits) {
+                let length = obstacle.map_or(connection.light.distance, |hit| hit.t);
+                connection.radiance *= left_after(connection.medium, length);
             }
         }
-        under_way = going_on;
+        let mut obstacles = Vec::new();
+        let mut ends = marches.into_iter().zip(hits);
+        under_way.retain(|connection| {
+            let obstacle = ends.next().and_then(|(march, hit)| Some((march, hit?)));
+            let has_target = connection.light.target.is_some();
+            if obstacle.is_none() && !has_target {
+                arrived.push((connection.slot, connection.radiance * connection.light.weight));
+            }
+            let matters = has_target || prepared.features.fast_caustics;
+            obstacles.extend(obstacle.filter(|_| matters));
+            obstacle.is_some() && matters
+        });
+        let seed = |k: usize| under_way[k].random.loose(surface_index);
+        let met = visible(prepared, &obstacles, |k, blend| f32::choice(seed(k), blend));
+        let mut met = obstacles.into_iter().zip(met);
+        under_way.retain_mut(|connection| {
+            met.next().is_some_and(|((_, Hit { t, .. }), obstacle)| {
+                if connection.light.target != Some(obstacle.leaf as u32) {
+                    return passes(prepared, connection, t, &obstacle);
+                }
+                if shines(prepared, obstacle.leaf, -connection.ray.direction) {
+                    arrived.push((connection.slot, connection.radiance * connection.light.weight));
+                }
+                false
+            })
+        });
     }
     arrived
 }
 
-enum Meeting {
-    Arrives(usize, Vec3),
-    GoesOn(Connection),
-    Blocked,
-}
-
-fn meet(prepared: &Prepared, mut connection: Connection, obstacle: Option<Hit>) -> Meeting {
-    if prepared.features.absorption {
-        let length = obstacle.map_or(connection.light.distance, |hit| hit.t);
-        connection.radiance *= left_after(connection.medium, length);
-    }
-    let arrives = |c: &Connection| Meeting::Arrives(c.slot, c.radiance * c.light.weight);
-    let target = connection.light.target;
-    let Some(Hit { t, direct }) = obstacle else {
-        return if target.is_none() { arrives(&connection) } else { Meeting::Blocked };
-    };
-    let fast = prepared.features.fast_caustics;
-    if target.is_none() && !fast {
-        return Meeting::Blocked;
-    }
-    let Ray { origin, direction } = connection.ray;
-    let reached = origin + direction * t;
-    let p = FieldVec3::new(reached.x, reached.y, reached.z);
-    let threshold = |index| f32::choice(connection.seed, index);
-    let met = prepared.field.surface_met(p, Hit::met(direct), &threshold);
-    let leaf = &prepared.leaves[met.leaf as usize];
-    if target == Some(met.leaf as u32) {
-        // A sheet's gradient points to the side it is seen from.
-        let seen = leaf.flags & SHEET == 0 || direction.dot(Vec3::from(leaf.facing)) < 0.0;
-        return if seen { arrives(&connection) } else { Meeting::Blocked };
-    }
+/// Whether a connection goes on through an obstacle that its ray met after `t` metres, and what of it does.
+fn passes(prepared: &Prepared, connection: &mut Connection, t: f32, obstacle: &Visible) -> bool {
+    let leaf = &prepared.leaves[obstacle.leaf];
     let material = &prepared.materials[leaf.material as usize];
-    if !fast || material.flags & CLEAR != CLEAR {
-        return Meeting::Blocked;
+    if !prepared.features.fast_caustics || material.flags & CLEAR != CLEAR {
+        return false;
     }
-    let gradient = Vec3::new(met.field.gradient.x, met.field.gradient.y, met.field.gradient.z);
-    let steepness = gradient.length().max(1e-6);
-    let outward = gradient / steepness;
-    let cosine = outward.dot(direction);
-    let painted = Painted::new(prepared, met.leaf as usize, reached, outward, connection.before);
+    let cosine = obstacle.normal.dot(connection.ray.direction).abs();
+    let painted = Painted::new(prepared, obstacle.leaf, obstacle.p, obstacle.outward(), connection.before);
     let numbers = painted.map_or(material.numbers, |painted| painted.numbers(&material.numbers));
-    connection.radiance *= passes_straight(&numbers, cosine.abs().min(1.0));
-    connection.medium = medium_beyond(connection.medium, Vec3::from(material.absorption), cosine > 0.0);
+    connection.radiance *= passes_straight(&numbers, cosine.min(1.0));
+    connection.medium = medium_beyond(connection.medium, Vec3::from(material.absorption), obstacle.inside);
     // No path finds this light again.
     connection.light.weight = 1.0;
-    let on = reached - outward * (met.field.value / steepness);
-    let off = rounding_at(&prepared.frame, reached, Vec3::from(leaf.at));
-    let margin = start_offset(off, met.field.value / steepness);
-    connection.ray.origin = on + outward * if cosine > 0.0 { margin } else { -margin };
+    connection.ray.origin = obstacle.p - obstacle.away;
     connection.light.distance -= t;
-    Meeting::GoesOn(connection)
+    true
 }
 
 /// The share of a light that the nearest of the near misses leaves. Everything is marched, for nothing met in closed

@@ -19,7 +19,7 @@
 //!
 //! **Cost.** 20,000 paths on the CPU, for pictures of at least 200 times as many.
 
-use super::camera::camera_ray;
+use super::camera::camera_rays;
 use super::march::{March, march};
 use super::path;
 use super::random::{Random, hash};
@@ -89,7 +89,7 @@ pub(crate) fn best(prepared: &Prepared, samples: u32, in_lanes: bool) -> u32 {
     let of_rays = Prepared { counter: Some(rays.clone()), ..probe.clone() };
     let of_all = Prepared { counter: Some(all.clone()), ..probe };
     let variances = pixels.par_chunks(LOOKS[0] as usize).map(|pixels| {
-        camera_rays(&of_rays, pixels);
+        follow_camera_rays(&of_rays, pixels);
         variances(&of_all, pixels)
     });
     let [between, within] = variances.reduce(|| [0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
@@ -110,13 +110,12 @@ pub(crate) fn best(prepared: &Prepared, samples: u32, in_lanes: bool) -> u32 {
 }
 
 /// Follows the rays of the camera alone.
-fn camera_rays(probe: &Prepared, pixels: &[(u32, u32)]) {
-    let ray = |(x, y): (u32, u32), ray| {
-        let ray = camera_ray(&probe.frame, x, y, Random::of(&probe.frame, x, y, OWN_RAYS + ray));
-        March { ray, before: 0.0, limit: f32::INFINITY }
-    };
-    let rays: Vec<March> = pixels.iter().flat_map(|&pixel| (0..RAYS).map(move |k| ray(pixel, k))).collect();
-    march(probe, &rays);
+fn follow_camera_rays(probe: &Prepared, pixels: &[(u32, u32)]) {
+    for ray in OWN_RAYS..OWN_RAYS + RAYS {
+        let randoms: Vec<Random> = pixels.iter().map(|&(x, y)| Random::of(&probe.frame, x, y, ray)).collect();
+        let rays = camera_rays(&probe.frame, pixels, &randoms).into_iter();
+        march(probe, &rays.map(|ray| March { ray, before: 0.0, limit: f32::INFINITY }).collect::<Vec<_>>());
+    }
 }
 
 /// The variance of a pixel between rays and within one, relative to its mean and summed over pixels.

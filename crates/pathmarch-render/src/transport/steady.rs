@@ -15,6 +15,9 @@ pub(super) fn position(sample: u32) -> [f32; 2] {
     [3_242_174_889, 2_447_445_413].map(|step| unit(sample.wrapping_mul(step).wrapping_add(0x8000_0000)))
 }
 
+/// The weight above which the second material of a blend shows as the heavier one.
+pub(crate) const HEAVIER: f32 = 0.5;
+
 /// The weight above which the second material of the blend `index` shows in a sample.
 pub(super) fn threshold(sample: u32, index: u32) -> f32 {
     let step = 2_654_435_769u32.wrapping_mul(2 * index + 1);

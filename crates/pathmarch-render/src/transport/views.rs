@@ -95,7 +95,7 @@ pub(crate) fn view(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> V
     let (slots, met): (Vec<usize>, Vec<_>) =
         hits.iter().enumerate().filter_map(|(slot, hit)| Some((slot, (marches[slot], (*hit)?)))).unzip();
     let mut colours = vec![Vec3::ZERO; pixels.len()];
-    for (slot, seen) in slots.into_iter().zip(visible(prepared, &met, sample)) {
+    for (slot, seen) in slots.into_iter().zip(visible(prepared, &met, |_, blend| steady::threshold(sample, blend))) {
         colours[slot] = match prepared.mode {
             Mode::Normal => Vec3::from((Vec3::splat(0.5) + 0.5 * seen.normal).to_array().map(srgb_decode)),
             Mode::Depth => {
@@ -115,7 +115,7 @@ pub(crate) fn view(prepared: &Prepared, pixels: &[(u32, u32)], sample: u32) -> V
 }
 
 /// Whether this is the side of a lamp that does not shine.
-fn is_dark(prepared: &Prepared, leaf: usize, normal: Vec3) -> bool {
+pub(crate) fn is_dark(prepared: &Prepared, leaf: usize, normal: Vec3) -> bool {
     let material = prepared.leaves[leaf].material as usize;
     prepared.materials[material].flags & EMITS != 0 && !shines(prepared, leaf, normal)
 }
