@@ -63,6 +63,9 @@ impl Bvh {
 
     /// The first hit of each ray: metres and leaf, or what it has met before.
     pub(super) fn hit<N: Batch>(&self, field: &Field, origin: Vec3<N>, direction: Vec3<N>, before: (N, N)) -> (N, N) {
+        if self.nodes.is_empty() {
+            return before;
+        }
         let (mut nearest, mut met) = before;
         let inverse = [direction.x, direction.y, direction.z].map(|d| {
             let tiny = N::constant(1e-12);

@@ -126,17 +126,22 @@ struct Span {
 fn spans(field: &Field, frame: &Frame, rays: &Rays8) -> [Span; 8] {
     let (direct, leaf) = field.direct_hit(rays.origin, rays.direction);
     let last = rays.limit.fast_min(f32x8::splat(frame.far));
-    let slab = |o: f32x8, d: f32x8, min: f32, max: f32| {
-        let inverse = f32x8::ONE / d.divisor();
-        let (a, b) = ((f32x8::splat(min) - o) * inverse, (f32x8::splat(max) - o) * inverse);
-        (a.fast_min(b), a.fast_max(b))
-    };
+    let (mut start, mut end) = (f32x8::ZERO, direct.fast_min(last));
     let [min, max] = [frame.bounds_min, frame.bounds_max];
-    let (x0, x1) = slab(rays.origin.x, rays.direction.x, min[0], max[0]);
-    let (y0, y1) = slab(rays.origin.y, rays.direction.y, min[1], max[1]);
-    let (z0, z1) = slab(rays.origin.z, rays.direction.z, min[2], max[2]);
-    let start = x0.fast_max(y0.fast_max(z0)).fast_max(f32x8::ZERO).to_array();
-    let end = x1.fast_min(y1.fast_min(z1)).fast_min(direct.fast_min(last)).to_array();
+    let is_empty = (0..3).any(|axis| min[axis] > max[axis]);
+    if is_empty {
+        end = f32x8::splat(-1.0);
+    } else {
+        let axes =
+            [(rays.origin.x, rays.direction.x), (rays.origin.y, rays.direction.y), (rays.origin.z, rays.direction.z)];
+        for (axis, (o, d)) in axes.into_iter().enumerate() {
+            let inverse = f32x8::ONE / d.divisor();
+            let (a, b) = ((f32x8::splat(min[axis]) - o) * inverse, (f32x8::splat(max[axis]) - o) * inverse);
+            start = start.fast_max(a.fast_min(b));
+            end = end.fast_min(a.fast_max(b));
+        }
+    }
+    let (start, end) = (start.to_array(), end.to_array());
     let (direct, leaf, last) = (direct.to_array(), leaf.to_array(), last.to_array());
     std::array::from_fn(|lane| Span {
         start: start[lane],

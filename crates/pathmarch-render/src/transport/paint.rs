@@ -233,8 +233,13 @@ pub(crate) struct Painted<'p> {
 impl<'p> Painted<'p> {
     /// The point `p` of a leaf, whose outward normal is `outward`, at the end of a path of this length; `None` where
     /// nothing varies.
+    #[inline]
     pub(crate) fn new(prepared: &'p Prepared, leaf: usize, p: Vec3, outward: Vec3, length: f32) -> Option<Self> {
         let paint = prepared.paints.get(prepared.leaves[leaf].material as usize).filter(|paint| !paint.is_plain())?;
+        Self::by(paint, prepared, leaf, p, outward, length)
+    }
+
+    fn by(paint: &'p Paint, prepared: &Prepared, leaf: usize, p: Vec3, outward: Vec3, length: f32) -> Option<Self> {
         let p = FieldVec3::new(p.x, p.y, p.z);
         let here = prepared.field.coordinates(leaf, p)?;
         let vector = |v: FieldVec3<f32>| Vec3::new(v.x, v.y, v.z);
