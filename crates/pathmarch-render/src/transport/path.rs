@@ -3,7 +3,7 @@
 //! A path scatters at most `bounces + 1` times, the first time at the surface the camera sees. At every surface that
 //! scatters in more than single directions a light is sampled: points, suns, emitting surfaces, the environment. The path
 //! meets all of these but points and suns without size, too, and both ways are weighed by multiple importance sampling. A constant or gradient
-//! sky is found by the path alone. Beyond the fourth bounce a path goes on with the probability of its throughput (Russian
+//! sky is found by the path alone. Beyond the fourth bounce a path goes on with the probability of three times its throughput (Russian
 //! roulette; Arvo and Kirk 1990). Unbiased but for the march (its tolerance of a tenth of a pixel, its steps, its end), unless `clamp`,
 //! `caustics "fast"` or a `penumbra` is set.
 //!
@@ -25,6 +25,9 @@ use crate::frame::{DELTA, EMITS, LIGHT_SHIFT, Prepared, TRANSMITS};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use std::iter::repeat_n;
+
+/// Over its throughput, the probability that a path goes on: what carries a third of its light is not worth to be doubted.
+const SURVIVAL: f32 = 3.0;
 
 #[derive(Clone)]
 struct Path {
@@ -269,7 +272,7 @@ fn shade(
     path.throughput *= scattered.weight;
     path.index_square *= scattered.eta * scattered.eta;
     if surface_index > 4 {
-        let survival = (path.throughput.max_element() * path.index_square).min(1.0);
+        let survival = (SURVIVAL * path.throughput.max_element() * path.index_square).min(1.0);
         if go_on >= survival {
             return None;
         }

@@ -1,5 +1,8 @@
 // A path from the camera. Twin of path.rs, which explains the estimator.
 
+/// Over its throughput, the probability that a path goes on.
+const SURVIVAL = 3.0;
+
 /// A contribution of light after this many bounces, within the limit that is set.
 fn limited(contribution: vec3f, bounces: u32) -> vec3f {
     if bounces == 0u {
@@ -175,7 +178,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
         (*path).index_square *= scattered.eta * scattered.eta;
     }
     if surface_index > 4u {
-        let survival = min(largest((*path).throughput) * (*path).index_square, 1.0);
+        let survival = min(SURVIVAL * largest((*path).throughput) * (*path).index_square, 1.0);
         if choice.y >= survival {
             return false;
         }
