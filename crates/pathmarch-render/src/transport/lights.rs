@@ -46,7 +46,8 @@ pub(crate) struct LightRecord {
     /// Of a rectangle or a disc.
     area: f32,
     pub(super) z: [f32; 3],
-    padding_z: u32,
+    /// One over the probability.
+    rarity: f32,
 }
 
 impl LightRecord {
@@ -153,6 +154,7 @@ pub(crate) fn records(scene: &Scene, sky: &mut Sky, centre: Vec3, radius: f32) -
     let cells = alias::table(&weights).into_iter();
     let records = weighed.into_iter().zip(cells).map(|((record, weight), (threshold, alias))| LightRecord {
         probability: (f64::from(weight) / total) as f32,
+        rarity: (total / f64::from(weight)) as f32,
         threshold,
         alias,
         ..record
@@ -228,7 +230,7 @@ pub(crate) fn sample(prepared: &Prepared, p: Vec3, choice: f32, position: [f32; 
     }
     let light = &records[index];
     let place = Vec3::from(light.place);
-    let power = Vec3::from(light.power) * (1.0 / light.probability);
+    let power = Vec3::from(light.power) * light.rarity;
     let sample = |direction, distance, irradiance, pdf, target| {
         let pdf = pdf * light.probability;
         Some(LightSample { direction, distance, irradiance, pdf, target, penumbra: light.penumbra, weight: 1.0 })
@@ -236,9 +238,9 @@ pub(crate) fn sample(prepared: &Prepared, p: Vec3, choice: f32, position: [f32; 
     match light.kind {
         POINT => {
             let offset = place - p;
-            let square = offset.length_squared();
-            let distance = square.sqrt();
-            sample(offset * (1.0 / distance), distance, power * (1.0 / square), 0.0, None)
+            let distance = offset.length();
+            let inverse = 1.0 / distance;
+            sample(offset * inverse, distance, power * (inverse * inverse), 0.0, None)
         }
         SUN => {
             let direction = cone_direction(place, light.extent, position);

@@ -16,6 +16,8 @@ struct Light {
     /// Of a rectangle or a disc.
     area: f32,
     z: vec3f,
+    /// One over the probability.
+    rarity: f32,
 }
 
 struct LightSample {
@@ -53,7 +55,7 @@ fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
         index = lights[index].alias_;
     }
     let light = lights[index];
-    let power = light.power / light.probability;
+    let power = light.power * light.rarity;
     let offset = light.place - p;
     let square = dot(offset, offset);
     if HAS_POINT && light.kind == POINT {
