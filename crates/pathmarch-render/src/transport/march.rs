@@ -55,13 +55,13 @@ pub(crate) fn tolerance(frame: &Frame, p: Vec3, path_length: f32) -> f32 {
 }
 
 /// How far off a surface a ray starts; `off` is the rounding there and `distance` that of the point that was reached.
-pub(crate) fn start_offset<N: Real>(off: N, distance: N) -> N {
-    N::constant(START_OFFSET) * off + N::constant(0.05) * distance.abs()
+pub(super) fn start_offset(off: f32x8, distance: f32x8) -> f32x8 {
+    f32x8::splat(START_OFFSET) * off + f32x8::splat(0.05) * distance.abs()
 }
 
 /// How far from a surface a point on it may be by rounding; `at` is the origin of its coordinates.
-pub(crate) fn rounding_at<N: Real>(frame: &Frame, p: FieldVec3<N>, at: FieldVec3<N>) -> N {
-    N::constant(frame.rounding) * p.abs().largest().max((p - at).abs().largest())
+pub(super) fn rounding_at(frame: &Frame, p: FieldVec3<f32x8>, at: FieldVec3<f32x8>) -> f32x8 {
+    f32x8::splat(frame.rounding) * p.abs().largest().fast_max((p - at).abs().largest())
 }
 
 /// A number for each of eight lanes.
@@ -128,8 +128,8 @@ fn spans(field: &Field, frame: &Frame, rays: &Rays8) -> [Span; 8] {
     let last = rays.limit.fast_min(f32x8::splat(frame.far));
     let (mut start, mut end) = (f32x8::ZERO, direct.fast_min(last));
     let [min, max] = [frame.bounds_min, frame.bounds_max];
-    let is_empty = (0..3).any(|axis| min[axis] > max[axis]);
-    if is_empty {
+    if (0..3).any(|axis| min[axis] > max[axis]) {
+        // Nothing is marched.
         end = f32x8::splat(-1.0);
     } else {
         let axes =
