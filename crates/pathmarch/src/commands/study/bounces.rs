@@ -65,7 +65,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     ));
     Ok(format!(
         "## Bounces\n\nFigures 5.1 and 5.2: `{SCENE}`. *Light* is the mean radiance of the picture, of that with 32 hits. \
-         Paths beyond the fifth hit go on with the probability of what they still carry, which is why further hits cost \
+         Paths beyond the fifth hit go on with three times the probability of what they still carry, which is why further hits cost \
          less and less; the thesis's program follows every path to its end.{size_note}\n\n{}\n{}\n\
          ![Time by hits](bounces.png)\n\n{conditions}",
         pictures.markdown(),
