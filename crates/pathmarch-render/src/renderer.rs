@@ -79,13 +79,14 @@ impl Renderer {
     pub fn start(&mut self, scene: &Scene, settings: &Settings) -> Result<Job, RenderError> {
         check(scene, settings)?;
         let mut prepared = Prepared::new(scene, settings);
-        if self.may_fall_back && self.gpu.as_ref().is_some_and(|device| device.is_software()) && prepared.marches() {
+        let marches_in_software = prepared.marches() && self.gpu.as_ref().is_some_and(|device| device.is_software());
+        if marches_in_software && self.may_fall_back {
             self.notice =
                 Some("the only GPU adapter is software, which marches slower than the CPU backend".to_owned());
             self.gpu = None;
         }
         // Mesa ends the loops of an invocation after 65,535 iterations in all: it may follow one path that marches, not many.
-        let may_split = !prepared.marches() || self.gpu.as_ref().is_none_or(|device| !device.is_software());
+        let may_split = !marches_in_software || self.gpu.is_none();
         if settings.splitting.is_none() && may_split {
             prepared.features.splitting = splitting::best(&prepared, settings.samples, self.gpu.is_some());
         }

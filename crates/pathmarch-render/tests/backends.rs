@@ -224,7 +224,6 @@ fn settings_out_of_range_are_refused_in_words() {
     }
 }
 
-/// The device's own time is there where the adapter has timestamps and somebody asks, and it grows with the samples.
 #[test]
 fn software_adapters_render_by_themselves_what_is_not_marched() {
     let scene = |shape: &str| {
@@ -252,6 +251,7 @@ fn software_adapters_render_by_themselves_what_is_not_marched() {
     }
 }
 
+/// The device's own time is there where the adapter has timestamps and somebody asks, and it grows with the samples.
 #[test]
 fn the_gpus_own_time_is_measured() {
     let scene = parse("pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject \"ball\" { sphere 1 }");

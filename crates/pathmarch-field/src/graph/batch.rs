@@ -47,9 +47,54 @@ pub trait Batch: Differentiable {
     fn choice(seeds: Self::Seeds, index: u32) -> Self;
 }
 
+/// The calls of an implementation of [`Batch`], given the methods of shapes, modifiers and operators for its numbers.
+macro_rules! calls {
+    ($distance:ident, $gradient:ident, $ray:ident, $span:ident, $point:ident, $point_gradient:ident, $weight:ident) => {
+        fn shape_distance(shape: &dyn Shape, p: Vec3<Self>, params: &[f32]) -> Self {
+            shape.$distance(p, params)
+        }
+        fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<Self>>, params: &[f32]) -> Dual<Self> {
+            shape.$gradient(p, params)
+        }
+        fn shape_ray(shape: &dyn Shape, origin: Vec3<Self>, direction: Vec3<Self>, params: &[f32]) -> Self {
+            shape.$ray(origin, direction, params)
+        }
+        fn shape_span(shape: &dyn Shape, origin: Vec3<Self>, direction: Vec3<Self>, params: &[f32]) -> Span<Self> {
+            shape.$span(origin, direction, params)
+        }
+        fn modified_point(modifier: &dyn Modify, p: Vec3<Self>, place: Self, numbers: &[f32]) -> Vec3<Self> {
+            modifier.$point(p, place, numbers)
+        }
+        fn modified_point_gradient(
+            modifier: &dyn Modify,
+            p: Vec3<Self>,
+            place: Self,
+            numbers: &[f32],
+        ) -> Vec3<Dual<Self>> {
+            modifier.$point_gradient(p, place, numbers)
+        }
+        fn modified(modifier: &dyn Modify, p: Vec3<Self>, inside: Self, numbers: &[f32]) -> Self {
+            modifier.$distance(p, inside, numbers)
+        }
+        fn modified_gradient(modifier: &dyn Modify, p: Vec3<Self>, inside: Dual<Self>, numbers: &[f32]) -> Dual<Self> {
+            modifier.$gradient(p, inside, numbers)
+        }
+        fn combined(operator: &dyn Combine, a: Self, b: Self, blend: Option<Blend>) -> Self {
+            operator.$distance(a, b, blend)
+        }
+        fn combined_gradient(operator: &dyn Combine, a: Dual<Self>, b: Dual<Self>, blend: Option<Blend>) -> Dual<Self> {
+            operator.$gradient(a, b, blend)
+        }
+        fn weight(operator: &dyn Combine, a: Self, b: Self, blend: Option<Blend>) -> Self {
+            operator.$weight(a, b, blend)
+        }
+    };
+}
+
 impl Batch for f32 {
     type Seeds = u32;
     const LANES: usize = 1;
+    calls!(distance, gradient, ray, span, point, point_gradient, weight);
     fn any(mask: bool) -> bool {
         mask
     }
@@ -58,39 +103,6 @@ impl Batch for f32 {
     }
     fn from_lanes(lanes: [f32; 8]) -> f32 {
         lanes[0]
-    }
-    fn shape_distance(shape: &dyn Shape, p: Vec3<f32>, params: &[f32]) -> f32 {
-        shape.distance(p, params)
-    }
-    fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<f32>>, params: &[f32]) -> Dual<f32> {
-        shape.gradient(p, params)
-    }
-    fn shape_ray(shape: &dyn Shape, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> f32 {
-        shape.ray(origin, direction, params)
-    }
-    fn shape_span(shape: &dyn Shape, origin: Vec3<f32>, direction: Vec3<f32>, params: &[f32]) -> Span<f32> {
-        shape.span(origin, direction, params)
-    }
-    fn modified_point(modifier: &dyn Modify, p: Vec3<f32>, place: f32, numbers: &[f32]) -> Vec3<f32> {
-        modifier.point(p, place, numbers)
-    }
-    fn modified_point_gradient(modifier: &dyn Modify, p: Vec3<f32>, place: f32, numbers: &[f32]) -> Vec3<Dual<f32>> {
-        modifier.point_gradient(p, place, numbers)
-    }
-    fn modified(modifier: &dyn Modify, p: Vec3<f32>, inside: f32, numbers: &[f32]) -> f32 {
-        modifier.distance(p, inside, numbers)
-    }
-    fn modified_gradient(modifier: &dyn Modify, p: Vec3<f32>, inside: Dual<f32>, numbers: &[f32]) -> Dual<f32> {
-        modifier.gradient(p, inside, numbers)
-    }
-    fn combined(operator: &dyn Combine, a: f32, b: f32, blend: Option<Blend>) -> f32 {
-        operator.distance(a, b, blend)
-    }
-    fn combined_gradient(operator: &dyn Combine, a: Dual<f32>, b: Dual<f32>, blend: Option<Blend>) -> Dual<f32> {
-        operator.gradient(a, b, blend)
-    }
-    fn weight(operator: &dyn Combine, a: f32, b: f32, blend: Option<Blend>) -> f32 {
-        operator.weight(a, b, blend)
     }
     fn choice(seed: u32, index: u32) -> f32 {
         // PCG output hash (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering"); the WGSL twin is in compose.rs.
@@ -103,6 +115,7 @@ impl Batch for f32 {
 impl Batch for f32x8 {
     type Seeds = [u32; 8];
     const LANES: usize = 8;
+    calls!(distance_lanes, gradient_lanes, ray_lanes, span_lanes, point_lanes, point_gradient_lanes, weight_lanes);
     fn any(mask: Mask8) -> bool {
         mask.0.to_bitmask() != 0
     }
@@ -111,44 +124,6 @@ impl Batch for f32x8 {
     }
     fn from_lanes(lanes: [f32; 8]) -> f32x8 {
         f32x8::from(lanes)
-    }
-    fn shape_distance(shape: &dyn Shape, p: Vec3<f32x8>, params: &[f32]) -> f32x8 {
-        shape.distance_lanes(p, params)
-    }
-    fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<f32x8>>, params: &[f32]) -> Dual<f32x8> {
-        shape.gradient_lanes(p, params)
-    }
-    fn shape_ray(shape: &dyn Shape, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> f32x8 {
-        shape.ray_lanes(origin, direction, params)
-    }
-    fn shape_span(shape: &dyn Shape, origin: Vec3<f32x8>, direction: Vec3<f32x8>, params: &[f32]) -> Span<f32x8> {
-        shape.span_lanes(origin, direction, params)
-    }
-    fn modified_point(modifier: &dyn Modify, p: Vec3<f32x8>, place: f32x8, numbers: &[f32]) -> Vec3<f32x8> {
-        modifier.point_lanes(p, place, numbers)
-    }
-    fn modified_point_gradient(
-        modifier: &dyn Modify,
-        p: Vec3<f32x8>,
-        place: f32x8,
-        numbers: &[f32],
-    ) -> Vec3<Dual<f32x8>> {
-        modifier.point_gradient_lanes(p, place, numbers)
-    }
-    fn modified(modifier: &dyn Modify, p: Vec3<f32x8>, inside: f32x8, numbers: &[f32]) -> f32x8 {
-        modifier.distance_lanes(p, inside, numbers)
-    }
-    fn modified_gradient(modifier: &dyn Modify, p: Vec3<f32x8>, inside: Dual<f32x8>, numbers: &[f32]) -> Dual<f32x8> {
-        modifier.gradient_lanes(p, inside, numbers)
-    }
-    fn combined(operator: &dyn Combine, a: f32x8, b: f32x8, blend: Option<Blend>) -> f32x8 {
-        operator.distance_lanes(a, b, blend)
-    }
-    fn combined_gradient(operator: &dyn Combine, a: Dual<f32x8>, b: Dual<f32x8>, blend: Option<Blend>) -> Dual<f32x8> {
-        operator.gradient_lanes(a, b, blend)
-    }
-    fn weight(operator: &dyn Combine, a: f32x8, b: f32x8, blend: Option<Blend>) -> f32x8 {
-        operator.weight_lanes(a, b, blend)
     }
     fn choice(seeds: [u32; 8], index: u32) -> f32x8 {
         f32x8::from(seeds.map(|seed| f32::choice(seed, index)))

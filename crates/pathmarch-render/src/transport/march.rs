@@ -230,7 +230,7 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
                 let [last_t, last_distance, steepest] = watched;
                 let change = (distance - last_distance).abs() - f32x8::splat(NOISE) * precision * extent;
                 let steepness = change / (t - last_t).abs().fast_max(f32x8::splat(f32::MIN_POSITIVE));
-                let first = f32x8::from(std::array::from_fn(|lane| f32::from(steps[lane] == 0)));
+                let first = lanes(|lane| f32::from(steps[lane] == 0));
                 let known = Real::select(Mask8(first.simd_gt(f32x8::ZERO)), f32x8::ZERO, steepness.fast_max(steepest));
                 watched = [t, distance, known];
             }

@@ -239,6 +239,7 @@ impl<'p> Painted<'p> {
         Self::by(paint, prepared, leaf, p, outward, length)
     }
 
+    /// Apart, so that what is plain costs no call.
     fn by(paint: &'p Paint, prepared: &Prepared, leaf: usize, p: Vec3, outward: Vec3, length: f32) -> Option<Self> {
         let p = FieldVec3::new(p.x, p.y, p.z);
         let here = prepared.field.coordinates(leaf, p)?;

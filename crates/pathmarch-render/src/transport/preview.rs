@@ -23,7 +23,7 @@
 use super::camera::{Ray, central_ray};
 use super::irradiance::{Falling, falling, seen_radius};
 use super::lights::{self, BOUNDED, ENVIRONMENT, SUN};
-use super::march::{March, march};
+use super::march::{March, lanes, march};
 use super::paint::{LookNumbers, Painted, look_numbers, look_of};
 use super::path::{left_after, medium_beyond};
 use super::probe;
@@ -393,11 +393,11 @@ impl Follower<'_> {
         for chunk in seen.chunks(8) {
             let lane = |k: usize| chunk.get(k).unwrap_or(&chunk[0]);
             let vector = |value: fn(&Visible) -> Vec3| {
-                let part = |k: usize| f32x8::from(std::array::from_fn(|lane_index| value(lane(lane_index))[k]));
+                let part = |k: usize| lanes(|lane_index| value(lane(lane_index))[k]);
                 FieldVec3::new(part(0), part(1), part(2))
             };
             let (p, n) = (vector(|seen| seen.p), vector(|seen| seen.normal));
-            let own = f32x8::from(std::array::from_fn(|k| lane(k).leaf as f32));
+            let own = lanes(|k| lane(k).leaf as f32);
             let mut hidden = f32x8::ZERO;
             let mut height = self.preview.reach;
             for _ in 0..5 {

@@ -10,7 +10,7 @@
 //! **Cost.** At most 96 evaluations of what casts shadows, eight rays at a time; ten to twenty in most places.
 
 use super::camera::Ray;
-use super::march::tolerance;
+use super::march::{lanes, tolerance};
 use crate::frame::Prepared;
 use glam::Vec3;
 use pathmarch_field::number::{Real, Vec3 as FieldVec3};
@@ -41,7 +41,7 @@ pub(super) struct ShadowRay {
 /// What is left of a light along each of eight rays; of the objects, only `occluders` hide anything.
 pub(super) fn soft_shadows(prepared: &Prepared, occluders: &[bool], rays: [ShadowRay; 8]) -> [f32; 8] {
     let frame = &prepared.frame;
-    let number = |value: &dyn Fn(&ShadowRay) -> f32| f32x8::from(std::array::from_fn(|k| value(&rays[k])));
+    let number = |value: &dyn Fn(&ShadowRay) -> f32| lanes(|k| value(&rays[k]));
     let vector = |value: fn(&Ray) -> Vec3| {
         let part = |k: usize| number(&|one| value(&one.ray)[k]);
         FieldVec3::new(part(0), part(1), part(2))
