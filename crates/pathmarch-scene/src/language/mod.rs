@@ -9,6 +9,7 @@ pub(crate) mod characters;
 pub(crate) mod declared;
 mod drawings;
 pub(crate) mod expression;
+mod extent;
 pub(crate) mod fields;
 pub(crate) mod include;
 pub(crate) mod names;
@@ -159,6 +160,7 @@ fn meaning(
     scene.lights.extend(sun);
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
     scene.field = Field::new(&roots);
+    extent::check(&scene, &all, report);
     warnings::warn(&scene, &all, report);
     Some(scene)
 }

@@ -2,7 +2,7 @@
 
 use super::report::{Report, draft, shown};
 use super::tree::Block;
-use crate::scene::{Light, Scene};
+use crate::scene::{Light, Object, Scene};
 use pathmarch_field::number::Vec3;
 
 /// Warns of what is most likely not meant.
@@ -41,6 +41,40 @@ pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
     }
     clear_sheets(scene, file, report);
     hidden_points(scene, file, report);
+    hidden_cameras(scene, file, report);
+}
+
+/// Warns of cameras inside opaque solids, whose pictures are black.
+fn hidden_cameras(scene: &Scene, file: &Block, report: &mut Report) {
+    // Those of the file come first; cameras of included files are left out.
+    let nodes = file.nodes.iter().filter(|node| node.name.value == "camera");
+    let transparent = transparency(scene);
+    for (node, camera) in nodes.zip(&scene.cameras) {
+        let Some(object) = opaque_object_around(scene, &transparent, camera.position) else { continue };
+        let (camera, object) = (shown(&camera.name), shown(&object.name));
+        let message =
+            format!("The camera {camera} is inside of the object {object}, which is opaque: it sees only its inside.");
+        let warning = draft("pathmarch::hidden_camera", node.name.span, message).label("stands in a solid");
+        report
+            .warn(warning.help("Move the camera out, hollow the object with `shell` or `subtract`, or make it glass."));
+    }
+}
+
+/// For each object, whether light passes some part of it.
+fn transparency(scene: &Scene) -> Vec<bool> {
+    let transmits = |material: usize| scene.materials[material].transmits();
+    let mut transparent: Vec<bool> = scene.objects.iter().map(|object| transmits(object.material)).collect();
+    for leaf in scene.field.leaves() {
+        transparent[leaf.object as usize] |= transmits(leaf.tag as usize);
+    }
+    transparent
+}
+
+/// First object that holds this point and is not transparent.
+fn opaque_object_around<'s>(scene: &'s Scene, transparent: &[bool], [x, y, z]: [f32; 3]) -> Option<&'s Object> {
+    let distances = scene.field.object_distances(Vec3 { x, y, z });
+    let mut around = scene.objects.iter().zip(transparent).zip(distances);
+    around.find(|((_, transparent), distance)| !**transparent && *distance < 0.0).map(|((object, _), _)| object)
 }
 
 /// Warns of glass on surfaces that have no inside.
@@ -67,11 +101,9 @@ fn hidden_points(scene: &Scene, file: &Block, report: &mut Report) {
     });
     // Without mistakes every point node has become a light.
     let nodes = file.nodes.iter().filter(|node| node.name.value == "point");
+    let transparent = transparency(scene);
     for (node, [x, y, z]) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
-        let hides = |index: usize| !scene.materials[scene.objects[index].material].transmits();
-        let inside = scene.field.object_distances(Vec3 { x, y, z }).enumerate().filter(|(_, distance)| *distance < 0.0);
-        if let Some(index) = inside.map(|(index, _)| index).find(|&index| hides(index)) {
-            let object = &scene.objects[index];
+        if let Some(object) = opaque_object_around(scene, &transparent, [x, y, z]) {
             let message = format!("This point light is inside of the object {}, which hides it.", shown(&object.name));
             let warning = draft("pathmarch::hidden_light", node.name.span, message).label("shines nowhere");
             report.warn(warning.help("Move it out, or make the object emit."));
