@@ -1,9 +1,9 @@
 //! How soon a live picture is there, and what it costs once nothing happens.
 //!
-//! `cargo bench -p pathmarch-render --bench live [SCENE…]` prints, for each scene and backend, medians of: the time from the
+//! `cargo bench -p pathmarch-render --bench live -- [--size WIDTHxHEIGHT] [--gpu-only] [SCENE…]` prints, for each scene and backend, medians of: the time from the
 //! order to the first picture and to the whole one (with a kernel that is not compiled yet), from a change of a number to
 //! its picture, from a change of structure to its picture and to the kernel's own, the size and time of pictures while the
-//! camera moves, and the processor time used in a second of rest.
+//! camera moves, pictures of the whole size a second while it moves, and the processor time used in a second of rest.
 
 use pathmarch_render::live::{Live, Order, Shown, Status};
 use pathmarch_render::pathmarch_scene::Scene;
@@ -13,14 +13,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-const SIZE: [u32; 2] = [1280, 720];
 const REPEATS: usize = 5;
 const FRAME_TIME: Duration = Duration::from_millis(33);
+/// Time for a picture in which the whole size is always chosen.
+const WHOLE_SIZE: Duration = Duration::from_secs(1000);
 
-fn order(scene: &Arc<Scene>, samples: u32) -> Order {
+fn order(scene: &Arc<Scene>, samples: u32, size: [u32; 2]) -> Order {
     Order {
         scene: scene.clone(),
-        settings: Settings { size: SIZE, samples, ..Settings::of(scene) },
+        settings: Settings { size, samples, ..Settings::of(scene) },
         display: Display::default(),
         moving: false,
         frame_time: FRAME_TIME,
@@ -67,16 +68,19 @@ struct Row {
     compiled: Vec<f64>,
     frame: Vec<f64>,
     size: [u32; 2],
+    /// Milliseconds for each picture of the whole size.
+    full: Vec<f64>,
     rest: Option<f64>,
 }
 
-fn measure(path: &Path, backend: Backend) -> Row {
+fn measure(path: &Path, backend: Backend, full_size: [u32; 2]) -> Row {
+    let order = |scene: &Arc<Scene>, samples: u32| order(scene, samples, full_size);
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).expect("a scene file");
     let parse = |text: &str| Arc::new(Scene::parse(&name, text).expect("a scene"));
     let (mut first, mut whole, mut number, mut structure, mut compiled, mut frame) =
         (vec![], vec![], vec![], vec![], vec![], vec![]);
-    let (mut size, mut rest) = ([0; 2], None);
+    let (mut size, mut full, mut rest) = ([0; 2], vec![], None);
     let is_gpu = backend == Backend::Gpu;
     for turn in 0..REPEATS {
         let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
@@ -87,7 +91,7 @@ fn measure(path: &Path, backend: Backend) -> Row {
         let (_, time) = until(&live, started, |shown, _| shown.order == asked && shown.samples >= 1.0);
         first.push(milliseconds(time));
         let ready = |status: &Status| !is_gpu || status.backend != "CPU";
-        let done = |shown: &Shown, status: &Status| shown.size == SIZE && status.resting && ready(status);
+        let done = |shown: &Shown, status: &Status| shown.size == full_size && status.resting && ready(status);
         let (_, time) = until(&live, started, done);
         whole.push(milliseconds(time));
         let (changed, other) = variants(&text, turn);
@@ -116,6 +120,15 @@ fn measure(path: &Path, backend: Backend) -> Row {
             frame.push(milliseconds(time));
             size = shown.size;
         }
+        for _ in 0..12 {
+            camera.position[0] += 0.01;
+            let still = order(&scene, 1);
+            let settings = Settings { viewpoint: Some(camera.clone()), ..still.settings };
+            let since = Instant::now();
+            let asked = live.show(Order { settings, moving: true, frame_time: WHOLE_SIZE, ..still });
+            let (_, time) = until(&live, since, |shown, _| shown.order == asked);
+            full.push(milliseconds(time));
+        }
         live.show(order(&scene, 1));
         until(&live, Instant::now(), done);
         if let Some(before) = processor_seconds() {
@@ -123,28 +136,41 @@ fn measure(path: &Path, backend: Backend) -> Row {
             rest = processor_seconds().map(|after| after - before);
         }
     }
-    Row { first, whole, number, structure, compiled, frame, size, rest }
+    Row { first, whole, number, structure, compiled, frame, size, full, rest }
 }
 
 fn main() {
-    let given: Vec<PathBuf> =
-        std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).map(PathBuf::from).collect();
+    let (mut given, mut full_size, mut backends) = (Vec::new(), [1280, 720], vec![Backend::Cpu, Backend::Gpu]);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--gpu-only" => backends = vec![Backend::Gpu],
+            "--size" => {
+                let text = arguments.next().unwrap_or_default();
+                let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+                full_size = sides.expect("--size WIDTHxHEIGHT, such as 1280x720");
+            }
+            // Cargo adds `--bench`.
+            flag if flag.starts_with("--") => {}
+            scene => given.push(PathBuf::from(scene)),
+        }
+    }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let usual = ["thesis/diffuse-sphere.kdl", "cornell.kdl", "glass-still-life.kdl"];
     let scenes = if given.is_empty() { usual.iter().map(|scene| root.join(scene)).collect() } else { given };
-    println!("{} x {}, medians of {REPEATS}, milliseconds", SIZE[0], SIZE[1]);
+    println!("{} x {}, medians of {REPEATS}, milliseconds", full_size[0], full_size[1]);
     println!(
-        "{:22} {:8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8} {:>10} {:>9}",
-        "scene", "backend", "first", "whole", "number", "structure", "compiled", "moving", "size", "rest"
+        "{:22} {:8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8} {:>10} {:>9} {:>9}",
+        "scene", "backend", "first", "whole", "number", "structure", "compiled", "moving", "size", "whole/s", "rest"
     );
     for path in scenes {
-        for backend in [Backend::Cpu, Backend::Gpu] {
+        for &backend in &backends {
             if backend == Backend::Gpu && pathmarch_render::Renderer::open(backend, None).is_err() {
                 continue;
             }
-            let row = measure(&path, backend);
+            let row = measure(&path, backend, full_size);
             println!(
-                "{:22} {:8} {:8.1} {:8.1} {:8.1} {:9.1} {:9.1} {:8.1} {:>10} {:>9}",
+                "{:22} {:8} {:8.1} {:8.1} {:8.1} {:9.1} {:9.1} {:8.1} {:>10} {:9.1} {:>9}",
                 path.file_stem().unwrap_or_default().to_string_lossy(),
                 format!("{backend:?}"),
                 median(row.first),
@@ -154,6 +180,7 @@ fn main() {
                 median(row.compiled),
                 median(row.frame),
                 format!("{}x{}", row.size[0], row.size[1]),
+                1e3 / median(row.full),
                 row.rest.map_or("unknown".to_owned(), |seconds| format!("{:.0} ms/s", seconds * 1e3)),
             );
         }
