@@ -133,6 +133,10 @@ impl Field {
         let object = self.leaves.get(leaf).and_then(|leaf| self.objects.get(leaf.object as usize));
         object.is_some_and(|object| self.direct(object).is_some())
     }
+    /// Reports whether finding the hit of a ray takes loops: sphere tracing or the traversal of a BVH or grid.
+    pub fn has_loops(&self) -> bool {
+        !self.marched_bounds().is_empty() || !self.bvh.nodes.is_empty() || !self.crowds.is_empty()
+    }
     /// Whether rays meet the object of this leaf in closed form.
     pub fn is_met_directly(&self, leaf: usize) -> bool {
         let role = self.leaves.get(leaf).and_then(|leaf| self.roles.get(leaf.object as usize));

@@ -168,6 +168,9 @@ pub(crate) struct Features {
     pub(crate) relaxation: f32,
     /// Paths that share a ray of the camera.
     pub(crate) splitting: u32,
+    /// Some sphere-traced object emits and none is a fractal: rays that graze a surface end closer to it, because the
+    /// tolerance would make every lamp larger than it is.
+    pub(crate) refined_grazing: bool,
 }
 
 /// Everything a backend needs to trace a picture.
@@ -314,6 +317,7 @@ impl Prepared {
             light_search: settings.light_search,
             relaxation: RELAXATION,
             splitting: if settings.mode == Mode::Path { settings.splitting.unwrap_or(1) } else { 1 },
+            refined_grazing: has_traced_emitter(&scene.field, &materials),
         };
         let mut tables: Vec<u32> = Vec::new();
         let sky_table = tables.len();
@@ -371,6 +375,14 @@ impl Prepared {
         }
         only_the_frame
     }
+}
+
+/// Reports whether an object that is sphere-traced emits and no sphere-traced object is a fractal, whose surface is where
+/// rays end.
+fn has_traced_emitter(field: &Field, materials: &[MaterialRecord]) -> bool {
+    let mut traced = field.leaves().iter().enumerate().filter(|(index, _)| !field.is_met_directly(*index));
+    let emits = |leaf: &Leaf| materials[leaf.tag as usize].flags & EMITS != 0;
+    traced.clone().any(|(_, leaf)| emits(leaf)) && traced.all(|(_, leaf)| !leaf.shape.has_orbit())
 }
 
 /// What the solids that hold the camera absorb together, per metre.

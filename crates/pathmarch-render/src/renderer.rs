@@ -85,9 +85,11 @@ impl Renderer {
                 Some("the only GPU adapter is software, which marches slower than the CPU backend".to_owned());
             self.gpu = None;
         }
-        // Mesa ends the loops of an invocation after 65,535 iterations in all: it may follow one path that marches, not many.
-        let may_split = !marches_in_software || self.gpu.is_none();
-        if settings.splitting.is_none() && may_split {
+        // Paths that share a ray cannot be resumed where an adapter ends their loops, see gpu/loop_limit.rs.
+        let limited = self.gpu.as_ref().is_some_and(|device| device.is_software()) && prepared.field.has_loops();
+        if limited {
+            prepared.features.splitting = 1;
+        } else if settings.splitting.is_none() {
             prepared.features.splitting = splitting::best(&prepared, settings.samples, self.gpu.is_some());
         }
         if let Some(device) = &self.gpu {

@@ -2,7 +2,7 @@
 
 use super::Device;
 use super::kernel::kernel;
-use super::memory::{self, BINDINGS, Memory};
+use super::memory::{self, Memory};
 use crate::error::RenderError;
 use crate::frame::Prepared;
 use pathmarch_field::wgsl::Program;
@@ -14,7 +14,7 @@ const KEPT: usize = 24;
 
 /// A scene's kernel as text, and the numbers of its field. Scenes of one structure have the same text.
 pub(crate) struct Printed {
-    code: String,
+    pub(super) code: String,
     pub(super) parameters: Vec<[f32; 4]>,
     pub(super) memory: Memory,
     /// Whether no text of a user is in the code.
@@ -24,12 +24,17 @@ pub(crate) struct Printed {
 impl Printed {
     /// As it suits a device.
     pub(crate) fn new(prepared: &Prepared, device: &Device) -> Self {
+        Self::for_adapter(prepared, device.is_software())
+    }
+
+    /// Kernel for a software adapter or for a real GPU.
+    pub(super) fn for_adapter(prepared: &Prepared, software: bool) -> Self {
         let mut program = Program::new(&prepared.field);
         if let Some(preview) = &prepared.preview {
             program.count(&prepared.field, &preview.counted());
         }
         let trusted = prepared.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
-        let memory = Memory::new(prepared, &program, device.is_software());
+        let memory = Memory::new(prepared, &program, software);
         let code = kernel(prepared, &program, &memory);
         Self { code, parameters: program.parameters, memory, trusted }
     }
@@ -119,14 +124,15 @@ impl Kernels {
 }
 
 fn bind_group_layout(gpu: &wgpu::Device, memory: &Memory) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = (0..BINDINGS)
+    let entries: Vec<_> = memory
+        .bindings()
         .map(|binding| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,
             ty: wgpu::BindingType::Buffer {
                 ty: match binding {
                     memory::SLICE => wgpu::BufferBindingType::Uniform,
-                    memory::FILM => wgpu::BufferBindingType::Storage { read_only: false },
+                    memory::FILM | memory::SUSPENDED => wgpu::BufferBindingType::Storage { read_only: false },
                     _ if memory.is_uniform(binding) => wgpu::BufferBindingType::Uniform,
                     _ => wgpu::BufferBindingType::Storage { read_only: true },
                 },

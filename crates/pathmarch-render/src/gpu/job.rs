@@ -9,6 +9,7 @@ use super::Device;
 use super::compiled::{Kernel, Printed};
 use super::device::HUNG;
 use super::display::Screen;
+use super::loop_limit::{self, SuspendedPaths};
 use super::memory;
 use super::stopwatch::Stopwatch;
 use crate::error::RenderError;
@@ -37,13 +38,15 @@ pub(crate) const MAX_LEAVES: usize = 2048;
 /// The layout is that of `Slice` in `transport/frame.wgsl`.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct Slice {
+pub(super) struct Slice {
     sample: u32,
     samples: u32,
     first_row: u32,
-    rows: u32,
+    pub(super) rows: u32,
     first_column: u32,
-    padding: [u32; 3],
+    pub(super) columns: u32,
+    pub(super) first_slot: u32,
+    padding: u32,
 }
 
 impl Slice {
@@ -89,6 +92,10 @@ pub(crate) struct GpuJob {
     in_flight: VecDeque<(wgpu::SubmissionIndex, f64, Instant)>,
     last_completion: Instant,
     stopwatch: Option<Stopwatch>,
+    /// Paths that the adapter may cut short, where it may.
+    suspended: Option<SuspendedPaths>,
+    /// Bounces of the paths, in modes that trace paths.
+    bounces: Option<u32>,
     pub(crate) compile_time: Duration,
 }
 
@@ -141,8 +148,8 @@ impl GpuJob {
         first_sample: u32,
         target: Duration,
     ) -> Result<Self, RenderError> {
-        let frame = &prepared.frame;
-        let size = [frame.width, frame.height];
+        let frame_record = &prepared.frame;
+        let size = [frame_record.width, frame_record.height];
         check_limits(&device, size, prepared.field.shapes_as_code())?;
         check_numbers(&device, &printed.parameters)?;
         let started = Instant::now();
@@ -176,7 +183,7 @@ impl GpuJob {
             usage: storage | copied | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let frame = constant(memory::FRAME, "frame", bytemuck::bytes_of(frame));
+        let frame = constant(memory::FRAME, "frame", bytemuck::bytes_of(frame_record));
         let texels = prepared.sky.texels();
         let tables = [
             (memory::PARAMETERS, "parameters", bytemuck::cast_slice(&printed.parameters)),
@@ -196,6 +203,11 @@ impl GpuJob {
             entry(memory::FILM, film.as_entire_binding()),
         ];
         entries.extend(tables.iter().map(|(binding, table)| entry(*binding, table.as_entire_binding())));
+        let suspended = match printed.memory.loops_are_limited {
+            true => Some(SuspendedPaths::new(&device)?),
+            false => None,
+        };
+        entries.extend(suspended.iter().map(|paths| entry(memory::SUSPENDED, paths.buffer.as_entire_binding())));
         let bindings = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("trace"),
             layout: &kernel.layout,
@@ -224,11 +236,13 @@ impl GpuJob {
             in_flight: VecDeque::new(),
             last_completion: Instant::now(),
             stopwatch: None,
+            suspended,
+            bounces: prepared.mode.traces_paths().then_some(frame_record.bounces),
             compile_time: Duration::ZERO,
         };
         if !job.kernel.is_warm() {
             // Drivers compile at the first dispatch: make one of no rows.
-            job.submit(&[(Slice::zeroed(), 1)]);
+            job.submit(&[(Slice::zeroed(), 1)], 0);
             job.complete_oldest()?;
             job.kernel.set_warm();
         }
@@ -244,6 +258,7 @@ impl GpuJob {
         }
         self.wait()?;
         self.size = size;
+        self.bounces = self.bounces.map(|_| frame.bounces);
         self.submitted = Progress::default();
         self.device.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         let mut encoder =
@@ -265,8 +280,11 @@ impl GpuJob {
         pass.show(&self.device, screen, self.size, self.submitted, display, mode)
     }
 
-    /// Hands over slices, each with its number of columns.
-    fn submit(&mut self, slices: &[(Slice, u32)]) {
+    /// Hands over slices, each with its number of columns; in a `round` after the first, to resume their paths.
+    fn submit(&mut self, slices: &[(Slice, u32)], round: u32) {
+        if let Some(suspended) = &self.suspended {
+            suspended.begin(&self.device, round);
+        }
         let gpu = &self.device.device;
         let mut bytes = vec![0; self.slice_stride as usize * slices.len()];
         for (place, (slice, _)) in bytes.chunks_mut(self.slice_stride as usize).zip(slices) {
@@ -283,6 +301,9 @@ impl GpuJob {
                 pass.set_bind_group(0, &self.bindings, &[k as u32 * self.slice_stride]);
                 pass.dispatch_workgroups(columns.div_ceil(8), slice.rows.div_ceil(BAND).max(1), 1);
             }
+        }
+        if let Some(suspended) = &self.suspended {
+            suspended.end(&mut encoder);
         }
         let index = self.device.queue.submit([encoder.finish()]);
         let samples = slices.iter().map(|(slice, columns)| slice.work(*columns)).sum();
@@ -326,7 +347,7 @@ impl GpuJob {
             first_row: row,
             rows: rows.min(height - row),
             first_column: column,
-            padding: [0; 3],
+            ..Slice::zeroed()
         };
         let band = f64::from(width) * f64::from(BAND);
         let (slice, columns) = if column > 0 || pixels < band {
@@ -352,19 +373,46 @@ impl GpuJob {
             self.gpu_time()?;
         }
         let mut slices = Vec::new();
-        let mut left = self.quota;
+        let mut left = match self.suspended {
+            Some(_) => self.quota.min(f64::from(loop_limit::CAPACITY - 8 * BAND)),
+            None => self.quota,
+        };
         while left > 0.0 && self.submitted.samples < samples && slices.len() < MAX_DISPATCHES {
             let (slice, columns) = self.next_slice(samples, left);
             left -= slice.work(columns);
             slices.push((slice, columns));
         }
+        if self.suspended.is_some() && !slices.is_empty() {
+            loop_limit::assign_slots(&mut slices);
+            return self.follow_to_the_end(&slices);
+        }
         if !slices.is_empty() {
-            self.submit(&slices);
+            self.submit(&slices, 0);
         }
         while self.in_flight.len() > usize::from(!slices.is_empty()) {
             self.complete_oldest()?;
         }
         Ok(())
+    }
+
+    /// Has the paths of slices traced and resumed until all are at their ends.
+    fn follow_to_the_end(&mut self, slices: &[(Slice, u32)]) -> Result<(), RenderError> {
+        // Each round brings every path one surface on; modes without paths have none to resume.
+        for round in 0..=self.bounces.map_or(0, |bounces| bounces + 2) {
+            if self.stopwatch.as_ref().is_some_and(Stopwatch::is_full) {
+                self.gpu_time()?;
+            }
+            self.submit(slices, round);
+            self.wait()?;
+            let Some(suspended) = &self.suspended else { return Ok(()) };
+            if suspended.count(&self.device)? == 0 {
+                return Ok(());
+            }
+        }
+        Err(self.device.error(
+            "it ends the loops of a shader after a number of turns (Mesa: 65,535), and this scene needs more of them, so \
+             that the picture would be wrong",
+        ))
     }
 
     /// Samples of every pixel handed to the GPU, with a fraction for one that is begun.

@@ -51,12 +51,13 @@ pub(super) fn kernel(prepared: &Prepared, program: &Program, memory: &Memory) ->
     code += &paint(prepared);
     writeln!(code, "const RELAXATION = {:?};", prepared.features.relaxation).expect("writing to a string");
     writeln!(code, "const HAS_MARCHED = {};", prepared.marches()).expect("writing to a string");
+    writeln!(code, "const REFINED_GRAZING = {};", prepared.features.refined_grazing).expect("writing to a string");
     for part in transport::kernel(mode) {
         code.push('\n');
         code.push_str(part);
     }
     code.push('\n');
-    code += &transport::samples_wgsl(mode, prepared.features.splitting);
+    code += &transport::samples_wgsl(mode, prepared.features.splitting, memory.loops_are_limited);
     code + transport::TRACE
 }
 

@@ -20,7 +20,9 @@ pub(super) const LIGHTS: u32 = 5;
 pub(super) const FILM: u32 = 6;
 pub(super) const TABLES: u32 = 7;
 pub(super) const SKY: u32 = 8;
-pub(super) const BINDINGS: u32 = 9;
+/// Paths that go on in the next dispatch; only where loops are limited.
+pub(super) const SUSPENDED: u32 = 9;
+const BINDINGS: u32 = 10;
 
 /// The size of uniform memory that every adapter has, bytes.
 const UNIFORM_BYTES: usize = 1 << 16;
@@ -30,6 +32,8 @@ pub(crate) struct Memory {
     /// Bytes of those that are uniform, else 0; by binding.
     uniform: [usize; BINDINGS as usize],
     software: bool,
+    /// Whether the adapter may end the loops of this kernel, see [`super::loop_limit`].
+    pub(super) loops_are_limited: bool,
 }
 
 impl Memory {
@@ -50,7 +54,14 @@ impl Memory {
         } else {
             uniform[FRAME as usize] = size_of::<Frame>();
         }
-        Self { uniform, software }
+        // Paths that share a ray are not resumed: `Renderer::start` has none where there are loops.
+        let loops_are_limited = software && prepared.field.has_loops() && prepared.features.splitting == 1;
+        Self { uniform, software, loops_are_limited }
+    }
+
+    /// Numbers of the bindings that the kernel has.
+    pub(super) fn bindings(&self) -> std::ops::Range<u32> {
+        0..if self.loops_are_limited { BINDINGS } else { SUSPENDED }
     }
 
     /// Whether this table is uniform.

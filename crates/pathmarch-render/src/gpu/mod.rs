@@ -5,6 +5,9 @@ mod device;
 mod display;
 mod job;
 mod kernel;
+#[cfg(test)]
+mod kernel_tests;
+mod loop_limit;
 mod memory;
 mod stopwatch;
 #[cfg(test)]

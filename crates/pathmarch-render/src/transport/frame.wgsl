@@ -51,6 +51,10 @@ struct Slice {
     first_row: u32,
     rows: u32,
     first_column: u32,
+    /// How many columns.
+    columns: u32,
+    /// Place of the first path among those that may be suspended.
+    first_slot: u32,
 }
 
 /// What is known of a leaf of the field.

@@ -14,9 +14,15 @@
 //! that are free by their distances still touch, nothing is between them. Where they do not, the march goes back to the end
 //! of the first ball, so that it never passes what plain sphere tracing would not.
 //!
+//! That tolerance makes every surface larger by it, which is seen where a lamp is sphere-traced: a ball of 64 pixels
+//! lit its surroundings by 0.6 % too much. In scenes with such a lamp, a ray that passes a surface at a grazing angle
+//! must come sixteen times as close ([`Features::refined_grazing`]); not next to fractals, whose surface *is* where rays end.
+//!
 //! On the CPU, eight rays march side by side; a lane whose ray has ended takes the next one.
 
 use super::camera::Ray;
+#[cfg(doc)]
+use crate::frame::Features;
 use crate::frame::{Frame, Prepared};
 use glam::Vec3;
 use pathmarch_field::Field;
@@ -33,6 +39,10 @@ pub(crate) const NOISE: f32 = 16.0;
 /// How the distance changes along a ray, at the least and at the most.
 const STEEPEST_FALL: f32 = -1.0;
 const STEEPEST_RISE: f32 = 0.6;
+/// A ray grazes where the distance along it changes by more than this per metre.
+const GRAZING_SLOPE: f32 = -0.5;
+/// Share of the tolerance at which a ray that grazes hits a surface, see [`Features::refined_grazing`].
+const GRAZING_TOLERANCE: f32 = 0.0625;
 /// Twice the share of a step from a point that two balls take which touch by the estimate of their slope.
 pub(crate) const RELAXATION: f32 = 1.9;
 
@@ -236,11 +246,18 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
             }
             // What is free around this point and the last does not touch: back to where that around the last one ends.
             let apart = (radius + distance).simd_lt(stride);
-            let close = distance.simd_lt(tolerance);
-            let hit = close & distance.simd_lt(last) & !apart;
             let change = (distance - radius) / stride.fast_max(f32x8::splat(1e-30));
             let change = change.fast_max(fall).fast_min(f32x8::splat(STEEPEST_RISE));
             let slope = Real::select(Mask8(zero.simd_lt(stride)), change, fall);
+            let tolerance = if prepared.features.refined_grazing {
+                let grazes = f32x8::splat(GRAZING_SLOPE).simd_lt(slope);
+                let fine = (tolerance * f32x8::splat(GRAZING_TOLERANCE)).fast_max(precision * extent);
+                Real::select(Mask8(grazes), fine, tolerance)
+            } else {
+                tolerance
+            };
+            let close = distance.simd_lt(tolerance);
+            let hit = close & distance.simd_lt(last) & !apart;
             let free = distance.fast_max(tolerance);
             let relaxed =
                 free * (f32x8::splat(prepared.features.relaxation) / (f32x8::ONE - slope)).fast_max(f32x8::ONE);

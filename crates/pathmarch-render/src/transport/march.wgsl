@@ -6,6 +6,10 @@ const NO_HIT = -1.0;
 /// How the distance changes along a ray, at the least and at the most.
 const STEEPEST_FALL = -1.0;
 const STEEPEST_RISE = 0.6;
+/// A ray grazes where the distance along it changes by more than this per metre.
+const GRAZING_SLOPE = -0.5;
+/// Share of the tolerance at which a ray that grazes hits a surface.
+const GRAZING_TOLERANCE = 0.0625;
 /// A distance beyond every scene.
 const AT_INFINITY = 1e30;
 
@@ -76,13 +80,16 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
             stride = radius;
             continue;
         }
-        let close = tolerance(p, before + t);
+        let change = clamp((distance - radius) / max(stride, 1e-30), STEEPEST_FALL, STEEPEST_RISE);
+        let slope = select(STEEPEST_FALL, change, stride > 0.0);
+        var close = tolerance(p, before + t);
+        if REFINED_GRAZING && slope > GRAZING_SLOPE {
+            close = max(GRAZING_TOLERANCE * close, frame.rounding * largest(abs(p)));
+        }
         if distance < min(close, last_distance) {
             break;
         }
         last_distance = select(AT_INFINITY, distance, distance < close);
-        let change = clamp((distance - radius) / max(stride, 1e-30), STEEPEST_FALL, STEEPEST_RISE);
-        let slope = select(STEEPEST_FALL, change, stride > 0.0);
         radius = max(distance, close);
         stride = radius * max(RELAXATION / (1.0 - slope), 1.0);
         t += stride;

@@ -56,11 +56,15 @@ const PATH_WGSL: &str = "radiance_along";
 pub(crate) const TRACE: &str = include_str!("trace.wgsl");
 
 /// What the entry point computes: `samples_of(x: u32, y: u32) -> vec4f`.
-pub(crate) fn samples_wgsl(mode: Mode, splitting: u32) -> String {
-    if splitting > 1 {
-        include_str!("splitting.wgsl").to_owned()
-    } else {
-        include_str!("sample.wgsl").replace(PATH_WGSL, trace_wgsl(mode))
+pub(crate) fn samples_wgsl(mode: Mode, splitting: u32, loops_are_limited: bool) -> String {
+    const LOOP_LIMIT: &str = include_str!("loop_limit.wgsl");
+    match (splitting, loops_are_limited) {
+        (1, false) => include_str!("sample.wgsl").replace(PATH_WGSL, trace_wgsl(mode)),
+        (1, true) if mode.traces_paths() => LOOP_LIMIT.to_owned() + "\n" + include_str!("sample_resumed.wgsl"),
+        (1, true) => {
+            LOOP_LIMIT.to_owned() + "\n" + &include_str!("sample_checked.wgsl").replace(PATH_WGSL, trace_wgsl(mode))
+        }
+        _ => include_str!("splitting.wgsl").to_owned(),
     }
 }
 
@@ -78,7 +82,7 @@ pub(crate) fn kernel(mode: Mode) -> &'static [&'static str] {
     const STEADY: &str = include_str!("steady.wgsl");
     const VISIBLE: &str = include_str!("visible.wgsl");
     match mode {
-        Mode::Path => &[BASIS, CAMERA, LIGHTS, MARCH, FRAME, PATH, RANDOM, SHADOW, SKY],
+        Mode::Path => &[BASIS, CAMERA, LIGHTS, MARCH, FRAME, PATH, RANDOM, SHADOW, SKY, include_str!("radiance.wgsl")],
         Mode::Variance => {
             &[BASIS, CAMERA, LIGHTS, MARCH, FRAME, PATH, RANDOM, SHADOW, SKY, include_str!("variance.wgsl")]
         }

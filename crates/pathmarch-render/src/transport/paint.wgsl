@@ -3,22 +3,22 @@
 /// The slope of the relief over the world, metres per metre.
 var<private> relief: vec3f;
 
-fn table_number(at: u32) -> f32 {
+fn texture_number(at: u32) -> f32 {
     return bitcast<f32>(tables[at]);
 }
 
-fn table_vector(at: u32) -> vec3f {
-    return vec3f(table_number(at), table_number(at + 1u), table_number(at + 2u));
+fn texture_vector(at: u32) -> vec3f {
+    return vec3f(texture_number(at), texture_number(at + 1u), texture_number(at + 2u));
 }
 
 /// Where `p` is in the coordinates of a leaf.
 fn leaf_coordinates(leaf: u32, p: vec3f) -> Coordinates {
     let at = PAINT_TABLE + 13u * leaf;
     let outer = held_coordinates(tables[at + 12u], p);
-    let x = table_vector(at + 3u);
-    let y = table_vector(at + 6u);
-    let z = table_vector(at + 9u);
-    let offset = outer.p - table_vector(at);
+    let x = texture_vector(at + 3u);
+    let y = texture_vector(at + 6u);
+    let z = texture_vector(at + 9u);
+    let offset = outer.p - texture_vector(at);
     return coordinates_inside(outer, vec3f(dot(x, offset), dot(y, offset), dot(z, offset)), x, y, z);
 }
 
@@ -30,27 +30,27 @@ fn texture_at(at: u32, leaf: u32, of_shape: Spot) -> vec4f {
             return vec4f(0.0, 0.0, 0.0, -1.0);
         }
         var values = orbit(leaf, of_shape.p);
-        let from_ = table_number(at + 16u);
-        let to = table_number(at + 17u);
+        let from_ = texture_number(at + 16u);
+        let to = texture_number(at + 17u);
         let span = select(to - from_, 1e-20, to == from_);
         return vec4f(clamp((values[tables[at + 15u]] - from_) / span, 0.0, 1.0));
     }
-    let x = table_vector(at + 4u);
-    let y = table_vector(at + 7u);
-    let z = table_vector(at + 10u);
-    let scale = table_number(at + 13u);
-    let offset = of_shape.p - table_vector(at + 1u);
+    let x = texture_vector(at + 4u);
+    let y = texture_vector(at + 7u);
+    let z = texture_vector(at + 10u);
+    let scale = texture_number(at + 13u);
+    let offset = of_shape.p - texture_vector(at + 1u);
     let n = of_shape.normal;
     let p = vec3f(dot(x, offset), dot(y, offset), dot(z, offset));
     let spot = Spot(p, vec3f(dot(x, n), dot(y, n), dot(z, n)) * scale, of_shape.footprint / scale);
     if HAS_PICTURES && kind == PICTURE_SOURCE {
         let picture = TexturePicture(tables[at + 15u], tables[at + 16u], tables[at + 17u], tables[at + 18u], tables[at + 20u] != 0u);
-        let colour = picture_projected(picture, spot, table_number(at + 19u));
+        let colour = picture_projected(picture, spot, texture_number(at + 19u));
         return vec4f(colour, clamp(dot(colour, vec3f(0.2126, 0.7152, 0.0722)), 0.0, 1.0));
     }
     var numbers: array<f32, 8>;
     for (var k = 0u; k < 8u; k++) {
-        numbers[k] = table_number(at + 15u + k);
+        numbers[k] = texture_number(at + 15u + k);
     }
     let value = computed_texture(kind, spot, numbers);
     // What is not a number is 0.
@@ -65,8 +65,8 @@ fn layer_colour(layer: u32, shown: vec4f) -> vec3f {
     let last = tables[layer + 4u];
     let place = shown.w * f32(last);
     let first = min(u32(place), max(last, 1u) - 1u);
-    let a = table_vector(layer + 5u + 3u * first);
-    let b = table_vector(layer + 5u + 3u * min(first + 1u, last));
+    let a = texture_vector(layer + 5u + 3u * first);
+    let b = texture_vector(layer + 5u + 3u * min(first + 1u, last));
     return a + (b - a) * (place - f32(first));
 }
 
@@ -91,7 +91,7 @@ fn paint(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) {
     var step = 1.0;
     if HAS_BUMP && bump != 0u {
         let texture = tables[bump];
-        step = max(table_number(texture + 14u) * table_number(texture + 13u), 0.5 * spot.footprint);
+        step = max(texture_number(texture + 14u) * texture_number(texture + 13u), 0.5 * spot.footprint);
     }
     var heights = vec4f(0.0);
     // The relief is looked at in four places. One loop, so that every texture stands in the code once.
@@ -109,7 +109,7 @@ fn paint(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) {
         }
     }
     if HAS_BUMP && bump != 0u {
-        let slope = (heights.yzw - heights.x) * (table_number(bump + 1u) / step);
+        let slope = (heights.yzw - heights.x) * (texture_number(bump + 1u) / step);
         relief = mat3x3f(here.x, here.y, here.z) * slope * size;
     }
 }

@@ -10,17 +10,17 @@ fn start_paint(m: u32) {
 fn apply_layer(layer: u32, shown: vec4f) {
     let looks = tables[layer + 3u];
     if tables[layer + 1u] != PACKED_LAYER {
-        let change = layer_colour(layer, shown) - table_vector(looks);
+        let change = layer_colour(layer, shown) - texture_vector(looks);
         for (var k = 0u; k < LOOK_SIZE; k++) {
-            look_changes[k] += table_number(looks + 3u + k) * change[select((max(k, 4u) - 4u) % 3u, k, k < 3u)];
+            look_changes[k] += texture_number(looks + 3u + k) * change[select((max(k, 4u) - 4u) % 3u, k, k < 3u)];
         }
         return;
     }
     let at = shown.w * f32(KNOTS - 1u);
     let first = min(u32(at), KNOTS - 2u);
     for (var k = 0u; k < LOOK_SIZE; k++) {
-        let a = table_number(looks + LOOK_SIZE * first + k);
-        let b = table_number(looks + LOOK_SIZE * (first + 1u) + k);
+        let a = texture_number(looks + LOOK_SIZE * first + k);
+        let b = texture_number(looks + LOOK_SIZE * (first + 1u) + k);
         look_changes[k] += a + (b - a) * (at - f32(first));
     }
 }

@@ -27,8 +27,8 @@ fn apply_layer(layer: u32, shown: vec4f) {
     let knots = layer + 4u + place;
     for (var k = 0u; k < place; k++) {
         let target_ = tables[layer + 4u + k];
-        let a = table_number(knots + place * first + k);
-        let b = table_number(knots + place * (first + 1u) + k);
+        let a = texture_number(knots + place * first + k);
+        let b = texture_number(knots + place * (first + 1u) + k);
         own[target_ / 4u][target_ % 4u] = a + (b - a) * part;
     }
 }

@@ -4,6 +4,8 @@
 //! `PATHMARCH_REQUIRE_GPU` is set, as in CI: then they fail.
 #![allow(dead_code)]
 
+pub mod random_scenes;
+
 use pathmarch_render::film::Film;
 use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::block_means;

@@ -1,0 +1,39 @@
+// The limit that some software adapters set to the loops of an invocation. gpu/loop_limit.rs explains it.
+
+/// Shared by the paths of a submission, one place for each.
+struct Suspended {
+    /// Invocations whose loops were ended.
+    count: atomic<u32>,
+    /// 0 where paths begin, else how often they were resumed.
+    round: u32,
+    /// Two. Read from storage, so that no compiler knows it.
+    turns: u32,
+    paths: array<SuspendedPath>,
+}
+
+/// State of a path before a surface. Layout of `SuspendedPath` in gpu/loop_limit.rs.
+struct SuspendedPath {
+    origin: vec3f,
+    length: f32,
+    direction: vec3f,
+    scatter_pdf: f32,
+    reference: vec3f,
+    index_square: f32,
+    throughput: vec3f,
+    /// Surfaces that the path has left, or FINISHED.
+    surfaces: u32,
+    radiance: vec3f,
+    passing: u32,
+    medium: vec3f,
+}
+
+@group(0) @binding(9) var<storage, read_write> suspended: Suspended;
+
+/// Reports whether the adapter has ended loops of this invocation before their time: then it ends every loop after one turn.
+fn loops_ended() -> bool {
+    var turns = 0u;
+    for (var k = 0u; k < suspended.turns; k++) {
+        turns += 1u;
+    }
+    return turns < suspended.turns;
+}

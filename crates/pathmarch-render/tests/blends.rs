@@ -1,0 +1,70 @@
+//! Blended materials that emit or transmit carry as much light as what they are blended of.
+
+mod common;
+
+use common::{parse, render, renderers};
+use pathmarch_render::Settings;
+
+fn mean(scene: &str, renderer: &mut pathmarch_render::Renderer, samples: u32) -> f64 {
+    let scene = parse(scene);
+    let settings = Settings { size: [128, 72], samples, ..Settings::of(&scene) };
+    let picture = render(renderer, &scene, &settings).mean();
+    picture.pixels.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / picture.pixels.len() as f64
+}
+
+/// Two balls in one place blend half and half, and the blend is a ball that is larger by a quarter of `smooth`. It lights the
+/// floor as much as one that is met in closed form: a march that ends before its surface made it 0.6 % too bright.
+#[test]
+fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does() {
+    let scene = |ball: &str| {
+        format!(
+            "pathmarch 1\ncamera {{ position 0 1.5 5; target 0 0.7 0; fov 40 }}\nrender {{ bounces 4 }}\nsky 0.1\n\
+             material \"lamp\" {{ emit 2 }}\nmaterial \"double\" {{ emit 4 }}\nmaterial \"black\" {{ diffuse 0 }}\n\
+             material \"floor\" {{ diffuse 0.5 }}\nobject \"floor\" material=\"floor\" {{ plane }}\n\
+             object \"ball\" {{ {ball} }}"
+        )
+    };
+    for mut renderer in renderers() {
+        for smooth in [0.1, 0.01] {
+            let radius = 0.6 + 0.25 * smooth;
+            let plain = scene(&format!("sphere {radius} material=\"lamp\" {{ at 0 0.8 0 }}"));
+            let plain = mean(&plain, &mut renderer, 256);
+            for (first, second) in [("lamp", "lamp"), ("double", "black"), ("black", "double")] {
+                let solids = [first, second].map(|name| format!("sphere 0.6 material=\"{name}\" {{ at 0 0.8 0 }}; "));
+                let blend = scene(&format!("union smooth={smooth} {{ {} }}", solids.concat()));
+                let blended = mean(&blend, &mut renderer, 512);
+                let excess = blended / plain - 1.0;
+                println!(
+                    "{}: {first} with {second}, smooth {smooth}: {:+.3} %",
+                    renderer.backend_name(),
+                    100.0 * excess
+                );
+                assert!(excess.abs() < 0.002, "{first} with {second}, smooth {smooth}: {:+.3} %", 100.0 * excess);
+            }
+        }
+    }
+}
+
+/// Where all that surrounds a solid has the radiance 1, every blend of what emits 1, reflects all and transmits all has it, too.
+#[test]
+fn every_blend_vanishes_in_a_furnace() {
+    let materials =
+        [("lamp", "emit 1"), ("white", "diffuse 1"), ("glass", "glass 1; ior 1.5"), ("mirror", "metal 1; roughness 0")];
+    for mut renderer in renderers() {
+        for (k, (first, _)) in materials.iter().enumerate() {
+            for (second, _) in &materials[..=k] {
+                let all: Vec<_> =
+                    materials.iter().map(|(name, kind)| format!("material \"{name}\" {{ {kind} }}")).collect();
+                let scene = format!(
+                    "pathmarch 1\ncamera {{ position 0 0 3; target 0 0 0; fov 50 }}\nrender {{ bounces 64 }}\nsky 1\n{}\n\
+                     object \"ball\" {{ union smooth=0.2 {{ sphere 0.7 material=\"{first}\"; \
+                     box 1 material=\"{second}\" {{ at 0.2 0 0 }} }} }}",
+                    all.join("\n")
+                );
+                let mean = mean(&scene, &mut renderer, 16);
+                println!("{}: {first} with {second}: {mean:.5}", renderer.backend_name());
+                assert!((mean - 1.0).abs() < 0.002, "{first} with {second}: {mean}");
+            }
+        }
+    }
+}
