@@ -124,3 +124,54 @@ pub fn declared() -> Vec<Declared> {
         },
     ]
 }
+
+/// A field whose value is how many passes a loop had in which arrays are copied.
+pub struct Copying {
+    pub name: &'static str,
+    pub text: String,
+    /// How many scalars and vectors each pass copies at least.
+    pub copies: u32,
+}
+
+/// Every way to copy an array, in a loop that never ends by itself.
+pub fn copying() -> Vec<Copying> {
+    let copying = |name: &'static str, top: &str, before: &str, pass: &str| Copying {
+        name,
+        text: format!(
+            "{top}
+            fn distance(p: vec3f) -> f32 {{
+                var n = 0.0;
+                {before}
+                loop {{
+                    n += 1.0;
+                    {pass}
+                    if n > 1e9 {{ break; }}
+                }}
+                return n;
+            }}"
+        ),
+        copies: if before.contains("mat4x4f") { 5 * 7 * 4 } else { 300 },
+    };
+    let two = "var a: array<f32, 300>; var b: array<f32, 300>;";
+    let taking = "fn taken(a: array<f32, 300>, k: i32) -> f32 { var b = a; return b[k]; }";
+    let giving = "fn given(k: f32) -> array<f32, 300> { var a: array<f32, 300>; a[3] = k; return a; }";
+    let pointed = "fn copied(a: ptr<function, array<f32, 300>>, b: ptr<function, array<f32, 300>>) { *a = *b; }";
+    let held = "struct Held { a: array<f32, 300>, b: f32 }";
+    vec![
+        copying("stored", "", two, "b[i32(n)] = n; a = b; b[0] = a[7];"),
+        copying("cleared", "", "", "var a: array<f32, 300>; a[i32(n)] = n; n += a[299];"),
+        copying("an argument", taking, "var a: array<f32, 300>;", "n += 0.0 * taken(a, i32(n));"),
+        copying("a result", giving, "", "n += 0.0 * given(n)[2];"),
+        copying("through pointers", pointed, two, "b[i32(n)] = n; copied(&a, &b); b[0] = a[7];"),
+        copying("of a structure", held, "var a: Held; var b: Held;", "b.a[i32(n)] = n; a = b; b.b = a.a[7];"),
+        copying("composed", held, "var a: array<f32, 300>;", "a[0] = n; n += 0.0 * Held(a, n).a[i32(n)];"),
+        copying(
+            "of arrays of matrices",
+            "",
+            "var a: array<array<mat4x4f, 5>, 7>; var b: array<array<mat4x4f, 5>, 7>;",
+            "b[i32(n)][1][2].x = n; a = b; b[0][1][0].y = a[1][2][3].z;",
+        ),
+        copying("a value with an index", "", "var a: array<f32, 300>;", "let b = a; a[0] = b[i32(n)];"),
+        copying("a constant with an index", "const A = array<f32, 300>();", "", "n += A[i32(n)];"),
+    ]
+}
