@@ -7,10 +7,9 @@ mod job;
 mod kernel;
 mod memory;
 mod stopwatch;
-#[cfg(test)]
-mod tests;
 
 pub(crate) use compiled::Printed;
 pub(crate) use device::Device;
 pub use device::{AdapterDescription, adapters};
 pub(crate) use job::{GpuJob, LIVE, WHOLE};
+pub(crate) use memory::{FRAME, LEAVES};
