@@ -184,7 +184,7 @@ impl Person {
         let mapping =
             self.connection.get_keyboard_mapping(first, last - first + 1).expect("asked").reply().expect("keys");
         let each = usize::from(mapping.keysyms_per_keycode);
-        for (keysyms, code) in mapping.keysyms.chunks(each).zip(first..) {
+        for (keysyms, code) in mapping.keysyms.chunks(each).zip(first..=last) {
             for (keysym, shift) in keysyms.iter().take(2).zip([false, true]) {
                 self.keys.push((*keysym, shift, code));
             }
