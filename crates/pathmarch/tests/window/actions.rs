@@ -160,8 +160,10 @@ fn work_survives_a_kill() {
     let changed = SCENE.replace("sphere 0.7", "sphere 1");
     let kept = || {
         let files = fs::read_dir(directory.path().join("home/recovery")).ok()?;
-        let mut files = files.filter_map(|entry| fs::read_to_string(entry.ok()?.path()).ok());
-        files.find(|text| text.ends_with(&changed))
+        let files = files.filter_map(|entry| Some(entry.ok()?.path()));
+        // A file that is still being written is lost with the program.
+        let whole = files.filter(|path| path.extension().is_none_or(|extension| extension != "part"));
+        whole.filter_map(|path| fs::read_to_string(path).ok()).find(|text| text.ends_with(&changed))
     };
     person.until("it is kept", |_| kept().is_some());
     person.kill();
