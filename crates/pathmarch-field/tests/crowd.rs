@@ -1,13 +1,11 @@
 //! Unions of many shapes: what their grids leave out does not matter.
 
-mod sampling;
-
+use crate::sampling::{Random, declared, lanes, random_params, validate};
 use pathmarch_field::graph::{Kind, MARCHED};
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{operator, shape};
 use pathmarch_field::wgsl::Program;
 use pathmarch_field::{Aabb, Blend, BlendProfile, Field, Node, Placement};
-use sampling::{Random, declared, lanes, random_params, validate};
 use wide::f32x8;
 
 const NAMES: [&str; 8] = ["sphere", "box", "torus", "cylinder", "cone", "capsule", "ellipsoid", "octahedron"];

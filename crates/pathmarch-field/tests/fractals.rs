@@ -1,11 +1,9 @@
 //! What only fractals have: the slope of their estimates, found by search; marches that do not pass through; orbits.
 
-mod sampling;
-
+use crate::sampling::{Case, Random, cases, lanes, validate};
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{shape, shapes};
 use pathmarch_field::{Aabb, Param, Shape, Unit};
-use sampling::{Case, Random, cases, lanes, validate};
 
 fn fractals() -> impl Iterator<Item = &'static dyn Shape> {
     shapes().iter().copied().filter(|shape| shape.has_orbit())

@@ -1,14 +1,12 @@
 //! Random trees of placed shapes and operators.
 
-mod sampling;
-
+use crate::sampling::{Random, declared, lanes, random_params, validate};
 use pathmarch_field::graph::Kind;
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{modifiers, operators, shapes};
 use pathmarch_field::wgsl::Program;
 use pathmarch_field::{Aabb, Blend, BlendProfile, Combine, Field, Node, Placement};
 use proptest::prelude::*;
-use sampling::{Random, declared, lanes, random_params, validate};
 
 fn triple(range: std::ops::Range<f32>) -> impl Strategy<Value = [f32; 3]> {
     [range.clone(), range.clone(), range]

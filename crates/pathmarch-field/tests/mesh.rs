@@ -1,13 +1,11 @@
 //! Meshes: closed, manifold, of the right volume and area, sharp where the solid is.
 
-mod sampling;
-
+use crate::sampling::Random;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::mesh::{Fineness, Mesh, MeshError};
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{modifiers, operator, shape, shapes, solid};
 use pathmarch_field::{Aabb, Field, Node, Param, Placement, Solid, Unit};
-use sampling::Random;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;

@@ -1,12 +1,10 @@
 //! Operators that change what they hold: against unions written out, and at random points.
 
-mod sampling;
-
+use crate::sampling::Random;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{modifiers, operator, solid};
 use pathmarch_field::{Aabb, Field, Node, Placement, Solid};
-use sampling::Random;
 
 fn shape(name: &str, params: &[f32], placement: Placement) -> Node {
     let Some(Solid::Shape(shape)) = solid(name) else { panic!("no shape {name}") };

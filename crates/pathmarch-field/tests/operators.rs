@@ -1,11 +1,9 @@
 //! Every registered operator, sharp and smooth.
 
-mod sampling;
-
+use crate::sampling::{Random, validate};
 use pathmarch_field::number::{Dual, Vec3};
 use pathmarch_field::registry::{operator, operators};
 use pathmarch_field::{Aabb, Blend, BlendProfile, Combine};
-use sampling::{Random, validate};
 use wide::f32x8;
 
 /// Sharp, and in every profile barely blended, blended over tens of centimetres, blended over everything.

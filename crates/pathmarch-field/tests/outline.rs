@@ -1,14 +1,12 @@
 //! Outlines: against the distance to all segments and the definition of inside, at random points.
 
-mod sampling;
-
+use crate::sampling::{self, Random, lanes};
 use pathmarch_field::graph::Kind;
 use pathmarch_field::number::{Dual, Vec3};
 use pathmarch_field::outline::{Fill, contour, has_area};
 use pathmarch_field::registry::shape;
 use pathmarch_field::wgsl::Program;
 use pathmarch_field::{Aabb, Field, Node, Placement, Shape};
-use sampling::{Random, lanes};
 use std::time::Instant;
 
 fn drawn(fill: Fill) -> &'static dyn Shape {

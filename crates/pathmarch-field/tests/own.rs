@@ -1,17 +1,13 @@
 //! Fields of a scene's own: what the evaluator computes, what is refused, and that nothing hangs.
 
-#[path = "sampling/fields.rs"]
-mod fields;
-mod sampling;
-
-use fields::declared;
+use crate::fields::{self, declared};
+use crate::sampling::{Case, Random, random_params};
 use pathmarch_field::graph::Kind;
 use pathmarch_field::number::{Dual, Vec3};
 use pathmarch_field::own::{Code, Fault, budget};
 use pathmarch_field::registry::{Info, Param, Shape};
 use pathmarch_field::survey::survey;
 use pathmarch_field::{Field, Node, OwnField, Placement, ShapeRef};
-use sampling::{Case, Random, random_params};
 use std::sync::Arc;
 use std::time::Instant;
 

@@ -1,12 +1,10 @@
 //! Rays that meet solids in closed form: the first surface that they find is where the distance first is zero.
 
-mod sampling;
-
+use crate::sampling::{Random, lanes};
 use pathmarch_field::graph::Kind;
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{NO_HIT, operator, shapes};
 use pathmarch_field::{Field, Node, Placement};
-use sampling::{Random, lanes};
 
 /// A point of a ray.
 fn at(o: [f32; 3], d: [f32; 3], t: f32) -> Vec3<f32> {

@@ -1,10 +1,8 @@
 //! Every registered shape, tested over the registry with its defaults and random parameters.
 
-mod sampling;
-
+use crate::sampling::{self, Case, Random, cases, validate};
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::shapes;
-use sampling::{Case, Random, cases, validate};
 
 /// Shapes whose distance inside is only a bound.
 const BOUND_INSIDE: [&str; 2] = ["ellipsoid", "menger"];

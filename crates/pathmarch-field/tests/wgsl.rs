@@ -1,7 +1,6 @@
 //! The printed WGSL, word for word. `cargo insta review` shows what a change does to it.
 
-mod sampling;
-
+use crate::sampling;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::registry::{operator, shape};
 use pathmarch_field::wgsl::Program;

@@ -32,6 +32,8 @@ mod motion;
 mod pick;
 mod renderer;
 mod settings;
+#[doc(hidden)]
+pub mod testing;
 mod tracer;
 mod transport;
 mod whole;

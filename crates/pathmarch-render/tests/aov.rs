@@ -5,6 +5,7 @@ use pathmarch_render::film::Film;
 use pathmarch_render::image::ChannelValues;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{RenderError, Settings};
+use pathmarch_testing::{plain, tests};
 
 fn parse(text: &str) -> Scene {
     Scene::parse("test.kdl", text).expect("a valid scene")
@@ -53,7 +54,6 @@ fn expected(x: f64, y: f64) -> (f64, u32) {
     }
 }
 
-#[test]
 fn a_ball_on_the_ground_is_seen_where_it_is() {
     // The same ball met directly, marched, and through a wide lens, which has no effect.
     // A march ends up to a tenth of a pixel before an edge, and so may meet it from the next pixel: at four positions.
@@ -120,7 +120,6 @@ fn a_ball_on_the_ground_is_seen_where_it_is() {
     }
 }
 
-#[test]
 fn samples_bounces_and_seed_have_no_effect() {
     let scene = ball_on_ground("sphere 1 { at 0 1 0 }", "");
     let settings = Settings { size: SIZE, ..Settings::of(&scene) };
@@ -130,7 +129,6 @@ fn samples_bounces_and_seed_have_no_effect() {
     assert!(matches!(aov::render(&scene, &empty), Err(RenderError::Settings(_))));
 }
 
-#[test]
 fn normals_face_a_camera_inside() {
     for ball in ["sphere 2", "union { sphere 2; sphere 0.001 { at 1 1 1 } }"] {
         let scene = parse(&format!(
@@ -144,7 +142,6 @@ fn normals_face_a_camera_inside() {
     }
 }
 
-#[test]
 fn lamps_show_their_clipped_radiance_on_the_side_that_emits() {
     for (facing, expected) in [(1, [1.0, 0.5, 0.25]), (-1, [0.0; 3])] {
         let scene = parse(&format!(
@@ -157,7 +154,6 @@ fn lamps_show_their_clipped_radiance_on_the_side_that_emits() {
     }
 }
 
-#[test]
 fn blends_are_blended_and_the_heavier_material_names_them() {
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 5; target 0 0 0; fov 20 }\n\
@@ -176,7 +172,6 @@ fn blends_are_blended_and_the_heavier_material_names_them() {
     assert!(white.iter().filter(|white| (0.1..0.9).contains(*white)).count() > 10, "{white:?}");
 }
 
-#[test]
 fn layers_become_channels() {
     let scene = ball_on_ground("sphere 1 { at 0 1 0 }", "");
     let aovs = render(&scene, [3, 1]);
@@ -194,4 +189,8 @@ fn layers_become_channels() {
     for layer in Layer::ALL {
         assert_eq!(Layer::from_name(layer.name()), Some(layer));
     }
+}
+
+tests! {
+    plain: [a_ball_on_the_ground_is_seen_where_it_is, samples_bounces_and_seed_have_no_effect, normals_face_a_camera_inside, lamps_show_their_clipped_radiance_on_the_side_that_emits, blends_are_blended_and_the_heavier_material_names_them, layers_become_channels],
 }

@@ -1,30 +1,27 @@
 //! The light is right, and both backends agree.
 
-mod common;
-
-use common::{data, mean, parse, render, renderers, scenes};
+use crate::common::{
+    data, mean, on_both_backends, on_each_backend, on_one_and_both_backends, parse, render, scenes, with_gpu,
+};
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
 use pathmarch_render::pathmarch_field::graph::Leaf;
 use pathmarch_render::pathmarch_field::registry::{ShapeRef, shapes};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings, adapters};
+use pathmarch_testing::{plain, tests};
 
-#[test]
-fn a_white_furnace_shows_the_albedo() {
+fn a_white_furnace_shows_the_albedo(renderer: &mut Renderer) {
     let scene = Scene::load(data("furnace_050.kdl")).expect("a valid scene");
-    for renderer in &mut renderers() {
-        let settings = Settings { size: [64, 64], samples: 64, ..Settings::of(&scene) };
-        let picture = render(renderer, &scene, &settings).mean();
-        // The ball covers a disc of 23 pixels radius.
-        let ball = mean(&picture, |x, y| (x as f32 - 31.5).hypot(y as f32 - 31.5) < 20.0);
-        println!("{}: {ball}", renderer.backend_name());
-        assert!((ball - 0.5).abs() < 0.0025, "{ball}");
-    }
+    let settings = Settings { size: [64, 64], samples: 64, ..Settings::of(&scene) };
+    let picture = render(renderer, &scene, &settings).mean();
+    // The ball covers a disc of 23 pixels radius.
+    let ball = mean(&picture, |x, y| (x as f32 - 31.5).hypot(y as f32 - 31.5) < 20.0);
+    println!("{}: {ball}", renderer.backend_name());
+    assert!((ball - 0.5).abs() < 0.0025, "{ball}");
 }
 
-#[test]
-fn a_point_light_falls_off_by_the_square_and_the_cosine() {
+fn a_point_light_falls_off_by_the_square_and_the_cosine(renderer: &mut Renderer) {
     // A floor of albedo 0.5 seen from above through a narrow lens; the light at height 2.
     for (offset, [x, y, z]) in [(0.0, [0.0, 2.0, 0.0]), (3.0, [3.0, 2.0, 0.0]), (1.0, [0.0, 4.0, 1.0])] {
         let scene = parse(&format!(
@@ -35,17 +32,14 @@ fn a_point_light_falls_off_by_the_square_and_the_cosine() {
         let height: f64 = y;
         let square = offset * offset + height * height;
         let expected = 0.5 / std::f64::consts::PI * 10.0 * height / square.sqrt() / square;
-        for renderer in &mut renderers() {
-            let settings = Settings { size: [8, 8], samples: 4, bounces: 0, ..Settings::of(&scene) };
-            let shown = mean(&render(renderer, &scene, &settings).mean(), |_, _| true);
-            println!("{}: {shown} for {expected}", renderer.backend_name());
-            assert!((shown / expected - 1.0).abs() < 1e-3, "{shown} for {expected}");
-        }
+        let settings = Settings { size: [8, 8], samples: 4, bounces: 0, ..Settings::of(&scene) };
+        let shown = mean(&render(renderer, &scene, &settings).mean(), |_, _| true);
+        println!("{}: {shown} for {expected}", renderer.backend_name());
+        assert!((shown / expected - 1.0).abs() < 1e-3, "{shown} for {expected}");
     }
 }
 
-#[test]
-fn the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide() {
+fn the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide(renderer: &mut Renderer) {
     for angle in [0.0, 0.53, 20.0] {
         let scene = parse(&format!(
             "pathmarch 1\ncamera {{ position 0 5 0; target 0 0 0; up 0 0 -1; fov 0.1 }}\n\
@@ -53,76 +47,60 @@ fn the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide() {
              object \"floor\" material=\"m\" {{ plane }}"
         ));
         let expected = 0.5 / std::f64::consts::PI * 3.0 * std::f64::consts::FRAC_1_SQRT_2;
-        for renderer in &mut renderers() {
-            let settings = Settings { size: [8, 8], samples: 64, bounces: 0, ..Settings::of(&scene) };
-            let shown = mean(&render(renderer, &scene, &settings).mean(), |_, _| true);
-            assert!((shown / expected - 1.0).abs() < 2e-3, "{angle}°: {shown} for {expected}");
-        }
+        let settings = Settings { size: [8, 8], samples: 64, bounces: 0, ..Settings::of(&scene) };
+        let shown = mean(&render(renderer, &scene, &settings).mean(), |_, _| true);
+        assert!((shown / expected - 1.0).abs() < 2e-3, "{angle}°: {shown} for {expected}");
     }
 }
 
-#[test]
-fn a_sheet_emits_on_the_side_it_faces_only() {
+fn a_sheet_emits_on_the_side_it_faces_only(renderer: &mut Renderer) {
     let scene = |facing: &str| {
         parse(&format!(
             "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nmaterial \"lamp\" {{ emit 2 }}\n\
              object \"lamp\" material=\"lamp\" {{ rect 10 10 {{ normal 0 0 {facing} }} }}"
         ))
     };
-    for renderer in &mut renderers() {
-        for (facing, expected) in [("1", 2.0), ("-1", 0.0)] {
-            let scene = scene(facing);
-            let settings = Settings { size: [8, 8], samples: 1, ..Settings::of(&scene) };
-            assert_eq!(mean(&render(renderer, &scene, &settings).mean(), |_, _| true), expected);
-        }
+    for (facing, expected) in [("1", 2.0), ("-1", 0.0)] {
+        let scene = scene(facing);
+        let settings = Settings { size: [8, 8], samples: 1, ..Settings::of(&scene) };
+        assert_eq!(mean(&render(renderer, &scene, &settings).mean(), |_, _| true), expected);
     }
 }
 
-#[test]
-fn samples_that_are_not_finite_are_left_out_of_their_pixels_mean() {
+fn samples_that_are_not_finite_are_left_out_of_their_pixels_mean(renderer: &mut Renderer) {
     // A lamp too bright for a film, before a part of the sky.
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 5; target 0 0 0; fov 40 }\nsky 0.5\nmaterial \"lamp\" { emit 1e35 }\n\
          object \"lamp\" material=\"lamp\" { disc 1 { normal 0 0 1 } }",
     );
-    for renderer in &mut renderers() {
-        let settings = Settings { size: [24, 24], samples: 16, ..Settings::of(&scene) };
-        let film = renderer.render(&scene, &settings).expect("renders");
-        let counts = film.sample_counts();
-        assert_eq!(film.non_finite(), counts.iter().map(|count| u64::from(16 - count)).sum::<u64>());
-        for edge in [counts.contains(&0), counts.contains(&16), counts.iter().any(|count| (1..16).contains(count))] {
-            assert!(edge, "{counts:?}");
-        }
-        for (pixel, count) in film.mean().pixels.iter().zip(counts) {
-            assert_eq!(*pixel, if count == 0 { [0.0; 3] } else { [0.5; 3] });
-        }
+    let settings = Settings { size: [24, 24], samples: 16, ..Settings::of(&scene) };
+    let film = renderer.render(&scene, &settings).expect("renders");
+    let counts = film.sample_counts();
+    assert_eq!(film.non_finite(), counts.iter().map(|count| u64::from(16 - count)).sum::<u64>());
+    for edge in [counts.contains(&0), counts.contains(&16), counts.iter().any(|count| (1..16).contains(count))] {
+        assert!(edge, "{counts:?}");
+    }
+    for (pixel, count) in film.mean().pixels.iter().zip(counts) {
+        assert_eq!(*pixel, if count == 0 { [0.0; 3] } else { [0.5; 3] });
     }
 }
 
-#[test]
-fn ranges_of_samples_add_up_to_the_whole_and_seeds_differ() {
+fn ranges_of_samples_add_up_to_the_whole_and_seeds_differ(renderer: &mut Renderer) {
     let scene = Scene::load(data("diffuse_sphere_plane.kdl")).expect("a valid scene");
-    for renderer in &mut renderers() {
-        let settings = Settings { size: [64, 36], samples: 24, ..Settings::of(&scene) };
-        let whole = render(renderer, &scene, &settings);
-        assert_eq!(whole, render(renderer, &scene, &settings), "the same again, to the bit");
-        let mut parts = render(renderer, &scene, &Settings { samples: 9, ..settings.clone() });
-        let rest = Settings { first_sample: 9, samples: 15, ..settings.clone() };
-        parts.add(&render(renderer, &scene, &rest)).expect("of one size");
-        assert_eq!(parts.samples, 24);
-        for (a, b) in parts.sums.iter().flatten().zip(whole.sums.iter().flatten()) {
-            assert!((a - b).abs() <= 1e-5 * b.abs(), "{a} for {b}");
-        }
-        assert_ne!(whole.sums, render(renderer, &scene, &Settings { seed: 1, ..settings }).sums);
+    let settings = Settings { size: [64, 36], samples: 24, ..Settings::of(&scene) };
+    let whole = render(renderer, &scene, &settings);
+    assert_eq!(whole, render(renderer, &scene, &settings), "the same again, to the bit");
+    let mut parts = render(renderer, &scene, &Settings { samples: 9, ..settings.clone() });
+    let rest = Settings { first_sample: 9, samples: 15, ..settings.clone() };
+    parts.add(&render(renderer, &scene, &rest)).expect("of one size");
+    assert_eq!(parts.samples, 24);
+    for (a, b) in parts.sums.iter().flatten().zip(whole.sums.iter().flatten()) {
+        assert!((a - b).abs() <= 1e-5 * b.abs(), "{a} for {b}");
     }
+    assert_ne!(whole.sums, render(renderer, &scene, &Settings { seed: 1, ..settings }).sums);
 }
 
-#[test]
-fn every_scene_renders_alike_on_both_backends() {
-    let mut renderers = renderers();
-    if renderers.len() < 2 {
-        return;
-    }
+fn every_scene_renders_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     let mut failures = Vec::new();
     for path in scenes() {
         let scene = Scene::load(&path).expect("a valid scene");
@@ -148,8 +126,7 @@ fn every_scene_renders_alike_on_both_backends() {
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
-#[test]
-fn marched_shapes_look_as_those_met_in_closed_form() {
+fn marched_shapes_look_as_those_met_in_closed_form(renderer: &mut Renderer) {
     // A blend of one sphere and a small one within must be marched; the picture is that of the plain sphere.
     let text = |ball: &str| {
         format!(
@@ -159,19 +136,15 @@ fn marched_shapes_look_as_those_met_in_closed_form() {
     };
     let direct = parse(&text("sphere 1 { at 0 1 0 }"));
     let marched = parse(&text("union smooth=1e-6 { sphere 1 { at 0 1 0 }; sphere 0.001 { at 0 1 0 } }"));
-    for renderer in &mut renderers() {
-        let settings = Settings { size: [160, 90], samples: 256, ..Settings::of(&direct) };
-        let [a, b] = [&direct, &marched].map(|scene| render(renderer, scene, &settings).mean());
-        let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
-        println!("{}: relMSE {:.2e}, FLIP {:.4}", renderer.backend_name(), result.relmse, result.flip);
-        assert!(result.relmse < 1e-3);
-    }
+    let settings = Settings { size: [160, 90], samples: 256, ..Settings::of(&direct) };
+    let [a, b] = [&direct, &marched].map(|scene| render(renderer, scene, &settings).mean());
+    let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
+    println!("{}: relMSE {:.2e}, FLIP {:.4}", renderer.backend_name(), result.relmse, result.flip);
+    assert!(result.relmse < 1e-3);
 }
 
 /// Every registered shape, turned and scaled, once by itself and once in a blend, which must be marched.
-#[test]
-fn every_shape_renders_alike_on_both_backends_and_in_closed_form() {
-    let mut renderers = renderers();
+fn every_shape_renders_alike_on_both_backends_and_in_closed_form(renderers: &mut [Renderer]) {
     for shape in shapes() {
         let name = shape.info().name;
         let text = |solid: &str| {
@@ -187,7 +160,7 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form() {
         let marched = parse(&text(&format!("union smooth=1e-6 {{ {placed}; sphere 0.001 {{ at 0 0.1 0 }} }}")));
         let settings = Settings { size: [96, 54], samples: 16, ..Settings::of(&alone) };
         let mut pictures = Vec::new();
-        for renderer in &mut renderers {
+        for renderer in &mut *renderers {
             let [a, b] = [&alone, &marched].map(|scene| render(renderer, scene, &settings).mean());
             let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
             println!("{name} on {}: by itself against marched relMSE {:.1e}", renderer.backend_name(), result.relmse);
@@ -206,7 +179,6 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form() {
     }
 }
 
-#[test]
 fn settings_out_of_range_are_refused_in_words() {
     let scene = Scene::load(data("furnace_050.kdl")).expect("a valid scene");
     let good = Settings::of(&scene);
@@ -224,7 +196,6 @@ fn settings_out_of_range_are_refused_in_words() {
     }
 }
 
-#[test]
 fn software_adapters_render_by_themselves_what_is_not_marched() {
     let scene = |shape: &str| {
         parse(&format!(
@@ -238,7 +209,7 @@ fn software_adapters_render_by_themselves_what_is_not_marched() {
         drop(renderer.start(scene, &settings).expect("starts"));
         (renderer.backend_name(), renderer.notice().map(str::to_owned))
     };
-    let Some(adapter) = adapters().into_iter().find(|adapter| adapter.unusable.is_none()) else { return };
+    let adapter = adapters().into_iter().find(|adapter| adapter.unusable.is_none()).expect("an adapter");
     let (direct, marched) = (scene("sphere 1"), scene("torus 1 0.3"));
     assert_eq!(backend_of(&direct, Backend::Auto), (adapter.backend.clone(), None));
     assert_eq!(backend_of(&marched, Backend::Gpu), (adapter.backend.clone(), None), "as it was asked for");
@@ -252,24 +223,29 @@ fn software_adapters_render_by_themselves_what_is_not_marched() {
 }
 
 /// The device's own time is there where the adapter has timestamps and somebody asks, and it grows with the samples.
-#[test]
-fn the_gpus_own_time_is_measured() {
+fn the_gpus_own_time_is_measured(renderer: &mut Renderer) {
     let scene = parse("pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject \"ball\" { sphere 1 }");
-    for renderer in &mut renderers() {
-        let settings = Settings { size: [64, 36], samples: 8, ..Settings::of(&scene) };
-        let mut job = renderer.start(&scene, &settings).expect("starts");
-        assert_eq!(job.gpu_time().expect("works"), None, "nobody has asked");
-        let measured = job.measure_gpu_time().expect("works");
-        assert!(!measured || renderer.backend_name() != "CPU");
-        let mut before = std::time::Duration::ZERO;
-        for samples in [4, 8] {
-            while job.samples_done() < f64::from(samples) {
-                job.advance(samples).expect("renders");
-            }
-            let time = job.gpu_time().expect("works");
-            assert_eq!(time.is_some(), measured);
-            assert!(!measured || time.is_some_and(|time| time > before));
-            before = time.unwrap_or_default();
+    let settings = Settings { size: [64, 36], samples: 8, ..Settings::of(&scene) };
+    let mut job = renderer.start(&scene, &settings).expect("starts");
+    assert_eq!(job.gpu_time().expect("works"), None, "nobody has asked");
+    let measured = job.measure_gpu_time().expect("works");
+    assert!(!measured || renderer.backend_name() != "CPU");
+    let mut before = std::time::Duration::ZERO;
+    for samples in [4, 8] {
+        while job.samples_done() < f64::from(samples) {
+            job.advance(samples).expect("renders");
         }
+        let time = job.gpu_time().expect("works");
+        assert_eq!(time.is_some(), measured);
+        assert!(!measured || time.is_some_and(|time| time > before));
+        before = time.unwrap_or_default();
     }
+}
+
+tests! {
+    plain: [settings_out_of_range_are_refused_in_words],
+    on_each_backend: [a_white_furnace_shows_the_albedo, a_point_light_falls_off_by_the_square_and_the_cosine, the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide, a_sheet_emits_on_the_side_it_faces_only, samples_that_are_not_finite_are_left_out_of_their_pixels_mean, ranges_of_samples_add_up_to_the_whole_and_seeds_differ, marched_shapes_look_as_those_met_in_closed_form, the_gpus_own_time_is_measured],
+    on_one_and_both_backends: [every_shape_renders_alike_on_both_backends_and_in_closed_form],
+    on_both_backends: [every_scene_renders_alike_on_both_backends],
+    with_gpu: [software_adapters_render_by_themselves_what_is_not_marched],
 }

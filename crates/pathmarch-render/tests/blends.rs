@@ -1,11 +1,10 @@
 //! Blended materials that emit or transmit carry as much light as what they are blended of.
 
-mod common;
+use crate::common::{on_each_backend, parse, render};
+use pathmarch_render::{Renderer, Settings};
+use pathmarch_testing::tests;
 
-use common::{parse, render, renderers};
-use pathmarch_render::Settings;
-
-fn mean(scene: &str, renderer: &mut pathmarch_render::Renderer, samples: u32) -> f64 {
+fn mean(scene: &str, renderer: &mut Renderer, samples: u32) -> f64 {
     let scene = parse(scene);
     let settings = Settings { size: [128, 72], samples, ..Settings::of(&scene) };
     let picture = render(renderer, &scene, &settings).mean();
@@ -14,8 +13,7 @@ fn mean(scene: &str, renderer: &mut pathmarch_render::Renderer, samples: u32) ->
 
 /// Two balls in one place blend half and half, and the blend is a ball that is larger by a quarter of `smooth`. It lights the
 /// floor as much as one that is met in closed form: a march that ends before its surface made it 0.6 % too bright.
-#[test]
-fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does() {
+fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does(renderer: &mut Renderer) {
     let scene = |ball: &str| {
         format!(
             "pathmarch 1\ncamera {{ position 0 1.5 5; target 0 0.7 0; fov 40 }}\nrender {{ bounces 4 }}\nsky 0.1\n\
@@ -24,30 +22,23 @@ fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does() {
              object \"ball\" {{ {ball} }}"
         )
     };
-    for mut renderer in renderers() {
-        for smooth in [0.1, 0.01] {
-            let radius = 0.6 + 0.25 * smooth;
-            let plain = scene(&format!("sphere {radius} material=\"lamp\" {{ at 0 0.8 0 }}"));
-            let plain = mean(&plain, &mut renderer, 256);
-            for (first, second) in [("lamp", "lamp"), ("double", "black"), ("black", "double")] {
-                let solids = [first, second].map(|name| format!("sphere 0.6 material=\"{name}\" {{ at 0 0.8 0 }}; "));
-                let blend = scene(&format!("union smooth={smooth} {{ {} }}", solids.concat()));
-                let blended = mean(&blend, &mut renderer, 512);
-                let excess = blended / plain - 1.0;
-                println!(
-                    "{}: {first} with {second}, smooth {smooth}: {:+.3} %",
-                    renderer.backend_name(),
-                    100.0 * excess
-                );
-                assert!(excess.abs() < 0.002, "{first} with {second}, smooth {smooth}: {:+.3} %", 100.0 * excess);
-            }
+    for smooth in [0.1, 0.01] {
+        let radius = 0.6 + 0.25 * smooth;
+        let plain = scene(&format!("sphere {radius} material=\"lamp\" {{ at 0 0.8 0 }}"));
+        let plain = mean(&plain, renderer, 256);
+        for (first, second) in [("lamp", "lamp"), ("double", "black"), ("black", "double")] {
+            let solids = [first, second].map(|name| format!("sphere 0.6 material=\"{name}\" {{ at 0 0.8 0 }}; "));
+            let blend = scene(&format!("union smooth={smooth} {{ {} }}", solids.concat()));
+            let blended = mean(&blend, renderer, 512);
+            let excess = blended / plain - 1.0;
+            println!("{}: {first} with {second}, smooth {smooth}: {:+.3} %", renderer.backend_name(), 100.0 * excess);
+            assert!(excess.abs() < 0.002, "{first} with {second}, smooth {smooth}: {:+.3} %", 100.0 * excess);
         }
     }
 }
 
 /// Where all that surrounds a solid has the radiance 1, every blend of what emits 1, reflects all and transmits all has it, too.
-#[test]
-fn every_blend_vanishes_in_a_furnace() {
+fn every_blend_vanishes_in_a_furnace(renderer: &mut Renderer) {
     let materials =
         [("lamp", "emit 1"), ("white", "diffuse 1"), ("glass", "glass 1; ior 1.5"), ("mirror", "metal 1; roughness 0")];
     for mut renderer in renderers() {
@@ -61,10 +52,14 @@ fn every_blend_vanishes_in_a_furnace() {
                      box 1 material=\"{second}\" {{ at 0.2 0 0 }} }} }}",
                     all.join("\n")
                 );
-                let mean = mean(&scene, &mut renderer, 16);
+                let mean = mean(&scene, renderer, 16);
                 println!("{}: {first} with {second}: {mean:.5}", renderer.backend_name());
                 assert!((mean - 1.0).abs() < 0.002, "{first} with {second}: {mean}");
             }
         }
     }
+}
+
+tests! {
+    on_each_backend: [a_blended_lamp_lights_its_surroundings_as_a_plain_one_does, every_blend_vanishes_in_a_furnace],
 }

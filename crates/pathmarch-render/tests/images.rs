@@ -1,5 +1,6 @@
 //! Image files and picture metrics, from outside: round trips, damaged files, and FLIP against NVIDIA's implementation.
 
+use pathmarch_testing::{plain, tests};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -47,7 +48,6 @@ fn names_in(directory: &Path) -> Vec<String> {
     entries.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned()).collect()
 }
 
-#[test]
 fn exr_keeps_every_bit_and_the_provenance() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     for (width, height) in [(1, 1), (67, 41), (300, 16)] {
@@ -67,7 +67,6 @@ fn exr_keeps_every_bit_and_the_provenance() {
     assert!(fs::metadata(flat).expect("written").len() < 20_000, "not compressed");
 }
 
-#[test]
 fn exr_of_other_programs_is_read_whatever_its_numbers_and_layout() {
     use exr::prelude::*;
     let directory = tempfile::tempdir().expect("a temporary directory");
@@ -95,7 +94,6 @@ fn exr_of_other_programs_is_read_whatever_its_numbers_and_layout() {
     assert!(error.to_string().contains("no channels named R, G and B"), "{error}");
 }
 
-#[test]
 fn exr_holds_further_channels_as_they_are() {
     use exr::prelude::*;
     let directory = tempfile::tempdir().expect("a temporary directory");
@@ -131,7 +129,6 @@ fn exr_holds_further_channels_as_they_are() {
     assert!(error.is_err_and(|error| error.to_string().contains(".exr")));
 }
 
-#[test]
 fn odd_text_in_the_provenance_is_kept_as_far_as_exr_can() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = directory.path().join("out.exr");
@@ -143,7 +140,6 @@ fn odd_text_in_the_provenance_is_kept_as_far_as_exr_can() {
     assert_eq!(load(&path).expect("just written").provenance, Some(odd));
 }
 
-#[test]
 fn png_and_jpeg_show_the_picture_through_tone_curve_and_exposure() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let picture = Picture::from_fn(64, 48, |x, y| [x as f32 / 63.0, y as f32 / 47.0, (x + y) as f32 / 220.0]);
@@ -173,7 +169,6 @@ fn png_and_jpeg_show_the_picture_through_tone_curve_and_exposure() {
     }
 }
 
-#[test]
 fn png_says_that_it_is_srgb() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let bytes = fs::read(saved(directory.path(), "a.png", &radiance(5, 4))).expect("just written");
@@ -183,7 +178,6 @@ fn png_says_that_it_is_srgb() {
     assert!(load(&directory.path().join("a.png")).is_ok());
 }
 
-#[test]
 fn formats_are_told_by_extension_when_writing_and_by_content_when_reading() {
     for (name, format) in [
         ("a.exr", ImageFormat::Exr),
@@ -207,7 +201,6 @@ fn formats_are_told_by_extension_when_writing_and_by_content_when_reading() {
 }
 
 #[cfg(unix)]
-#[test]
 fn a_saved_file_has_the_permissions_of_any_other() {
     use std::os::unix::fs::PermissionsExt;
     let directory = tempfile::tempdir().expect("a temporary directory");
@@ -219,7 +212,6 @@ fn a_saved_file_has_the_permissions_of_any_other() {
     }
 }
 
-#[test]
 fn a_save_that_fails_leaves_the_old_file_and_nothing_else() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = saved(directory.path(), "a.exr", &radiance(4, 4));
@@ -248,14 +240,12 @@ fn a_save_that_fails_leaves_the_old_file_and_nothing_else() {
 }
 
 #[cfg(target_os = "linux")]
-#[test]
 fn a_directory_that_takes_no_files_is_an_error_that_says_so() {
     // /proc takes no new files, not even from root.
     let error = save(Path::new("/proc/a.exr"), &radiance(4, 4), &srgb(), &provenance()).expect_err("not writable");
     assert!(error.to_string().starts_with("/proc/a.exr: cannot be written: "), "{error}");
 }
 
-#[test]
 fn what_is_no_image_is_refused_with_its_name() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = directory.path().join("note.exr");
@@ -269,7 +259,6 @@ fn what_is_no_image_is_refused_with_its_name() {
     }
 }
 
-#[test]
 fn files_cut_short_are_errors() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     for name in ["a.exr", "a.png", "a.jpg"] {
@@ -283,7 +272,6 @@ fn files_cut_short_are_errors() {
     }
 }
 
-#[test]
 fn absurd_sizes_are_refused_before_anything_is_allocated() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = saved(directory.path(), "a.exr", &radiance(8, 8));
@@ -304,7 +292,6 @@ fn absurd_sizes_are_refused_before_anything_is_allocated() {
     assert!(load(&path).is_err());
 }
 
-#[test]
 fn damaged_files_are_errors_or_pictures_never_a_panic() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let mut state = 0x1234_5678_9abc_def0u64;
@@ -378,7 +365,6 @@ fn ramp(gain: f64) -> Picture {
 
 /// The expected means are those of NVIDIA's `flip-evaluator` 1.7 (PyPI) for the same formulas, at its default viewing
 /// distance, given linear RGB: `evaluate(reference, test, "LDR" or "HDR", inputsRGB=False, applyMagma=False)`.
-#[test]
 fn flip_agrees_with_the_implementation_of_its_authors() {
     use PictureKind::{Hdr, Ldr};
     const NIGHT: [f64; 3] = [0.05, 0.1, 0.2];
@@ -409,7 +395,6 @@ fn flip_agrees_with_the_implementation_of_its_authors() {
     }
 }
 
-#[test]
 fn flip_is_zero_for_equal_pictures_and_sees_where_they_differ() {
     let mut image = gradient();
     for kind in [PictureKind::Ldr, PictureKind::Hdr] {
@@ -424,7 +409,6 @@ fn flip_is_zero_for_equal_pictures_and_sees_where_they_differ() {
     assert_eq!(map.errors[(10 * WIDTH + 80) as usize], 0.0, "far from the change");
 }
 
-#[test]
 fn hdr_flip_is_defined_for_black_constant_and_extreme_references() {
     let extreme = picture(|x, _| [f64::from(f32::MAX), x * 1e-38, -1.0]);
     for reference in [constant([0.0; 3]), constant([1.0; 3]), constant([-1.0; 3]), constant([1e30; 3]), extreme] {
@@ -437,7 +421,6 @@ fn hdr_flip_is_defined_for_black_constant_and_extreme_references() {
     assert!((0.05..0.95).contains(&lit), "light where there should be none shows: {lit}");
 }
 
-#[test]
 fn a_comparison_holds_all_the_figures() {
     let (image, reference) = (ramp(1.1), ramp(1.0));
     let found = metrics::compare(&image, &reference, PictureKind::Hdr).expect("same size");
@@ -447,4 +430,8 @@ fn a_comparison_holds_all_the_figures() {
     assert!((found.flip - 0.129984).abs() < 1e-3);
     assert_eq!((found.width, found.height, found.non_finite_a, found.non_finite_b), (WIDTH, HEIGHT, 0, 0));
     assert!((found.mean_a[1] / found.mean_b[1] - 1.1).abs() < 1e-5);
+}
+
+tests! {
+    plain: [exr_keeps_every_bit_and_the_provenance, exr_of_other_programs_is_read_whatever_its_numbers_and_layout, exr_holds_further_channels_as_they_are, odd_text_in_the_provenance_is_kept_as_far_as_exr_can, png_and_jpeg_show_the_picture_through_tone_curve_and_exposure, png_says_that_it_is_srgb, formats_are_told_by_extension_when_writing_and_by_content_when_reading, a_saved_file_has_the_permissions_of_any_other, a_save_that_fails_leaves_the_old_file_and_nothing_else, a_directory_that_takes_no_files_is_an_error_that_says_so, what_is_no_image_is_refused_with_its_name, files_cut_short_are_errors, absurd_sizes_are_refused_before_anything_is_allocated, damaged_files_are_errors_or_pictures_never_a_panic, flip_agrees_with_the_implementation_of_its_authors, flip_is_zero_for_equal_pictures_and_sees_where_they_differ, hdr_flip_is_defined_for_black_constant_and_extreme_references, a_comparison_holds_all_the_figures],
 }

@@ -1,12 +1,11 @@
 //! A picture that follows its scene: it comes, gets better, rests, follows changes, and survives the loss of a device.
 
-mod common;
-
-use common::{parse, renderers};
+use crate::common::{for_each_backend, parse, with_gpu};
 use pathmarch_render::live::{Live, Order, Shown, Status};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Backend, Renderer, Settings};
+use pathmarch_testing::{plain, tests};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -16,10 +15,6 @@ const SCENE: &str = "pathmarch 1\ncamera { position 0 1 4; target 0 0.5 0 }\nsky
 
 /// Long enough for any machine that is not stuck.
 const PATIENCE: Duration = Duration::from_secs(60);
-
-fn backends() -> Vec<Backend> {
-    [Backend::Cpu, Backend::Gpu].into_iter().take(renderers().len()).collect()
-}
 
 fn scene() -> Arc<Scene> {
     Arc::new(parse(SCENE))
@@ -48,140 +43,122 @@ fn until(live: &Live, what: &str, wished: impl Fn(&Shown, &Status) -> bool) -> A
     }
 }
 
-#[test]
-fn the_picture_is_that_of_render_and_then_rests() {
+fn the_picture_is_that_of_render_and_then_rests(backend: Backend) {
     let scene = scene();
-    for backend in backends() {
-        let order = order(&scene, [96, 54], 12);
-        let mut live = Live::new(backend, None, || {});
+    let order = order(&scene, [96, 54], 12);
+    let mut live = Live::new(backend, None, || {});
+    let number = live.show(order.clone());
+    let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
+    let shown = until(&live, "the whole picture", |shown, status| {
+        shown.order == number && shown.samples == 12.0 && status.resting && on_gpu(status)
+    });
+    assert_eq!(shown.size, order.settings.size);
+    let (film, settings) = live.film().recv().expect("an answer").expect("a film");
+    let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &order.settings).expect("a film");
+    assert_eq!(settings, order.settings);
+    assert!(film == expected, "{backend:?}: the films differ");
+    let mean = film.mean();
+    for (pixel, codes) in mean.pixels.iter().zip(shown.codes.chunks(4)) {
+        let expected = order.display.encode_8bit(*pixel);
+        for channel in 0..3 {
+            assert!(expected[channel].abs_diff(codes[channel]) <= 1, "{codes:?} for {expected:?}");
+        }
+        assert_eq!(codes[3], 255);
+    }
+    // Nothing happens any more.
+    let serial = live.picture().expect("a picture").serial;
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(live.picture().expect("a picture").serial, serial);
+    // More samples go on where it stopped.
+    live.show(Order { settings: Settings { samples: 16, ..order.settings.clone() }, ..order.clone() });
+    until(&live, "more samples", |shown, status| shown.samples == 16.0 && status.resting);
+    // Another exposure shows the same film.
+    let brighter = Display { exposure_stops: 2.0, ..order.display };
+    let number = live.show(Order {
+        display: brighter,
+        settings: Settings { samples: 16, ..order.settings.clone() },
+        ..order.clone()
+    });
+    let bright = until(&live, "another exposure", |shown, _| shown.order == number);
+    let sum = |shown: &Shown| shown.codes.iter().map(|&code| u64::from(code)).sum::<u64>();
+    assert!(bright.samples == 16.0 && sum(&bright) > sum(&shown));
+}
+
+fn a_moving_picture_is_small_and_grows_when_it_rests(backend: Backend) {
+    let scene = scene();
+    let mut live = Live::new(backend, None, || {});
+    let whole = order(&scene, [640, 360], 1);
+    live.show(whole.clone());
+    until(&live, "a picture", |shown, status| shown.samples >= 1.0 && status.resting);
+    let mut camera = scene.cameras[0].clone();
+    let mut last = 0;
+    for step in 0..10 {
+        camera.position[0] = 0.05 * step as f32;
+        let moving = Order {
+            settings: Settings { viewpoint: Some(camera.clone()), ..whole.settings.clone() },
+            moving: true,
+            frame_time: Duration::from_micros(100),
+            ..whole.clone()
+        };
+        last = live.show(moving);
+        let shown = until(&live, "a frame", |shown, _| shown.order == last);
+        assert!(shown.size[0] < 640 && shown.samples >= 1.0, "{:?}", shown.size);
+    }
+    let resting = Order { settings: Settings { viewpoint: Some(camera), ..whole.settings.clone() }, ..whole.clone() };
+    live.show(resting.clone());
+    let shown = until(&live, "the whole picture", |shown, status| shown.order > last && status.resting);
+    assert_eq!(shown.size, [640, 360]);
+    let (film, _) = live.film().recv().expect("an answer").expect("a film");
+    let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &resting.settings);
+    assert!(film == expected.expect("a film"), "{backend:?}: moving leaves traces");
+}
+
+fn orders_that_come_faster_than_pictures_still_show_some(backend: Backend) {
+    let scene = scene();
+    let mut live = Live::new(backend, None, || {});
+    let mut camera = scene.cameras[0].clone();
+    let mut serials = std::collections::BTreeSet::new();
+    let started = Instant::now();
+    // Each of these takes longer than the pause between them: without waiting for any, none would be seen.
+    while serials.len() < 5 {
+        camera.position[0] += 0.001;
+        let order = order(&scene, [1920, 1080], 1);
+        live.show(Order {
+            settings: Settings { viewpoint: Some(camera.clone()), ..order.settings },
+            moving: true,
+            frame_time: Duration::from_millis(40),
+            ..order
+        });
+        std::thread::sleep(Duration::from_millis(2));
+        serials.extend(live.picture().map(|shown| shown.serial));
+        assert!(started.elapsed() < PATIENCE, "{backend:?}: {} pictures", serials.len());
+    }
+}
+
+fn a_changed_scene_is_shown(backend: Backend) {
+    let mut live = Live::new(backend, None, || {});
+    // Numbers; then structure, twice and back.
+    let texts = [
+        SCENE.to_owned(),
+        SCENE.replace("0.8 0.1 0.1", "0.1 0.8 0.1"),
+        SCENE.replace("sphere 1", "torus 1 0.4"),
+        SCENE.to_owned(),
+    ];
+    for text in texts {
+        let scene = Arc::new(parse(&text));
+        let order = order(&scene, [64, 36], 4);
         let number = live.show(order.clone());
         let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
-        let shown = until(&live, "the whole picture", |shown, status| {
-            shown.order == number && shown.samples == 12.0 && status.resting && on_gpu(status)
+        until(&live, "the changed scene", |shown, status| {
+            shown.order == number && status.resting && !status.compiling && on_gpu(status)
         });
-        assert_eq!(shown.size, order.settings.size);
-        let (film, settings) = live.film().recv().expect("an answer").expect("a film");
-        let expected =
-            Renderer::open(backend, None).expect("a backend").render(&scene, &order.settings).expect("a film");
-        assert_eq!(settings, order.settings);
-        assert!(film == expected, "{backend:?}: the films differ");
-        let mean = film.mean();
-        for (pixel, codes) in mean.pixels.iter().zip(shown.codes.chunks(4)) {
-            let expected = order.display.encode_8bit(*pixel);
-            for channel in 0..3 {
-                assert!(expected[channel].abs_diff(codes[channel]) <= 1, "{codes:?} for {expected:?}");
-            }
-            assert_eq!(codes[3], 255);
-        }
-        // Nothing happens any more.
-        let serial = live.picture().expect("a picture").serial;
-        std::thread::sleep(Duration::from_millis(300));
-        assert_eq!(live.picture().expect("a picture").serial, serial);
-        // More samples go on where it stopped.
-        live.show(Order { settings: Settings { samples: 16, ..order.settings.clone() }, ..order.clone() });
-        until(&live, "more samples", |shown, status| shown.samples == 16.0 && status.resting);
-        // Another exposure shows the same film.
-        let brighter = Display { exposure_stops: 2.0, ..order.display };
-        let number = live.show(Order {
-            display: brighter,
-            settings: Settings { samples: 16, ..order.settings.clone() },
-            ..order.clone()
-        });
-        let bright = until(&live, "another exposure", |shown, _| shown.order == number);
-        let sum = |shown: &Shown| shown.codes.iter().map(|&code| u64::from(code)).sum::<u64>();
-        assert!(bright.samples == 16.0 && sum(&bright) > sum(&shown));
-    }
-}
-
-#[test]
-fn a_moving_picture_is_small_and_grows_when_it_rests() {
-    let scene = scene();
-    for backend in backends() {
-        let mut live = Live::new(backend, None, || {});
-        let whole = order(&scene, [640, 360], 1);
-        live.show(whole.clone());
-        until(&live, "a picture", |shown, status| shown.samples >= 1.0 && status.resting);
-        let mut camera = scene.cameras[0].clone();
-        let mut last = 0;
-        for step in 0..10 {
-            camera.position[0] = 0.05 * step as f32;
-            let moving = Order {
-                settings: Settings { viewpoint: Some(camera.clone()), ..whole.settings.clone() },
-                moving: true,
-                frame_time: Duration::from_micros(100),
-                ..whole.clone()
-            };
-            last = live.show(moving);
-            let shown = until(&live, "a frame", |shown, _| shown.order == last);
-            assert!(shown.size[0] < 640 && shown.samples >= 1.0, "{:?}", shown.size);
-        }
-        let resting =
-            Order { settings: Settings { viewpoint: Some(camera), ..whole.settings.clone() }, ..whole.clone() };
-        live.show(resting.clone());
-        let shown = until(&live, "the whole picture", |shown, status| shown.order > last && status.resting);
-        assert_eq!(shown.size, [640, 360]);
         let (film, _) = live.film().recv().expect("an answer").expect("a film");
-        let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &resting.settings);
-        assert!(film == expected.expect("a film"), "{backend:?}: moving leaves traces");
+        let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &order.settings);
+        assert!(film == expected.expect("a film"), "{backend:?}: not the picture of\n{text}");
     }
 }
 
-#[test]
-fn orders_that_come_faster_than_pictures_still_show_some() {
-    let scene = scene();
-    for backend in backends() {
-        let mut live = Live::new(backend, None, || {});
-        let mut camera = scene.cameras[0].clone();
-        let mut serials = std::collections::BTreeSet::new();
-        let started = Instant::now();
-        // Each of these takes longer than the pause between them: without waiting for any, none would be seen.
-        while serials.len() < 5 {
-            camera.position[0] += 0.001;
-            let order = order(&scene, [1920, 1080], 1);
-            live.show(Order {
-                settings: Settings { viewpoint: Some(camera.clone()), ..order.settings },
-                moving: true,
-                frame_time: Duration::from_millis(40),
-                ..order
-            });
-            std::thread::sleep(Duration::from_millis(2));
-            serials.extend(live.picture().map(|shown| shown.serial));
-            assert!(started.elapsed() < PATIENCE, "{backend:?}: {} pictures", serials.len());
-        }
-    }
-}
-
-#[test]
-fn a_changed_scene_is_shown() {
-    for backend in backends() {
-        let mut live = Live::new(backend, None, || {});
-        // Numbers; then structure, twice and back.
-        let texts = [
-            SCENE.to_owned(),
-            SCENE.replace("0.8 0.1 0.1", "0.1 0.8 0.1"),
-            SCENE.replace("sphere 1", "torus 1 0.4"),
-            SCENE.to_owned(),
-        ];
-        for text in texts {
-            let scene = Arc::new(parse(&text));
-            let order = order(&scene, [64, 36], 4);
-            let number = live.show(order.clone());
-            let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
-            until(&live, "the changed scene", |shown, status| {
-                shown.order == number && status.resting && !status.compiling && on_gpu(status)
-            });
-            let (film, _) = live.film().recv().expect("an answer").expect("a film");
-            let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &order.settings);
-            assert!(film == expected.expect("a film"), "{backend:?}: not the picture of\n{text}");
-        }
-    }
-}
-
-#[test]
 fn a_lost_device_loses_no_picture() {
-    if !backends().contains(&Backend::Gpu) {
-        return;
-    }
     let scene = scene();
     let mut live = Live::new(Backend::Gpu, None, || {});
     let order = order(&scene, [64, 36], 64);
@@ -199,11 +176,7 @@ fn a_lost_device_loses_no_picture() {
     assert!(film == expected.expect("a film"));
 }
 
-#[test]
 fn what_the_gpu_cannot_hold_is_rendered_on_the_cpu() {
-    if !backends().contains(&Backend::Gpu) {
-        return;
-    }
     let mut live = Live::new(Backend::Gpu, None, || {});
     // More shapes than are compiled as code, in a space of their own, where they are no numbers.
     let balls: String = (0..2100).map(|k| format!("sphere 0.01 {{ at {} {} 0 }};", k % 50, k / 50)).collect();
@@ -219,7 +192,6 @@ fn what_the_gpu_cannot_hold_is_rendered_on_the_cpu() {
     assert_eq!(live.status().notice, None);
 }
 
-#[test]
 fn what_cannot_be_rendered_is_said_and_done_with() {
     let scene = scene();
     let mut live = Live::new(Backend::Cpu, None, || {});
@@ -234,4 +206,10 @@ fn what_cannot_be_rendered_is_said_and_done_with() {
     assert!(live.status().error.expect("an error").contains("0x0"));
     live.show(order(&scene, [32, 18], 2));
     until(&live, "a picture", |shown, status| shown.samples == 2.0 && status.error.is_none());
+}
+
+tests! {
+    plain: [what_cannot_be_rendered_is_said_and_done_with],
+    for_each_backend: [the_picture_is_that_of_render_and_then_rests, a_moving_picture_is_small_and_grows_when_it_rests, orders_that_come_faster_than_pictures_still_show_some, a_changed_scene_is_shown],
+    with_gpu: [a_lost_device_loses_no_picture, what_the_gpu_cannot_hold_is_rendered_on_the_cpu],
 }

@@ -3,23 +3,15 @@
 //! Mesa's software Vulkan ends the loops of an invocation after 65,535 turns: pictures of such scenes were wrong there, and
 //! nothing reported it (see src/gpu/loop_limit.rs).
 
-mod common;
-
-use common::parse;
-use common::random_scenes::random_scene;
-use pathmarch_render::{Backend, Renderer, Settings};
+use crate::common::random_scenes::random_scene;
+use crate::common::{on_both_backends, parse};
+use pathmarch_render::{RenderError, Renderer, Settings};
+use pathmarch_testing::tests;
 
 /// Scenes that are tried, unless `PATHMARCH_RANDOM_SCENES` gives another number.
-const SCENES: u32 = 40;
+const SCENES: u64 = 40;
 
-#[test]
-fn random_scenes_render_alike_on_both_backends() {
-    let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
-    let mut gpu = match Renderer::open(Backend::Gpu, None) {
-        Ok(renderer) => renderer,
-        Err(error) if std::env::var_os("PATHMARCH_REQUIRE_GPU").is_some() => panic!("{error}"),
-        Err(error) => return println!("NOT TESTED on a GPU: {error}"),
-    };
+fn random_scenes_render_alike([cpu, gpu]: &mut [Renderer; 2]) {
     let count = std::env::var("PATHMARCH_RANDOM_SCENES").ok().and_then(|text| text.parse().ok()).unwrap_or(SCENES);
     let (mut refused, mut worst) = (0, 0.0f64);
     let mut wrong = Vec::new();
@@ -29,10 +21,10 @@ fn random_scenes_render_alike_on_both_backends() {
         let mean = |renderer: &mut Renderer| {
             let picture = renderer.render(&scene, &settings)?.mean();
             let sum: f64 = picture.pixels.iter().flatten().map(|&value| f64::from(value)).sum();
-            Ok::<_, pathmarch_render::RenderError>(sum / (3.0 * picture.pixels.len() as f64))
+            Ok::<_, RenderError>(sum / (3.0 * picture.pixels.len() as f64))
         };
-        let on_cpu = mean(&mut cpu).expect("the CPU renders everything");
-        match mean(&mut gpu) {
+        let on_cpu = mean(cpu).expect("the CPU renders everything");
+        match mean(gpu) {
             Ok(on_gpu) => {
                 let difference = (on_gpu / on_cpu - 1.0).abs();
                 worst = worst.max(difference);
@@ -50,4 +42,8 @@ fn random_scenes_render_alike_on_both_backends() {
     assert!(wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
     // A surface that alone takes more turns than the limit is rare.
     assert!(refused * 10 <= count, "{refused} of {count} were refused");
+}
+
+tests! {
+    on_both_backends: [random_scenes_render_alike],
 }

@@ -1,12 +1,11 @@
 //! Scenes of many shapes, which are numbers and not code.
 
-mod common;
-
-use common::{parse, render, renderers};
+use crate::common::{on_each_backend, parse, render};
 use pathmarch_render::metrics::relmse;
 use pathmarch_render::pathmarch_field::Field;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Mode, Renderer, Settings};
+use pathmarch_testing::tests;
 use std::fmt::Write;
 
 /// A smooth union of shapes of two colours, spheres and tori that are objects of their own, lamps, and a floor.
@@ -50,31 +49,29 @@ fn as_code(scene: &Scene) -> Scene {
     Scene { field: Field::with_crowds_from(&roots, usize::MAX), ..scene.clone() }
 }
 
-#[test]
-fn many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends() {
+fn many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends(renderer: &mut Renderer) {
     let scene = scene();
     assert_eq!((scene.field.shapes_as_code(), as_code(&scene).field.shapes_as_code()), (1, 271));
     let settings = Settings { size: [128, 72], samples: 64, ..Settings::of(&scene) };
     let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
     let reference = render(&mut cpu, &as_code(&scene), &settings).mean();
-    for renderer in &mut renderers() {
-        let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("sizes agree");
-        println!("{}: relMSE {error:.6} to the same as code", renderer.backend_name());
-        assert!(error < 0.0005, "{}: {error}", renderer.backend_name());
-    }
+    let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("sizes agree");
+    println!("{}: relMSE {error:.6} to the same as code", renderer.backend_name());
+    assert!(error < 0.0005, "{}: {error}", renderer.backend_name());
 }
 
-#[test]
-fn previews_and_views_of_many_shapes_are_alike_on_both_backends() {
+fn previews_and_views_of_many_shapes_are_alike_on_both_backends(renderer: &mut Renderer) {
     let scene = scene();
     for mode in [Mode::Preview, Mode::Normal, Mode::Depth, Mode::Albedo] {
         let settings = Settings { size: [128, 72], samples: 4, mode, ..Settings::of(&scene) };
         let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
         let code = render(&mut cpu, &as_code(&scene), &settings).mean();
-        for renderer in &mut renderers() {
-            let error = relmse(&render(renderer, &scene, &settings).mean(), &code).expect("sizes agree");
-            println!("{mode:?} {}: relMSE {error:.6} to the same as code", renderer.backend_name());
-            assert!(error < 0.005, "{mode:?} {}: {error}", renderer.backend_name());
-        }
+        let error = relmse(&render(renderer, &scene, &settings).mean(), &code).expect("sizes agree");
+        println!("{mode:?} {}: relMSE {error:.6} to the same as code", renderer.backend_name());
+        assert!(error < 0.005, "{mode:?} {}: {error}", renderer.backend_name());
     }
+}
+
+tests! {
+    on_each_backend: [many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends, previews_and_views_of_many_shapes_are_alike_on_both_backends],
 }

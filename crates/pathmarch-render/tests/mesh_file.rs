@@ -6,6 +6,7 @@ use pathmarch_render::pathmarch_field::Mesh;
 use pathmarch_render::pathmarch_field::mesh::Fineness;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::srgb_encode;
+use pathmarch_testing::{plain, tests};
 use ply_rs_bw::ply::{DefaultElement, Property};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -39,7 +40,6 @@ fn written(format: MeshFormat, mesh: &Mesh, directory: &Path) -> std::path::Path
     path
 }
 
-#[test]
 fn stl_is_read_elsewhere() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     let path = written(MeshFormat::Stl, &mesh, directory.path());
@@ -55,7 +55,6 @@ fn stl_is_read_elsewhere() {
     }
 }
 
-#[test]
 fn ply_is_read_elsewhere() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     let path = written(MeshFormat::Ply, &mesh, directory.path());
@@ -84,7 +83,6 @@ fn ply_is_read_elsewhere() {
     }
 }
 
-#[test]
 fn obj_is_read_elsewhere() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     let path = written(MeshFormat::Obj, &mesh, directory.path());
@@ -101,7 +99,6 @@ fn obj_is_read_elsewhere() {
     }
 }
 
-#[test]
 fn glb_is_read_elsewhere() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     let path = written(MeshFormat::Glb, &mesh, directory.path());
@@ -136,7 +133,6 @@ fn glb_is_read_elsewhere() {
     }
 }
 
-#[test]
 fn names_and_places_that_cannot_be_written_are_refused() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     for name in ["mesh", "mesh.fbx", ".stl"] {
@@ -148,7 +144,6 @@ fn names_and_places_that_cannot_be_written_are_refused() {
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 0, "nothing is left behind");
 }
 
-#[test]
 fn vertices_have_the_colours_of_textures_and_orbits() {
     let coloured = |material: &str, shape: &str| {
         let text = format!(
@@ -176,4 +171,8 @@ fn vertices_have_the_colours_of_textures_and_orbits() {
     let mut greys: Vec<f32> = fractal.colours.iter().map(|colour| colour[0]).collect();
     greys.sort_by(f32::total_cmp);
     assert!(greys[greys.len() - 1] - greys[0] > 0.05, "{} to {}", greys[0], greys[greys.len() - 1]);
+}
+
+tests! {
+    plain: [stl_is_read_elsewhere, ply_is_read_elsewhere, obj_is_read_elsewhere, glb_is_read_elsewhere, names_and_places_that_cannot_be_written_are_refused, vertices_have_the_colours_of_textures_and_orbits],
 }

@@ -1,15 +1,14 @@
 //! Modes show what they say, on both backends alike.
 
-mod common;
-
-use common::{data, mean, parse, render, renderers, scenes};
+use crate::common::{cpu, data, mean, on_both_backends, on_each_backend, parse, render, scenes};
 use pathmarch_render::aov;
 use pathmarch_render::film::Film;
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::{Display, Tonemap};
-use pathmarch_render::{Mode, Settings, clearance, pick, relative_error};
+use pathmarch_render::{Mode, Renderer, Settings, clearance, pick, relative_error};
+use pathmarch_testing::{plain, tests};
 use std::collections::HashSet;
 
 /// The codes that a screen shows at a place of a mode's picture.
@@ -18,12 +17,7 @@ fn codes(film: &Film, mode: Mode, x: u32, y: u32) -> [u8; 3] {
     display.encode_8bit(mode.picture(film).get(x, y).expect("in the picture"))
 }
 
-#[test]
-fn every_mode_looks_alike_on_both_backends() {
-    let mut renderers = renderers();
-    if renderers.len() < 2 {
-        return;
-    }
+fn every_mode_looks_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     let chosen = ["cornell", "glass-still-life", "many-lights", "combinations"];
     for path in scenes().iter().filter(|path| path.file_stem().is_some_and(|name| chosen.iter().any(|c| name == *c))) {
         let scene = Scene::load(path).expect("a valid scene");
@@ -54,9 +48,8 @@ fn every_mode_looks_alike_on_both_backends() {
     }
 }
 
-#[test]
 fn previews_are_about_as_bright_as_pictures() {
-    let mut renderer = renderers().swap_remove(0);
+    let mut renderer = cpu();
     for path in scenes() {
         let scene = Scene::load(&path).expect("a valid scene");
         let [traced, preview] = [Mode::Path, Mode::Preview].map(|mode| {
@@ -73,20 +66,17 @@ fn previews_are_about_as_bright_as_pictures() {
     }
 }
 
-#[test]
-fn modes_without_noise_know_no_seed_and_their_ranges_add_up() {
+fn modes_without_noise_know_no_seed_and_their_ranges_add_up(renderer: &mut Renderer) {
     let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
-    for renderer in &mut renderers() {
-        for mode in Mode::ALL.into_iter().filter(|mode| !mode.traces_paths()) {
-            let settings = Settings { size: [64, 36], samples: 1, mode, ..Settings::of(&scene) };
-            let first = render(renderer, &scene, &settings);
-            assert_eq!(first, render(renderer, &scene, &Settings { seed: 7, ..settings.clone() }), "{}", mode.name());
-            let mut parts = render(renderer, &scene, &Settings { first_sample: 1, samples: 4, ..settings.clone() });
-            parts.add(&first).expect("of one size");
-            let whole = render(renderer, &scene, &Settings { samples: 5, seed: 3, ..settings });
-            for (a, b) in parts.sums.iter().flatten().zip(whole.sums.iter().flatten()) {
-                assert!((a - b).abs() <= 1e-5 * b.abs(), "{}: {a} for {b}", mode.name());
-            }
+    for mode in Mode::ALL.into_iter().filter(|mode| !mode.traces_paths()) {
+        let settings = Settings { size: [64, 36], samples: 1, mode, ..Settings::of(&scene) };
+        let first = render(renderer, &scene, &settings);
+        assert_eq!(first, render(renderer, &scene, &Settings { seed: 7, ..settings.clone() }), "{}", mode.name());
+        let mut parts = render(renderer, &scene, &Settings { first_sample: 1, samples: 4, ..settings.clone() });
+        parts.add(&first).expect("of one size");
+        let whole = render(renderer, &scene, &Settings { samples: 5, seed: 3, ..settings });
+        for (a, b) in parts.sums.iter().flatten().zip(whole.sums.iter().flatten()) {
+            assert!((a - b).abs() <= 1e-5 * b.abs(), "{}: {a} for {b}", mode.name());
         }
     }
 }
@@ -104,42 +94,37 @@ fn ball(shape: &str) -> Scene {
 const DIRECT: &str = "sphere 1";
 const MARCHED: &str = "union smooth=1e-6 { sphere 1; sphere 0.001 }";
 
-#[test]
-fn views_show_a_ball_as_it_is() {
-    for renderer in &mut renderers() {
-        for shape in [DIRECT, MARCHED] {
-            let scene = ball(shape);
-            let mut show = |mode, [x, y]: [u32; 2]| {
-                let film =
-                    render(renderer, &scene, &Settings { size: [81, 61], samples: 1, mode, ..Settings::of(&scene) });
-                codes(&film, mode, x, y)
-            };
-            let (middle, corner) = ([40, 30], [0, 0]);
-            let near = |found: [u8; 3], expected: [f32; 3]| {
-                let close = (0..3).all(|k| (f32::from(found[k]) - 255.0 * expected[k]).abs() <= 1.0);
-                assert!(close, "{shape}: {found:?} for {expected:?}");
-            };
-            near(show(Mode::Normal, middle), [0.5, 0.5, 1.0]);
-            // The limb of the ball on the right of the middle row: a column further left, the normal leans by its sine.
-            let half = 20f32.to_radians().tan();
-            let across = half * 81.0 / 61.0 * (2.0 * 52.5 / 81.0 - 1.0);
-            let along = 1.0 / (1.0 + across * across).sqrt();
-            let t = 5.0 * along - (1.0 - (5.0 * across * along).powi(2)).sqrt();
-            near(show(Mode::Normal, [52, 30]), [0.5 + 0.5 * across * along * t, 0.5, 0.5 + 0.5 * (5.0 - along * t)]);
-            near(show(Mode::Albedo, middle), [0.735_357, 0.537_099, 0.388_573]);
-            // The scene is larger than the way to the target, which is then middle grey; the ball's front is at 4 m of 5.
-            near(show(Mode::Depth, middle), [1.0 / (1.0 + 0.64); 3]);
-            for mode in Mode::ALL.into_iter().filter(|mode| !mode.traces_paths() && *mode != Mode::Preview) {
-                assert_eq!(show(mode, corner), [0; 3], "{}: nothing is there", mode.name());
-            }
-            let marched = show(Mode::Steps, middle).iter().any(|&code| code > 0);
-            assert_eq!(marched, shape == MARCHED, "{shape}");
+fn views_show_a_ball_as_it_is(renderer: &mut Renderer) {
+    for shape in [DIRECT, MARCHED] {
+        let scene = ball(shape);
+        let mut show = |mode, [x, y]: [u32; 2]| {
+            let film = render(renderer, &scene, &Settings { size: [81, 61], samples: 1, mode, ..Settings::of(&scene) });
+            codes(&film, mode, x, y)
+        };
+        let (middle, corner) = ([40, 30], [0, 0]);
+        let near = |found: [u8; 3], expected: [f32; 3]| {
+            let close = (0..3).all(|k| (f32::from(found[k]) - 255.0 * expected[k]).abs() <= 1.0);
+            assert!(close, "{shape}: {found:?} for {expected:?}");
+        };
+        near(show(Mode::Normal, middle), [0.5, 0.5, 1.0]);
+        // The limb of the ball on the right of the middle row: a column further left, the normal leans by its sine.
+        let half = 20f32.to_radians().tan();
+        let across = half * 81.0 / 61.0 * (2.0 * 52.5 / 81.0 - 1.0);
+        let along = 1.0 / (1.0 + across * across).sqrt();
+        let t = 5.0 * along - (1.0 - (5.0 * across * along).powi(2)).sqrt();
+        near(show(Mode::Normal, [52, 30]), [0.5 + 0.5 * across * along * t, 0.5, 0.5 + 0.5 * (5.0 - along * t)]);
+        near(show(Mode::Albedo, middle), [0.735_357, 0.537_099, 0.388_573]);
+        // The scene is larger than the way to the target, which is then middle grey; the ball's front is at 4 m of 5.
+        near(show(Mode::Depth, middle), [1.0 / (1.0 + 0.64); 3]);
+        for mode in Mode::ALL.into_iter().filter(|mode| !mode.traces_paths() && *mode != Mode::Preview) {
+            assert_eq!(show(mode, corner), [0; 3], "{}: nothing is there", mode.name());
         }
+        let marched = show(Mode::Steps, middle).iter().any(|&code| code > 0);
+        assert_eq!(marched, shape == MARCHED, "{shape}");
     }
 }
 
-#[test]
-fn violations_show_where_a_field_lies() {
+fn violations_show_where_a_field_lies(renderer: &mut Renderer) {
     let scene = |lipschitz: f32| {
         parse(&format!(
             "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 40 }}\n\
@@ -148,73 +133,61 @@ fn violations_show_where_a_field_lies() {
              object \"it\" {{ ball }}"
         ))
     };
-    for renderer in &mut renderers() {
-        let mut coloured = |lipschitz: f32| {
-            let scene = scene(lipschitz);
-            let settings = Settings { size: [64, 64], samples: 1, mode: Mode::Violations, ..Settings::of(&scene) };
-            let picture = render(renderer, &scene, &settings).mean();
-            let is_grey = |[r, g, b]: [f32; 3]| (r - g).abs() < 1e-6 && (g - b).abs() < 1e-6;
-            picture.pixels.into_iter().filter(|&pixel| !is_grey(pixel)).count()
-        };
-        let counts = [coloured(3.0), coloured(1.0)];
-        println!("{counts:?} of 4096 pixels are coloured");
-        assert!(counts[0] == 0 && counts[1] > 500, "{counts:?}");
-    }
+    let mut coloured = |lipschitz: f32| {
+        let scene = scene(lipschitz);
+        let settings = Settings { size: [64, 64], samples: 1, mode: Mode::Violations, ..Settings::of(&scene) };
+        let picture = render(renderer, &scene, &settings).mean();
+        let is_grey = |[r, g, b]: [f32; 3]| (r - g).abs() < 1e-6 && (g - b).abs() < 1e-6;
+        picture.pixels.into_iter().filter(|&pixel| !is_grey(pixel)).count()
+    };
+    let counts = [coloured(3.0), coloured(1.0)];
+    println!("{counts:?} of 4096 pixels are coloured");
+    assert!(counts[0] == 0 && counts[1] > 500, "{counts:?}");
 }
 
-#[test]
-fn the_depth_of_a_plane_across_the_view_is_one_grey() {
+fn the_depth_of_a_plane_across_the_view_is_one_grey(renderer: &mut Renderer) {
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 3; target 0 0 0; fov 90 }\nsky 1\nobject \"wall\" { plane { normal 0 0 1 } }",
     );
-    for renderer in &mut renderers() {
-        let settings = Settings { size: [32, 32], samples: 1, mode: Mode::Depth, ..Settings::of(&scene) };
-        let film = render(renderer, &scene, &settings);
-        for (x, y) in [(0, 0), (16, 16), (31, 5)] {
-            // At the target: half.
-            assert!(codes(&film, Mode::Depth, x, y).iter().all(|&code| (127..=129).contains(&code)), "{x} {y}");
-        }
+    let settings = Settings { size: [32, 32], samples: 1, mode: Mode::Depth, ..Settings::of(&scene) };
+    let film = render(renderer, &scene, &settings);
+    for (x, y) in [(0, 0), (16, 16), (31, 5)] {
+        // At the target: half.
+        assert!(codes(&film, Mode::Depth, x, y).iter().all(|&code| (127..=129).contains(&code)), "{x} {y}");
     }
 }
 
-#[test]
-fn every_object_and_material_has_its_colour() {
+fn every_object_and_material_has_its_colour(renderer: &mut Renderer) {
     let scene = Scene::load(data("../../../../scenes/material-grid.kdl")).expect("a valid scene");
     let settings = Settings { size: [192, 108], samples: 1, ..Settings::of(&scene) };
     let aovs = aov::render(&scene, &settings).expect("renders");
-    for renderer in &mut renderers() {
-        for (mode, ids) in [(Mode::ObjectId, &aovs.object), (Mode::MaterialId, &aovs.material)] {
-            let film = render(renderer, &scene, &Settings { mode, ..settings.clone() });
-            let seen: HashSet<(u32, [u8; 3])> =
-                (0..192 * 108).map(|k| (ids[k as usize], codes(&film, mode, k % 192, k / 192))).collect();
-            let ids: HashSet<u32> = seen.iter().map(|(id, _)| *id).collect();
-            let colours: HashSet<[u8; 3]> = seen.iter().map(|(_, colour)| *colour).collect();
-            assert!(ids.len() > 20, "{} ids", ids.len());
-            assert_eq!((seen.len(), colours.len()), (ids.len(), ids.len()), "{}: one colour each", mode.name());
-        }
+    for (mode, ids) in [(Mode::ObjectId, &aovs.object), (Mode::MaterialId, &aovs.material)] {
+        let film = render(renderer, &scene, &Settings { mode, ..settings.clone() });
+        let seen: HashSet<(u32, [u8; 3])> =
+            (0..192 * 108).map(|k| (ids[k as usize], codes(&film, mode, k % 192, k / 192))).collect();
+        let ids: HashSet<u32> = seen.iter().map(|(id, _)| *id).collect();
+        let colours: HashSet<[u8; 3]> = seen.iter().map(|(_, colour)| *colour).collect();
+        assert!(ids.len() > 20, "{} ids", ids.len());
+        assert_eq!((seen.len(), colours.len()), (ids.len(), ids.len()), "{}: one colour each", mode.name());
     }
 }
 
-#[test]
-fn a_lamp_shows_on_the_side_that_shines() {
-    for renderer in &mut renderers() {
-        for (facing, expected) in [(1, [2.0, 0.5, 0.25]), (-1, [0.0; 3])] {
-            let scene = parse(&format!(
-                "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nmaterial \"lamp\" {{ emit 2 0.5 0.25 }}\n\
+fn a_lamp_shows_on_the_side_that_shines(renderer: &mut Renderer) {
+    for (facing, expected) in [(1, [2.0, 0.5, 0.25]), (-1, [0.0; 3])] {
+        let scene = parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nmaterial \"lamp\" {{ emit 2 0.5 0.25 }}\n\
                  object \"lamp\" material=\"lamp\" {{ rect 10 10 {{ normal 0 0 {facing} }} }}"
-            ));
-            let mut show = |mode| {
-                let settings = Settings { size: [8, 8], samples: 1, mode, ..Settings::of(&scene) };
-                render(renderer, &scene, &settings).mean().pixels[27]
-            };
-            assert_eq!(show(Mode::Preview), expected);
-            assert_eq!(show(Mode::Albedo), expected.map(|channel: f32| channel.min(1.0)));
-        }
+        ));
+        let mut show = |mode| {
+            let settings = Settings { size: [8, 8], samples: 1, mode, ..Settings::of(&scene) };
+            render(renderer, &scene, &settings).mean().pixels[27]
+        };
+        assert_eq!(show(Mode::Preview), expected);
+        assert_eq!(show(Mode::Albedo), expected.map(|channel: f32| channel.min(1.0)));
     }
 }
 
-#[test]
-fn a_preview_of_a_lit_floor_is_exact_where_it_can_be() {
+fn a_preview_of_a_lit_floor_is_exact_where_it_can_be(renderer: &mut Renderer) {
     // Under a point, a sun, a square lamp: nothing hides anything, and nothing is all around.
     let cases = [
         ("point { at 0 2 0; intensity 10 }", 10.0 / 4.0),
@@ -230,46 +203,42 @@ fn a_preview_of_a_lit_floor_is_exact_where_it_can_be() {
             "pathmarch 1\ncamera {{ position 0 0.5 0; target 0 0 0; up 0 0 -1; fov 0.5 }}\n{light}\n\
              material \"m\" {{ diffuse 0.5 }}\nobject \"floor\" material=\"m\" {{ plane }}"
         ));
-        for renderer in &mut renderers() {
-            let settings =
-                Settings { size: [8, 8], samples: 1, bounces: 0, mode: Mode::Preview, ..Settings::of(&scene) };
-            let shown = mean(&render(renderer, &scene, &settings).mean(), |_, _| true);
-            let expected = 0.5 / std::f64::consts::PI * irradiance;
-            assert!((shown / expected - 1.0).abs() < 0.02, "{light}: {shown} for {expected}");
-        }
+        let settings = Settings { size: [8, 8], samples: 1, bounces: 0, mode: Mode::Preview, ..Settings::of(&scene) };
+        let shown = mean(&render(renderer, &scene, &settings).mean(), |_, _| true);
+        let expected = 0.5 / std::f64::consts::PI * irradiance;
+        assert!((shown / expected - 1.0).abs() < 0.02, "{light}: {shown} for {expected}");
     }
 }
 
-#[test]
-fn a_white_furnace_looks_white_in_a_preview() {
+fn a_white_furnace_looks_white_in_a_preview(renderer: &mut Renderer) {
     // Under a constant sky a ball in the air shows its albedo, but for what occlusion guesses.
     let scene = Scene::load(data("furnace_050.kdl")).expect("a valid scene");
-    for renderer in &mut renderers() {
-        let settings = Settings { size: [64, 64], samples: 1, mode: Mode::Preview, ..Settings::of(&scene) };
-        let picture = render(renderer, &scene, &settings).mean();
-        let ball = mean(&picture, |x, y| (x as f32 - 31.5).hypot(y as f32 - 31.5) < 20.0);
-        assert!((ball - 0.5).abs() < 0.08, "{ball}");
-    }
+    let settings = Settings { size: [64, 64], samples: 1, mode: Mode::Preview, ..Settings::of(&scene) };
+    let picture = render(renderer, &scene, &settings).mean();
+    let ball = mean(&picture, |x, y| (x as f32 - 31.5).hypot(y as f32 - 31.5) < 20.0);
+    assert!((ball - 0.5).abs() < 0.08, "{ball}");
 }
 
-#[test]
-fn uncertainty_falls_with_the_root_of_the_samples() {
+fn uncertainty_falls_with_the_root_of_the_samples(renderer: &mut Renderer) {
     let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
     let base = Settings { size: [48, 27], sampler: scene.render.sampler, mode: Mode::Variance, ..Settings::of(&scene) };
-    for renderer in &mut renderers() {
-        let mut errors = [64, 1024].map(|samples| {
-            let film = render(renderer, &scene, &Settings { samples, ..base.clone() });
-            let pairs = film.sums.iter().filter(|sum| sum[0] > 0.0);
-            let mut errors: Vec<f64> = pairs.map(|sum| relative_error(sum[0], sum[1], samples)).collect();
-            errors.sort_by(f64::total_cmp);
-            errors
-        });
-        let [few, many] = errors.each_mut().map(|errors| errors[errors.len() * 3 / 4]);
-        println!("{}: {few:.4} at 64 samples, {many:.4} at 1024", renderer.backend_name());
-        assert!((few / many / 4.0 - 1.0).abs() < 0.1, "{few} {many}");
-    }
-    // The mean is that of the path-traced picture's luminance, to rounding.
-    let mut cpu = renderers().swap_remove(0);
+    let mut errors = [64, 1024].map(|samples| {
+        let film = render(renderer, &scene, &Settings { samples, ..base.clone() });
+        let pairs = film.sums.iter().filter(|sum| sum[0] > 0.0);
+        let mut errors: Vec<f64> = pairs.map(|sum| relative_error(sum[0], sum[1], samples)).collect();
+        errors.sort_by(f64::total_cmp);
+        errors
+    });
+    let [few, many] = errors.each_mut().map(|errors| errors[errors.len() * 3 / 4]);
+    println!("{}: {few:.4} at 64 samples, {many:.4} at 1024", renderer.backend_name());
+    assert!((few / many / 4.0 - 1.0).abs() < 0.1, "{few} {many}");
+}
+
+/// The mean is that of the path-traced picture's luminance, to rounding.
+fn the_mean_of_variance_is_that_of_the_picture() {
+    let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
+    let base = Settings { size: [48, 27], sampler: scene.render.sampler, mode: Mode::Variance, ..Settings::of(&scene) };
+    let mut cpu = cpu();
     let of = |mode| Settings { samples: 16, mode, ..base.clone() };
     let traced = render(&mut cpu, &scene, &of(Mode::Path)).mean();
     for (moments, traced) in render(&mut cpu, &scene, &of(Mode::Variance)).mean().pixels.iter().zip(traced.pixels) {
@@ -278,22 +247,18 @@ fn uncertainty_falls_with_the_root_of_the_samples() {
     }
 }
 
-#[test]
-fn later_samples_smooth_the_edges() {
+fn later_samples_smooth_the_edges(renderer: &mut Renderer) {
     let scene = ball(MARCHED);
-    for renderer in &mut renderers() {
-        let settings = Settings { size: [81, 61], samples: 16, mode: Mode::Albedo, ..Settings::of(&scene) };
-        let one = render(renderer, &scene, &Settings { samples: 1, ..settings.clone() }).mean();
-        let all = render(renderer, &scene, &settings).mean();
-        let partial = |pixel: &[f32; 3]| pixel[0] > 0.02 && pixel[0] < 0.18;
-        assert!(!one.pixels.iter().any(partial), "one sample is a plain picture");
-        assert!(all.pixels.iter().filter(|pixel| partial(pixel)).count() > 20);
-        let result = compare(&one, &all, PictureKind::Hdr).expect("two of a size");
-        assert!(result.flip < 0.1, "{}", result.flip);
-    }
+    let settings = Settings { size: [81, 61], samples: 16, mode: Mode::Albedo, ..Settings::of(&scene) };
+    let one = render(renderer, &scene, &Settings { samples: 1, ..settings.clone() }).mean();
+    let all = render(renderer, &scene, &settings).mean();
+    let partial = |pixel: &[f32; 3]| pixel[0] > 0.02 && pixel[0] < 0.18;
+    assert!(!one.pixels.iter().any(partial), "one sample is a plain picture");
+    assert!(all.pixels.iter().filter(|pixel| partial(pixel)).count() > 20);
+    let result = compare(&one, &all, PictureKind::Hdr).expect("two of a size");
+    assert!(result.flip < 0.1, "{}", result.flip);
 }
 
-#[test]
 fn a_pick_is_what_the_layers_say() {
     for name in ["cornell.kdl", "depth-of-field.kdl", "ten-lines.kdl"] {
         let scene = Scene::load(data("../../../../scenes").join(name)).expect("a valid scene");
@@ -319,7 +284,6 @@ fn a_pick_is_what_the_layers_say() {
     }
 }
 
-#[test]
 fn picks_and_clearances_of_a_ball_are_exact() {
     let scene = ball(DIRECT);
     let settings = Settings { size: [81, 61], ..Settings::of(&scene) };
@@ -332,4 +296,10 @@ fn picks_and_clearances_of_a_ball_are_exact() {
     for (z, expected) in [(5.0, 4.0), (0.25, 0.75)] {
         assert!((clearance(&scene, [0.0, 0.0, z]) - expected).abs() < 1e-5, "from both sides");
     }
+}
+
+tests! {
+    plain: [a_pick_is_what_the_layers_say, picks_and_clearances_of_a_ball_are_exact, previews_are_about_as_bright_as_pictures, the_mean_of_variance_is_that_of_the_picture],
+    on_each_backend: [modes_without_noise_know_no_seed_and_their_ranges_add_up, views_show_a_ball_as_it_is, violations_show_where_a_field_lies, the_depth_of_a_plane_across_the_view_is_one_grey, every_object_and_material_has_its_colour, a_lamp_shows_on_the_side_that_shines, a_preview_of_a_lit_floor_is_exact_where_it_can_be, a_white_furnace_looks_white_in_a_preview, later_samples_smooth_the_edges, uncertainty_falls_with_the_root_of_the_samples],
+    on_both_backends: [every_mode_looks_alike_on_both_backends],
 }

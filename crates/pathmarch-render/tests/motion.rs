@@ -1,11 +1,10 @@
 //! Motion blur: what moves is the mean of where it is while the shutter is open, on both backends.
 
-mod common;
-
-use common::{renderers, worst_block};
+use crate::common::{cpu, on_each_backend, worst_block};
 use pathmarch_render::film::Film;
 use pathmarch_render::pathmarch_scene::{Animation, Moment};
 use pathmarch_render::{MovingJob, Renderer, Settings, Shutter};
+use pathmarch_testing::{plain, tests};
 
 /// A lit ball that crosses half of the picture in a second, over a ground that stays.
 const SCENE: &str = "pathmarch 1
@@ -42,48 +41,41 @@ fn still(renderer: &mut Renderer, seconds: f64, settings: &Settings) -> Film {
     renderer.render(&scene, settings).expect("renders")
 }
 
-#[test]
-fn blur_is_the_mean_over_the_time() {
-    for mut renderer in renderers() {
-        let name = renderer.backend_name();
-        // Sixty-four still pictures, each by few samples of its own.
-        let mut mean = Film::new(64, 36);
-        for k in 0..64 {
-            let at = (f64::from(k) + 0.5) / 64.0;
-            mean.add(&still(&mut renderer, at, &settings(8, 0, 100 + k))).expect("one size");
-        }
-        let film = blurred(&mut renderer, &settings(256, 0, 1), OPEN);
-        let (blur, mean) = (film.mean(), mean.mean());
-        let error = worst_block(&blur, &mean, 4);
-        let unmoved = worst_block(&still(&mut renderer, 0.5, &settings(256, 0, 1)).mean(), &mean, 4);
-        println!("{name}: worst block {error:.4}, of the ball at rest {unmoved:.4}");
-        assert!(error < 0.05 && unmoved > 0.5, "{name}: {error} {unmoved}");
-        // A shutter that is open for no time shows the moment at which it opens.
-        let shut = Shutter { opens: Moment { seconds: 0.5, frame: 0 }, seconds: 0.0 };
-        let frozen = worst_block(
-            &blurred(&mut renderer, &settings(16, 0, 1), shut).mean(),
-            &still(&mut renderer, 0.5, &settings(16, 0, 1)).mean(),
-            1,
-        );
-        assert!(frozen < 1e-3, "{name}: {frozen}");
+fn blur_is_the_mean_over_the_time(renderer: &mut Renderer) {
+    let name = renderer.backend_name();
+    // Sixty-four still pictures, each by few samples of its own.
+    let mut mean = Film::new(64, 36);
+    for k in 0..64 {
+        let at = (f64::from(k) + 0.5) / 64.0;
+        mean.add(&still(renderer, at, &settings(8, 0, 100 + k))).expect("one size");
     }
+    let film = blurred(renderer, &settings(256, 0, 1), OPEN);
+    let (blur, mean) = (film.mean(), mean.mean());
+    let error = worst_block(&blur, &mean, 4);
+    let unmoved = worst_block(&still(renderer, 0.5, &settings(256, 0, 1)).mean(), &mean, 4);
+    println!("{name}: worst block {error:.4}, of the ball at rest {unmoved:.4}");
+    assert!(error < 0.05 && unmoved > 0.5, "{name}: {error} {unmoved}");
+    // A shutter that is open for no time shows the moment at which it opens.
+    let shut = Shutter { opens: Moment { seconds: 0.5, frame: 0 }, seconds: 0.0 };
+    let frozen = worst_block(
+        &blurred(renderer, &settings(16, 0, 1), shut).mean(),
+        &still(renderer, 0.5, &settings(16, 0, 1)).mean(),
+        1,
+    );
+    assert!(frozen < 1e-3, "{name}: {frozen}");
 }
 
-#[test]
-fn ranges_of_samples_add_up() {
-    for mut renderer in renderers() {
-        let whole = blurred(&mut renderer, &settings(24, 0, 5), OPEN);
-        let mut parts = blurred(&mut renderer, &settings(10, 0, 5), OPEN);
-        parts.add(&blurred(&mut renderer, &settings(14, 10, 5), OPEN)).expect("one size");
-        let error = worst_block(&parts.mean(), &whole.mean(), 1);
-        assert!(error < 1e-4, "{}: {error}", renderer.backend_name());
-    }
+fn ranges_of_samples_add_up(renderer: &mut Renderer) {
+    let whole = blurred(renderer, &settings(24, 0, 5), OPEN);
+    let mut parts = blurred(renderer, &settings(10, 0, 5), OPEN);
+    parts.add(&blurred(renderer, &settings(14, 10, 5), OPEN)).expect("one size");
+    let error = worst_block(&parts.mean(), &whole.mean(), 1);
+    assert!(error < 1e-4, "{}: {error}", renderer.backend_name());
 }
 
-#[test]
 fn mistakes_of_a_moment_are_told() {
     let mut animation = Animation::new("motion.kdl", SCENE.replace("sphere 0.5", "sphere \"0.9 - t\""));
-    let mut renderer = renderers().remove(0);
+    let mut renderer = cpu();
     let mut job = MovingJob::new(&settings(64, 0, 0), OPEN);
     let error = loop {
         match job.advance(&mut renderer, &mut animation) {
@@ -92,4 +84,9 @@ fn mistakes_of_a_moment_are_told() {
         }
     };
     assert!(error.to_string().contains("motion.kdl has 1 mistake"), "{error}");
+}
+
+tests! {
+    plain: [mistakes_of_a_moment_are_told],
+    on_each_backend: [blur_is_the_mean_over_the_time, ranges_of_samples_add_up],
 }

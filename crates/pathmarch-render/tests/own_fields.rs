@@ -1,10 +1,9 @@
 //! Fields of a scene's own are the same on the CPU and the GPU, and hang neither.
 
-mod common;
 #[path = "../../pathmarch-field/tests/sampling/fields.rs"]
 mod fields;
 
-use common::{parse, render, renderers};
+use crate::common::{on_both_backends, on_each_backend, parse, render, with_gpu};
 use fields::{copying, declared};
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
@@ -12,7 +11,8 @@ use pathmarch_render::pathmarch_field::number::{Dual, Vec3};
 use pathmarch_render::pathmarch_field::own::{Code, budget};
 use pathmarch_render::pathmarch_field::{Info, OwnField, Shape};
 use pathmarch_render::pathmarch_scene::Scene;
-use pathmarch_render::{Mode, Settings};
+use pathmarch_render::{Mode, Renderer, Settings};
+use pathmarch_testing::{plain, tests};
 use std::sync::Arc;
 use std::time::Instant;
 use wgpu::util::DeviceExt;
@@ -86,18 +86,14 @@ fn on_device(
     bytemuck::cast_slice(&view).to_vec()
 }
 
-fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
+fn device() -> (wgpu::Device, wgpu::Queue) {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends: wgpu::Backends::PRIMARY,
         flags: wgpu::InstanceFlags::empty(),
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     });
-    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).ok();
-    if adapter.is_none() {
-        assert!(std::env::var_os("PATHMARCH_REQUIRE_GPU").is_none(), "no adapter");
-        println!("NOT TESTED on a GPU: no adapter");
-    }
-    Some(pollster::block_on(adapter?.request_device(&Default::default())).expect("a device"))
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).expect("an adapter");
+    pollster::block_on(adapter.request_device(&Default::default())).expect("a device")
 }
 
 /// A repeatable number of 0..1.
@@ -106,9 +102,8 @@ fn random(state: &mut u32) -> f32 {
     (*state >> 8) as f32 / 16_777_216.0
 }
 
-#[test]
 fn the_cpu_and_the_gpu_agree_at_random_points() {
-    let Some((device, queue)) = device() else { return };
+    let (device, queue) = device();
     let mut state = 1;
     for declared in declared() {
         let shape = declared.shape();
@@ -133,9 +128,8 @@ fn the_cpu_and_the_gpu_agree_at_random_points() {
 }
 
 /// The budget counts what arrays copy on a device as it does on the CPU: a loop has as many passes.
-#[test]
 fn copies_of_arrays_are_counted_alike() {
-    let Some((device, queue)) = device() else { return };
+    let (device, queue) = device();
     let points = vec![[1.0, 2.0, 3.0, 0.0]; POINTS];
     for copying in copying() {
         let code = Code::new("copying", &[], &copying.text).unwrap_or_else(|faults| panic!("{faults:#?}"));
@@ -150,7 +144,6 @@ fn copies_of_arrays_are_counted_alike() {
 }
 
 /// What would take a device minutes and gigabytes is refused when the scene is read.
-#[test]
 fn scenes_of_large_arrays_are_refused() {
     let calls: String = (0..255).map(|k| format!("sum += g()[{k}];")).collect();
     for (size, said) in [(10_000, "`a` has 10000 numbers"), (2_000, "arrays of this function come to")] {
@@ -172,11 +165,9 @@ fn scene(field: &str, use_it: &str) -> pathmarch_render::pathmarch_scene::Scene 
     ))
 }
 
-#[test]
-fn fields_render_alike_on_both_backends() {
+fn fields_render_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     let gyroid = "field \"gyroid\" { param cell 0.8; param wall 0.05; lipschitz 1.75; bounds 2 2 2; wgsl \"fn distance(p: vec3f) -> \
                   f32 { let k = 6.2831853 / cell; return abs(dot(sin(p * k), cos(p.yzx * k))) / k - wall; }\" }";
-    let mut renderers = renderers();
     for use_it in [
         "gyroid cell=0.7 { rotate 25 30 10; scale 1.1 }",
         "intersect { gyroid; sphere 1 }",
@@ -186,20 +177,15 @@ fn fields_render_alike_on_both_backends() {
     ] {
         let scene = scene(gyroid, use_it);
         let settings = Settings { size: [96, 54], samples: 16, ..Settings::of(&scene) };
-        let pictures: Vec<_> =
-            renderers.iter_mut().map(|renderer| render(renderer, &scene, &settings).mean()).collect();
-        if let [cpu, gpu] = &pictures[..] {
-            let result = compare(cpu, gpu, PictureKind::Hdr).expect("two of a size");
-            println!("{use_it}: CPU against GPU relMSE {:.1e}", result.relmse);
-            assert!(result.relmse < 5e-4, "{use_it}: {:.1e}", result.relmse);
-        }
+        let [cpu, gpu] = [0, 1].map(|k| render(&mut renderers[k], &scene, &settings).mean());
+        let result = compare(&cpu, &gpu, PictureKind::Hdr).expect("two of a size");
+        println!("{use_it}: CPU against GPU relMSE {:.1e}", result.relmse);
+        assert!(result.relmse < 5e-4, "{use_it}: {:.1e}", result.relmse);
     }
 }
 
 /// A value that is nowhere or hardly finite, and loops that never end: the picture is made, and soon.
-#[test]
-fn hostile_fields_are_rendered() {
-    let mut renderers = renderers();
+fn hostile_fields_are_rendered(renderer: &mut Renderer) {
     for text in [
         "fn distance(p: vec3f) -> f32 { return p.x / (p.y - p.y); }",
         "fn distance(p: vec3f) -> f32 { return sqrt(p.x) - 0.5; }",
@@ -216,24 +202,21 @@ fn hostile_fields_are_rendered() {
         "fn distance(p: vec3f) -> f32 { var a = array<f32, 4>(); a[i32(p.x * 1e9)] = 1.0; return a[i32(p.y * 1e9)] - 0.5; }",
     ] {
         let scene = scene(&format!("field \"f\" {{ bounds 2 2 2; wgsl \"{text}\" }}"), "f");
-        for renderer in &mut renderers {
-            for mode in [Mode::Path, Mode::Normal] {
-                let settings = Settings { size: [64, 36], samples: 2, mode, ..Settings::of(&scene) };
-                let start = Instant::now();
-                let film = renderer.render(&scene, &settings).expect("renders");
-                let finite = film.mean().pixels.iter().flatten().all(|v| v.is_finite());
-                let seconds = start.elapsed().as_secs_f32();
-                println!("{}: {seconds:.2} s, {} not finite: {text:.80}", renderer.backend_name(), film.non_finite());
-                assert!(finite && film.non_finite() == 0, "{text}");
-                assert!(seconds < 30.0, "{text}");
-            }
+        for mode in [Mode::Path, Mode::Normal] {
+            let settings = Settings { size: [64, 36], samples: 2, mode, ..Settings::of(&scene) };
+            let start = Instant::now();
+            let film = renderer.render(&scene, &settings).expect("renders");
+            let finite = film.mean().pixels.iter().flatten().all(|v| v.is_finite());
+            let seconds = start.elapsed().as_secs_f32();
+            println!("{}: {seconds:.2} s, {} not finite: {text:.80}", renderer.backend_name(), film.non_finite());
+            assert!(finite && film.non_finite() == 0, "{text}");
+            assert!(seconds < 30.0, "{text}");
         }
     }
 }
 
 /// The examples of the documentation, one of which is a scene of the gallery to the letter.
-#[test]
-fn the_examples_of_the_documentation_are_rendered() {
+fn the_examples_of_the_documentation_are_rendered(renderer: &mut Renderer) {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let docs = std::fs::read_to_string(root.join("docs/own-fields.md")).expect("the page");
     let blocks: Vec<&str> =
@@ -242,11 +225,16 @@ fn the_examples_of_the_documentation_are_rendered() {
     assert!(blocks.contains(&port.as_str()), "docs/own-fields.md shows another scenes/columns.kdl");
     for block in blocks {
         let scene = parse(block);
-        for renderer in &mut renderers() {
-            let settings = Settings { size: [96, 54], samples: 4, bounces: 2, ..Settings::of(&scene) };
-            let picture = render(renderer, &scene, &settings).mean();
-            let brightness = picture.mean_colour()[1];
-            assert!(brightness > 0.01, "{}: {brightness}", renderer.backend_name());
-        }
+        let settings = Settings { size: [96, 54], samples: 4, bounces: 2, ..Settings::of(&scene) };
+        let picture = render(renderer, &scene, &settings).mean();
+        let brightness = picture.mean_colour()[1];
+        assert!(brightness > 0.01, "{}: {brightness}", renderer.backend_name());
     }
+}
+
+tests! {
+    on_each_backend: [hostile_fields_are_rendered, the_examples_of_the_documentation_are_rendered],
+    on_both_backends: [fields_render_alike_on_both_backends],
+    with_gpu: [the_cpu_and_the_gpu_agree_at_random_points, copies_of_arrays_are_counted_alike],
+    plain: [scenes_of_large_arrays_are_refused],
 }

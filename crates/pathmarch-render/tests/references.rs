@@ -1,13 +1,12 @@
 //! Pictures against those of an established path tracer, and both backends against each other on them.
 //! `data/README.md` says what each reference is and where a match is not exact.
 
-mod common;
-
-use common::{data, render, renderers, worst_block};
+use crate::common::{data, on_both_backends, render, worst_block};
 use pathmarch_render::image::{self, PictureKind};
 use pathmarch_render::metrics::{compare, mean_colour, relmse};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings};
+use pathmarch_testing::{plain, tests};
 
 /// Each reference, the samples that bring our own noise well below the limits, and the limit for the mean of a block of 16
 /// by 16 pixels.
@@ -33,7 +32,6 @@ const REFERENCES: [(&str, u32, f32); 17] = [
     ("box_light", 512, 0.02),
 ];
 
-#[test]
 fn pictures_agree_with_mitsuba() {
     let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
     let mut wrong = Vec::new();
@@ -57,12 +55,7 @@ fn pictures_agree_with_mitsuba() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-#[test]
-fn references_render_alike_on_both_backends() {
-    let mut renderers = renderers();
-    if renderers.len() < 2 {
-        return;
-    }
+fn references_render_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     let mut wrong = Vec::new();
     for (name, ..) in REFERENCES {
         let scene = Scene::load(data(&format!("{name}.kdl"))).expect("a valid scene");
@@ -79,4 +72,9 @@ fn references_render_alike_on_both_backends() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+tests! {
+    plain: [pictures_agree_with_mitsuba],
+    on_both_backends: [references_render_alike_on_both_backends],
 }

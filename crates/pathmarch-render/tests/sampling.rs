@@ -1,44 +1,48 @@
-//! Samplers: the same picture in the mean, on every backend. `PATHMARCH_REQUIRE_GPU` as in `backends.rs`.
+//! Samplers: the same picture in the mean, on every backend.
 
+use crate::common::{cpu, data, on_both_backends};
+use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::relmse;
 use pathmarch_render::pathmarch_scene::{Sampler, Scene};
-use pathmarch_render::{Backend, Renderer, Settings};
+use pathmarch_render::{Renderer, Settings};
+use pathmarch_testing::{plain, tests};
 
-#[test]
-fn samplers_agree_with_each_other_and_on_both_backends() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/diffuse_sphere_plane_area.kdl");
-    let scene = Scene::load(path).expect("a valid scene");
-    let render = |renderer: &mut Renderer, sampler, samples, seed| {
-        let settings = Settings { size: [96, 54], samples, seed, sampler, ..Settings::of(&scene) };
-        renderer.render(&scene, &settings).expect("renders").mean()
-    };
-    let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
-    let reference = render(&mut cpu, Sampler::Sobol, 512, 1);
+/// The picture of a scene with a lamp.
+fn picture(renderer: &mut Renderer, sampler: Sampler, samples: u32, seed: u32) -> Picture {
+    let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
+    let settings = Settings { size: [96, 54], samples, seed, sampler, ..Settings::of(&scene) };
+    renderer.render(&scene, &settings).expect("renders").mean()
+}
+
+fn samplers_agree_with_each_other() {
+    let mut cpu = cpu();
+    let reference = picture(&mut cpu, Sampler::Sobol, 512, 1);
     let errors = Sampler::ALL.map(|sampler| {
-        let picture = render(&mut cpu, sampler, 64, 0);
+        let picture = picture(&mut cpu, sampler, 64, 0);
         let (a, b) = (picture.mean_colour()[1], reference.mean_colour()[1]);
         assert!((a / b - 1.0).abs() < 5e-3, "{}: {a} for {b}", sampler.name());
         relmse(&picture, &reference).expect("two of a size")
     });
     println!("relMSE of 64 samples: Sobol' {:.1e}, independent {:.1e}", errors[0], errors[1]);
     assert!(errors[0] < 0.6 * errors[1]);
-    match Renderer::open(Backend::Gpu, None) {
-        Ok(mut gpu) => {
-            for sampler in Sampler::ALL {
-                let [a, b] = [&mut cpu, &mut gpu].map(|renderer| render(renderer, sampler, 4, 0));
-                let difference = relmse(&a, &b).expect("two of a size");
-                println!("{} on both backends: relMSE {difference:.1e}", sampler.name());
-                assert!(difference < 1e-4, "{}: {difference:.1e}", sampler.name());
-            }
-        }
-        Err(error) if std::env::var_os("PATHMARCH_REQUIRE_GPU").is_some() => panic!("{error}"),
-        Err(error) => println!("NOT TESTED on a GPU: {error}"),
+}
+
+fn samplers_agree_on_both_backends(renderers: &mut [Renderer; 2]) {
+    for sampler in Sampler::ALL {
+        let [a, b] = [0, 1].map(|k| picture(&mut renderers[k], sampler, 4, 0));
+        let difference = relmse(&a, &b).expect("two of a size");
+        println!("{} on both backends: relMSE {difference:.1e}", sampler.name());
+        assert!(difference < 1e-4, "{}: {difference:.1e}", sampler.name());
     }
 }
 
-#[test]
 fn samplers_have_names() {
     for sampler in Sampler::ALL {
         assert_eq!(Sampler::from_name(sampler.name()), Some(sampler));
     }
+}
+
+tests! {
+    plain: [samplers_agree_with_each_other, samplers_have_names],
+    on_both_backends: [samplers_agree_on_both_backends],
 }

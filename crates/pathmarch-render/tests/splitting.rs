@@ -1,10 +1,9 @@
 //! Paths that share a ray of the camera: the same picture, however many, and every sample counted once.
 
-mod common;
-
-use common::{parse, render, renderers};
+use crate::common::{on_each_backend, parse, render};
 use pathmarch_render::metrics::relmse;
-use pathmarch_render::{MAX_SPLITTING, Settings};
+use pathmarch_render::{MAX_SPLITTING, Renderer, Settings};
+use pathmarch_testing::tests;
 
 /// A closed room with glass, metal, a lamp that is seen, and something that is marched.
 const ROOM: &str = r#"pathmarch 1
@@ -25,55 +24,50 @@ object "ring" material="red" { torus 0.3 0.08 { at 0 1.3 -0.6; rotate 70 0 0 } }
 object "lamp" material="lamp" { sphere 0.15 { at 0.7 1.7 0 } }
 "#;
 
-#[test]
-fn paths_that_share_a_ray_make_the_same_picture() {
+fn paths_that_share_a_ray_make_the_same_picture(renderer: &mut Renderer) {
     let scene = parse(ROOM);
-    for mut renderer in renderers() {
-        let mut picture = |splitting, seed| {
-            let settings =
-                Settings { size: [64, 40], samples: 1024, seed, splitting: Some(splitting), ..Settings::of(&scene) };
-            render(&mut renderer, &scene, &settings).mean()
-        };
-        let reference = picture(1, 1);
-        let noise = relmse(&picture(1, 2), &reference).expect("same size");
-        for splitting in [3, MAX_SPLITTING] {
-            let error = relmse(&picture(splitting, 2), &reference).expect("same size");
-            println!("{splitting} paths to a ray: relMSE {error:.2e}, of one {noise:.2e}");
-            assert!(error < 1.6 * noise + 1e-5, "{splitting} paths to a ray: {error:.2e}, of one {noise:.2e}");
-        }
+    let mut picture = |splitting, seed| {
+        let settings =
+            Settings { size: [64, 40], samples: 1024, seed, splitting: Some(splitting), ..Settings::of(&scene) };
+        render(renderer, &scene, &settings).mean()
+    };
+    let reference = picture(1, 1);
+    let noise = relmse(&picture(1, 2), &reference).expect("same size");
+    for splitting in [3, MAX_SPLITTING] {
+        let error = relmse(&picture(splitting, 2), &reference).expect("same size");
+        println!("{splitting} paths to a ray: relMSE {error:.2e}, of one {noise:.2e}");
+        assert!(error < 1.6 * noise + 1e-5, "{splitting} paths to a ray: {error:.2e}, of one {noise:.2e}");
     }
 }
 
-#[test]
-fn ranges_of_samples_add_up_whatever_shares_a_ray() {
+fn ranges_of_samples_add_up_whatever_shares_a_ray(renderer: &mut Renderer) {
     let scene = parse(ROOM);
     let settings = Settings { size: [32, 20], samples: 23, splitting: Some(4), ..Settings::of(&scene) };
-    for mut renderer in renderers() {
-        let whole = render(&mut renderer, &scene, &settings);
-        let mut parts = render(&mut renderer, &scene, &Settings { samples: 18, ..settings.clone() });
-        let rest = Settings { first_sample: 18, samples: 5, ..settings.clone() };
-        parts.add(&render(&mut renderer, &scene, &rest)).expect("same size");
-        assert_eq!((whole.samples, parts.samples), (23, 23));
-        for (a, b) in whole.sums.iter().flatten().zip(parts.sums.iter().flatten()) {
-            assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{a} {b}");
-        }
+    let whole = render(renderer, &scene, &settings);
+    let mut parts = render(renderer, &scene, &Settings { samples: 18, ..settings.clone() });
+    let rest = Settings { first_sample: 18, samples: 5, ..settings.clone() };
+    parts.add(&render(renderer, &scene, &rest)).expect("same size");
+    assert_eq!((whole.samples, parts.samples), (23, 23));
+    for (a, b) in whole.sums.iter().flatten().zip(parts.sums.iter().flatten()) {
+        assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{a} {b}");
     }
 }
 
-#[test]
-fn a_picture_that_is_stopped_has_as_many_samples_everywhere() {
+fn a_picture_that_is_stopped_has_as_many_samples_everywhere(renderer: &mut Renderer) {
     let scene = parse(ROOM);
-    for mut renderer in renderers() {
-        // Far more than are waited for, so that the last samples are begun and not finished.
-        let settings = Settings { size: [320, 200], samples: 4096, splitting: Some(8), ..Settings::of(&scene) };
-        let mut job = renderer.start(&scene, &settings).expect("starts");
-        while job.samples_done() <= 24.0 {
-            job.advance(settings.samples).expect("goes on");
-        }
-        let stopped = job.film().expect("is read");
-        assert_eq!(stopped.samples % 8, 0);
-        let settings = Settings { samples: stopped.samples, ..settings };
-        let whole = render(&mut renderer, &scene, &settings);
-        assert!(stopped.sums == whole.sums, "of {} samples", stopped.samples);
+    // Far more than are waited for, so that the last samples are begun and not finished.
+    let settings = Settings { size: [320, 200], samples: 4096, splitting: Some(8), ..Settings::of(&scene) };
+    let mut job = renderer.start(&scene, &settings).expect("starts");
+    while job.samples_done() <= 24.0 {
+        job.advance(settings.samples).expect("goes on");
     }
+    let stopped = job.film().expect("is read");
+    assert_eq!(stopped.samples % 8, 0);
+    let settings = Settings { samples: stopped.samples, ..settings };
+    let whole = render(renderer, &scene, &settings);
+    assert!(stopped.sums == whole.sums, "of {} samples", stopped.samples);
+}
+
+tests! {
+    on_each_backend: [paths_that_share_a_ray_make_the_same_picture, ranges_of_samples_add_up_whatever_shares_a_ray, a_picture_that_is_stopped_has_as_many_samples_everywhere],
 }

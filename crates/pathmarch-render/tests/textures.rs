@@ -1,18 +1,17 @@
 //! What varies along surfaces: both backends agree on every texture, everywhere that one may stand; light is kept.
 
-mod common;
-
-use common::{mean, parse, render, renderers};
+use crate::common::{mean, on_both_backends, on_each_backend, on_one_and_both_backends, parse, render};
 use pathmarch_render::image::{Picture, PictureKind};
 use pathmarch_render::metrics::compare;
 use pathmarch_render::pathmarch_scene::{Scene, textures};
-use pathmarch_render::{Mode, Settings};
+use pathmarch_render::{Mode, Renderer, Settings};
+use pathmarch_testing::tests;
 
-/// The picture of each backend.
-fn pictures(scene: &Scene, mode: Mode, samples: u32, size: [u32; 2]) -> Vec<Picture> {
+/// The picture of each renderer.
+fn pictures(renderers: &mut [Renderer], scene: &Scene, mode: Mode, samples: u32, size: [u32; 2]) -> Vec<Picture> {
     let settings = Settings { size, samples, mode, ..Settings::of(scene) };
     let show = |renderer: &mut _| mode.picture(&render(renderer, scene, &settings));
-    renderers().iter_mut().map(show).collect()
+    renderers.iter_mut().map(show).collect()
 }
 
 /// The share of pixels with a channel that differs by more than this, where there are two backends.
@@ -31,14 +30,13 @@ fn shown(material: &str) -> Scene {
     ))
 }
 
-#[test]
-fn both_backends_show_every_texture_alike() {
+fn both_backends_show_every_texture_alike(renderers: &mut [Renderer]) {
     for kind in textures::kinds() {
         for (place, sizes) in [("", 0.2), ("at 0.1 0.2 0.3; rotate 10 20 30; scale 0.3;", 1.0)] {
             let name = kind.name;
             let size = if name == "brick" { String::new() } else { format!("size={sizes}") };
             let scene = shown(&format!("diffuse {{ {name} {size} {{ {place} colour 0.1 0.9 0.2; colour 1 0 1 }} }}"));
-            let pictures = pictures(&scene, Mode::Albedo, 1, [96, 64]);
+            let pictures = pictures(renderers, &scene, Mode::Albedo, 1, [96, 64]);
             let differing = differing(&pictures, 2e-3);
             println!("{name} {place}: {differing}");
             // Rounding decides on which side of an edge a point is.
@@ -73,10 +71,9 @@ object \"sponge\" material=\"flesh\" { twist 0.1 { menger 3 { scale 0.45 }; at 1
 object \"pane\" material=\"pane\" { box 0.8 1 0.06 { at 0.4 0.6 1.2; rotate 0 20 0 } }
 object \"lens\" material=\"wavy\" { sphere 0.3 { at -0.3 0.35 1.6 } }";
 
-#[test]
-fn both_backends_trace_what_varies_alike() {
+fn both_backends_trace_what_varies_alike(renderers: &mut [Renderer; 2]) {
     let scene = parse(EVERYTHING);
-    let pictures = pictures(&scene, Mode::Path, 8, [60, 40]);
+    let pictures = pictures(renderers, &scene, Mode::Path, 8, [60, 40]);
     if let [cpu, gpu] = &pictures[..] {
         let comparison = compare(gpu, cpu, PictureKind::Hdr).expect("of one size");
         println!("relMSE {}", comparison.relmse);
@@ -84,17 +81,15 @@ fn both_backends_trace_what_varies_alike() {
     }
 }
 
-#[test]
-fn both_backends_preview_what_varies_alike() {
+fn both_backends_preview_what_varies_alike(renderers: &mut [Renderer; 2]) {
     let scene = parse(EVERYTHING);
-    let pictures = pictures(&scene, Mode::Preview, 1, [96, 64]);
+    let pictures = pictures(renderers, &scene, Mode::Preview, 1, [96, 64]);
     let differing = differing(&pictures, 0.02);
     println!("{differing}");
     assert!(differing < 0.02, "{differing} of the pixels");
 }
 
-#[test]
-fn pictures_are_shown_alike_and_upright() {
+fn pictures_are_shown_alike_and_upright(renderers: &mut [Renderer]) {
     let folder = tempfile::tempdir().expect("a folder");
     // Red to the right, green upwards.
     let picture = image::RgbImage::from_fn(64, 32, |x, y| image::Rgb([(x * 4) as u8, ((31 - y) * 8) as u8, 40]));
@@ -105,7 +100,7 @@ fn pictures_are_shown_alike_and_upright() {
         "pathmarch 1\ncamera { position 1 2 4; target 0 0 0 }\nmaterial \"m\" { diffuse { picture \"p.png\" size=0.3 } }\n\
          object \"ball\" material=\"m\" { sphere 1.2 { rotate 10 20 30 } }",
     );
-    let differing = differing(&pictures(&all_around, Mode::Albedo, 1, [96, 64]), 4e-3);
+    let differing = differing(&pictures(renderers, &all_around, Mode::Albedo, 1, [96, 64]), 4e-3);
     assert!(differing < 2e-3, "{differing} of the pixels");
     // A wall as large as the picture fills the view.
     let wall = load(
@@ -113,7 +108,7 @@ fn pictures_are_shown_alike_and_upright() {
          object \"wall\" material=\"m\" { box 8 8 1 { at 0 0 -0.5 } }",
     );
     // Coordinates are the box's own: its middle is at the picture's corner.
-    for picture in pictures(&wall, Mode::Albedo, 1, [64, 32]) {
+    for picture in pictures(renderers, &wall, Mode::Albedo, 1, [64, 32]) {
         let [left, right] = [8, 56].map(|x| picture.pixels[16 * 64 + x]);
         let [top, bottom] = [4, 28].map(|y| picture.pixels[y * 64 + 32]);
         assert!(left[0] < right[0], "{left:?} {right:?}");
@@ -121,8 +116,7 @@ fn pictures_are_shown_alike_and_upright() {
     }
 }
 
-#[test]
-fn a_relief_makes_no_light_and_loses_little() {
+fn a_relief_makes_no_light_and_loses_little(renderer: &mut Renderer) {
     for (material, least) in [("diffuse 1", 0.93), ("metal 1; roughness 0", 0.93), ("principled 1; roughness 0.3", 0.9)]
     {
         let scene = parse(&format!(
@@ -130,12 +124,18 @@ fn a_relief_makes_no_light_and_loses_little() {
              material \"m\" {{ {material}; bump {{ fbm size=0.2 octaves=3 height=0.02 }} }}\n\
              object \"ball\" material=\"m\" {{ sphere 1 }}"
         ));
-        for picture in pictures(&scene, Mode::Path, 64, [48, 48]) {
-            let ball = mean(&picture, |x, y| (x as f32 - 23.5).hypot(y as f32 - 23.5) < 16.0);
-            let darkest = picture.pixels.iter().map(|pixel| pixel[1]).fold(f32::INFINITY, f32::min);
-            println!("{material}: {ball}, darkest {darkest}");
-            assert!(ball > least && ball < 1.003, "{material}: {ball}");
-            assert!(darkest > 0.5, "{material}: a pixel of {darkest}");
-        }
+        let settings = Settings { size: [48, 48], samples: 64, ..Settings::of(&scene) };
+        let picture = render(renderer, &scene, &settings).mean();
+        let ball = mean(&picture, |x, y| (x as f32 - 23.5).hypot(y as f32 - 23.5) < 16.0);
+        let darkest = picture.pixels.iter().map(|pixel| pixel[1]).fold(f32::INFINITY, f32::min);
+        println!("{material}: {ball}, darkest {darkest}");
+        assert!(ball > least && ball < 1.003, "{material}: {ball}");
+        assert!(darkest > 0.5, "{material}: a pixel of {darkest}");
     }
+}
+
+tests! {
+    on_each_backend: [a_relief_makes_no_light_and_loses_little],
+    on_one_and_both_backends: [both_backends_show_every_texture_alike, pictures_are_shown_alike_and_upright],
+    on_both_backends: [both_backends_trace_what_varies_alike, both_backends_preview_what_varies_alike],
 }

@@ -1,11 +1,9 @@
 //! Every kind of material that scatters: what it samples is what it says it samples, it makes no light, and it is the same
 //! both ways where it should be.
 
-mod random;
-
+use crate::random::Random;
 use glam::Vec3;
 use pathmarch_scene::materials::{Bsdf, MaterialKind, Numbers, ParamKind, albedo, kinds};
-use random::Random;
 use std::f32::consts::{PI, TAU};
 
 struct Variant {

@@ -1,14 +1,12 @@
 //! Every texture: from 0 to 1 and of a sensible spread, without jumps where it promises none, moved as it is placed; and what
 //! a material's parameters make of them.
 
-mod random;
-
+use crate::random::Random;
 use glam::Vec3;
 use pathmarch_field::Placement;
 use pathmarch_scene::materials::{Meaning, Texturing, kinds};
 use pathmarch_scene::textures::{self, Pattern, Spot, Texture, TextureKind, TextureNumbers};
 use pathmarch_scene::{Material, Scene};
-use random::Random;
 
 fn spot(p: Vec3) -> Spot {
     Spot { p, normal: Vec3::Z, footprint: 0.0 }

@@ -16,7 +16,7 @@ const KEPT: usize = 24;
 pub(crate) struct Printed {
     pub(super) code: String,
     pub(super) parameters: Vec<[f32; 4]>,
-    pub(super) memory: Memory,
+    pub(crate) memory: Memory,
     /// Whether no text of a user is in the code.
     trusted: bool,
 }

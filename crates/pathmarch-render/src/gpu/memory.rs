@@ -11,10 +11,10 @@ use crate::transport::lights::LightRecord;
 use pathmarch_field::wgsl::Program;
 
 /// What the bindings of a kernel are, by their numbers.
-pub(super) const FRAME: u32 = 0;
+pub(crate) const FRAME: u32 = 0;
 pub(super) const SLICE: u32 = 1;
 pub(super) const PARAMETERS: u32 = 2;
-pub(super) const LEAVES: u32 = 3;
+pub(crate) const LEAVES: u32 = 3;
 pub(super) const MATERIALS: u32 = 4;
 pub(super) const LIGHTS: u32 = 5;
 pub(super) const FILM: u32 = 6;
@@ -65,7 +65,7 @@ impl Memory {
     }
 
     /// Whether this table is uniform.
-    pub(super) fn is_uniform(&self, binding: u32) -> bool {
+    pub(crate) fn is_uniform(&self, binding: u32) -> bool {
         self.uniform[binding as usize] > 0
     }
 

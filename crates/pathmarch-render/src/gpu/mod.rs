@@ -10,10 +10,9 @@ mod kernel_tests;
 mod loop_limit;
 mod memory;
 mod stopwatch;
-#[cfg(test)]
-mod tests;
 
 pub(crate) use compiled::Printed;
 pub(crate) use device::Device;
 pub use device::{AdapterDescription, adapters};
 pub(crate) use job::{GpuJob, LIVE, WHOLE};
+pub(crate) use memory::{FRAME, LEAVES};

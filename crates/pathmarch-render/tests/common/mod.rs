@@ -1,8 +1,7 @@
 //! What the tests of rendering share.
 //!
-//! GPU tests need an adapter (Mesa's software Vulkan will do). Without one they say so and pass, unless
+//! GPU tests need an adapter (Mesa's software Vulkan will do). Without one they are reported as ignored, unless
 //! `PATHMARCH_REQUIRE_GPU` is set, as in CI: then they fail.
-#![allow(dead_code)]
 
 pub mod random_scenes;
 
@@ -11,7 +10,9 @@ use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::block_means;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings};
+use pathmarch_testing::{Requirement, Test};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 pub fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
@@ -31,15 +32,89 @@ pub fn scenes() -> Vec<PathBuf> {
     found
 }
 
-/// Every backend to test.
-pub fn renderers() -> Vec<Renderer> {
-    let mut renderers = vec![Renderer::open(Backend::Cpu, None).expect("the CPU is there")];
-    match Renderer::open(Backend::Gpu, None) {
-        Ok(renderer) => renderers.push(renderer),
-        Err(error) if std::env::var_os("PATHMARCH_REQUIRE_GPU").is_some() => panic!("{error}"),
-        Err(error) => println!("NOT TESTED on a GPU: {error}"),
-    }
-    renderers
+/// The CPU backend, which is always there.
+pub fn cpu() -> Renderer {
+    Renderer::open(Backend::Cpu, None).expect("the CPU is there")
+}
+
+/// GPU backends that are open and that no test uses: opening one takes a while.
+static IDLE: Mutex<Vec<Renderer>> = Mutex::new(Vec::new());
+
+fn idle() -> MutexGuard<'static, Vec<Renderer>> {
+    IDLE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A GPU adapter that can be opened.
+pub static GPU: Requirement = Requirement {
+    variable: "PATHMARCH_REQUIRE_GPU",
+    missing: || {
+        static MISSING: OnceLock<Option<String>> = OnceLock::new();
+        let open = || Renderer::open(Backend::Gpu, None).map(|renderer| idle().push(renderer));
+        MISSING.get_or_init(|| open().err().map(|error| error.to_string())).clone()
+    },
+};
+
+/// Lends the GPU backend to a test. One that fails does not give it back.
+fn lend_gpu(test: impl FnOnce(Renderer) -> Renderer) {
+    let open = idle().pop();
+    let renderer = test(open.unwrap_or_else(|| Renderer::open(Backend::Gpu, None).expect("a GPU, as before")));
+    idle().push(renderer);
+}
+
+/// Tests of one backend, twice: on the CPU and on the GPU.
+pub fn on_each_backend(name: &str, test: fn(&mut Renderer)) -> [Test; 2] {
+    let on_gpu = move || {
+        lend_gpu(|mut gpu| {
+            test(&mut gpu);
+            gpu
+        });
+    };
+    [
+        Test::new(&format!("{name}::cpu"), move || test(&mut cpu())),
+        Test::requiring(&format!("{name}::gpu"), &GPU, on_gpu),
+    ]
+}
+
+/// The same for tests that open their backend themselves.
+pub fn for_each_backend(name: &str, test: fn(Backend)) -> [Test; 2] {
+    [
+        Test::new(&format!("{name}::cpu"), move || test(Backend::Cpu)),
+        Test::requiring(&format!("{name}::gpu"), &GPU, move || test(Backend::Gpu)),
+    ]
+}
+
+/// Tests that compare backends: the CPU's and the GPU's, in this order.
+pub fn on_both_backends(name: &str, test: fn(&mut [Renderer; 2])) -> [Test; 1] {
+    let on_both = move || {
+        lend_gpu(|gpu| {
+            let mut renderers = [cpu(), gpu];
+            test(&mut renderers);
+            let [_, gpu] = renderers;
+            gpu
+        });
+    };
+    [Test::requiring(name, &GPU, on_both)]
+}
+
+/// Tests of any number of backends, twice: with the CPU's alone, and with the CPU's and the GPU's.
+pub fn on_one_and_both_backends(name: &str, test: fn(&mut [Renderer])) -> [Test; 2] {
+    let on_both = move || {
+        lend_gpu(|gpu| {
+            let mut renderers = [cpu(), gpu];
+            test(&mut renderers);
+            let [_, gpu] = renderers;
+            gpu
+        });
+    };
+    [
+        Test::new(&format!("{name}::cpu"), move || test(&mut [cpu()])),
+        Test::requiring(&format!("{name}::both"), &GPU, on_both),
+    ]
+}
+
+/// Tests that open a GPU themselves.
+pub fn with_gpu(name: &str, test: fn()) -> [Test; 1] {
+    [Test::requiring(name, &GPU, test)]
 }
 
 pub fn render(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Film {

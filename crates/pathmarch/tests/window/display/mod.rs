@@ -1,10 +1,11 @@
 //! A display of one's own, and a person at the program on it.
 
+use pathmarch_testing::{Requirement, Test, missing};
 use std::io::{BufRead, BufReader};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{
@@ -40,10 +41,18 @@ const BUTTON_PRESS: u8 = 4;
 const BUTTON_RELEASE: u8 = 5;
 const MOTION: u8 = 6;
 
-/// Why there can be no window here: a failure where one is required.
-fn without(why: &str) {
-    assert!(std::env::var_os("PATHMARCH_REQUIRE_DISPLAY").is_none(), "{why}");
-    eprintln!("not tested: {why}");
+/// A display that can be started.
+pub static DISPLAY: Requirement = Requirement {
+    variable: "PATHMARCH_REQUIRE_DISPLAY",
+    missing: || {
+        static MISSING: OnceLock<Option<String>> = OnceLock::new();
+        MISSING.get_or_init(|| Screen::start().err()).clone()
+    },
+};
+
+/// The kind of tests that open a window.
+pub fn with_display(name: &str, test: fn()) -> [Test; 1] {
+    [Test::requiring(name, &DISPLAY, test)]
 }
 
 /// A display of one's own; ends with it.
@@ -53,32 +62,28 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Starts one on a free number.
-    pub fn start() -> Option<Self> {
+    /// Starts one on a free number; an error is the reason why there is none.
+    pub fn start() -> Result<Self, String> {
         let arguments = ["-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset"];
         let server = Command::new("Xvfb").args(arguments).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
-        let Ok(mut server) = server else {
-            without("there is no Xvfb");
-            return None;
-        };
+        let mut server = server.map_err(|error| format!("no display: Xvfb cannot be started: {error}"))?;
         let mut number = String::new();
         let read = BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut number);
         if read.is_err() || number.trim().is_empty() {
             let _ = server.kill();
             let _ = server.wait();
-            without("Xvfb does not start");
-            return None;
+            return Err("no display: Xvfb ends at once".to_owned());
         }
-        Some(Self { server, name: format!(":{}", number.trim()) })
+        Ok(Self { server, name: format!(":{}", number.trim()) })
     }
 
     /// Starts the program in a window; `home` holds what it keeps.
-    pub fn person(&self, home: &Path, scene: Option<&Path>) -> Option<Person> {
+    pub fn person(&self, home: &Path, scene: Option<&Path>) -> Person {
         self.person_with(home, scene, &[])
     }
 
     /// The same, with further arguments.
-    pub fn person_with(&self, home: &Path, scene: Option<&Path>, further: &[&str]) -> Option<Person> {
+    pub fn person_with(&self, home: &Path, scene: Option<&Path>, further: &[&str]) -> Person {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pathmarch"));
         command.arg("view").args(scene).args(["--timings", "--backend", "cpu"]).args(further);
         command.env("DISPLAY", &self.name).env("PATHMARCH_HOME", home.join("home")).env_remove("WAYLAND_DISPLAY");
@@ -105,8 +110,7 @@ impl Screen {
                 std::thread::sleep(PAUSE);
                 let printed = person.printed();
                 assert!(printed.contains("no window can be opened"), "{printed}");
-                without(&printed);
-                return None;
+                missing(DISPLAY.variable, printed);
             }
             assert!(start.elapsed() < PATIENCE, "no window: {}", person.printed());
             std::thread::sleep(PAUSE);
@@ -114,7 +118,7 @@ impl Screen {
         person.learn_keys();
         person.until("something is drawn", |person| person.printed().contains("window drawn"));
         person.focus();
-        Some(person)
+        person
     }
 }
 
@@ -180,7 +184,7 @@ impl Person {
         let mapping =
             self.connection.get_keyboard_mapping(first, last - first + 1).expect("asked").reply().expect("keys");
         let each = usize::from(mapping.keysyms_per_keycode);
-        for (keysyms, code) in mapping.keysyms.chunks(each).zip(first..) {
+        for (keysyms, code) in mapping.keysyms.chunks(each).zip(first..=last) {
             for (keysym, shift) in keysyms.iter().take(2).zip([false, true]) {
                 self.keys.push((*keysym, shift, code));
             }

@@ -1,0 +1,50 @@
+//! All tests of pictures in one program: they share opened devices, and are linked once.
+
+mod aov;
+mod backends;
+mod blends;
+mod common;
+mod images;
+mod light;
+mod live;
+mod long_paths;
+mod many;
+mod mesh_file;
+mod missing_gpu;
+mod modes;
+mod motion;
+mod optimisations;
+mod own_fields;
+mod references;
+mod sampling;
+mod splitting;
+mod textures;
+
+use std::path::Path;
+
+fn main() {
+    let tests = [
+        aov::tests(),
+        backends::tests(),
+        blends::tests(),
+        images::tests(),
+        light::tests(),
+        live::tests(),
+        long_paths::tests(),
+        many::tests(),
+        mesh_file::tests(),
+        missing_gpu::tests(),
+        modes::tests(),
+        motion::tests(),
+        optimisations::tests(),
+        own_fields::tests(),
+        references::tests(),
+        sampling::tests(),
+        splitting::tests(),
+        textures::tests(),
+    ];
+    pathmarch_testing::run(
+        &[Path::new(env!("CARGO_MANIFEST_DIR")).join("tests")],
+        tests.into_iter().flatten().collect(),
+    );
+}

@@ -1,0 +1,89 @@
+//! What makes pictures faster leaves them as they are: with it and without, on both backends.
+
+use crate::common::{for_each_backend, parse, with_gpu};
+use pathmarch_render::film::Film;
+use pathmarch_render::metrics::relmse;
+use pathmarch_render::pathmarch_field::Field;
+use pathmarch_render::pathmarch_field::number::Vec3;
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::testing::{Device, Prepared};
+use pathmarch_render::{Backend, Settings};
+use pathmarch_testing::tests;
+
+fn pictures_do_not_depend_on_the_kind_of_memory() {
+    let scene = parse(
+        r#"pathmarch 1
+camera "main" { position 0 1 4; target 0 0.5 0; fov 40 }
+sky 0.2 0.3 0.4
+point { at 1 3 2; intensity 20 }
+material "red" { diffuse 0.8 0.1 0.1 }
+material "glass" { glass 1; ior 1.5 }
+material "lamp" { emit 4 }
+object "floor" material="red" { plane }
+object "ball" material="glass" { torus 0.4 0.15 { at 0 0.3 0 } }
+object "lamp" material="lamp" { sphere 0.2 { at 0.6 1 -0.5 } }
+"#,
+    );
+    let prepared = Prepared::new(&scene, &Settings { size: [24, 16], ..Settings::of(&scene) });
+    let [a, b] = ["software", "discrete GPU"].map(|kind| {
+        let device = Device::open_as(kind).expect("a GPU, as before");
+        let uniform = device.has_uniform_frame_and_leaves(&prepared);
+        assert_eq!(uniform, [!device.is_software(), device.is_software()]);
+        prepared.on_gpu(&device, 2).expect("renders").sums
+    });
+    assert!(a.iter().flatten().sum::<f32>() > 0.0);
+    let difference = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
+    assert!(difference.fold(0.0, f32::max) < 1e-3);
+}
+
+/// Wires of half a millimetre, a thin shell and a needle between large shapes: what long steps would miss.
+const THIN: &str = r#"pathmarch 1
+camera "main" { position 0.4 1.3 4; target 0 0.55 0; fov 36 }
+sky 0.7 0.8 1
+sun { direction 1 2 1.5; irradiance 2.5; angle 3 }
+material "grey" { diffuse 0.6 }
+material "red" { diffuse 0.8 0.2 0.1 }
+object "floor" material="grey" { plane }
+object "wires" material="red" {
+    union smooth=0.002 {
+        capsule 0.004 1.4 { at -0.9 0.8 0.3 }
+        capsule 0.004 1.4 { at -0.7 0.8 0.3; rotate 0 0 8 }
+        capsule 0.004 1.4 { at -0.5 0.8 0.3; rotate 12 0 -8 }
+    }
+}
+object "shell" material="grey" { subtract smooth=0.004 { sphere 0.5 { at 0.9 0.6 -0.2 }; sphere 0.494 { at 0.9 0.6 -0.2 }; box 1 0.5 1 { at 0.9 1.05 0 } } }
+object "cut" material="grey" { subtract { box 0.5 0.5 0.5; sphere 0.3; cylinder 0.12 2 { rotate 90 0 0 }; at 0.1 0.25 0.6 } }
+object "needle" material="red" { cone 0.01 1.2 { at -0.15 0.6 0.7 } }
+"#;
+
+/// Reference, and the pictures that are made faster, by `render`.
+fn compare_optimisations(backend: &str, render: impl Fn(&Prepared, u32) -> Film) {
+    let scene = parse(THIN);
+    let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
+    let marched = Scene { field: Field::all_marched(&roots), ..scene.clone() };
+    assert!(marched.field.direct_hit::<f32>(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, -1.0, 0.0)).1 < 0.0);
+    const SAMPLES: u32 = 256;
+    let settings = Settings { size: [80, 45], samples: SAMPLES, bounces: 2, detail: 0.005, ..Settings::of(&scene) };
+    let reference = Prepared::new(&marched, &settings).without_relaxation().on_cpu(SAMPLES).mean();
+    let relaxed = Prepared::new(&marched, &settings);
+    let whole = Prepared::new(&scene, &settings);
+    for (name, prepared) in [("long steps", &relaxed), ("long steps and closed forms", &whole)] {
+        let error = relmse(&render(prepared, SAMPLES).mean(), &reference).expect("of one size");
+        println!("{name} on {backend}: relMSE {error:.1e}");
+        assert!(error < 5e-4, "{name} on {backend}: {error:.1e}");
+    }
+}
+
+fn pictures_do_not_depend_on_long_steps_and_closed_forms(backend: Backend) {
+    if backend == Backend::Cpu {
+        compare_optimisations("CPU", Prepared::on_cpu);
+    } else {
+        let device = Device::open().expect("a GPU, as before");
+        compare_optimisations("GPU", |prepared, samples| prepared.on_gpu(&device, samples).expect("renders"));
+    }
+}
+
+tests! {
+    for_each_backend: [pictures_do_not_depend_on_long_steps_and_closed_forms],
+    with_gpu: [pictures_do_not_depend_on_the_kind_of_memory],
+}
