@@ -262,6 +262,12 @@ impl App {
                 self.say("The file has changed: this is what it says now.");
             }
             Some(Reload::Conflict) => self.dialog = Some(Dialog::Conflict),
+            Some(Reload::Same) => {
+                if matches!(self.dialog, Some(Dialog::Conflict)) {
+                    self.dialog = None;
+                }
+                self.changed();
+            }
             Some(Reload::Unreadable(why)) => self.complain(&why),
             None => {}
         }

@@ -5,7 +5,7 @@ use super::age::age;
 use super::app::App;
 use super::chooser::Chooser;
 use super::export::{self, Export, Sequence, Task};
-use super::files::{After, For, purpose};
+use super::files::{After, For, purpose, reason};
 use super::open::Open;
 use super::recovery::Recovered;
 use super::timeline::LAST_FRAME;
@@ -139,7 +139,10 @@ impl App {
             ui.set_max_width(520.0);
             match dialog {
                 Dialog::Unsaved(after) => unsaved(ui, after, &mut answer),
-                Dialog::Conflict => conflict(ui, &mut answer),
+                Dialog::Conflict => {
+                    let theirs = self.open.as_ref().and_then(|open| open.conflict.as_ref());
+                    conflict(ui, theirs.and_then(|theirs| theirs.as_ref().err()), &mut answer);
+                }
                 Dialog::Recovered(left) => recovered(ui, left, &mut answer),
                 Dialog::Render(render) => render_settings(ui, render, &mut answer),
                 Dialog::Busy => busy(ui, &mut answer),
@@ -170,12 +173,14 @@ impl App {
                 if let Some(open) = &mut self.open {
                     open.keep_mine();
                 }
+                // What is kept for after a crash is based on the other version from now on.
+                self.changed();
                 self.say("Your version stays; the file keeps the other one until you save.");
             }
             Answer::TakeTheirs => {
                 self.dialog = None;
                 if let Some(open) = &mut self.open
-                    && let Some(text) = open.conflict.take()
+                    && let Some(Ok(text)) = open.conflict.take()
                 {
                     open.take_from_disk(text);
                     self.changed();
@@ -229,35 +234,41 @@ impl App {
         }
     }
 
-    /// Opens what a program that ended without saving has left, as unsaved changes of its file.
+    /// Opens what a program that ended without saving has left, as unsaved changes of its file. Asks where the file is no
+    /// longer the version that the work is based on.
     fn recover(&mut self, one: Recovered) {
-        let disk = one.scene_path.as_deref().and_then(|path| read_text(path).ok());
         let text = match &one.text {
             Ok(text) => text.clone(),
             Err(why) => return self.complain(why),
         };
-        let path = one.scene_path.clone();
-        match (path, disk) {
-            (Some(path), Some(disk)) => {
-                let mut open = Open::new(&path.display().to_string(), disk, Some(path));
-                open.document.replace_text(text, "Recovery", None);
-                open.watch(&self.waker);
-                self.show_scene(open);
+        let mut open = match one.scene_path.clone() {
+            Some(path) => {
+                let theirs = read_text(&path).map_err(|error| reason(&error));
+                let is_based_on = theirs.as_ref().is_ok_and(|theirs| one.is_based_on(theirs));
+                Open::recovered(path, text, theirs, is_based_on)
             }
-            (path, _) => {
-                // Its file is gone, or there never was one.
-                let name = path.map_or_else(|| "scene.kdl".to_owned(), |path| path.display().to_string());
-                let mut open = Open::new(&name, String::new(), None);
+            None => {
+                let mut open = Open::new("scene.kdl", String::new(), None);
                 open.document.replace_text(text, "Recovery", None);
-                self.show_scene(open);
+                open
             }
-        }
+        };
+        open.watch(&self.waker);
+        let (must_decide, is_unsaved) = (open.conflict.is_some(), open.has_unsaved_work());
+        self.show_scene(open);
         self.changed();
         self.recovery.flush();
         if let Err(why) = one.discard() {
             self.complain(&why);
         }
-        self.say("Recovered. Save it to keep it.");
+        if must_decide {
+            self.dialog = Some(Dialog::Conflict);
+            self.say("Recovered, but its file is not what it was.");
+        } else if is_unsaved {
+            self.say("Recovered. Save it to keep it.");
+        } else {
+            self.say("Recovered: its file holds all of it.");
+        }
     }
 
     fn start_render(&mut self) {
@@ -346,18 +357,27 @@ fn busy(ui: &mut Ui, answer: &mut Answer) {
     });
 }
 
-fn conflict(ui: &mut Ui, answer: &mut Answer) {
-    ui.heading("The file has changed as well");
-    ui.label("Someone else has changed the file while there were unsaved changes here. Both are still there.");
+/// Asks which of two versions is to stay. `unreadable` says why there is nothing to be had of the file's.
+fn conflict(ui: &mut Ui, unreadable: Option<&String>, answer: &mut Answer) {
+    match unreadable {
+        None => {
+            ui.heading("The file has changed as well");
+            ui.label("Someone else has changed the file while there were unsaved changes here. Both are still there.");
+        }
+        Some(why) => {
+            ui.heading("The file cannot be read any more");
+            ui.label(format!("There are unsaved changes here, and of the file: {why}. Your version is still there."));
+        }
+    }
     ui.add_space(8.0);
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Keep mine").on_hover_text("The file keeps the other version until you save.").clicked() {
+        if ui.button("Keep mine").on_hover_text("The file stays as it is until you save.").clicked() {
             *answer = Answer::KeepMine;
         }
-        if ui.button("Take the file's").on_hover_text("Undo brings yours back.").clicked() {
+        if unreadable.is_none() && ui.button("Take the file's").on_hover_text("Undo brings yours back.").clicked() {
             *answer = Answer::TakeTheirs;
         }
-        if ui.button("Save mine as…").on_hover_text("Both versions, in two files.").clicked() {
+        if ui.button("Save mine as…").on_hover_text("Leaves the file as it is.").clicked() {
             *answer = Answer::SaveMineElsewhere;
         }
     });
