@@ -73,7 +73,9 @@ fn files_of_older_programs_open_without_a_version() {
     let directory = directory();
     let file = directory.path().join(format!("1-1-0.{KEPT}"));
     for line in ["", "// based on: \n", "// based on: sha256 12\n", "// based on: md5 99\n", "// other: thing\n"] {
-        let old = format!("{FIRST_LINE}\n// scene: /x.kdl\n// saved: 7\n// program: 0.1.0\n{line}// bytes: 4\n{LAST_LINE}\nabcd");
+        let old = format!(
+            "{FIRST_LINE}\n// scene: /x.kdl\n// saved: 7\n// program: 0.1.0\n{line}// bytes: 4\n{LAST_LINE}\nabcd"
+        );
         fs::write(&file, old).expect("written");
         let found = left_behind(directory.path()).remove(0);
         assert_eq!(found.text.as_deref(), Ok("abcd"));

@@ -83,7 +83,8 @@ fn ring(painter: &Painter, gizmo: &Gizmo, axis: Axis, whole: bool, stroke: Strok
     }
     lines.push(line);
     // What is seen of a ring may begin and end in the middle of the list.
-    if lines.len() > 2 && lines[1].first().zip(lines[lines.len() - 1].last()).is_some_and(|(a, b)| a.distance(*b) < 0.1) {
+    if lines.len() > 2 && lines[1].first().zip(lines[lines.len() - 1].last()).is_some_and(|(a, b)| a.distance(*b) < 0.1)
+    {
         let first = lines.remove(1);
         if let Some(last) = lines.last_mut() {
             last.extend(first.into_iter().skip(1));
@@ -105,8 +106,7 @@ fn sector(painter: &Painter, gizmo: &Gizmo, [u, v]: [DVec3; 2], [first, turned]:
     // More than a whole turn covers the whole disc.
     let shown = turned.clamp(-std::f64::consts::TAU, std::f64::consts::TAU);
     let steps = (shown.abs() / SECTOR_STEP).ceil().max(1.0) as u32;
-    let rim: Vec<Option<Pos2>> =
-        (0..=steps).map(|k| point(first + shown * f64::from(k) / f64::from(steps))).collect();
+    let rim: Vec<Option<Pos2>> = (0..=steps).map(|k| point(first + shown * f64::from(k) / f64::from(steps))).collect();
     let mut mesh = egui::Mesh::default();
     mesh.colored_vertex(gizmo.middle, fill);
     for ends in rim.windows(2) {

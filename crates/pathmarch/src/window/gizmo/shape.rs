@@ -211,7 +211,8 @@ impl Gizmo {
                 let edges: [_; 4] = std::array::from_fn(|k| [corners[k], corners[(k + 1) % 4]]);
                 let near = line(&edges)?;
                 let places = corners.map(|corner| self.projection.place(corner));
-                let inside = places.iter().all(Option::is_some) && is_inside(&places.map(Option::unwrap_or_default), at);
+                let inside =
+                    places.iter().all(Option::is_some) && is_inside(&places.map(Option::unwrap_or_default), at);
                 Some(if inside { Near { distance: 0.0, ..near } } else { near })
             }
         }

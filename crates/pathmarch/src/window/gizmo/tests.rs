@@ -189,11 +189,17 @@ fn nothing_jumps_when_a_drag_starts() {
             let mut drag = Drag::begin(&gizmo, part, start(), at).expect("caught");
             assert!(drag.to(&gizmo.projection, at, false).is_none(), "{part:?}: a press is no change");
             let new = drag.to(&gizmo.projection, at + Vec2::new(0.01, 0.0), false).expect("a result");
-            assert!(new.at.distance(start().at) < 1e-3 && (new.scale - start().scale).abs() < 1e-3, "{part:?}: {new:?}");
+            assert!(
+                new.at.distance(start().at) < 1e-3 && (new.scale - start().scale).abs() < 1e-3,
+                "{part:?}: {new:?}"
+            );
             assert!(new.turn.angle_between(start().turn) < 1e-2, "{part:?}: {new:?}");
             // Back where it was caught, it is where it was.
             let new = drag.to(&gizmo.projection, at, false).expect("a result");
-            assert!(new.at.distance(start().at) < 1e-9 && (new.scale - start().scale).abs() < 1e-9, "{part:?}: {new:?}");
+            assert!(
+                new.at.distance(start().at) < 1e-9 && (new.scale - start().scale).abs() < 1e-9,
+                "{part:?}: {new:?}"
+            );
         }
     }
 }
@@ -295,7 +301,8 @@ fn handles_behind_the_camera_are_neither_drawn_nor_caught() {
 
 #[test]
 fn a_pointer_catches_holds_and_lets_go() {
-    let document = Document::new("a.kdl", "pathmarch 1\ncamera { position 0 0 5; target 0 0 0 }\nobject \"a\" { sphere }");
+    let document =
+        Document::new("a.kdl", "pathmarch 1\ncamera { position 0 0 5; target 0 0 0 }\nobject \"a\" { sphere }");
     let path = document.path_of_leaf(0).expect("the sphere");
     let parts = Part::of(Handles::Move);
     let gizmo = gizmo(from_corner());
