@@ -12,10 +12,11 @@ use super::timeline::LAST_FRAME;
 use crate::frames::{self, Frames};
 use crate::picture::Rendered;
 use egui::{Context, Id, Modal, RichText, Ui};
+use pathmarch_render::Settings;
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
+use pathmarch_render::pathmarch_scene::limits;
 use pathmarch_render::pathmarch_scene::scene::read_text;
-use pathmarch_render::{MAX_BOUNCES, Settings};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -419,15 +420,17 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
         let label = ui.label("size");
         ui.horizontal(|ui| {
             for side in &mut render.size {
-                ui.add(egui::DragValue::new(side).range(1..=16_384)).labelled_by(label.id);
+                ui.add(egui::DragValue::new(side).range(limits::SIDE.0..=limits::SIDE.1)).labelled_by(label.id);
             }
         });
         ui.end_row();
         let label = ui.label("samples");
-        ui.add(egui::DragValue::new(&mut render.samples).range(1..=1_000_000)).labelled_by(label.id);
+        ui.add(egui::DragValue::new(&mut render.samples).range(limits::SAMPLES.0..=limits::SAMPLES.1))
+            .labelled_by(label.id);
         ui.end_row();
         let label = ui.label("bounces");
-        ui.add(egui::DragValue::new(&mut render.bounces).range(0..=MAX_BOUNCES)).labelled_by(label.id);
+        ui.add(egui::DragValue::new(&mut render.bounces).range(limits::BOUNCES.0..=limits::BOUNCES.1))
+            .labelled_by(label.id);
         ui.end_row();
         if render.may_choose_viewpoint {
             let label = ui.label("seen from");
