@@ -137,6 +137,8 @@ impl Drag {
         if !self.moved {
             return None;
         }
+        // The camera may have passed it meanwhile.
+        projection.depth(self.start.at)?;
         let snapped = |value: f64, step: f64| if snapping { (value / step).round() * step } else { value };
         let (start, ray) = (self.start, projection.ray(at));
         let turned = |normal: DVec3, angle: f64| {

@@ -280,10 +280,7 @@ fn handles_behind_the_camera_are_neither_drawn_nor_caught() {
     for part in all_parts() {
         let from = place(&gizmo, grip(&gizmo, part));
         let mut drag = Drag::begin(&gizmo, part, start(), from).expect("caught");
-        if let Some(new) = drag.to(&away, PICTURE.center() + Vec2::new(80.0, 30.0), false) {
-            assert!(matches!(part, Part::Arrow(_) | Part::Ring(_)), "{part:?}: {new:?}");
-            assert!(new.at.is_finite() && new.at.distance(start().at) < 1e3, "{part:?}: {new:?}");
-        }
+        assert_eq!(drag.to(&away, PICTURE.center() + Vec2::new(80.0, 30.0), false), None, "{part:?}");
     }
     // Parts that reach behind a camera with a wide view are left out, and the others are there.
     let camera = Camera {
