@@ -29,10 +29,9 @@ fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does(renderer: &mut Ren
         for (first, second) in [("lamp", "lamp"), ("double", "black"), ("black", "double")] {
             let solids = [first, second].map(|name| format!("sphere 0.6 material=\"{name}\" {{ at 0 0.8 0 }}; "));
             let blend = scene(&format!("union smooth={smooth} {{ {} }}", solids.concat()));
-            let blended = mean(&blend, renderer, 512);
-            let excess = blended / plain - 1.0;
-            println!("{}: {first} with {second}, smooth {smooth}: {:+.3} %", renderer.backend_name(), 100.0 * excess);
-            assert!(excess.abs() < 0.002, "{first} with {second}, smooth {smooth}: {:+.3} %", 100.0 * excess);
+            let excess = 100.0 * (mean(&blend, renderer, 256) / plain - 1.0);
+            println!("{}: {first} with {second}, smooth {smooth}: {excess:+.3} %", renderer.backend_name());
+            assert!(excess.abs() < 0.25, "{first} with {second}, smooth {smooth}: {excess:+.3} %");
         }
     }
 }
@@ -41,21 +40,19 @@ fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does(renderer: &mut Ren
 fn every_blend_vanishes_in_a_furnace(renderer: &mut Renderer) {
     let materials =
         [("lamp", "emit 1"), ("white", "diffuse 1"), ("glass", "glass 1; ior 1.5"), ("mirror", "metal 1; roughness 0")];
-    for mut renderer in renderers() {
-        for (k, (first, _)) in materials.iter().enumerate() {
-            for (second, _) in &materials[..=k] {
-                let all: Vec<_> =
-                    materials.iter().map(|(name, kind)| format!("material \"{name}\" {{ {kind} }}")).collect();
-                let scene = format!(
-                    "pathmarch 1\ncamera {{ position 0 0 3; target 0 0 0; fov 50 }}\nrender {{ bounces 64 }}\nsky 1\n{}\n\
+    for (k, (first, _)) in materials.iter().enumerate() {
+        for (second, _) in &materials[..=k] {
+            let all: Vec<_> =
+                materials.iter().map(|(name, kind)| format!("material \"{name}\" {{ {kind} }}")).collect();
+            let scene = format!(
+                "pathmarch 1\ncamera {{ position 0 0 3; target 0 0 0; fov 50 }}\nrender {{ bounces 64 }}\nsky 1\n{}\n\
                      object \"ball\" {{ union smooth=0.2 {{ sphere 0.7 material=\"{first}\"; \
                      box 1 material=\"{second}\" {{ at 0.2 0 0 }} }} }}",
-                    all.join("\n")
-                );
-                let mean = mean(&scene, renderer, 16);
-                println!("{}: {first} with {second}: {mean:.5}", renderer.backend_name());
-                assert!((mean - 1.0).abs() < 0.002, "{first} with {second}: {mean}");
-            }
+                all.join("\n")
+            );
+            let mean = mean(&scene, renderer, 16);
+            println!("{}: {first} with {second}: {mean:.5}", renderer.backend_name());
+            assert!((mean - 1.0).abs() < 0.002, "{first} with {second}: {mean}");
         }
     }
 }

@@ -12,6 +12,7 @@ pub mod diagnostic;
 pub mod document;
 pub mod environment;
 mod language;
+pub mod limits;
 pub mod materials;
 pub mod render_settings;
 pub mod scene;

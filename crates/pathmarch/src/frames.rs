@@ -16,7 +16,11 @@ pub struct Frames {
 /// Parses `7`, `1-120`, or `1-120x2`.
 pub fn parse(text: &str) -> Result<Frames, String> {
     let expected = || "expected the number of a frame, a range such as 1-120, or one with steps, 1-120x2".to_owned();
-    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| expected());
+    let number = |text: &str| {
+        let text = text.trim();
+        let is_whole = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+        text.parse::<u32>().map_err(|_| if is_whole { format!("the last frame is {}", u32::MAX) } else { expected() })
+    };
     let (range, step) = match text.split_once(['x', '×']) {
         Some((range, step)) => (range, number(step)?),
         None => (text, 1),
@@ -81,6 +85,10 @@ mod tests {
 
     #[test]
     fn ranges_are_parsed() {
+        assert_eq!(parse("4294967295"), Ok(Frames { first: u32::MAX, last: u32::MAX, step: 1 }));
+        for huge in ["4294967296", "1-99999999999999999999", "0-9x99999999999"] {
+            assert!(parse(huge).is_err_and(|words| words.contains("the last frame is 4294967295")), "{huge}");
+        }
         assert_eq!(parse("7"), Ok(Frames { first: 7, last: 7, step: 1 }));
         assert_eq!(parse("1-120"), Ok(Frames { first: 1, last: 120, step: 1 }));
         assert_eq!(parse("0-9x4").unwrap().numbers().collect::<Vec<_>>(), [0, 4, 8]);

@@ -8,6 +8,7 @@ mod exit;
 mod frames;
 mod measure;
 mod picture;
+mod threads;
 mod window;
 
 use clap::{Parser, Subcommand};
@@ -64,6 +65,9 @@ fn main() -> ExitCode {
     }
     quiet_drivers();
     let command = Arguments::parse().command.unwrap_or_else(|| Command::View(view::Arguments::default()));
+    if let Some(note) = threads::start() {
+        eprintln!("note: {note}");
+    }
     let result = match command {
         Command::View(arguments) => view::run(arguments),
         Command::Render(arguments) => render::run(&arguments),

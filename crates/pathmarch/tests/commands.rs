@@ -354,3 +354,136 @@ fn an_interrupted_render_writes_what_is_done() {
     assert!(rest.iter().any(|line| line.contains("interrupted: wrote solids.png")), "{rest:?}");
     assert!(directory.path().join("solids.png").is_file());
 }
+
+/// Every option that takes a number, a command in which it stands, and what is said of a number that it cannot be.
+const NUMBERS: &[(&[&str], &str, &str)] = &[
+    (&["render", "a.kdl"], "--exposure", "must be a number from -100 to 100"),
+    (&["render", "a.kdl"], "--samples", "must be a whole number from 1 to 1000000"),
+    (&["render", "a.kdl"], "--seed", "must be a whole number from 0 to 4294967295"),
+    (&["render", "a.kdl"], "--first-sample", "must be a whole number from 0 to 2000000000"),
+    (&["render", "a.kdl"], "--bounces", "must be a whole number from 0 to 64"),
+    (&["render", "a.kdl"], "--splitting", "must be a whole number from 1 to 8"),
+    (&["render", "a.kdl"], "--seconds", "must be a number of seconds above 0, at most 86400"),
+    (&["render", "a.kdl"], "--time", "must be a number of seconds from 0 to 1000000000"),
+    (&["render", "a.kdl"], "--clamp", "must be a finite number above 0"),
+    (&["render", "a.kdl"], "--detail", "must be a number from 0.001 to 10"),
+    (&["render", "a.kdl"], "--fps", "must be a number above 0 and at most 1000"),
+    (&["render", "a.kdl"], "--shutter", "must be a number from 0 to 1"),
+    (&["render", "a.kdl"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["render", "a.kdl"], "--frames", "a range such as 1-120"),
+    (&["export", "a.kdl", "-o", "a.stl"], "--resolution", "must be a whole number from 1 to 100000"),
+    (&["export", "a.kdl", "-o", "a.stl"], "--cell", "expected a length above 0 in metres, such as 0.01"),
+    (&["export", "a.kdl", "-o", "a.stl"], "--bounds", "expected the smaller corner and the larger one"),
+    (&["compare", "a.exr", "b.exr"], "--max-relmse", "must be a finite number, 0 or more"),
+    (&["bench", "a.kdl"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["bench", "a.kdl"], "--error-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["bench", "a.kdl"], "--bounces", "must be a whole number from 0 to 64"),
+    (&["bench", "a.kdl"], "--rounds", "must be a whole number from 1 to 1000"),
+    (&["bench", "a.kdl"], "--samples", "must be a whole number from 1 to 1000"),
+    (&["bench", "a.kdl"], "--limit", "must be a number of seconds above 0, at most 86400"),
+    (&["bench", "a.kdl"], "--error", "must be a number of seconds above 0, at most 86400"),
+    (&["study", "-o", "out"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["study", "-o", "out"], "--error-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["study", "-o", "out"], "--picture-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["study", "-o", "out"], "--rounds", "must be a whole number from 1 to 1000"),
+    (&["study", "-o", "out"], "--samples", "must be a whole number from 2 to 65536"),
+    (&["study", "-o", "out"], "--picture-samples", "must be a whole number from 1 to 65536"),
+];
+
+#[test]
+fn numbers_that_an_option_cannot_be_are_refused_with_what_it_can_be() {
+    let directory = tempfile::tempdir().expect("a directory");
+    for (command, option, words) in NUMBERS {
+        for value in ["nan", "-inf", "inf", "-1e9", "1e99", "-1e99", "one", ""] {
+            let output = pathmarch(&[*command, &[*option, value]].concat(), directory.path());
+            let told = stderr(&output);
+            assert_eq!(code(&output), 2, "{option} {value}: {told}");
+            assert!(told.contains(&format!("invalid value '{value}' for '{option} <")), "{option} {value}: {told}");
+            assert!(told.contains(words), "{option} {value}: {told}");
+        }
+    }
+    assert_eq!(directory.path().read_dir().expect("a directory").count(), 0, "nothing is written");
+}
+
+#[test]
+fn what_is_just_past_a_range_is_refused_as_well() {
+    let directory = tempfile::tempdir().expect("a directory");
+    for (option, value, words) in [
+        ("--exposure", "1e9", "must be a number from -100 to 100"),
+        ("--exposure", "-100.01", "must be a number from -100 to 100"),
+        ("--seed", "-1", "must be a whole number from 0 to 4294967295"),
+        ("--seed", "4294967296", "must be a whole number from 0 to 4294967295"),
+        ("--size", "99999999999x1", "each side must be from 1 to 16384"),
+        ("--size", "-5x10", "each side must be from 1 to 16384"),
+        ("--size", "16385x1", "each side must be from 1 to 16384"),
+        ("--frames", "4294967296", "the last frame is 4294967295"),
+        ("--fps", "0", "must be a number above 0 and at most 1000"),
+        ("--clamp", "1e-60", "must be a finite number above 0"),
+        ("--detail", "0.0009", "must be a number from 0.001 to 10"),
+    ] {
+        let output = pathmarch(&["render", "a.kdl", option, value], directory.path());
+        let told = stderr(&output);
+        assert_eq!(code(&output), 2, "{told}");
+        assert!(told.starts_with(&format!("error: invalid value '{value}' for '{option} <")), "{told}");
+        assert!(told.contains(words) && !told.contains("unexpected argument"), "{told}");
+    }
+    // The ends of a range are in it, and a hyphen is no option.
+    let scene = scene("diffuse-sphere.kdl");
+    let small = ["render", &scene, "--backend", "cpu", "--size", "8x4", "--samples", "1", "-o", "a.png"];
+    for (option, value) in [("--exposure", "-100"), ("--exposure", "100"), ("--seed", "4294967295"), ("--fps", "1e-40")]
+    {
+        let output = pathmarch(&[&small[..], &[option, value]].concat(), directory.path());
+        assert_eq!(code(&output), 0, "{option} {value}: {}", stderr(&output));
+    }
+}
+
+#[test]
+fn the_language_and_the_command_line_allow_the_same_exposure() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let check = |exposure: &str| {
+        let text = format!(
+            "pathmarch 1\ncamera {{ position 0 0 4; target 0 0 0; exposure {exposure} }}\nobject \"a\" {{ sphere }}\n"
+        );
+        std::fs::write(directory.path().join("a.kdl"), text).expect("written");
+        pathmarch(&["check", "a.kdl"], directory.path())
+    };
+    for wrong in ["100.1", "-100.1", "1e9", "#inf", "#nan"] {
+        let output = check(wrong);
+        assert_eq!(code(&output), 2, "{wrong}: {}", stderr(&output));
+        let output = pathmarch(&["render", "a.kdl", "--exposure", wrong.trim_start_matches('#')], directory.path());
+        assert_eq!(code(&output), 2, "{wrong}: {}", stderr(&output));
+        assert!(stderr(&output).contains("from -100 to 100"), "{}", stderr(&output));
+    }
+    assert!(stderr(&check("1e9")).contains("from -100 to 100"));
+    for right in ["100", "-100", "0.5"] {
+        assert_eq!(code(&check(right)), 0, "{right}");
+    }
+}
+
+#[test]
+fn more_threads_than_cores_are_not_started() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let scene = scene("diffuse-sphere.kdl");
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let all = format!("({cores} threads)");
+    for (asked, threads, is_noted) in [
+        ("100000", all.as_str(), true),
+        ("99999999999999999999999", &all, true),
+        ("1", "(1 threads)", false),
+        ("0", &all, false),
+        ("many", &all, false),
+    ] {
+        let name = format!("{asked}.png");
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_pathmarch"))
+            .args(["render", &scene, "--backend", "cpu", "--size", "64x36", "--samples", "2", "-o", &name])
+            .current_dir(directory.path())
+            .env("RAYON_NUM_THREADS", asked)
+            .output()
+            .expect("the program starts");
+        let told = stderr(&output);
+        assert_eq!(code(&output), 0, "{told}");
+        assert!(told.contains(&format!("on CPU {threads}")), "{asked}: {told}");
+        assert_eq!(told.contains(&format!("note: RAYON_NUM_THREADS asks for {asked} threads")), is_noted, "{told}");
+        assert!(directory.path().join(&name).metadata().expect("written").len() > 100);
+    }
+}

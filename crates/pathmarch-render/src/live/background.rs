@@ -13,10 +13,11 @@ pub(super) fn give_way() {
     }
 }
 
-/// Does work whose parallel parts run on as many such threads as there are cores.
+/// Does work whose parallel parts run on as many such threads as the program uses for everything else.
 pub(super) fn with_all_cores<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     give_way();
-    match rayon::ThreadPoolBuilder::new().start_handler(|_| give_way()).build() {
+    let threads = rayon::current_num_threads();
+    match rayon::ThreadPoolBuilder::new().num_threads(threads).start_handler(|_| give_way()).build() {
         Ok(pool) => pool.install(work),
         // The pool that everything else uses will do.
         Err(_) => work(),

@@ -10,11 +10,15 @@ use super::tree::{Entry, Node, Span, Value};
 
 /// The numbers that are allowed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Range {
-    pub(crate) min: f32,
-    pub(crate) min_allowed: bool,
-    pub(crate) max: f32,
-    pub(crate) max_allowed: bool,
+pub struct Range {
+    /// The smallest number.
+    pub min: f32,
+    /// Whether that number itself is allowed.
+    pub min_allowed: bool,
+    /// The largest number.
+    pub max: f32,
+    /// Whether that number itself is allowed.
+    pub max_allowed: bool,
 }
 
 impl Range {
@@ -33,15 +37,17 @@ impl Range {
     pub(crate) const fn between(min: f32, max: f32) -> Self {
         Self { min, min_allowed: false, max, max_allowed: false }
     }
-    pub(crate) fn accepts(self, value: f32) -> bool {
+    /// Whether a number is in the range: never one that is not finite.
+    pub fn accepts(self, value: f32) -> bool {
         (value > self.min || self.min_allowed && value == self.min)
             && (value < self.max || self.max_allowed && value == self.max)
     }
     /// As in "must be …".
-    pub(crate) fn in_words(self) -> String {
+    pub fn in_words(self) -> String {
         let Self { min, max, .. } = self;
         match (min > f32::MIN, max < f32::MAX) {
             (true, true) if self.min_allowed => format!("from {min} to {max}"),
+            (true, true) if self.max_allowed => format!("above {min} and at most {max}"),
             (true, true) => format!("above {min} and below {max}"),
             (true, false) if self.min_allowed => format!("{min} or more"),
             (true, false) => format!("above {min}"),

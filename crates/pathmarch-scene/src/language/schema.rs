@@ -10,6 +10,7 @@ use super::arguments::{
 use super::report::Report;
 use super::tree::{Entry, Node};
 use crate::atmosphere::SUN_ANGLE;
+use crate::limits;
 use crate::render_settings::{Caustics, DETAIL, Sampler, Tonemap};
 use pathmarch_field::BlendProfile;
 use pathmarch_field::blend::{DEFAULT_STEPS, MAX_STEPS};
@@ -107,7 +108,7 @@ pub(crate) const CAMERA: &[Setting] = &[
     setting("lens", Form::Properties(LENS), "", "lens radius=0.05 focus=6", "A thin lens."),
     setting(
         "exposure",
-        number(Range::from_to(-100.0, 100.0), 0.0),
+        number(limits::EXPOSURE, 0.0),
         "EV",
         "exposure 0",
         "Stops for the screen, PNG and JPEG; never for EXR.",
@@ -130,15 +131,21 @@ pub(crate) const LENS: &[Setting] = &[
 pub(crate) const RENDER: &[Setting] = &[
     setting(
         "size",
-        Form::Size { range: (1, 16384), default: [1280, 720] },
+        Form::Size { range: limits::SIDE, default: [1280, 720] },
         "px",
         "size 1280 720",
         "Width and height of the picture.",
     ),
-    setting("samples", Form::Whole { range: (1, 1_000_000), default: 256 }, "", "samples 256", "Paths for each pixel."),
+    setting(
+        "samples",
+        Form::Whole { range: limits::SAMPLES, default: 256 },
+        "",
+        "samples 256",
+        "Paths for each pixel.",
+    ),
     setting(
         "bounces",
-        Form::Whole { range: (0, 64), default: 4 },
+        Form::Whole { range: limits::BOUNCES, default: 4 },
         "",
         "bounces 4",
         "Scattering events after the first hit; 0 is emitted and direct light only.",
@@ -166,28 +173,22 @@ pub(crate) const RENDER: &[Setting] = &[
     ),
     setting(
         "clamp",
-        OPTIONAL,
+        Form::Number { range: limits::CLAMP, default: None },
         "W/(m² sr)",
         "clamp 10",
         "Largest channel of a contribution of light that bounced, against fireflies; darkens.",
     ),
     setting(
         "detail",
-        number(Range::from_to(0.001, 10.0), DETAIL),
+        number(limits::DETAIL, DETAIL),
         "px",
         "detail 0.1",
         "How near to a surface a ray ends, as it is seen: smaller shows finer detail of fractals, and costs steps.",
     ),
-    setting(
-        "fps",
-        number(Range { max: 1000.0, ..Range::POSITIVE }, 24.0),
-        "/s",
-        "fps 24",
-        "Pictures of an animation in a second.",
-    ),
+    setting("fps", number(limits::FPS, 24.0), "/s", "fps 24", "Pictures of an animation in a second."),
     setting(
         "shutter",
-        number(Range::from_to(0.0, 1.0), 0.0),
+        number(limits::SHUTTER, 0.0),
         "",
         "shutter 0.5",
         "Part of a frame's time that the shutter is open: motion blur; 0 is none.",

@@ -12,15 +12,13 @@ pub struct Arguments {
     /// What it should be
     reference: PathBuf,
     /// Fail (exit code 1) when relMSE is above this
-    #[arg(long, value_name = "X", value_parser = parse_limit)]
+    #[arg(long, value_name = "X", value_parser = parse_limit, allow_hyphen_values = true)]
     max_relmse: Option<f64>,
 }
 
 fn parse_limit(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(limit) if limit >= 0.0 => Ok(limit),
-        _ => Err("expected a number of zero or more".to_owned()),
-    }
+    let limit = text.trim().parse().ok().filter(|limit: &f64| *limit >= 0.0 && limit.is_finite());
+    limit.ok_or_else(|| "must be a finite number, 0 or more".to_owned())
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {

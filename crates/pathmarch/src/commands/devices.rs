@@ -14,7 +14,7 @@ pub fn run() -> Result<u8, Failure> {
         };
         println!("GPU  {}  [{}, {}; {}]{remark}", adapter.name, adapter.backend, adapter.kind, adapter.driver);
     }
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = rayon::current_num_threads();
     let remark = if preferred.is_none() { "  <- used unless told otherwise" } else { "" };
     println!("CPU  {threads} threads, eight rays to a march{remark}");
     if preferred.is_none() {

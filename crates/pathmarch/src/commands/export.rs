@@ -1,6 +1,6 @@
 //! `pathmarch export`: objects of a scene to a file of triangles.
 
-use super::{check_directory, listed, progress_bar, watch_interrupts};
+use super::{check_directory, listed, numbers, progress_bar, watch_interrupts};
 use crate::exit::{DONE, Failure, INTERRUPTED, print_report};
 use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
 use pathmarch_render::pathmarch_field::mesh::{Fineness, MeshError};
@@ -22,10 +22,10 @@ pub struct Arguments {
     #[arg(long = "object", value_name = "NAME")]
     objects: Vec<String>,
     /// Cells along the longest side
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = numbers::whole((1, 100_000)), allow_hyphen_values = true)]
     resolution: u32,
     /// Edge of a cell, metres, in place of a resolution
-    #[arg(long, value_name = "METRES", value_parser = parse_cell, conflicts_with = "resolution")]
+    #[arg(long, value_name = "METRES", value_parser = parse_cell, allow_hyphen_values = true, conflicts_with = "resolution")]
     cell: Option<f32>,
     /// Cut everything by a box: its two corners, metres, as in "-1 0 -1 1 2 1"
     #[arg(long, value_name = "X Y Z X Y Z", value_parser = parse_bounds, allow_hyphen_values = true)]

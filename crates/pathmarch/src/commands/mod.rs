@@ -5,6 +5,7 @@ pub mod check;
 pub mod compare;
 pub mod devices;
 pub mod export;
+mod numbers;
 pub mod render;
 pub mod shapes;
 pub mod study;
@@ -37,18 +38,6 @@ impl From<BackendArgument> for Backend {
             BackendArgument::Gpu => Self::Gpu,
             BackendArgument::Cpu => Self::Cpu,
         }
-    }
-}
-
-/// Parses `1280x720`.
-pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once(['x', 'X', '×']);
-    let numbers = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
-    let limit = pathmarch_render::image::MAX_SIDE;
-    match numbers {
-        Some([w, h]) if (1..=limit).contains(&w) && (1..=limit).contains(&h) => Ok([w, h]),
-        Some(_) => Err(format!("each side must be from 1 to {limit}")),
-        None => Err("expected WIDTHxHEIGHT, such as 1280x720".to_owned()),
     }
 }
 

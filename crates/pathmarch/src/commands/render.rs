@@ -1,15 +1,15 @@
 //! `pathmarch render`: a scene to a picture.
 
-use super::{BackendArgument, check_directory, listed, parse_size, progress_bar, watch_interrupts};
+use super::{BackendArgument, check_directory, listed, numbers, progress_bar, watch_interrupts};
 use crate::exit::{DONE, Failure, INTERRUPTED, print_report};
 use crate::frames::{self, Frames};
 use crate::picture::{Exposure, Rendered};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
-use pathmarch_render::pathmarch_scene::{Animation, Caustics, Moment, Sampler, Scene};
+use pathmarch_render::pathmarch_scene::{Animation, Caustics, Moment, Sampler, Scene, limits};
 use pathmarch_render::tonemap::{Display, Tonemap};
-use pathmarch_render::{MAX_BOUNCES, MAX_SPLITTING, Mode, MotionError, RenderError, Renderer, Settings, Shutter};
+use pathmarch_render::{MAX_SPLITTING, Mode, MotionError, RenderError, Renderer, Settings, Shutter};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Size in pixels [default: the scene's]
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = numbers::size, allow_hyphen_values = true)]
     size: Option<[u32; 2]>,
     /// What the picture shows [default: path]
     ///
@@ -39,19 +39,19 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = one_of(Mode::ALL, Mode::name), verbatim_doc_comment)]
     mode: Option<Mode>,
     /// Samples for each pixel [default: the scene's; 16 in modes that trace no paths]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = numbers::whole(limits::SAMPLES), allow_hyphen_values = true)]
     samples: Option<u32>,
-    /// Stop after this many seconds, whatever is done by then; at least one sample is
-    #[arg(long, value_name = "N", value_parser = parse_seconds)]
+    /// Stop after this many seconds, at most 86400, whatever is done by then; at least one sample is
+    #[arg(long, value_name = "N", value_parser = numbers::seconds, allow_hyphen_values = true)]
     seconds: Option<f64>,
     /// Index of the first sample; ranges rendered apart add up to the whole
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=2_000_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = numbers::whole((0, 2_000_000_000)), allow_hyphen_values = true)]
     first_sample: u32,
     /// Scattering events after the first hit; 0 is emitted and direct light only [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_BOUNCES)))]
+    #[arg(long, value_name = "N", value_parser = numbers::whole(limits::BOUNCES), allow_hyphen_values = true)]
     bounces: Option<u32>,
     /// Pictures of different seeds have independent noise
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = numbers::whole((0, u32::MAX)), allow_hyphen_values = true)]
     seed: u32,
     /// Which of the scene's cameras [default: the first]
     #[arg(long, value_name = "NAME")]
@@ -66,16 +66,16 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = one_of(Caustics::ALL, Caustics::name))]
     caustics: Option<Caustics>,
     /// Largest radiance of a contribution of light that bounced, against fireflies; darkens [default: the scene's]
-    #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
+    #[arg(long, value_name = "RADIANCE", value_parser = numbers::number(limits::CLAMP), allow_hyphen_values = true)]
     clamp: Option<f32>,
     /// Paths that share a ray of the camera, 1 to 8 [default: what makes the picture converge soonest]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPLITTING)))]
+    #[arg(long, value_name = "N", value_parser = numbers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     splitting: Option<u32>,
     /// How near to a surface a ray ends, in pixels as seen: smaller shows finer detail, and costs steps [default: the scene's]
-    #[arg(long, value_name = "PIXELS", value_parser = parse_detail)]
+    #[arg(long, value_name = "PIXELS", value_parser = numbers::number(limits::DETAIL), allow_hyphen_values = true)]
     detail: Option<f32>,
-    /// Stops of exposure for PNG and JPEG [default: the camera's]
-    #[arg(long, value_name = "EV", allow_negative_numbers = true)]
+    /// Stops of exposure for PNG and JPEG, -100 to 100 [default: the camera's]
+    #[arg(long, value_name = "EV", value_parser = numbers::number(limits::EXPOSURE), allow_hyphen_values = true)]
     exposure: Option<f32>,
     /// Write layers beside R, G and B, without noise; .exr only [default: all; or a list, such as albedo,normal]
     ///
@@ -92,19 +92,19 @@ pub struct Arguments {
     ///
     /// Formulas of the scene know the number as frame, and frame/fps as t. The name of the file has # where the digits of
     /// the number go: -o out/frame-####.png. Frames that are written stay when the program is interrupted.
-    #[arg(long, value_name = "RANGE", value_parser = frames::parse, verbatim_doc_comment)]
+    #[arg(long, value_name = "RANGE", value_parser = frames::parse, allow_hyphen_values = true, verbatim_doc_comment)]
     frames: Option<Frames>,
     /// Leave out frames whose file is there, to go on after an interrupt
     #[arg(long, requires = "frames")]
     skip_existing: bool,
     /// Frames in a second [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = parse_fps)]
+    #[arg(long, value_name = "N", value_parser = numbers::number(limits::FPS), allow_hyphen_values = true)]
     fps: Option<f32>,
     /// The moment of the picture: seconds since frame 0
-    #[arg(long, value_name = "SECONDS", conflicts_with = "frames", value_parser = parse_moment)]
+    #[arg(long, value_name = "SECONDS", conflicts_with = "frames", value_parser = parse_moment, allow_hyphen_values = true)]
     time: Option<f64>,
     /// For which part of a frame's time the shutter is open, 0 to 1: motion blur [default: the scene's]
-    #[arg(long, value_name = "PART", value_parser = parse_shutter)]
+    #[arg(long, value_name = "PART", value_parser = numbers::number(limits::SHUTTER), allow_hyphen_values = true)]
     shutter: Option<f32>,
     /// What to render on
     #[arg(long, value_enum, default_value = "auto")]
@@ -127,43 +127,12 @@ fn one_of<T: Copy, const N: usize>(
     }
 }
 
-fn parse_seconds(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|seconds: &f64| *seconds > 0.0 && seconds.is_finite())
-        .ok_or("expected a number above 0".to_owned())
-}
-
-fn parse_clamp(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|limit: &f32| *limit > 0.0 && limit.is_finite())
-        .ok_or("expected a number above 0".to_owned())
-}
-
-fn parse_detail(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|pixels: &f32| (0.001..=10.0).contains(pixels))
-        .ok_or("expected a number from 0.001 to 10".to_owned())
-}
-
-fn parse_fps(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|fps: &f32| *fps > 0.0 && *fps <= 1000.0)
-        .ok_or("expected a number above 0, at most 1000".to_owned())
-}
+/// The last moment of an animation, seconds.
+const LAST_MOMENT: f64 = 1e9;
 
 fn parse_moment(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|seconds: &f64| (0.0..=1e9).contains(seconds))
-        .ok_or("expected a number of seconds, 0 or more".to_owned())
-}
-
-fn parse_shutter(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|part| (0.0..=1.0).contains(part)).ok_or("expected a number from 0 to 1".to_owned())
+    let seconds = text.trim().parse().ok().filter(|seconds: &f64| (0.0..=LAST_MOMENT).contains(seconds));
+    seconds.ok_or_else(|| format!("must be a number of seconds from 0 to {LAST_MOMENT}"))
 }
 
 /// `--aov`

@@ -38,6 +38,11 @@ pub struct Options {
 /// Wakes the window from other threads.
 pub(super) type Waker = Arc<dyn Fn() + Send + Sync>;
 
+/// Messages stay for so long; in tests until they are closed, for no test may depend on how fast it runs.
+const MESSAGE_SECONDS: f32 = if cfg!(test) { 1e5 } else { 4.0 };
+/// Complaints stay longer, for there is more to read.
+const COMPLAINT_SECONDS: f32 = if cfg!(test) { 1e5 } else { 10.0 };
+
 /// A message that goes away by itself.
 pub(super) struct Toast {
     pub(super) text: String,
@@ -262,6 +267,12 @@ impl App {
                 self.say("The file has changed: this is what it says now.");
             }
             Some(Reload::Conflict) => self.dialog = Some(Dialog::Conflict),
+            Some(Reload::Same) => {
+                if matches!(self.dialog, Some(Dialog::Conflict)) {
+                    self.dialog = None;
+                }
+                self.changed();
+            }
             Some(Reload::Unreadable(why)) => self.complain(&why),
             None => {}
         }
@@ -401,10 +412,10 @@ impl App {
     }
 
     pub(super) fn say(&mut self, text: &str) {
-        self.toast(text, false, 4.0);
+        self.toast(text, false, MESSAGE_SECONDS);
     }
     pub(super) fn complain(&mut self, text: &str) {
-        self.toast(text, true, 10.0);
+        self.toast(text, true, COMPLAINT_SECONDS);
     }
     fn toast(&mut self, text: &str, is_error: bool, seconds: f32) {
         let until = Instant::now() + Duration::from_secs_f32(seconds);

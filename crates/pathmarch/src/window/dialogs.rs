@@ -5,17 +5,18 @@ use super::age::age;
 use super::app::App;
 use super::chooser::Chooser;
 use super::export::{self, Export, Sequence, Task};
-use super::files::{After, For, purpose};
+use super::files::{After, For, purpose, reason};
 use super::open::Open;
 use super::recovery::Recovered;
 use super::timeline::LAST_FRAME;
 use crate::frames::{self, Frames};
 use crate::picture::Rendered;
 use egui::{Context, Id, Modal, RichText, Ui};
+use pathmarch_render::Settings;
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
+use pathmarch_render::pathmarch_scene::limits;
 use pathmarch_render::pathmarch_scene::scene::read_text;
-use pathmarch_render::{MAX_BOUNCES, Settings};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -139,7 +140,10 @@ impl App {
             ui.set_max_width(520.0);
             match dialog {
                 Dialog::Unsaved(after) => unsaved(ui, after, &mut answer),
-                Dialog::Conflict => conflict(ui, &mut answer),
+                Dialog::Conflict => {
+                    let theirs = self.open.as_ref().and_then(|open| open.conflict.as_ref());
+                    conflict(ui, theirs.and_then(|theirs| theirs.as_ref().err()), &mut answer);
+                }
                 Dialog::Recovered(left) => recovered(ui, left, &mut answer),
                 Dialog::Render(render) => render_settings(ui, render, &mut answer),
                 Dialog::Busy => busy(ui, &mut answer),
@@ -170,12 +174,14 @@ impl App {
                 if let Some(open) = &mut self.open {
                     open.keep_mine();
                 }
+                // What is kept for after a crash is based on the other version from now on.
+                self.changed();
                 self.say("Your version stays; the file keeps the other one until you save.");
             }
             Answer::TakeTheirs => {
                 self.dialog = None;
                 if let Some(open) = &mut self.open
-                    && let Some(text) = open.conflict.take()
+                    && let Some(Ok(text)) = open.conflict.take()
                 {
                     open.take_from_disk(text);
                     self.changed();
@@ -229,35 +235,41 @@ impl App {
         }
     }
 
-    /// Opens what a program that ended without saving has left, as unsaved changes of its file.
+    /// Opens what a program that ended without saving has left, as unsaved changes of its file. Asks where the file is no
+    /// longer the version that the work is based on.
     fn recover(&mut self, one: Recovered) {
-        let disk = one.scene_path.as_deref().and_then(|path| read_text(path).ok());
         let text = match &one.text {
             Ok(text) => text.clone(),
             Err(why) => return self.complain(why),
         };
-        let path = one.scene_path.clone();
-        match (path, disk) {
-            (Some(path), Some(disk)) => {
-                let mut open = Open::new(&path.display().to_string(), disk, Some(path));
-                open.document.replace_text(text, "Recovery", None);
-                open.watch(&self.waker);
-                self.show_scene(open);
+        let mut open = match one.scene_path.clone() {
+            Some(path) => {
+                let theirs = read_text(&path).map_err(|error| reason(&error));
+                let is_based_on = theirs.as_ref().is_ok_and(|theirs| one.is_based_on(theirs));
+                Open::recovered(path, text, theirs, is_based_on)
             }
-            (path, _) => {
-                // Its file is gone, or there never was one.
-                let name = path.map_or_else(|| "scene.kdl".to_owned(), |path| path.display().to_string());
-                let mut open = Open::new(&name, String::new(), None);
+            None => {
+                let mut open = Open::new("scene.kdl", String::new(), None);
                 open.document.replace_text(text, "Recovery", None);
-                self.show_scene(open);
+                open
             }
-        }
+        };
+        open.watch(&self.waker);
+        let (must_decide, is_unsaved) = (open.conflict.is_some(), open.has_unsaved_work());
+        self.show_scene(open);
         self.changed();
         self.recovery.flush();
         if let Err(why) = one.discard() {
             self.complain(&why);
         }
-        self.say("Recovered. Save it to keep it.");
+        if must_decide {
+            self.dialog = Some(Dialog::Conflict);
+            self.say("Recovered, but its file is not what it was.");
+        } else if is_unsaved {
+            self.say("Recovered. Save it to keep it.");
+        } else {
+            self.say("Recovered: its file holds all of it.");
+        }
     }
 
     fn start_render(&mut self) {
@@ -346,18 +358,27 @@ fn busy(ui: &mut Ui, answer: &mut Answer) {
     });
 }
 
-fn conflict(ui: &mut Ui, answer: &mut Answer) {
-    ui.heading("The file has changed as well");
-    ui.label("Someone else has changed the file while there were unsaved changes here. Both are still there.");
+/// Asks which of two versions is to stay. `unreadable` says why there is nothing to be had of the file's.
+fn conflict(ui: &mut Ui, unreadable: Option<&String>, answer: &mut Answer) {
+    match unreadable {
+        None => {
+            ui.heading("The file has changed as well");
+            ui.label("Someone else has changed the file while there were unsaved changes here. Both are still there.");
+        }
+        Some(why) => {
+            ui.heading("The file cannot be read any more");
+            ui.label(format!("There are unsaved changes here, and of the file: {why}. Your version is still there."));
+        }
+    }
     ui.add_space(8.0);
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Keep mine").on_hover_text("The file keeps the other version until you save.").clicked() {
+        if ui.button("Keep mine").on_hover_text("The file stays as it is until you save.").clicked() {
             *answer = Answer::KeepMine;
         }
-        if ui.button("Take the file's").on_hover_text("Undo brings yours back.").clicked() {
+        if unreadable.is_none() && ui.button("Take the file's").on_hover_text("Undo brings yours back.").clicked() {
             *answer = Answer::TakeTheirs;
         }
-        if ui.button("Save mine as…").on_hover_text("Both versions, in two files.").clicked() {
+        if ui.button("Save mine as…").on_hover_text("Leaves the file as it is.").clicked() {
             *answer = Answer::SaveMineElsewhere;
         }
     });
@@ -399,15 +420,17 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
         let label = ui.label("size");
         ui.horizontal(|ui| {
             for side in &mut render.size {
-                ui.add(egui::DragValue::new(side).range(1..=16_384)).labelled_by(label.id);
+                ui.add(egui::DragValue::new(side).range(limits::SIDE.0..=limits::SIDE.1)).labelled_by(label.id);
             }
         });
         ui.end_row();
         let label = ui.label("samples");
-        ui.add(egui::DragValue::new(&mut render.samples).range(1..=1_000_000)).labelled_by(label.id);
+        ui.add(egui::DragValue::new(&mut render.samples).range(limits::SAMPLES.0..=limits::SAMPLES.1))
+            .labelled_by(label.id);
         ui.end_row();
         let label = ui.label("bounces");
-        ui.add(egui::DragValue::new(&mut render.bounces).range(0..=MAX_BOUNCES)).labelled_by(label.id);
+        ui.add(egui::DragValue::new(&mut render.bounces).range(limits::BOUNCES.0..=limits::BOUNCES.1))
+            .labelled_by(label.id);
         ui.end_row();
         if render.may_choose_viewpoint {
             let label = ui.label("seen from");

@@ -60,6 +60,14 @@ pub(super) fn purpose(title: &str, extensions: &[&'static str]) -> Purpose {
     Purpose { title: title.to_owned(), extensions: extensions.to_vec() }
 }
 
+/// Why a file cannot be read, as a part of a sentence.
+pub(super) fn reason(error: &SceneError) -> String {
+    match error {
+        SceneError::Unreadable { reason, .. } => reason.clone(),
+        other => other.to_string(),
+    }
+}
+
 impl App {
     /// Does it, or asks first what is to become of unsaved work.
     pub(super) fn unless_unsaved(&mut self, after: After) {
@@ -119,8 +127,8 @@ impl App {
                 if !path.exists() {
                     self.preferences.forget(&path);
                 }
-                let why = match error {
-                    SceneError::Unreadable { reason, help, .. } => format!("{reason}. {help}"),
+                let why = match &error {
+                    SceneError::Unreadable { help, .. } => format!("{}. {help}", reason(&error)),
                     other => other.to_string(),
                 };
                 self.complain(&format!("{} cannot be opened: {why}", path.display()));
@@ -145,6 +153,12 @@ impl App {
             self.choose_save(then.map_or(For::SaveAs, For::SaveThen));
             return false;
         };
+        // What another program has just written is not replaced unseen, even where the watch has not reported it yet.
+        let now = read_text(&path).ok();
+        if self.open.as_mut().zip(now).is_some_and(|(open, now)| open.is_overtaken(&now)) {
+            self.dialog = Some(Dialog::Conflict);
+            return false;
+        }
         self.save_to(&path)
     }
 

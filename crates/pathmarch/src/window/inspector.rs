@@ -6,6 +6,7 @@ use super::open::Resolution;
 use egui::{ComboBox, DragValue, Response, RichText, Slider, SliderClamping, TextEdit, Ui};
 use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, Item, ItemKind, Path, Value, key};
+use pathmarch_render::pathmarch_scene::limits;
 
 /// Points of a window that has room for controls and a picture.
 const LEAST_WINDOW: f32 = 640.0;
@@ -185,9 +186,20 @@ impl App {
             });
             ui.end_row();
         });
+        // What is typed may be no finite number.
+        for (value, before) in [
+            (&mut camera.fov, before.fov),
+            (&mut camera.lens_radius, before.lens_radius),
+            (&mut camera.exposure, before.exposure),
+        ] {
+            if !value.is_finite() {
+                *value = before;
+            }
+        }
+        camera.focus = camera.focus.filter(|focus| focus.is_finite());
         camera.fov = camera.fov.clamp(0.1, 179.0);
         camera.lens_radius = camera.lens_radius.max(0.0);
-        camera.exposure = camera.exposure.clamp(-100.0, 100.0);
+        camera.exposure = camera.exposure.clamp(limits::EXPOSURE.min, limits::EXPOSURE.max);
         if *camera != before {
             open.view.touch();
         }

@@ -19,6 +19,7 @@ mod painter;
 mod panels;
 mod places;
 mod preferences;
+mod projection;
 mod recovery;
 mod saving;
 #[cfg(test)]

@@ -22,13 +22,15 @@ pub(super) struct Open {
     pub(super) document: Document,
     /// Its file; none before it is saved for the first time.
     pub(super) path: Option<PathBuf>,
-    /// What the file held when it was last read or written.
+    /// The version of the file that the document is based on: what the file held when it was last read or written, or when
+    /// somebody decided between it and the document. None where it is not known or there is no file.
     disk: Option<String>,
     watch: Option<Watch>,
     /// The files that the scene includes.
     parts: Vec<(PathBuf, Watch)>,
-    /// What the file holds now, where it was changed by someone else while there were unsaved changes here.
-    pub(super) conflict: Option<String>,
+    /// The other version, where someone else has changed the file while there were unsaved changes here: what the file
+    /// holds now, or why it cannot be read.
+    pub(super) conflict: Option<Result<String, String>>,
     pub(super) view: View,
     pub(super) timeline: Timeline,
     /// Nodes whose children the tree does not show.
@@ -41,6 +43,8 @@ pub(super) enum Reload {
     Taken,
     /// Both have changed: somebody must decide.
     Conflict,
+    /// Both are the same now: nothing is unsaved, and there is nothing to decide.
+    Same,
     /// The file can no longer be read, and why.
     Unreadable(String),
 }
@@ -65,6 +69,30 @@ impl Open {
             timeline: Timeline::default(),
             folded: Vec::new(),
         }
+    }
+
+    /// Work that was not saved when the program ended, as unsaved changes of its file. `theirs` is what the file holds now,
+    /// or why it cannot be read; unless the work `is_based_on` that, somebody must decide between the two.
+    pub(super) fn recovered(path: PathBuf, work: String, theirs: Result<String, String>, is_based_on: bool) -> Self {
+        let name = path.display().to_string();
+        let mut this = Self::new(&name, theirs.clone().unwrap_or_default(), Some(path));
+        let is_same = theirs.as_ref() == Ok(&work);
+        this.document.replace_text(work, "Recovery", None);
+        if !is_based_on && !is_same {
+            // Which version the work is based on is not known, and stays so until somebody decides.
+            (this.disk, this.conflict) = (None, Some(theirs));
+        }
+        this
+    }
+
+    /// Notes that the file holds something that nobody here has seen; returns whether somebody must decide. To be asked
+    /// before the file is replaced.
+    pub(super) fn is_overtaken(&mut self, now: &str) -> bool {
+        let known = self.disk.as_deref() == Some(now) || now == self.document.text();
+        if !known {
+            self.conflict = Some(Ok(now.to_owned()));
+        }
+        !known
     }
 
     /// Follows changes of the file by others.
@@ -110,10 +138,10 @@ impl Open {
             // The same change on both sides.
             (self.disk, self.conflict) = (Some(text), None);
             self.document.mark_saved();
-            return None;
+            return Some(Reload::Same);
         }
         if self.has_unsaved_work() {
-            self.conflict = Some(text);
+            self.conflict = Some(Ok(text));
             return Some(Reload::Conflict);
         }
         self.take_from_disk(text);
@@ -151,7 +179,9 @@ impl Open {
 
     /// Keeps what is here; the file stays as it is until the next save.
     pub(super) fn keep_mine(&mut self) {
-        self.disk = self.conflict.take();
+        if let Some(theirs) = self.conflict.take() {
+            self.disk = theirs.ok();
+        }
     }
 
     /// The document has been written to this file.

@@ -11,16 +11,20 @@
 //! // scene: /home/someone/balls.kdl
 //! // saved: 1760000000
 //! // program: 0.1.0
+//! // based on: sha256 9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08
 //! // bytes: 1234
 //! // text:
 //! ```
 //!
-//! Everything after that line is the text, byte for byte. In the path, `%` and what would end or garble the line are
-//! percent-encoded; the line is absent for a scene that has no file yet. The time is in seconds since 1970.
+//! Everything after the last line is the text, byte for byte. In the path, `%` and what would end or garble the line are
+//! percent-encoded; the line is absent for a scene that has no file yet. The time is in seconds since 1970. The work is
+//! based on the version of the file with this SHA-256 hash; a file that now holds something else was changed by another
+//! program. The line is absent where that version is not known, as in files of older programs.
 //!
 //! **Cost.** A thread that sleeps; a file is written at most once a second, and only if the text changed.
 
 use super::saving::write_atomically;
+use sha2::{Digest, Sha256};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
@@ -42,7 +46,7 @@ pub struct Recovery {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
     /// What was last asked to be kept.
-    kept: Option<(Option<PathBuf>, String)>,
+    kept: Option<Work>,
     lock: Option<(File, PathBuf)>,
     file: PathBuf,
 }
@@ -64,9 +68,19 @@ struct Inbox {
     problem: Option<String>,
 }
 
+/// Work to keep.
+#[derive(Clone, PartialEq)]
+struct Work {
+    /// The file of the scene.
+    scene_path: Option<PathBuf>,
+    text: String,
+    /// Text of the version of the file that the work is based on.
+    base: Option<String>,
+}
+
 /// What the thread is to do.
 enum Task {
-    Write(Option<PathBuf>, String, SystemTime),
+    Write(Work, SystemTime),
     Remove,
 }
 
@@ -129,19 +143,24 @@ impl Recovery {
         &self.file
     }
 
-    /// Keeps this text of a scene, where it is not what the disk holds. To be called as often as one likes: it only
-    /// compares, and notes what changed.
+    /// Keeps this text of a scene, where it is not what the disk holds; `disk_text` is the version of the file that it is
+    /// based on, where that is known. To be called as often as one likes: it only compares, and notes what changed.
     pub fn keep(&mut self, scene_path: Option<&Path>, text: &str, disk_text: Option<&str>) {
         if disk_text == Some(text) {
             self.clear();
             return;
         }
-        if self.thread.is_none() || self.kept.as_ref().is_some_and(|(p, t)| t == text && p.as_deref() == scene_path) {
+        let is_same = |work: &Work| {
+            work.text == text && work.scene_path.as_deref() == scene_path && work.base.as_deref() == disk_text
+        };
+        if self.thread.is_none() || self.kept.as_ref().is_some_and(is_same) {
             return;
         }
-        self.kept = Some((scene_path.map(Path::to_owned), text.to_owned()));
-        let absolute = scene_path.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
-        self.send(Task::Write(absolute, text.to_owned(), SystemTime::now()));
+        let scene_path = scene_path.map(Path::to_owned);
+        let work = Work { scene_path, text: text.to_owned(), base: disk_text.map(str::to_owned) };
+        self.kept = Some(work.clone());
+        let absolute = work.scene_path.map(|path| std::path::absolute(&path).unwrap_or(path));
+        self.send(Task::Write(Work { scene_path: absolute, ..work }, SystemTime::now()));
     }
 
     /// Nothing is unsaved any more.
@@ -207,9 +226,9 @@ fn work(shared: &Shared, file: &Path) {
                 inbox.busy = true;
                 drop(inbox);
                 let result = match task {
-                    Some(Task::Write(scene_path, text, at)) => {
+                    Some(Task::Write(work, at)) => {
                         written = Some(Instant::now());
-                        write(file, scene_path.as_deref(), &text, at)
+                        write(file, &work, at)
                     }
                     _ => remove(file).map_err(|error| format!("{}: {error}", file.display())),
                 };
@@ -225,13 +244,22 @@ fn work(shared: &Shared, file: &Path) {
     }
 }
 
-fn write(file: &Path, scene_path: Option<&Path>, text: &str, at: SystemTime) -> Result<(), String> {
+fn write(file: &Path, Work { scene_path, text, base }: &Work, at: SystemTime) -> Result<(), String> {
     let seconds = at.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
-    let scene = scene_path.map(|path| format!("// scene: {}\n", encode(path))).unwrap_or_default();
-    let (version, bytes) = (env!("CARGO_PKG_VERSION"), text.len());
-    let header =
-        format!("{FIRST_LINE}\n{scene}// saved: {seconds}\n// program: {version}\n// bytes: {bytes}\n{LAST_LINE}\n");
+    let scene = scene_path.as_deref().map(|path| format!("// scene: {}\n", encode(path))).unwrap_or_default();
+    let base = base.as_deref().map(|base| format!("// based on: {}\n", version(base))).unwrap_or_default();
+    let (program, bytes) = (env!("CARGO_PKG_VERSION"), text.len());
+    let header = format!(
+        "{FIRST_LINE}\n{scene}// saved: {seconds}\n// program: {program}\n{base}// bytes: {bytes}\n{LAST_LINE}\n"
+    );
     write_atomically(file, (header + text).as_bytes()).map_err(|error| error.to_string())
+}
+
+/// Names a version of a file by its content.
+fn version(text: &str) -> String {
+    let hash = Sha256::digest(text.as_bytes());
+    let digits: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+    format!("sha256 {digits}")
 }
 
 /// Removes a file that may be gone already.
@@ -249,6 +277,8 @@ pub struct Recovered {
     pub scene_path: Option<PathBuf>,
     /// The text as it was; or why it cannot be had, in one sentence.
     pub text: Result<String, String>,
+    /// The version of the file that it is based on, where that is known.
+    base: Option<String>,
     /// When it was kept.
     pub saved_at: SystemTime,
     /// The file that it is kept in.
@@ -256,6 +286,11 @@ pub struct Recovered {
 }
 
 impl Recovered {
+    /// Whether it is based on the version of the file with this text. Where the version is not known it is not.
+    pub fn is_based_on(&self, text: &str) -> bool {
+        self.base.as_deref().is_some_and(|base| base == version(text))
+    }
+
     /// Removes it for good.
     ///
     /// # Errors
@@ -312,7 +347,8 @@ fn sweep(directory: &Path) {
 fn read(file: PathBuf) -> Recovered {
     let changed = fs::metadata(&file).and_then(|data| data.modified()).unwrap_or(UNIX_EPOCH);
     let damaged = |reason: &str| Err(format!("{}: {reason}; look at it with an editor", file.display()));
-    let mut recovered = Recovered { scene_path: None, text: Ok(String::new()), saved_at: changed, file: file.clone() };
+    let mut recovered =
+        Recovered { scene_path: None, text: Ok(String::new()), base: None, saved_at: changed, file: file.clone() };
     let bytes = match fs::read(&file) {
         Ok(bytes) => bytes,
         Err(error) => {
@@ -346,6 +382,7 @@ fn read(file: PathBuf) -> Recovered {
                 let at = seconds.parse().ok().and_then(|s| UNIX_EPOCH.checked_add(Duration::from_secs(s)));
                 recovered.saved_at = at.unwrap_or(changed);
             }
+            Some(("based on", version)) => recovered.base = Some(version.to_owned()),
             Some(("bytes", bytes)) => length = bytes.parse::<usize>().ok(),
             _ => {}
         }

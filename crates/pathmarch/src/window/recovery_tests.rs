@@ -36,6 +36,53 @@ fn texts_and_paths_come_back_byte_for_byte() {
     }
 }
 
+/// As `printf old | sha256sum` prints it.
+const HASH_OF_OLD: &str = "cba06b5736faf67e54b07b561eae94395e774c517a7d910a54369e1263ccfbd4";
+
+#[test]
+fn work_knows_which_version_of_the_file_it_is_based_on() {
+    let directory = directory();
+    let path = Path::new("/a.kdl");
+    let left = |base: Option<&str>, then: Option<&str>| {
+        let mut recovery = Recovery::new(directory.path());
+        recovery.keep(Some(path), "mine", base);
+        recovery.flush();
+        // The same text on another base is kept anew.
+        recovery.keep(Some(path), "mine", then);
+        crash(recovery);
+        left_behind(directory.path()).remove(0)
+    };
+    for (base, then) in [("old", "old"), ("older", "old"), ("", "old")] {
+        let found = left(Some(base), Some(then));
+        assert!(found.is_based_on("old") && !found.is_based_on("older") && !found.is_based_on("mine"));
+        let text = fs::read_to_string(&found.file).expect("read");
+        assert!(text.contains(&format!("// based on: sha256 {HASH_OF_OLD}\n")), "{text}");
+        found.discard().expect("removed");
+    }
+    // An empty file is a version, too; an unknown one is none.
+    let found = left(Some(""), Some(""));
+    assert!(found.is_based_on(""));
+    found.discard().expect("removed");
+    let found = left(Some("old"), None);
+    assert!(!found.is_based_on("old") && !found.is_based_on(""));
+    found.discard().expect("removed");
+}
+
+#[test]
+fn files_of_older_programs_open_without_a_version() {
+    let directory = directory();
+    let file = directory.path().join(format!("1-1-0.{KEPT}"));
+    for line in ["", "// based on: \n", "// based on: sha256 12\n", "// based on: md5 99\n", "// other: thing\n"] {
+        let old = format!(
+            "{FIRST_LINE}\n// scene: /x.kdl\n// saved: 7\n// program: 0.1.0\n{line}// bytes: 4\n{LAST_LINE}\nabcd"
+        );
+        fs::write(&file, old).expect("written");
+        let found = left_behind(directory.path()).remove(0);
+        assert_eq!(found.text.as_deref(), Ok("abcd"));
+        assert!(!found.is_based_on("abcd") && !found.is_based_on(""), "{line}");
+    }
+}
+
 #[test]
 fn only_unsaved_work_is_kept() {
     let directory = directory();

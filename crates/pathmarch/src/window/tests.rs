@@ -25,12 +25,19 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Longer than anything takes on a machine that is busy.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// How long to wait for anything, unless `PATHMARCH_TEST_PATIENCE` gives another number of seconds: longer than it takes on
+/// a machine that is busy with much else.
+const PATIENCE: u64 = 900;
 /// Time between frames: long enough that clicks with a pause between them are no double clicks.
 const FRAME: f32 = 0.05;
 /// Frames after which a click is not the second of two.
 const PAUSE: usize = 8;
+
+/// How long to wait for anything.
+pub(in crate::window) fn patience() -> Duration {
+    let seconds = std::env::var("PATHMARCH_TEST_PATIENCE").ok().and_then(|seconds| seconds.parse().ok());
+    Duration::from_secs(seconds.unwrap_or(PATIENCE))
+}
 
 /// Ctrl, as the system reports it.
 const CTRL: Modifiers = Modifiers { ctrl: true, command: true, ..Modifiers::NONE };
@@ -216,7 +223,7 @@ impl Person {
             if holds(self) {
                 return;
             }
-            assert!(start.elapsed() < PATIENCE, "waited in vain until {what}; {:?}", self.messages());
+            assert!(start.elapsed() < patience(), "waited in vain until {what}; {:?}", self.messages());
             std::thread::sleep(Duration::from_millis(4));
         }
     }

@@ -3,8 +3,10 @@
 use super::app::App;
 use super::gizmo::Pointer;
 use super::open::{Kept, Open};
+use super::projection::Projection;
 use super::viewpoint;
 use egui::{Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Picked, clearance, pick};
 use std::f32::consts::PI;
@@ -81,10 +83,14 @@ impl App {
         let pointer = ui.input(|input| {
             let position = input.pointer.latest_pos()?;
             let plain = !input.modifiers.alt && !input.modifiers.shift;
+            let pressed = input.pointer.primary_pressed();
+            // What is dragged across the handles is not theirs.
+            let free = pressed || !input.pointer.any_down();
             Some(Pointer {
                 position,
-                hovered: response.contains_pointer() && plain,
-                pressed: response.contains_pointer() && input.pointer.primary_pressed(),
+                hovered: response.contains_pointer() && plain && free,
+                // On a slow machine the pointer has moved on within the frame.
+                pressed_at: input.pointer.press_origin().filter(|_| pressed),
                 down: input.pointer.primary_down(),
             })
         });
@@ -210,48 +216,20 @@ fn outline(ui: &Ui, picture: Rect, open: &Open, scene: &Scene) {
     let leaves = open.document.leaves_of(selection);
     let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf)).filter(|bounds| bounds.is_finite());
     let Some(bounds) = boxes.reduce(|all, bounds| all.union(bounds)) else { return };
-    let seen = Seen::new(&open.view.camera, picture);
+    let projection = Projection::new(&open.view.camera, picture);
     let painter = ui.painter_at(picture);
     let corner = |k: usize| {
-        glam::Vec3::from_array(std::array::from_fn(|axis| {
-            if k >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] }
+        DVec3::from_array(std::array::from_fn(|axis| {
+            f64::from(if k >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] })
         }))
     };
     for a in 0..8 {
         for b in [1, 2, 4].map(|bit| a | bit).into_iter().filter(|&b| b != a) {
-            if let (Some(from), Some(to)) = (seen.place(corner(a)), seen.place(corner(b))) {
+            if let (Some(from), Some(to)) = (projection.place(corner(a)), projection.place(corner(b))) {
                 painter.line_segment([from, to], Stroke::new(2.5, Color32::from_black_alpha(110)));
                 painter.line_segment([from, to], Stroke::new(1.0, Color32::from_rgb(255, 190, 90)));
             }
         }
-    }
-}
-
-/// Where points of the world are in the picture.
-struct Seen {
-    axes: viewpoint::Axes,
-    position: glam::Vec3,
-    /// Points of the window for a height of one at distance one.
-    scale: f32,
-    middle: Pos2,
-}
-
-impl Seen {
-    fn new(camera: &pathmarch_render::pathmarch_scene::Camera, picture: Rect) -> Self {
-        Self {
-            axes: viewpoint::axes(camera),
-            position: camera.position.into(),
-            scale: 0.5 * picture.height() / (0.5 * camera.fov.to_radians()).tan(),
-            middle: picture.center(),
-        }
-    }
-
-    /// Nothing for a point behind the camera.
-    fn place(&self, point: glam::Vec3) -> Option<Pos2> {
-        let from = point - self.position;
-        let depth = from.dot(self.axes.forward);
-        let place = Vec2::new(from.dot(self.axes.right), -from.dot(self.axes.up)) * (self.scale / depth);
-        (depth > 1e-4).then(|| self.middle + place)
     }
 }
 

@@ -90,10 +90,7 @@ fn a_scene_is_seen_turned_selected_edited_saved_and_seen_again() {
     let [x, y] = person.image().centre_of(is_red);
     let [width, height] = person.size();
     let empty = [width / 2, height / 4];
-    person.until("the ball has moved", |person| {
-        // What happens within one frame is no drag.
-        person.drag(empty, [empty[0] + 120, empty[1]]);
-        person.still();
+    person.drag_until(empty, [10, 0], "the ball has moved", |person| {
         let image = person.image();
         image.count(is_red) < 50 || image.centre_of(is_red)[0].abs_diff(x) > 20
     });
@@ -234,9 +231,7 @@ fn any_size_and_a_lost_device_are_survived() {
     // It is drawn anew, and not what was left of it.
     let [width, height] = person.size();
     let empty = [width / 2, height / 4];
-    person.until("it can be moved", |person| {
-        person.drag(empty, [empty[0] + 60, empty[1]]);
-        person.still();
+    person.drag_until(empty, [5, 0], "it can be moved", |person| {
         let image = person.image();
         image.count(is_red) > 0 && image.centre_of(is_red)[0].abs_diff(x) > 20
     });

@@ -14,12 +14,12 @@ mod memory;
 mod report;
 mod scenes;
 
-use super::{BackendArgument, check_directory, parse_size, watch_interrupts};
+use super::{BackendArgument, check_directory, numbers, watch_interrupts};
 use crate::exit::{DONE, FAILED, Failure, INTERRUPTED};
 use crate::measure::{self, Effort, References, Watch};
 use crate::window::Places;
-use pathmarch_render::pathmarch_scene::Scene;
-use pathmarch_render::{MAX_BOUNCES, Renderer, Settings, census};
+use pathmarch_render::pathmarch_scene::{Scene, limits};
+use pathmarch_render::{Renderer, Settings, census};
 use report::{Entry, Quality, Results, Spread};
 use scenes::Chosen;
 pub use scenes::built_in;
@@ -43,25 +43,25 @@ pub struct Arguments {
     #[arg(verbatim_doc_comment)]
     scenes: Vec<PathBuf>,
     /// Size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = numbers::size, allow_hyphen_values = true)]
     size: [u32; 2],
     /// Scattering events after the first hit, in what is timed
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_BOUNCES)))]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = numbers::whole(limits::BOUNCES), allow_hyphen_values = true)]
     bounces: u32,
     /// Rounds to measure
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 7, value_parser = numbers::whole((1, 1000)), allow_hyphen_values = true)]
     rounds: u32,
     /// Samples in a round
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = numbers::whole((1, 1000)), allow_hyphen_values = true)]
     samples: u32,
     /// End the rounds of a scene after so many seconds, with three at least; leave out the CPU where a sample takes longer
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = numbers::seconds, allow_hyphen_values = true)]
     limit: f64,
     /// Measure the error, too: relMSE after so many seconds, and seconds times relMSE, with the bounces of the scene
-    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
     error: Option<f64>,
     /// Size of the pictures whose error is measured
-    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = numbers::size, allow_hyphen_values = true)]
     error_size: [u32; 2],
     /// Where references are kept: a file NAME.exr of your own for a scene, else they are made [default: the user's cache]
     ///
@@ -88,11 +88,6 @@ pub struct Arguments {
     /// Print the memory that this process took for one sample
     #[arg(long, hide = true)]
     peak_memory: bool,
-}
-
-fn parse_seconds(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0 && *seconds <= 86_400.0);
-    number.ok_or("expected a number of seconds above 0, at most 86400".to_owned())
 }
 
 impl Arguments {

@@ -17,7 +17,7 @@ mod plot;
 mod scenes;
 mod table;
 
-use super::{BackendArgument, bench, parse_size, watch_interrupts};
+use super::{BackendArgument, bench, numbers, watch_interrupts};
 use crate::exit::{DONE, Failure};
 use crate::measure::{self, Effort, Watch};
 use clap::ValueEnum;
@@ -39,22 +39,22 @@ pub struct Arguments {
     #[arg(long)]
     quick: bool,
     /// Size of what is timed [default: 1280x720]
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = numbers::size, allow_hyphen_values = true)]
     size: Option<[u32; 2]>,
     /// Size of the pictures whose error is measured [default: 640x360]
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = numbers::size, allow_hyphen_values = true)]
     error_size: Option<[u32; 2]>,
     /// Size of the pictures on the page [default: 256x144]
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = numbers::size, allow_hyphen_values = true)]
     picture_size: Option<[u32; 2]>,
     /// Samples to measure the time of [default: 3]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", value_parser = numbers::whole((1, 1000)), allow_hyphen_values = true)]
     rounds: Option<u32>,
     /// Samples up to which the error is measured; its reference has four times as many [default: 64]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65_536))]
+    #[arg(long, value_name = "N", value_parser = numbers::whole((2, 65_536)), allow_hyphen_values = true)]
     samples: Option<u32>,
     /// Samples of the pictures on the page [default: 48]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "N", value_parser = numbers::whole((1, 65_536)), allow_hyphen_values = true)]
     picture_samples: Option<u32>,
     /// What to render on [default: every adapter, and the CPU, are timed; the faster one takes the pictures]
     #[arg(long, value_enum)]

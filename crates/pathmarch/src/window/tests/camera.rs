@@ -190,3 +190,17 @@ fn a_double_click_looks_there_and_f_frames_what_is_selected() {
     person.key(Key::F);
     person.assert_said("no limited size");
 }
+
+#[test]
+fn numbers_of_the_camera_that_are_not_finite_are_not_taken() {
+    let mut person = Person::at_scene();
+    let camera = person.open().view.camera.clone();
+    for label in ["field of view", "exposure", "lens radius"] {
+        for text in ["nan", "inf", "-inf"] {
+            person.type_number(label, text);
+            assert_eq!(person.open().view.camera, camera, "{label} {text}");
+        }
+    }
+    person.type_number("exposure", "1e9");
+    assert_eq!(person.open().view.camera.exposure, 100.0);
+}

@@ -324,7 +324,8 @@ fn handles_move_what_is_selected_in_one_step() {
     let camera = person.open().view.camera.clone();
     let middle = super::camera::place(&camera, person.picture(), [0.0, 0.7, 0.0]);
     let mut caught = false;
-    for up in (10..120).step_by(3) {
+    // Below is the disc that moves along the picture.
+    for up in (25..120).step_by(3) {
         let from = middle - Vec2::new(0.0, up as f32);
         person.drag(from, from - Vec2::new(0.0, 25.0), PointerButton::Primary, Modifiers::NONE);
         caught = person.text() != SCENE;
@@ -340,4 +341,54 @@ fn handles_move_what_is_selected_in_one_step() {
     assert!(x.abs() < 0.01 && z.abs() < 0.01 && y > 0.72, "{x} {y} {z}");
     assert_eq!(person.undo_all(), 1);
     assert_eq!(person.text(), SCENE);
+}
+
+/// The middle of the handles of the ball in the test scene.
+fn middle_of_ball(person: &Person) -> Pos2 {
+    super::camera::place(&person.open().view.camera, person.picture(), [0.0, 0.7, 0.0])
+}
+
+#[test]
+fn the_disc_moves_along_the_picture() {
+    let mut person = Person::at_scene();
+    person.select("sphere");
+    let middle = middle_of_ball(&person);
+    person.drag(middle, middle + Vec2::new(40.0, 0.0), PointerButton::Primary, Modifiers::NONE);
+    let Value::Triple([x, y, z]) = person.value("sphere", key::AT) else { panic!("a place") };
+    assert!(x > 0.1 && (y - 0.7).abs() < 1e-3 && z.abs() < 1e-3, "{x} {y} {z}");
+    assert!(middle_of_ball(&person).distance(middle) < 1e-3, "the camera stays");
+    assert_eq!(person.undo_all(), 1);
+}
+
+#[test]
+fn handles_turn_and_scale_in_one_step() {
+    let mut person = Person::at_scene();
+    person.select("sphere");
+    let middle = middle_of_ball(&person);
+    let out = |x: f32, y: f32| middle + Vec2::new(x, y) * 84.0;
+    person.hover(out(-2.0, 0.0));
+    person.key(Key::Num2);
+    // A quarter of a turn, left round, about the axis of the camera.
+    person.drag(out(1.0, 0.0), out(0.0, -1.0), PointerButton::Primary, Modifiers::NONE);
+    let Value::Triple(degrees) = person.value("sphere", key::ROTATE) else { panic!("angles") };
+    let [x, y, z] = degrees.map(f32::to_radians);
+    let turn = glam::Quat::from_euler(glam::EulerRot::ZYX, z, y, x);
+    let axis = -crate::window::viewpoint::axes(&person.open().view.camera).forward;
+    let expected = glam::Quat::from_axis_angle(axis, std::f32::consts::FRAC_PI_2);
+    assert!(turn.angle_between(expected) < 0.02, "{degrees:?}");
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), SCENE);
+    person.hover(out(-2.0, 0.0));
+    person.key(Key::Num3);
+    person.drag(out(1.0, 0.0), out(1.5, 0.0), PointerButton::Primary, Modifiers::NONE);
+    let Value::Number(scale) = person.value("sphere", key::SCALE) else { panic!("a scale") };
+    assert!((scale - 1.5).abs() < 0.02, "{scale}");
+    // A press alone changes nothing, and what is dragged over handles is not theirs.
+    assert_eq!(person.undo_all(), 1);
+    person.click_at(out(1.0, 0.0), Modifiers::NONE);
+    assert_eq!(person.text(), SCENE);
+    let camera = person.open().view.camera.clone();
+    person.drag(out(-1.5, 0.0), out(1.0, 0.0), PointerButton::Primary, Modifiers::NONE);
+    assert_eq!(person.text(), SCENE);
+    assert_ne!(person.open().view.camera, camera);
 }

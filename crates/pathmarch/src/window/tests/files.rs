@@ -279,3 +279,27 @@ fn the_same_change_on_both_sides_is_none() {
     assert!(person.app().dialog.is_none());
     assert_eq!(person.text(), mine);
 }
+
+#[test]
+fn a_save_right_after_a_change_by_others_asks() {
+    let mut person = Person::at_scene();
+    let mine = change(&mut person);
+    let theirs = SCENE.replace("sky 0.6", "sky 0.3");
+    // Before the watch can have seen it.
+    std::fs::write(person.file(), &theirs).expect("written");
+    person.ctrl(Key::S);
+    assert!(matches!(person.app().dialog, Some(Dialog::Conflict)));
+    assert_eq!((person.text(), person.on_disk()), (mine.as_str(), theirs));
+    person.click("Keep mine");
+    person.ctrl(Key::S);
+    assert_eq!(person.on_disk(), mine);
+}
+
+#[test]
+fn a_question_about_two_versions_goes_away_with_the_second() {
+    let (mut person, mine, _) = conflict();
+    std::fs::write(person.file(), &mine).expect("written");
+    person.until("nothing is asked any more", |person| person.app().dialog.is_none());
+    assert!(!person.open().has_unsaved_work());
+    assert!(person.crash().app().dialog.is_none(), "nothing is kept for after a crash");
+}

@@ -92,3 +92,135 @@ fn preferences_come_back() {
     assert!(!preferences.left_open && preferences.right_open && preferences.show_plots);
     assert_eq!(preferences.recent.len(), 1);
 }
+
+/// What another program makes of the file of the test scene.
+fn theirs() -> String {
+    SCENE.replace("sky 0.6", "sky 0.3")
+}
+
+/// Changes the test scene without saving it, and ends as in a crash; the text that was changed.
+fn crash_with_work() -> (Arc<tempfile::TempDir>, PathBuf, String) {
+    let mut person = Person::at_scene();
+    person.select("sphere");
+    person.type_number("radius", "0.85");
+    (person.directory.clone(), person.file(), person.text().to_owned())
+}
+
+fn start_again(directory: &Arc<tempfile::TempDir>) -> Person {
+    let mut person = Start { directory: directory.clone(), ..Start::new() }.go();
+    person.answer("Open");
+    person
+}
+
+fn is_asked(person: &Person) -> bool {
+    matches!(person.app().dialog, Some(Dialog::Conflict))
+}
+
+#[test]
+fn work_does_not_replace_what_another_program_wrote_before_the_crash() {
+    let mut person = Person::at_scene();
+    person.select("sphere");
+    person.type_number("radius", "0.85");
+    let mine = person.text().to_owned();
+    std::fs::write(person.file(), theirs()).expect("written");
+    person.until("it is asked", is_asked);
+    // The program ends before it is answered, and once more.
+    for _ in 0..2 {
+        person = person.crash();
+        person.answer("Open");
+        assert!(is_asked(&person) && person.has("The file has changed as well"), "{:?}", person.messages());
+        assert_eq!((person.text(), person.on_disk()), (mine.as_str(), theirs()));
+        person.ctrl(Key::S);
+        assert_eq!(person.on_disk(), theirs(), "not before it is answered");
+    }
+    person.click("Keep mine");
+    assert_eq!((person.text(), person.on_disk()), (mine.as_str(), theirs()));
+    // What is answered is not asked again, not even after another crash.
+    let mut person = person.crash();
+    person.answer("Open");
+    assert!(person.app().dialog.is_none() && person.open().has_unsaved_work());
+    person.ctrl(Key::S);
+    assert_eq!(person.on_disk(), mine);
+    assert!(person.crash().app().dialog.is_none());
+}
+
+#[test]
+fn work_does_not_replace_what_another_program_wrote_after_the_crash() {
+    let (directory, file, mine) = crash_with_work();
+    std::fs::write(file, theirs()).expect("written");
+    let mut person = start_again(&directory);
+    assert!(is_asked(&person));
+    person.click("Take the file's");
+    assert_eq!((person.text(), person.on_disk()), (theirs().as_str(), theirs()));
+    assert!(!person.open().has_unsaved_work());
+    person.ctrl(Key::Z);
+    assert_eq!(person.text(), mine, "undo brings mine back");
+    person.ctrl(Key::S);
+    assert_eq!(person.on_disk(), mine);
+}
+
+#[test]
+fn work_whose_file_is_gone_or_no_text_is_asked_about() {
+    type Spoil = fn(&Path);
+    let cases: [(Spoil, &str); 3] = [
+        (|file| std::fs::remove_file(file).expect("removed"), "there is no such file"),
+        (|file| std::fs::write(file, b"\xff\xfe").expect("written"), "not UTF-8"),
+        (
+            |file| {
+                std::fs::remove_file(file).expect("removed");
+                std::fs::create_dir(file).expect("made");
+            },
+            "it is a directory",
+        ),
+    ];
+    for (spoil, why) in cases {
+        let (directory, file, mine) = crash_with_work();
+        spoil(&file);
+        let mut person = start_again(&directory);
+        assert!(is_asked(&person) && person.has("The file cannot be read any more") && person.has(why), "{why}");
+        assert!(!person.has("Take the file's"), "there is none to take");
+        assert_eq!((person.text(), person.app().title().as_str()), (mine.as_str(), "• scene.kdl - pathmarch"));
+        person.ctrl(Key::S);
+        assert!(is_asked(&person), "that must be answered");
+        // It is kept still.
+        let mut person = person.crash();
+        person.answer("Open");
+        assert!(is_asked(&person));
+        person.click("Keep mine");
+        person.ctrl(Key::S);
+        if file.is_dir() {
+            person.assert_said("Not saved");
+            assert!(person.open().has_unsaved_work());
+        } else {
+            assert_eq!(person.on_disk(), mine);
+        }
+    }
+}
+
+#[test]
+fn work_of_an_older_program_is_asked_about() {
+    let (directory, _, mine) = crash_with_work();
+    let recovery = directory.path().join("home").join("recovery");
+    for entry in std::fs::read_dir(recovery).expect("there") {
+        let path = entry.expect("an entry").path();
+        let text = std::fs::read_to_string(&path).expect("read");
+        let old: String = text.split_inclusive('\n').filter(|line| !line.starts_with("// based on: ")).collect();
+        assert_eq!(old.lines().count() + 1, text.lines().count());
+        std::fs::write(path, old).expect("written");
+    }
+    let mut person = start_again(&directory);
+    assert!(is_asked(&person), "of which version it was is not known");
+    assert_eq!((person.text(), person.on_disk().as_str()), (mine.as_str(), SCENE));
+    person.click("Keep mine");
+    person.ctrl(Key::S);
+    assert_eq!(person.on_disk(), mine);
+}
+
+#[test]
+fn work_that_its_file_has_already_is_not_asked_about() {
+    let (directory, file, mine) = crash_with_work();
+    std::fs::write(file, &mine).expect("written");
+    let person = start_again(&directory);
+    assert!(person.app().dialog.is_none() && !person.open().has_unsaved_work());
+    assert!(person.crash().app().dialog.is_none(), "and not kept any more");
+}

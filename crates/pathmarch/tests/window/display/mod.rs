@@ -14,8 +14,9 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-/// Longer than anything takes on a machine that is busy.
-const PATIENCE: Duration = Duration::from_secs(90);
+/// How long to wait for anything, unless `PATHMARCH_TEST_PATIENCE` gives another number of seconds: longer than it takes on
+/// a machine that is busy with much else.
+const PATIENCE: u64 = 900;
 /// Between looks at the screen.
 const PAUSE: Duration = Duration::from_millis(25);
 /// Between keys: a fast typist's.
@@ -53,6 +54,14 @@ pub static DISPLAY: Requirement = Requirement {
 /// The kind of tests that open a window.
 pub fn with_display(name: &str, test: fn()) -> [Test; 1] {
     [Test::requiring(name, &DISPLAY, test)]
+}
+
+/// How long to wait for anything.
+fn patience() -> Duration {
+    let seconds = std::env::var("PATHMARCH_TEST_PATIENCE").ok().and_then(|seconds| seconds.parse().ok());
+    Duration::from_secs(seconds.unwrap_or(PATIENCE))
+}
+
 }
 
 /// A display of one's own; ends with it.
@@ -112,7 +121,7 @@ impl Screen {
                 assert!(printed.contains("no window can be opened"), "{printed}");
                 missing(DISPLAY.variable, printed);
             }
-            assert!(start.elapsed() < PATIENCE, "no window: {}", person.printed());
+            assert!(start.elapsed() < patience(), "no window: {}", person.printed());
             std::thread::sleep(PAUSE);
         }
         person.learn_keys();
@@ -244,20 +253,27 @@ impl Person {
         self.still();
     }
 
-    pub fn drag(&self, from: [u16; 2], to: [u16; 2]) {
-        let (from, to) = (self.on_screen(from), self.on_screen(to));
+    /// Presses at a place and moves on, step by step, until something holds and still does once the picture stands still; then
+    /// lets go. However slow the program is, it meets the press in one frame and movements in later ones.
+    #[track_caller]
+    pub fn drag_until(&self, from: [u16; 2], step: [i32; 2], what: &str, holds: impl Fn(&Self) -> bool) {
+        const FAR: i32 = 20;
+        let from = self.on_screen(from);
         self.input(MOTION, 0, from);
         self.input(BUTTON_PRESS, 1, from);
-        for step in 1..=12 {
-            let between = |axis: usize| {
-                let (from, to) = (i32::from(from[axis]), i32::from(to[axis]));
-                (from + (to - from) * step / 12) as u16
-            };
-            self.input(MOTION, 0, [between(0), between(1)]);
-            // As fast as a hand.
-            std::thread::sleep(Duration::from_millis(8));
-        }
-        self.input(BUTTON_RELEASE, 1, to);
+        let steps = std::cell::Cell::new(0);
+        self.until(what, |person| {
+            // Away, and then forth and back, since there is only so much room.
+            let count = steps.replace(steps.get() + 1);
+            let count = if count < FAR { count } else { FAR / 2 + (count % FAR - FAR / 2).abs() };
+            person.input(MOTION, 0, [0, 1].map(|axis| (i32::from(from[axis]) + step[axis] * count).max(0) as u16));
+            if !holds(person) {
+                return false;
+            }
+            person.still();
+            holds(person)
+        });
+        self.input(BUTTON_RELEASE, 1, from);
     }
 
     /// Width and height of the window, pixels.
@@ -298,7 +314,7 @@ impl Person {
             if let Some(status) = self.program.try_wait().expect("it can be waited for") {
                 return status;
             }
-            assert!(start.elapsed() < PATIENCE, "it does not end: {}", self.printed());
+            assert!(start.elapsed() < patience(), "it does not end: {}", self.printed());
             std::thread::sleep(PAUSE);
         }
     }
@@ -324,7 +340,12 @@ impl Person {
     pub fn until(&self, what: &str, holds: impl Fn(&Self) -> bool) {
         let start = Instant::now();
         while !holds(self) {
-            assert!(start.elapsed() < PATIENCE, "waited in vain until {what}: {:?}\n{}", self.title(), self.printed());
+            assert!(
+                start.elapsed() < patience(),
+                "waited in vain until {what}: {:?}\n{}",
+                self.title(),
+                self.printed()
+            );
             std::thread::sleep(PAUSE);
         }
     }
@@ -336,7 +357,7 @@ impl Person {
         let mut last = self.image();
         let mut since = Instant::now();
         while since.elapsed() < Duration::from_millis(600) {
-            assert!(start.elapsed() < PATIENCE, "it never stands still");
+            assert!(start.elapsed() < patience(), "it never stands still");
             std::thread::sleep(Duration::from_millis(100));
             let now = self.image();
             // A cursor may blink.

@@ -1,0 +1,149 @@
+//! Handles in the picture that move, turn and scale the selected node.
+//!
+//! **Idea.** Handles have a constant size on the screen and are drawn by egui. What the pointer does to one is found by
+//! intersecting the ray through the pointer with the axis or the plane of the handle in the world ([`drag`]). Placements of
+//! the scene language are relative to the operators around a node, so that the result goes through the inverse of those
+//! ([`placement`]).
+//!
+//! **Where we differ.** Axes are those of the world, never those of the node. Angles grow while a ring is dragged round and
+//! round. A ring that is seen almost from its edge turns by the distance that the pointer goes along it.
+
+mod drag;
+mod draw;
+mod placement;
+mod shape;
+#[cfg(test)]
+mod tests;
+
+use super::open::Handles;
+use super::projection::Projection;
+use drag::Drag;
+use egui::{Pos2, Rect};
+use glam::DVec3;
+use pathmarch_render::pathmarch_scene::Camera;
+use pathmarch_render::pathmarch_scene::document::{Document, ItemKind, Path, Value, key};
+use placement::{Placed, given, own_placement, placement_around, tidy};
+use shape::{Gizmo, Part};
+
+/// The node that handles act on: a shape, an operator, a light; of an object, its only shape.
+pub(super) fn handled(document: &Document, selection: &Path) -> Option<Path> {
+    let item = document.item(selection)?;
+    match item.kind {
+        kind if kind.is_solid() || kind == ItemKind::Point => Some(selection.clone()),
+        ItemKind::Object if item.children.len() == 1 => Some(item.children[0].path.clone()),
+        _ => None,
+    }
+}
+
+/// Key of the position of a light.
+const LIGHT_AT: &str = "at";
+
+/// The handles of the selected node, from frame to frame.
+#[derive(Default)]
+pub(super) struct Handle {
+    /// The node and the handle that is held.
+    held: Option<(Path, Drag)>,
+}
+
+/// The pointer over the picture.
+#[derive(Clone, Copy)]
+pub(super) struct Pointer {
+    pub(super) position: Pos2,
+    /// It may catch a handle.
+    pub(super) hovered: bool,
+    /// Position of the press, in the frame in which the first button is pressed.
+    pub(super) pressed_at: Option<Pos2>,
+    /// The first button is held.
+    pub(super) down: bool,
+}
+
+impl Handle {
+    /// Draws the handles of the selected node into the picture. Returns whether the pointer belongs to them, and the values
+    /// of the document that they change.
+    #[allow(clippy::too_many_arguments, reason = "each is another thing, and there is one caller")]
+    pub(super) fn show(
+        &mut self,
+        ui: &egui::Ui,
+        picture: Rect,
+        camera: &Camera,
+        document: &Document,
+        selection: &Path,
+        kind: Handles,
+        pointer: Option<Pointer>,
+    ) -> (bool, Vec<(Path, &'static str, Value)>) {
+        let Some(path) = handled(document, selection) else {
+            self.held = None;
+            return (false, Vec::new());
+        };
+        let is_light = document.item(&path).is_some_and(|item| item.kind == ItemKind::Point);
+        let kind = if is_light { Handles::Move } else { kind };
+        let outer = placement_around(document, &path);
+        let mut own = own_placement(document, &path);
+        if is_light && let Some(Value::Triple(at)) = given(document, &path, LIGHT_AT) {
+            own.at = at.map(f64::from).into();
+        }
+        let world = outer.around(own);
+        let projection = Projection::new(camera, picture);
+        let (parts, gizmo) = (Part::of(kind), Gizmo::new(projection, world.at));
+        let snapping = ui.input(|input| input.modifiers.command);
+
+        let hovered = self.follow(parts, gizmo.as_ref(), &path, world, pointer);
+        let moved = match (&mut self.held, pointer) {
+            (Some((_, drag)), Some(pointer)) => drag.to(&projection, pointer.position, snapping),
+            _ => None,
+        };
+        let changes = moved.map(|new| change(path, kind, is_light, outer, world, new));
+        let drag = self.held.as_ref().map(|(_, drag)| drag);
+        if let Some(gizmo) = &gizmo {
+            draw::draw(&ui.painter_at(picture), gizmo, parts, hovered, drag);
+        }
+        (drag.is_some() || hovered.is_some(), changes.into_iter().collect())
+    }
+
+    /// Catches a handle and lets go of it; returns the one under the pointer.
+    fn follow(
+        &mut self,
+        parts: &[Part],
+        gizmo: Option<&Gizmo>,
+        path: &Path,
+        world: Placed,
+        pointer: Option<Pointer>,
+    ) -> Option<Part> {
+        let Some(pointer) = pointer else {
+            self.held = None;
+            return None;
+        };
+        // The selection and the kind of handles may change in the middle.
+        let goes_on = |(of, drag): &(Path, Drag)| pointer.down && of == path && parts.contains(&drag.part);
+        self.held = self.held.take().filter(goes_on);
+        let gizmo = gizmo.filter(|_| self.held.is_none() && pointer.hovered)?;
+        let at = pointer.pressed_at.unwrap_or(pointer.position);
+        let part = gizmo.pick(parts, at)?;
+        if pointer.pressed_at.is_some() && pointer.down {
+            self.held = Drag::begin(gizmo, part, world, at).map(|drag| (path.clone(), drag));
+        }
+        Some(part)
+    }
+}
+
+/// The value of the document that brings a node to a new placement in the world.
+fn change(
+    path: Path,
+    kind: Handles,
+    is_light: bool,
+    outer: Placed,
+    world: Placed,
+    new: Placed,
+) -> (Path, &'static str, Value) {
+    let inner = outer.inside(new);
+    match kind {
+        Handles::Move => {
+            let step = 1e-4 * world.scale.max(1e-3);
+            let DVec3 { x, y, z } = inner.at;
+            let at = Value::Triple([x, y, z].map(|v| tidy(v, step.min(1e-3))));
+            (path, if is_light { LIGHT_AT } else { key::AT }, at)
+        }
+        Handles::Turn => (path, key::ROTATE, Value::Triple(inner.degrees())),
+        Handles::Scale => (path, key::SCALE, Value::Number(tidy(inner.scale, 1e-4).max(1e-4))),
+    }
+}
