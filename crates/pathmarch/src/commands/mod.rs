@@ -1,82 +1,19 @@
 //! One file for each command.
 
-pub mod bench;
 pub mod check;
 pub mod compare;
 pub mod devices;
 pub mod export;
 pub mod render;
 pub mod shapes;
-pub mod study;
+#[cfg_attr(not(feature = "window"), path = "no_window.rs")]
 pub mod view;
 
-use crate::exit::{Failure, INTERRUPTED};
-use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
-use pathmarch_render::Backend;
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// `--backend`
-#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub enum BackendArgument {
-    /// The GPU where one works, else the CPU
-    #[default]
-    Auto,
-    /// The GPU, or fail
-    Gpu,
-    /// The CPU
-    Cpu,
-}
-
-impl From<BackendArgument> for Backend {
-    fn from(argument: BackendArgument) -> Self {
-        match argument {
-            BackendArgument::Auto => Self::Auto,
-            BackendArgument::Gpu => Self::Gpu,
-            BackendArgument::Cpu => Self::Cpu,
-        }
-    }
-}
-
-/// Parses `1280x720`.
-pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once(['x', 'X', '×']);
-    let numbers = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
-    let limit = pathmarch_render::image::MAX_SIDE;
-    match numbers {
-        Some([w, h]) if (1..=limit).contains(&w) && (1..=limit).contains(&h) => Ok([w, h]),
-        Some(_) => Err(format!("each side must be from 1 to {limit}")),
-        None => Err("expected WIDTHxHEIGHT, such as 1280x720".to_owned()),
-    }
-}
 
 /// Names in quotation marks, with commas between.
 pub fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
-}
-
-/// Whether the directory that a file will be written to is there: better said now than after an hour of work.
-pub fn check_directory(output: &Path) -> Result<(), Failure> {
-    let directory = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !directory.is_dir() {
-        return Err(Failure::Other(format!("there is no directory {}; make it first", directory.display())));
-    }
-    Ok(())
-}
-
-/// A flag that Ctrl-C raises; a second Ctrl-C ends the program at once.
-pub fn watch_interrupts() -> Result<Arc<AtomicBool>, Failure> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = flag.clone();
-    ctrlc::set_handler(move || {
-        if raised.swap(true, Ordering::SeqCst) {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-    })
-    .map_err(Failure::other)?;
-    Ok(flag)
 }
 
 /// A bar on standard error, where that is a terminal, with a message and the time left behind it.
