@@ -10,7 +10,7 @@ mod picture;
 mod window;
 
 use clap::{Parser, Subcommand};
-use commands::{check, compare, devices, export, render, shapes, view};
+use commands::{check, compare, completions, devices, export, render, shapes, view};
 use std::process::ExitCode;
 
 /// A path tracer for distance fields: scenes as text, light that is right.
@@ -41,6 +41,10 @@ enum Command {
     Devices,
     /// The reference of shapes and operators.
     Shapes(shapes::Arguments),
+    /// Print what completes this command line in a shell.
+    Completions(completions::Arguments),
+    /// Print the pages for man.
+    Man,
 }
 
 fn main() -> ExitCode {
@@ -54,6 +58,8 @@ fn main() -> ExitCode {
             Command::Compare(arguments) => compare::run(&arguments),
             Command::Devices => devices::run(),
             Command::Shapes(arguments) => shapes::run(&arguments),
+            Command::Completions(arguments) => completions::run(&arguments),
+            Command::Man => completions::run_man(),
         }
     })
 }

@@ -354,3 +354,51 @@ fn an_interrupted_render_writes_what_is_done() {
     assert!(rest.iter().any(|line| line.contains("interrupted: wrote solids.png")), "{rest:?}");
     assert!(directory.path().join("solids.png").is_file());
 }
+
+const COMMANDS: [&str; 9] = ["view", "render", "export", "check", "compare", "devices", "shapes", "completions", "man"];
+
+#[test]
+fn completions_and_man_pages_know_every_command() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let stdout = |arguments: &[&str]| {
+        let output = pathmarch(arguments, directory.path());
+        assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    // The list above is that of the program.
+    let help = stdout(&["--help"]);
+    let listed: Vec<_> = help.split("Commands:").nth(1).expect("commands").lines().skip(1).collect();
+    let listed =
+        listed.into_iter().take_while(|line| !line.is_empty()).filter_map(|line| line.split_whitespace().next());
+    assert_eq!(listed.filter(|name| *name != "help").collect::<Vec<_>>(), COMMANDS);
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = stdout(&["completions", shell]);
+        for command in COMMANDS {
+            assert!(script.contains(command), "{command} for {shell}");
+        }
+        assert!(script.contains("max-relmse"), "options of commands for {shell}");
+    }
+    let pages = stdout(&["man"]);
+    for command in COMMANDS {
+        assert!(pages.contains(&format!(".TH pathmarch-{command} ")), "{command} has a page: {pages}");
+    }
+    assert_eq!(pages.matches(".TH ").count(), 1 + COMMANDS.len());
+    assert!(pages.contains(r"\-\-max\-relmse"), "options of commands");
+    let output = pathmarch(&["completions", "cmd"], directory.path());
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("bash"), "{}", stderr(&output));
+}
+
+/// Built without a window, the program says so instead of opening one.
+#[cfg(not(feature = "window"))]
+#[test]
+fn without_a_window_view_says_what_to_do() {
+    let directory = tempfile::tempdir().expect("a directory");
+    for arguments in [&[][..], &["view"], &["view", "scene.kdl", "--timings", "--drawing", "cpu"]] {
+        let output = pathmarch(arguments, directory.path());
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        let told = stderr(&output);
+        assert!(told.contains("without a window") && told.contains("--no-default-features"), "{arguments:?}: {told}");
+        assert_eq!(told.contains("Commands:"), arguments.is_empty(), "{arguments:?}: {told}");
+    }
+}
