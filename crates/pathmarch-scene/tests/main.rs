@@ -2,6 +2,7 @@
 
 mod declared;
 mod document;
+mod extremes;
 mod formulas;
 mod include;
 mod materials;

@@ -42,6 +42,7 @@ pub fn parse(text: &str) -> Result<Frames, String> {
 }
 
 impl Frames {
+    #[cfg(feature = "window")]
     /// All from the first to the last one; the last one alone where it is before the first.
     pub fn from_to(first: u32, last: u32) -> Self {
         Self { first: first.min(last), last, step: 1 }

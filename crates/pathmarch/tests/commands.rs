@@ -375,19 +375,6 @@ const NUMBERS: &[(&[&str], &str, &str)] = &[
     (&["export", "a.kdl", "-o", "a.stl"], "--cell", "expected a length above 0 in metres, such as 0.01"),
     (&["export", "a.kdl", "-o", "a.stl"], "--bounds", "expected the smaller corner and the larger one"),
     (&["compare", "a.exr", "b.exr"], "--max-relmse", "must be a finite number, 0 or more"),
-    (&["bench", "a.kdl"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
-    (&["bench", "a.kdl"], "--error-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
-    (&["bench", "a.kdl"], "--bounces", "must be a whole number from 0 to 64"),
-    (&["bench", "a.kdl"], "--rounds", "must be a whole number from 1 to 1000"),
-    (&["bench", "a.kdl"], "--samples", "must be a whole number from 1 to 1000"),
-    (&["bench", "a.kdl"], "--limit", "must be a number of seconds above 0, at most 86400"),
-    (&["bench", "a.kdl"], "--error", "must be a number of seconds above 0, at most 86400"),
-    (&["study", "-o", "out"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
-    (&["study", "-o", "out"], "--error-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
-    (&["study", "-o", "out"], "--picture-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
-    (&["study", "-o", "out"], "--rounds", "must be a whole number from 1 to 1000"),
-    (&["study", "-o", "out"], "--samples", "must be a whole number from 2 to 65536"),
-    (&["study", "-o", "out"], "--picture-samples", "must be a whole number from 1 to 65536"),
 ];
 
 #[test]
@@ -485,5 +472,53 @@ fn more_threads_than_cores_are_not_started() {
         assert!(told.contains(&format!("on CPU {threads}")), "{asked}: {told}");
         assert_eq!(told.contains(&format!("note: RAYON_NUM_THREADS asks for {asked} threads")), is_noted, "{told}");
         assert!(directory.path().join(&name).metadata().expect("written").len() > 100);
+    }
+}
+
+const COMMANDS: [&str; 9] = ["view", "render", "export", "check", "compare", "devices", "shapes", "completions", "man"];
+
+#[test]
+fn completions_and_man_pages_know_every_command() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let stdout = |arguments: &[&str]| {
+        let output = pathmarch(arguments, directory.path());
+        assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    // The list above is that of the program.
+    let help = stdout(&["--help"]);
+    let listed: Vec<_> = help.split("Commands:").nth(1).expect("commands").lines().skip(1).collect();
+    let listed =
+        listed.into_iter().take_while(|line| !line.is_empty()).filter_map(|line| line.split_whitespace().next());
+    assert_eq!(listed.filter(|name| *name != "help").collect::<Vec<_>>(), COMMANDS);
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = stdout(&["completions", shell]);
+        for command in COMMANDS {
+            assert!(script.contains(command), "{command} for {shell}");
+        }
+        assert!(script.contains("max-relmse"), "options of commands for {shell}");
+    }
+    let pages = stdout(&["man"]);
+    for command in COMMANDS {
+        assert!(pages.contains(&format!(".TH pathmarch-{command} ")), "{command} has a page: {pages}");
+    }
+    assert_eq!(pages.matches(".TH ").count(), 1 + COMMANDS.len());
+    assert!(pages.contains(r"\-\-max\-relmse"), "options of commands");
+    let output = pathmarch(&["completions", "cmd"], directory.path());
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("bash"), "{}", stderr(&output));
+}
+
+/// Built without a window, the program says so instead of opening one.
+#[cfg(not(feature = "window"))]
+#[test]
+fn without_a_window_view_says_what_to_do() {
+    let directory = tempfile::tempdir().expect("a directory");
+    for arguments in [&[][..], &["view"], &["view", "scene.kdl", "--timings", "--drawing", "cpu"]] {
+        let output = pathmarch(arguments, directory.path());
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        let told = stderr(&output);
+        assert!(told.contains("without a window") && told.contains("--no-default-features"), "{arguments:?}: {told}");
+        assert_eq!(told.contains("Commands:"), arguments.is_empty(), "{arguments:?}: {told}");
     }
 }

@@ -42,11 +42,13 @@ use names::{TOP, unexpected_node};
 use pathmarch_field::Field;
 use report::{Report, draft};
 use scope::Scope;
+pub(crate) use solids::MAX_SHAPES;
 use solids::Solids;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 use surfaces::Materials;
+pub(crate) use syntax::MAX_NESTING;
 use tree::{Block, Span, Value};
 
 /// The version of the language that this program reads.

@@ -1,6 +1,6 @@
 //! `pathmarch check`: read scenes, report every mistake.
 
-use crate::exit::{DONE, FAILED, Failure, USAGE, print_report};
+use pathmarch_cli::{DONE, FAILED, Failure, USAGE, print_report};
 use pathmarch_render::pathmarch_field::graph::Kind;
 use pathmarch_render::pathmarch_field::survey::survey;
 use pathmarch_render::pathmarch_field::{Field, Node, Placement};

@@ -1,6 +1,6 @@
 //! `pathmarch compare`: how far a picture is from a reference.
 
-use crate::exit::{DONE, FAILED, Failure};
+use pathmarch_cli::{DONE, FAILED, Failure};
 use pathmarch_render::image;
 use pathmarch_render::metrics::compare;
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! `pathmarch devices`: what this machine can render on.
 
-use crate::exit::{DONE, Failure};
+use pathmarch_cli::{DONE, Failure};
 use pathmarch_render::adapters;
 
 pub fn run() -> Result<u8, Failure> {

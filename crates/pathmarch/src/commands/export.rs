@@ -1,7 +1,7 @@
 //! `pathmarch export`: objects of a scene to a file of triangles.
 
-use super::{check_directory, listed, numbers, progress_bar, watch_interrupts};
-use crate::exit::{DONE, Failure, INTERRUPTED, print_report};
+use super::{listed, progress_bar};
+use pathmarch_cli::{DONE, Failure, INTERRUPTED, check_directory, numbers, print_report, watch_interrupts};
 use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
 use pathmarch_render::pathmarch_field::mesh::{Fineness, MeshError};
 use pathmarch_render::pathmarch_field::{Aabb, Field};

@@ -1,9 +1,11 @@
 //! `pathmarch render`: a scene to a picture.
 
-use super::{BackendArgument, check_directory, listed, numbers, progress_bar, watch_interrupts};
-use crate::exit::{DONE, Failure, INTERRUPTED, print_report};
+use super::{listed, progress_bar};
 use crate::frames::{self, Frames};
 use crate::picture::{Exposure, Rendered};
+use pathmarch_cli::{
+    BackendArgument, DONE, Failure, INTERRUPTED, check_directory, numbers, print_report, watch_interrupts,
+};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;

@@ -1,8 +1,7 @@
 //! `pathmarch view`: the window.
 
-use super::BackendArgument;
-use crate::exit::Failure;
 use crate::window::{self, Drawing, Options};
+use pathmarch_cli::{BackendArgument, Failure};
 use std::path::PathBuf;
 
 #[derive(clap::Args, Default)]

@@ -9,10 +9,10 @@ use super::gallery::Gallery;
 use super::gizmo::Handle;
 use super::open::{Open, Reload};
 use super::panels::Plots;
-use super::places::Places;
 use super::preferences::Preferences;
 use super::recovery::{Recovery, left_behind};
 use egui::{ColorImage, Context, TextureOptions, Ui};
+use pathmarch_cli::AppDirs;
 use pathmarch_render::live::{Live, Order};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::pathmarch_scene::document::EditError;
@@ -86,11 +86,11 @@ pub(super) struct App {
 
 impl App {
     pub(super) fn new(ctx: &Context, options: Options, waker: Waker) -> Self {
-        Self::in_places(ctx, options, waker, Places::of_user())
+        Self::in_places(ctx, options, waker, AppDirs::of_user())
     }
 
     /// As [`Self::new`], with directories of its own for what it keeps.
-    pub(super) fn in_places(ctx: &Context, options: Options, waker: Waker, places: Option<Places>) -> Self {
+    pub(super) fn in_places(ctx: &Context, options: Options, waker: Waker, places: Option<AppDirs>) -> Self {
         let started = Instant::now();
         let wake = waker.clone();
         let live = Live::new(options.backend, options.adapter.clone(), move || wake());

@@ -1,6 +1,6 @@
 //! What the window remembers from one run to the next.
 //!
-//! A JSON file in the user's directory for preferences ([`Places`](super::places::Places)). Fields that are not known are ignored and absent ones
+//! A JSON file in the user's directory for preferences ([`AppDirs`](pathmarch_cli::AppDirs)). Fields that are not known are ignored and absent ones
 //! have their defaults, so that older and newer versions share it. A file that cannot be understood is set aside as
 //! `preferences.json.bad` and replaced by the defaults: preferences never keep the program from starting.
 

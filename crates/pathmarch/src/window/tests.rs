@@ -13,11 +13,11 @@ mod views;
 
 use super::app::{App, Options};
 use super::open::Open;
-use super::places::Places;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
 use egui_kittest::kittest::{By, Queryable};
 use egui_kittest::{Harness, HarnessBuilder, Node};
+use pathmarch_cli::AppDirs;
 use pathmarch_render::Backend;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::pathmarch_scene::document::{Document, Item, Path as NodePath, Value};
@@ -74,7 +74,7 @@ object "floor" material="grey" { plane }
 struct Desk {
     app: Option<App>,
     options: Options,
-    places: Places,
+    places: AppDirs,
 }
 
 /// A person at a program.
@@ -117,7 +117,7 @@ impl Start {
         let desk = Desk {
             app: None,
             options: Options { scene: self.scene, backend: Backend::Cpu, adapter: None, timings: false },
-            places: Places { recovery: home.join("recovery"), references: home.join("references"), preferences: home },
+            places: AppDirs { recovery: home.join("recovery"), references: home.join("references"), preferences: home },
         };
         let frame = |ui: &mut egui::Ui, desk: &mut Desk| {
             let Desk { app, options, places } = desk;

@@ -1,7 +1,7 @@
 //! The first page, and files that are dragged into the window.
 
 use super::*;
-use crate::window::gallery::EXAMPLES;
+use pathmarch_gallery::EXAMPLES;
 
 #[test]
 fn every_example_is_shown_and_opens_by_a_click() {

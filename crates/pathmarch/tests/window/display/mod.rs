@@ -62,8 +62,6 @@ fn patience() -> Duration {
     Duration::from_secs(seconds.unwrap_or(PATIENCE))
 }
 
-}
-
 /// A display of one's own; ends with it.
 pub struct Screen {
     server: Child,

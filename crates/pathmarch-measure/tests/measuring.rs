@@ -1,11 +1,30 @@
 //! `bench` and `study` from end to end, at tiny sizes. What they measure differs from run to run; what is tried is its form.
 
-mod program;
-
-use program::{code, pathmarch, stderr};
+use pathmarch_render::image::{self, Provenance};
+use pathmarch_render::pathmarch_scene::{Scene, Tonemap};
+use pathmarch_render::tonemap::Display;
+use pathmarch_render::{Backend, Renderer, Settings};
 use serde_json::Value;
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output};
+
+/// Runs the program in a directory, where it also keeps what is its own.
+fn measure(arguments: &[&str], directory: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pathmarch-measure"))
+        .args(arguments)
+        .current_dir(directory)
+        .env("PATHMARCH_HOME", directory.join("home"))
+        .output()
+        .expect("the program starts")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("it ended by itself")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
 
 fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
@@ -20,7 +39,7 @@ fn parsed(path: &Path) -> Value {
 #[test]
 fn figures_are_printed_and_kept() {
     let directory = tempfile::tempdir().expect("a directory");
-    let bench = |more: &[&str]| pathmarch(&[&SMALL[..], more].concat(), directory.path());
+    let bench = |more: &[&str]| measure(&[&SMALL[..], more].concat(), directory.path());
     let output = bench(&["diffuse-sphere", "union-100", "--json", "a.json"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let table = stdout(&output);
@@ -62,7 +81,7 @@ fn errors_are_measured_against_references_that_are_kept() {
     let directory = tempfile::tempdir().expect("a directory");
     let bench = |more: &[&str]| {
         let arguments = ["cornell-box", "--error", "0.01", "--error-size", "16x9", "--json", "e.json"];
-        pathmarch(&[&SMALL[..], &arguments[..], more].concat(), directory.path())
+        measure(&[&SMALL[..], &arguments[..], more].concat(), directory.path())
     };
     let quality = || parsed(&directory.path().join("e.json"))["entries"][0]["quality"].clone();
     let output = bench(&[]);
@@ -80,15 +99,23 @@ fn errors_are_measured_against_references_that_are_kept() {
 
     // A file of one's own, whose noise is not known.
     std::fs::create_dir(directory.path().join("own")).expect("made");
-    let own = ["render", "cornell.kdl", "--backend", "cpu", "--samples", "3", "-o", "own/cornell-box.exr"];
     let text = include_str!("../../../scenes/benchmarks/cornell-box.kdl");
-    std::fs::write(directory.path().join("cornell.kdl"), text).expect("written");
-    assert_eq!(code(&pathmarch(&[&own[..], &["--size", "16x9"]].concat(), directory.path())), 0);
+    let scene = Scene::parse("cornell.kdl", text).expect("a scene");
+    let render_own = |size| {
+        let settings = Settings { size, samples: 3, ..Settings::of(&scene) };
+        let mut renderer = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+        let film = renderer.render(&scene, &settings).expect("renders");
+        let provenance = Provenance { samples: film.samples, ..Provenance::default() };
+        let display = Display { tonemap: Tonemap::Srgb, exposure_stops: 0.0 };
+        let file = directory.path().join("own/cornell-box.exr");
+        image::save(&file, &film.mean(), &display, &provenance).expect("written");
+    };
+    render_own([16, 9]);
     let output = bench(&["--references", "own"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert_eq!((&quality()["reference_samples"], &quality()["reference_relmse"]), (&3.into(), &Value::Null));
     // One of another size is refused, and the scene left out.
-    assert_eq!(code(&pathmarch(&[&own[..], &["--size", "8x8"]].concat(), directory.path())), 0);
+    render_own([8, 8]);
     let output = bench(&["--references", "own"]);
     assert_eq!(code(&output), 1);
     assert!(stderr(&output).contains("8x8") && stderr(&output).contains("skipped"), "{}", stderr(&output));
@@ -113,7 +140,7 @@ fn wrong_arguments_of_bench_are_told() {
         (&["--from", "not.json"], 2, "not a file of `bench --json`"),
         (&["--from", "not.json", "cornell-box"], 2, "cannot be used with"),
     ] {
-        let output = pathmarch(&[&SMALL[..], arguments].concat(), directory.path());
+        let output = measure(&[&SMALL[..], arguments].concat(), directory.path());
         assert_eq!(code(&output), code_expected, "{arguments:?}: {}", stderr(&output));
         assert!(stderr(&output).contains(told), "{arguments:?}: {}", stderr(&output));
     }
@@ -130,10 +157,10 @@ fn what_takes_too_long_is_left_out() {
         );
         std::fs::write(directory.path().join("two").join(format!("{name}.kdl")), text).expect("written");
     }
-    let output = pathmarch(&[&SMALL[..], &["two", "--limit", "1e-9"]].concat(), directory.path());
+    let output = measure(&[&SMALL[..], &["two", "--limit", "1e-9"]].concat(), directory.path());
     assert_eq!(code(&output), 1, "nothing was measured: {}", stderr(&output));
     assert!(stderr(&output).contains("above --limit"), "{}", stderr(&output));
-    let output = pathmarch(&[&SMALL[..], &["two"]].concat(), directory.path());
+    let output = measure(&[&SMALL[..], &["two"]].concat(), directory.path());
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert_eq!(stdout(&output).lines().filter(|line| line.contains("CPU (")).count(), 2);
 }
@@ -146,7 +173,7 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
     let page = directory.path().join("page");
     std::fs::create_dir(&page).expect("made");
     std::fs::write(page.join("notes.txt"), "mine").expect("written");
-    let output = pathmarch(&[&["study", "-o", "page"], &QUICK[..]].concat(), directory.path());
+    let output = measure(&[&["study", "-o", "page"], &QUICK[..]].concat(), directory.path());
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert_eq!(std::fs::read_to_string(page.join("notes.txt")).expect("it stays"), "mine");
 
@@ -161,20 +188,20 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
         if part != "features" {
             let svg = std::fs::read_to_string(page.join(format!("{part}.svg"))).expect("written");
             assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
-            let png = image::open(page.join(format!("{part}.png"))).expect("a picture").into_rgb8();
+            let png = ::image::open(page.join(format!("{part}.png"))).expect("a picture").into_rgb8();
             assert!(
                 png.pixels().any(|pixel| pixel.0 == [0, 114, 178]),
                 "{part}: something is drawn in the first colour"
             );
         }
     }
-    assert!(text.contains("on CPU (") && text.contains("pathmarch study -o page --quick"), "{text}");
+    assert!(text.contains("on CPU (") && text.contains("pathmarch-measure study -o page --quick"), "{text}");
     // Whatever the page shows is there, and every row of a table has as many cells as its head.
     let shown: Vec<_> = text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
     let files: Vec<_> = shown.into_iter().filter(|target| !target.starts_with("http")).collect();
     assert!(files.len() > 30, "{files:?}");
     for file in files {
-        image::open(page.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+        ::image::open(page.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
     }
     let mut cells = None;
     for line in text.lines() {
@@ -184,7 +211,7 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
     }
 
     // A part alone replaces its own files, and the others stay on the page.
-    let output = pathmarch(&[&["study", "features", "-o", "page"], &QUICK[..]].concat(), directory.path());
+    let output = measure(&[&["study", "features", "-o", "page"], &QUICK[..]].concat(), directory.path());
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let again = std::fs::read_to_string(page.join("README.md")).expect("written");
     assert_eq!(text, again);
@@ -201,9 +228,39 @@ fn wrong_arguments_of_study_are_told() {
         (&["study", "-o", "file"], 1, "name a directory"),
         (&["study", "-o", "page", "--samples", "1"], 2, "1"),
     ] {
-        let output = pathmarch(arguments, directory.path());
+        let output = measure(arguments, directory.path());
         assert_eq!(code(&output), code_expected, "{arguments:?}: {}", stderr(&output));
         assert!(stderr(&output).contains(told), "{arguments:?}: {}", stderr(&output));
     }
     assert_eq!(std::fs::read_to_string(directory.path().join("file")).expect("text"), "mine");
+}
+
+/// Every option that takes a number, a command in which it stands, and what is said of a number that it cannot be.
+const NUMBERS: &[(&[&str], &str, &str)] = &[
+    (&["bench", "a.kdl"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["bench", "a.kdl"], "--error-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["bench", "a.kdl"], "--bounces", "must be a whole number from 0 to 64"),
+    (&["bench", "a.kdl"], "--rounds", "must be a whole number from 1 to 1000"),
+    (&["bench", "a.kdl"], "--samples", "must be a whole number from 1 to 1000"),
+    (&["bench", "a.kdl"], "--limit", "must be a number of seconds above 0, at most 86400"),
+    (&["bench", "a.kdl"], "--error", "must be a number of seconds above 0, at most 86400"),
+    (&["study", "-o", "out"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["study", "-o", "out"], "--error-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["study", "-o", "out"], "--picture-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
+    (&["study", "-o", "out"], "--rounds", "must be a whole number from 1 to 1000"),
+    (&["study", "-o", "out"], "--samples", "must be a whole number from 2 to 65536"),
+    (&["study", "-o", "out"], "--picture-samples", "must be a whole number from 1 to 65536"),
+];
+
+#[test]
+fn numbers_that_an_option_cannot_be_are_refused_with_what_it_can_be() {
+    let directory = tempfile::tempdir().expect("a directory");
+    for (command, option, words) in NUMBERS {
+        for value in ["nan", "-inf", "inf", "-1e9", "1e99", "one", ""] {
+            let output = measure(&[*command, &[*option, value]].concat(), directory.path());
+            let told = stderr(&output);
+            assert_eq!(code(&output), 2, "{option} {value}: {told}");
+            assert!(told.contains(words), "{option} {value}: {told}");
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! A table, as Markdown for people and as CSV for programs.
 
-use crate::exit::Failure;
+use pathmarch_cli::Failure;
 use std::path::Path;
 
 /// Rows of cells below their heads.

@@ -5,9 +5,9 @@
 //! The text of PNG files is drawn with the font that the program carries, so that no font need be installed; SVG files
 //! leave the choice of a sans-serif font to who shows them.
 
-use crate::exit::Failure;
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use pathmarch_cli::Failure;
 pub use plotters::chart::SeriesLabelPosition;
 use plotters::chart::{MeshStyle, SeriesLabelStyle};
 use plotters::coord::ranged1d::Ranged;
@@ -16,7 +16,7 @@ use plotters::prelude::*;
 use plotters::style::register_font;
 use std::path::Path;
 
-const FONT: &[u8] = include_bytes!("../../../../pathmarch-scene/fonts/Cantarell-Regular.ttf");
+const FONT: &[u8] = include_bytes!("../../../pathmarch-scene/fonts/Cantarell-Regular.ttf");
 const COLOURS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),

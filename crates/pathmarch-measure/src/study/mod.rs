@@ -1,4 +1,4 @@
-//! `pathmarch study`: the evaluation of the thesis, chapter 5, repeated with this program.
+//! `pathmarch-measure study`: the evaluation of the thesis, chapter 5, repeated with this program.
 //!
 //! **Idea.** One page of tables, plots and pictures, each part of it made by itself: what bounces cost and bring
 //! ([`bounces`]), how the error falls as frames accumulate ([`accumulation`]), what each material and scene takes
@@ -17,10 +17,10 @@ mod plot;
 mod scenes;
 mod table;
 
-use super::{BackendArgument, bench, numbers, watch_interrupts};
-use crate::exit::{DONE, Failure};
+use crate::bench;
 use crate::measure::{self, Effort, Watch};
 use clap::ValueEnum;
+use pathmarch_cli::{BackendArgument, DONE, Failure, numbers, watch_interrupts};
 use pathmarch_render::image::{self, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::Display;
@@ -156,7 +156,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
 
 /// The command line that asks for the same.
 fn command(arguments: &Arguments) -> String {
-    let mut command = "pathmarch study".to_owned();
+    let mut command = "pathmarch-measure study".to_owned();
     for part in &arguments.parts {
         command += &format!(" {}", part.name());
     }

@@ -6,8 +6,8 @@
 use super::plot::{Line, Lines, SeriesLabelPosition, save};
 use super::table::Table;
 use super::{Study, example};
-use crate::exit::Failure;
 use crate::measure::{Effort, Reference, start, take, until};
+use pathmarch_cli::Failure;
 use pathmarch_render::Settings;
 use pathmarch_render::image::Picture;
 use pathmarch_render::pathmarch_scene::{Sampler, Scene};

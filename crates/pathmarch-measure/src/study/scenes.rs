@@ -5,7 +5,7 @@
 use super::plot::{Bars, save};
 use super::table::{Table, milliseconds};
 use super::{Study, example};
-use crate::exit::Failure;
+use pathmarch_cli::Failure;
 
 /// The size at which the thesis's program was timed.
 const SIZE_THEN: [u32; 2] = [1280, 720];
@@ -123,7 +123,9 @@ mod tests {
     #[test]
     fn every_scene_of_the_thesis_has_its_row() {
         let rows: Vec<_> = ROWS.iter().map(|row| row.scene).collect();
-        for (file, _) in crate::window::examples().filter(|(file, _)| file.starts_with("thesis/")) {
+        for file in
+            pathmarch_gallery::EXAMPLES.iter().map(|example| example.file).filter(|file| file.starts_with("thesis/"))
+        {
             let name = file.trim_start_matches("thesis/").trim_end_matches(".kdl");
             assert!(rows.contains(&name), "{name}");
         }

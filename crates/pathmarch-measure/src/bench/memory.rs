@@ -4,8 +4,8 @@
 //! sees. Linux tells the peak in `/proc/self/status`; elsewhere there is no figure.
 
 use super::{Arguments, scenes};
-use crate::exit::{DONE, Failure};
 use crate::measure::{self, Watch};
+use pathmarch_cli::{DONE, Failure};
 use pathmarch_render::{Renderer, Settings};
 use std::path::Path;
 use std::process::{Command, Stdio};

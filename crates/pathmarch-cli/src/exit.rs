@@ -1,6 +1,8 @@
-//! How the program ends.
+//! How a program starts and ends.
 
+use crate::threads;
 use pathmarch_render::pathmarch_scene::SceneError;
+use std::process::ExitCode;
 
 /// Done.
 pub const DONE: u8 = 0;
@@ -62,8 +64,37 @@ pub fn print_report(report: &dyn miette::Diagnostic) {
     }
 }
 
-/// Whether this processor has the instructions that this program was built to use; else what to do.
-pub fn processor_has_what_we_were_built_for() -> Result<(), String> {
+/// Runs a program from its first line to its exit code: checks the processor, quiets drivers,
+/// starts the threads, prints a failure.
+pub fn run(program: impl FnOnce() -> Result<u8, Failure>) -> ExitCode {
+    if let Err(missing) = processor_has_what_we_were_built_for() {
+        eprintln!("pathmarch: {missing}");
+        return ExitCode::from(FAILED);
+    }
+    quiet_drivers();
+    if let Some(note) = threads::start() {
+        eprintln!("note: {note}");
+    }
+    match program() {
+        Ok(code) => ExitCode::from(code),
+        Err(failure) => {
+            failure.print();
+            ExitCode::from(failure.code())
+        }
+    }
+}
+
+/// Mesa's device-select layer complains on standard error where there is no desktop session; nothing is lost without it
+/// there, since it asks the desktop which GPU to prefer.
+fn quiet_drivers() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: this is the start of `main`; no other thread runs.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}
+
+/// Checks that this processor has the instructions that this program was built to use; the error says what to do.
+fn processor_has_what_we_were_built_for() -> Result<(), String> {
     #[cfg(target_arch = "x86_64")]
     {
         let features = [

@@ -1,6 +1,6 @@
-//! Where the program keeps its own files.
+//! Directories of the program's own files.
 //!
-//! The directories that the system has for this, or, where the environment variable `PATHMARCH_HOME` is set, that one
+//! Those that the system has for this, or, where the environment variable `PATHMARCH_HOME` is set, that one
 //! directory for everything: for tests, and for an installation that is carried around.
 
 use directories::ProjectDirs;
@@ -12,7 +12,7 @@ pub const HOME_VARIABLE: &str = "PATHMARCH_HOME";
 
 /// The program's own directories; none need exist.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Places {
+pub struct AppDirs {
     /// For preferences.
     pub preferences: PathBuf,
     /// For work that is not saved.
@@ -21,8 +21,8 @@ pub struct Places {
     pub references: PathBuf,
 }
 
-impl Places {
-    /// Those of this user; none where the user has no home directory.
+impl AppDirs {
+    /// Directories of this user; `None` where the user has no home directory.
     pub fn of_user() -> Option<Self> {
         Self::with_home(std::env::var_os(HOME_VARIABLE))
     }
@@ -48,12 +48,12 @@ mod tests {
 
     #[test]
     fn one_directory_can_stand_for_all() {
-        let places = Places::with_home(Some("/somewhere/own".into())).expect("places");
-        assert_eq!(places.preferences, PathBuf::from("/somewhere/own"));
-        assert_eq!(places.recovery, PathBuf::from("/somewhere/own").join("recovery"));
-        assert_eq!(places.references, PathBuf::from("/somewhere/own").join("references"));
-        let system = Places::with_home(None);
-        assert_ne!(system.as_ref(), Some(&places));
-        assert_eq!(Places::with_home(Some(OsString::new())), system, "empty is as if not set");
+        let dirs = AppDirs::with_home(Some("/somewhere/own".into())).expect("directories");
+        assert_eq!(dirs.preferences, PathBuf::from("/somewhere/own"));
+        assert_eq!(dirs.recovery, PathBuf::from("/somewhere/own").join("recovery"));
+        assert_eq!(dirs.references, PathBuf::from("/somewhere/own").join("references"));
+        let system = AppDirs::with_home(None);
+        assert_ne!(system.as_ref(), Some(&dirs));
+        assert_eq!(AppDirs::with_home(Some(OsString::new())), system, "empty is as if not set");
     }
 }

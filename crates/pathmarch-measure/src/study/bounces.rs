@@ -5,7 +5,7 @@
 use super::plot::{Line, Lines, SeriesLabelPosition, save};
 use super::table::{Table, milliseconds};
 use super::{Study, example};
-use crate::exit::Failure;
+use pathmarch_cli::Failure;
 use pathmarch_render::Settings;
 
 const SCENE: &str = "three-spheres";

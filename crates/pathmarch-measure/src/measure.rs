@@ -11,7 +11,7 @@
 //!
 //! **Cost.** A reference of four times the samples of what is measured has a fourth of its error or less.
 
-use crate::exit::Failure;
+use pathmarch_cli::Failure;
 use pathmarch_render::image::{self, Picture, Provenance};
 use pathmarch_render::metrics::relmse;
 use pathmarch_render::pathmarch_scene::{Scene, Tonemap};

@@ -1,4 +1,4 @@
-//! `pathmarch bench`: what one sample of every pixel costs, and how far a picture is after a time, for each scene and backend.
+//! `pathmarch-measure bench`: what one sample of every pixel costs, and how far a picture is after a time, for each scene and backend.
 //!
 //! **How.** One scene at a time, so that others do not stand in memory; its backends take turns, round after round, and the
 //! median is reported, so that a machine whose speed drifts treats both alike. Compilation is timed apart. Rays and
@@ -14,10 +14,10 @@ mod memory;
 mod report;
 mod scenes;
 
-use super::{BackendArgument, check_directory, numbers, watch_interrupts};
-use crate::exit::{DONE, FAILED, Failure, INTERRUPTED};
 use crate::measure::{self, Effort, References, Watch};
-use crate::window::Places;
+use pathmarch_cli::{
+    AppDirs, BackendArgument, DONE, FAILED, Failure, INTERRUPTED, check_directory, numbers, watch_interrupts,
+};
 use pathmarch_render::pathmarch_scene::{Scene, limits};
 use pathmarch_render::{Renderer, Settings, census};
 use report::{Entry, Quality, Results, Spread};
@@ -108,12 +108,12 @@ impl Arguments {
                 return Err(Failure::Usage(format!("there is no directory {}; make it first", folder.display())));
             }
             None => {
-                let places = Places::of_user().ok_or_else(|| {
+                let dirs = AppDirs::of_user().ok_or_else(|| {
                     Failure::Usage("there is no home directory to keep references in; give --references DIR".to_owned())
                 })?;
-                let failed = |error| Failure::Other(format!("{}: {error}", places.references.display()));
-                std::fs::create_dir_all(&places.references).map_err(failed)?;
-                places.references
+                let failed = |error| Failure::Other(format!("{}: {error}", dirs.references.display()));
+                std::fs::create_dir_all(&dirs.references).map_err(failed)?;
+                dirs.references
             }
         };
         Ok(Some(References::new(folder, REFERENCE_EFFORT * seconds)))

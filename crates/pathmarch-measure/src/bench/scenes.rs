@@ -1,8 +1,7 @@
 //! Which scenes to measure: files, folders of them, examples of the program, scenes that are made, or sets of these.
 
 use super::generated;
-use crate::exit::Failure;
-use crate::window::examples;
+use pathmarch_cli::Failure;
 use pathmarch_render::pathmarch_scene::Scene;
 use std::path::{Path, PathBuf};
 
@@ -16,16 +15,21 @@ pub struct Chosen {
     pub scene: Scene,
 }
 
+/// Every example of the gallery: its file, and its text.
+fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {
+    pathmarch_gallery::EXAMPLES.iter().map(|example| (example.file, example.text))
+}
+
 /// Scenes on which other renderers were timed.
 static QUALITY: &[(&str, &str)] = &[
-    ("benchmarks/diffuse-sphere-plane.kdl", include_str!("../../../../../scenes/benchmarks/diffuse-sphere-plane.kdl")),
+    ("benchmarks/diffuse-sphere-plane.kdl", include_str!("../../../../scenes/benchmarks/diffuse-sphere-plane.kdl")),
     (
         "benchmarks/diffuse-sphere-plane-area.kdl",
-        include_str!("../../../../../scenes/benchmarks/diffuse-sphere-plane-area.kdl"),
+        include_str!("../../../../scenes/benchmarks/diffuse-sphere-plane-area.kdl"),
     ),
-    ("benchmarks/cornell-box.kdl", include_str!("../../../../../scenes/benchmarks/cornell-box.kdl")),
-    ("benchmarks/closed-metal-room.kdl", include_str!("../../../../../scenes/benchmarks/closed-metal-room.kdl")),
-    ("benchmarks/closed-emitting-room.kdl", include_str!("../../../../../scenes/benchmarks/closed-emitting-room.kdl")),
+    ("benchmarks/cornell-box.kdl", include_str!("../../../../scenes/benchmarks/cornell-box.kdl")),
+    ("benchmarks/closed-metal-room.kdl", include_str!("../../../../scenes/benchmarks/closed-metal-room.kdl")),
+    ("benchmarks/closed-emitting-room.kdl", include_str!("../../../../scenes/benchmarks/closed-emitting-room.kdl")),
 ];
 
 /// What is measured beside the thesis's scenes where nothing is named.

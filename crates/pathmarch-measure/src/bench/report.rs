@@ -1,6 +1,6 @@
 //! Figures of a benchmark: as a table, as JSON, and beside those of another run.
 
-use crate::exit::Failure;
+use pathmarch_cli::Failure;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

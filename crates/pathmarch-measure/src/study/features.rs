@@ -2,7 +2,7 @@
 
 use super::Study;
 use super::table::Table;
-use crate::exit::Failure;
+use pathmarch_cli::Failure;
 
 /// What; the thesis's program as published; Cycles 3.4 to 4.5, as Blender drives it; pathmarch.
 static ROWS: &[[&str; 4]] = &[

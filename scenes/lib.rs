@@ -1,0 +1,130 @@
+//! The example scenes of [pathmarch](https://docs.rs/pathmarch), each with its text and a picture of it.
+//!
+//! This folder is both what people browse and a crate, so that programs carry the scenes without a copy of any file: the
+//! window's gallery, and the program that measures. [`EXAMPLES`] lists all but those of `benchmarks/`.
+//!
+//! ```
+//! let scene = pathmarch_gallery::EXAMPLES.iter().find(|example| example.name == "ten-lines").expect("there");
+//! assert_eq!(scene.file, "ten-lines.kdl");
+//! assert!(scene.text.starts_with("pathmarch 1\n"));
+//! ```
+
+use std::path::Path;
+
+/// An example scene.
+pub struct Example {
+    /// Name of its file, without extension.
+    pub name: &'static str,
+    /// One line for people.
+    pub doc: &'static str,
+    /// Path of its file in [`folder`].
+    pub file: &'static str,
+    /// Its text.
+    pub text: &'static str,
+    /// A picture of it, as the bytes of a PNG or JPEG file.
+    pub picture: &'static [u8],
+}
+
+macro_rules! examples {
+    ($($folder:literal $name:literal $extension:literal $doc:literal;)*) => {
+        &[$(Example {
+            name: $name,
+            doc: $doc,
+            file: concat!($folder, $name, ".kdl"),
+            text: include_str!(concat!($folder, $name, ".kdl")),
+            picture: include_bytes!(concat!("images/", $name, ".", $extension)),
+        }),*]
+    };
+}
+
+/// Every example, in the order of the gallery.
+pub static EXAMPLES: &[Example] = examples! {
+    "fractals/" "mandelbulb" "jpg" "The mandelbulb, coloured by its orbits.";
+    "fractals/" "kleinian" "jpg" "Halls of a pseudo-Kleinian group.";
+    "fractals/" "julia" "jpg" "A slice of a quaternion Julia set.";
+    "thesis/" "cream-julia" "jpg" "A Julia set in cream and green.";
+    "fractals/" "mandelbox" "jpg" "The mandelbox.";
+    "thesis/" "inside-mandelbox" "jpg" "Inside a mandelbox.";
+    "fractals/" "coral" "jpg" "A coral: an iterated function system.";
+    "thesis/" "mandelbulb-landscape" "jpg" "A land on a mandelbulb.";
+    "fractals/" "apollonian" "jpg" "Spheres within spheres.";
+    "fractals/" "sponge" "jpg" "Menger's sponge as a lantern.";
+    "fractals/" "sierpinski" "jpg" "Sierpinski's tetrahedron.";
+    "fractals/" "cubes" "jpg" "Cubes to the horizon.";
+    "" "gyroid" "jpg" "A lantern of a gyroid, declared by the scene.";
+    "" "nautilus" "jpg" "A shell around a spiral, declared by the scene.";
+    "" "columns" "jpg" "Twisted columns, brought over from GLSL.";
+    "" "clay" "jpg" "Cracked mud, crazed glaze, hammered copper.";
+    "" "textures" "jpg" "Every texture, as colours and as a relief.";
+    "" "operators" "jpg" "Twisted, bent, repeated, hollow and round.";
+    "" "lathe" "jpg" "Profiles, turned on a lathe and drawn out.";
+    "" "letters" "jpg" "Letters of a font, in low light.";
+    "" "seams" "jpg" "Soft, round, chamfered and stepped seams.";
+    "" "molten" "jpg" "Coloured clay, melted together.";
+    "" "rotunda" "jpg" "A round temple in still water.";
+    "" "hall" "jpg" "A flooded hall of columns without end.";
+    "" "gears" "jpg" "Gears that turn, by formulas; with motion blur.";
+    "" "glass-still-life" "jpg" "Clear and coloured glass on a table.";
+    "" "day" "jpg" "The sky of a clear day, and its sun.";
+    "" "material-grid" "jpg" "Every kind of material, smooth to rough.";
+    "" "cornell" "jpg" "The box that every path tracer renders.";
+    "" "depth-of-field" "jpg" "A lens: what is near and far blurs.";
+    "" "many-lights" "jpg" "Sixty-four lamps.";
+    "" "environment" "jpg" "Lit by a picture of the sky.";
+    "" "ten-lines" "png" "A whole scene in ten lines of text.";
+    "thesis/" "twisted-cube" "jpg" "A cube, twisted about its axis.";
+    "thesis/" "combinations" "jpg" "Union, subtraction and intersection, sharp and smooth.";
+    "thesis/" "solids" "jpg" "The solids.";
+    "thesis/" "grey-mandelbulb" "jpg" "The mandelbulb of the thesis.";
+    "thesis/" "glass-prism" "jpg" "A prism of glass.";
+    "thesis/" "refractive-prisms" "jpg" "Prisms that refract.";
+    "thesis/" "specular-prisms" "jpg" "Prisms that mirror.";
+    "thesis/" "emitting-spheres" "jpg" "Balls that shine.";
+    "thesis/" "three-spheres" "jpg" "Diffuse, mirroring and refracting balls.";
+    "thesis/" "metal-light" "jpg" "A metal ball and a light.";
+    "thesis/" "metal-room-rough-05" "jpg" "Metal in a room, nearly a mirror.";
+    "thesis/" "metal-room-rough-50" "jpg" "Metal in a room, half rough.";
+    "thesis/" "metal-room-rough-90" "jpg" "Metal in a room, rough.";
+    "thesis/" "open-room" "jpg" "A room without a roof, with a light.";
+    "thesis/" "open-room-sky" "jpg" "The same, lit by the sky.";
+    "thesis/" "caustics" "jpg" "Light gathered by glass.";
+    "thesis/" "caustics-fast" "jpg" "The same, simplified: free of noise.";
+    "thesis/" "diffuse-sphere" "png" "The simplest: a ball and a floor.";
+};
+
+/// Other files that examples read, by their names in [`folder`]: pictures of the sky.
+pub static ASSETS: &[(&str, &[u8])] = &[("environment.exr", include_bytes!("environment.exr"))];
+
+/// Folder of the scenes where this crate was built. It may not exist on another machine.
+pub fn folder() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pathmarch_scene::Scene;
+
+    /// Every scene of the repository is listed and valid, and its picture can be read.
+    #[test]
+    fn the_gallery_is_all_scenes() {
+        let mut files = Vec::new();
+        for folder in ["", "thesis/", "fractals/"] {
+            for entry in std::fs::read_dir(super::folder().join(folder)).expect("the scenes are there") {
+                let name = entry.expect("a file").file_name().to_string_lossy().into_owned();
+                if name.ends_with(".kdl") {
+                    files.push(format!("{folder}{name}"));
+                }
+            }
+        }
+        let mut listed: Vec<_> = EXAMPLES.iter().map(|example| example.file.to_owned()).collect();
+        files.sort();
+        listed.sort();
+        assert_eq!(files, listed);
+        for example in EXAMPLES {
+            let path = super::folder().join(example.file);
+            Scene::parse(&path.display().to_string(), example.text).expect("a scene");
+            image::load_from_memory(example.picture).expect("a picture");
+        }
+    }
+}
