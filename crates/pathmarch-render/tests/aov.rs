@@ -192,5 +192,12 @@ fn layers_become_channels() {
 }
 
 tests! {
-    plain: [a_ball_on_the_ground_is_seen_where_it_is, samples_bounces_and_seed_have_no_effect, normals_face_a_camera_inside, lamps_show_their_clipped_radiance_on_the_side_that_emits, blends_are_blended_and_the_heavier_material_names_them, layers_become_channels],
+    plain: [
+        a_ball_on_the_ground_is_seen_where_it_is,
+        samples_bounces_and_seed_have_no_effect,
+        normals_face_a_camera_inside,
+        lamps_show_their_clipped_radiance_on_the_side_that_emits,
+        blends_are_blended_and_the_heavier_material_names_them,
+        layers_become_channels,
+    ],
 }

@@ -244,8 +244,17 @@ fn the_gpus_own_time_is_measured(renderer: &mut Renderer) {
 
 tests! {
     plain: [settings_out_of_range_are_refused_in_words],
-    on_each_backend: [a_white_furnace_shows_the_albedo, a_point_light_falls_off_by_the_square_and_the_cosine, the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide, a_sheet_emits_on_the_side_it_faces_only, samples_that_are_not_finite_are_left_out_of_their_pixels_mean, ranges_of_samples_add_up_to_the_whole_and_seeds_differ, marched_shapes_look_as_those_met_in_closed_form, the_gpus_own_time_is_measured],
-    on_one_and_both_backends: [every_shape_renders_alike_on_both_backends_and_in_closed_form],
-    on_both_backends: [every_scene_renders_alike_on_both_backends],
+    on_each_backend: [
+        a_white_furnace_shows_the_albedo,
+        a_point_light_falls_off_by_the_square_and_the_cosine,
+        the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide,
+        a_sheet_emits_on_the_side_it_faces_only,
+        samples_that_are_not_finite_are_left_out_of_their_pixels_mean,
+        ranges_of_samples_add_up_to_the_whole_and_seeds_differ,
+        marched_shapes_look_as_those_met_in_closed_form,
+        the_gpus_own_time_is_measured,
+    ],
+    on_one_and_both_backends slow: [every_shape_renders_alike_on_both_backends_and_in_closed_form],
+    on_both_backends slow: [every_scene_renders_alike_on_both_backends],
     with_gpu: [software_adapters_render_by_themselves_what_is_not_marched],
 }

@@ -58,5 +58,5 @@ fn every_blend_vanishes_in_a_furnace(renderer: &mut Renderer) {
 }
 
 tests! {
-    on_each_backend: [a_blended_lamp_lights_its_surroundings_as_a_plain_one_does, every_blend_vanishes_in_a_furnace],
+    on_each_backend slow: [a_blended_lamp_lights_its_surroundings_as_a_plain_one_does, every_blend_vanishes_in_a_furnace],
 }

@@ -433,5 +433,24 @@ fn a_comparison_holds_all_the_figures() {
 }
 
 tests! {
-    plain: [exr_keeps_every_bit_and_the_provenance, exr_of_other_programs_is_read_whatever_its_numbers_and_layout, exr_holds_further_channels_as_they_are, odd_text_in_the_provenance_is_kept_as_far_as_exr_can, png_and_jpeg_show_the_picture_through_tone_curve_and_exposure, png_says_that_it_is_srgb, formats_are_told_by_extension_when_writing_and_by_content_when_reading, a_saved_file_has_the_permissions_of_any_other, a_save_that_fails_leaves_the_old_file_and_nothing_else, a_directory_that_takes_no_files_is_an_error_that_says_so, what_is_no_image_is_refused_with_its_name, files_cut_short_are_errors, absurd_sizes_are_refused_before_anything_is_allocated, damaged_files_are_errors_or_pictures_never_a_panic, flip_agrees_with_the_implementation_of_its_authors, flip_is_zero_for_equal_pictures_and_sees_where_they_differ, hdr_flip_is_defined_for_black_constant_and_extreme_references, a_comparison_holds_all_the_figures],
+    plain: [
+        exr_keeps_every_bit_and_the_provenance,
+        exr_of_other_programs_is_read_whatever_its_numbers_and_layout,
+        exr_holds_further_channels_as_they_are,
+        odd_text_in_the_provenance_is_kept_as_far_as_exr_can,
+        png_and_jpeg_show_the_picture_through_tone_curve_and_exposure,
+        png_says_that_it_is_srgb,
+        formats_are_told_by_extension_when_writing_and_by_content_when_reading,
+        a_saved_file_has_the_permissions_of_any_other,
+        a_save_that_fails_leaves_the_old_file_and_nothing_else,
+        a_directory_that_takes_no_files_is_an_error_that_says_so,
+        what_is_no_image_is_refused_with_its_name,
+        files_cut_short_are_errors,
+        absurd_sizes_are_refused_before_anything_is_allocated,
+        damaged_files_are_errors_or_pictures_never_a_panic,
+        flip_agrees_with_the_implementation_of_its_authors,
+        flip_is_zero_for_equal_pictures_and_sees_where_they_differ,
+        hdr_flip_is_defined_for_black_constant_and_extreme_references,
+        a_comparison_holds_all_the_figures,
+    ],
 }

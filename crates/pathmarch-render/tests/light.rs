@@ -383,6 +383,21 @@ fn a_rough_fractal_is_no_brighter_than_what_lights_it(renderer: &mut Renderer) {
 }
 
 tests! {
-    plain: [lights_sampled_met_and_both_make_the_same_picture, no_scale_is_special],
-    on_each_backend: [clear_glass_is_invisible_in_a_furnace_at_every_scale, the_lens_blurs_by_its_formula, fast_caustics_weigh_by_fresnel_and_absorption, fast_caustics_count_no_light_twice, fast_caustics_leave_what_is_not_sampled, a_penumbra_counts_no_light_twice, a_penumbra_softens_a_hard_shadow_and_leaves_the_rest, the_camera_may_stand_in_what_absorbs, what_lies_in_glass_is_seen, nothing_leaks_through_a_thin_gap, mirrors_show_the_sun, a_limit_takes_fireflies_and_nothing_else, a_rough_fractal_is_no_brighter_than_what_lights_it],
+    plain: [no_scale_is_special],
+    plain slow: [lights_sampled_met_and_both_make_the_same_picture],
+    on_each_backend: [
+        clear_glass_is_invisible_in_a_furnace_at_every_scale,
+        the_lens_blurs_by_its_formula,
+        fast_caustics_weigh_by_fresnel_and_absorption,
+        fast_caustics_count_no_light_twice,
+        fast_caustics_leave_what_is_not_sampled,
+        a_penumbra_counts_no_light_twice,
+        a_penumbra_softens_a_hard_shadow_and_leaves_the_rest,
+        the_camera_may_stand_in_what_absorbs,
+        what_lies_in_glass_is_seen,
+        nothing_leaks_through_a_thin_gap,
+        mirrors_show_the_sun,
+        a_limit_takes_fireflies_and_nothing_else,
+        a_rough_fractal_is_no_brighter_than_what_lights_it,
+    ],
 }

@@ -210,6 +210,11 @@ fn what_cannot_be_rendered_is_said_and_done_with() {
 
 tests! {
     plain: [what_cannot_be_rendered_is_said_and_done_with],
-    for_each_backend: [the_picture_is_that_of_render_and_then_rests, a_moving_picture_is_small_and_grows_when_it_rests, orders_that_come_faster_than_pictures_still_show_some, a_changed_scene_is_shown],
+    for_each_backend: [
+        the_picture_is_that_of_render_and_then_rests,
+        a_moving_picture_is_small_and_grows_when_it_rests,
+        orders_that_come_faster_than_pictures_still_show_some,
+        a_changed_scene_is_shown,
+    ],
     with_gpu: [a_lost_device_loses_no_picture, what_the_gpu_cannot_hold_is_rendered_on_the_cpu],
 }

@@ -45,5 +45,5 @@ fn random_scenes_render_alike([cpu, gpu]: &mut [Renderer; 2]) {
 }
 
 tests! {
-    on_both_backends: [random_scenes_render_alike],
+    on_both_backends slow: [random_scenes_render_alike],
 }

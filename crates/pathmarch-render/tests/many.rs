@@ -73,5 +73,8 @@ fn previews_and_views_of_many_shapes_are_alike_on_both_backends(renderer: &mut R
 }
 
 tests! {
-    on_each_backend: [many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends, previews_and_views_of_many_shapes_are_alike_on_both_backends],
+    on_each_backend slow: [
+        many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends,
+        previews_and_views_of_many_shapes_are_alike_on_both_backends,
+    ],
 }

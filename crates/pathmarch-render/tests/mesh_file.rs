@@ -174,5 +174,12 @@ fn vertices_have_the_colours_of_textures_and_orbits() {
 }
 
 tests! {
-    plain: [stl_is_read_elsewhere, ply_is_read_elsewhere, obj_is_read_elsewhere, glb_is_read_elsewhere, names_and_places_that_cannot_be_written_are_refused, vertices_have_the_colours_of_textures_and_orbits],
+    plain: [
+        stl_is_read_elsewhere,
+        ply_is_read_elsewhere,
+        obj_is_read_elsewhere,
+        glb_is_read_elsewhere,
+        names_and_places_that_cannot_be_written_are_refused,
+        vertices_have_the_colours_of_textures_and_orbits,
+    ],
 }

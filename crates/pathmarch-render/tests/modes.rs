@@ -299,7 +299,23 @@ fn picks_and_clearances_of_a_ball_are_exact() {
 }
 
 tests! {
-    plain: [a_pick_is_what_the_layers_say, picks_and_clearances_of_a_ball_are_exact, previews_are_about_as_bright_as_pictures, the_mean_of_variance_is_that_of_the_picture],
-    on_each_backend: [modes_without_noise_know_no_seed_and_their_ranges_add_up, views_show_a_ball_as_it_is, violations_show_where_a_field_lies, the_depth_of_a_plane_across_the_view_is_one_grey, every_object_and_material_has_its_colour, a_lamp_shows_on_the_side_that_shines, a_preview_of_a_lit_floor_is_exact_where_it_can_be, a_white_furnace_looks_white_in_a_preview, later_samples_smooth_the_edges, uncertainty_falls_with_the_root_of_the_samples],
-    on_both_backends: [every_mode_looks_alike_on_both_backends],
+    plain: [
+        a_pick_is_what_the_layers_say,
+        picks_and_clearances_of_a_ball_are_exact,
+        the_mean_of_variance_is_that_of_the_picture,
+    ],
+    plain slow: [previews_are_about_as_bright_as_pictures],
+    on_each_backend: [
+        modes_without_noise_know_no_seed_and_their_ranges_add_up,
+        views_show_a_ball_as_it_is,
+        violations_show_where_a_field_lies,
+        the_depth_of_a_plane_across_the_view_is_one_grey,
+        every_object_and_material_has_its_colour,
+        a_lamp_shows_on_the_side_that_shines,
+        a_preview_of_a_lit_floor_is_exact_where_it_can_be,
+        a_white_furnace_looks_white_in_a_preview,
+        later_samples_smooth_the_edges,
+        uncertainty_falls_with_the_root_of_the_samples,
+    ],
+    on_both_backends slow: [every_mode_looks_alike_on_both_backends],
 }

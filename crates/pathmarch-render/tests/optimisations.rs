@@ -84,6 +84,6 @@ fn pictures_do_not_depend_on_long_steps_and_closed_forms(backend: Backend) {
 }
 
 tests! {
-    for_each_backend: [pictures_do_not_depend_on_long_steps_and_closed_forms],
+    for_each_backend slow: [pictures_do_not_depend_on_long_steps_and_closed_forms],
     with_gpu: [pictures_do_not_depend_on_the_kind_of_memory],
 }

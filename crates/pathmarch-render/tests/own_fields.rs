@@ -233,8 +233,9 @@ fn the_examples_of_the_documentation_are_rendered(renderer: &mut Renderer) {
 }
 
 tests! {
-    on_each_backend: [hostile_fields_are_rendered, the_examples_of_the_documentation_are_rendered],
-    on_both_backends: [fields_render_alike_on_both_backends],
+    on_each_backend: [the_examples_of_the_documentation_are_rendered],
+    on_each_backend slow: [hostile_fields_are_rendered],
+    on_both_backends slow: [fields_render_alike_on_both_backends],
     with_gpu: [the_cpu_and_the_gpu_agree_at_random_points, copies_of_arrays_are_counted_alike],
     plain: [scenes_of_large_arrays_are_refused],
 }

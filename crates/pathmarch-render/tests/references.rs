@@ -75,6 +75,6 @@ fn references_render_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
 }
 
 tests! {
-    plain: [pictures_agree_with_mitsuba],
-    on_both_backends: [references_render_alike_on_both_backends],
+    plain slow: [pictures_agree_with_mitsuba],
+    on_both_backends slow: [references_render_alike_on_both_backends],
 }

@@ -69,5 +69,9 @@ fn a_picture_that_is_stopped_has_as_many_samples_everywhere(renderer: &mut Rende
 }
 
 tests! {
-    on_each_backend: [paths_that_share_a_ray_make_the_same_picture, ranges_of_samples_add_up_whatever_shares_a_ray, a_picture_that_is_stopped_has_as_many_samples_everywhere],
+    on_each_backend: [ranges_of_samples_add_up_whatever_shares_a_ray],
+    on_each_backend slow: [
+        paths_that_share_a_ray_make_the_same_picture,
+        a_picture_that_is_stopped_has_as_many_samples_everywhere,
+    ],
 }

@@ -136,6 +136,8 @@ fn a_relief_makes_no_light_and_loses_little(renderer: &mut Renderer) {
 
 tests! {
     on_each_backend: [a_relief_makes_no_light_and_loses_little],
-    on_one_and_both_backends: [both_backends_show_every_texture_alike, pictures_are_shown_alike_and_upright],
-    on_both_backends: [both_backends_trace_what_varies_alike, both_backends_preview_what_varies_alike],
+    on_one_and_both_backends: [pictures_are_shown_alike_and_upright],
+    on_one_and_both_backends slow: [both_backends_show_every_texture_alike],
+    on_both_backends: [both_backends_preview_what_varies_alike],
+    on_both_backends slow: [both_backends_trace_what_varies_alike],
 }
