@@ -1,4 +1,4 @@
-//! Signed distance fields, written once.
+#![doc = include_str!("../README.md")]
 //!
 //! A shape is one file: its parameters, its source, its bounds, its Lipschitz constant, and its distance as one Rust
 //! function generic over its number ([`number::Real`]). From that one function come the distance on the CPU (for one

@@ -1,18 +1,8 @@
-//! Path-traced pictures of signed distance fields, on the GPU through wgpu and on every CPU.
+#![doc = include_str!("../README.md")]
 //!
 //! Rays find the scene by sphere tracing (*path marching*; Carvalho, "Combining the Ray Marching and Rasterization
 //! rendering models", University of Porto, 2020), light is carried by Monte Carlo path tracing with next-event estimation,
 //! and samples accumulate in a [`film::Film`].
-//!
-//! ```
-//! use pathmarch_render::{Backend, Renderer, Settings, pathmarch_scene::Scene};
-//!
-//! let scene = Scene::parse("ball.kdl", "pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject \"ball\" { sphere 1 }")?;
-//! let settings = Settings { size: [32, 18], samples: 4, ..Settings::of(&scene) };
-//! let film = Renderer::open(Backend::Cpu, None)?.render(&scene, &settings)?;
-//! assert_eq!(film.samples, 4);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 pub mod aov;
 pub mod film;

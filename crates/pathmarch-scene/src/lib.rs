@@ -1,4 +1,4 @@
-//! What a scene is made of and lit by, and the language people write it in.
+#![doc = include_str!("../README.md")]
 //!
 //! [`Scene::parse`] turns the text of a scene file into a [`Scene`]: cameras, lights, materials, objects and their
 //! distance field, ready for a renderer, or into a [`SceneError`] that holds every mistake of the file at its place.
