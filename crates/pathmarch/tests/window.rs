@@ -162,8 +162,10 @@ fn work_survives_a_kill() {
     let changed = SCENE.replace("sphere 0.7", "sphere 1");
     let kept = || {
         let files = fs::read_dir(directory.path().join("home/recovery")).ok()?;
-        let mut files = files.filter_map(|entry| fs::read_to_string(entry.ok()?.path()).ok());
-        files.find(|text| text.ends_with(&changed))
+        let paths = files.filter_map(|entry| Some(entry.ok()?.path()));
+        // A file that is being written is lost with the program; it is not kept before it has its name.
+        let whole = paths.filter(|path| path.to_string_lossy().ends_with(".unsaved.kdl"));
+        whole.filter_map(|path| fs::read_to_string(path).ok()).find(|text| text.ends_with(&changed))
     };
     person.until("it is kept", |_| kept().is_some());
     person.kill();
@@ -182,6 +184,42 @@ fn work_survives_a_kill() {
     assert!(kept().is_none(), "what is saved is not kept any more");
     person.close();
     assert!(person.ends().success());
+}
+
+#[test]
+fn work_that_survives_a_kill_does_not_replace_what_another_program_wrote() {
+    let Some((screen, directory)) = at_display() else { return };
+    let file = scene_in(directory.path());
+    let Some(mut person) = screen.person(directory.path(), Some(&file)) else { return };
+    rested(&person);
+    open_source(&person);
+    type_radius(&person, "0.7", '1');
+    let theirs = SCENE.replace("emit 0 1 0", "emit 0 0 1");
+    let kept = || {
+        let mut files = fs::read_dir(directory.path().join("home/recovery")).into_iter().flatten();
+        files.any(|entry| {
+            let path = entry.expect("an entry").path();
+            path.to_string_lossy().ends_with(".unsaved.kdl")
+                && fs::read_to_string(path).is_ok_and(|text| text.contains("sphere 1 {"))
+        })
+    };
+    person.until("it is kept", |_| kept());
+    let image = person.image();
+    fs::write(&file, &theirs).expect("written");
+    person.until("it is asked", |person| person.image().differs_from(&image) > 20_000);
+    person.kill();
+
+    let Some(mut person) = screen.person(directory.path(), None) else { return };
+    person.still();
+    person.key("Tab", &[]);
+    person.key("Return", &[]);
+    person.until("it is opened", |person| person.title() == "• scene.kdl - pathmarch");
+    // What is asked must be answered before anything is saved.
+    person.key("s", &["Control_L"]);
+    person.still();
+    assert_eq!(person.title(), "• scene.kdl - pathmarch");
+    assert_eq!(fs::read_to_string(&file).expect("read"), theirs);
+    person.kill();
 }
 
 /// Makes the window small, large, flat and unseen, and then what it was.
