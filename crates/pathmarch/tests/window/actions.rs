@@ -157,9 +157,9 @@ fn work_survives_a_kill() {
     let changed = SCENE.replace("sphere 0.7", "sphere 1");
     let kept = || {
         let files = fs::read_dir(directory.path().join("home/recovery")).ok()?;
-        let files = files.filter_map(|entry| Some(entry.ok()?.path()));
-        // A file that is still being written is lost with the program.
-        let whole = files.filter(|path| path.extension().is_none_or(|extension| extension != "part"));
+        let paths = files.filter_map(|entry| Some(entry.ok()?.path()));
+        // A file that is being written is lost with the program; it is not kept before it has its name.
+        let whole = paths.filter(|path| path.to_string_lossy().ends_with(".unsaved.kdl"));
         whole.filter_map(|path| fs::read_to_string(path).ok()).find(|text| text.ends_with(&changed))
     };
     person.until("it is kept", |_| kept().is_some());
@@ -179,6 +179,41 @@ fn work_survives_a_kill() {
     assert!(kept().is_none(), "what is saved is not kept any more");
     person.close();
     assert!(person.ends().success());
+}
+
+fn work_that_survives_a_kill_does_not_replace_what_another_program_wrote() {
+    let (screen, directory) = at_display();
+    let file = scene_in(directory.path());
+    let mut person = screen.person(directory.path(), Some(&file));
+    rested(&person);
+    open_source(&person);
+    type_radius(&person, "0.7", '1');
+    let theirs = SCENE.replace("emit 0 1 0", "emit 0 0 1");
+    let kept = || {
+        let mut files = fs::read_dir(directory.path().join("home/recovery")).into_iter().flatten();
+        files.any(|entry| {
+            let path = entry.expect("an entry").path();
+            path.to_string_lossy().ends_with(".unsaved.kdl")
+                && fs::read_to_string(path).is_ok_and(|text| text.contains("sphere 1 {"))
+        })
+    };
+    person.until("it is kept", |_| kept());
+    let image = person.image();
+    fs::write(&file, &theirs).expect("written");
+    person.until("it is asked", |person| person.image().differs_from(&image) > 20_000);
+    person.kill();
+
+    let mut person = screen.person(directory.path(), None);
+    person.still();
+    person.key("Tab", &[]);
+    person.key("Return", &[]);
+    person.until("it is opened", |person| person.title() == "• scene.kdl - pathmarch");
+    // What is asked must be answered before anything is saved.
+    person.key("s", &["Control_L"]);
+    person.still();
+    assert_eq!(person.title(), "• scene.kdl - pathmarch");
+    assert_eq!(fs::read_to_string(&file).expect("read"), theirs);
+    person.kill();
 }
 
 /// Makes the window small, large, flat and unseen, and then what it was.
@@ -303,5 +338,5 @@ fn a_save_that_fails_is_said_and_loses_nothing() {
 }
 
 tests! {
-    with_display slow: [a_scene_is_seen_turned_selected_edited_saved_and_seen_again, work_survives_a_kill, any_size_is_survived_without_a_gpu, any_size_and_a_lost_device_are_survived, a_save_that_fails_is_said_and_loses_nothing],
+    with_display slow: [a_scene_is_seen_turned_selected_edited_saved_and_seen_again, work_survives_a_kill, work_that_survives_a_kill_does_not_replace_what_another_program_wrote, any_size_is_survived_without_a_gpu, any_size_and_a_lost_device_are_survived, a_save_that_fails_is_said_and_loses_nothing],
 }
