@@ -87,9 +87,7 @@ impl Renderer {
         }
         // Paths that share a ray cannot be resumed where an adapter ends their loops, see gpu/loop_limit.rs.
         let limited = self.gpu.as_ref().is_some_and(|device| device.is_software()) && prepared.field.has_loops();
-        if limited {
-            prepared.features.splitting = 1;
-        } else if settings.splitting.is_none() {
+        if settings.splitting.is_none() && !limited {
             prepared.features.splitting = splitting::best(&prepared, settings.samples, self.gpu.is_some());
         }
         if let Some(device) = &self.gpu {

@@ -4,6 +4,7 @@ mod aov;
 mod backends;
 mod blends;
 mod common;
+mod examples;
 mod images;
 mod light;
 mod live;
@@ -27,6 +28,7 @@ fn main() {
         aov::tests(),
         backends::tests(),
         blends::tests(),
+        examples::tests(),
         images::tests(),
         light::tests(),
         live::tests(),

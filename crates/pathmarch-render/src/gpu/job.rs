@@ -94,7 +94,7 @@ pub(crate) struct GpuJob {
     stopwatch: Option<Stopwatch>,
     /// Paths that the adapter may cut short, where it may.
     suspended: Option<SuspendedPaths>,
-    /// Bounces of the paths, in modes that trace paths.
+    /// Bounces of the paths, where paths can be resumed.
     bounces: Option<u32>,
     pub(crate) compile_time: Duration,
 }
@@ -218,6 +218,7 @@ impl GpuJob {
                 return Err(device.error(error));
             }
         }
+        let may_resume = prepared.mode.traces_paths() && prepared.features.splitting == 1;
         let mut job = Self {
             device,
             kernel,
@@ -237,7 +238,7 @@ impl GpuJob {
             last_completion: Instant::now(),
             stopwatch: None,
             suspended,
-            bounces: prepared.mode.traces_paths().then_some(frame_record.bounces),
+            bounces: may_resume.then_some(frame_record.bounces),
             compile_time: Duration::ZERO,
         };
         if !job.kernel.is_warm() {
@@ -397,7 +398,7 @@ impl GpuJob {
 
     /// Has the paths of slices traced and resumed until all are at their ends.
     fn follow_to_the_end(&mut self, slices: &[(Slice, u32)]) -> Result<(), RenderError> {
-        // Each round brings every path one surface on; modes without paths have none to resume.
+        // Each round brings every path one surface on.
         for round in 0..=self.bounces.map_or(0, |bounces| bounces + 2) {
             if self.stopwatch.as_ref().is_some_and(Stopwatch::is_full) {
                 self.gpu_time()?;

@@ -289,11 +289,14 @@ fn every_scene_of_the_gallery_compiles_in_every_mode() {
 /// Sets of features such that every two of them occur together, and each without the other: a set takes a feature where a bit
 /// of a hash says so.
 fn covering_sets(features: usize) -> Vec<Vec<usize>> {
-    const SETS: u32 = 64;
-    let takes = |set: u32, feature: usize| {
-        let mixed = (feature as u32 + 1).wrapping_mul(0x9e37_79b9) ^ set.wrapping_mul(0x85eb_ca6b);
-        (mixed ^ mixed >> 15).wrapping_mul(0x2c1b_3c6d) >> 13 & 1 == 1
+    const SETS: u32 = 40;
+    // PCG hash (Jarzynski and Olano 2020).
+    let hash = |x: u32| {
+        let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+        (word >> 22) ^ word
     };
+    let takes = |set: u32, feature: usize| hash(hash(feature as u32) ^ set) & 1 == 1;
     let sets: Vec<Vec<usize>> =
         (0..SETS).map(|set| (0..features).filter(|&feature| takes(set, feature)).collect()).collect();
     for a in 0..features {

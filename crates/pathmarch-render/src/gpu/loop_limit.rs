@@ -7,8 +7,8 @@
 //! **Idea.** Once the limit has struck, a loop of two turns takes only one, so that the kernel can tell. After each
 //! surface of a path it asks; where loops were ended, the path as it was before that surface is kept, and goes on from
 //! there in the next dispatch, which starts to count anew. So every dispatch brings every path at least one surface on, unless a
-//! single surface takes more turns than the limit: then the job fails with a sentence that says so. Modes that trace no paths
-//! have nothing to resume and fail likewise.
+//! single surface takes more turns than the limit: then the job fails with a sentence that says so. Modes that trace no paths,
+//! and paths that share a ray of the camera, are not resumed and fail likewise.
 //!
 //! **Cost.** Only software adapters have this in their kernels, and only scenes with loops ([`Field::has_loops`]): one
 //! question for each surface, 96 bytes for each path of a submission, and a wait for each submission.

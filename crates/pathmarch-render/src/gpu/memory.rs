@@ -54,8 +54,7 @@ impl Memory {
         } else {
             uniform[FRAME as usize] = size_of::<Frame>();
         }
-        // Paths that share a ray are not resumed: `Renderer::start` has none where there are loops.
-        let loops_are_limited = software && prepared.field.has_loops() && prepared.features.splitting == 1;
+        let loops_are_limited = software && prepared.field.has_loops();
         Self { uniform, software, loops_are_limited }
     }
 

@@ -37,3 +37,12 @@ fn loops_ended() -> bool {
     }
     return turns < suspended.turns;
 }
+
+/// Leaves out what was computed after loops were ended, and counts it.
+fn checked(sample: vec4f) -> vec4f {
+    if loops_ended() {
+        atomicAdd(&suspended.count, 1u);
+        return vec4f(0.0);
+    }
+    return sample;
+}

@@ -57,15 +57,16 @@ pub(crate) const TRACE: &str = include_str!("trace.wgsl");
 
 /// What the entry point computes: `samples_of(x: u32, y: u32) -> vec4f`.
 pub(crate) fn samples_wgsl(mode: Mode, splitting: u32, loops_are_limited: bool) -> String {
-    const LOOP_LIMIT: &str = include_str!("loop_limit.wgsl");
-    match (splitting, loops_are_limited) {
-        (1, false) => include_str!("sample.wgsl").replace(PATH_WGSL, trace_wgsl(mode)),
-        (1, true) if mode.traces_paths() => LOOP_LIMIT.to_owned() + "\n" + include_str!("sample_resumed.wgsl"),
-        (1, true) => {
-            LOOP_LIMIT.to_owned() + "\n" + &include_str!("sample_checked.wgsl").replace(PATH_WGSL, trace_wgsl(mode))
-        }
+    let checks = match loops_are_limited {
+        true => include_str!("loop_limit.wgsl"),
+        false => include_str!("loops_unlimited.wgsl"),
+    };
+    let samples = match splitting {
+        1 if loops_are_limited && mode.traces_paths() => include_str!("sample_resumed.wgsl").to_owned(),
+        1 => include_str!("sample.wgsl").replace(PATH_WGSL, trace_wgsl(mode)),
         _ => include_str!("splitting.wgsl").to_owned(),
-    }
+    };
+    format!("{checks}\n{samples}")
 }
 
 /// The kernel's WGSL but for the scene's field and the entry point; declarations may stand in any order.

@@ -2,5 +2,5 @@
 
 fn samples_of(x: u32, y: u32) -> vec4f {
     let random = random_new(x, y, slice.sample, frame.seed);
-    return kept(radiance_along(camera_ray(x, y, random), random));
+    return checked(kept(radiance_along(camera_ray(x, y, random), random)));
 }

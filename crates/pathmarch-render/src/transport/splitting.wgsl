@@ -12,7 +12,7 @@ fn samples_of(x: u32, y: u32) -> vec4f {
     let random = random_new(x, y, ray_of(slice.sample), frame.seed);
     var first = path_from(camera_ray(x, y, random), random);
     if !path_arrive(&first) {
-        return kept(first.radiance) * f32(slice.samples);
+        return checked(kept(first.radiance) * f32(slice.samples));
     }
     var sum = vec4f(0.0);
     var taken = 0u;
@@ -30,5 +30,5 @@ fn samples_of(x: u32, y: u32) -> vec4f {
             path.random.sample = slice.sample + taken;
         }
     }
-    return sum;
+    return checked(sum);
 }
