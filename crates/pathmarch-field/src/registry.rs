@@ -161,6 +161,7 @@ pub trait Values<N>: AsRef<[N]> + Copy {
 }
 
 impl<N: Copy, const K: usize> Values<N> for [N; K] {
+    #[inline(always)]
     fn from_fn(value: impl FnMut(usize) -> N) -> Self {
         std::array::from_fn(value)
     }
@@ -179,6 +180,12 @@ pub trait Primitive: Send + Sync + 'static {
 
     /// Signed distance from `p` to the surface, metres, negative inside; a lower bound of it where not exact.
     fn distance<N: Real>(p: Vec3<N>, params: Self::Params<N>) -> N;
+    /// The same distance, to the last bit, where little code matters more than speed: for gradients and for recording. A shape
+    /// of many [variants](Self::variant) has one function here for all of them.
+    #[inline(always)]
+    fn distance_compact<N: Real>(p: Vec3<N>, params: Self::Params<N>) -> N {
+        Self::distance(p, params)
+    }
     /// A box that holds the solid.
     fn bounds(params: Self::Params<f32>) -> Aabb;
     /// An upper bound of |∇distance|.
@@ -199,6 +206,7 @@ pub trait Primitive: Send + Sync + 'static {
     const CLOSED_FORM: bool = Self::CONVEX;
     /// Metres from `origin` along the unit vector `direction` to the first point of the surface ahead, from outside or
     /// inside; [`NO_HIT`] where there is none.
+    #[inline(always)]
     fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, params: Self::Params<N>) -> N {
         Self::span(origin, direction, params).ahead()
     }
@@ -552,26 +560,23 @@ fn outputs(result: Dual<Expr>) -> Vec<Expr> {
     vec![result.gradient.x, result.gradient.y, result.gradient.z, result.value]
 }
 
-impl<T: Primitive> Entry<T> {
-    fn function(&self, suffix: &str, points: &[&'static str], doc: String) -> Function<'static> {
-        let points = points.iter().map(|&p| (p, "vec3f"));
-        let parameters = points.chain(T::PARAMS.iter().map(|p| (p.name, "f32"))).collect();
-        Function { name: format!("{}_{suffix}", self.wgsl_name()), doc, parameters }
-    }
+/// The signature of a function of a shape: its points, then its parameters.
+fn shape_function(shape: &dyn Shape, suffix: &str, points: &[&'static str], doc: String) -> Function<'static> {
+    let points = points.iter().map(|&p| (p, "vec3f"));
+    let parameters = points.chain(shape.params().iter().map(|p| (p.name, "f32"))).collect();
+    Function { name: format!("{}_{suffix}", shape.wgsl_name()), doc, parameters }
 }
 
-impl<T: Primitive> Entry<T> {
-    fn along_line(
-        &self,
-        suffix: &str,
-        doc: String,
-        body: impl FnOnce(Vec3<Expr>, Vec3<Expr>, T::Params<Expr>) -> Vec<Expr>,
-    ) -> String {
-        self.function(suffix, &["origin", "direction"], doc).print(|inputs| {
-            let [origin, direction] = [0, 3].map(|k| Vec3::new(inputs[k], inputs[k + 1], inputs[k + 2]));
-            body(origin, direction, T::Params::from_fn(|k| inputs[6 + k]))
-        })
-    }
+/// The n-th point among the inputs of a recorded function.
+fn point(inputs: &[Expr], n: usize) -> Vec3<Expr> {
+    Vec3::new(inputs[3 * n], inputs[3 * n + 1], inputs[3 * n + 2])
+}
+
+/// What the WGSL functions of a shape of this name and variant begin with.
+fn shape_name(name: &str, variant: u32) -> String {
+    let name = identifier(name);
+    let name = name.trim_end_matches('_');
+    if variant > 0 { format!("{name}_{variant}") } else { name.to_owned() }
 }
 
 impl<T: Primitive> Shape for Entry<T> {
@@ -585,9 +590,7 @@ impl<T: Primitive> Shape for Entry<T> {
         T::variant(values(params))
     }
     fn wgsl_name(&self) -> String {
-        let name = identifier(T::INFO.name);
-        let name = name.trim_end_matches('_');
-        if T::VARIANT > 0 { format!("{name}_{}", T::VARIANT) } else { name.to_owned() }
+        shape_name(T::INFO.name, T::VARIANT)
     }
     fn distance(&self, p: Vec3<f32>, params: &[f32]) -> f32 {
         T::distance(p, values(params))
@@ -596,10 +599,10 @@ impl<T: Primitive> Shape for Entry<T> {
         T::distance(p, values(params))
     }
     fn gradient(&self, p: Vec3<Dual<f32>>, params: &[f32]) -> Dual<f32> {
-        T::distance(p, values(params))
+        T::distance_compact(p, values(params))
     }
     fn gradient_lanes(&self, p: Vec3<Dual<f32x8>>, params: &[f32]) -> Dual<f32x8> {
-        T::distance(p, values(params))
+        T::distance_compact(p, values(params))
     }
     fn bounds(&self, params: &[f32]) -> Aabb {
         T::bounds(values(params))
@@ -638,55 +641,55 @@ impl<T: Primitive> Shape for Entry<T> {
         T::orbit(p, values(params))
     }
     fn wgsl_orbit(&self) -> String {
-        let doc = format!(
-            "What the orbit of `{}` comes near to: point, line, plane, sphere; share of iterations.",
-            T::INFO.name
-        );
-        self.function("orbit", &["p"], doc).print(|inputs| {
-            let p = Vec3::new(inputs[0], inputs[1], inputs[2]);
-            T::orbit(p, T::Params::from_fn(|k| inputs[3 + k])).to_vec()
-        })
+        let doc = "What the orbit of `NAME` comes near to: point, line, plane, sphere; share of iterations.";
+        shape_function(self, "orbit", &["p"], doc.replace("NAME", T::INFO.name))
+            .print(&|inputs| T::orbit(point(inputs, 0), T::Params::from_fn(|k| inputs[3 + k])).to_vec())
     }
     fn wgsl_span(&self) -> String {
-        let doc = format!("Where a line enters and leaves `{}`, metres.", T::INFO.name);
-        self.along_line("span", doc, |origin, direction, params| {
-            let Span { enter, leave } = T::span(origin, direction, params);
+        let doc = "Where a line enters and leaves `NAME`, metres.".replace("NAME", T::INFO.name);
+        shape_function(self, "span", &["origin", "direction"], doc).print(&|inputs| {
+            let params = T::Params::from_fn(|k| inputs[6 + k]);
+            let Span { enter, leave } = T::span(point(inputs, 0), point(inputs, 1), params);
             vec![enter, leave]
         })
     }
     fn wgsl_ray(&self) -> String {
-        let doc = format!("Metres to where a ray first meets `{}`.", T::INFO.name);
-        self.along_line("ray", doc, |origin, direction, params| vec![T::ray(origin, direction, params)])
+        let doc = "Metres to where a ray first meets `NAME`.".replace("NAME", T::INFO.name);
+        shape_function(self, "ray", &["origin", "direction"], doc)
+            .print(&|inputs| vec![T::ray(point(inputs, 0), point(inputs, 1), T::Params::from_fn(|k| inputs[6 + k]))])
     }
     fn wgsl_distance(&self) -> String {
-        self.function("distance", &["p"], T::INFO.doc.to_owned()).print(|inputs| {
-            let p = Vec3::new(inputs[0], inputs[1], inputs[2]);
-            vec![T::distance(p, T::Params::from_fn(|k| inputs[3 + k]))]
-        })
+        shape_function(self, "distance", &["p"], T::INFO.doc.to_owned())
+            .print(&|inputs| vec![T::distance_compact(point(inputs, 0), T::Params::from_fn(|k| inputs[3 + k]))])
     }
     fn wgsl_gradient(&self) -> String {
-        let doc = format!("Gradient (xyz) and distance (w) of `{}`.", T::INFO.name);
-        self.function("gradient", &["p"], doc).print(|inputs| {
-            let p = Dual::variables(Vec3::new(inputs[0], inputs[1], inputs[2]));
-            outputs(T::distance(p, T::Params::from_fn(|k| Dual::independent(inputs[3 + k]))))
+        let doc = "Gradient (xyz) and distance (w) of `NAME`.".replace("NAME", T::INFO.name);
+        shape_function(self, "gradient", &["p"], doc).print(&|inputs| {
+            let p = Dual::variables(point(inputs, 0));
+            outputs(T::distance_compact(p, T::Params::from_fn(|k| Dual::independent(inputs[3 + k]))))
         })
     }
 }
 
-impl<T: Operator> Entry<T> {
-    fn operator_function(&self, suffix: &str, kind: &'static str, profile: Option<BlendProfile>) -> Function<'static> {
-        let doc = match suffix {
-            "distance" => T::INFO.doc.to_owned(),
-            "gradient" => format!("Gradient (xyz) and distance (w) of `{}`.", T::INFO.name),
-            _ => format!("How much of b's material shows in `{}`, 0..1.", T::INFO.name),
-        };
-        let mut parameters = vec![("a", kind), ("b", kind)];
-        if let Some(profile) = profile {
-            parameters.push((if T::BLENDS { "width" } else { "amount" }, "f32"));
-            parameters.extend(profile.has_steps().then_some(("steps", "f32")));
-        }
-        Function { name: format!("{}_{suffix}", self.wgsl_name(profile)), doc, parameters }
+/// The signature of a function of an operator, sharp or of a profile.
+fn operator_function(
+    operator: &dyn Combine,
+    suffix: &str,
+    kind: &'static str,
+    profile: Option<BlendProfile>,
+) -> Function<'static> {
+    let info = operator.info();
+    let doc = match suffix {
+        "distance" => info.doc.to_owned(),
+        "gradient" => format!("Gradient (xyz) and distance (w) of `{}`.", info.name),
+        _ => format!("How much of b's material shows in `{}`, 0..1.", info.name),
+    };
+    let mut parameters = vec![("a", kind), ("b", kind)];
+    if let Some(profile) = profile {
+        parameters.push((if operator.blends() { "width" } else { "amount" }, "f32"));
+        parameters.extend(profile.has_steps().then_some(("steps", "f32")));
     }
+    Function { name: format!("{}_{suffix}", operator.wgsl_name(profile)), doc, parameters }
 }
 
 /// The blend whose numbers are the first of these inputs.
@@ -732,7 +735,7 @@ impl<T: Operator> Combine for Entry<T> {
         T::bounds(a, b, blend)
     }
     fn wgsl_distance(&self, profile: Option<BlendProfile>) -> String {
-        self.operator_function("distance", "f32", profile).print(|inputs| {
+        operator_function(self, "distance", "f32", profile).print(&|inputs| {
             vec![match profile {
                 Some(profile) => T::blended(inputs[0], inputs[1], blending(profile, &inputs[2..])),
                 None => T::sharp(inputs[0], inputs[1]),
@@ -740,7 +743,7 @@ impl<T: Operator> Combine for Entry<T> {
         })
     }
     fn wgsl_gradient(&self, profile: Option<BlendProfile>) -> String {
-        self.operator_function("gradient", "vec4f", profile).print(|inputs| {
+        operator_function(self, "gradient", "vec4f", profile).print(&|inputs| {
             let (a, b) = (dual(&inputs[0..4]), dual(&inputs[4..8]));
             outputs(match profile {
                 Some(profile) => {
@@ -753,7 +756,7 @@ impl<T: Operator> Combine for Entry<T> {
         })
     }
     fn wgsl_weight(&self, profile: Option<BlendProfile>) -> String {
-        self.operator_function("weight", "f32", profile).print(|inputs| {
+        operator_function(self, "weight", "f32", profile).print(&|inputs| {
             vec![match profile {
                 Some(profile) => T::blended_weight(inputs[0], inputs[1], blending(profile, &inputs[2..])),
                 None => T::sharp_weight(inputs[0], inputs[1]),
@@ -762,36 +765,32 @@ impl<T: Operator> Combine for Entry<T> {
     }
 }
 
-impl<T: Modifier> Entry<T> {
-    fn modifier_function(
-        &self,
-        suffix: &str,
-        parameters: &[(&'static str, &'static str)],
-        doc: String,
-        body: impl FnOnce(&[Expr], T::Numbers<Expr>) -> Vec<Expr>,
-    ) -> String {
-        const NUMBERS: [&str; MOST_NUMBERS] = [
-            "n0", "n1", "n2", "n3", "n4", "n5", "n6", "n7", "n8", "n9", "n10", "n11", "n12", "n13", "n14", "n15",
-            "n16", "n17", "n18", "n19",
-        ];
-        let count = T::Numbers::<f32>::from_fn(|_| 0.0).as_ref().len();
-        let name = format!("{}_{suffix}", self.wgsl_name());
-        let inputs: usize = parameters
-            .iter()
-            .map(|(_, kind)| {
-                if *kind == "f32" {
-                    1
-                } else if *kind == "vec3f" {
-                    3
-                } else {
-                    4
-                }
-            })
-            .sum();
-        let numbers = NUMBERS[..count].iter().map(|name| (*name, "f32"));
-        let parameters = parameters.iter().copied().chain(numbers).collect();
-        Function { name, doc, parameters }.print(|all| body(&all[..inputs], T::Numbers::from_fn(|k| all[inputs + k])))
-    }
+/// A function of a modifier: its `parameters`, then `count` numbers. The body gets the components of the one and the others.
+fn modifier_function(
+    modifier: &dyn Modify,
+    suffix: &str,
+    parameters: &[(&'static str, &'static str)],
+    doc: String,
+    count: usize,
+    body: &dyn Fn(&[Expr], &[Expr]) -> Vec<Expr>,
+) -> String {
+    const NUMBERS: [&str; MOST_NUMBERS] = [
+        "n0", "n1", "n2", "n3", "n4", "n5", "n6", "n7", "n8", "n9", "n10", "n11", "n12", "n13", "n14", "n15", "n16",
+        "n17", "n18", "n19",
+    ];
+    let components = |kind: &str| match kind {
+        "f32" => 1,
+        "vec3f" => 3,
+        _ => 4,
+    };
+    let inputs: usize = parameters.iter().map(|(_, kind)| components(kind)).sum();
+    let numbers = NUMBERS[..count].iter().map(|name| (*name, "f32"));
+    let parameters = parameters.iter().copied().chain(numbers).collect();
+    let name = format!("{}_{suffix}", modifier.wgsl_name());
+    Function { name, doc, parameters }.print(&|all| {
+        let (inputs, numbers) = all.split_at(inputs);
+        body(inputs, numbers)
+    })
 }
 
 /// The most numbers that a modifier may read.
@@ -848,32 +847,55 @@ impl<T: Modifier> Modify for Entry<T> {
     }
     fn wgsl(&self) -> String {
         let name = T::INFO.name;
-        let vector = |inputs: &[Expr]| Vec3::new(inputs[0], inputs[1], inputs[2]);
-        let independent =
-            |numbers: T::Numbers<Expr>| T::Numbers::<Dual<Expr>>::from_fn(|k| Dual::independent(numbers.as_ref()[k]));
-        let doc = format!("Where `p` is in the space of what `{name}` holds.");
-        let point = self.modifier_function("point", &[("p", "vec3f"), ("place", "f32")], doc, |inputs, numbers| {
-            let q = T::point(vector(inputs), inputs[3], numbers);
-            vec![q.x, q.y, q.z]
-        });
-        let doc = format!("A gradient there as one at `p`, for `{name}`.");
-        let parameters = [("p", "vec3f"), ("place", "f32"), ("gradient", "vec3f")];
-        let pull = self.modifier_function("pull", &parameters, doc, |inputs, numbers| {
-            let q = T::point(Dual::variables(vector(inputs)), Dual::independent(inputs[3]), independent(numbers));
-            let g = q.pulled(vector(&inputs[4..]));
-            vec![g.x, g.y, g.z]
-        });
-        let doc = T::INFO.doc.to_owned();
-        let distance =
-            self.modifier_function("distance", &[("p", "vec3f"), ("inside", "f32")], doc, |inputs, numbers| {
-                vec![T::distance(vector(inputs), inputs[3], numbers)]
-            });
-        let doc = format!("Gradient (xyz) and distance (w) of `{name}`.");
-        let gradient =
-            self.modifier_function("gradient", &[("p", "vec3f"), ("inside", "vec4f")], doc, |inputs, numbers| {
-                outputs(T::distance(Dual::variables(vector(inputs)), dual(&inputs[3..7]), independent(numbers)))
-            });
-        [point, pull, distance, gradient].join("\n")
+        let count = T::Numbers::<f32>::from_fn(|_| 0.0).as_ref().len();
+        let plain = |numbers: &[Expr]| T::Numbers::<Expr>::from_fn(|k| numbers[k]);
+        let independent = |numbers: &[Expr]| T::Numbers::<Dual<Expr>>::from_fn(|k| Dual::independent(numbers[k]));
+        let functions = [
+            modifier_function(
+                self,
+                "point",
+                &[("p", "vec3f"), ("place", "f32")],
+                format!("Where `p` is in the space of what `{name}` holds."),
+                count,
+                &|inputs, numbers| {
+                    let q = T::point(point(inputs, 0), inputs[3], plain(numbers));
+                    vec![q.x, q.y, q.z]
+                },
+            ),
+            modifier_function(
+                self,
+                "pull",
+                &[("p", "vec3f"), ("place", "f32"), ("gradient", "vec3f")],
+                format!("A gradient there as one at `p`, for `{name}`."),
+                count,
+                &|inputs, numbers| {
+                    let p = Dual::variables(point(inputs, 0));
+                    let g =
+                        T::point(p, Dual::independent(inputs[3]), independent(numbers)).pulled(point(&inputs[4..], 0));
+                    vec![g.x, g.y, g.z]
+                },
+            ),
+            modifier_function(
+                self,
+                "distance",
+                &[("p", "vec3f"), ("inside", "f32")],
+                T::INFO.doc.to_owned(),
+                count,
+                &|inputs, numbers| vec![T::distance(point(inputs, 0), inputs[3], plain(numbers))],
+            ),
+            modifier_function(
+                self,
+                "gradient",
+                &[("p", "vec3f"), ("inside", "vec4f")],
+                format!("Gradient (xyz) and distance (w) of `{name}`."),
+                count,
+                &|inputs, numbers| {
+                    let p = Dual::variables(point(inputs, 0));
+                    outputs(T::distance(p, dual(&inputs[3..7]), independent(numbers)))
+                },
+            ),
+        ];
+        functions.join("\n")
     }
 }
 

@@ -179,7 +179,7 @@ pub(crate) fn uncertainty_wgsl() -> String {
         doc: "The colour of the relative standard error of a pixel.".to_owned(),
         parameters: vec![("sums", "vec4f")],
     };
-    function.print(|inputs| {
+    function.print(&|inputs| {
         let [r, g, b] = uncertainty_shown(inputs[0], inputs[1], inputs[3]);
         vec![r, g, b, inputs[3]]
     })

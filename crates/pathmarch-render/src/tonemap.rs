@@ -47,7 +47,7 @@ pub(crate) fn wgsl() -> String {
         choice += &format!("    if tonemap == {k}u {{\n        return {name}(linear);\n    }}\n");
         let doc = format!("Linear radiance to sRGB codes by the curve `{}`.", tonemap.name());
         let function = Function { name, doc, parameters: vec![("linear", "vec4f")] };
-        text += &function.print(|inputs| {
+        text += &function.print(&|inputs| {
             let [r, g, b] = codes(tonemap, [inputs[0], inputs[1], inputs[2]]);
             vec![r, g, b, inputs[3]]
         });

@@ -151,14 +151,14 @@ impl Shape for Drawn {
         1.0
     }
     fn wgsl_distance(&self) -> String {
-        self.function("distance", "Signed distance to an outline in the table.".to_owned()).print(|inputs| {
+        self.function("distance", "Signed distance to an outline in the table.".to_owned()).print(&|inputs| {
             let p = Vec3::new(inputs[0], inputs[1], inputs[2]);
             vec![distance(p, &[], inputs[3])]
         })
     }
     fn wgsl_gradient(&self) -> String {
         self.function("gradient", "Gradient (xyz) and distance (w) of an outline in the table.".to_owned()).print(
-            |inputs| {
+            &|inputs| {
                 let p = Dual::<Expr>::variables(Vec3::new(inputs[0], inputs[1], inputs[2]));
                 let Dual { value, gradient } = distance(p, &[], Dual::independent(inputs[3]));
                 vec![gradient.x, gradient.y, gradient.z, value]

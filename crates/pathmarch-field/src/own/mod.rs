@@ -271,9 +271,9 @@ fn wgsl_distance(name: &str, entry: &str, params: usize) -> String {
         parameters: [("p", "vec3f")].into_iter().chain(more.iter().copied()).chain(edges).collect(),
     };
     let bounds = function("bound", "Distance to the box of half these edges.", &[])
-        .print(|inputs| vec![bound(point(inputs), half(&inputs[3..]))]);
+        .print(&|inputs| vec![bound(point(inputs), half(&inputs[3..]))]);
     let cuts = function("cut", "The estimate, cut by the box.", &[("estimate", "f32")])
-        .print(|inputs| vec![cut(point(inputs), inputs[3], half(&inputs[4..]))]);
+        .print(&|inputs| vec![cut(point(inputs), inputs[3], half(&inputs[4..]))]);
     let signature = signature(params);
     let arguments: String = (0..params).map(|k| format!(", n{k}")).collect();
     format!(
@@ -301,7 +301,7 @@ fn wgsl_gradient(name: &str, params: usize) -> String {
     let parameters = [("p", "vec3f"), ("estimate", "vec4f"), ("x", "f32"), ("y", "f32"), ("z", "f32")];
     let doc = "Gradient (xyz) and distance (w) of the estimate, cut by the box.".to_owned();
     let cuts =
-        Function { name: format!("{name}_cut_gradient"), doc, parameters: parameters.to_vec() }.print(|inputs| {
+        Function { name: format!("{name}_cut_gradient"), doc, parameters: parameters.to_vec() }.print(&|inputs| {
             let p = Dual::variables(Vec3::new(inputs[0], inputs[1], inputs[2]));
             let estimate = Dual { value: inputs[6], gradient: Vec3::new(inputs[3], inputs[4], inputs[5]) };
             let result = cut(p, estimate, [inputs[7], inputs[8], inputs[9]].map(Dual::independent));

@@ -1,6 +1,6 @@
 //! A number that records what is done to it.
 
-use crate::number::{Differentiable, Dual, Real};
+use crate::number::{Differentiable, Dual, Real, Vec3};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -95,13 +95,14 @@ thread_local! {
 }
 
 /// Records what `body` does with `inputs` inputs; gives the graph and the outputs.
-pub(super) fn record(inputs: usize, body: impl FnOnce(&[Expr]) -> Vec<Expr>) -> (Graph, Vec<u32>) {
+pub(super) fn record(inputs: usize, body: &dyn Fn(&[Expr]) -> Vec<Expr>) -> (Graph, Vec<u32>) {
     GRAPH.with_borrow_mut(|graph| *graph = Graph::default());
     let inputs: Vec<Expr> = (0..inputs).map(|k| Expr(push(Node::Input(k as u32)))).collect();
     let outputs = body(&inputs).into_iter().map(|e| e.0).collect();
     (GRAPH.take(), outputs)
 }
 
+#[inline(never)]
 fn push(node: Node) -> u32 {
     GRAPH.with_borrow_mut(|graph| graph.push(node))
 }
@@ -150,6 +151,7 @@ fn negated(index: u32) -> Option<u32> {
 }
 
 /// Adds an operation, folding constants and dropping what does nothing (so that a gradient holds no `0 * x`).
+#[inline(never)]
 fn binary(op: Binary, a: u32, b: u32) -> u32 {
     let (ca, cb) = (value_of(a), value_of(b));
     if let (Some(x), Some(y)) = (ca, cb) {
@@ -182,6 +184,7 @@ fn binary(op: Binary, a: u32, b: u32) -> u32 {
     }
 }
 
+#[inline(never)]
 fn unary(op: Unary, a: u32) -> u32 {
     if op == Unary::Neg {
         if let Some(value) = value_of(a) {
@@ -229,7 +232,7 @@ impl Not for ExprMask {
 }
 
 /// Records a loop over `initial`; `body` maps the running state to the next state and the mask to go on.
-fn record_loop(count: u32, limit: u32, initial: Vec<u32>, body: impl FnOnce(&[Expr]) -> (Vec<u32>, u32)) -> Vec<Expr> {
+fn record_loop(count: u32, limit: u32, initial: Vec<u32>, body: &dyn Fn(&[Expr]) -> (Vec<u32>, u32)) -> Vec<Expr> {
     let id = GRAPH.with_borrow_mut(|graph| {
         let parent = graph.open.last().copied();
         let depth = graph.open.len() as u32 + 1;
@@ -257,9 +260,34 @@ fn record_loop(count: u32, limit: u32, initial: Vec<u32>, body: impl FnOnce(&[Ex
     (0..initial.len()).map(|k| Expr(push(Node::LoopResult(id, k as u32)))).collect()
 }
 
+/// Names a node, unless it is one that needs none or has one.
+fn set_name(index: u32, name: &'static str) {
+    GRAPH.with_borrow_mut(|graph| {
+        if !matches!(graph.nodes[index as usize], Node::Constant(_) | Node::Input(_)) {
+            graph.names.entry(index).or_insert(name);
+        }
+    });
+}
+
+/// The nodes of a loop's state.
+fn flat(state: &[Expr]) -> Vec<u32> {
+    state.iter().map(|e| e.0).collect()
+}
+
+/// The nodes of a loop's state of dual numbers: of each its value, then its gradient.
+fn flat_duals(state: &[Dual<Expr>]) -> Vec<u32> {
+    state.iter().flat_map(|d| [d.value.0, d.gradient.x.0, d.gradient.y.0, d.gradient.z.0]).collect()
+}
+
+/// The first dual number of a flat state.
+fn dual(flat: &[Expr]) -> Dual<Expr> {
+    Dual { value: flat[0], gradient: Vec3::new(flat[1], flat[2], flat[3]) }
+}
+
 impl Real for Expr {
     type Mask = ExprMask;
 
+    #[inline(never)]
     fn constant(value: f32) -> Self {
         // One zero: -0 and 0 print alike and fold alike.
         let value = if value == 0.0 { 0.0 } else { value };
@@ -304,6 +332,7 @@ impl Real for Expr {
     fn select(mask: ExprMask, yes: Self, no: Self) -> Self {
         if yes == no { yes } else { Self(push(Node::Select(mask.0, yes.0, no.0))) }
     }
+    #[inline(never)]
     fn vector(_table: &[f32], index: Self) -> [Self; 4] {
         let vector = push(Node::Vector(index.0));
         std::array::from_fn(|k| Self(push(Node::Component(vector, k as u32))))
@@ -314,18 +343,14 @@ impl Real for Expr {
         state: [Self; K],
         body: impl Fn([Self; K]) -> ([Self; K], ExprMask),
     ) -> [Self; K] {
-        let results = record_loop(count.0, limit, state.map(|e| e.0).to_vec(), |variables| {
+        let results = record_loop(count.0, limit, flat(&state), &|variables| {
             let (next, go_on) = body(std::array::from_fn(|k| variables[k]));
-            (next.map(|e| e.0).to_vec(), go_on.0)
+            (flat(&next), go_on.0)
         });
         std::array::from_fn(|k| results[k])
     }
     fn named(self, name: &'static str) -> Self {
-        GRAPH.with_borrow_mut(|graph| {
-            if !matches!(graph.nodes[self.0 as usize], Node::Constant(_) | Node::Input(_)) {
-                graph.names.entry(self.0).or_insert(name);
-            }
-        });
+        set_name(self.0, name);
         self
     }
 }
@@ -337,18 +362,10 @@ impl Differentiable for Expr {
         state: [Dual<Self>; K],
         body: impl Fn([Dual<Self>; K]) -> ([Dual<Self>; K], ExprMask),
     ) -> [Dual<Self>; K] {
-        let flatten = |state: [Dual<Self>; K]| -> Vec<u32> {
-            state.iter().flat_map(|d| [d.value.0, d.gradient.x.0, d.gradient.y.0, d.gradient.z.0]).collect()
-        };
-        let gather = |flat: &[Expr]| -> [Dual<Self>; K] {
-            std::array::from_fn(|k| Dual {
-                value: flat[4 * k],
-                gradient: crate::number::Vec3::new(flat[4 * k + 1], flat[4 * k + 2], flat[4 * k + 3]),
-            })
-        };
-        let results = record_loop(count.value.0, limit, flatten(state), |variables| {
+        let gather = |flat: &[Expr]| -> [Dual<Self>; K] { std::array::from_fn(|k| dual(&flat[4 * k..])) };
+        let results = record_loop(count.value.0, limit, flat_duals(&state), &|variables| {
             let (next, go_on) = body(gather(variables));
-            (flatten(next), go_on.0)
+            (flat_duals(&next), go_on.0)
         });
         gather(&results)
     }

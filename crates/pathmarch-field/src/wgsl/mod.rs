@@ -24,10 +24,10 @@ pub fn distance_function(
     name: &str,
     doc: &str,
     parameters: &[&str],
-    distance: impl FnOnce(Vec3<Expr>, &[Expr]) -> Expr,
+    distance: impl Fn(Vec3<Expr>, &[Expr]) -> Expr,
 ) -> String {
     signature(name, doc, parameters)
-        .print(|inputs| vec![distance(Vec3::new(inputs[0], inputs[1], inputs[2]), &inputs[3..])])
+        .print(&|inputs| vec![distance(Vec3::new(inputs[0], inputs[1], inputs[2]), &inputs[3..])])
 }
 
 /// The same function's gradient (xyz) and distance (w) as the text of a WGSL function `name(p: vec3f, …) -> vec4f`.
@@ -35,9 +35,9 @@ pub fn gradient_function(
     name: &str,
     doc: &str,
     parameters: &[&str],
-    distance: impl FnOnce(Vec3<Dual<Expr>>, &[Dual<Expr>]) -> Dual<Expr>,
+    distance: impl Fn(Vec3<Dual<Expr>>, &[Dual<Expr>]) -> Dual<Expr>,
 ) -> String {
-    signature(name, doc, parameters).print(|inputs| {
+    signature(name, doc, parameters).print(&|inputs| {
         let parameters: Vec<_> = inputs[3..].iter().map(|&value| Dual::independent(value)).collect();
         let result = distance(Dual::variables(Vec3::new(inputs[0], inputs[1], inputs[2])), &parameters);
         vec![result.gradient.x, result.gradient.y, result.gradient.z, result.value]

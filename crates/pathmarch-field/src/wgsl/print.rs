@@ -38,7 +38,9 @@ pub struct Function<'a> {
 
 impl Function<'_> {
     /// Records `body` and prints it; one output gives an `f32`, two a `vec2f`, three a `vec3f`, four a `vec4f`, any other number an array.
-    pub fn print(&self, body: impl FnOnce(&[Expr]) -> Vec<Expr>) -> String {
+    ///
+    /// The body is behind a pointer so that this is compiled once, not again for each of some 160 functions.
+    pub fn print(&self, body: &dyn Fn(&[Expr]) -> Vec<Expr>) -> String {
         let mut inputs = Vec::new();
         for (name, kind) in &self.parameters {
             let name = identifier(name);

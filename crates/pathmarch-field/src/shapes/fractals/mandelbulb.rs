@@ -46,6 +46,8 @@ type State<N> = [N; 5];
 
 #[derive(Clone, Copy)]
 struct Map<N: Real, const POWER: u32> {
+    /// The power where it is known when the program runs, and not when it is compiled; 0 where it is in `power` alone.
+    known: u32,
     power: N,
     digits: [N::Mask; DIGITS],
     iterations: N,
@@ -55,8 +57,9 @@ struct Map<N: Real, const POWER: u32> {
 
 impl<N: Real, const POWER: u32> Map<N, POWER> {
     #[inline(always)]
-    fn new([power, iterations]: [N; 2]) -> Self {
-        let power = if POWER > 0 { N::constant(POWER as f32) } else { power.floor() };
+    fn new([power, iterations]: [N; 2], known: u32) -> Self {
+        let known = if POWER > 0 { POWER } else { known };
+        let power = if known > 0 { N::constant(known as f32) } else { power.floor() };
         let half = N::constant(0.5);
         let mut rest = power;
         let digits = std::array::from_fn(|_| {
@@ -65,19 +68,23 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
             rest = halved;
             digit
         });
-        let known = POWER as f32;
-        let [radius, escaped] = if POWER > 0 {
-            [radius(known), escaped(known)].map(N::constant)
+        let [radius, escaped] = if known > 0 {
+            [radius(known as f32), escaped(known as f32)].map(N::constant)
         } else {
             [radius(power), escaped(power)]
         };
-        Self { power, digits, iterations, radius, escaped }
+        Self { known, power, digits, iterations, radius, escaped }
+    }
+    /// The power in code that was made for it, or that the program knows; 0 for one that is a number like others.
+    #[inline(always)]
+    fn known(&self) -> u32 {
+        if POWER > 0 { POWER } else { self.known }
     }
     /// The power of a complex number under `times`; of one that is zero, zero.
     #[inline(always)]
     fn raised(&self, base: [N; 2], times: impl Fn([N; 2], [N; 2]) -> [N; 2]) -> [N; 2] {
-        if POWER > 0 {
-            return known_power::<POWER, _>(base, times);
+        if self.known() > 0 {
+            return known_power(self.known(), base, times);
         }
         let (mut square, mut result) = (base, [N::one(), N::zero()]);
         for (k, &digit) in self.digits.iter().enumerate() {
@@ -92,8 +99,8 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
     /// The length of a power and of that by one less, given the length of its base and the two parts of the power.
     #[inline(always)]
     fn lengths(&self, length: N, a: N, radial: N) -> [N; 2] {
-        if POWER > 1 {
-            let [raised] = known_power::<POWER, _>([length], |[u], [v]| [u * v]);
+        if self.known() > 1 {
+            let [raised] = known_power(self.known(), [length], |[u], [v]| [u * v]);
             return [raised, raised / length.max(N::constant(1e-12))];
         }
         let raised = a.hypot(radial).named("raised");
@@ -129,20 +136,20 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
     }
 }
 
-/// A power that is known when code is made, by as few products as its binary digits take.
+/// A power that is known, by as few products as its binary digits take.
 #[inline(always)]
-fn known_power<const POWER: u32, V: Copy>(base: V, times: impl Fn(V, V) -> V) -> V {
+fn known_power<V: Copy>(power: u32, base: V, times: impl Fn(V, V) -> V) -> V {
     let (mut square, mut result) = (base, base);
-    // A fixed number of turns, so that the loop is unrolled and its conditions vanish.
+    // A fixed number of turns, so that the loop is unrolled and its conditions vanish where the power is a constant.
     for k in 0..DIGITS as u32 {
-        if POWER >> k == 0 {
+        if power >> k == 0 {
             break;
         }
         if k > 0 {
             square = times(square, square);
         }
-        if POWER >> k & 1 == 1 {
-            let is_first = POWER & ((1 << k) - 1) == 0;
+        if power >> k & 1 == 1 {
+            let is_first = power & ((1 << k) - 1) == 0;
             result = if is_first { square } else { times(result, square) };
         }
     }
@@ -171,6 +178,33 @@ fn kept<N: Real>(p: Vec3<N>, near: N::Mask) -> Vec3<N> {
     Vec3::new(x, y, z)
 }
 
+/// The distance with a power of `POWER`, or of `known`, or of the parameters.
+#[inline(always)]
+fn distance<N: Real, const POWER: u32>(p: Vec3<N>, params: [N; 2], known: u32) -> N {
+    let map = Map::<N, POWER>::new(params, known);
+    let bound = p.length() - map.radius;
+    let near = orbit::is_near(bound, map.radius);
+    let p = kept(p, near);
+    let [x, y, z, shrink, offset] = N::iterate(map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near));
+    let estimate = orbit::from_potential(Vec3::new(x, y, z).length(), offset, shrink) * (N::one() / slope(map.power));
+    orbit::within(estimate, bound, map.radius)
+}
+
+/// [`distance`] as one function for all powers.
+#[inline(never)]
+fn distance_of_any<N: Real>(p: Vec3<N>, params: [N; 2], known: u32) -> N {
+    distance::<N, 0>(p, params, known)
+}
+
+/// The traps with a power of `known`, or of the parameters.
+#[inline(never)]
+fn orbit_of_any<N: Real>(p: Vec3<N>, params: [N; 2], known: u32) -> [N; TRAPS] {
+    let map = Map::<N, 0>::new(params, known);
+    let near = orbit::is_near(p.length() - map.radius, map.radius);
+    let p = kept(p, near);
+    orbit::traps::<N, 5, 10>(map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near))
+}
+
 impl<const POWER: u32> Primitive for Shape<POWER> {
     const INFO: Info = Info {
         exact: false,
@@ -188,15 +222,10 @@ impl<const POWER: u32> Primitive for Shape<POWER> {
 
     #[inline(always)]
     fn distance<N: Real>(p: Vec3<N>, params: [N; 2]) -> N {
-        let map = Map::<N, POWER>::new(params);
-        let bound = p.length() - map.radius;
-        let near = orbit::is_near(bound, map.radius);
-        let p = kept(p, near);
-        let [x, y, z, shrink, offset] =
-            N::iterate(map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near));
-        let estimate =
-            orbit::from_potential(Vec3::new(x, y, z).length(), offset, shrink) * (N::one() / slope(map.power));
-        orbit::within(estimate, bound, map.radius)
+        distance::<N, POWER>(p, params, POWER)
+    }
+    fn distance_compact<N: Real>(p: Vec3<N>, params: [N; 2]) -> N {
+        distance_of_any(p, params, POWER)
     }
     fn bounds([power, _]: [f32; 2]) -> Aabb {
         let radius = radius(power.floor());
@@ -216,9 +245,6 @@ impl<const POWER: u32> Primitive for Shape<POWER> {
     }
     const ORBIT: bool = true;
     fn orbit<N: Real>(p: Vec3<N>, params: [N; 2]) -> [N; TRAPS] {
-        let map = Map::<N, POWER>::new(params);
-        let near = orbit::is_near(p.length() - map.radius, map.radius);
-        let p = kept(p, near);
-        orbit::traps::<N, 5, 10>(map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near))
+        orbit_of_any(p, params, POWER)
     }
 }
