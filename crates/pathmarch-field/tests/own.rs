@@ -442,6 +442,103 @@ fn loops_share_a_budget() {
     assert!(passes > 10.0 && passes < budget::PASSES as f32 / 4.0, "{passes}");
 }
 
+/// A copy of an array takes as much of the budget as the array has elements, however it is made.
+#[test]
+fn copies_of_arrays_share_the_budget() {
+    for copying in fields::copying() {
+        let passes = value_at(&copying.text, [1.0, 2.0, 3.0], 4.0);
+        let most = budget::PASSES * budget::OPERATIONS_IN_A_PASS;
+        println!("{}: {passes} passes", copying.name);
+        assert!(passes >= 2.0, "{}: {passes}", copying.name);
+        assert!(passes as u32 * copying.copies <= most, "{}: {passes}", copying.name);
+    }
+}
+
+/// Arrays that are too large, too many, or copied too often, are refused, and so is what grows without bound while it is read.
+#[test]
+fn large_arrays_are_refused() {
+    let sum = |count: usize, size: usize| {
+        let calls: String = (0..count).map(|k| format!("sum += g()[{}];", k % size)).collect();
+        format!(
+            "fn g() -> array<f32,{size}> {{ var a: array<f32,{size}>; return a; }}
+            fn distance(p: vec3f) -> f32 {{ var sum = p.x; {calls} return sum; }}"
+        )
+    };
+    let body = |top: &str, body: &str| format!("{top}\nfn distance(p: vec3f) -> f32 {{ {body} return p.x; }}");
+    let doubled = |read: &str, first: &str, next: &dyn Fn(usize) -> String| {
+        (1..25).fold(first.to_owned(), |all, k| all + &next(k))
+            + &format!("fn distance(p: vec3f) -> f32 {{ let a = C24{read}; return p.x; }}")
+    };
+    let nested = |levels: usize| "array<".repeat(levels) + "f32" + &",300>".repeat(levels);
+    let variables: String = (0..300).map(|k| format!("var a{k}: array<f32, 8>; a{k}[i32(p.x)] = p.y;")).collect();
+    for (text, said, place) in [
+        (sum(255, 10_000), "The variable `a` has 10000 numbers; a variable", "a"),
+        (sum(255, 60), "arrays of this function come to", "distance"),
+        (sum(250, 8), "arrays of this function come to", "distance"),
+        (body("", "var a: array<array<f32, 65535>, 65535>;"), "`a` has 4294836225 numbers", "a"),
+        (body("", "let a = array<array<f32, 60000>, 60000>();"), "has 3600000000 numbers", "array"),
+        (body("", &format!("var a: {};", nested(4))), "more than 4 billion numbers", "a"),
+        (body("", &variables), "arrays of this function come to 2400 numbers", "distance"),
+        (body("struct S { a: array<vec4f, 600>, b: f32 }", "var s: S;"), "`s` has 2401 numbers", "s"),
+        (body("fn f(a: array<f32, 3000>) -> f32 { return 1.0; }", ""), "The argument `a` of `f` has 3000", "f"),
+        (
+            body("fn f(a: ptr<function, array<f32, 3000>>) { (*a)[0] = 1.0; }", "var b: array<f32, 3000>; f(&b);"),
+            "`b`",
+            "b",
+        ),
+        (body("fn f() -> array<f32, 3000> { return array<f32, 3000>(); }", ""), "The result of `f` has 3000", "f"),
+        (body("const A = array<f32, 3000>();", "let a = A[i32(p.x)];"), "The constant `A` has 3000 numbers", "A"),
+        (
+            doubled("[0]", "const C0 = array(array(1f, 2f), array(3f, 4f));", &|k| {
+                format!("const C{k} = array(C{0}, C{0});", k - 1)
+            }),
+            "The constant `C",
+            "C",
+        ),
+        (
+            doubled(".a", "struct S0 { a: f32 }\nconst C0 = S0(1.0);", &|k| {
+                format!("struct S{k} {{ a: S{0}, b: S{0} }}\nconst C{k} = S{k}(C{0}, C{0});", k - 1)
+            }),
+            "The constant `C",
+            "C",
+        ),
+        (
+            body(
+                "const A = array<f32, 200>();",
+                &"let a = A[1] + A[2];".repeat(300).replace("let a", "{ let a").replace(';', ";}"),
+            ),
+            "as often as it is named",
+            "A",
+        ),
+        (
+            body("const A = array<f32, 100>();", "let a = A[i32(p.x)] + A[i32(p.y)] + A[i32(p.z)];"),
+            "300 numbers",
+            "distance",
+        ),
+    ] {
+        let fault = fault(&["k"], &text);
+        println!("{}", fault.message);
+        assert!(fault.message.contains(said), "{said}: {fault:?}");
+        let found = fault.range.clone().map(|range| &text[range]);
+        assert!(found.is_some_and(|found| found.contains(place)), "{said}: {found:?}");
+        assert!(fault.help.is_some(), "{fault:?}");
+    }
+    // Operations: loads and stores of one array are no further memory, but work.
+    let stores = "a = v; a[0] = a[i32(p.y)];".repeat(150);
+    let refused = fault(&[], &body("", &format!("var a: array<f32, 60>; var b: array<f32, 60>; let v = b; {stores}")));
+    assert!(refused.message.contains("operations"), "{refused:?}");
+    let indexed: String = (0..300).map(|k| format!("a[i32(p.x * {k}.0)] = p.y;")).collect();
+    let refused = fault(&[], &body("", &format!("var a: array<f32, 60>; {indexed}")));
+    assert!(refused.message.contains("operations"), "{refused:?}");
+    // What is said to be allowed is.
+    value_at(&sum(5, 8), [1.0, 2.0, 3.0], 4.0);
+    let table: String = (0..256).map(|k| format!("{k}.0, ")).collect();
+    let table = format!("const TABLE = array<f32, 256>({table});");
+    let reads = "var t = TABLE; return t[i32(p.x)] + t[i32(p.y)] + t[i32(p.z)] + t[i32(k)];";
+    let value = value_at(&format!("{table} fn distance(p: vec3f) -> f32 {{ {reads} }}"), [1.0, 20.0, 255.0], 4.0);
+    assert_eq!(value, 280.0);
+}
+
 fn fault(params: &[&str], text: &str) -> Fault {
     match code(params, text) {
         Ok(_) => panic!("accepted: {text}"),

@@ -5,12 +5,15 @@ mod common;
 mod fields;
 
 use common::{parse, render, renderers};
-use fields::declared;
+use fields::{copying, declared};
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
-use pathmarch_render::pathmarch_field::Shape;
 use pathmarch_render::pathmarch_field::number::{Dual, Vec3};
+use pathmarch_render::pathmarch_field::own::{Code, budget};
+use pathmarch_render::pathmarch_field::{Info, OwnField, Shape};
+use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Mode, Settings};
+use std::sync::Arc;
 use std::time::Instant;
 use wgpu::util::DeviceExt;
 
@@ -129,6 +132,37 @@ fn the_cpu_and_the_gpu_agree_at_random_points() {
     }
 }
 
+/// The budget counts what arrays copy on a device as it does on the CPU: a loop has as many passes.
+#[test]
+fn copies_of_arrays_are_counted_alike() {
+    let Some((device, queue)) = device() else { return };
+    let points = vec![[1.0, 2.0, 3.0, 0.0]; POINTS];
+    for copying in copying() {
+        let code = Code::new("copying", &[], &copying.text).unwrap_or_else(|faults| panic!("{faults:#?}"));
+        let shape = OwnField::new(Info::new("copying", "", ""), Vec::new(), 1.0, None, Arc::new(code));
+        let numbers = shape.numbers(&[]);
+        let passes = shape.distance(Vec3::new(1.0, 2.0, 3.0), &numbers);
+        let most = budget::PASSES * budget::OPERATIONS_IN_A_PASS;
+        assert!(passes >= 2.0 && passes as u32 * copying.copies <= most, "{}: {passes}", copying.name);
+        let results = on_device(&device, &queue, &shape, &numbers, &points);
+        assert!(results.iter().all(|result| result[3] == passes), "{}: {passes}, {:?}", copying.name, results[0]);
+    }
+}
+
+/// What would take a device minutes and gigabytes is refused when the scene is read.
+#[test]
+fn scenes_of_large_arrays_are_refused() {
+    let calls: String = (0..255).map(|k| format!("sum += g()[{}];", k % 60)).collect();
+    for (size, said) in [(10_000, "`a` has 10000 numbers"), (60, "arrays of this function come to")] {
+        let text = format!(
+            "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0 }}\nfield \"f\" {{ bounds 2 2 2; wgsl \"             fn g() -> array<f32,{size}> {{ var a: array<f32,{size}>; return a; }}              fn distance(p: vec3f) -> f32 {{ var sum = p.x; {calls} return sum; }}\" }}\nobject \"solid\" {{ f }}"
+        );
+        let error = Scene::parse("large.kdl", &text).err().unwrap_or_else(|| panic!("accepted: {size}"));
+        let mistakes: Vec<String> = error.mistakes().iter().map(|mistake| mistake.to_string()).collect();
+        assert!(mistakes.iter().any(|mistake| mistake.contains(said)), "{mistakes:?}");
+    }
+}
+
 /// A scene of a field; `use_it` stands in an object.
 fn scene(field: &str, use_it: &str) -> pathmarch_render::pathmarch_scene::Scene {
     parse(&format!(
@@ -174,6 +208,11 @@ fn hostile_fields_are_rendered() {
         "fn distance(p: vec3f) -> f32 { var n = p.x; for (var i = 0; i < 2000000000; i++) { for (var j = 0; j < 2000000000; j++) { n = \
          cos(n); } } return n; }",
         "fn distance(p: vec3f) -> f32 { return fract(sin(dot(p, vec3f(12.9, 78.2, 37.7))) * 43758.5) - 0.5; }",
+        // Arrays that are copied: without any loop, and in one that never ends.
+        "fn distance(p: vec3f) -> f32 { var a: array<f32, 24>; var b: array<f32, 24>; a[i32(p.x * 1e3)] = p.y; b = a; \
+         a[i32(p.z)] = 1.0; return b[i32(p.y * 1e3)] + length(p) - 0.5; }",
+        "fn distance(p: vec3f) -> f32 { var a: array<f32, 24>; var b: array<f32, 24>; loop { a[i32(p.x * 1e3)] = p.y; b = a; \
+         a[3] = b[i32(p.z * 1e3)]; if a[3] > 1e9 { break; } } return b[i32(p.y * 1e3)] + length(p) - 0.5; }",
         "fn distance(p: vec3f) -> f32 { var a = array<f32, 4>(); a[i32(p.x * 1e9)] = 1.0; return a[i32(p.y * 1e9)] - 0.5; }",
     ] {
         let scene = scene(&format!("field \"f\" {{ bounds 2 2 2; wgsl \"{text}\" }}"), "f");

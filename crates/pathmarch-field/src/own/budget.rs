@@ -1,17 +1,28 @@
 //! What a call of a field may cost: counted in its code before it runs, and in its loops while it does.
 //!
-//! WGSL has no recursion, so that only loops can take long, and calls that are nested. The latter are counted when the scene is
-//! read: what a call of `distance` comes to when every call in it is written out is limited by [`MOST_OPERATIONS`]. Each
-//! pass of a loop takes one from a budget of [`PASSES`] that all loops of one call share, and one more for every
-//! [`OPERATIONS_IN_A_PASS`] operations in its body; when the budget is used up every loop breaks off. So a call does at most
-//! about [`MOST_OPERATIONS`] + [`PASSES`] · [`OPERATIONS_IN_A_PASS`] operations, whatever its text says.
+//! WGSL has no recursion, so that only three things can take long or much memory: loops, calls that are nested, and arrays. The
+//! latter two are counted when the scene is read: what a call of `distance` comes to when every call in it is written out is
+//! limited by [`MOST_OPERATIONS`], where all that copies an array or a matrix (a variable, an argument, a result, a value read
+//! or stored) takes an operation for each scalar or vector in it; and the numbers of all arrays together by [`MOST_NUMBERS`],
+//! since drivers put every call into the code of its caller, with variables of its own. Each pass of a loop takes one from a
+//! budget of [`PASSES`] that all loops of one call share, and one more for every [`OPERATIONS_IN_A_PASS`] operations in its body;
+//! when the budget is used up every loop breaks off. So a call does at most about [`MOST_OPERATIONS`] + [`PASSES`] ·
+//! [`OPERATIONS_IN_A_PASS`] operations, whatever its text says.
+//!
+//! For the limit of what is compiled, arrays count more: drivers take much longer over them than over arithmetic.
+//!
+//! An array that is no variable but a value, as a constant is, is copied to memory wherever an index that is computed reads it
+//! (naga does, for SPIR-V): each such access counts as a copy.
 //!
 //! A march has at most 256 steps; 256 passes in each are as many as Mesa's software Vulkan lets the loops of an invocation
 //! have (65,535) before it ends them all without a word.
 
+pub use super::size::MOST_NUMBERS;
+use super::size::{Size, Sizes};
+use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{
-    AddressSpace, BinaryOperator, Block, Expression, FunctionArgument, GlobalVariable, Handle, Literal, Module, Range,
-    Scalar, Span, Statement, Type, TypeInner,
+    AddressSpace, BinaryOperator, Block, Expression, FunctionArgument, GlobalVariable, Handle, Literal, MathFunction,
+    Module, Range, Scalar, Span, Statement, Type, TypeInner,
 };
 
 /// How many passes of loops a call of `distance` has.
@@ -20,50 +31,164 @@ pub const PASSES: u32 = 256;
 pub const OPERATIONS_IN_A_PASS: u32 = 64;
 /// How many operations `distance` may have with every call written out.
 pub const MOST_OPERATIONS: u32 = 8192;
+/// How many of these operations a scalar or vector of an array that is copied counts as.
+///
+/// Compilers write out copies of arrays, and stores to memory one by one: 7,000 of them took software Vulkan more than 200 s, 1,300
+/// products and sums less than one.
+const COPIED: u32 = 16;
+/// How many an element of an array counts as that is found by a computed index: 200 took software Vulkan 10 s.
+const INDEXED: u32 = 32;
 
-/// How many operations each function has, every call written out and every loop passed once.
-pub(super) struct Costs(Vec<u32>);
+/// What code comes to, every call written out and every loop passed once. Sums end at the largest number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Cost {
+    pub(super) operations: u32,
+    /// Operations where arrays count as what a compiler makes of them: [`COPIED`] and [`INDEXED`].
+    pub(super) compiled: u32,
+    /// Numbers of the arrays that are in memory.
+    pub(super) numbers: u32,
+}
+
+impl Cost {
+    const ONE: Self = Self { operations: 1, compiled: 1, numbers: 0 };
+    /// Finds an element of an array.
+    const INDEX: Self = Self { operations: 1, compiled: INDEXED, numbers: 0 };
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            operations: self.operations.saturating_add(other.operations),
+            compiled: self.compiled.saturating_add(other.compiled),
+            numbers: self.numbers.saturating_add(other.numbers),
+        }
+    }
+    /// A copy of something of this size. Those of scalars and vectors are free.
+    fn copy(size: Size) -> Self {
+        let operations = if size.copies > 1 || size.has_array { size.copies } else { 0 };
+        if size.has_array {
+            Self { operations, compiled: operations.saturating_mul(COPIED), numbers: size.numbers }
+        } else {
+            Self { operations, compiled: operations, numbers: 0 }
+        }
+    }
+    fn at_least_one(self) -> Self {
+        Self { operations: self.operations.max(1), compiled: self.compiled.max(1), ..self }
+    }
+}
+
+/// What an expression costs.
+#[derive(Clone, Copy)]
+struct ExpressionCost {
+    /// To compute it.
+    computed: Cost,
+    /// To copy its value.
+    copied: Cost,
+}
+
+/// The cost of every function and of every expression in them.
+pub(super) struct Costs {
+    functions: Vec<Cost>,
+    expressions: Vec<Vec<ExpressionCost>>,
+}
 
 impl Costs {
-    pub(super) fn new(module: &Module) -> Self {
-        let mut costs = Self(Vec::new());
-        for (_, function) in module.functions.iter() {
+    pub(super) fn new(module: &Module, info: &ModuleInfo) -> Self {
+        let sizes = Sizes::new(&module.types);
+        let mut costs = Self { functions: Vec::new(), expressions: Vec::new() };
+        for (handle, function) in module.functions.iter() {
+            let of = |expression| expression_cost(module, &sizes, function, &info[handle], expression);
+            costs.expressions.push(function.expressions.iter().map(|(expression, _)| of(expression)).collect());
+            let variables = function.local_variables.iter().map(|(_, variable)| variable.ty);
+            let variables = variables.map(|ty| Cost::copy(sizes.of(ty)).at_least_one());
+            let arguments = function.arguments.iter().map(|argument| Cost::copy(sizes.of(argument.ty)));
             // What is called stands before what calls it.
-            let cost = costs.block(&function.body);
-            costs.0.push(cost.saturating_add(1));
+            let body = costs.block(handle, &function.body);
+            costs.functions.push(variables.chain(arguments).fold(body.plus(Cost::ONE), Cost::plus));
         }
         costs
     }
 
-    pub(super) fn of(&self, function: Handle<naga::Function>) -> u32 {
-        self.0.get(function.index()).copied().unwrap_or(u32::MAX)
+    pub(super) fn of(&self, function: Handle<naga::Function>) -> Cost {
+        let unknown = Cost { operations: u32::MAX, compiled: u32::MAX, numbers: u32::MAX };
+        self.functions.get(function.index()).copied().unwrap_or(unknown)
     }
 
-    /// What a pass of a loop takes from the budget.
-    pub(super) fn weight(&self, body: &Block, continuing: &Block) -> u32 {
-        1 + self.block(body).saturating_add(self.block(continuing)) / OPERATIONS_IN_A_PASS
+    /// What a pass of a loop of this function takes from the budget.
+    pub(super) fn weight(&self, function: Handle<naga::Function>, body: &Block, continuing: &Block) -> u32 {
+        let pass = self.block(function, body).plus(self.block(function, continuing));
+        1 + pass.operations / OPERATIONS_IN_A_PASS
     }
 
-    fn block(&self, block: &Block) -> u32 {
+    fn expression(&self, function: Handle<naga::Function>, expression: Handle<Expression>) -> ExpressionCost {
+        let known = self.expressions.get(function.index()).and_then(|costs| costs.get(expression.index()));
+        known.copied().unwrap_or(ExpressionCost { computed: Cost::ONE, copied: Cost::default() })
+    }
+
+    fn block(&self, function: Handle<naga::Function>, block: &Block) -> Cost {
+        let inner = |block: &Block| self.block(function, block);
+        let copied = |expression: Handle<Expression>| self.expression(function, expression).copied;
+        let moved = |expression| Cost { numbers: 0, ..copied(expression) };
         let cost = |statement: &Statement| match statement {
-            Statement::Emit(range) => range.index_range().len() as u32,
-            Statement::Block(block) => self.block(block),
-            Statement::If { accept, reject, .. } => self.block(accept).saturating_add(self.block(reject)),
-            Statement::Switch { cases, .. } => {
-                cases.iter().fold(1, |sum: u32, case| sum.saturating_add(self.block(&case.body)))
+            Statement::Emit(range) => range
+                .clone()
+                .map(|expression| self.expression(function, expression).computed)
+                .fold(Cost::default(), Cost::plus),
+            Statement::Block(block) => inner(block),
+            Statement::If { accept, reject, .. } => inner(accept).plus(inner(reject)),
+            Statement::Switch { cases, .. } => cases.iter().map(|case| inner(&case.body)).fold(Cost::ONE, Cost::plus),
+            Statement::Loop { body, continuing, .. } => inner(body).plus(inner(continuing)),
+            Statement::Call { function, arguments, result } => {
+                let arguments = arguments.iter().map(|&argument| moved(argument));
+                let result = result.map(copied).unwrap_or_default();
+                arguments.fold(self.of(*function).plus(result), Cost::plus)
             }
-            Statement::Loop { body, continuing, .. } => self.block(body).saturating_add(self.block(continuing)),
-            Statement::Call { function, .. } => self.of(*function),
-            _ => 1,
+            Statement::Store { value, .. } | Statement::Return { value: Some(value) } => moved(*value).at_least_one(),
+            _ => Cost::ONE,
         };
-        block.iter().fold(0, |sum: u32, statement| sum.saturating_add(cost(statement)))
+        block.iter().map(cost).fold(Cost::default(), Cost::plus)
     }
+}
+
+fn expression_cost(
+    module: &Module,
+    sizes: &Sizes,
+    function: &naga::Function,
+    info: &FunctionInfo,
+    expression: Handle<Expression>,
+) -> ExpressionCost {
+    let inner = |expression: Handle<Expression>| info[expression].ty.inner_with(&module.types);
+    let size = |expression| sizes.of_inner(inner(expression));
+    let copied = Cost::copy(size(expression));
+    let least = |operations: u32| Cost {
+        operations: copied.operations.max(operations),
+        compiled: copied.compiled.max(operations),
+        ..copied
+    };
+    let computed = match function.expressions[expression] {
+        Expression::Access { base, .. } => match inner(base) {
+            TypeInner::Pointer { base, .. } if sizes.of(*base).has_array => Cost::INDEX,
+            // A value is copied to memory first.
+            _ if size(base).has_array => Cost::copy(size(base)).plus(copied).plus(Cost::INDEX),
+            _ => Cost::copy(size(base)).plus(copied).at_least_one(),
+        },
+        // The columns of the one for each column of the other.
+        Expression::Binary { left, right, .. } => least(size(left).copies.saturating_mul(size(right).copies)),
+        Expression::Math { fun: MathFunction::Determinant | MathFunction::Inverse, arg, .. } => {
+            least(size(arg).numbers)
+        }
+        _ => copied.at_least_one(),
+    };
+    ExpressionCost { computed, copied }
 }
 
 /// Makes every loop of a module count, gives the parameters of these names, which were overrides, to its functions as
 /// arguments, and makes `entry` fill the budget. The counter has the name `counter`.
-pub(super) fn instrument(module: &mut Module, entry: Handle<naga::Function>, params: &[String], counter: String) {
-    let costs = Costs::new(module);
+pub(super) fn instrument(
+    module: &mut Module,
+    costs: &Costs,
+    entry: Handle<naga::Function>,
+    params: &[String],
+    counter: String,
+) {
     let inner = |inner| Type { name: None, inner };
     let u32_type = module.types.insert(inner(TypeInner::Scalar(Scalar::U32)), Span::UNDEFINED);
     let f32_type = module.types.insert(inner(TypeInner::Scalar(Scalar::F32)), Span::UNDEFINED);
@@ -92,8 +217,8 @@ pub(super) fn instrument(module: &mut Module, entry: Handle<naga::Function>, par
         }
         let argument = |name: &String| FunctionArgument { name: Some(name.clone()), ty: f32_type, binding: None };
         function.arguments.extend(params.iter().map(argument));
-        let mut work =
-            Instrument { costs: &costs, expressions: &mut function.expressions, budget, before, params: params.len() };
+        let expressions = &mut function.expressions;
+        let mut work = Instrument { costs, function: handle, expressions, budget, before, params: params.len() };
         let mut body = work.block(std::mem::take(&mut function.body));
         if handle == entry {
             let mut start = Block::new();
@@ -123,6 +248,7 @@ fn returns(block: &mut Block, value: Handle<Expression>) {
 
 struct Instrument<'a> {
     costs: &'a Costs,
+    function: Handle<naga::Function>,
     expressions: &'a mut naga::Arena<Expression>,
     budget: Handle<GlobalVariable>,
     /// How many arguments the function had.
@@ -150,7 +276,7 @@ impl Instrument<'_> {
                     Statement::Switch { selector, cases }
                 }
                 Statement::Loop { body, continuing, break_if } => {
-                    let mut counted = self.count(self.costs.weight(&body, &continuing));
+                    let mut counted = self.count(self.costs.weight(self.function, &body, &continuing));
                     counted.append(&mut self.block(body));
                     Statement::Loop { body: counted, continuing: self.block(continuing), break_if }
                 }

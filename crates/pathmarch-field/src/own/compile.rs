@@ -24,6 +24,7 @@ const MAX_SLOTS: usize = 1 << 16;
 pub(super) fn compile(
     module: &Module,
     info: &ModuleInfo,
+    costs: &Costs,
     entry: Handle<naga::Function>,
     params: &[String],
 ) -> Result<Program, Fault> {
@@ -31,11 +32,12 @@ pub(super) fn compile(
         module,
         info,
         params,
-        costs: Costs::new(module),
+        costs,
         memory: vec![0; params.len()],
         procedures: Vec::new(),
         arguments: Vec::new(),
         constants: HashMap::new(),
+        globals: HashMap::new(),
     };
     let mut start = None;
     for (handle, function) in module.functions.iter() {
@@ -70,13 +72,15 @@ struct Compiler<'m> {
     module: &'m Module,
     info: &'m ModuleInfo,
     params: &'m [String],
-    costs: Costs,
+    costs: &'m Costs,
     memory: Vec<u32>,
     procedures: Vec<Procedure>,
     /// Slots of the arguments of each function.
     arguments: Vec<Vec<u32>>,
     /// Slots of scalar constants.
     constants: HashMap<u32, u32>,
+    /// Slots of the constants of the module.
+    globals: HashMap<Handle<naga::Constant>, u32>,
 }
 
 /// A function while it is compiled.
@@ -100,7 +104,7 @@ impl<'m> Compiler<'m> {
     fn alloc(&mut self, count: u32) -> u32 {
         let slot = self.memory.len() as u32;
         // Past the limit the program is refused at the end of the function; until then a place that is wrong will do.
-        if self.memory.len() + count as usize > MAX_SLOTS {
+        if self.memory.len().saturating_add(count as usize) > MAX_SLOTS {
             self.memory.resize(MAX_SLOTS + 1, 0);
             return 0;
         }
@@ -207,7 +211,7 @@ impl<'m> Compiler<'m> {
                 body.ops.push(Op::Switch { selector, cases });
             }
             Statement::Loop { body: inner, continuing, break_if } => {
-                let weight = self.costs.weight(inner, continuing);
+                let weight = self.costs.weight(body.handle, inner, continuing);
                 let inner = self.block(body, inner)?;
                 // The condition is found at the end of the continuing block.
                 let continuing = self.block(body, continuing)?;

@@ -18,6 +18,7 @@ mod compile;
 mod machine;
 mod math;
 mod module;
+mod size;
 
 use crate::bounds::Aabb;
 use crate::graph::Batch;

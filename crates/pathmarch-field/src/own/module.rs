@@ -1,8 +1,9 @@
 //! The text of a field: read, checked, and printed under names of its own.
 
-use super::budget::{self, Costs};
+use super::budget::{self, Cost, Costs};
 use super::compile::compile;
 use super::machine::Program;
+use super::size::{self, Sizes, shown};
 use super::{Fault, MAX_BYTES, range, wgsl_distance, wgsl_gradient};
 use naga::back::wgsl::{Writer, WriterFlags};
 use naga::valid::{Capabilities, ValidationError, ValidationFlags, Validator};
@@ -12,6 +13,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The most functions of a field.
 const MAX_FUNCTIONS: usize = 128;
+/// The most arguments of a function.
+const MAX_ARGUMENTS: usize = 64;
 /// Bytes of stack for reading a text: chains of operators as long as a text may be are read by recursion. Only what is used is
 /// taken from memory.
 const STACK: usize = 256 << 20;
@@ -54,18 +57,24 @@ impl Code {
         let declarations: String = params.iter().map(|name| format!("\noverride {name}: f32;")).collect();
         let one = |fault: Fault| vec![fault];
         // Behind the text, so that places in it stay what they are.
-        let mut module = naga::front::wgsl::parse_str(&format!("{text}\n{declarations}"))
-            .map_err(|error| one(parse_fault(&error, text)))?;
+        let whole_text = format!("{text}\n{declarations}");
+        size::check_constants(&whole_text)
+            .map_err(|fault| one(fault.unwrap_or_else(|error| parse_fault(&error, text))))?;
+        let mut module = naga::front::wgsl::parse_str(&whole_text).map_err(|error| one(parse_fault(&error, text)))?;
         let faults = allowed(&module, params, text);
         if !faults.is_empty() {
             return Err(faults);
         }
         let entry = entry(&module).map_err(one)?;
+        if let Some(fault) = size::too_large_declaration(&module) {
+            return Err(one(fault));
+        }
         let info = validate(&module).map_err(|error| one(validation_fault(&error, text)))?;
-        limits(&module, entry).map_err(one)?;
-        let program = compile(&module, &info, entry, params).map_err(one)?;
+        let costs = Costs::new(&module, &info);
+        limits(&module, &costs, entry).map_err(one)?;
+        let program = compile(&module, &info, &costs, entry, params).map_err(one)?;
         let entry_name = rename(&mut module, identifier, entry);
-        budget::instrument(&mut module, entry, params, format!("user_{identifier}_passes"));
+        budget::instrument(&mut module, &costs, entry, params, format!("user_{identifier}_passes"));
         name_expressions(&mut module);
         let unprintable = |what: String| {
             let message = "This text cannot be made a part of the program for the GPU.";
@@ -244,27 +253,53 @@ fn entry(module: &Module) -> Result<Handle<naga::Function>, Fault> {
     })
 }
 
-fn limits(module: &Module, entry: Handle<naga::Function>) -> Result<(), Fault> {
+fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Result<(), Fault> {
     if module.functions.len() > MAX_FUNCTIONS {
         return Err(whole(format!("A field has at most {MAX_FUNCTIONS} functions."), "too many"));
     }
-    let costs = Costs::new(module);
+    let refused = |function: Handle<naga::Function>, message: String, label: &str, help: &str| Fault {
+        message,
+        label: label.to_owned(),
+        range: range(module.functions.get_span(function)),
+        help: Some(help.to_owned()),
+    };
+    for (handle, function) in module.functions.iter() {
+        if function.arguments.len() > MAX_ARGUMENTS {
+            let message = format!("A function of a field has at most {MAX_ARGUMENTS} arguments.");
+            return Err(refused(handle, message, "too many", "Put arguments that belong together into a structure."));
+        }
+    }
     // Functions that are not called are compiled as well.
-    let most =
-        module.functions.iter().map(|(handle, _)| handle).max_by_key(|handle| costs.of(*handle)).unwrap_or(entry);
-    let cost = costs.of(most);
-    if cost > budget::MOST_OPERATIONS {
+    let functions = || module.functions.iter().map(|(handle, _)| handle);
+    let with_most = |of: &dyn Fn(Cost) -> u32| functions().max_by_key(|handle| of(costs.of(*handle))).unwrap_or(entry);
+    let most = with_most(&|cost| cost.numbers);
+    let numbers = costs.of(most).numbers;
+    if numbers > budget::MOST_NUMBERS {
         let message = format!(
-            "This function comes to {cost} operations with every call written out; at most {} are allowed.",
+            "The arrays of this function come to {} numbers with every call written out; at most {} are allowed.",
+            shown(numbers),
+            budget::MOST_NUMBERS
+        );
+        let help = "Make arrays smaller, or keep one in a variable and hand it on as a pointer: an array that is an \
+                    argument, a result or a value is a copy.";
+        return Err(refused(most, message, "too much memory", help));
+    }
+    let most = with_most(&|cost| cost.compiled);
+    let operations = costs.of(most).compiled;
+    if operations > budget::MOST_OPERATIONS {
+        let message = format!(
+            "This function comes to {} operations with every call written out; at most {} are allowed.",
+            shown(operations),
             budget::MOST_OPERATIONS
         );
-        let help = "Put what is done several times into a loop: its passes count against a budget of their own.";
-        return Err(Fault {
-            message,
-            label: "too much to compile".to_owned(),
-            range: range(module.functions.get_span(most)),
-            help: Some(help.to_owned()),
-        });
+        let sizes = Sizes::new(&module.types);
+        let help = if module.types.iter().any(|(ty, _)| sizes.of(ty).has_array) {
+            "A copy of an array counts as 16 operations for each element, an element found by a computed index as 32: make \
+             arrays smaller, and hand them on as pointers. Put what is done several times into a loop: its passes count against a budget of their own."
+        } else {
+            "Put what is done several times into a loop: its passes count against a budget of their own."
+        };
+        return Err(refused(most, message, "too much to compile", help));
     }
     Ok(())
 }

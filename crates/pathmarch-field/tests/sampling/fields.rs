@@ -124,3 +124,55 @@ pub fn declared() -> Vec<Declared> {
         },
     ]
 }
+
+/// A field whose value is how many passes a loop had in which arrays are copied.
+pub struct Copying {
+    pub name: &'static str,
+    pub text: String,
+    /// How many scalars and vectors each pass copies at least.
+    pub copies: u32,
+}
+
+/// Every way to copy an array, in a loop that never ends by itself.
+pub fn copying() -> Vec<Copying> {
+    let copying = |name: &'static str, top: &str, before: &str, pass: &str| Copying {
+        name,
+        text: format!(
+            "{top}
+            fn distance(p: vec3f) -> f32 {{
+                var n = 0.0;
+                {before}
+                loop {{
+                    n += 1.0;
+                    {pass}
+                    if n > 1e9 {{ break; }}
+                }}
+                return n;
+            }}"
+        ),
+        copies: 80,
+    };
+    let two = "var a: array<f32, 80>; var b: array<f32, 80>;";
+    let taking = "fn taken(a: array<f32, 80>, k: f32) -> f32 { return a[3] + k; }";
+    let giving = "fn given(k: f32) -> array<f32, 80> { var a: array<f32, 80>; a[3] = k; return a; }";
+    let pointed = "fn copied(a: ptr<function, array<f32, 80>>, b: ptr<function, array<f32, 80>>) { *a = *b; }";
+    let held = "struct Held { a: array<f32, 80>, b: f32 }";
+    vec![
+        copying("stored", "", two, "b[i32(n)] = n; a = b; b[0] = a[7];"),
+        copying("cleared", "", "", "var a: array<f32, 80>; a[i32(n)] = n; n += 0.0 * a[79];"),
+        copying("an argument", taking, "var a: array<f32, 80>;", "n += 0.0 * taken(a, n);"),
+        copying("a result", giving, "", "n += 0.0 * given(n)[2];"),
+        copying("through pointers", pointed, two, "b[i32(n)] = n; copied(&a, &b); b[0] = a[7];"),
+        copying("of a structure", held, "var a: Held; var b: Held;", "b.a[i32(n)] = n; a = b; b.b = a.a[7];"),
+        copying("composed", held, "var a: array<f32, 80>;", "a[i32(n)] = n; let held = Held(a, n); n += 0.0 * held.b;"),
+        copying(
+            "of arrays of matrices",
+            "",
+            "var a: array<array<mat2x2f, 5>, 4>; var b: array<array<mat2x2f, 5>, 4>;",
+            // The columns of 20 matrices, read and stored.
+            "b[i32(n)][1][1].x = n; a = b; b[0][1][0].y = a[1][2][1].x;",
+        ),
+        copying("a value with an index", "", "var a: array<f32, 80>;", "let b = a; a[0] = b[i32(n)];"),
+        copying("a constant with an index", "const A = array<f32, 80>();", "", "n += A[i32(n)];"),
+    ]
+}

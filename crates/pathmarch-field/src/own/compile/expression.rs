@@ -6,69 +6,73 @@ use crate::own::machine::Op;
 use crate::own::math;
 use naga::{Expression, Handle, Literal, RelationalFunction, Span, TypeInner};
 
-impl<'m> Compiler<'m> {
-    fn literal(&mut self, literal: Literal, span: Span) -> Result<u32, Fault> {
-        let bits = match literal {
-            Literal::F32(value) => value.to_bits(),
-            Literal::U32(value) => value,
-            Literal::I32(value) => value as u32,
-            Literal::Bool(value) => {
-                if value {
-                    u32::MAX
-                } else {
-                    0
-                }
+/// A number of the text as a slot holds it.
+fn bits(literal: Literal, span: Span) -> Result<u32, Fault> {
+    Ok(match literal {
+        Literal::F32(value) => value.to_bits(),
+        Literal::U32(value) => value,
+        Literal::I32(value) => value as u32,
+        Literal::Bool(value) => {
+            if value {
+                u32::MAX
+            } else {
+                0
             }
-            Literal::AbstractInt(value) => value as u32,
-            Literal::AbstractFloat(value) => (value as f32).to_bits(),
-            _ => return Err(fault(span, "Numbers of a field are f32, i32 and u32.")),
-        };
-        Ok(self.constant(bits))
+        }
+        Literal::AbstractInt(value) => value as u32,
+        Literal::AbstractFloat(value) => (value as f32).to_bits(),
+        _ => return Err(fault(span, "Numbers of a field are f32, i32 and u32.")),
+    })
+}
+
+impl<'m> Compiler<'m> {
+    /// The slot of a constant of the module, which is computed here once and which nothing writes to.
+    fn global(&mut self, constant: Handle<naga::Constant>) -> Result<u32, Fault> {
+        if let Some(&slot) = self.globals.get(&constant) {
+            return Ok(slot);
+        }
+        let mut values = Vec::new();
+        self.constant_values(self.module.constants[constant].init, &mut values)?;
+        let slot = self.alloc(values.len() as u32);
+        // A place past the limit is none: the program is refused.
+        if let Some(place) = self.memory.get_mut(slot as usize..slot as usize + values.len()) {
+            place.copy_from_slice(&values);
+        }
+        self.globals.insert(constant, slot);
+        Ok(slot)
     }
 
-    /// A constant of the module: a tree of literals.
-    fn global(&mut self, expression: Handle<Expression>, ops: &mut Vec<Op>) -> Result<(u32, u32), Fault> {
+    /// The scalars of a tree of literals, which is not larger than constants may be.
+    fn constant_values(&self, expression: Handle<Expression>, values: &mut Vec<u32>) -> Result<(), Fault> {
         let span = self.module.global_expressions.get_span(expression);
         match &self.module.global_expressions[expression] {
-            Expression::Literal(literal) => Ok((self.literal(*literal, span)?, 1)),
-            Expression::Constant(constant) => self.global(self.module.constants[*constant].init, ops),
+            Expression::Literal(literal) => values.push(bits(*literal, span)?),
+            Expression::Constant(constant) => self.constant_values(self.module.constants[*constant].init, values)?,
             Expression::ZeroValue(ty) => {
-                let size = self.size_of(*ty, span)?;
-                Ok((self.alloc(size), size))
+                let size = self.size_of(*ty, span)? as usize;
+                values.resize(values.len() + size, 0);
             }
-            Expression::Compose { ty, components } => {
-                let size = self.size_of(*ty, span)?;
-                let to = self.alloc(size);
-                let mut at = 0;
+            Expression::Compose { components, .. } => {
                 for component in components {
-                    let (from, count) = self.global(*component, ops)?;
-                    ops.push(Op::Copy { to: to + at, from, count });
-                    at += count;
+                    self.constant_values(*component, values)?;
                 }
-                Ok((to, size))
             }
             Expression::Splat { size, value } => {
-                let (from, _) = self.global(*value, ops)?;
-                let to = self.alloc(*size as u32);
-                ops.extend((0..*size as u32).map(|k| Op::Copy { to: to + k, from, count: 1 }));
-                Ok((to, *size as u32))
+                for _ in 0..*size as u32 {
+                    self.constant_values(*value, values)?;
+                }
             }
-            _ => Err(fault(span, "A constant of a field is a number, or made of numbers.")),
+            _ => return Err(fault(span, "A constant of a field is a number, or made of numbers.")),
         }
+        Ok(())
     }
 
     pub(super) fn expression(&mut self, body: &mut Body<'m>, handle: Handle<Expression>) -> Result<Value, Fault> {
         let span = body.function.expressions.get_span(handle);
         let unknown = || fault(span, "A field only computes with numbers: this is not for it.");
         let slot = match &body.function.expressions[handle] {
-            Expression::Literal(literal) => self.literal(*literal, span)?,
-            Expression::Constant(constant) => {
-                let init = self.module.constants[*constant].init;
-                let mut ops = Vec::new();
-                let (slot, _) = self.global(init, &mut ops)?;
-                body.ops.extend(ops);
-                slot
-            }
+            Expression::Literal(literal) => self.constant(bits(*literal, span)?),
+            Expression::Constant(constant) => self.global(*constant)?,
             Expression::Override(param) => {
                 let name = &self.module.overrides[*param].name;
                 self.params.iter().position(|param| Some(param) == name.as_ref()).ok_or_else(unknown)? as u32
