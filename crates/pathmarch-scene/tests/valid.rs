@@ -1,5 +1,8 @@
 //! Files that are right, and what becomes of them.
 
+#[path = "../../pathmarch-render/tests/common/random_scenes.rs"]
+mod random_scenes;
+
 use pathmarch_field::Node;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::registry;
@@ -292,4 +295,31 @@ fn polygons_and_texts() {
     assert!(width("text") > 1.0 && width("text \"AAAA\"") > 3.0 * width("text \"A\""));
     let lines = field("text \"up\\nxx\"").bounds();
     assert!(lines.min[1].abs() < 0.02 && lines.max[1] > 1.3, "{lines:?}");
+}
+
+/// The scenes that both backends are compared on: right, small, and seen from outside.
+#[test]
+fn random_scenes_are_valid() {
+    let (mut shapes, mut leaves) = (std::collections::HashSet::new(), 0);
+    for number in 0..1000 {
+        let text = random_scenes::random_scene(number);
+        let scene = Scene::parse("random.kdl", &text).unwrap_or_else(|error| panic!("{error:?}\n{text}"));
+        assert!(scene.warnings.is_empty(), "{:?}\n{text}", scene.warnings);
+        let count = scene.field.leaves().len();
+        assert!((1..=random_scenes::MOST_SHAPES).contains(&count), "{count} shapes\n{text}");
+        leaves += count;
+        let [x, y, z] = scene.cameras[0].position;
+        let distance = scene.field.distance(pathmarch_field::number::Vec3::new(x, y, z));
+        assert!(distance > 0.1, "number {number}: the camera is at {distance}\n{text}");
+        let objects = scene.objects.iter().zip(scene.field.object_bounds());
+        for (_, bounds) in objects.filter(|(object, _)| object.name != "floor") {
+            let farthest = bounds.min.into_iter().chain(bounds.max).fold(0.0_f32, |most, v| most.max(v.abs()));
+            assert!(farthest <= random_scenes::FARTHEST, "number {number}: {farthest} m\n{text}");
+        }
+        shapes.extend(text.split([' ', '"']).filter(|word| registry::solid(word).is_some()).map(str::to_owned));
+        assert_eq!(text, random_scenes::random_scene(number));
+    }
+    println!("{leaves} shapes of {} kinds", shapes.len());
+    // But for what has no end, texts and polygons, all kinds of shapes and operators occur.
+    assert!(shapes.len() >= registry::solids().count() - 5, "{shapes:?}");
 }
