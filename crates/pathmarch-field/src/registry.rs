@@ -161,6 +161,7 @@ pub trait Values<N>: AsRef<[N]> + Copy {
 }
 
 impl<N: Copy, const K: usize> Values<N> for [N; K] {
+    #[inline(always)]
     fn from_fn(value: impl FnMut(usize) -> N) -> Self {
         std::array::from_fn(value)
     }
@@ -205,6 +206,7 @@ pub trait Primitive: Send + Sync + 'static {
     const CLOSED_FORM: bool = Self::CONVEX;
     /// Metres from `origin` along the unit vector `direction` to the first point of the surface ahead, from outside or
     /// inside; [`NO_HIT`] where there is none.
+    #[inline(always)]
     fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, params: Self::Params<N>) -> N {
         Self::span(origin, direction, params).ahead()
     }

@@ -9,6 +9,8 @@
 //! when the budget is used up every loop breaks off. So a call does at most about [`MOST_OPERATIONS`] + [`PASSES`] ·
 //! [`OPERATIONS_IN_A_PASS`] operations, whatever its text says.
 //!
+//! For the limit of what is compiled, arrays count more: drivers take much longer over them than over arithmetic.
+//!
 //! An array that is no variable but a value, as a constant is, is copied to memory wherever an index that is computed reads it
 //! (naga does, for SPIR-V): each such access counts as a copy.
 //!
@@ -29,33 +31,47 @@ pub const PASSES: u32 = 256;
 pub const OPERATIONS_IN_A_PASS: u32 = 64;
 /// How many operations `distance` may have with every call written out.
 pub const MOST_OPERATIONS: u32 = 8192;
+/// How many of these operations a scalar or vector of an array that is copied counts as.
+///
+/// Compilers write out copies of arrays, and stores to memory one by one: 7,000 of them took software Vulkan more than 200 s, 1,300
+/// products and sums less than one.
+const COPIED: u32 = 16;
+/// How many an element of an array counts as that is found by a computed index: 200 took software Vulkan 10 s.
+const INDEXED: u32 = 32;
 
 /// What code comes to, every call written out and every loop passed once. Sums end at the largest number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Cost {
     pub(super) operations: u32,
+    /// Operations where arrays count as what a compiler makes of them: [`COPIED`] and [`INDEXED`].
+    pub(super) compiled: u32,
     /// Numbers of the arrays that are in memory.
     pub(super) numbers: u32,
 }
 
 impl Cost {
-    const ONE: Self = Self { operations: 1, numbers: 0 };
+    const ONE: Self = Self { operations: 1, compiled: 1, numbers: 0 };
+    /// Finds an element of an array.
+    const INDEX: Self = Self { operations: 1, compiled: INDEXED, numbers: 0 };
 
     fn plus(self, other: Self) -> Self {
         Self {
             operations: self.operations.saturating_add(other.operations),
+            compiled: self.compiled.saturating_add(other.compiled),
             numbers: self.numbers.saturating_add(other.numbers),
         }
     }
     /// A copy of something of this size. Those of scalars and vectors are free.
     fn copy(size: Size) -> Self {
-        Self {
-            operations: if size.copies > 1 { size.copies } else { 0 },
-            numbers: if size.has_array { size.numbers } else { 0 },
+        let operations = if size.copies > 1 || size.has_array { size.copies } else { 0 };
+        if size.has_array {
+            Self { operations, compiled: operations.saturating_mul(COPIED), numbers: size.numbers }
+        } else {
+            Self { operations, compiled: operations, numbers: 0 }
         }
     }
     fn at_least_one(self) -> Self {
-        Self { operations: self.operations.max(1), ..self }
+        Self { operations: self.operations.max(1), compiled: self.compiled.max(1), ..self }
     }
 }
 
@@ -92,7 +108,7 @@ impl Costs {
     }
 
     pub(super) fn of(&self, function: Handle<naga::Function>) -> Cost {
-        let unknown = Cost { operations: u32::MAX, numbers: u32::MAX };
+        let unknown = Cost { operations: u32::MAX, compiled: u32::MAX, numbers: u32::MAX };
         self.functions.get(function.index()).copied().unwrap_or(unknown)
     }
 
@@ -142,22 +158,25 @@ fn expression_cost(
     let inner = |expression: Handle<Expression>| info[expression].ty.inner_with(&module.types);
     let size = |expression| sizes.of_inner(inner(expression));
     let copied = Cost::copy(size(expression));
-    let more = match function.expressions[expression] {
-        // Of a pointer nothing is copied.
-        Expression::Access { base, .. } => Cost::copy(size(base)),
-        // The columns of the one for each column of the other.
-        Expression::Binary { left, right, .. } => {
-            let operations = size(left).copies.saturating_mul(size(right).copies);
-            Cost { operations, numbers: 0 }
-        }
-        Expression::Math { fun: MathFunction::Determinant | MathFunction::Inverse, arg, .. } => {
-            Cost { operations: size(arg).numbers, numbers: 0 }
-        }
-        _ => Cost::default(),
+    let least = |operations: u32| Cost {
+        operations: copied.operations.max(operations),
+        compiled: copied.compiled.max(operations),
+        ..copied
     };
-    let operations = copied.operations.max(more.operations).max(1);
-    let is_access = matches!(function.expressions[expression], Expression::Access { .. });
-    let computed = if is_access { copied.plus(more).at_least_one() } else { Cost { operations, ..copied } };
+    let computed = match function.expressions[expression] {
+        Expression::Access { base, .. } => match inner(base) {
+            TypeInner::Pointer { base, .. } if sizes.of(*base).has_array => Cost::INDEX,
+            // A value is copied to memory first.
+            _ if size(base).has_array => Cost::copy(size(base)).plus(copied).plus(Cost::INDEX),
+            _ => Cost::copy(size(base)).plus(copied).at_least_one(),
+        },
+        // The columns of the one for each column of the other.
+        Expression::Binary { left, right, .. } => least(size(left).copies.saturating_mul(size(right).copies)),
+        Expression::Math { fun: MathFunction::Determinant | MathFunction::Inverse, arg, .. } => {
+            least(size(arg).numbers)
+        }
+        _ => copied.at_least_one(),
+    };
     ExpressionCost { computed, copied }
 }
 

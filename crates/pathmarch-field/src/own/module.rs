@@ -284,8 +284,8 @@ fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Resu
                     argument, a result or a value is a copy.";
         return Err(refused(most, message, "too much memory", help));
     }
-    let most = with_most(&|cost| cost.operations);
-    let operations = costs.of(most).operations;
+    let most = with_most(&|cost| cost.compiled);
+    let operations = costs.of(most).compiled;
     if operations > budget::MOST_OPERATIONS {
         let message = format!(
             "This function comes to {} operations with every call written out; at most {} are allowed.",
@@ -294,8 +294,8 @@ fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Resu
         );
         let sizes = Sizes::new(&module.types);
         let help = if module.types.iter().any(|(ty, _)| sizes.of(ty).has_array) {
-            "A copy of an array counts as many operations as it has elements: hand arrays on as pointers. Put what is \
-             done several times into a loop: its passes count against a budget of their own."
+            "A copy of an array counts as 16 operations for each element, an element found by a computed index as 32: make \
+             arrays smaller, and hand them on as pointers. Put what is done several times into a loop: its passes count against a budget of their own."
         } else {
             "Put what is done several times into a loop: its passes count against a budget of their own."
         };

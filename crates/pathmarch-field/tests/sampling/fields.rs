@@ -150,28 +150,29 @@ pub fn copying() -> Vec<Copying> {
                 return n;
             }}"
         ),
-        copies: if before.contains("mat4x4f") { 5 * 7 * 4 } else { 300 },
+        copies: 80,
     };
-    let two = "var a: array<f32, 300>; var b: array<f32, 300>;";
-    let taking = "fn taken(a: array<f32, 300>, k: i32) -> f32 { var b = a; return b[k]; }";
-    let giving = "fn given(k: f32) -> array<f32, 300> { var a: array<f32, 300>; a[3] = k; return a; }";
-    let pointed = "fn copied(a: ptr<function, array<f32, 300>>, b: ptr<function, array<f32, 300>>) { *a = *b; }";
-    let held = "struct Held { a: array<f32, 300>, b: f32 }";
+    let two = "var a: array<f32, 80>; var b: array<f32, 80>;";
+    let taking = "fn taken(a: array<f32, 80>, k: f32) -> f32 { return a[3] + k; }";
+    let giving = "fn given(k: f32) -> array<f32, 80> { var a: array<f32, 80>; a[3] = k; return a; }";
+    let pointed = "fn copied(a: ptr<function, array<f32, 80>>, b: ptr<function, array<f32, 80>>) { *a = *b; }";
+    let held = "struct Held { a: array<f32, 80>, b: f32 }";
     vec![
         copying("stored", "", two, "b[i32(n)] = n; a = b; b[0] = a[7];"),
-        copying("cleared", "", "", "var a: array<f32, 300>; a[i32(n)] = n; n += a[299];"),
-        copying("an argument", taking, "var a: array<f32, 300>;", "n += 0.0 * taken(a, i32(n));"),
+        copying("cleared", "", "", "var a: array<f32, 80>; a[i32(n)] = n; n += 0.0 * a[79];"),
+        copying("an argument", taking, "var a: array<f32, 80>;", "n += 0.0 * taken(a, n);"),
         copying("a result", giving, "", "n += 0.0 * given(n)[2];"),
         copying("through pointers", pointed, two, "b[i32(n)] = n; copied(&a, &b); b[0] = a[7];"),
         copying("of a structure", held, "var a: Held; var b: Held;", "b.a[i32(n)] = n; a = b; b.b = a.a[7];"),
-        copying("composed", held, "var a: array<f32, 300>;", "a[0] = n; n += 0.0 * Held(a, n).a[i32(n)];"),
+        copying("composed", held, "var a: array<f32, 80>;", "a[i32(n)] = n; let held = Held(a, n); n += 0.0 * held.b;"),
         copying(
             "of arrays of matrices",
             "",
-            "var a: array<array<mat4x4f, 5>, 7>; var b: array<array<mat4x4f, 5>, 7>;",
-            "b[i32(n)][1][2].x = n; a = b; b[0][1][0].y = a[1][2][3].z;",
+            "var a: array<array<mat2x2f, 5>, 4>; var b: array<array<mat2x2f, 5>, 4>;",
+            // The columns of 20 matrices, read and stored.
+            "b[i32(n)][1][1].x = n; a = b; b[0][1][0].y = a[1][2][1].x;",
         ),
-        copying("a value with an index", "", "var a: array<f32, 300>;", "let b = a; a[0] = b[i32(n)];"),
-        copying("a constant with an index", "const A = array<f32, 300>();", "", "n += A[i32(n)];"),
+        copying("a value with an index", "", "var a: array<f32, 80>;", "let b = a; a[0] = b[i32(n)];"),
+        copying("a constant with an index", "const A = array<f32, 80>();", "", "n += A[i32(n)];"),
     ]
 }
