@@ -85,7 +85,7 @@ pub(crate) struct LeafRecord {
     pub(crate) material: u32,
     /// Origin of its local coordinates.
     pub(crate) at: [f32; 3],
-    /// [`SHEET`] and [`DIRECT`], and from [`LIGHT_SHIFT`] on one more than the index of its light, or zero.
+    /// [`SHEET`], [`DIRECT`] and [`IN_GLASS`], and from [`LIGHT_SHIFT`] on one more than the index of its light, or zero.
     pub(crate) flags: u32,
 }
 
@@ -94,7 +94,9 @@ pub(crate) const SHEET: u32 = 1;
 /// Rays meet it in closed form.
 pub(crate) const DIRECT: u32 = 2;
 /// Where the light's number starts in the flags.
-pub(crate) const LIGHT_SHIFT: u32 = 2;
+pub(crate) const LIGHT_SHIFT: u32 = 3;
+/// The leaf is in one solid with a material that transmits, so that paths come to it from inside.
+pub(crate) const IN_GLASS: u32 = 4;
 
 /// A material as both backends read it; the layout is that of `Material` in `transport/frame.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -287,10 +289,15 @@ impl Prepared {
         let frame = Frame::new(scene, settings, &sky, &lights);
         let light_of_leaf: HashMap<u32, u32> =
             (0..).zip(&lights).filter_map(|(index, light)| Some((light.emitting_leaf()?, index))).collect();
+        let mut in_glass = vec![false; scene.objects.len()];
+        for leaf in scene.field.leaves() {
+            in_glass[leaf.object as usize] |= scene.materials[leaf.tag as usize].transmits();
+        }
         let flags = |index: usize, sheet: bool| {
+            let in_glass = IN_GLASS * u32::from(in_glass[scene.field.leaves()[index].object as usize]);
             let is_direct = scene.field.is_met_directly(index);
             let light = light_of_leaf.get(&(index as u32)).map_or(0, |light| light + 1);
-            (SHEET * u32::from(sheet)) | (DIRECT * u32::from(is_direct)) | (light << LIGHT_SHIFT)
+            (SHEET * u32::from(sheet)) | (DIRECT * u32::from(is_direct)) | in_glass | (light << LIGHT_SHIFT)
         };
         let record = |(index, leaf): (usize, &Leaf)| LeafRecord {
             facing: leaf.pose.axes[1],

@@ -71,7 +71,9 @@ const SHEET = 1u;
 /// Rays meet it in closed form.
 const DIRECT = 2u;
 /// Where one more than the index of the leaf's light starts in the flags.
-const LIGHT_SHIFT = 2u;
+const LIGHT_SHIFT = 3u;
+/// The leaf is in one solid with a material that transmits, so that paths come to it from inside.
+const IN_GLASS = 4u;
 
 struct Material {
     emission: vec3f,

@@ -10,6 +10,9 @@
 //! Clear solids: a surface that transmits starts the path on its other side. What the medium absorbs is added where a path
 //! enters a solid and taken off where it leaves it, so that solids may lie in one another.
 //!
+//! A lamp that is blended with glass is met from inside, too, where equilibrium demands n² times the radiance that it emits into air;
+//! there paths alone find it.
+//!
 //! Here the paths of a tile go side by side, one surface at a time: march all, shade each, march all shadow rays.
 
 use super::basis::basis;
@@ -21,7 +24,7 @@ use super::random::{Random, pair};
 use super::shadow::{self, Connection};
 use super::splitting::ray_of;
 use super::visible::{Visible, shines, visible};
-use crate::frame::{DELTA, EMITS, LIGHT_SHIFT, Prepared, TRANSMITS};
+use crate::frame::{DELTA, EMITS, IN_GLASS, LIGHT_SHIFT, Prepared, TRANSMITS};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use std::iter::repeat_n;
@@ -212,7 +215,9 @@ fn shade(
         let counted = path.passing && light > 0;
         if shines(prepared, surface.leaf, normal) && !counted {
             let mut weight = 1.0;
-            if light > 0 {
+            if inside && leaf.flags & IN_GLASS != 0 {
+                weight = path.index_square;
+            } else if light > 0 {
                 let cosine = normal.dot(path.ray.direction).abs();
                 let light = &prepared.lights[light as usize - 1];
                 let light_pdf = lights::pdf(light, path.reference, path.ray.origin, cosine);

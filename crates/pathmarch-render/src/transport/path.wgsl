@@ -100,7 +100,9 @@ fn path_arrive(path: ptr<function, Path>) -> bool {
         let counted = FAST_CAUSTICS && (*path).passing && light > 0u;
         if seen && !counted {
             var weight = 1.0;
-            if HAS_SURFACE_LIGHTS && light > 0u {
+            if TRANSMISSION && inside && (leaf.flags & IN_GLASS) != 0u {
+                weight = (*path).index_square;
+            } else if HAS_SURFACE_LIGHTS && light > 0u {
                 let cosine = abs(dot(normal, direction));
                 weight = met_weight((*path).scatter_pdf, light_pdf(lights[light - 1u], (*path).reference, reached, cosine));
             }

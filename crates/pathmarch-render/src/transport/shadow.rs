@@ -14,7 +14,7 @@ use super::paint::Painted;
 use super::path::{left_after, medium_beyond};
 use super::random::Random;
 use super::visible::{Visible, shines, visible};
-use crate::frame::{CLEAR, Prepared, passes_straight};
+use crate::frame::{CLEAR, IN_GLASS, Prepared, passes_straight};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_field::number::Vec3 as FieldVec3;
@@ -90,7 +90,9 @@ pub(super) fn arriving(prepared: &Prepared, connections: Vec<Connection>, surfac
                 if connection.light.target != Some(obstacle.leaf as u32) {
                     return passes(prepared, connection, t, &obstacle);
                 }
-                if shines(prepared, obstacle.leaf, -connection.ray.direction) {
+                // From inside glass, paths alone find the light.
+                let from_glass = obstacle.inside && prepared.leaves[obstacle.leaf].flags & IN_GLASS != 0;
+                if !from_glass && shines(prepared, obstacle.leaf, -connection.ray.direction) {
                     arrived.push((connection.slot, connection.radiance * connection.light.weight));
                 }
                 false

@@ -30,7 +30,9 @@ fn light_through(start: Ray, before: f32, light: LightSample, scatter_pdf: f32, 
         let leaf = leaves[met.leaf];
         if HAS_BOUNDED && met.leaf == light.target_leaf {
             // A sheet's gradient points to the side it is seen from.
-            let seen = (leaf.flags & SHEET) == 0u || dot(ray.direction, leaf.facing) < 0.0;
+            // From inside glass, paths alone find the light.
+            let from_glass = TRANSMISSION && (leaf.flags & IN_GLASS) != 0u && dot(met.gradient, ray.direction) > 0.0;
+            let seen = ((leaf.flags & SHEET) == 0u || dot(ray.direction, leaf.facing) < 0.0) && !from_glass;
             return select(vec3f(0.0), passed * weight, seen);
         }
         let m = leaf.material;

@@ -72,7 +72,7 @@ fn out_of_range(bounds: &Aabb) -> Option<String> {
     let size = (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f32::max);
     match () {
         () if far > MAX_METRES => Some(format!("reaches {far:e} m from the origin")),
-        () if size < MIN_METRES => Some(format!("is {size:e} m large")),
+        () if size > 0.0 && size < MIN_METRES => Some(format!("is {size:e} m large")),
         () => None,
     }
 }
