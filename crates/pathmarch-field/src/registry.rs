@@ -765,6 +765,9 @@ impl<T: Operator> Combine for Entry<T> {
     }
 }
 
+/// Records a function of a point and numbers.
+type Body<'a> = dyn Fn(&[Expr], &[Expr]) -> Vec<Expr> + 'a;
+
 /// A function of a modifier: its `parameters`, then `count` numbers. The body gets the components of the one and the others.
 fn modifier_function(
     modifier: &dyn Modify,
@@ -772,7 +775,7 @@ fn modifier_function(
     parameters: &[(&'static str, &'static str)],
     doc: String,
     count: usize,
-    body: &dyn Fn(&[Expr], &[Expr]) -> Vec<Expr>,
+    body: &Body,
 ) -> String {
     const NUMBERS: [&str; MOST_NUMBERS] = [
         "n0", "n1", "n2", "n3", "n4", "n5", "n6", "n7", "n8", "n9", "n10", "n11", "n12", "n13", "n14", "n15", "n16",

@@ -231,8 +231,11 @@ impl Not for ExprMask {
     }
 }
 
+/// Records a turn of a loop: its results and its condition, of the values before it.
+type Turn<'a> = dyn Fn(&[Expr]) -> (Vec<u32>, u32) + 'a;
+
 /// Records a loop over `initial`; `body` maps the running state to the next state and the mask to go on.
-fn record_loop(count: u32, limit: u32, initial: Vec<u32>, body: &dyn Fn(&[Expr]) -> (Vec<u32>, u32)) -> Vec<Expr> {
+fn record_loop(count: u32, limit: u32, initial: Vec<u32>, body: &Turn) -> Vec<Expr> {
     let id = GRAPH.with_borrow_mut(|graph| {
         let parent = graph.open.last().copied();
         let depth = graph.open.len() as u32 + 1;
