@@ -33,10 +33,14 @@ pub(crate) fn check(scene: &Scene, file: &Block, report: &mut Report) {
     let mut bad = vec![None; scene.objects.len()];
     for leaf in scene.field.leaves() {
         let (scale, place) = (leaf.pose.scale, farthest(leaf.pose.at));
+        // A range does not contain NaN.
         let fault = match () {
-            () if !(place <= MAX_METRES) => Some(format!("has a shape that stands {place:e} m from the origin")),
-            () if !(scale <= MAX_METRES) => Some(format!("has a shape that is scaled by {scale:e}")),
-            () if !(scale >= MIN_METRES) => Some(format!("has a shape that is scaled by {scale:e}")),
+            () if !(0.0..=MAX_METRES).contains(&place) => {
+                Some(format!("has a shape that stands {place:e} m from the origin"))
+            }
+            () if !(MIN_METRES..=MAX_METRES).contains(&scale) => {
+                Some(format!("has a shape that is scaled by {scale:e}"))
+            }
             () => None,
         };
         let first = &mut bad[leaf.object as usize];
