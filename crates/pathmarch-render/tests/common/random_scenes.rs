@@ -22,7 +22,7 @@ impl Random {
     }
     /// From 0 to `count - 1`.
     fn below(&mut self, count: usize) -> usize {
-        (u64::from(self.word()) * count as u64 >> 32) as usize
+        ((u64::from(self.word()) * count as u64) >> 32) as usize
     }
     /// Three digits, so that texts stay short.
     fn within(&mut self, low: f32, high: f32) -> f32 {
