@@ -80,7 +80,7 @@ proptest! {
 
     /// A scene or mistakes inside the text, never a panic.
     #[test]
-    fn mutated_files(file in 0..FILES.len(), changes in prop::collection::vec(any::<(usize, usize, usize)>(), 1..8)) {
+    fn slow_mutated_files(file in 0..FILES.len(), changes in prop::collection::vec(any::<(usize, usize, usize)>(), 1..8)) {
         let text = mutate(FILES[file], &changes);
         match Scene::parse("mutated.kdl", &text) {
             Ok(scene) => prop_assert!(!scene.cameras.is_empty()),
@@ -97,7 +97,7 @@ proptest! {
     }
 
     #[test]
-    fn any_text(text in "\\PC*") {
+    fn slow_any_text(text in "\\PC*") {
         let _ = Scene::parse("any.kdl", &text);
     }
 }
@@ -114,7 +114,7 @@ fn timed(what: &str, text: &str, limit: Duration) {
 }
 
 #[test]
-fn large_scenes_in_linear_time() {
+fn slow_large_scenes_in_linear_time() {
     for count in [1_000, 10_000, 90_000] {
         let mut text =
             "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nmaterial \"white\" { diffuse 0.8 }\n".to_owned();
@@ -127,7 +127,7 @@ fn large_scenes_in_linear_time() {
 
 /// Texts as large as allowed and as bad as we could think of. The stack of a test thread is 2 MiB.
 #[test]
-fn hostile_texts() {
+fn slow_hostile_texts() {
     let limit = Duration::from_secs(40);
     let head = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\n";
     timed("100,000 open braces", &format!("{head}{}", "a { ".repeat(100_000)), limit);

@@ -268,7 +268,7 @@ fn gallery() -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_scene_of_the_gallery_compiles_in_every_mode() {
+fn slow_every_scene_of_the_gallery_compiles_in_every_mode() {
     let kernels = gallery().into_par_iter().flat_map_iter(|file| {
         let scene = Scene::load(&file).expect("a valid scene");
         let name = file.file_stem().expect("a name").to_string_lossy().into_owned();
@@ -310,7 +310,7 @@ fn covering_sets(features: usize) -> Vec<Vec<usize>> {
 }
 
 #[test]
-fn every_pair_of_features_compiles_in_every_mode() {
+fn slow_every_pair_of_features_compiles_in_every_mode() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let picture = folder.path().join("picture.png");
     image::RgbImage::from_pixel(4, 4, image::Rgb([200, 100, 50])).save(&picture).expect("is written");

@@ -294,7 +294,7 @@ fn run(text: &str, numbers: &[u32]) -> HashMap<String, usize> {
 
 /// That the random edits are edits: enough of each kind come to pass.
 #[test]
-fn random_edits_are_made() {
+fn slow_random_edits_are_made() {
     let mut made: HashMap<String, usize> = HashMap::new();
     let mut state = 1_u32;
     for round in 0..2 * TEXTS.len() {
@@ -318,13 +318,13 @@ fn random_edits_are_made() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 80, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
-    fn random_edits_can_all_be_taken_back(which in 0..TEXTS.len(), numbers in prop::collection::vec(any::<u32>(), 0..300)) {
+    fn slow_random_edits_can_all_be_taken_back(which in 0..TEXTS.len(), numbers in prop::collection::vec(any::<u32>(), 0..300)) {
         run(TEXTS[which], &numbers);
     }
 
     /// Texts with mistakes of every kind: a piece of a scene cut out.
     #[test]
-    fn broken_texts_are_edited_safely(
+    fn slow_broken_texts_are_edited_safely(
         which in 0..TEXTS.len(),
         (start, length) in (0..1000_usize, 1..12_usize),
         numbers in prop::collection::vec(any::<u32>(), 0..100),
