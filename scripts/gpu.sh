@@ -56,7 +56,12 @@ step() {
     file=$(printf '%s/%02d-%s.txt' "$out" "$number" "$1")
     local name=$1 limit=$2
     shift 2
-    if timeout --kill-after=5 "$limit" "$@" >"$file" 2>&1; then
+    local run=("$@")
+    # A function runs in a shell of its own, so that its time can be limited.
+    if [ "$(type -t "$1")" = function ]; then
+        run=(bash -c "$(declare -p pathmarch measure programs adapter); $(declare -f "$1"); $1")
+    fi
+    if timeout --kill-after=5 "$limit" "${run[@]}" >"$file" 2>&1; then
         echo "ok      $name ($((SECONDS - started)) s)"
     else
         echo "FAILED  $name (exit $?, $((SECONDS - started)) s): $(tail -n 1 "$file")"
