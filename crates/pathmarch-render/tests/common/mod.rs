@@ -61,6 +61,16 @@ fn lend_gpu(test: impl FnOnce(Renderer) -> Renderer) {
     idle().push(renderer);
 }
 
+/// Lends the CPU and the GPU backend to a test, in this order.
+fn lend_both(test: impl FnOnce(&mut [Renderer; 2])) {
+    lend_gpu(|gpu| {
+        let mut renderers = [cpu(), gpu];
+        test(&mut renderers);
+        let [_, gpu] = renderers;
+        gpu
+    });
+}
+
 /// Tests of one backend, twice: on the CPU and on the GPU.
 pub fn on_each_backend(name: &str, test: fn(&mut Renderer)) -> [Test; 2] {
     let on_gpu = move || {
@@ -85,30 +95,14 @@ pub fn for_each_backend(name: &str, test: fn(Backend)) -> [Test; 2] {
 
 /// Tests that compare backends: the CPU's and the GPU's, in this order.
 pub fn on_both_backends(name: &str, test: fn(&mut [Renderer; 2])) -> [Test; 1] {
-    let on_both = move || {
-        lend_gpu(|gpu| {
-            let mut renderers = [cpu(), gpu];
-            test(&mut renderers);
-            let [_, gpu] = renderers;
-            gpu
-        });
-    };
-    [Test::requiring(name, &GPU, on_both)]
+    [Test::requiring(name, &GPU, move || lend_both(test))]
 }
 
 /// Tests of any number of backends, twice: with the CPU's alone, and with the CPU's and the GPU's.
 pub fn on_one_and_both_backends(name: &str, test: fn(&mut [Renderer])) -> [Test; 2] {
-    let on_both = move || {
-        lend_gpu(|gpu| {
-            let mut renderers = [cpu(), gpu];
-            test(&mut renderers);
-            let [_, gpu] = renderers;
-            gpu
-        });
-    };
     [
         Test::new(&format!("{name}::cpu"), move || test(&mut [cpu()])),
-        Test::requiring(&format!("{name}::both"), &GPU, on_both),
+        Test::requiring(&format!("{name}::both"), &GPU, move || lend_both(|renderers| test(renderers))),
     ]
 }
 
