@@ -4,40 +4,39 @@
 //! rendering models", University of Porto, 2020), light is carried by Monte Carlo path tracing with next-event estimation,
 //! and samples accumulate in a [`film::Film`].
 
-pub mod aov;
-pub mod film;
-pub mod image;
 pub mod live;
 pub mod mesh_file;
 pub mod metrics;
-pub mod tonemap;
-
-mod census;
-mod cpu;
-mod error;
-mod frame;
-mod gpu;
-mod mode;
-mod motion;
-mod pick;
-mod renderer;
-mod settings;
 #[doc(hidden)]
 pub mod testing;
-mod tracer;
-mod transport;
-mod whole;
 
-pub use census::{Census, census};
+mod backend;
+mod error;
+mod integrator;
+mod intersect;
+mod job;
+mod mode;
+mod output;
+mod preview;
+mod ray_stats;
+mod sampling;
+mod scene;
+mod settings;
+mod shading;
+mod views;
+
+pub use backend::gpu::{AdapterDescription, adapters};
 pub use error::RenderError;
-pub use gpu::{AdapterDescription, adapters};
+pub use job::motion::{MotionError, MovingJob, Shutter};
+pub use job::{Backend, Job, Renderer, ray_stats};
 pub use mode::{Mode, relative_error};
-pub use motion::{MotionError, MovingJob, Shutter};
+pub use output::{film, image, tonemap};
 pub use pathmarch_field;
 pub use pathmarch_scene;
-pub use pick::{Picked, clearance, pick};
-pub use renderer::{Backend, Job, Renderer};
+pub use ray_stats::RayStats;
 pub use settings::{LightSearch, MAX_BOUNCES, MAX_SPLITTING, Settings};
+pub use views::aov;
+pub use views::pick::{Picked, clearance, pick};
 
 /// SHA-256 of the scene's text and of its sky's picture, in hexadecimal: which scene a picture shows.
 pub fn scene_hash(scene: &pathmarch_scene::Scene) -> String {

@@ -13,9 +13,9 @@
 //! in the polynomial of degree five fitted by Ruofei Du. Colours of numbers: hues a golden ratio apart (Ankerl 2009, "How to
 //! Generate Random Colors Programmatically"), here in Oklab (Ottosson 2020) so that they look equally light.
 
-use crate::film::Film;
-use crate::image::Picture;
-use crate::tonemap::{Display, Tonemap, decoded};
+use crate::output::film::Film;
+use crate::output::image::Picture;
+use crate::output::tonemap::{Display, Tonemap, decoded};
 use pathmarch_field::number::Real;
 use pathmarch_field::wgsl::Function;
 use std::f32::consts::TAU;
@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn colours_of_numbers_differ_and_are_seen() {
-        let codes = |number| colour_of_number(number).map(crate::tonemap::srgb_encode);
+        let codes = |number| colour_of_number(number).map(crate::output::tonemap::srgb_encode);
         let distance = |a: [f32; 3], b: [f32; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f32>().sqrt();
         for a in 0..64 {
             assert!(codes(a).iter().sum::<f32>() > 0.5, "{a}");

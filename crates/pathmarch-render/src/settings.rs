@@ -1,6 +1,8 @@
 //! What to render of a scene, and how well.
 
+use crate::error::RenderError;
 use crate::mode::Mode;
+use crate::output::image::MAX_SIDE;
 use pathmarch_scene::{Camera, Caustics, Sampler, Scene};
 
 /// The largest number of bounces a path may have.
@@ -83,5 +85,36 @@ impl Settings {
     /// Without a [`viewpoint`](Self::viewpoint), where the scene has no camera of this index.
     pub fn camera_of<'a>(&'a self, scene: &'a Scene) -> &'a Camera {
         self.viewpoint.as_ref().unwrap_or_else(|| &scene.cameras[self.camera])
+    }
+
+    /// Checks the settings for a scene.
+    ///
+    /// # Errors
+    /// [`RenderError::Settings`] names the setting that is out of range, and the range.
+    pub fn check(&self, scene: &Scene) -> Result<(), RenderError> {
+        let fail = |message: String| Err(RenderError::Settings(message));
+        let [width, height] = self.size;
+        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+            return fail(format!("a picture of {width}x{height} pixels: each side must be from 1 to {MAX_SIDE}"));
+        }
+        if self.samples == 0 || self.first_sample.checked_add(self.samples).is_none() {
+            return fail(format!(
+                "{} samples from {}: there must be some, below 2³² in all",
+                self.samples, self.first_sample
+            ));
+        }
+        if !(self.detail > 0.0 && self.detail.is_finite()) {
+            return fail(format!("a detail of {} pixels: it must be above 0", self.detail));
+        }
+        if self.bounces > MAX_BOUNCES {
+            return fail(format!("{} bounces: at most {MAX_BOUNCES}", self.bounces));
+        }
+        if self.splitting.is_some_and(|paths| !(1..=MAX_SPLITTING).contains(&paths)) {
+            return fail(format!("a splitting of {:?}: it must be from 1 to {MAX_SPLITTING}", self.splitting));
+        }
+        if self.viewpoint.is_none() && self.camera >= scene.cameras.len() {
+            return fail(format!("camera {} of {}", self.camera, scene.cameras.len()));
+        }
+        Ok(())
     }
 }

@@ -1,26 +1,26 @@
 //! What tests of pictures need of the inside. No part of the public interface.
 
-use crate::cpu::CpuJob;
+use crate::backend::RenderInput;
+use crate::backend::cpu::CpuJob;
+use crate::backend::gpu::{self, GpuJob, KernelSource, WHOLE};
 use crate::error::RenderError;
-use crate::film::Film;
-use crate::frame;
-use crate::gpu::{self, GpuJob, Printed, WHOLE};
+use crate::output::film::Film;
 use crate::settings::Settings;
 use pathmarch_scene::Scene;
 use std::sync::Arc;
 
-/// A scene as renderers read it.
-pub struct Prepared(frame::Prepared);
+/// Input of the backends for one picture.
+pub struct Picture(RenderInput);
 
-impl Prepared {
+impl Picture {
     /// A scene with its settings.
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
-        Self(frame::Prepared::new(scene, settings))
+        Self(RenderInput::new(scene, settings))
     }
 
     /// The same, sphere-traced without over-relaxation.
     pub fn without_relaxation(mut self) -> Self {
-        self.0.features.relaxation = 0.0;
+        self.0.config.relaxation = 0.0;
         self
     }
 
@@ -36,8 +36,8 @@ impl Prepared {
     /// # Errors
     /// [`RenderError`] where the device refuses or fails.
     pub fn on_gpu(&self, device: &Device, samples: u32) -> Result<Film, RenderError> {
-        let printed = Printed::new(&self.0, &device.0);
-        let mut job = GpuJob::of_printed(device.0.clone(), &self.0, &printed, 0, WHOLE)?;
+        let source = KernelSource::new(&self.0, &device.0);
+        let mut job = GpuJob::of_source(device.0.clone(), &self.0, &source, 0, WHOLE)?;
         while job.samples_done() < f64::from(samples) {
             job.advance(samples)?;
         }
@@ -46,7 +46,7 @@ impl Prepared {
 }
 
 /// An opened GPU.
-pub struct Device(Arc<gpu::Device>);
+pub struct Device(Arc<gpu::GpuContext>);
 
 impl Device {
     /// Opens the preferred adapter.
@@ -54,7 +54,7 @@ impl Device {
     /// # Errors
     /// [`RenderError`] where there is none.
     pub fn open() -> Result<Self, RenderError> {
-        Ok(Self(Arc::new(gpu::Device::open(None)?)))
+        Ok(Self(Arc::new(gpu::GpuContext::open(None)?)))
     }
 
     /// Opens it and takes it for another kind of adapter: "software" or "discrete GPU".
@@ -62,8 +62,8 @@ impl Device {
     /// # Errors
     /// [`RenderError`] where there is none.
     pub fn open_as(kind: &'static str) -> Result<Self, RenderError> {
-        let mut device = gpu::Device::open(None)?;
-        device.description.kind = kind;
+        let mut device = gpu::GpuContext::open(None)?;
+        device.opened.description.kind = kind;
         Ok(Self(Arc::new(device)))
     }
 
@@ -73,8 +73,8 @@ impl Device {
     }
 
     /// Whether a scene's frame and its table of leaves are in uniform memory.
-    pub fn has_uniform_frame_and_leaves(&self, prepared: &Prepared) -> [bool; 2] {
-        let memory = Printed::new(&prepared.0, &self.0).memory;
-        [memory.is_uniform(gpu::FRAME), memory.is_uniform(gpu::LEAVES)]
+    pub fn has_uniform_frame_and_leaves(&self, picture: &Picture) -> [bool; 2] {
+        let bindings = KernelSource::new(&picture.0, &self.0).bindings;
+        [bindings.is_uniform(gpu::FRAME), bindings.is_uniform(gpu::LEAVES)]
     }
 }

@@ -6,7 +6,7 @@ use pathmarch_render::metrics::relmse;
 use pathmarch_render::pathmarch_field::Field;
 use pathmarch_render::pathmarch_field::number::Vec3;
 use pathmarch_render::pathmarch_scene::Scene;
-use pathmarch_render::testing::{Device, Prepared};
+use pathmarch_render::testing::{Device, Picture};
 use pathmarch_render::{Backend, Settings};
 use pathmarch_testing::tests;
 
@@ -24,7 +24,7 @@ object "ball" material="glass" { torus 0.4 0.15 { at 0 0.3 0 } }
 object "lamp" material="lamp" { sphere 0.2 { at 0.6 1 -0.5 } }
 "#,
     );
-    let prepared = Prepared::new(&scene, &Settings { size: [24, 16], ..Settings::of(&scene) });
+    let prepared = Picture::new(&scene, &Settings { size: [24, 16], ..Settings::of(&scene) });
     let [a, b] = ["software", "discrete GPU"].map(|kind| {
         let device = Device::open_as(kind).expect("a GPU, as before");
         let uniform = device.has_uniform_frame_and_leaves(&prepared);
@@ -57,16 +57,16 @@ object "needle" material="red" { cone 0.01 1.2 { at -0.15 0.6 0.7 } }
 "#;
 
 /// Reference, and the pictures that are made faster, by `render`.
-fn compare_optimisations(backend: &str, render: impl Fn(&Prepared, u32) -> Film) {
+fn compare_optimisations(backend: &str, render: impl Fn(&Picture, u32) -> Film) {
     let scene = parse(THIN);
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
     let marched = Scene { field: Field::all_marched(&roots), ..scene.clone() };
     assert!(marched.field.direct_hit::<f32>(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, -1.0, 0.0)).1 < 0.0);
     const SAMPLES: u32 = 256;
     let settings = Settings { size: [80, 45], samples: SAMPLES, bounces: 2, detail: 0.005, ..Settings::of(&scene) };
-    let reference = Prepared::new(&marched, &settings).without_relaxation().on_cpu(SAMPLES).mean();
-    let relaxed = Prepared::new(&marched, &settings);
-    let whole = Prepared::new(&scene, &settings);
+    let reference = Picture::new(&marched, &settings).without_relaxation().on_cpu(SAMPLES).mean();
+    let relaxed = Picture::new(&marched, &settings);
+    let whole = Picture::new(&scene, &settings);
     for (name, prepared) in [("long steps", &relaxed), ("long steps and closed forms", &whole)] {
         let error = relmse(&render(prepared, SAMPLES).mean(), &reference).expect("of one size");
         println!("{name} on {backend}: relMSE {error:.1e}");
@@ -76,7 +76,7 @@ fn compare_optimisations(backend: &str, render: impl Fn(&Prepared, u32) -> Film)
 
 fn pictures_do_not_depend_on_long_steps_and_closed_forms(backend: Backend) {
     if backend == Backend::Cpu {
-        compare_optimisations("CPU", Prepared::on_cpu);
+        compare_optimisations("CPU", Picture::on_cpu);
     } else {
         let device = Device::open().expect("a GPU, as before");
         compare_optimisations("GPU", |prepared, samples| prepared.on_gpu(&device, samples).expect("renders"));

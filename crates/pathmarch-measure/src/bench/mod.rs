@@ -19,7 +19,7 @@ use pathmarch_cli::{
     AppDirs, BackendArgument, DONE, FAILED, Failure, INTERRUPTED, check_directory, numbers, watch_interrupts,
 };
 use pathmarch_render::pathmarch_scene::{Scene, limits};
-use pathmarch_render::{Renderer, Settings, census};
+use pathmarch_render::{Renderer, Settings, ray_stats};
 use report::{Entry, Quality, Results, Spread};
 use scenes::Chosen;
 pub use scenes::built_in;
@@ -219,7 +219,7 @@ impl Stage<'_> {
         // Else it is built at the first look at the field; it is no part of a sample.
         scene.field.index();
         let began = Instant::now();
-        let census = census(scene, &counted).map_err(Failure::other)?;
+        let ray_stats = ray_stats(scene, &counted).map_err(Failure::other)?;
         // The CPU renders it in about as long as a sample of so many pixels takes.
         let cpu_seconds = began.elapsed().as_secs_f64() * self.enlarged();
         let pixels = f64::from(arguments.counted_size().iter().product::<u32>());
@@ -261,10 +261,10 @@ impl Stage<'_> {
                 ms_per_sample: Spread { median, min, max },
                 gpu_ms_per_sample: gpu.map(|time| time.as_secs_f64() * 1e3 / job.samples_done()),
                 compile_ms,
-                rays_per_pixel: census.rays as f64 / pixels,
-                evaluations_per_ray: census.evaluations_per_ray(),
-                evaluations_per_pixel: Some(census.evaluations as f64 / pixels),
-                steps_per_marched_ray: Some(census.evaluations as f64 / census.marched_rays.max(1) as f64),
+                rays_per_pixel: ray_stats.rays as f64 / pixels,
+                evaluations_per_ray: ray_stats.evaluations_per_ray(),
+                evaluations_per_pixel: Some(ray_stats.evaluations as f64 / pixels),
+                steps_per_marched_ray: Some(ray_stats.evaluations as f64 / ray_stats.marched_rays.max(1) as f64),
                 peak_mib: None,
                 quality: None,
             });

@@ -3,16 +3,16 @@
 use super::background::give_way;
 use super::pace::Pace;
 use super::{Inbox, Order, Shared, Shown, Status, lock};
-use crate::cpu::CpuJob;
+use crate::backend::RenderInput;
+use crate::backend::cpu::CpuJob;
+use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
 use crate::error::RenderError;
-use crate::film::Film;
-use crate::frame::Prepared;
-use crate::gpu::{self, Device, GpuJob, Printed};
+use crate::job::Backend;
+use crate::job::tracer::Tracer;
 use crate::mode::Mode;
-use crate::renderer::{Backend, check};
+use crate::output::film::Film;
+use crate::output::tonemap::Display;
 use crate::settings::Settings;
-use crate::tonemap::Display;
-use crate::tracer::Tracer;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, PoisonError};
@@ -53,11 +53,11 @@ impl Tracer {
         }
     }
     /// Starts again, where it can; false otherwise.
-    fn reframe(&mut self, prepared: &Prepared) -> Result<bool, RenderError> {
+    fn reframe(&mut self, input: &RenderInput) -> Result<bool, RenderError> {
         match self {
-            Self::Gpu(job) => job.reframe(&prepared.frame),
+            Self::Gpu(job) => job.reframe(&input.frame),
             Self::Cpu(job) => {
-                job.reframe(prepared);
+                job.reframe(input);
                 Ok(true)
             }
         }
@@ -72,12 +72,12 @@ enum Gpu {
     Closed {
         from: Instant,
     },
-    Open(Arc<Device>),
+    Open(Arc<GpuContext>),
 }
 
 /// What a thread that compiles sends: the device, where it could be opened, and whether the kernel is among its own.
 struct Compiled {
-    device: Option<Arc<Device>>,
+    device: Option<Arc<GpuContext>>,
     result: Result<(), RenderError>,
 }
 
@@ -90,9 +90,9 @@ pub(super) struct Engine {
     order: Option<(u64, Order)>,
     /// What comes after the first picture of the present order.
     next: Option<(u64, Order)>,
-    prepared: Option<Prepared>,
-    /// The kernel's text for the prepared scene.
-    printed: Option<Printed>,
+    input: Option<RenderInput>,
+    /// The kernel's text for the input scene.
+    source: Option<KernelSource>,
     compiling: Option<Receiver<Compiled>>,
     tracer: Option<Tracer>,
     /// The GPU refused this scene.
@@ -152,8 +152,8 @@ impl Engine {
             reopenings: 0,
             order: None,
             next: None,
-            prepared: None,
-            printed: None,
+            input: None,
+            source: None,
             compiling: None,
             tracer: None,
             refused: false,
@@ -275,14 +275,14 @@ impl Engine {
 
     /// Takes an order on.
     fn follow(&mut self, number: u64, order: Order) -> Result<(), RenderError> {
-        if let Err(error) = check(&order.scene, &order.settings) {
+        if let Err(error) = order.settings.check(&order.scene) {
             self.order = Some((number, order));
             self.give_up(error.to_string());
             return Ok(());
         }
         lock(&self.shared.status).error = None;
         let old = self.order.replace((number, order.clone()));
-        let old = old.map(|(_, old)| old).filter(|_| self.prepared.is_some() && self.tracer.is_some());
+        let old = old.map(|(_, old)| old).filter(|_| self.input.is_some() && self.tracer.is_some());
         let (same_scene, same_picture) = old.as_ref().map_or((false, false), |old| {
             let scene = Arc::ptr_eq(&old.scene, &order.scene) && same_kernel(&old.settings, &order.settings);
             (scene, scene && same_picture(&old.settings, &order.settings))
@@ -305,13 +305,12 @@ impl Engine {
         self.level = self.first_level(&order);
         self.awaited = Some(Instant::now());
         let settings = self.level_settings(&order);
-        let reframed =
-            same_scene && self.prepared.as_mut().is_some_and(|prepared| prepared.reframe(&order.scene, &settings));
+        let reframed = same_scene && self.input.as_mut().is_some_and(|input| input.reframe(&order.scene, &settings));
         if reframed {
             return self.restart();
         }
-        self.prepared = Some(Prepared::new(&order.scene, &settings));
-        self.printed = None;
+        self.input = Some(RenderInput::new(&order.scene, &settings));
+        self.source = None;
         self.refused = false;
         self.compile();
         if let Some(compiling) = &self.compiling {
@@ -344,12 +343,12 @@ impl Engine {
         if matches!(self.tracer, Some(Tracer::Gpu(_))) { &self.gpu_pace } else { &self.cpu_pace }
     }
 
-    /// Sees to it that the kernel of the prepared scene is ready or on its way.
+    /// Sees to it that the kernel of the input scene is ready or on its way.
     fn compile(&mut self) {
         if self.compiling.is_some() || self.refused {
             return;
         }
-        let Some(prepared) = &self.prepared else { return };
+        let Some(input) = &self.input else { return };
         let device = match &self.gpu {
             Gpu::None => return,
             Gpu::Open(device) => Some(device.clone()),
@@ -357,15 +356,15 @@ impl Engine {
             Gpu::Closed { .. } => None,
         };
         if let Some(device) = &device {
-            let printed = Printed::new(prepared, device);
-            let ready = printed.is_compiled(device);
-            self.printed = Some(printed);
+            let source = KernelSource::new(input, device);
+            let ready = source.is_compiled(device);
+            self.source = Some(source);
             if ready {
                 return;
             }
         }
         // A picture of one workgroup is enough to have it compiled.
-        let mut sample = prepared.clone();
+        let mut sample = input.clone();
         (sample.frame.width, sample.frame.height) = (8, 8);
         let (adapter, software) = (self.adapter.clone(), self.takes_software());
         let (sender, receiver) = channel();
@@ -374,7 +373,7 @@ impl Engine {
             give_way();
             let opened = match device {
                 Some(device) => Ok(device),
-                None => caught(|| Device::open(adapter.as_deref()).map(Arc::new)),
+                None => caught(|| GpuContext::open(adapter.as_deref()).map(Arc::new)),
             };
             let compiled = match opened {
                 Err(error) => Compiled { device: None, result: Err(error) },
@@ -441,12 +440,10 @@ impl Engine {
         }
     }
 
-    /// The device and the kernel of the prepared scene, where it is ready.
-    fn ready_kernel(&self) -> Option<(&Arc<Device>, &Printed)> {
-        match (&self.gpu, &self.printed) {
-            (Gpu::Open(device), Some(printed)) if !self.refused && printed.is_compiled(device) => {
-                Some((device, printed))
-            }
+    /// The device and the kernel of the input scene, where it is ready.
+    fn ready_kernel(&self) -> Option<(&Arc<GpuContext>, &KernelSource)> {
+        match (&self.gpu, &self.source) {
+            (Gpu::Open(device), Some(source)) if !self.refused && source.is_compiled(device) => Some((device, source)),
             _ => None,
         }
     }
@@ -455,19 +452,19 @@ impl Engine {
     fn restart(&mut self) -> Result<(), RenderError> {
         let Some((_, order)) = &self.order else { return Ok(()) };
         let settings = self.level_settings(order);
-        let Some(prepared) = &mut self.prepared else { return Ok(()) };
-        if [prepared.frame.width, prepared.frame.height] != self.level && !prepared.reframe(&order.scene, &settings) {
-            *prepared = Prepared::new(&order.scene, &settings);
+        let Some(input) = &mut self.input else { return Ok(()) };
+        if [input.frame.width, input.frame.height] != self.level && !input.reframe(&order.scene, &settings) {
+            *input = RenderInput::new(&order.scene, &settings);
             self.tracer = None;
         }
         let kept = match &mut self.tracer {
-            Some(tracer) => tracer.reframe(prepared)?,
+            Some(tracer) => tracer.reframe(input)?,
             None => false,
         };
-        if !kept && let Some(prepared) = &self.prepared {
+        if !kept && let Some(input) = &self.input {
             let first = settings.first_sample;
-            let cpu = || Tracer::Cpu(Box::new(CpuJob::new(prepared.clone(), first)));
-            let tracer = match self.gpu_tracer(prepared, first) {
+            let cpu = || Tracer::Cpu(Box::new(CpuJob::new(input.clone(), first)));
+            let tracer = match self.gpu_tracer(input, first) {
                 Some(Err(error @ RenderError::TooLarge { .. })) => {
                     self.notice(format!("{error}: rendering on the CPU"));
                     self.refused = true;
@@ -484,9 +481,9 @@ impl Engine {
     }
 
     /// A tracer on the GPU, where the kernel is ready and the scene fits.
-    fn gpu_tracer(&self, prepared: &Prepared, first_sample: u32) -> Option<Result<Tracer, RenderError>> {
-        let (device, printed) = self.ready_kernel()?;
-        let job = GpuJob::of_printed(device.clone(), prepared, printed, first_sample, gpu::LIVE);
+    fn gpu_tracer(&self, input: &RenderInput, first_sample: u32) -> Option<Result<Tracer, RenderError>> {
+        let (device, source) = self.ready_kernel()?;
+        let job = GpuJob::of_source(device.clone(), input, source, first_sample, gpu::LIVE);
         Some(job.map(|job| Tracer::Gpu(Box::new(job))))
     }
 
@@ -604,7 +601,7 @@ impl Engine {
             _ => Gpu::None,
         };
         self.compiling = None;
-        self.printed = None;
+        self.source = None;
         self.notice(format!("{error}: rendering on the CPU"));
     }
 
@@ -616,7 +613,7 @@ impl Engine {
     /// No picture, and why.
     fn give_up(&mut self, why: String) {
         self.tracer = None;
-        self.prepared = None;
+        self.input = None;
         lock(&self.shared.status).error = Some(why);
         self.report();
         (self.shared.notify)();

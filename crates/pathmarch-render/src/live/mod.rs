@@ -14,10 +14,10 @@ mod background;
 mod engine;
 mod pace;
 
-use crate::film::Film;
-use crate::renderer::Backend;
+use crate::job::Backend;
+use crate::output::film::Film;
+use crate::output::tonemap::Display;
 use crate::settings::Settings;
-use crate::tonemap::Display;
 use engine::Engine;
 use pathmarch_scene::Scene;
 use std::sync::mpsc::{Receiver, Sender, channel};

@@ -22,12 +22,10 @@ mod obj;
 mod ply;
 mod stl;
 
-use crate::frame::Prepared;
-use crate::mode::Mode;
+use crate::output::atomic_file;
 use crate::settings::Settings;
-use crate::transport::paint::Painted;
-use crate::transport::views::shown_colour;
-use crate::whole;
+use crate::shading::textured_point::TexturedPoint;
+use crate::views::{ViewScene, display_colour};
 use pathmarch_field::mesh::{Fineness, MeshError, Progress};
 use pathmarch_field::{Aabb, Field, Mesh};
 use pathmarch_scene::{Object, Scene, Sky};
@@ -107,10 +105,11 @@ pub fn mesh(
     let objects = objects.iter().map(|object| (*object).clone()).collect();
     // Only materials matter: no tables of a sky are made.
     let scene = Scene { objects, field: Field::new(&roots), sky: Sky::default(), ..scene.clone() };
-    let prepared = Prepared::new(&scene, &Settings { mode: Mode::Normal, ..Settings::of(&scene) });
+    let view = ViewScene::new(&scene, &Settings::of(&scene));
+    let ctx = view.context();
     let paint = |leaf: usize, p: [f32; 3], normal: [f32; 3]| {
-        let varying = Painted::new(&prepared, leaf, p.into(), normal.into(), 0.0).and_then(|painted| painted.colour());
-        varying.map_or_else(|| shown_colour(&scene, scene.field.leaves()[leaf].tag), |colour| colour.to_array())
+        let varying = TexturedPoint::new(&ctx, leaf, p.into(), normal.into(), 0.0).and_then(|point| point.colour());
+        varying.map_or_else(|| display_colour(&scene, scene.field.leaves()[leaf].tag), |colour| colour.to_array())
     };
     Mesh::new(&scene.field, fineness, cut, &paint, progress)
 }
@@ -122,7 +121,7 @@ pub fn mesh(
 pub fn save(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
     let format = MeshFormat::from_path(path)?;
     let write_error = |source| MeshFileError::Write { path: path.to_owned(), source };
-    let mut writer = BufWriter::new(whole::beside(path).map_err(write_error)?);
+    let mut writer = BufWriter::new(atomic_file::beside(path).map_err(write_error)?);
     let write = match format {
         MeshFormat::Stl => stl::write,
         MeshFormat::Ply => ply::write,

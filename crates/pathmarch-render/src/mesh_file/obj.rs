@@ -1,6 +1,6 @@
 //! OBJ: a line for each vertex, with its colour after the coordinates as most programs read it, and one for each triangle.
 
-use crate::tonemap::srgb_encode;
+use crate::output::tonemap::srgb_encode;
 use pathmarch_field::Mesh;
 use std::io::{self, Write};
 

@@ -1,7 +1,7 @@
 //! Binary PLY: a header that says what follows, then vertices with colours, then triangles.
 
 use super::write_numbers;
-use crate::tonemap::srgb_encode;
+use crate::output::tonemap::srgb_encode;
 use pathmarch_field::Mesh;
 use std::io::{self, Write};
 

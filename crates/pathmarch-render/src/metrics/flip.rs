@@ -24,7 +24,7 @@ use std::f32::consts::PI;
 use rayon::prelude::*;
 
 use super::{MetricError, check_finite, check_sizes, is_finite};
-use crate::image::{Picture, PictureKind};
+use crate::output::image::{Picture, PictureKind};
 
 /// Pixels in a degree of the visual field: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m; 67.02.
 pub const PIXELS_PER_DEGREE: f32 = 3840.0 * PI / 180.0;

@@ -15,7 +15,7 @@
 
 pub mod flip;
 
-use crate::image::{Picture, PictureKind};
+use crate::output::image::{Picture, PictureKind};
 
 /// Added to the squared reference in relMSE, so that black does not divide by zero.
 pub(crate) const RELMSE_EPSILON: f64 = 0.01;

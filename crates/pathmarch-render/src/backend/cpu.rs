@@ -1,0 +1,181 @@
+//! The CPU backend: tiles over all cores, eight rays to a march. No driver, no adapter; always there.
+
+use super::RenderInput;
+use crate::integrator::splitting;
+use crate::mode::{Mode, uncertainty_shown};
+use crate::output::film::Film;
+use crate::output::tonemap::Display;
+use crate::ray_stats::RayCounters;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use wide::f32x8;
+
+/// Pixels along a tile's edge: enough paths to keep eight lanes full for most bounces, few enough for the caches.
+const TILE: u32 = 16;
+
+/// A picture being rendered on the CPU.
+pub(crate) struct CpuJob {
+    input: RenderInput,
+    stats: Option<Arc<RayCounters>>,
+    tiles: Vec<Tile>,
+    film: Film,
+    /// Tiles of the samples that are begun which are done.
+    done: usize,
+    /// Samples that are begun together.
+    begun: u32,
+    first_sample: u32,
+}
+
+/// The first row and column of some pixels, and their ends.
+#[derive(Clone, Copy)]
+struct Tile {
+    x: [u32; 2],
+    y: [u32; 2],
+}
+
+impl Tile {
+    fn pixels(self) -> Vec<(u32, u32)> {
+        (self.y[0]..self.y[1]).flat_map(|y| (self.x[0]..self.x[1]).map(move |x| (x, y))).collect()
+    }
+}
+
+fn tiles(width: u32, height: u32) -> Vec<Tile> {
+    let starts = |length: u32| (0..length).step_by(TILE as usize).map(move |at| [at, (at + TILE).min(length)]);
+    starts(height).flat_map(|y| starts(width).map(move |x| Tile { x, y })).collect()
+}
+
+impl CpuJob {
+    pub(crate) fn new(input: RenderInput, first_sample: u32) -> Self {
+        let [width, height] = input.frame.size();
+        let (tiles, film) = (tiles(width, height), Film::new(width, height));
+        Self { input, stats: None, tiles, film, done: 0, begun: 0, first_sample }
+    }
+
+    /// The same, counting its rays.
+    pub(crate) fn with_stats(self, stats: Arc<RayCounters>) -> Self {
+        Self { stats: Some(stats), ..self }
+    }
+
+    /// Starts again with what [`RenderInput::reframe`] made of its scene.
+    pub(crate) fn reframe(&mut self, input: &RenderInput) {
+        let (width, height) = (input.frame.width, input.frame.height);
+        if (width, height) != (self.film.width, self.film.height) {
+            self.tiles = tiles(width, height);
+        }
+        self.input.frame = input.frame;
+        self.film = Film::new(width, height);
+        self.done = 0;
+    }
+
+    /// Finishes the samples that are begun, or renders one more of every pixel: more where they share rays of the camera, but
+    /// never above `upto`.
+    pub(crate) fn advance(&mut self, upto: u32) {
+        self.trace(self.tiles.len() - self.done, upto);
+    }
+
+    /// Renders some tiles more of the next sample, until this much time is over.
+    pub(crate) fn advance_for(&mut self, budget: Duration) {
+        let started = Instant::now();
+        // As many at a time as keep every core busy to the end.
+        let some = 4 * rayon::current_num_threads();
+        loop {
+            self.trace(some, self.film.samples + 1);
+            if started.elapsed() >= budget || self.done == 0 {
+                return;
+            }
+        }
+    }
+
+    /// The next tiles of the samples towards `upto`, at most `count`.
+    fn trace(&mut self, count: usize, upto: u32) {
+        let sample = self.first_sample + self.film.samples;
+        if self.is_whole() {
+            let left = upto.saturating_sub(self.film.samples);
+            self.begun = splitting::together(sample, self.input.config.splitting, left);
+        }
+        let begun = self.begun;
+        let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];
+        let width = self.film.width;
+        // The tiles of a row of them share its rows of pixels.
+        let sums = self.film.sums.chunks_mut((TILE * width) as usize);
+        let rows: Vec<Mutex<&mut [[f32; 3]]>> = sums.map(Mutex::new).collect();
+        let add = |tile: &Tile| -> Vec<usize> {
+            let pixels = tile.pixels();
+            let values = self.input.samples_of(self.stats.as_deref(), &pixels, sample, begun);
+            let row = tile.y[0] / TILE;
+            let mut left_out = Vec::new();
+            let mut sums = rows[row as usize].lock().unwrap_or_else(PoisonError::into_inner);
+            for (&(x, y), values) in pixels.iter().zip(values.chunks(begun as usize)) {
+                let pixel = ((y - row * TILE) * width + x) as usize;
+                for value in values {
+                    // As the kernel, so that both leave out the same samples; comparisons with NaN are false.
+                    if value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all() {
+                        sums[pixel] = (Vec3::from(sums[pixel]) + *value).into();
+                    } else {
+                        left_out.push((y * width + x) as usize);
+                    }
+                }
+            }
+            left_out
+        };
+        let left_out: Vec<usize> = tiles.par_iter().flat_map_iter(add).collect();
+        self.done += tiles.len();
+        for pixel in left_out {
+            self.film.leave_out(pixel, 1);
+        }
+        if self.done == self.tiles.len() {
+            self.done = 0;
+            self.film.samples += begun;
+        }
+    }
+
+    /// Samples of every pixel, with a fraction for one that is begun.
+    pub(crate) fn samples_done(&self) -> f64 {
+        f64::from(self.film.samples) + f64::from(self.begun) * self.done as f64 / self.tiles.len() as f64
+    }
+
+    /// Whether every pixel has as many samples.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.done == 0
+    }
+
+    /// The film; the caller has seen to it that no sample is half done.
+    pub(crate) fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// The film so far as the codes of a screen, red, green, blue and 255 for each pixel.
+    pub(crate) fn show(&self, display: &Display, mode: Mode) -> Vec<u8> {
+        let mut counts = self.film.sample_counts();
+        for tile in &self.tiles[..self.done] {
+            for (x, y) in tile.pixels() {
+                counts[(y * self.film.width + x) as usize] += self.begun;
+            }
+        }
+        let mut codes = vec![255; 4 * counts.len()];
+        // Eight pixels to a group, many groups to a task.
+        const TASK: usize = 8 * 256;
+        let films = self.film.sums.par_chunks(TASK).zip(counts.par_chunks(TASK));
+        codes.par_chunks_mut(4 * TASK).zip(films).for_each(|(codes, (sums, counts))| {
+            for ((codes, sums), counts) in codes.chunks_mut(32).zip(sums.chunks(8)).zip(counts.chunks(8)) {
+                let lanes =
+                    |channel: usize| f32x8::new(std::array::from_fn(|k| sums.get(k).map_or(0.0, |sum| sum[channel])));
+                let count = f32x8::new(std::array::from_fn(|k| counts.get(k).map_or(0.0, |&count| count as f32)));
+                let colour = if mode == Mode::Variance {
+                    uncertainty_shown(lanes(0), lanes(1), count)
+                } else {
+                    [lanes(0), lanes(1), lanes(2)].map(|sum| sum / count.fast_max(f32x8::ONE))
+                };
+                let shown = display.encode_lanes(colour).map(f32x8::to_array);
+                for (k, code) in codes.chunks_mut(4).enumerate() {
+                    for channel in 0..3 {
+                        code[channel] = (shown[channel][k] * 255.0).round() as u8;
+                    }
+                }
+            }
+        });
+        codes
+    }
+}

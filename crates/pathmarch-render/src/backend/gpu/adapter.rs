@@ -1,0 +1,78 @@
+//! Graphics adapters of this machine.
+
+use super::bindings::STORAGE_BUFFERS;
+
+/// Kind of an adapter that runs on the processor.
+pub(super) const SOFTWARE: &str = "software";
+
+/// Graphics adapter of this machine.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AdapterDescription {
+    /// Name that the driver gives it.
+    pub name: String,
+    /// Graphics API: "Vulkan", "Metal", "Dx12", "Gl".
+    pub backend: String,
+    /// "discrete GPU", "integrated GPU", "virtual GPU", "software" or "other".
+    pub kind: &'static str,
+    /// Driver and its version, if it reports them.
+    pub driver: String,
+    /// Reason why it cannot be used, if it cannot.
+    pub unusable: Option<&'static str>,
+}
+
+fn instance(backends: wgpu::Backends) -> wgpu::Instance {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = backends;
+    descriptor.flags = wgpu::InstanceFlags::empty();
+    wgpu::Instance::new(descriptor)
+}
+
+pub(super) fn describe(adapter: &wgpu::Adapter) -> AdapterDescription {
+    let info = adapter.get_info();
+    let compute = adapter.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS);
+    let buffers = adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS;
+    AdapterDescription {
+        name: info.name.clone(),
+        backend: format!("{:?}", info.backend),
+        kind: match info.device_type {
+            wgpu::DeviceType::DiscreteGpu => "discrete GPU",
+            wgpu::DeviceType::IntegratedGpu => "integrated GPU",
+            wgpu::DeviceType::VirtualGpu => "virtual GPU",
+            wgpu::DeviceType::Cpu => SOFTWARE,
+            wgpu::DeviceType::Other => "other",
+        },
+        driver: [info.driver.as_str(), info.driver_info.as_str()].join(" ").trim().to_owned(),
+        unusable: match (compute, buffers) {
+            (false, _) => Some("it has no compute shaders"),
+            (true, false) => Some("it allows fewer than seven storage buffers in a shader"),
+            (true, true) => None,
+        },
+    }
+}
+
+/// Order of preference: real GPUs before software.
+fn rank(adapter: &wgpu::Adapter) -> u8 {
+    match adapter.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    }
+}
+
+pub(super) fn enumerate() -> Vec<wgpu::Adapter> {
+    let of = |backends| pollster::block_on(instance(backends).enumerate_adapters(backends));
+    let mut adapters = of(wgpu::Backends::PRIMARY);
+    // OpenGL shows the same hardware once more, and its libraries are noisy where there is no display: only when needed.
+    if !adapters.iter().any(|adapter| describe(adapter).unusable.is_none()) {
+        adapters.extend(of(wgpu::Backends::GL));
+    }
+    adapters.sort_by_key(rank);
+    adapters
+}
+
+/// All adapters of this machine, the preferred one first.
+pub fn adapters() -> Vec<AdapterDescription> {
+    enumerate().iter().map(describe).collect()
+}

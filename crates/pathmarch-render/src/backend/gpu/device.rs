@@ -1,0 +1,124 @@
+//! Device opened on an adapter: memory, readback and failures.
+
+use super::adapter::{AdapterDescription, SOFTWARE, describe, enumerate};
+use crate::error::RenderError;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+/// Time after which work counts as hung.
+pub(super) const HUNG: Duration = Duration::from_secs(120);
+
+/// Opened adapter.
+pub(crate) struct Device {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) description: AdapterDescription,
+    /// First error that the device reported outside of any call.
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+impl Device {
+    /// Opens the preferred adapter, or the one whose name contains `name` (whatever the case).
+    pub(crate) fn open(name: Option<&str>) -> Result<Self, RenderError> {
+        let adapters = enumerate();
+        let usable: Vec<_> = adapters.iter().filter(|adapter| describe(adapter).unusable.is_none()).collect();
+        let adapter = match name {
+            Some(name) => {
+                let wanted = name.to_lowercase();
+                let found = |adapter: &&&wgpu::Adapter| adapter.get_info().name.to_lowercase().contains(&wanted);
+                usable.iter().find(found).ok_or_else(|| RenderError::NoSuchAdapter {
+                    name: name.to_owned(),
+                    available: usable.iter().map(|adapter| adapter.get_info().name).collect(),
+                })?
+            }
+            None => usable.first().ok_or_else(|| match adapters.first().map(describe) {
+                Some(AdapterDescription { name, unusable: Some(reason), .. }) => {
+                    RenderError::NoAdapter { reason: format!("{name} cannot be used: {reason}") }
+                }
+                _ => RenderError::NoAdapter { reason: "no graphics driver offers one".to_owned() },
+            })?,
+        };
+        let description = describe(adapter);
+        let request = adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("pathmarch"),
+            // For measurements.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        });
+        let (device, queue) = pollster::block_on(request)
+            .map_err(|error| RenderError::Device { adapter: description.name.clone(), reason: error.to_string() })?;
+        let failure = Arc::new(Mutex::new(None));
+        let keep = |failure: &Arc<Mutex<Option<String>>>, message: String| {
+            if let Ok(mut slot) = failure.lock() {
+                slot.get_or_insert(message);
+            }
+        };
+        let slot = failure.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| keep(&slot, error.to_string())));
+        let slot = failure.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                keep(&slot, format!("the device was lost: {message}"));
+            }
+        });
+        Ok(Self { device, queue, description, failure })
+    }
+
+    /// Whether it runs on the processor.
+    pub(crate) fn is_software(&self) -> bool {
+        self.description.kind == SOFTWARE
+    }
+
+    /// Allocates a buffer.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] where there is no memory for it.
+    pub(super) fn allocate(&self, descriptor: &wgpu::BufferDescriptor) -> Result<wgpu::Buffer, RenderError> {
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let buffer = self.device.create_buffer(descriptor);
+        match pollster::block_on(memory.pop()) {
+            Some(error) => Err(self.error(error)),
+            None => Ok(buffer),
+        }
+    }
+
+    /// Waits for all submissions, maps the first `bytes` bytes of a buffer and passes them to `take`.
+    pub(super) fn read<T>(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        take: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, RenderError> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        buffer.slice(..bytes).map_async(wgpu::MapMode::Read, move |result| {
+            // The receiver is gone only if this function has already failed.
+            let _ = sender.send(result);
+        });
+        self.device
+            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(HUNG) })
+            .map_err(|error| self.error(error))?;
+        self.check()?;
+        match receiver.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(self.error(error)),
+            Err(error) => return Err(self.error(error)),
+        }
+        let view = buffer.slice(..bytes).get_mapped_range().map_err(|error| self.error(error))?;
+        let taken = take(&view);
+        drop(view);
+        buffer.unmap();
+        Ok(taken)
+    }
+
+    /// Fails if the device has reported an error or was lost.
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
+        let failure = self.failure.lock().ok().and_then(|slot| slot.clone());
+        failure.map_or(Ok(()), |reason| Err(self.error(reason)))
+    }
+
+    /// Error of this adapter.
+    pub(crate) fn error(&self, reason: impl ToString) -> RenderError {
+        RenderError::Device { adapter: self.description.name.clone(), reason: reason.to_string() }
+    }
+}

@@ -1,0 +1,114 @@
+//! The pass that shows a film: sums of radiance to the 8-bit codes of a screen, and back to the processor's memory.
+//!
+//! The picture comes back as four bytes a pixel, a quarter of the film, so that whatever draws the window (another device,
+//! another interface, another adapter) can take it. The tone curves are those of [`crate::output::tonemap`], printed.
+
+use super::device::Device;
+use super::slice::Progress;
+use crate::error::RenderError;
+use crate::mode::{Mode, uncertainty_wgsl};
+use crate::output::tonemap::{self, Display};
+use bytemuck::{Pod, Zeroable};
+
+/// The layout is that of `Shown` in `display.wgsl`.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Shown {
+    width: u32,
+    height: u32,
+    samples: u32,
+    begun: u32,
+    row: u32,
+    column: u32,
+    gain: f32,
+    tonemap: u32,
+    variance: u32,
+}
+
+/// The compiled pass of a device.
+pub(crate) struct DisplayPass {
+    pipeline: wgpu::ComputePipeline,
+    shown: wgpu::Buffer,
+}
+
+/// Buffers for films up to a size.
+pub(crate) struct Screen {
+    codes: wgpu::Buffer,
+    copy: wgpu::Buffer,
+    bindings: wgpu::BindGroup,
+}
+
+impl DisplayPass {
+    pub(crate) fn new(gpu: &wgpu::Device) -> Self {
+        let code = tonemap::wgsl() + &uncertainty_wgsl() + include_str!("display.wgsl");
+        let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("display"),
+            source: wgpu::ShaderSource::Wgsl(code.into()),
+        });
+        let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("display"),
+            layout: None,
+            module: &module,
+            entry_point: Some("show"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let shown = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("display"),
+            size: size_of::<Shown>() as u64,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self { pipeline, shown }
+    }
+
+    /// Room for the pictures of this film.
+    pub(crate) fn screen(&self, device: &Device, film: &wgpu::Buffer) -> Result<Screen, RenderError> {
+        let gpu = &device.device;
+        let size = film.size() / 4;
+        let buffer = |usage| {
+            device.allocate(&wgpu::BufferDescriptor { label: Some("screen"), size, usage, mapped_at_creation: false })
+        };
+        let codes = buffer(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)?;
+        let copy = buffer(wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ)?;
+        let bindings = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("display"),
+            layout: &self.pipeline.get_bind_group_layout(0),
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: self.shown.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: film.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 2, resource: codes.as_entire_binding() },
+            ],
+        });
+        Ok(Screen { codes, copy, bindings })
+    }
+
+    /// The codes of a film, red, green, blue and 255 for each pixel; waits for the device.
+    pub(crate) fn show(
+        &self,
+        device: &Device,
+        screen: &Screen,
+        [width, height]: [u32; 2],
+        Progress { samples, begun, row, column }: Progress,
+        display: &Display,
+        mode: Mode,
+    ) -> Result<Vec<u8>, RenderError> {
+        let (gain, tonemap) = (display.gain(), display.tonemap as u32);
+        let variance = u32::from(mode == Mode::Variance);
+        let shown = Shown { width, height, samples, begun, row, column, gain, tonemap, variance };
+        device.queue.write_buffer(&self.shown, 0, bytemuck::bytes_of(&shown));
+        let mut encoder =
+            device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("display") });
+        {
+            let mut pass = encoder
+                .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("display"), timestamp_writes: None });
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &screen.bindings, &[]);
+            pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+        }
+        let bytes = 4 * u64::from(width) * u64::from(height);
+        encoder.copy_buffer_to_buffer(&screen.codes, 0, &screen.copy, 0, bytes);
+        device.queue.submit([encoder.finish()]);
+        device.read(&screen.copy, bytes, <[u8]>::to_vec)
+    }
+}

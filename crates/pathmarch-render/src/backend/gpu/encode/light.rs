@@ -1,0 +1,87 @@
+//! Lights as records of one layout.
+
+use crate::scene::light::{BoxLight, Light, LightShape, SheetLight, SphereLight};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// Light. `Light` in `integrator/light_sampling.wgsl` has the same layout. A field that a kind of light lacks is zero.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct LightRecord {
+    /// Centre in world space, metres; of a sun the unit vector towards it.
+    pub(super) position: [f32; 3],
+    /// Index of the kind, see [`LightShape::kind`].
+    pub(super) kind: u32,
+    /// Radiant intensity of a point, W/sr; irradiance of a sun, W/m²; radiance of an object, W/(m² sr).
+    pub(super) emission: [f32; 3],
+    /// Probability of being chosen.
+    pub(super) pmf: f32,
+    /// Alias table: share of the cell that is this light's own, and the light that has the rest.
+    pub(super) threshold: f32,
+    pub(super) alias: u32,
+    /// Leaf of the field that emits.
+    pub(super) leaf: u32,
+    /// Radius of a sphere, a disc or a bounding sphere, metres; of a sun 1 - cosine of its angular radius.
+    pub(super) radius: f32,
+    /// Half edges, metres; of a sheet y is the unit normal of the emitting side, of a disc x and z are unit axes.
+    pub(super) x: [f32; 3],
+    /// Sharpness of shadows from near misses; 0 for exact shadows.
+    pub(super) penumbra: f32,
+    pub(super) y: [f32; 3],
+    /// Of a rectangle or a disc, square metres.
+    pub(super) area: f32,
+    pub(super) z: [f32; 3],
+    /// One over `pmf`.
+    pub(super) inverse_pmf: f32,
+}
+
+/// Names of the kinds of lights in constants of the kernel, by index.
+pub(crate) const KIND_NAMES: [&str; LightShape::KINDS] =
+    ["POINT", "SUN", "SPHERE", "RECT", "DISC", "BOX", "BOUNDED", "ENVIRONMENT"];
+
+impl LightRecord {
+    /// Record of a light.
+    pub(crate) fn new(light: &Light) -> Self {
+        let shape = match &light.shape {
+            LightShape::Point(point) => {
+                Self { position: point.position.into(), ..Self::emitting(point.radiant_intensity) }
+            }
+            LightShape::Sun(sun) => {
+                Self { position: sun.direction.into(), radius: sun.one_minus_cos, ..Self::emitting(sun.irradiance) }
+            }
+            LightShape::Sphere(sphere) | LightShape::Bounded(sphere) => Self::sphere(sphere),
+            LightShape::Rect(sheet) | LightShape::Disc(sheet) => Self::sheet(sheet),
+            LightShape::Box(light) => Self::cuboid(light),
+            LightShape::Environment => Self::zeroed(),
+        };
+        Self {
+            kind: light.shape.kind(),
+            pmf: light.pmf,
+            inverse_pmf: light.inverse_pmf,
+            threshold: light.threshold,
+            alias: light.alias,
+            penumbra: light.shape.penumbra(),
+            ..shape
+        }
+    }
+
+    fn emitting(emission: Vec3) -> Self {
+        Self { emission: emission.into(), ..Self::zeroed() }
+    }
+
+    fn sphere(sphere: &SphereLight) -> Self {
+        let &SphereLight { centre, radius, radiance, leaf } = sphere;
+        Self { position: centre.into(), radius, leaf, ..Self::emitting(radiance) }
+    }
+
+    fn sheet(sheet: &SheetLight) -> Self {
+        let &SheetLight { centre, axes: [x, z], normal, radius, area, radiance, leaf } = sheet;
+        let (x, y, z) = (x.into(), normal.into(), z.into());
+        Self { position: centre.into(), radius, area, leaf, x, y, z, ..Self::emitting(radiance) }
+    }
+
+    fn cuboid(light: &BoxLight) -> Self {
+        let [x, y, z] = light.axes.map(<[f32; 3]>::from);
+        Self { position: light.centre.into(), leaf: light.leaf, x, y, z, ..Self::emitting(light.radiance) }
+    }
+}

@@ -1,0 +1,162 @@
+//! Textured materials as words, as `shading/textured_material.wgsl` reads them.
+//!
+//! For each leaf its pose; for each material the offset of its textures, or 0; then the textures. An offset counts from the start
+//! of the buffer.
+
+use crate::scene::textured_material::{Change, Layer, Source, TexturedMaterial};
+use pathmarch_field::Field;
+use pathmarch_scene::textures::{self, Pattern, Picture, Texture, TextureKind};
+
+/// Words of a leaf: position, rows of the rotation and scale, and the modifiers around it.
+pub(crate) const LEAF_WORDS: u32 = 13;
+/// Word of a texture at which its numbers start, after kind, position, three rows, scale and step.
+pub(crate) const NUMBERS: usize = 15;
+/// Words of a texture.
+const TEXTURE_WORDS: usize = NUMBERS + textures::MOST_NUMBERS;
+/// Kinds of textures that are not computed from a point alone.
+pub(crate) const ORBIT: u32 = 1000;
+pub(crate) const PICTURE: u32 = 1001;
+/// Kinds of layers: a ramp of colours, the texture's own colour, parameters packed at knots.
+pub(crate) const COLOURS: u32 = 0;
+pub(crate) const OWN_COLOURS: u32 = 1;
+pub(crate) const PACKED: u32 = 2;
+
+/// Index of a kind of computed texture.
+pub(crate) fn computed_kind(kind: &'static TextureKind) -> usize {
+    textures::kinds().iter().position(|other| std::ptr::eq(*other, kind)).unwrap_or_default()
+}
+
+/// Encodes leaves, materials and textures as words that start at `start` in the buffer.
+pub(super) fn encode(field: &Field, materials: &[TexturedMaterial], start: usize) -> Vec<u32> {
+    let mut encoder = Encoder { words: Vec::new(), start, pictures: Vec::new() };
+    for (index, leaf) in field.leaves().iter().enumerate() {
+        let rows = leaf.pose.local_from_world();
+        encoder.floats(leaf.pose.at.iter().chain(rows.as_flattened()).copied());
+        encoder.words.push(field.holder(index));
+    }
+    let first = encoder.words.len();
+    encoder.words.resize(first + materials.len(), 0);
+    for (index, material) in materials.iter().enumerate().filter(|(_, material)| !material.is_plain()) {
+        encoder.words[first + index] = encoder.material(material);
+    }
+    encoder.words
+}
+
+struct Encoder<'a> {
+    words: Vec<u32>,
+    /// Offset of the first word in the buffer.
+    start: usize,
+    /// Pictures and the offset of their texels.
+    pictures: Vec<(&'a Picture, u32)>,
+}
+
+impl<'a> Encoder<'a> {
+    /// Offset of the next word.
+    fn offset(&self) -> u32 {
+        (self.start + self.words.len()) as u32
+    }
+
+    fn floats(&mut self, numbers: impl IntoIterator<Item = f32>) {
+        self.words.extend(numbers.into_iter().map(f32::to_bits));
+    }
+
+    /// Encodes a material; returns its offset.
+    fn material(&mut self, material: &'a TexturedMaterial) -> u32 {
+        let layers: Vec<u32> = material.layers.iter().map(|layer| self.layer(layer)).collect();
+        let bump = material.bump.as_ref().map_or(0, |bump| {
+            let texture = self.texture(&bump.texture);
+            let at = self.offset();
+            self.words.extend([texture, bump.height.to_bits()]);
+            at
+        });
+        let at = self.offset();
+        self.words.extend([layers.len() as u32, bump]);
+        self.words.extend(layers);
+        // The kernel may read one word more.
+        self.words.push(0);
+        at
+    }
+
+    /// Encodes a layer; returns its offset.
+    fn layer(&mut self, layer: &'a Layer) -> u32 {
+        let texture = match &layer.source {
+            Source::Orbit(trap) => {
+                let [from, to] = trap.range.map(f32::to_bits);
+                let mut record = [0; TEXTURE_WORDS];
+                record[0] = ORBIT;
+                record[NUMBERS..NUMBERS + 3].copy_from_slice(&[trap.trap as u32, from, to]);
+                self.record(record)
+            }
+            Source::Texture(texture) => self.texture(texture),
+        };
+        let previews = self.offset();
+        if let Change::Colour { .. } = layer.change {
+            self.floats(layer.base);
+        }
+        self.floats(layer.previews.as_flattened().iter().copied());
+        let at = self.offset();
+        match &layer.change {
+            Change::Colour { place, colours: Some(colours) } => {
+                self.words.extend([texture, COLOURS, *place as u32, previews, colours.len() as u32 - 1]);
+                self.floats(colours.as_flattened().iter().copied());
+            }
+            Change::Colour { place, colours: None } => {
+                self.words.extend([texture, OWN_COLOURS, *place as u32, previews]);
+            }
+            Change::Numbers { places, knots } => {
+                self.words.extend([texture, PACKED, places.len() as u32, previews]);
+                self.words.extend(places.iter().map(|place| *place as u32));
+                self.floats(knots.iter().flatten().copied());
+            }
+        }
+        at
+    }
+
+    /// Encodes a texture; returns its offset.
+    fn texture(&mut self, texture: &'a Texture) -> u32 {
+        let mut record = [0; TEXTURE_WORDS];
+        let step = match &texture.pattern {
+            Pattern::Computed { kind, numbers } => {
+                record[0] = computed_kind(kind) as u32;
+                record[NUMBERS..].copy_from_slice(&numbers.map(f32::to_bits));
+                (kind.step)(numbers)
+            }
+            Pattern::Picture { picture, size } => {
+                let texels = self.texels(picture);
+                record[0] = PICTURE;
+                record[NUMBERS..NUMBERS + 6].copy_from_slice(&[
+                    texels,
+                    picture.width,
+                    picture.height,
+                    picture.levels(),
+                    size.to_bits(),
+                    u32::from(picture.encoded),
+                ]);
+                size / picture.width as f32
+            }
+        };
+        let rows = texture.pose.local_from_world();
+        let numbers = texture.pose.at.iter().chain(rows.as_flattened()).chain([&texture.pose.scale, &step]);
+        for (word, number) in record[1..].iter_mut().zip(numbers) {
+            *word = number.to_bits();
+        }
+        self.record(record)
+    }
+
+    fn record(&mut self, record: [u32; TEXTURE_WORDS]) -> u32 {
+        let at = self.offset();
+        self.words.extend(record);
+        at
+    }
+
+    /// Offset of the texels of a picture, which are encoded once.
+    fn texels(&mut self, picture: &'a Picture) -> u32 {
+        if let Some((_, at)) = self.pictures.iter().find(|(known, _)| std::ptr::eq(*known, picture)) {
+            return *at;
+        }
+        let at = self.offset();
+        self.words.extend(&picture.texels);
+        self.pictures.push((picture, at));
+        at
+    }
+}

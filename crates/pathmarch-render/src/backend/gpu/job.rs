@@ -1,0 +1,443 @@
+//! A picture being rendered on the GPU.
+//!
+//! The kernel ([`super::kernel`]) is source for the scene. A dispatch computes one sample, or those that share a ray of the camera, of
+//! a band of rows; bands and the number of dispatches in a submission adapt so that a submission takes about
+//! as long as it is asked to, which keeps displays alive on weak adapters and strong ones busy. Two submissions are in
+//! flight. The camera and the size of the picture may change without a new job.
+
+use super::GpuContext;
+use super::bindings;
+use super::device::HUNG;
+use super::display::Screen;
+use super::encode::LightRecord;
+use super::kernel_cache::{Kernel, KernelSource};
+use super::loop_limit::{self, SuspendedPaths};
+use super::slice::{BAND, Progress, Slice};
+use super::stopwatch::Stopwatch;
+use crate::backend::RenderInput;
+use crate::error::RenderError;
+use crate::integrator::splitting;
+use crate::mode::Mode;
+use crate::output::film::Film;
+use crate::output::tonemap::Display;
+use crate::scene::FrameUniforms;
+use bytemuck::Zeroable;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Aim for the time of one submission where only the picture matters.
+pub(crate) const WHOLE: Duration = Duration::from_millis(25);
+/// Aim for the time of one submission while somebody looks on and may want something else at once.
+pub(crate) const LIVE: Duration = Duration::from_millis(10);
+/// The most dispatches in a submission.
+const MAX_DISPATCHES: usize = 256;
+/// Shapes that are code, not numbers, beyond which a field is too large to be compiled.
+pub(crate) const MAX_LEAVES: usize = 2048;
+
+/// Picture being rendered.
+pub(crate) struct GpuJob {
+    device: Arc<GpuContext>,
+    kernel: Arc<Kernel>,
+    bindings: wgpu::BindGroup,
+    frame: wgpu::Buffer,
+    slices: wgpu::Buffer,
+    slice_stride: u32,
+    film: wgpu::Buffer,
+    screen: Option<Screen>,
+    size: [u32; 2],
+    first_sample: u32,
+    /// What was handed to the GPU.
+    submitted: Progress,
+    /// Aim for the time of one submission.
+    target: Duration,
+    /// Samples of single pixels that take about as long.
+    quota: f64,
+    /// Paths that share a ray of the camera: samples that a dispatch computes at most.
+    splitting: u32,
+    /// With the number of such samples in each.
+    in_flight: VecDeque<(wgpu::SubmissionIndex, f64, Instant)>,
+    last_completion: Instant,
+    stopwatch: Option<Stopwatch>,
+    /// Paths that the adapter may cut short, where it may.
+    suspended: Option<SuspendedPaths>,
+    /// Bounces of the paths, where paths can be resumed.
+    bounces: Option<u32>,
+    pub(crate) compile_time: Duration,
+}
+
+/// Why a picture of this size, or a field of so many shapes, is too large for the device.
+fn check_limits(device: &GpuContext, size: [u32; 2], shapes: usize) -> Result<(), RenderError> {
+    let too_large = |what| Err(RenderError::TooLarge { adapter: device.description.name.clone(), what });
+    let limits = device.device.limits();
+    if film_bytes(size) > limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) {
+        return too_large(format!("a picture of {}x{} pixels", size[0], size[1]));
+    }
+    if shapes > MAX_LEAVES {
+        return too_large(format!("a field of {shapes} shapes (at most {MAX_LEAVES} are compiled)"));
+    }
+    Ok(())
+}
+
+/// Why the numbers of a field are too many for the device.
+fn check_numbers(device: &GpuContext, parameters: &[[f32; 4]]) -> Result<(), RenderError> {
+    let limits = device.device.limits();
+    let bytes = size_of_val(parameters) as u64;
+    if bytes > limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) {
+        let what = format!("a field of {} MB of numbers", bytes >> 20);
+        return Err(RenderError::TooLarge { adapter: device.description.name.clone(), what });
+    }
+    Ok(())
+}
+
+fn film_bytes([width, height]: [u32; 2]) -> u64 {
+    16 * u64::from(width) * u64::from(height)
+}
+
+impl GpuJob {
+    /// `target` is the aim for the time of one submission: [`WHOLE`] or [`LIVE`].
+    pub(crate) fn new(
+        device: Arc<GpuContext>,
+        input: &RenderInput,
+        first_sample: u32,
+        target: Duration,
+    ) -> Result<Self, RenderError> {
+        check_limits(&device, input.frame.size(), input.scene.field.shapes_as_code())?;
+        let source = KernelSource::new(input, &device);
+        Self::of_source(device, input, &source, first_sample, target)
+    }
+
+    /// As [`new`](Self::new), with the kernel's text at hand.
+    pub(crate) fn of_source(
+        device: Arc<GpuContext>,
+        input: &RenderInput,
+        source: &KernelSource,
+        first_sample: u32,
+        target: Duration,
+    ) -> Result<Self, RenderError> {
+        let frame_record = &input.frame;
+        let size = frame_record.size();
+        check_limits(&device, size, input.scene.field.shapes_as_code())?;
+        check_numbers(&device, &source.parameters)?;
+        let started = Instant::now();
+        let kernel = device.kernels.compile(&device, source)?;
+        let gpu = &device.device;
+        let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
+        let out_of_memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
+        let copied = wgpu::BufferUsages::COPY_DST;
+        let constant = |binding, label, contents: &[u8]| {
+            let bindings = &source.bindings;
+            // A binding may be neither empty nor shorter than what is declared.
+            let size = bindings.bytes(binding, contents.len()) as u64;
+            let kind = if bindings.is_uniform(binding) { uniform } else { storage };
+            let descriptor =
+                wgpu::BufferDescriptor { label: Some(label), size, usage: kind | copied, mapped_at_creation: false };
+            let buffer = gpu.create_buffer(&descriptor);
+            device.queue.write_buffer(&buffer, 0, contents);
+            buffer
+        };
+        let slice_stride = gpu.limits().min_uniform_buffer_offset_alignment.max(size_of::<Slice>() as u32);
+        let slices = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("slices"),
+            size: u64::from(slice_stride) * MAX_DISPATCHES as u64,
+            usage: uniform | copied,
+            mapped_at_creation: false,
+        });
+        let film = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("film"),
+            size: film_bytes(size),
+            usage: storage | copied | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let frame = constant(bindings::FRAME, "frame", bytemuck::bytes_of(frame_record));
+        let lights: Vec<LightRecord> = input.scene.lights.iter().map(LightRecord::new).collect();
+        let tables = [
+            (bindings::PARAMETERS, "parameters", bytemuck::cast_slice(&source.parameters)),
+            (bindings::LEAVES, "leaves", bytemuck::cast_slice(&input.scene.leaves)),
+            (bindings::MATERIALS, "materials", bytemuck::cast_slice(&input.scene.materials)),
+            (bindings::LIGHTS, "lights", bytemuck::cast_slice(&lights)),
+            (bindings::SCENE_DATA, "scene data", bytemuck::cast_slice(&source.data.words)),
+            (bindings::SKY, "sky", bytemuck::cast_slice(&source.data.sky_texels)),
+        ]
+        .map(|(binding, label, contents)| (binding, constant(binding, label, contents)));
+        let slice =
+            wgpu::BufferBinding { buffer: &slices, offset: 0, size: wgpu::BufferSize::new(size_of::<Slice>() as u64) };
+        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let mut entries = vec![
+            entry(bindings::FRAME, frame.as_entire_binding()),
+            entry(bindings::SLICE, wgpu::BindingResource::Buffer(slice)),
+            entry(bindings::FILM, film.as_entire_binding()),
+        ];
+        entries.extend(tables.iter().map(|(binding, table)| entry(*binding, table.as_entire_binding())));
+        let suspended = match source.bindings.loops_are_limited {
+            true => Some(SuspendedPaths::new(&device)?),
+            false => None,
+        };
+        entries.extend(suspended.iter().map(|paths| entry(bindings::SUSPENDED, paths.buffer.as_entire_binding())));
+        let bindings = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("trace"),
+            layout: &kernel.layout,
+            entries: &entries,
+        });
+        for scope in [out_of_memory, validation] {
+            if let Some(error) = pollster::block_on(scope.pop()) {
+                return Err(device.error(error));
+            }
+        }
+        let may_resume = input.mode.traces_paths() && input.config.splitting == 1;
+        let mut job = Self {
+            device,
+            kernel,
+            bindings,
+            frame,
+            slices,
+            slice_stride,
+            film,
+            screen: None,
+            size,
+            first_sample,
+            submitted: Progress::default(),
+            target,
+            quota: f64::from(BAND * 64),
+            splitting: input.config.splitting,
+            in_flight: VecDeque::new(),
+            last_completion: Instant::now(),
+            stopwatch: None,
+            suspended,
+            bounces: may_resume.then_some(frame_record.bounces),
+            compile_time: Duration::ZERO,
+        };
+        if !job.kernel.is_warm() {
+            // Drivers compile at the first dispatch: make one of no rows.
+            job.submit(&[Slice { columns: 1, ..Slice::zeroed() }], 0);
+            job.complete_oldest()?;
+            job.kernel.set_warm();
+        }
+        job.compile_time = started.elapsed();
+        Ok(job)
+    }
+
+    /// Starts again with another camera or a smaller picture of the same scene; false where the film is too small.
+    pub(crate) fn reframe(&mut self, frame: &FrameUniforms) -> Result<bool, RenderError> {
+        let size = frame.size();
+        if film_bytes(size) > self.film.size() {
+            return Ok(false);
+        }
+        self.wait()?;
+        self.size = size;
+        self.bounces = self.bounces.map(|_| frame.bounces);
+        self.submitted = Progress::default();
+        self.device.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
+        let mut encoder =
+            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("clear") });
+        encoder.clear_buffer(&self.film, 0, Some(film_bytes(size)));
+        self.device.queue.submit([encoder.finish()]);
+        Ok(true)
+    }
+
+    /// The film so far as the codes of a screen, red, green, blue and 255 for each pixel; waits for what was handed to
+    /// the GPU.
+    pub(crate) fn show(&mut self, display: &Display, mode: Mode) -> Result<Vec<u8>, RenderError> {
+        self.wait()?;
+        let pass = self.device.display();
+        if self.screen.is_none() {
+            self.screen = Some(pass.screen(&self.device, &self.film)?);
+        }
+        let Some(screen) = &self.screen else { return Ok(Vec::new()) };
+        pass.show(&self.device, screen, self.size, self.submitted, display, mode)
+    }
+
+    /// Submits slices; a `round` after the first resumes their suspended paths.
+    fn submit(&mut self, slices: &[Slice], round: u32) {
+        if let Some(suspended) = &self.suspended {
+            suspended.begin(&self.device, round);
+        }
+        let gpu = &self.device.device;
+        let mut bytes = vec![0; self.slice_stride as usize * slices.len()];
+        for (place, slice) in bytes.chunks_mut(self.slice_stride as usize).zip(slices) {
+            place[..size_of::<Slice>()].copy_from_slice(bytemuck::bytes_of(slice));
+        }
+        self.device.queue.write_buffer(&self.slices, 0, &bytes);
+        let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("trace") });
+        {
+            let timestamp_writes = self.stopwatch.as_mut().map(Stopwatch::next);
+            let mut pass =
+                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("trace"), timestamp_writes });
+            pass.set_pipeline(&self.kernel.pipeline);
+            for (k, slice) in slices.iter().enumerate() {
+                pass.set_bind_group(0, &self.bindings, &[k as u32 * self.slice_stride]);
+                pass.dispatch_workgroups(slice.columns.div_ceil(8), slice.rows.div_ceil(BAND).max(1), 1);
+            }
+        }
+        if let Some(suspended) = &self.suspended {
+            suspended.end(&mut encoder);
+        }
+        let index = self.device.queue.submit([encoder.finish()]);
+        let samples = slices.iter().map(Slice::work).sum();
+        self.in_flight.push_back((index, samples, Instant::now()));
+    }
+
+    /// Waits for the oldest submission and learns from its time.
+    fn complete_oldest(&mut self) -> Result<(), RenderError> {
+        let Some((index, samples, submitted)) = self.in_flight.pop_front() else { return Ok(()) };
+        self.device
+            .device
+            .poll(wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(HUNG) })
+            .map_err(|error| self.device.error(format!("{error} after {} s", HUNG.as_secs())))?;
+        self.device.check()?;
+        let now = Instant::now();
+        // It ran from the completion of the one before, or from its own submission.
+        let took = now.duration_since(self.last_completion.max(submitted)).as_secs_f64().max(1e-6);
+        self.last_completion = now;
+        if samples > 0.0 {
+            let fitting = samples * self.target.as_secs_f64() / took;
+            let most = f64::from(self.size[0]) * f64::from(self.size[1]) * MAX_DISPATCHES as f64;
+            self.quota = fitting.clamp(self.quota * 0.25, self.quota * 4.0).clamp(f64::from(BAND * 8), most);
+        }
+        Ok(())
+    }
+
+    /// The next piece of work towards `upto` samples, of at most about `work` samples of single pixels: whole workgroups,
+    /// whole bands where there is room.
+    fn next_slice(&mut self, upto: u32, work: f64) -> Slice {
+        let [width, height] = self.size;
+        let Progress { samples, row, column, .. } = self.submitted;
+        let sample = self.first_sample + samples;
+        if self.is_whole() {
+            self.submitted.begun = splitting::together(sample, self.splitting, upto - samples);
+        }
+        let begun = self.submitted.begun;
+        let pixels = work / f64::from(begun);
+        let slice = |rows: u32, columns: u32| Slice {
+            sample,
+            samples: begun,
+            first_row: row,
+            rows: rows.min(height - row),
+            first_column: column,
+            columns,
+            ..Slice::zeroed()
+        };
+        let band = f64::from(width) * f64::from(BAND);
+        let slice = if column > 0 || pixels < band {
+            let columns = ((pixels / f64::from(BAND)) as u32).max(1).next_multiple_of(8).min(width - column);
+            slice(BAND, columns)
+        } else {
+            slice((pixels / band) as u32 * BAND, width)
+        };
+        let next = &mut self.submitted;
+        next.column = column + slice.columns;
+        if next.column == width {
+            (next.row, next.column) = (row + slice.rows, 0);
+        }
+        if next.row == height {
+            *next = Progress { samples: samples + begun, ..Progress::default() };
+        }
+        slice
+    }
+
+    /// Does about a submission of work towards `samples` samples of every pixel.
+    pub(crate) fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
+        if self.stopwatch.as_ref().is_some_and(Stopwatch::is_full) {
+            self.gpu_time()?;
+        }
+        let mut slices = Vec::new();
+        let mut left = match self.suspended {
+            Some(_) => self.quota.min(f64::from(loop_limit::CAPACITY - 8 * BAND)),
+            None => self.quota,
+        };
+        while left > 0.0 && self.submitted.samples < samples && slices.len() < MAX_DISPATCHES {
+            let slice = self.next_slice(samples, left);
+            left -= slice.work();
+            slices.push(slice);
+        }
+        if self.suspended.is_some() && !slices.is_empty() {
+            loop_limit::assign_slots(&mut slices);
+            return self.follow_to_the_end(&slices);
+        }
+        if !slices.is_empty() {
+            self.submit(&slices, 0);
+        }
+        while self.in_flight.len() > usize::from(!slices.is_empty()) {
+            self.complete_oldest()?;
+        }
+        Ok(())
+    }
+
+    /// Has the paths of slices traced and resumed until all are at their ends.
+    fn follow_to_the_end(&mut self, slices: &[Slice]) -> Result<(), RenderError> {
+        // Each round brings every path one surface on.
+        for round in 0..=self.bounces.map_or(0, |bounces| bounces + 2) {
+            if self.stopwatch.as_ref().is_some_and(Stopwatch::is_full) {
+                self.gpu_time()?;
+            }
+            self.submit(slices, round);
+            self.wait()?;
+            let Some(suspended) = &self.suspended else { return Ok(()) };
+            if suspended.count(&self.device)? == 0 {
+                return Ok(());
+            }
+        }
+        Err(self.device.error(
+            "it ends the loops of a shader after a number of turns (Mesa: 65,535), and this scene needs more of them, so \
+             that the picture would be wrong",
+        ))
+    }
+
+    /// Samples of every pixel handed to the GPU, with a fraction for one that is begun.
+    pub(crate) fn samples_done(&self) -> f64 {
+        let [width, height] = self.size.map(f64::from);
+        let Progress { samples, begun, row, column } = self.submitted;
+        let band = f64::from(BAND).min(height - f64::from(row));
+        f64::from(samples) + f64::from(begun) * (f64::from(row) + band * f64::from(column) / width) / height
+    }
+
+    /// Whether every pixel was handed over as often.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.submitted.row == 0 && self.submitted.column == 0
+    }
+
+    /// Waits for everything handed to the GPU.
+    pub(crate) fn wait(&mut self) -> Result<(), RenderError> {
+        while !self.in_flight.is_empty() {
+            self.complete_oldest()?;
+        }
+        Ok(())
+    }
+
+    /// From now on measures the device's own time; false where the adapter cannot.
+    pub(crate) fn measure_gpu_time(&mut self) -> Result<bool, RenderError> {
+        self.stopwatch = Stopwatch::new(&self.device)?;
+        Ok(self.stopwatch.is_some())
+    }
+
+    /// The device's own time since it is measured, if it is; waits for everything handed to the GPU.
+    pub(crate) fn gpu_time(&mut self) -> Result<Option<Duration>, RenderError> {
+        self.wait()?;
+        self.stopwatch.as_mut().map(|stopwatch| stopwatch.read(&self.device)).transpose()
+    }
+
+    /// Reads the film back; the caller has seen to it that no sample is half done.
+    pub(crate) fn film(&mut self) -> Result<Film, RenderError> {
+        self.wait()?;
+        let bytes = film_bytes(self.size);
+        let copy = self.device.allocate(&wgpu::BufferDescriptor {
+            label: Some("film copy"),
+            size: bytes,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        })?;
+        let gpu = &self.device.device;
+        let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("film copy") });
+        encoder.copy_buffer_to_buffer(&self.film, 0, &copy, 0, bytes);
+        self.device.queue.submit([encoder.finish()]);
+        let sums: Vec<[f32; 4]> = self.device.read(&copy, bytes, |bytes| bytemuck::cast_slice(bytes).to_vec())?;
+        let mut film = Film::new(self.size[0], self.size[1]);
+        film.samples = self.submitted.samples;
+        for (pixel, [r, g, b, left_out]) in sums.into_iter().enumerate() {
+            film.sums[pixel] = [r, g, b];
+            film.leave_out(pixel, left_out as u32);
+        }
+        Ok(film)
+    }
+}

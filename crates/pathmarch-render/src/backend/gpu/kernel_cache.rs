@@ -1,0 +1,150 @@
+//! KernelCache as a device has compiled them, kept so that what was shown once is shown again at once.
+
+use super::GpuContext;
+use super::bindings::{self, Bindings};
+use super::compose::kernel;
+use super::device::Device;
+use super::encode::SceneData;
+use crate::backend::RenderInput;
+use crate::error::RenderError;
+use pathmarch_field::wgsl::Program;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+/// KernelCache that a device keeps: more than a person goes back and forth between.
+const KEPT: usize = 24;
+
+/// A scene's kernel as text, and the numbers of its field. Scenes of one structure have the same text.
+pub(crate) struct KernelSource {
+    pub(super) code: String,
+    pub(super) parameters: Vec<[f32; 4]>,
+    pub(super) data: SceneData,
+    pub(crate) bindings: Bindings,
+    /// Whether no text of a user is in the code.
+    trusted: bool,
+}
+
+impl KernelSource {
+    /// As it suits a device.
+    pub(crate) fn new(input: &RenderInput, device: &Device) -> Self {
+        Self::for_adapter(input, device.is_software())
+    }
+
+    /// Kernel for a software adapter or for a real GPU.
+    pub(super) fn for_adapter(input: &RenderInput, software: bool) -> Self {
+        let mut program = Program::new(&input.scene.field);
+        if let Some(preview) = input.preview() {
+            program.count(&input.scene.field, &preview.distance_functions());
+        }
+        let trusted = input.scene.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
+        let bindings = Bindings::new(input, &program, software);
+        let data = SceneData::new(input);
+        let code = kernel(input, &program, &bindings, &data);
+        Self { code, parameters: program.parameters, data, bindings, trusted }
+    }
+
+    /// Whether the device has it ready.
+    pub(crate) fn is_compiled(&self, gpu: &GpuContext) -> bool {
+        gpu.kernels.get(&self.code).is_some_and(|kernel| kernel.is_warm())
+    }
+}
+
+/// A kernel that a device has compiled.
+pub(super) struct Kernel {
+    code: String,
+    pub(super) pipeline: wgpu::ComputePipeline,
+    pub(super) layout: wgpu::BindGroupLayout,
+    /// Whether it was dispatched once: many drivers compile then.
+    warm: AtomicBool,
+}
+
+impl Kernel {
+    pub(super) fn is_warm(&self) -> bool {
+        self.warm.load(Ordering::Acquire)
+    }
+    pub(super) fn set_warm(&self) {
+        self.warm.store(true, Ordering::Release);
+    }
+}
+
+/// The kernels of a device, the one used last at the end.
+#[derive(Default)]
+pub(crate) struct KernelCache(Mutex<Vec<Arc<Kernel>>>);
+
+impl KernelCache {
+    fn get(&self, code: &str) -> Option<Arc<Kernel>> {
+        let mut kernels = self.0.lock().ok()?;
+        let place = kernels.iter().position(|kernel| kernel.code == code)?;
+        let kernel = kernels.remove(place);
+        kernels.push(kernel.clone());
+        Some(kernel)
+    }
+
+    /// The kernel of this text, compiled if it is new.
+    pub(super) fn compile(&self, device: &Device, source: &KernelSource) -> Result<Arc<Kernel>, RenderError> {
+        if let Some(kernel) = self.get(&source.code) {
+            return Ok(kernel);
+        }
+        let gpu = &device.device;
+        let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
+        let memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let layout = bind_group_layout(gpu, &source.bindings);
+        let descriptor = wgpu::ShaderModuleDescriptor {
+            label: Some("trace"),
+            source: wgpu::ShaderSource::Wgsl(source.code.as_str().into()),
+        };
+        let module = match source.trusted {
+            // SAFETY: every loop of the kernel counts to a constant or to `bounces`, lights or iterations checked on the
+            // CPU, and every index comes from tables built together with it; no text of a user is in it.
+            true => unsafe { gpu.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) },
+            false => gpu.create_shader_module(descriptor),
+        };
+        let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("trace"),
+            layout: Some(&gpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("trace"),
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            })),
+            module: &module,
+            entry_point: Some("trace"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        for scope in [memory, validation] {
+            if let Some(error) = pollster::block_on(scope.pop()) {
+                return Err(device.error(error));
+            }
+        }
+        let kernel = Arc::new(Kernel { code: source.code.clone(), pipeline, layout, warm: AtomicBool::new(false) });
+        if let Ok(mut kernels) = self.0.lock() {
+            if kernels.len() == KEPT {
+                kernels.remove(0);
+            }
+            kernels.push(kernel.clone());
+        }
+        Ok(kernel)
+    }
+}
+
+fn bind_group_layout(gpu: &wgpu::Device, bindings: &Bindings) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = bindings
+        .all()
+        .map(|binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: match binding {
+                    bindings::SLICE => wgpu::BufferBindingType::Uniform,
+                    bindings::FILM | bindings::SUSPENDED => wgpu::BufferBindingType::Storage { read_only: false },
+                    _ if bindings.is_uniform(binding) => wgpu::BufferBindingType::Uniform,
+                    _ => wgpu::BufferBindingType::Storage { read_only: true },
+                },
+                has_dynamic_offset: binding == bindings::SLICE,
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect();
+    gpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("trace"), entries: &entries })
+}

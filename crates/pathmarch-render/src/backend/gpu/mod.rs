@@ -1,0 +1,22 @@
+//! The GPU backend, through wgpu: Vulkan, Metal, Direct3D 12, OpenGL, and software adapters.
+
+mod adapter;
+mod bindings;
+mod compose;
+mod context;
+mod device;
+mod display;
+mod encode;
+mod job;
+mod kernel_cache;
+#[cfg(test)]
+mod kernel_tests;
+mod loop_limit;
+mod slice;
+mod stopwatch;
+
+pub use adapter::{AdapterDescription, adapters};
+pub(crate) use bindings::{FRAME, LEAVES};
+pub(crate) use context::GpuContext;
+pub(crate) use job::{GpuJob, LIVE, WHOLE};
+pub(crate) use kernel_cache::KernelSource;

@@ -1,0 +1,99 @@
+//! What both backends read of a picture.
+
+use crate::integrator::{moments, path, splitting};
+use crate::mode::Mode;
+use crate::preview::{self, Preview};
+use crate::ray_stats::RayCounters;
+use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext, finite_bounds};
+use crate::settings::Settings;
+use crate::views;
+use glam::Vec3;
+use pathmarch_scene::Scene;
+use std::sync::Arc;
+
+/// Scene, frame, configuration and mode of a picture. Clones share the scene.
+#[derive(Clone, Debug)]
+pub(crate) struct RenderInput {
+    pub(crate) scene: Arc<RenderScene>,
+    pub(crate) frame: FrameUniforms,
+    pub(crate) config: KernelConfig,
+    pub(crate) mode: Mode,
+    pub(crate) data: ModeData,
+}
+
+/// Data of a mode beyond the scene.
+#[derive(Clone, Debug)]
+pub(crate) enum ModeData {
+    /// Path-traced modes.
+    None,
+    Preview(Arc<Preview>),
+    /// Colours or numbers of a view, see [`views::table`].
+    View(Arc<Vec<f32>>),
+}
+
+impl RenderInput {
+    /// Input of a scene and settings that [`Settings::check`] accepts.
+    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
+        let camera = settings.camera_of(scene);
+        let tables = RenderScene::new(scene, camera);
+        let frame = FrameUniforms::new(scene, settings, &tables.sky, &tables.lights);
+        let config = KernelConfig::new(&tables, settings);
+        let data = match settings.mode {
+            Mode::Path | Mode::Variance => ModeData::None,
+            Mode::Preview => {
+                let ctx = TraceContext { scene: &tables, frame: &frame, config: &config, stats: None };
+                ModeData::Preview(Arc::new(Preview::new(scene, &ctx)))
+            }
+            mode => ModeData::View(Arc::new(views::table(mode, scene, camera))),
+        };
+        Self { scene: Arc::new(tables), frame, config, mode: settings.mode, data }
+    }
+
+    /// Sets camera, size, seed, bounces and limits to those of other settings of the same scene. Returns false where more
+    /// depends on the camera, so that a new input is needed.
+    pub(crate) fn reframe(&mut self, scene: &Scene, settings: &Settings) -> bool {
+        let only_the_frame = finite_bounds(scene).is_finite() && settings.mode != Mode::Depth;
+        if only_the_frame {
+            self.frame = FrameUniforms::new(scene, settings, &self.scene.sky, &self.scene.lights);
+        }
+        only_the_frame
+    }
+
+    /// Sets the number of paths that share a camera ray to the one that converges soonest; `in_lanes` on a GPU.
+    pub(crate) fn choose_splitting(&mut self, samples: u32, in_lanes: bool) {
+        if self.mode == Mode::Path {
+            self.config.splitting = splitting::best(&self.scene, &self.frame, &self.config, samples, in_lanes);
+        }
+    }
+
+    /// Context of its rays on the CPU.
+    pub(crate) fn context<'a>(&'a self, stats: Option<&'a RayCounters>) -> TraceContext<'a> {
+        TraceContext { scene: &self.scene, frame: &self.frame, config: &self.config, stats }
+    }
+
+    /// Preview data, in the mode that has them.
+    pub(crate) fn preview(&self) -> Option<&Preview> {
+        match &self.data {
+            ModeData::Preview(preview) => Some(preview),
+            ModeData::None | ModeData::View(_) => None,
+        }
+    }
+
+    /// Radiance or colours of `samples` samples of each of these pixels, from sample `first` on, those of a pixel in a row; more
+    /// than one only where they share a camera ray.
+    pub(crate) fn samples_of(
+        &self,
+        stats: Option<&RayCounters>,
+        pixels: &[(u32, u32)],
+        first: u32,
+        samples: u32,
+    ) -> Vec<Vec3> {
+        let ctx = &self.context(stats);
+        match &self.data {
+            ModeData::None if self.mode == Mode::Variance => moments::moments(ctx, pixels, first),
+            ModeData::None => path::trace(ctx, pixels, first, samples),
+            ModeData::Preview(preview) => preview::trace(ctx, preview, pixels, first),
+            ModeData::View(table) => views::view(ctx, self.mode, table, pixels, first),
+        }
+    }
+}

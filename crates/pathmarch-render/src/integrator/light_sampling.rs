@@ -1,0 +1,358 @@
+//! Light sampling: next-event estimation (Kajiya 1986, "The Rendering Equation") with multiple importance sampling.
+//!
+//! An alias table chooses one light for each surface, in proportion to its irradiance at the middle of the scene, so the cost does not
+//! grow with the number of lights. A sphere is sampled uniformly in the cone that it subtends (Shirley, Wang and Zimmerman
+//! 1996, "Monte Carlo Techniques for Direct Lighting Calculations"), a rectangle, a disc and the visible faces of a box by
+//! area. Any other shape is sampled in the cone of its bounding sphere; the ray may miss it. Paths find the same lights;
+//! the power heuristic weighs both (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
+
+use crate::sampling::basis::basis;
+use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight};
+use crate::scene::sky::EnvironmentSample;
+use crate::scene::{SkyLight, TraceContext};
+use crate::settings::LightSearch;
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+
+/// Sample of a light, before visibility.
+pub(crate) struct LightSample {
+    /// Unit vector towards the light.
+    pub(crate) direction: Vec3,
+    /// Largest distance of an occluder, metres; infinite for suns and for [`target`](Self::target).
+    pub(crate) distance: f32,
+    /// Irradiance on a surface that faces the light, divided by the pdf of the sample, W/m².
+    pub(crate) irradiance: Vec3,
+    /// Pdf of the sample over solid angle; zero for lights that no ray hits.
+    pub(crate) pdf: f32,
+    /// Leaf that the ray must hit, for a light that it may miss.
+    pub(crate) target: Option<u32>,
+    /// Sharpness of shadows from near misses; 0 for exact shadows.
+    pub(crate) penumbra: f32,
+    /// Weight of multiple importance sampling.
+    pub(crate) weight: f32,
+}
+
+/// Samples a light with `choice` and a point on it with `position`, as seen from `p`.
+pub(crate) fn sample(ctx: &TraceContext, p: Vec3, choice: f32, position: [f32; 2]) -> Option<LightSample> {
+    let lights = &ctx.scene.lights;
+    let cell = choice * lights.len() as f32;
+    let mut index = (cell as usize).min(lights.len().checked_sub(1)?);
+    if cell - index as f32 >= lights[index].threshold {
+        index = lights[index].alias as usize;
+    }
+    let light = &lights[index];
+    let sample = |direction, distance, irradiance, pdf, target| {
+        let penumbra = light.shape.penumbra();
+        Some(LightSample { direction, distance, irradiance, pdf: pdf * light.pmf, target, penumbra, weight: 1.0 })
+    };
+    match &light.shape {
+        LightShape::Point(PointLight { position, radiant_intensity, .. }) => {
+            let offset = *position - p;
+            let distance = offset.length();
+            let inverse = 1.0 / distance;
+            let intensity = *radiant_intensity * light.inverse_pmf;
+            sample(offset * inverse, distance, intensity * (inverse * inverse), 0.0, None)
+        }
+        LightShape::Sun(SunLight { direction, irradiance, one_minus_cos, .. }) => {
+            let sampled = cone_direction(*direction, *one_minus_cos, position);
+            // Radiance times the solid angle: the irradiance over the mean cosine of the disc's directions.
+            let pdf = if *one_minus_cos > 0.0 { 1.0 / (TAU * one_minus_cos) } else { 0.0 };
+            let irradiance = *irradiance * light.inverse_pmf;
+            sample(sampled, f32::INFINITY, irradiance * (2.0 / (2.0 - one_minus_cos)), pdf, None)
+        }
+        LightShape::Environment => {
+            let EnvironmentSample { direction, radiance, pdf } = ctx.scene.sky.sample(position)?;
+            // This pdf includes the choice of the light.
+            sample(direction, f32::INFINITY, radiance / pdf, pdf / light.pmf, None)
+        }
+        LightShape::Sphere(sphere) => {
+            let (direction, one_minus_cos, offset) = towards_sphere(sphere, p, position);
+            let distance = sphere_entry(offset, direction, sphere.radius);
+            let irradiance = sphere.radiance * light.inverse_pmf * (TAU * one_minus_cos);
+            sample(direction, distance * SHORT_OF_LIGHT, irradiance, 1.0 / (TAU * one_minus_cos), None)
+        }
+        LightShape::Bounded(sphere) => {
+            let (direction, one_minus_cos, _) = towards_sphere(sphere, p, position);
+            let irradiance = sphere.radiance * light.inverse_pmf * (TAU * one_minus_cos);
+            sample(direction, f32::INFINITY, irradiance, 1.0 / (TAU * one_minus_cos), Some(sphere.leaf))
+        }
+        LightShape::Rect(_) | LightShape::Disc(_) | LightShape::Box(_) => {
+            let (point, normal, area) = point_on(&light.shape, p, position);
+            let offset = point - p;
+            let square = offset.length_squared();
+            let distance = square.sqrt();
+            let direction = offset * (1.0 / distance);
+            let cosine = normal.dot(direction);
+            let (cosine, radiance) = match &light.shape {
+                LightShape::Box(light) => (cosine.abs(), light.radiance),
+                LightShape::Rect(light) | LightShape::Disc(light) => (-cosine, light.radiance),
+                _ => return None,
+            };
+            if cosine <= 0.0 {
+                return None;
+            }
+            let solid_angle = area * cosine / square;
+            let irradiance = radiance * light.inverse_pmf * solid_angle;
+            sample(direction, distance * SHORT_OF_LIGHT, irradiance, 1.0 / solid_angle, None)
+        }
+    }
+}
+
+/// Shadow rays end at this share of the distance to a light's surface, so that they do not hit the light itself.
+const SHORT_OF_LIGHT: f32 = 0.9999;
+
+/// Direction from `p` in the cone that a sphere subtends, 1 - cosine of the cone's half angle, and the offset of its centre.
+fn towards_sphere(sphere: &SphereLight, p: Vec3, position: [f32; 2]) -> (Vec3, f32, Vec3) {
+    let offset = sphere.centre - p;
+    let one_minus_cos = subtended_cone(offset.length_squared(), sphere.radius);
+    (cone_direction(offset.normalize_or(Vec3::Y), one_minus_cos, position), one_minus_cos, offset)
+}
+
+/// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre; 2,
+/// all directions, from within.
+fn subtended_cone(square: f32, radius: f32) -> f32 {
+    let sine_square = radius * radius / square.max(1e-30);
+    if sine_square >= 1.0 { 2.0 } else { sine_square / (1.0 + (1.0 - sine_square).sqrt()) }
+}
+
+/// Uniform direction in the cone around `axis` with this 1 - cosine of its half angle.
+fn cone_direction(axis: Vec3, one_minus_cos: f32, position: [f32; 2]) -> Vec3 {
+    let below = one_minus_cos * position[0];
+    let sine = (below * (2.0 - below)).max(0.0).sqrt();
+    let (s, c) = (TAU * position[1]).sin_cos();
+    (basis(axis) * Vec3::new(sine * c, sine * s, 1.0 - below)).normalize()
+}
+
+/// Distance at which a ray enters a sphere whose centre is at `offset`, metres; at which it leaves it, from within.
+fn sphere_entry(offset: Vec3, direction: Vec3, radius: f32) -> f32 {
+    let along = offset.dot(direction);
+    let across = offset - direction * along;
+    let half_chord = (radius * radius - across.length_squared()).max(0.0).sqrt();
+    if along > half_chord { along - half_chord } else { along + half_chord }
+}
+
+/// Uniform point on the part of a rectangle, disc or box that may be visible from `p`, its normal, and the area of that part.
+fn point_on(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
+    match shape {
+        LightShape::Rect(SheetLight { centre, axes: [x, z], normal, area, .. }) => {
+            let point = *centre + *x * (2.0 * u - 1.0) + *z * (2.0 * v - 1.0);
+            (point, *normal, *area)
+        }
+        LightShape::Disc(SheetLight { centre, axes: [x, z], normal, radius, area, .. }) => {
+            let radius = radius * u.sqrt();
+            let (s, c) = (TAU * v).sin_cos();
+            (*centre + *x * (radius * c) + *z * (radius * s), *normal, *area)
+        }
+        LightShape::Box(light) => {
+            let (areas, total) = visible_areas(light, p);
+            let offset = p - light.centre;
+            let mut u = u * (areas[0] + areas[1] + areas[2]);
+            let k = if u < areas[0] {
+                0
+            } else if u < areas[0] + areas[1] {
+                1
+            } else {
+                2
+            };
+            u = ((u - areas[..k].iter().sum::<f32>()) / areas[k].max(1e-30)).clamp(0.0, 1.0);
+            let axes = light.axes;
+            let (axis, a, b) = (axes[k], axes[(k + 1) % 3], axes[(k + 2) % 3]);
+            let along = offset.dot(axis) / axis.length_squared();
+            // From within, either side; from outside, the visible side.
+            let mut side = if along < 0.0 { -1.0 } else { 1.0 };
+            if along.abs() < 1.0 {
+                side = if u < 0.5 { -1.0 } else { 1.0 };
+                u = (2.0 * u).fract();
+            }
+            (light.centre + axis * side + a * (2.0 * u - 1.0) + b * (2.0 * v - 1.0), axis.normalize() * side, total)
+        }
+        _ => (p, Vec3::ZERO, 0.0),
+    }
+}
+
+/// Area of a face of a box across each axis, zero where none is visible from `p`, and of all visible faces.
+fn visible_areas(light: &BoxLight, p: Vec3) -> ([f32; 3], f32) {
+    let [x, y, z] = light.axes;
+    let offset = p - light.centre;
+    let areas = [4.0 * y.length() * z.length(), 4.0 * z.length() * x.length(), 4.0 * x.length() * y.length()];
+    let visible = [x, y, z].map(|axis| offset.dot(axis).abs() > axis.length_squared());
+    if !visible.contains(&true) {
+        return (areas, 2.0 * (areas[0] + areas[1] + areas[2]));
+    }
+    let areas: [f32; 3] = std::array::from_fn(|k| if visible[k] { areas[k] } else { 0.0 });
+    (areas, areas[0] + areas[1] + areas[2])
+}
+
+/// Pdf over solid angle, the choice of the light included, with which [`sample`] chooses the direction from `p` to the point
+/// `hit` of the light; `cosine` is that at the light's normal.
+pub(crate) fn pdf(light: &Light, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
+    let t = p.distance(hit);
+    let area = match &light.shape {
+        LightShape::Sphere(sphere) => {
+            return light.pmf / (TAU * subtended_cone((sphere.centre - p).length_squared(), sphere.radius));
+        }
+        LightShape::Bounded(sphere) => {
+            let offset = sphere.centre - p;
+            let one_minus_cos = subtended_cone(offset.length_squared(), sphere.radius);
+            // A blend may carry the light's material beyond its sphere.
+            let outside = (hit - p).dot(offset) < (1.0 - one_minus_cos) * t * offset.length();
+            return if outside { 0.0 } else { light.pmf / (TAU * one_minus_cos) };
+        }
+        LightShape::Rect(sheet) | LightShape::Disc(sheet) => sheet.area,
+        LightShape::Box(light) => visible_areas(light, p).1,
+        LightShape::Point(_) | LightShape::Sun(_) | LightShape::Environment => return 0.0,
+    };
+    light.pmf * t * t / (area * cosine.max(1e-6))
+}
+
+/// Power heuristic: weight of a sample of density `a` where another strategy has density `b`.
+fn power_heuristic(a: f32, b: f32) -> f32 {
+    let ratio = b / a.max(1e-30);
+    1.0 / (1.0 + ratio * ratio)
+}
+
+/// Weight of light that a ray of density `scatter_pdf` hit, where light sampling has density `light_pdf`; 1 where the ray has
+/// a single direction or no light was sampled.
+pub(crate) fn hit_weight(search: LightSearch, scatter_pdf: f32, light_pdf: f32) -> f32 {
+    match search {
+        _ if scatter_pdf <= 0.0 => 1.0,
+        LightSearch::Both => power_heuristic(scatter_pdf, light_pdf),
+        LightSearch::Sampled => 0.0,
+        LightSearch::Met => 1.0,
+    }
+}
+
+/// Weight of a light sampled with density `light_pdf`, where scattering has density `scatter_pdf`; 1 where no ray hits the
+/// light.
+pub(crate) fn sample_weight(search: LightSearch, light_pdf: f32, scatter_pdf: f32) -> f32 {
+    match search {
+        _ if light_pdf <= 0.0 => 1.0,
+        LightSearch::Both => power_heuristic(light_pdf, scatter_pdf),
+        LightSearch::Sampled => 1.0,
+        LightSearch::Met => 0.0,
+    }
+}
+
+/// Weighted radiance of the sky in the direction of a ray of density `scatter_pdf`.
+pub(crate) fn sky_radiance(sky: &SkyLight, search: LightSearch, direction: Vec3, scatter_pdf: f32) -> Vec3 {
+    match sky.radiance(direction) {
+        (radiance, Some(pdf)) => radiance * hit_weight(search, scatter_pdf, pdf),
+        (radiance, None) => radiance,
+    }
+}
+
+/// Weighted radiance of the suns' discs in the direction of a ray of density `scatter_pdf`.
+pub(crate) fn sun_radiance(ctx: &TraceContext, direction: Vec3, scatter_pdf: f32) -> Vec3 {
+    let mut radiance = Vec3::ZERO;
+    for light in &ctx.scene.lights[..ctx.frame.sun_count as usize] {
+        let LightShape::Sun(sun) = &light.shape else { continue };
+        let x = sun.one_minus_cos;
+        // |a - b|²/2 = 1 - cosine of the angle between unit vectors, without cancellation.
+        if 0.5 * (direction - sun.direction).length_squared() < x {
+            let weight = hit_weight(ctx.config.light_search, scatter_pdf, light.pmf / (TAU * x));
+            // Irradiance / (π sin²) of the disc facing a surface: sin² = x(2 - x).
+            radiance += sun.irradiance * (weight / (PI * x * (2.0 - x)));
+        }
+    }
+    radiance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::RenderInput;
+    use crate::sampling::sobol::PixelSampler;
+    use pathmarch_scene::Scene;
+
+    fn input(lights: &str) -> RenderInput {
+        let text = format!("pathmarch 1\ncamera {{ position 0 0 4; target 0 0 0 }}\n{lights}");
+        let scene = Scene::parse("test.kdl", &text).expect("a valid scene");
+        RenderInput::new(&scene, &crate::Settings::of(&scene))
+    }
+
+    /// Every kind of surface that emits, seen from near, far, aside and within.
+    #[test]
+    fn a_lights_density_is_the_one_it_is_sampled_with() {
+        let shapes = ["sphere 0.5", "rect 1 0.6", "disc 0.4", "box 0.5 0.8 0.3", "torus 0.4 0.1"];
+        for shape in shapes {
+            let input = input(&format!(
+                "material \"lamp\" {{ emit 1 }}\nobject \"lamp\" material=\"lamp\" {{ {shape} {{ rotate 20 30 40; scale 1.3; at 0.2 0.1 0 }} }}"
+            ));
+            let [light] = input.scene.lights.as_slice() else { panic!("one light") };
+            for p in [Vec3::new(0.0, 2.0, 0.3), Vec3::new(-1.0, 0.4, 0.9), Vec3::new(20.0, 30.0, 1.0)] {
+                let mut weight = 0.0;
+                let n = 4000;
+                for k in 0..n {
+                    let u = PixelSampler::new(0, 0, k, 1).pair(0);
+                    let Some(sample) = sample(&input.context(None), p, 0.5, u) else { continue };
+                    let direction =
+                        pathmarch_field::number::Vec3::new(sample.direction.x, sample.direction.y, sample.direction.z);
+                    let origin = pathmarch_field::number::Vec3::new(p.x, p.y, p.z);
+                    let (t, _) = input.scene.field.direct_hit(origin, direction);
+                    if sample.target.is_none() {
+                        assert!(
+                            (t * SHORT_OF_LIGHT / sample.distance - 1.0).abs() < 2e-3,
+                            "{shape}: {t} {}",
+                            sample.distance
+                        );
+                        let hit = p + sample.direction * t;
+                        let surface = input
+                            .scene
+                            .field
+                            .surface(pathmarch_field::number::Vec3::new(hit.x, hit.y, hit.z), 0)
+                            .field
+                            .gradient;
+                        let normal = Vec3::new(surface.x, surface.y, surface.z).normalize();
+                        let cosine = normal.dot(sample.direction).abs();
+                        if cosine > 0.05 && !matches!(light.shape, LightShape::Box(_)) {
+                            let density = pdf(light, p, hit, cosine);
+                            assert!((density / sample.pdf - 1.0).abs() < 0.02, "{shape}: {density} {}", sample.pdf);
+                        }
+                    }
+                    weight += 1.0 / (sample.pdf * n as f32);
+                }
+                // The mean of 1/density is the solid angle, at most all directions.
+                assert!(weight > 0.0 && weight < 4.0 * PI, "{shape}: {weight}");
+            }
+        }
+    }
+
+    #[test]
+    fn lights_are_chosen_by_their_power() {
+        let points = [1.0, 2.0, 5.0, 0.0, 12.0].map(|i| format!("point {{ at 0 10 0; intensity {i} }}\n"));
+        let input = input(&points.concat());
+        let records = &input.scene.lights;
+        assert_eq!(records.len(), 4, "a light without power is left out");
+        let mut counts = [0.0f32; 4];
+        let n = 20_000;
+        for k in 0..n {
+            let sample = sample(&input.context(None), Vec3::ZERO, (k as f32 + 0.5) / n as f32, [0.5; 2])
+                .expect("there are lights");
+            // Every choice gives the same product of power over probability.
+            assert!((sample.irradiance.x * 100.0 - 20.0).abs() < 1e-3);
+            let cell = (k as f32 + 0.5) / n as f32 * 4.0;
+            let index = cell as usize;
+            let chosen =
+                if cell - index as f32 >= records[index].threshold { records[index].alias as usize } else { index };
+            counts[chosen] += 1.0 / n as f32;
+        }
+        for (count, expected) in counts.iter().zip([0.05, 0.1, 0.25, 0.6]) {
+            assert!((count - expected).abs() < 1e-3, "{counts:?}");
+        }
+    }
+
+    #[test]
+    fn the_suns_disc_integrates_to_its_irradiance() {
+        let input = input("sun { direction 0 1 0; irradiance 3; angle 10 }");
+        // Cosine-distributed directions: the mean of π L estimates the irradiance.
+        let n = 400_000;
+        let mut sum = 0.0;
+        for k in 0..n {
+            let [u, v] = PixelSampler::new(0, 0, k, 1).pair(0);
+            let (sine, cosine) = (TAU * v).sin_cos();
+            let direction = Vec3::new(u.sqrt() * sine, (1.0 - u).sqrt(), u.sqrt() * cosine);
+            sum += PI * sun_radiance(&input.context(None), direction, 0.0).x / n as f32;
+        }
+        assert!((sum - 3.0).abs() < 0.05, "{sum}");
+    }
+}

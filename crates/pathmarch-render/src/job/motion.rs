@@ -1,0 +1,157 @@
+//! Motion blur: pictures of what moves while the shutter is open.
+//!
+//! **Idea.** Every sample of a pixel sees the scene at a moment of its own within the time that the shutter is open, so that
+//! the mean over the samples is the mean over that time (distributed ray tracing). Runs of [`RUN`] samples share a moment, for
+//! which the scene is read anew; films of runs add up.
+//!
+//! **Source.** Cook, Porter, Carpenter 1984, "Distributed Ray Tracing". The moments are van der Corput's sequence, Owen
+//! scrambled, its order shuffled so that moments and the points within pixels, which are ordered alike, are independent
+//! (Burley 2020, section 5): so 2^k runs in a row from a multiple of 2^k have one moment in each of 2^k equal parts of the
+//! time. A moment is a pure function of seed and sample, so that ranges of samples rendered apart add up.
+//!
+//! **Cost.** For each run the scene is read and prepared, a few milliseconds for small scenes, and its film read back. The
+//! kernel is compiled once as long as only numbers change.
+
+use super::{Job, Renderer};
+use crate::error::RenderError;
+use crate::output::film::Film;
+use crate::sampling::sobol::{hash, scramble_reversed};
+use crate::settings::Settings;
+use pathmarch_scene::{Animation, Moment, Scene, SceneError};
+
+/// Samples in a row that share a moment: halves what moments cost; more would show as single pictures where samples are few.
+const RUN: u32 = 2;
+
+/// When and how long light falls onto the film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shutter {
+    /// The moment at which it opens.
+    pub opens: Moment,
+    /// How long it is open, seconds.
+    pub seconds: f64,
+}
+
+impl Shutter {
+    /// Opens at the moment of a scene, for a part of the time of a frame.
+    pub fn open_for(scene: &Scene, part: f32, fps: f32) -> Self {
+        Self { opens: scene.moment, seconds: f64::from(part) / f64::from(fps) }
+    }
+    /// As the scene says.
+    pub fn of(scene: &Scene) -> Self {
+        Self::open_for(scene, scene.render.shutter, scene.render.fps)
+    }
+    /// The moment at which a sample sees the scene. The frame stays the same.
+    pub fn moment(&self, seed: u32, sample: u32) -> Moment {
+        let run = sample / RUN;
+        // Shuffling an index is scrambling its bits from the highest down; van der Corput's number is these reversed.
+        let shuffled = scramble_reversed(run.reverse_bits(), hash(seed ^ 0x6d6f_7469)).reverse_bits();
+        let scrambled = scramble_reversed(shuffled, hash(seed ^ 0x6f6e_2121)).reverse_bits();
+        let share = (f64::from(scrambled) + 0.5) / 2.0_f64.powi(32);
+        Moment { seconds: self.opens.seconds + share * self.seconds, frame: self.opens.frame }
+    }
+}
+
+/// Why a picture of a moving scene could not be rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum MotionError {
+    /// The text is no scene at some moment.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// It could not be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// A picture of a moving scene that is being rendered.
+pub struct MovingJob {
+    settings: Settings,
+    shutter: Shutter,
+    film: Film,
+    run: Option<(Job, u32)>,
+}
+
+impl MovingJob {
+    /// Begins a picture; nothing is rendered yet.
+    pub fn new(settings: &Settings, shutter: Shutter) -> Self {
+        let [width, height] = settings.size;
+        Self { settings: settings.clone(), shutter, film: Film::new(width, height), run: None }
+    }
+
+    /// Samples of every pixel that are done or on their way, with a fraction for one that is begun.
+    pub fn samples_done(&self) -> f64 {
+        f64::from(self.film.samples) + self.run.as_ref().map_or(0.0, |(job, _)| job.samples_done())
+    }
+
+    /// Does a slice of the work, as [`Job::advance`].
+    ///
+    /// # Errors
+    /// [`MotionError`] where the text is no scene at the moment of a sample, and as [`Renderer::start`].
+    pub fn advance(&mut self, renderer: &mut Renderer, animation: &mut Animation) -> Result<(), MotionError> {
+        if self.film.samples >= self.settings.samples {
+            return Ok(());
+        }
+        let (mut job, samples) = match self.run.take() {
+            Some(run) => run,
+            None => {
+                let first = self.settings.first_sample + self.film.samples;
+                let samples = (RUN - first % RUN).min(self.settings.samples - self.film.samples);
+                let scene = animation.at(self.shutter.moment(self.settings.seed, first))?;
+                let settings = Settings { first_sample: first, samples, ..self.settings.clone() };
+                (renderer.start(&scene, &settings)?, samples)
+            }
+        };
+        job.advance(samples)?;
+        if job.samples_done() < f64::from(samples) {
+            self.run = Some((job, samples));
+        } else {
+            self.film.add(&job.film()?).map_err(|error| RenderError::Settings(error.to_string()))?;
+        }
+        Ok(())
+    }
+
+    /// The picture so far: of the runs that are done, and what is done of one that is begun.
+    ///
+    /// # Errors
+    /// As [`Job::film`].
+    pub fn film(&mut self) -> Result<Film, MotionError> {
+        if let Some((mut job, _)) = self.run.take() {
+            self.film.add(&job.film()?).map_err(|error| RenderError::Settings(error.to_string()))?;
+        }
+        Ok(self.film.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{RUN, Shutter};
+    use pathmarch_scene::Moment;
+
+    const SHUTTER: Shutter = Shutter { opens: Moment { seconds: 2.0, frame: 48 }, seconds: 0.5 };
+
+    #[test]
+    fn moments_are_spread_over_the_time() {
+        for (seed, block, count) in [(0, 0, 1), (0, 0, 16), (1, 3, 16), (7, 1, 64), (9, 0, 256)] {
+            let moments = (block * count..(block + 1) * count).map(|run| SHUTTER.moment(seed, run * RUN));
+            let mut parts: Vec<u32> =
+                moments.map(|moment| ((moment.seconds - 2.0) / 0.5 * f64::from(count)) as u32).collect();
+            parts.sort_unstable();
+            assert_eq!(parts, (0..count).collect::<Vec<_>>(), "seed {seed}, block {block}");
+        }
+        assert_eq!(SHUTTER.moment(3, RUN), SHUTTER.moment(3, 2 * RUN - 1));
+        assert_ne!(SHUTTER.moment(3, RUN), SHUTTER.moment(3, 2 * RUN));
+        assert_eq!(SHUTTER.moment(3, 4).frame, 48);
+    }
+
+    /// Over seeds, each moment is as likely as any other, and those of two runs have nothing to do with their order.
+    #[test]
+    fn moments_have_no_order() {
+        let seeds = 4000;
+        let share = |seed, run: u32| (SHUTTER.moment(seed, run * RUN).seconds - 2.0) / 0.5;
+        for run in [0, 1, 5, 63] {
+            let mean: f64 = (0..seeds).map(|seed| share(seed, run)).sum::<f64>() / f64::from(seeds);
+            assert!((mean - 0.5).abs() < 0.02, "{mean}");
+            let below = (0..seeds).filter(|seed| share(*seed, run) < share(*seed, run + 1)).count();
+            assert!((below as f64 / f64::from(seeds) - 0.5).abs() < 0.03, "{below}");
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! Pictures: films, image files, tone mapping.
+
+pub(crate) mod atomic_file;
+pub mod film;
+pub mod image;
+pub mod tonemap;

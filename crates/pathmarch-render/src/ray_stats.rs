@@ -1,0 +1,60 @@
+//! Counters of rays and field evaluations.
+//!
+//! The CPU backend counts while it renders. It follows the same paths as the kernels, so its numbers hold for a GPU, too.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Rays and field evaluations of one sample of every pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayStats {
+    /// Camera rays, path segments and shadow rays.
+    pub rays: u64,
+    /// Rays that entered the bounds of the sphere-traced objects.
+    pub marched_rays: u64,
+    /// Evaluations of the sphere-traced field by all of them, without those for normals, one for each hit.
+    pub evaluations: u64,
+}
+
+impl RayStats {
+    /// Mean number of evaluations for each ray.
+    pub fn evaluations_per_ray(&self) -> f64 {
+        self.evaluations as f64 / self.rays.max(1) as f64
+    }
+}
+
+/// Statistics of one sphere-traced ray.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct MarchStats {
+    /// Evaluations of the field.
+    pub(crate) evaluations: u32,
+    /// Largest change of the distance between two evaluations, over what the Lipschitz constant allows.
+    pub(crate) steepest: f32,
+}
+
+/// Counters that all threads share.
+#[derive(Debug, Default)]
+pub(crate) struct RayCounters {
+    rays: AtomicU64,
+    marched_rays: AtomicU64,
+    evaluations: AtomicU64,
+}
+
+impl RayCounters {
+    /// Adds the statistics of some rays.
+    pub(crate) fn add(&self, stats: &[MarchStats]) {
+        let marched = stats.iter().filter(|ray| ray.evaluations > 0).count() as u64;
+        let evaluations = stats.iter().map(|ray| u64::from(ray.evaluations)).sum();
+        self.rays.fetch_add(stats.len() as u64, Ordering::Relaxed);
+        self.marched_rays.fetch_add(marched, Ordering::Relaxed);
+        self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
+    }
+
+    /// Sums so far.
+    pub(crate) fn total(&self) -> RayStats {
+        RayStats {
+            rays: self.rays.load(Ordering::Relaxed),
+            marched_rays: self.marched_rays.load(Ordering::Relaxed),
+            evaluations: self.evaluations.load(Ordering::Relaxed),
+        }
+    }
+}

@@ -1,0 +1,339 @@
+//! PixelSampler numbers: Owen-scrambled Sobol' points, two dimensions at a time, their error blue noise over the pixels.
+//!
+//! **Idea.** The two coordinates of a Sobol' point are the digits of one polynomial s over the field of two elements, whose
+//! coefficients are the bits of the sample's index: at z = 0, and at z = 1 (the Pascal matrix). Here the polynomial is
+//! s Q^8 + g with Q = z² + z + 1. The pixel chooses g: eight digits in base Q, polynomials of degree below two, which are
+//! the levels of its place on a space-filling curve, the coarsest first. In an aligned block of 2^m by 2^m pixels and a run
+//! of 2^k samples, two such polynomials differ by Q^(8-m) times one of degree below k + 2m, which cannot vanish k + 2m
+//! times at 0 and 1, where Q does not. So **in every such block and run there is exactly one point in every elementary box
+//! of area 2^-(k + 2m)**, for all m up to 8 and k up to 16 at once; beyond, runs of 2^16 are. Each pixel is as well stratified
+//! as alone, and what it misses its neighbours hit, so that the error is of high spatial frequency after 1, 2, 4, 8, …
+//! samples without their final number being known. All is hidden under Owen scrambling: of the samples' order, of the
+//! pixels' order (which keeps blocks), and of the coordinates, by hashes of (seed, pair), so that pairs are independent.
+//! A number is a pure function of (seed, pixel, sample, pair).
+//!
+//! **Sources.** Sobol' points by five steps of a word: Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence Fast,
+//! Elegant, and Compact". Owen scrambling by hashing: Burley 2020, "Practical Hash-based Owen Scrambling", after Laine and
+//! Karras 2011, with the constants of Vegdahl 2021. Blue noise by scrambled blocks of pixels: Ahmed and Wonka 2020,
+//! "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels"; there each pixel
+//! takes a run of one sequence, here its place stands beside the index, so that the run may have any length. Nets from
+//! places of a function field, Q being one of degree two: the survey of Niederreiter 2005. Georgiev and Fajardo 2016 and
+//! Heitz et al. 2019 reach the same end by tables. The ranks of a void-and-cluster array (Ulichney 1993) in place of the
+//! curve were tried: better at one sample (blurred variance over eight integrands fell by 7.6, with the curve by 5.9), worse
+//! at 4 (2.4, 7.2) and almost without gain at 16 (1.2, 6.4), because pixels that complete each other are then not near.
+//!
+//! **Cost.** About 85 integer operations a pair, a third of them the same for all pixels; no memory.
+
+/// The pairs of dimensions a path uses, in order.
+pub(crate) mod pair {
+    /// Position within the pixel.
+    pub(crate) const PIXEL: u32 = 0;
+    /// Position on the lens.
+    pub(crate) const LENS: u32 = 1;
+    /// First pair of the first surface; each surface has [`PER_SURFACE`].
+    pub(crate) const SURFACE: u32 = 2;
+    /// Direction of the scattered ray.
+    pub(crate) const SCATTER: u32 = 0;
+    /// Choice of the light (x) and of going on (y).
+    pub(crate) const CHOICE: u32 = 1;
+    /// Position on the light.
+    pub(crate) const LIGHT: u32 = 2;
+    /// Choice of the lobe (x).
+    pub(crate) const LOBE: u32 = 3;
+    /// Pairs of a surface.
+    pub(crate) const PER_SURFACE: u32 = 4;
+}
+
+/// A well-mixed word of a word (PCG output permutation; Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
+#[inline(always)]
+pub(crate) fn hash(x: u32) -> u32 {
+    let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}
+
+/// Owen scrambling of the reversed bits `x`: every bit is flipped by a hash of the bits below it.
+#[inline(always)]
+pub(crate) fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^ x.wrapping_mul(0x53a2_2864)
+}
+
+/// A uniform number in 0..1 of the high 24 bits.
+#[inline(always)]
+pub(crate) fn unit(x: u32) -> f32 {
+    (x >> 8) as f32 / 16_777_216.0
+}
+
+/// The polynomial of eight digits in base Q, the coarsest in the two lowest bits.
+#[inline(always)]
+fn from_base_q(digits: u32) -> u32 {
+    // By halves: Q^n = z^2n + z^n + 1 for n = 1, 2, 4.
+    let mut sum = digits;
+    let mut high = (sum >> 2) & 0x3333;
+    sum ^= high ^ (high << 1);
+    high = (sum >> 4) & 0x0f0f;
+    sum ^= high ^ (high << 2);
+    high = sum >> 8;
+    sum ^ high ^ (high << 4)
+}
+
+/// The bits of a number below 2^16, apart by one.
+fn spread(mut x: u32) -> u32 {
+    x = (x | (x << 8)) & 0x00ff_00ff;
+    x = (x | (x << 4)) & 0x0f0f_0f0f;
+    x = (x | (x << 2)) & 0x3333_3333;
+    (x | (x << 1)) & 0x5555_5555
+}
+
+/// The random numbers of one sample of one pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelSampler {
+    /// Hash of the seed.
+    base: u32,
+    /// Place of the pixel on a space-filling curve, reversed: a digit of two bits for each level, the finest topmost.
+    place: u32,
+    sample: u32,
+    independent: bool,
+}
+
+impl PixelSampler {
+    /// Of sample `sample` of the pixel (`x`, `y`), both below 2^16, under `seed`, as Sobol' points.
+    pub(crate) fn new(x: u32, y: u32, sample: u32, seed: u32) -> Self {
+        let morton = (spread(x) | (spread(y) << 1)).reverse_bits();
+        // Each block is halved along x or along y first, so that the noise has no direction.
+        let turned = (scramble_reversed(morton, 0x9e37_79b9) ^ morton) & 0x5555_5555;
+        let swap = (morton ^ (morton >> 1)) & turned;
+        Self { base: hash(seed), place: morton ^ swap ^ (swap << 1), sample, independent: false }
+    }
+
+    /// The same, of independent numbers in place of Sobol' points where `independent` is set.
+    pub(crate) fn independent(self, independent: bool) -> Self {
+        Self { independent, ..self }
+    }
+
+    /// Numbers of another sample of the same pixel.
+    pub(crate) fn of_sample(self, sample: u32) -> Self {
+        Self { sample, ..self }
+    }
+
+    /// The point of a pair of dimensions, uniform in the unit square.
+    pub(crate) fn pair(self, pair: u32) -> [f32; 2] {
+        if self.independent { self.independent_pair(pair) } else { self.sobol_pair(pair) }
+    }
+
+    /// [`pair`](Self::pair) of many at once, all by one sampler.
+    pub(crate) fn pairs(of: &[Self], pair: u32) -> Vec<[f32; 2]> {
+        // In runs of a fixed length and without a branch, so that the compiler makes vectors of them.
+        const RUN: usize = 16;
+        if of.first().is_some_and(|random| random.independent) {
+            return of.iter().map(|random| random.independent_pair(pair)).collect();
+        }
+        let mut result = Vec::with_capacity(of.len());
+        let (runs, rest) = of.as_chunks::<RUN>();
+        for run in runs {
+            let (bases, places, samples) = (run.map(|r| r.base), run.map(|r| r.place), run.map(|r| r.sample));
+            let (mut x, mut y) = ([0.0; RUN], [0.0; RUN]);
+            for k in 0..RUN {
+                let random = Self { base: bases[k], place: places[k], sample: samples[k], independent: false };
+                [x[k], y[k]] = random.sobol_pair(pair);
+            }
+            result.extend(x.into_iter().zip(y).map(<[f32; 2]>::from));
+        }
+        result.extend(rest.iter().map(|random| random.sobol_pair(pair)));
+        result
+    }
+
+    #[inline(always)]
+    fn independent_pair(self, pair: u32) -> [f32; 2] {
+        let seed = hash(self.base ^ pair.wrapping_mul(0x9e37_79b9));
+        let x = hash(self.sample ^ hash(self.place ^ seed));
+        [unit(x), unit(hash(x ^ seed))]
+    }
+
+    #[inline(always)]
+    fn sobol_pair(self, pair: u32) -> [f32; 2] {
+        let seed = hash(self.base ^ pair.wrapping_mul(0x9e37_79b9));
+        let index = scramble_reversed(self.sample.reverse_bits(), seed).reverse_bits();
+        let place = scramble_reversed(self.place, seed.rotate_left(24)) >> 16;
+        let at_zero = index ^ (index << 8) ^ (index << 16) ^ from_base_q(place);
+        let mut at_one = at_zero;
+        at_one ^= (at_one >> 1) & 0x5555_5555;
+        at_one ^= (at_one >> 2) & 0x3333_3333;
+        at_one ^= (at_one >> 4) & 0x0f0f_0f0f;
+        at_one ^= (at_one >> 8) & 0x00ff_00ff;
+        at_one ^= (at_one >> 16) & 0x0000_ffff;
+        let x = scramble_reversed(at_zero, seed.rotate_left(8)).reverse_bits();
+        let y = scramble_reversed(at_one, seed.rotate_left(16)).reverse_bits();
+        [unit(x), unit(y)]
+    }
+
+    /// A seed for choices that need no stratification, different for each surface of the path.
+    pub(crate) fn unstratified_seed(self, surface: u32) -> u32 {
+        hash(hash(self.place ^ self.base) ^ hash(self.sample ^ surface.wrapping_mul(0x85eb_ca6b)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::TAU;
+
+    /// Whether there is exactly one point in each elementary box.
+    fn is_net(points: &[[f32; 2]]) -> bool {
+        let log = points.len().ilog2();
+        (0..=log).all(|log_x| {
+            let (nx, ny) = (1 << log_x, points.len() >> log_x);
+            let mut seen = vec![false; points.len()];
+            points.iter().all(|[x, y]| {
+                let cell = (x * nx as f32) as usize * ny + (y * ny as f32) as usize;
+                !std::mem::replace(&mut seen[cell], true)
+            })
+        })
+    }
+
+    #[test]
+    fn a_pixel_and_a_block_of_pixels_are_stratified_in_every_elementary_interval() {
+        for (log_block, log_samples) in [(0, 8), (1, 0), (1, 1), (1, 6), (2, 0), (2, 3), (3, 2), (4, 0), (4, 1)] {
+            let (edge, samples) = (1 << log_block, 1 << log_samples);
+            for (seed, [x0, y0]) in [(7, [0, 0]), (8, [3, 11]), (9, [1000, 600])] {
+                // Any aligned run of samples will do, so that a picture may be continued.
+                for first in [0, samples, 5 * samples] {
+                    let points: Vec<[f32; 2]> = (0..edge * edge * samples)
+                        .map(|k| {
+                            let (sample, pixel) = (first + k % samples, k / samples);
+                            let (x, y) = (edge * x0 + pixel % edge, edge * y0 + pixel / edge);
+                            PixelSampler::new(x, y, sample, seed).pair(4)
+                        })
+                        .collect();
+                    assert!(is_net(&points), "{edge} x {edge} pixels of {samples} samples from {first}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn many_at_once_are_those_of_each() {
+        for independent in [false, true] {
+            let randoms: Vec<PixelSampler> =
+                (0..37).map(|k| PixelSampler { independent, ..PixelSampler::new(k, 3 * k, k / 2, 5) }).collect();
+            let each: Vec<[f32; 2]> = randoms.iter().map(|random| random.pair(9)).collect();
+            assert_eq!(PixelSampler::pairs(&randoms, 9), each);
+        }
+    }
+
+    #[test]
+    fn pairs_seeds_and_samplers_are_independent() {
+        let correlation = |a: &dyn Fn(u32) -> f32, b: &dyn Fn(u32) -> f32| {
+            let n = 4096;
+            (0..n).map(|k| (a(k) - 0.5) * (b(k) - 0.5)).sum::<f32>() / n as f32 * 12.0
+        };
+        let independent = |s: u32, x: u32| PixelSampler { independent: true, ..PixelSampler::new(x, 1, s, 0) }.pair(2);
+        let over_samples = |s| PixelSampler::new(1, 1, s, 0).pair(2)[0];
+        let over_pixels = |p: u32| PixelSampler::new(p % 64, p / 64, 0, 0).pair(2)[0];
+        let cases: [[&dyn Fn(u32) -> f32; 2]; 8] = [
+            [&over_samples, &|s| PixelSampler::new(1, 1, s, 0).pair(3)[0]],
+            [&over_samples, &|s| PixelSampler::new(1, 1, s, 0).pair(2)[1]],
+            [&over_samples, &|s| PixelSampler::new(1, 1, s, 1).pair(2)[0]],
+            [&over_pixels, &|p| PixelSampler::new(p % 64, p / 64, 0, 0).pair(3)[0]],
+            [&over_pixels, &|p| PixelSampler::new(p % 64, p / 64, 0, 0).pair(2)[1]],
+            [&over_pixels, &|p| PixelSampler::new(p % 64, p / 64, 0, 1).pair(2)[0]],
+            [&|s| independent(s, 1)[0], &|s| independent(s, 1)[1]],
+            [&|s| independent(s, 1)[0], &|s| independent(s, 2)[0]],
+        ];
+        for (k, [a, b]) in cases.into_iter().enumerate() {
+            assert!(correlation(a, b).abs() < 0.06, "case {k}: {}", correlation(a, b));
+        }
+    }
+
+    /// Smooth and broken functions over the unit square, and their integrals.
+    const INTEGRANDS: [fn(f32, f32) -> f32; 6] = [
+        |x, y| x + y,
+        |x, y| x * y,
+        |x, y| (1.0 - x).sqrt() * (0.5 + 0.5 * (TAU * y).cos()),
+        |x, y| (-8.0 * ((x - 0.4).powi(2) + (y - 0.6).powi(2))).exp(),
+        |x, y| f32::from(u8::from((x - 0.45).hypot(y - 0.55) < 0.35)),
+        |x, y| f32::from(u8::from(x + 0.7 * y < 0.8)),
+    ];
+
+    fn integral(f: fn(f32, f32) -> f32) -> f64 {
+        let n = 1000;
+        let at = |k: u32| (k as f32 + 0.5) / n as f32;
+        (0..n * n).map(|k| f64::from(f(at(k % n), at(k / n)))).sum::<f64>() / f64::from(n * n)
+    }
+
+    #[test]
+    fn the_mean_over_seeds_is_unbiased() {
+        for f in INTEGRANDS {
+            let n = 40_000;
+            let mean = (0..n)
+                .map(|seed| PixelSampler::new(5, 9, 3, seed).pair(1))
+                .map(|[x, y]| f64::from(f(x, y)))
+                .sum::<f64>();
+            let error = mean / f64::from(n) - integral(f);
+            assert!(error.abs() < 4.0 * 0.5 / f64::from(n).sqrt(), "{error}");
+        }
+    }
+
+    const EDGE: usize = 64;
+
+    /// A Gaussian of two pixels' deviation over a picture of [`EDGE`] squared that repeats.
+    fn blurred(picture: &[f64]) -> Vec<f64> {
+        let weight = |d: i32| (f64::from(-d * d) / 8.0).exp() / 8.0_f64.sqrt() / std::f64::consts::PI.sqrt();
+        let wrap = |v: usize, d: i32| (v as i32 + d).rem_euclid(EDGE as i32) as usize;
+        let along = |of: &[f64], at: &dyn Fn(usize, i32) -> usize| -> Vec<f64> {
+            (0..EDGE * EDGE).map(|p| (-8..=8).map(|d| weight(d) * of[at(p, d)]).sum()).collect()
+        };
+        let rows = along(picture, &|p, d| p / EDGE * EDGE + wrap(p % EDGE, d));
+        along(&rows, &|p, d| wrap(p / EDGE, d) * EDGE + p % EDGE)
+    }
+
+    /// Mean square of the error after 1, 2, 4, … 64 samples, blurred and not, with a pixel's place given.
+    fn errors(f: fn(f32, f32) -> f32, place: impl Fn(u32, u32) -> [u32; 3]) -> [[f64; 2]; 7] {
+        let expected = integral(f);
+        let mut result = [[0.0; 2]; 7];
+        for seed in 0..8 {
+            let mut sums = vec![0.0; EDGE * EDGE];
+            for sample in 0..64_u32 {
+                for (p, sum) in sums.iter_mut().enumerate() {
+                    let [x, y, seed] = place((p % EDGE) as u32, seed * 64 + (p / EDGE) as u32);
+                    let [u, v] = PixelSampler::new(x, y, sample, seed).pair(3);
+                    *sum += f64::from(f(u, v));
+                }
+                let count = sample + 1;
+                if count.is_power_of_two() {
+                    let error: Vec<f64> = sums.iter().map(|sum| sum / f64::from(count) - expected).collect();
+                    let [of_blurred, of_pixels] = &mut result[count.ilog2() as usize];
+                    *of_blurred += blurred(&error).iter().map(|v| v * v).sum::<f64>();
+                    *of_pixels += error.iter().map(|v| v * v).sum::<f64>();
+                }
+            }
+        }
+        result
+    }
+
+    #[test]
+    fn the_error_is_blue_noise_over_the_pixels_at_every_power_of_two() {
+        let (mut log_gain, mut log_pixels) = ([0.0; 7], [0.0; 7]);
+        for f in INTEGRANDS {
+            // Every eighth of the rows has a seed of its own; against a seed for each pixel.
+            let blue = errors(f, |x, y| [x, y % 64, y / 64]);
+            let white = errors(f, |x, y| [0, 0, hash(x ^ hash(y))]);
+            for k in 0..7 {
+                let gain = white[k][0] / blue[k][0];
+                assert!(gain > 1.7, "{gain} at {} samples", 1 << k);
+                log_gain[k] += gain.ln() / INTEGRANDS.len() as f64;
+                log_pixels[k] += (white[k][1] / blue[k][1]).ln() / INTEGRANDS.len() as f64;
+            }
+        }
+        println!("variance, white over blue, blurred: {:.2?}", log_gain.map(f64::exp));
+        println!("variance, white over blue, of pixels: {:.2?}", log_pixels.map(f64::exp));
+        for k in 0..7 {
+            assert!(log_gain[k].exp() > 4.5, "{} at {} samples", log_gain[k].exp(), 1 << k);
+            assert!(log_pixels[k].exp() > 0.8, "{} at {} samples", log_pixels[k].exp(), 1 << k);
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Uniforms of a frame: camera, size and limits of one picture, which all of its rays share.
+
+use super::light::Light;
+use super::sky::SkyLight;
+use super::{Extent, medium_at};
+use crate::settings::Settings;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use pathmarch_field::Aabb;
+use pathmarch_scene::sky::GROUND_EDGE;
+use pathmarch_scene::{Scene, Sky};
+
+/// Uniforms of a frame. `Frame` in `backend/gpu/frame.wgsl` has the same layout.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct FrameUniforms {
+    /// Middle of the lens in world space, metres.
+    pub(crate) position: [f32; 3],
+    /// Radius of the lens, metres; 0 for a pinhole.
+    pub(crate) lens_radius: f32,
+    /// Vector to the right in world space, half as long as the picture is wide at distance one.
+    pub(crate) right: [f32; 3],
+    /// Focus distance along `forward`, metres.
+    pub(crate) focus: f32,
+    /// Vector upwards in world space, half as long as the picture is high at distance one.
+    pub(crate) up: [f32; 3],
+    /// Hit tolerance over the length of the path.
+    pub(crate) tolerance: f32,
+    /// Unit view direction in world space.
+    pub(crate) forward: [f32; 3],
+    /// Rounding error over a point's largest coordinate.
+    pub(crate) rounding: f32,
+    /// Absorption coefficient of the medium around the camera, per metre.
+    pub(crate) medium: [f32; 3],
+    /// Safe step over the field's value: one over its Lipschitz constant.
+    pub(crate) step_factor: f32,
+    /// Bounds of all sphere-traced objects in world space, metres.
+    pub(crate) bounds_min: [f32; 3],
+    /// Largest distance along a ray, metres.
+    pub(crate) far: f32,
+    pub(crate) bounds_max: [f32; 3],
+    pub(crate) light_count: u32,
+    /// Size of the picture, pixels.
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    /// Scattering events after the first hit at most.
+    pub(crate) bounces: u32,
+    pub(crate) seed: u32,
+    /// Largest contribution of indirect light, W/(m² sr); 1e30 without a limit.
+    pub(crate) clamp: f32,
+    /// Number of suns; they are the first lights.
+    pub(crate) sun_count: u32,
+    /// Index of the sampler, see [`pathmarch_scene::Sampler`].
+    pub(crate) sampler: u32,
+    /// Size of the environment map, texels.
+    pub(crate) sky_width: u32,
+    /// Radiance of the zenith, or of a constant sky, W/(m² sr).
+    pub(crate) sky_zenith: [f32; 3],
+    pub(crate) sky_height: u32,
+    /// Radiance at the horizon, W/(m² sr).
+    pub(crate) sky_horizon: [f32; 3],
+    /// Pdf of a direction of the environment map over the mean luminance of the four texels around it.
+    pub(crate) sky_density: f32,
+    /// Radiance of the ground, W/(m² sr).
+    pub(crate) sky_ground: [f32; 3],
+    /// Sine of the depression angle at which the gradient reaches the colour of the ground.
+    pub(crate) sky_edge: f32,
+    /// Sine and cosine of the environment map's rotation.
+    pub(crate) sky_sine: f32,
+    pub(crate) sky_cosine: f32,
+    /// Edge of a pixel at distance one, metres.
+    pub(crate) pixel: f32,
+    pub(crate) padding: u32,
+}
+
+/// About four times the relative rounding error of an `f32` coordinate.
+const ROUNDING: f32 = 4e-7;
+/// Larger than any contribution that the film accepts.
+const NO_CLAMP: f32 = 1e30;
+/// Largest distance along a ray, in radii of the scene; infinite planes end there.
+const FAR_SIZES: f32 = 2000.0;
+/// Stands for infinity in the bounds; unlike with infinity, no product with it is undefined.
+const UNLIMITED: f32 = 1e18;
+
+impl FrameUniforms {
+    pub(crate) fn new(scene: &Scene, settings: &Settings, sky: &SkyLight, lights: &[Light]) -> Self {
+        let camera = settings.camera_of(scene);
+        let bounds = scene.field.marched_bounds();
+        let Extent { centre, radius } = Extent::new(scene, camera);
+        let [width, height] = settings.size;
+        let position = Vec3::from(camera.position);
+        let forward = (Vec3::from(camera.target) - position).normalize();
+        let half_height = (0.5 * camera.fov.to_radians()).tan();
+        let right = forward.cross(Vec3::from(camera.up)).normalize();
+        let up = right.cross(forward);
+        let tolerance = settings.detail * 2.0 * half_height / height as f32;
+        let margin = 0.01 * radius;
+        // Without sphere-traced objects, the bounds are one point that no ray reaches.
+        let bounds =
+            if bounds.min[0] > bounds.max[0] { Aabb { min: [UNLIMITED; 3], max: [UNLIMITED; 3] } } else { bounds };
+        let limited = |v: f32, margin: f32| (v + margin).clamp(-UNLIMITED, UNLIMITED);
+        let [zenith, horizon, ground] = match scene.sky {
+            Sky::Constant(radiance) => [radiance; 3],
+            Sky::Gradient { zenith, horizon, ground } => [zenith, horizon, ground],
+            Sky::Map(_) => [[0.0; 3]; 3],
+        };
+        let (texels, turn) = match &scene.sky {
+            Sky::Map(picture) => ((picture.width, picture.height), picture.rotate.rem_euclid(360.0).to_radians()),
+            _ => ((0, 0), 0.0),
+        };
+        Self {
+            position: camera.position,
+            // Modes without noise have no random numbers for the lens.
+            lens_radius: if settings.mode.traces_paths() { camera.lens_radius } else { 0.0 },
+            right: (right * half_height * width as f32 / height as f32).into(),
+            focus: camera.focus.unwrap_or_else(|| position.distance(Vec3::from(camera.target))),
+            up: (up * half_height).into(),
+            tolerance,
+            forward: forward.into(),
+            rounding: ROUNDING,
+            medium: medium_at(scene, camera.position),
+            step_factor: 1.0 / scene.field.lipschitz(),
+            bounds_min: bounds.min.map(|v| limited(v, -margin)),
+            far: FAR_SIZES * (radius + position.distance(centre)),
+            bounds_max: bounds.max.map(|v| limited(v, margin)),
+            light_count: lights.len() as u32,
+            width,
+            height,
+            bounces: settings.bounces,
+            seed: settings.seed,
+            clamp: settings.clamp.unwrap_or(NO_CLAMP),
+            sun_count: lights.iter().filter(|light| light.shape.is_sun()).count() as u32,
+            sampler: settings.sampler as u32,
+            sky_width: texels.0,
+            sky_zenith: zenith,
+            sky_height: texels.1,
+            sky_horizon: horizon,
+            sky_density: sky.density(),
+            sky_ground: ground,
+            sky_edge: GROUND_EDGE,
+            sky_sine: turn.sin(),
+            sky_cosine: turn.cos(),
+            pixel: 2.0 * half_height / height as f32,
+            padding: 0,
+        }
+    }
+
+    /// Size of the picture, pixels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+}

@@ -1,0 +1,63 @@
+//! Kernel configuration: what a scene needs of the estimator.
+
+use super::RenderScene;
+use super::light::LightShape;
+use super::material::TRANSMITS;
+use super::textured_material::TexturedMaterial;
+use crate::mode::Mode;
+use crate::settings::{LightSearch, Settings};
+use pathmarch_scene::Caustics;
+
+/// Over-relaxation: twice the share of a step after which two unbounding spheres touch by the estimated slope.
+pub(crate) const RELAXATION: f32 = 1.9;
+
+/// Configuration of the estimator; on the GPU, constants of the kernel, so that a scene pays only for what it uses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KernelConfig {
+    /// Some inside absorbs.
+    pub(crate) absorption: bool,
+    /// Some material transmits.
+    pub(crate) transmission: bool,
+    /// Some BSDF draws a third random number, for its lobe.
+    pub(crate) chooses_lobes: bool,
+    /// Shadow rays pass clear glass.
+    pub(crate) fast_caustics: bool,
+    /// Near misses soften the shadows of some light.
+    pub(crate) penumbra: bool,
+    /// Some material is textured.
+    pub(crate) textures: bool,
+    /// An orbit trap colours some material.
+    pub(crate) orbits: bool,
+    /// Some material has a bump map.
+    pub(crate) bump: bool,
+    pub(crate) light_search: LightSearch,
+    /// [`RELAXATION`], or 0 for plain sphere tracing.
+    pub(crate) relaxation: f32,
+    /// Paths that share a camera ray.
+    pub(crate) splitting: u32,
+    /// Rays that graze a surface use a smaller tolerance. True where some sphere-traced object emits and none is a fractal:
+    /// the tolerance enlarges every emitter.
+    pub(crate) refined_grazing: bool,
+}
+
+impl KernelConfig {
+    pub(crate) fn new(scene: &RenderScene, settings: &Settings) -> Self {
+        let transmits = scene.materials.iter().any(|material| material.flags & TRANSMITS != 0);
+        let penumbra = |shape: &LightShape| shape.penumbra() > 0.0;
+        let textured = |has: fn(&TexturedMaterial) -> bool| scene.textured_materials.iter().any(has);
+        Self {
+            absorption: scene.materials.iter().any(|material| material.absorption != [0.0; 3]),
+            transmission: transmits,
+            chooses_lobes: scene.bsdfs.iter().flatten().any(|bsdf| bsdf.chooses_lobes),
+            fast_caustics: settings.caustics == Caustics::Fast && transmits,
+            penumbra: scene.lights.iter().any(|light| penumbra(&light.shape)),
+            textures: textured(|material| !material.is_plain()),
+            orbits: textured(TexturedMaterial::has_orbit),
+            bump: textured(TexturedMaterial::has_bump),
+            light_search: settings.light_search,
+            relaxation: RELAXATION,
+            splitting: if settings.mode == Mode::Path { settings.splitting.unwrap_or(1) } else { 1 },
+            refined_grazing: scene.has_sphere_traced_emitter(),
+        }
+    }
+}

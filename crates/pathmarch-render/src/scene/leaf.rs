@@ -1,0 +1,67 @@
+//! Leaves of the field: which material, light and flags a surface has.
+
+use super::light::Light;
+use bytemuck::{Pod, Zeroable};
+use pathmarch_scene::Scene;
+use std::collections::HashMap;
+
+/// Leaf of the field. `LeafRecord` in `backend/gpu/frame.wgsl` has the same layout.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct LeafRecord {
+    /// Unit normal of the emitting side of a sheet, in world space.
+    pub(crate) facing: [f32; 3],
+    /// Index of the material.
+    pub(crate) material: u32,
+    /// Origin of the local coordinates, in world space.
+    pub(crate) at: [f32; 3],
+    /// [`SHEET`], [`ANALYTIC`] and [`IN_GLASS`]; from [`LIGHT_SHIFT`] on one more than the index of its light, or zero.
+    pub(crate) flags: u32,
+}
+
+/// Surface without thickness, which emits on one side.
+pub(crate) const SHEET: u32 = 1;
+/// Shape with an analytic ray intersection.
+pub(crate) const ANALYTIC: u32 = 2;
+/// Part of a solid some of whose materials transmit, so that paths reach the leaf from inside.
+pub(crate) const IN_GLASS: u32 = 4;
+/// First bit of the light in the flags.
+pub(crate) const LIGHT_SHIFT: u32 = 3;
+
+impl LeafRecord {
+    /// Whether this flag is set.
+    pub(crate) fn has(&self, flag: u32) -> bool {
+        self.flags & flag != 0
+    }
+
+    /// Index of the light that the leaf is, if it is one.
+    pub(crate) fn light(&self) -> Option<usize> {
+        (self.flags >> LIGHT_SHIFT).checked_sub(1).map(|index| index as usize)
+    }
+}
+
+/// Records of all leaves.
+pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
+    let field = &scene.field;
+    let light_of_leaf: HashMap<u32, u32> =
+        (0..).zip(lights).filter_map(|(index, light)| Some((light.leaf()?, index))).collect();
+    let mut in_glass = vec![false; scene.objects.len()];
+    for leaf in field.leaves() {
+        in_glass[leaf.object as usize] |= scene.materials[leaf.tag as usize].transmits();
+    }
+    let flag = |flag: u32, set: bool| if set { flag } else { 0 };
+    let record = |(index, leaf): (usize, &pathmarch_field::graph::Leaf)| {
+        let light = light_of_leaf.get(&(index as u32)).map_or(0, |light| light + 1);
+        LeafRecord {
+            facing: leaf.pose.axes[1],
+            material: leaf.tag,
+            // In the space of a modifier, a sheet has no facing direction in the world.
+            at: if leaf.modified { [0.0; 3] } else { leaf.pose.at },
+            flags: flag(SHEET, leaf.shape.info().sheet && !leaf.modified)
+                | flag(ANALYTIC, field.is_met_directly(index))
+                | flag(IN_GLASS, in_glass[leaf.object as usize])
+                | (light << LIGHT_SHIFT),
+        }
+    };
+    field.leaves().iter().enumerate().map(record).collect()
+}

@@ -1,0 +1,260 @@
+//! Lights that can be sampled: points, suns, emitting objects, and the sky where it is an environment map.
+
+use super::Extent;
+use crate::sampling::alias_table;
+use glam::Vec3;
+use pathmarch_field::{Emitter, Field};
+use pathmarch_scene::{Light as SceneLight, Scene};
+use std::f32::consts::PI;
+
+/// Light and the probability with which it is chosen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Light {
+    pub(crate) shape: LightShape,
+    /// Probability of being chosen.
+    pub(crate) pmf: f32,
+    /// One over `pmf`.
+    pub(crate) inverse_pmf: f32,
+    /// Share of the light's cell of the alias table that is its own.
+    pub(crate) threshold: f32,
+    /// Light that has the rest of the cell.
+    pub(crate) alias: u32,
+}
+
+/// Position, size and emission of a light, in world space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum LightShape {
+    Point(PointLight),
+    Sun(SunLight),
+    /// Ball.
+    Sphere(SphereLight),
+    /// Rectangle that emits on one side.
+    Rect(SheetLight),
+    /// Disc that emits on one side.
+    Disc(SheetLight),
+    Box(BoxLight),
+    /// Any other emitting object, known by its bounding sphere.
+    Bounded(SphereLight),
+    /// Environment map.
+    Environment,
+}
+
+/// Point light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PointLight {
+    pub(crate) position: Vec3,
+    /// W/sr.
+    pub(crate) radiant_intensity: Vec3,
+    /// Sharpness of shadows from near misses; 0 for exact shadows.
+    pub(crate) penumbra: f32,
+}
+
+/// Light from a disc at infinity.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SunLight {
+    /// Unit vector towards the sun.
+    pub(crate) direction: Vec3,
+    /// On a surface that faces it, W/m².
+    pub(crate) irradiance: Vec3,
+    /// 1 - cosine of its angular radius.
+    pub(crate) one_minus_cos: f32,
+    /// Sharpness of shadows from near misses; 0 for exact shadows.
+    pub(crate) penumbra: f32,
+}
+
+/// Emitting ball, or bounding sphere of an emitting object.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SphereLight {
+    pub(crate) centre: Vec3,
+    /// Metres.
+    pub(crate) radius: f32,
+    /// W/(m² sr).
+    pub(crate) radiance: Vec3,
+    /// Leaf of the field.
+    pub(crate) leaf: u32,
+}
+
+/// Emitting rectangle or disc.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SheetLight {
+    pub(crate) centre: Vec3,
+    /// Half edges of a rectangle, metres; unit axes of a disc.
+    pub(crate) axes: [Vec3; 2],
+    /// Unit normal of the emitting side.
+    pub(crate) normal: Vec3,
+    /// Of a disc, metres.
+    pub(crate) radius: f32,
+    /// Square metres.
+    pub(crate) area: f32,
+    /// W/(m² sr).
+    pub(crate) radiance: Vec3,
+    /// Leaf of the field.
+    pub(crate) leaf: u32,
+}
+
+/// Emitting box.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoxLight {
+    pub(crate) centre: Vec3,
+    /// Half edges, metres.
+    pub(crate) axes: [Vec3; 3],
+    /// W/(m² sr).
+    pub(crate) radiance: Vec3,
+    /// Leaf of the field.
+    pub(crate) leaf: u32,
+}
+
+impl Light {
+    /// Leaf of the field that emits, for a light that is one.
+    pub(crate) fn leaf(&self) -> Option<u32> {
+        match &self.shape {
+            LightShape::Sphere(light) | LightShape::Bounded(light) => Some(light.leaf),
+            LightShape::Rect(light) | LightShape::Disc(light) => Some(light.leaf),
+            LightShape::Box(light) => Some(light.leaf),
+            LightShape::Point(_) | LightShape::Sun(_) | LightShape::Environment => None,
+        }
+    }
+}
+
+impl LightShape {
+    /// Number of kinds of lights.
+    pub(crate) const KINDS: usize = 8;
+
+    /// Index of its kind, below [`KINDS`](Self::KINDS).
+    pub(crate) fn kind(&self) -> u32 {
+        match self {
+            Self::Point(_) => 0,
+            Self::Sun(_) => 1,
+            Self::Sphere(_) => 2,
+            Self::Rect(_) => 3,
+            Self::Disc(_) => 4,
+            Self::Box(_) => 5,
+            Self::Bounded(_) => 6,
+            Self::Environment => 7,
+        }
+    }
+
+    pub(crate) fn is_sun(&self) -> bool {
+        matches!(self, Self::Sun(_))
+    }
+
+    /// Sharpness of shadows from near misses; 0 for exact shadows.
+    pub(crate) fn penumbra(&self) -> f32 {
+        match self {
+            Self::Point(light) => light.penumbra,
+            Self::Sun(light) => light.penumbra,
+            _ => 0.0,
+        }
+    }
+
+    /// Irradiance at the middle of the scene, luminance, about: the weight by which the light is chosen.
+    fn weight(&self, extent: &Extent) -> f32 {
+        let falloff =
+            |position: Vec3| position.distance_squared(extent.centre).max(extent.radius * extent.radius).max(1e-12);
+        match self {
+            Self::Point(light) => luminance(light.radiant_intensity.into()) / falloff(light.position),
+            Self::Sun(light) => luminance(light.irradiance.into()),
+            Self::Sphere(light) | Self::Bounded(light) => {
+                luminance(light.radiance.into()) * (PI * light.radius * light.radius) / falloff(light.centre)
+            }
+            Self::Rect(light) | Self::Disc(light) => {
+                luminance(light.radiance.into()) * light.area / falloff(light.centre)
+            }
+            Self::Box(light) => {
+                let [a, b, c] = light.axes.map(Vec3::length);
+                luminance(light.radiance.into()) * (2.0 * (a * b + b * c + c * a)) / falloff(light.centre)
+            }
+            Self::Environment => 0.0,
+        }
+    }
+}
+
+/// Luminance of linear Rec. 709.
+pub(crate) fn luminance([r, g, b]: [f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// 1 - cos(angle/2) of an apparent diameter in degrees, without cancellation.
+fn one_minus_cosine(diameter_degrees: f32) -> f32 {
+    let half = 0.25 * diameter_degrees.to_radians();
+    2.0 * half.sin() * half.sin()
+}
+
+/// Lights of a scene that have power, suns first. `sky_power` is the mean irradiance of the environment map, W/m².
+pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent) -> Vec<Light> {
+    let declared = scene.lights.iter().map(shape_of);
+    let leaves = scene.field.leaves().iter().enumerate();
+    let emitters = leaves.filter_map(|(index, leaf)| {
+        let material = &scene.materials[leaf.tag as usize];
+        if material.emits() { emitter(&scene.field, index, material.emission().into()) } else { None }
+    });
+    let mut weighed: Vec<(LightShape, f32)> =
+        declared.chain(emitters).map(|shape| (shape, shape.weight(extent))).collect();
+    weighed.push((LightShape::Environment, sky_power));
+    weighed.retain(|(_, weight)| *weight > 0.0);
+    // Suns come first: rays that leave the scene test them all.
+    weighed.sort_by_key(|(shape, _)| !shape.is_sun());
+    let weights: Vec<f64> = weighed.iter().map(|(_, weight)| f64::from(*weight)).collect();
+    let total: f64 = weights.iter().sum();
+    let cells = alias_table::table(&weights);
+    let light = |((shape, weight), (threshold, alias)): ((LightShape, f32), alias_table::Cell)| Light {
+        shape,
+        pmf: (f64::from(weight) / total) as f32,
+        inverse_pmf: (total / f64::from(weight)) as f32,
+        threshold,
+        alias,
+    };
+    weighed.into_iter().zip(cells).map(light).collect()
+}
+
+fn shape_of(light: &SceneLight) -> LightShape {
+    match *light {
+        SceneLight::Point { at, intensity, penumbra } => LightShape::Point(PointLight {
+            position: at.into(),
+            radiant_intensity: intensity.into(),
+            penumbra: penumbra.unwrap_or(0.0),
+        }),
+        SceneLight::Sun { direction, irradiance, angle, penumbra } => LightShape::Sun(SunLight {
+            direction: Vec3::from(direction).normalize_or(Vec3::Y),
+            irradiance: irradiance.into(),
+            // Near misses stand for the size of the disc.
+            one_minus_cos: if penumbra.is_some() { 0.0 } else { one_minus_cosine(angle) },
+            penumbra: penumbra.unwrap_or(0.0),
+        }),
+    }
+}
+
+/// Light of a leaf that emits; `None` where it is infinite.
+fn emitter(field: &Field, index: usize, radiance: Vec3) -> Option<LightShape> {
+    let source = &field.leaves()[index];
+    let (centre, leaf, scale) = (Vec3::from(source.pose.at), index as u32, source.pose.scale);
+    let units = source.pose.axes.map(Vec3::from);
+    let [x, y, z] = units.map(|axis| axis * (0.5 * scale));
+    // Parts of the surface of a combined shape may be missing.
+    let form = if field.is_whole(index) { source.shape.emitter(&source.params) } else { Emitter::Bounded };
+    let normal = units[1];
+    Some(match form {
+        Emitter::Sphere(radius) => LightShape::Sphere(SphereLight { centre, radius: radius * scale, radiance, leaf }),
+        Emitter::Rect([a, b]) => {
+            let axes = [x * a, z * b];
+            let area = 4.0 * axes[0].length() * axes[1].length();
+            LightShape::Rect(SheetLight { centre, axes, normal, radius: 0.0, area, radiance, leaf })
+        }
+        Emitter::Disc(radius) => {
+            let radius = radius * scale;
+            let (axes, area) = ([units[0], units[2]], PI * radius * radius);
+            LightShape::Disc(SheetLight { centre, axes, normal, radius, area, radiance, leaf })
+        }
+        Emitter::Box([a, b, c]) => LightShape::Box(BoxLight { centre, axes: [x * a, y * b, z * c], radiance, leaf }),
+        Emitter::Bounded => {
+            let bounds = field.leaf_bounds(index);
+            if !bounds.is_finite() {
+                return None;
+            }
+            let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
+            // Paths alone find the parts of blends beyond this sphere.
+            let radius = 0.5 * (max - min).length() * 1.001;
+            LightShape::Bounded(SphereLight { centre: (min + max) * 0.5, radius, radiance, leaf })
+        }
+    })
+}

@@ -1,0 +1,130 @@
+//! The scene as a renderer reads it: flat tables on the CPU side, shared and immutable.
+//!
+//! [`RenderScene`] does not depend on the picture's size or settings. [`FrameUniforms`] are what changes with the camera,
+//! [`KernelConfig`] is what the scene needs of the estimator. The backends encode the tables for their memory.
+
+mod context;
+pub(crate) mod frame;
+pub(crate) mod kernel_config;
+pub(crate) mod leaf;
+pub(crate) mod light;
+pub(crate) mod material;
+pub(crate) mod preview_material;
+pub(crate) mod sky;
+pub(crate) mod textured_material;
+
+pub(crate) use context::TraceContext;
+pub(crate) use frame::FrameUniforms;
+pub(crate) use kernel_config::KernelConfig;
+pub(crate) use leaf::LeafRecord;
+pub(crate) use light::{Light, LightShape};
+pub(crate) use material::MaterialRecord;
+pub(crate) use sky::SkyLight;
+pub(crate) use textured_material::TexturedMaterial;
+
+use glam::Vec3;
+use pathmarch_field::{Aabb, Field};
+use pathmarch_scene::materials::Bsdf;
+use pathmarch_scene::{Camera, Scene};
+
+/// Tables of a scene, in the order of its leaves, materials and lights.
+#[derive(Clone, Debug)]
+pub(crate) struct RenderScene {
+    pub(crate) field: Field,
+    pub(crate) leaves: Vec<LeafRecord>,
+    pub(crate) materials: Vec<MaterialRecord>,
+    /// BSDF of each material; none for emitters.
+    pub(crate) bsdfs: Vec<Option<&'static Bsdf>>,
+    /// Textures, bump map and orbit trap of each material.
+    pub(crate) textured_materials: Vec<TexturedMaterial>,
+    /// Lights that can be sampled, suns first.
+    pub(crate) lights: Vec<Light>,
+    pub(crate) sky: SkyLight,
+}
+
+impl RenderScene {
+    /// Tables of a scene. The camera counts where no object is finite.
+    pub(crate) fn new(scene: &Scene, camera: &Camera) -> Self {
+        let mut sky = SkyLight::new(scene);
+        let lights = light::lights(scene, sky.sampled_power(), &Extent::new(scene, camera));
+        let environment = lights.iter().find(|light| matches!(light.shape, LightShape::Environment));
+        if let Some(environment) = environment {
+            sky.set_probability(environment.pmf);
+        }
+        let textured_materials: Vec<_> = scene.materials.iter().map(TexturedMaterial::new).collect();
+        let materials = scene.materials.iter().zip(&textured_materials);
+        Self {
+            field: scene.field.clone(),
+            leaves: leaf::records(scene, &lights),
+            materials: materials.map(|(material, textured)| MaterialRecord::new(material, textured)).collect(),
+            bsdfs: scene.materials.iter().map(|material| material.kind.bsdf).collect(),
+            textured_materials,
+            lights,
+            sky,
+        }
+    }
+
+    /// Whether any object is sphere-traced.
+    pub(crate) fn is_sphere_traced(&self) -> bool {
+        !self.field.marched_bounds().is_empty()
+    }
+
+    /// Material of a leaf.
+    pub(crate) fn material_of(&self, leaf: usize) -> &MaterialRecord {
+        &self.materials[self.leaves[leaf].material as usize]
+    }
+
+    /// Whether a leaf emits on the side of this normal: sheets do on one side only.
+    pub(crate) fn emits_towards(&self, leaf: usize, normal: Vec3) -> bool {
+        let leaf = &self.leaves[leaf];
+        !leaf.has(leaf::SHEET) || normal.dot(Vec3::from(leaf.facing)) > 0.0
+    }
+
+    /// Whether a sphere-traced object emits and no sphere-traced object is a fractal.
+    fn has_sphere_traced_emitter(&self) -> bool {
+        let leaves = self.field.leaves().iter().enumerate();
+        let mut traced = leaves.filter(|(index, _)| !self.field.is_met_directly(*index)).map(|(_, leaf)| leaf);
+        let emits = |tag: u32| self.materials[tag as usize].emits();
+        traced.clone().any(|leaf| emits(leaf.tag)) && traced.all(|leaf| !leaf.shape.has_orbit())
+    }
+}
+
+/// Bounding sphere of the finite objects; of the camera's view where there is none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    /// In world space.
+    pub(crate) centre: Vec3,
+    /// Metres.
+    pub(crate) radius: f32,
+}
+
+impl Extent {
+    pub(crate) fn new(scene: &Scene, camera: &Camera) -> Self {
+        let bounds = finite_bounds(scene);
+        if bounds.is_finite() {
+            let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
+            Self { centre: (min + max) * 0.5, radius: ((max - min).length() * 0.5).max(1e-6) }
+        } else {
+            let (position, target) = (Vec3::from(camera.position), Vec3::from(camera.target));
+            Self { centre: target, radius: position.distance(target) }
+        }
+    }
+}
+
+/// Bounds of all finite objects, in world space.
+pub(crate) fn finite_bounds(scene: &Scene) -> Aabb {
+    let bounds = scene.field.object_bounds().iter().filter(|bounds| bounds.is_finite());
+    bounds.fold(Aabb::NOTHING, |all, bounds| all.union(*bounds))
+}
+
+/// Sum of the absorption coefficients of the solids around a point, per metre.
+fn medium_at(scene: &Scene, p: [f32; 3]) -> [f32; 3] {
+    let p = pathmarch_field::number::Vec3::new(p[0], p[1], p[2]);
+    let around = scene.objects.iter().zip(scene.field.object_distances(p)).filter(|(_, distance)| *distance < 0.0);
+    let absorption = around.map(|(object, _)| {
+        let alone = Field::new(std::slice::from_ref(&object.root));
+        let leaf = &alone.leaves()[alone.surface(p, 0).leaf as usize];
+        Vec3::from(scene.materials[leaf.tag as usize].absorption())
+    });
+    absorption.fold(Vec3::ZERO, |sum, absorption| sum + absorption).into()
+}
