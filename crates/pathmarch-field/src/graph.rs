@@ -22,8 +22,10 @@ mod surface;
 
 use crate::blend::Blend;
 use crate::bounds::Aabb;
+use crate::modifiers::Modify;
 use crate::number::Vec3;
-use crate::registry::{Combine, Modify, TRAPS};
+use crate::operators::Combine;
+use crate::shapes::TRAPS;
 pub use batch::Batch;
 use bvh::Bvh;
 pub use coordinates::Coordinates;

@@ -5,7 +5,9 @@
 //! does not cancel (Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection").
 
 use crate::number::Real;
-use crate::registry::NO_HIT;
+
+/// Ray parameter beyond every scene, metres: "no hit". Finite, so that arithmetic with it stays defined.
+pub const NO_HIT: f32 = 1e30;
 
 /// The part of a line that is inside a convex solid, metres from its origin; it enters behind where it leaves if it misses.
 #[derive(Clone, Copy, Debug)]

@@ -59,8 +59,8 @@ fn eight_lanes_equal_one() {
         for _ in 0..100 {
             let a: [f32; 8] = std::array::from_fn(|_| random.within(-1.0, 1.0));
             let b: [f32; 8] = std::array::from_fn(|_| random.within(-1.0, 1.0));
-            let distances = operator.distance_lanes(f32x8::from(a), f32x8::from(b), blend).to_array();
-            let weights = operator.weight_lanes(f32x8::from(a), f32x8::from(b), blend).to_array();
+            let distances = operator.distance(f32x8::from(a), f32x8::from(b), blend).to_array();
+            let weights = operator.weight(f32x8::from(a), f32x8::from(b), blend).to_array();
             for k in 0..8 {
                 assert!((distances[k] - operator.distance(a[k], b[k], blend)).abs() < 1e-6, "{operator:?} {blend:?}");
                 assert!((weights[k] - operator.weight(a[k], b[k], blend)).abs() < 1e-5, "{operator:?} {blend:?}");

@@ -273,7 +273,7 @@ fn cost_does_not_grow_with_the_outline() {
         let shape = drawn(Fill::NonZero);
         let mut random = Random::new(6);
         let points: Vec<Vec3<f32>> = (0..8).map(|_| random.point(Aabb::centred(1.0, 0.6, 1.0))).collect();
-        let packed = shape.distance_lanes(lanes(&points), &table).to_array();
+        let packed = shape.distance(lanes(&points), &table).to_array();
         for (k, p) in points.iter().enumerate() {
             assert!((packed[k] - shape.distance(*p, &table)).abs() < 1e-6);
         }

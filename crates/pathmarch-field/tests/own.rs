@@ -5,8 +5,8 @@ use crate::sampling::{Case, Random, random_params};
 use pathmarch_field::graph::Kind;
 use pathmarch_field::number::{Dual, Vec3};
 use pathmarch_field::own::{Code, Fault, budget};
-use pathmarch_field::registry::{Info, Param, Shape};
 use pathmarch_field::survey::survey;
+use pathmarch_field::{EvalShape, Info, Param, Shape};
 use pathmarch_field::{Field, Node, OwnField, Placement, ShapeRef};
 use std::sync::Arc;
 use std::time::Instant;
@@ -391,7 +391,7 @@ fn lanes_part() {
     let numbers = field.numbers(&[]);
     let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
     let y = [30.0, 2.0, 30.0, 1.0, 5.0, 30.0, 30.0, 0.0];
-    let lanes = field.distance_lanes(Vec3::new(f32x8::from(x), f32x8::from(y), f32x8::splat(0.0)), &numbers);
+    let lanes = field.distance(Vec3::new(f32x8::from(x), f32x8::from(y), f32x8::splat(0.0)), &numbers);
     for (lane, value) in lanes.to_array().into_iter().enumerate() {
         let alone = field.distance(Vec3::new(x[lane], y[lane], 0.0), &numbers);
         assert_eq!(value, alone, "lane {lane}");

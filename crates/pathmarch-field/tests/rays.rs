@@ -1,9 +1,10 @@
 //! Rays that meet solids in closed form: the first surface that they find is where the distance first is zero.
 
 use crate::sampling::{Random, lanes};
+use pathmarch_field::NO_HIT;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::number::Vec3;
-use pathmarch_field::registry::{NO_HIT, operator, shapes};
+use pathmarch_field::registry::{operator, shapes};
 use pathmarch_field::{Field, Node, Placement};
 
 /// A point of a ray.

@@ -34,12 +34,23 @@ struct Liar;
 
 mod liar {
     use super::Liar;
-    use pathmarch_field::number::{Dual, Vec3};
-    use pathmarch_field::registry::{Emitter, TRAPS};
-    use pathmarch_field::{Aabb, Info, Param, Shape};
-    use wide::f32x8;
+    use pathmarch_field::number::{Differentiable, Dual, Real, Vec3};
+    use pathmarch_field::{Aabb, EvalShape, Info, Param, Shape};
 
     static INFO: Info = Info::new("liar", "Claims to be a distance.", "nobody");
+
+    fn stretched<N: Real>(p: Vec3<N>) -> N {
+        Vec3::new(p.x, N::constant(4.0) * p.y, p.z).length() - N::one()
+    }
+
+    impl<N: Differentiable> EvalShape<N> for Liar {
+        fn distance(&self, p: Vec3<N>, _: &[f32]) -> N {
+            stretched(p)
+        }
+        fn gradient(&self, p: Vec3<Dual<N>>, _: &[f32]) -> Dual<N> {
+            stretched(p)
+        }
+    }
 
     impl Shape for Liar {
         fn info(&self) -> &'static Info {
@@ -48,50 +59,11 @@ mod liar {
         fn params(&self) -> &'static [Param] {
             &[]
         }
-        fn distance(&self, p: Vec3<f32>, _: &[f32]) -> f32 {
-            Vec3::new(p.x, 4.0 * p.y, p.z).length() - 1.0
-        }
-        fn distance_lanes(&self, _: Vec3<f32x8>, _: &[f32]) -> f32x8 {
-            unimplemented!("one point at a time")
-        }
-        fn gradient(&self, p: Vec3<Dual<f32>>, _: &[f32]) -> Dual<f32> {
-            Vec3::new(p.x, p.y * Dual::independent(4.0), p.z).length() - Dual::independent(1.0)
-        }
-        fn gradient_lanes(&self, _: Vec3<Dual<f32x8>>, _: &[f32]) -> Dual<f32x8> {
-            unimplemented!("one point at a time")
-        }
         fn bounds(&self, _: &[f32]) -> Aabb {
             Aabb::centred(1.0, 0.25, 1.0)
         }
         fn lipschitz(&self, _: &[f32]) -> f32 {
             1.0
-        }
-        fn emitter(&self, _: &[f32]) -> Emitter {
-            Emitter::Bounded
-        }
-        fn closed_form(&self) -> bool {
-            false
-        }
-        fn ray(&self, _: Vec3<f32>, _: Vec3<f32>, _: &[f32]) -> f32 {
-            unimplemented!("no closed form")
-        }
-        fn ray_lanes(&self, _: Vec3<f32x8>, _: Vec3<f32x8>, _: &[f32]) -> f32x8 {
-            unimplemented!("no closed form")
-        }
-        fn has_orbit(&self) -> bool {
-            false
-        }
-        fn orbit(&self, _: Vec3<f32>, _: &[f32]) -> [f32; TRAPS] {
-            [0.0; TRAPS]
-        }
-        fn orbit_lanes(&self, _: Vec3<f32x8>, _: &[f32]) -> [f32x8; TRAPS] {
-            unimplemented!("no orbit")
-        }
-        fn wgsl_orbit(&self) -> String {
-            String::new()
-        }
-        fn wgsl_ray(&self) -> String {
-            String::new()
         }
         fn wgsl_distance(&self) -> String {
             String::new()

@@ -5,8 +5,9 @@ use crate::common::{
 };
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
+use pathmarch_render::pathmarch_field::ShapeRef;
 use pathmarch_render::pathmarch_field::graph::Leaf;
-use pathmarch_render::pathmarch_field::registry::{ShapeRef, shapes};
+use pathmarch_render::pathmarch_field::registry::shapes;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings, adapters};
 use pathmarch_testing::{plain, tests};

@@ -9,7 +9,7 @@ use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
 use pathmarch_render::pathmarch_field::number::{Dual, Vec3};
 use pathmarch_render::pathmarch_field::own::{Code, budget};
-use pathmarch_render::pathmarch_field::{Info, OwnField, Shape};
+use pathmarch_render::pathmarch_field::{EvalShape, Info, OwnField, Shape};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Mode, Renderer, Settings};
 use pathmarch_testing::{plain, tests};

@@ -5,7 +5,9 @@ use super::pose::Frame;
 use super::{Field, Kind, Leaf, Modified, Node, Role, Tree, crowd};
 use crate::blend::Blend;
 use crate::bounds::Aabb;
-use crate::registry::{Combine, ShapeRef, union};
+use crate::operators::Combine;
+use crate::registry::union;
+use crate::shapes::ShapeRef;
 
 impl Field {
     /// The union of `objects`. A [`Kind::Combine`] without children is left out.

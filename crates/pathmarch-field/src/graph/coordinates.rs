@@ -42,7 +42,7 @@ impl Field {
         for modified in self.around(leaf) {
             here = here.placed(&modified.pose);
             let place = if modified.places > 1 { self.nearest_inside(modified, here.point).1 } else { 0.0 };
-            let point = f32::modified_point_gradient(modified.modifier, here.point, place, &modified.numbers);
+            let point = f32::modifier(modified.modifier).point_gradient(here.point, place, &modified.numbers);
             here = here.inside(point.values(), [point.x.gradient, point.y.gradient, point.z.gradient]);
         }
         Some(here.placed(&shape.pose))

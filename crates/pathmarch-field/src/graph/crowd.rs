@@ -21,7 +21,8 @@ use super::{Batch, Field, Role, Surface, Tree};
 use crate::blend::{Blend, BlendProfile};
 use crate::bounds::Aabb;
 use crate::number::{Dual, Real, Vec3};
-use crate::registry::{Combine, union};
+use crate::operators::Combine;
+use crate::registry::union;
 pub(crate) use grid::{BITS, Cell, Grid, SPLITS};
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
@@ -87,7 +88,7 @@ impl Crowd {
         });
         let Some(first) = distances.next() else { return N::constant(f32::INFINITY) };
         let operator = union();
-        distances.fold(first, |result, distance| N::combined(operator, result, distance, self.smooth))
+        distances.fold(first, |result, distance| N::operator(operator).distance(result, distance, self.smooth))
     }
 
     /// The surface of the shapes in the list; thresholds are as in [`Field::surface_met`].
@@ -116,8 +117,8 @@ impl Crowd {
                     Some(_) => threshold(self.first_choice + number - 1),
                     None => N::constant(0.5),
                 };
-                let shows = least.lt(N::weight(operator, a.value, b.value, self.smooth));
-                (N::combined_gradient(operator, a, b, self.smooth), shows)
+                let shows = least.lt(N::operator(operator).weight(a.value, b.value, self.smooth));
+                (N::operator(operator).gradient(a, b, self.smooth), shows)
             };
             result = Surface { field: shown, leaf: N::select(shows, other.leaf, result.leaf) };
         }

@@ -3,7 +3,7 @@
 use super::crowd::Afar;
 use super::{Batch, Field, MARCHED, Modified, Role, Tree};
 use crate::number::Vec3;
-use crate::registry::NO_HIT;
+use crate::span::NO_HIT;
 
 impl Field {
     /// Signed distance from each point to the nearest surface, metres; infinite in an empty scene.
@@ -86,12 +86,12 @@ impl Field {
             Tree::Modify(modified) => {
                 let p = modified.pose.local(p);
                 let (inside, _) = self.nearest_inside(modified, p);
-                modified.pose.length(N::modified(modified.modifier, p, inside, &modified.numbers))
+                modified.pose.length(N::modifier(modified.modifier).distance(p, inside, &modified.numbers))
             }
             Tree::Combine { operator, smooth, children, .. } => {
                 let mut result = self.tree_distance(&children[0], p);
                 for child in &children[1..] {
-                    result = N::combined(*operator, result, self.tree_distance(child, p), *smooth);
+                    result = N::operator(*operator).distance(result, self.tree_distance(child, p), *smooth);
                 }
                 result
             }
@@ -103,7 +103,7 @@ impl Field {
         let mut nearest = (N::constant(f32::INFINITY), N::zero());
         for place in 0..modified.places {
             let place = N::constant(place as f32);
-            let point = N::modified_point(modified.modifier, p, place, &modified.numbers);
+            let point = N::modifier(modified.modifier).point(p, place, &modified.numbers);
             let distance = self.tree_distance(&modified.inside, point);
             nearest.1 = N::select(distance.lt(nearest.0), place, nearest.1);
             nearest.0 = nearest.0.min(distance);

@@ -2,7 +2,8 @@
 
 use super::{Batch, Pose};
 use crate::number::{Dual, Vec3};
-use crate::registry::{ShapeRef, Span};
+use crate::shapes::ShapeRef;
+use crate::span::Span;
 
 /// A shape of the field.
 #[derive(Clone, Debug)]
@@ -26,26 +27,26 @@ pub struct Leaf {
 impl Leaf {
     #[inline]
     pub(super) fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
-        let distance = N::shape_distance(&*self.shape, self.pose.local(p), &self.params);
+        let distance = N::shape(&*self.shape).distance(self.pose.local(p), &self.params);
         self.pose.length(distance)
     }
 
     #[inline]
     pub(super) fn ray<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> N {
-        let t = N::shape_ray(&*self.shape, self.pose.local(origin), self.pose.turned(direction), &self.params);
+        let t = N::shape(&*self.shape).ray(self.pose.local(origin), self.pose.turned(direction), &self.params);
         self.pose.length(t)
     }
 
     #[inline]
     pub(super) fn span<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> Span<N> {
         let (origin, direction) = (self.pose.local(origin), self.pose.turned(direction));
-        let Span { enter, leave } = N::shape_span(&*self.shape, origin, direction, &self.params);
+        let Span { enter, leave } = N::shape(&*self.shape).span(origin, direction, &self.params);
         Span { enter: self.pose.length(enter), leave: self.pose.length(leave) }
     }
 
     #[inline]
     pub(super) fn surface<N: Batch>(&self, p: Vec3<N>) -> Dual<N> {
-        let local = N::shape_gradient(&*self.shape, Dual::variables(self.pose.local(p)), &self.params);
+        let local = N::shape(&*self.shape).gradient(Dual::variables(self.pose.local(p)), &self.params);
         self.pose.world(local)
     }
 }

@@ -2,7 +2,9 @@
 
 use super::pose::{Frame, Pose};
 use crate::blend::Blend;
-use crate::registry::{Combine, Modify, ShapeRef};
+use crate::modifiers::Modify;
+use crate::operators::Combine;
+use crate::shapes::ShapeRef;
 
 /// Where a node stands: scale first, then turn, then move.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -11,7 +11,8 @@
 use super::Batch;
 use super::{Field, Tree};
 use crate::number::{Real, Vec3};
-use crate::registry::{Boolean, Span};
+use crate::operators::Boolean;
+use crate::span::Span;
 
 /// The most shapes of a combination that is met in closed form: beyond it marching costs less.
 const MOST_SHAPES: usize = 12;

@@ -102,23 +102,23 @@ impl Field {
                 let Modified { modifier, numbers, pose, inside, .. } = &**modified;
                 let p = pose.local(p);
                 let place = if modified.places > 1 { self.nearest_inside(modified, p).1 } else { N::zero() };
-                let point = N::modified_point_gradient(*modifier, p, place, numbers);
+                let point = N::modifier(*modifier).point_gradient(p, place, numbers);
                 let Surface { field, leaf } = self.tree_surface(inside, point.values(), threshold);
                 let inside = Dual { value: field.value, gradient: point.pulled(field.gradient) };
-                Surface { field: pose.world(N::modified_gradient(*modifier, p, inside, numbers)), leaf }
+                Surface { field: pose.world(N::modifier(*modifier).gradient(p, inside, numbers)), leaf }
             }
             Tree::Combine { operator, smooth, children, first_choice } => {
                 let mut result = self.tree_surface(&children[0], p, threshold);
                 for (k, child) in children[1..].iter().enumerate() {
                     let other = self.tree_surface(child, p, threshold);
-                    let weight = N::weight(*operator, result.field.value, other.field.value, *smooth);
+                    let weight = N::operator(*operator).weight(result.field.value, other.field.value, *smooth);
                     let least = match smooth {
                         Some(_) => threshold(first_choice + k as u32),
                         None => N::constant(0.5),
                     };
                     let other_shows = least.lt(weight);
                     result = Surface {
-                        field: N::combined_gradient(*operator, result.field, other.field, *smooth),
+                        field: N::operator(*operator).gradient(result.field, other.field, *smooth),
                         leaf: N::select(other_shows, other.leaf, result.leaf),
                     };
                 }

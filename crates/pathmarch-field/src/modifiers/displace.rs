@@ -2,10 +2,12 @@
 //! amplitude · sin(ωx) sin(ωy) sin(ωz), whose slope is at most amplitude · ω. The sum of both is divided by one more than that,
 //! which keeps a bound. Away from the solid its box is nearer the truth; the larger of the two bounds is taken.
 
-use super::{box_distance, corners};
+use super::bounding_box::{box_distance, corners};
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::info::Info;
+use crate::modifiers::Modifier;
+use crate::parameter::Param;
 use std::f32::consts::TAU;
 
 pub(crate) struct Op;
@@ -17,7 +19,7 @@ impl Modifier for Op {
     };
     const PARAMS: &'static [Param] = &[
         Param::length_or_zero("amplitude", 0.05, "How far the surface moves, to either side."),
-        Param { unit: crate::registry::Unit::Ratio, ..Param::length("frequency", 2.0, "Waves in a metre.") },
+        Param { unit: crate::parameter::Unit::Ratio, ..Param::length("frequency", 2.0, "Waves in a metre.") },
     ];
     type Numbers<N: Real> = [N; 9];
 

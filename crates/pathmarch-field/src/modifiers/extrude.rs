@@ -6,7 +6,9 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::info::Info;
+use crate::modifiers::Modifier;
+use crate::parameter::Param;
 
 pub(crate) struct Op;
 

@@ -5,7 +5,9 @@
 use crate::blend::{Blend, Blending};
 use crate::bounds::Aabb;
 use crate::number::Real;
-use crate::registry::{Info, Operator, Param};
+use crate::info::Info;
+use crate::operators::Operator;
+use crate::parameter::Param;
 
 pub(crate) struct Op;
 

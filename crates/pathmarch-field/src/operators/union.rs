@@ -4,7 +4,8 @@
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
 use crate::number::Real;
-use crate::registry::{Boolean, Info, Operator};
+use crate::info::Info;
+use crate::operators::{Boolean, Operator};
 
 pub(crate) struct Op;
 

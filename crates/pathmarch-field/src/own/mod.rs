@@ -21,12 +21,13 @@ mod module;
 mod size;
 
 use crate::bounds::Aabb;
+use crate::expression::Function;
 use crate::graph::Batch;
+use crate::info::Info;
 use crate::number::{Dual, Real, Vec3};
-use crate::orbit;
-use crate::registry::{Info, Param, Primitive, Shape};
-use crate::shapes;
-use crate::wgsl::Function;
+use crate::parameter::Param;
+use crate::shapes::orbit;
+use crate::shapes::{self, EvalShape, Primitive, Shape};
 use machine::{Machine, Mask};
 pub use module::Code;
 use std::cell::RefCell;
@@ -189,6 +190,48 @@ fn cut<N: Real>(p: Vec3<N>, estimate: N, half: [N; 3]) -> N {
     orbit::within(estimate, bound(p, half), reach(half))
 }
 
+impl EvalShape<f32> for OwnField {
+    fn distance(&self, p: Vec3<f32>, numbers: &[f32]) -> f32 {
+        let half = Self::half(numbers);
+        let bound = bound(p, half);
+        if !orbit::is_near(bound, reach(half)) {
+            return bound;
+        }
+        let points = Vec3::new(f32x8::splat(p.x), f32x8::splat(p.y), f32x8::splat(p.z));
+        cut(p, self.estimate(points, numbers, 1).to_array()[0], half)
+    }
+    fn gradient(&self, p: Vec3<Dual<f32>>, numbers: &[f32]) -> Dual<f32> {
+        let (point, half) = (p.values(), Self::half(numbers));
+        let estimate = match orbit::is_near(bound(point, half), reach(half)) {
+            true => self.differences(point, numbers),
+            false => Dual::independent(0.0),
+        };
+        let local = cut(Dual::variables(point), estimate, half.map(Dual::independent));
+        Dual { value: local.value, gradient: p.pulled(local.gradient) }
+    }
+}
+
+impl EvalShape<f32x8> for OwnField {
+    fn distance(&self, p: Vec3<f32x8>, numbers: &[f32]) -> f32x8 {
+        let half = Self::half(numbers).map(f32x8::splat);
+        let bound = bound(p, half);
+        let near = orbit::is_near(bound, reach(half)).0.to_bitmask() as Mask;
+        if near == 0 {
+            return bound;
+        }
+        cut(p, self.estimate(p, numbers, near), half)
+    }
+    fn gradient(&self, p: Vec3<Dual<f32x8>>, numbers: &[f32]) -> Dual<f32x8> {
+        let point = p.values();
+        let [x, y, z] = [point.x, point.y, point.z].map(f32x8::to_array);
+        let one = |lane: usize| self.gradient(Dual::variables(Vec3::new(x[lane], y[lane], z[lane])), numbers);
+        let lanes: [Dual<f32>; 8] = std::array::from_fn(one);
+        let gather = |of: &dyn Fn(&Dual<f32>) -> f32| f32x8::from(std::array::from_fn(|lane| of(&lanes[lane])));
+        let gradient = Vec3::new(gather(&|d| d.gradient.x), gather(&|d| d.gradient.y), gather(&|d| d.gradient.z));
+        Dual { value: gather(&|d| d.value), gradient: p.pulled(gradient) }
+    }
+}
+
 impl Shape for OwnField {
     fn info(&self) -> &Info {
         &self.info
@@ -206,42 +249,6 @@ impl Shape for OwnField {
         let half = self.edges.map_or([ENDLESS; 3], |edges| edges.map(|edge| 0.5 * edge));
         let given = self.params.iter().enumerate().map(|(k, param)| params.get(k).copied().unwrap_or(param.default));
         given.chain([self.lipschitz]).chain(half).collect()
-    }
-    fn distance(&self, p: Vec3<f32>, numbers: &[f32]) -> f32 {
-        let half = Self::half(numbers);
-        let bound = bound(p, half);
-        if !orbit::is_near(bound, reach(half)) {
-            return bound;
-        }
-        let points = Vec3::new(f32x8::splat(p.x), f32x8::splat(p.y), f32x8::splat(p.z));
-        cut(p, self.estimate(points, numbers, 1).to_array()[0], half)
-    }
-    fn distance_lanes(&self, p: Vec3<f32x8>, numbers: &[f32]) -> f32x8 {
-        let half = Self::half(numbers).map(f32x8::splat);
-        let bound = bound(p, half);
-        let near = orbit::is_near(bound, reach(half)).0.to_bitmask() as Mask;
-        if near == 0 {
-            return bound;
-        }
-        cut(p, self.estimate(p, numbers, near), half)
-    }
-    fn gradient(&self, p: Vec3<Dual<f32>>, numbers: &[f32]) -> Dual<f32> {
-        let (point, half) = (p.values(), Self::half(numbers));
-        let estimate = match orbit::is_near(bound(point, half), reach(half)) {
-            true => self.differences(point, numbers),
-            false => Dual::independent(0.0),
-        };
-        let local = cut(Dual::variables(point), estimate, half.map(Dual::independent));
-        Dual { value: local.value, gradient: p.pulled(local.gradient) }
-    }
-    fn gradient_lanes(&self, p: Vec3<Dual<f32x8>>, numbers: &[f32]) -> Dual<f32x8> {
-        let point = p.values();
-        let [x, y, z] = [point.x, point.y, point.z].map(f32x8::to_array);
-        let one = |lane: usize| self.gradient(Dual::variables(Vec3::new(x[lane], y[lane], z[lane])), numbers);
-        let lanes: [Dual<f32>; 8] = std::array::from_fn(one);
-        let gather = |of: &dyn Fn(&Dual<f32>) -> f32| f32x8::from(std::array::from_fn(|lane| of(&lanes[lane])));
-        let gradient = Vec3::new(gather(&|d| d.gradient.x), gather(&|d| d.gradient.y), gather(&|d| d.gradient.z));
-        Dual { value: gather(&|d| d.value), gradient: p.pulled(gradient) }
     }
     fn bounds(&self, _params: &[f32]) -> Aabb {
         self.edges.map_or(Aabb::EVERYTHING, |[x, y, z]| Aabb::centred(0.5 * x, 0.5 * y, 0.5 * z))
@@ -263,8 +270,8 @@ impl Shape for OwnField {
 /// The functions around the printed text, which has the function `entry`; the arguments of all are the point, the parameters,
 /// the Lipschitz constant and half the edges.
 fn wgsl_distance(name: &str, entry: &str, params: usize) -> String {
-    let half = |inputs: &[crate::wgsl::Expr]| [inputs[0], inputs[1], inputs[2]];
-    let point = |inputs: &[crate::wgsl::Expr]| Vec3::new(inputs[0], inputs[1], inputs[2]);
+    let half = |inputs: &[crate::expression::Expr]| [inputs[0], inputs[1], inputs[2]];
+    let point = |inputs: &[crate::expression::Expr]| Vec3::new(inputs[0], inputs[1], inputs[2]);
     let edges = [("x", "f32"), ("y", "f32"), ("z", "f32")];
     let function = |suffix: &str, doc: &str, more: &[(&'static str, &'static str)]| Function {
         name: format!("{name}_{suffix}"),

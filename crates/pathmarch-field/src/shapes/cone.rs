@@ -7,7 +7,10 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, NO_HIT, Param, Primitive, Span};
+use crate::info::Info;
+use crate::parameter::Param;
+use crate::shapes::Primitive;
+use crate::span::{NO_HIT, Span};
 
 pub(crate) struct Shape;
 

@@ -5,7 +5,10 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Emitter, Info, NO_HIT, Param, Primitive};
+use crate::info::Info;
+use crate::parameter::Param;
+use crate::shapes::{Emitter, Primitive};
+use crate::span::NO_HIT;
 
 pub(crate) struct Shape;
 

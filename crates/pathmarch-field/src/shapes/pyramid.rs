@@ -8,7 +8,10 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive, Span};
+use crate::info::Info;
+use crate::parameter::Param;
+use crate::shapes::Primitive;
+use crate::span::Span;
 
 pub(crate) struct Shape;
 

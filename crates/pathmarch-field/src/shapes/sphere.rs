@@ -2,7 +2,10 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Emitter, Info, Param, Primitive, Span};
+use crate::info::Info;
+use crate::parameter::Param;
+use crate::shapes::{Emitter, Primitive};
+use crate::span::Span;
 
 pub(crate) struct Shape;
 

@@ -2,7 +2,9 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::info::Info;
+use crate::parameter::Param;
+use crate::shapes::Primitive;
 
 pub(crate) struct Shape;
 

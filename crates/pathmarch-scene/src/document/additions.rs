@@ -17,7 +17,7 @@ use crate::language::params::PARAM;
 use crate::language::schema::{self, AXES};
 use crate::materials;
 use crate::text::DEFAULT_TEXT;
-use pathmarch_field::registry::Outline;
+use pathmarch_field::Outline;
 use pathmarch_field::{Modify, Shape, Solid, Unit, registry};
 
 /// What may be added to a node of this kind, or to the file.

@@ -18,7 +18,7 @@ use crate::language::names::{NORMAL, POINT, listed};
 use crate::language::schema;
 use crate::language::tree;
 use crate::materials::{self, Texturing};
-use pathmarch_field::registry::Outline;
+use pathmarch_field::Outline;
 use pathmarch_field::{Param, Solid, registry};
 
 /// Makes a node one of another kind.

@@ -16,8 +16,8 @@ use super::tree::{Entry, Node, Span};
 use crate::assets::Assets;
 use crate::materials::Material;
 use crate::scene::Object;
+use pathmarch_field::Outline;
 use pathmarch_field::graph::Kind;
-use pathmarch_field::registry::Outline;
 use pathmarch_field::{
     Blend, BlendProfile, Combine, Field, Modify, Node as FieldNode, Param, Placement, ShapeRef, Solid, Unit, registry,
 };

@@ -1,8 +1,9 @@
 //! `pathmarch shapes`: the reference page, from the registry.
 
 use pathmarch_cli::{DONE, Failure};
+use pathmarch_render::pathmarch_field::Outline;
 use pathmarch_render::pathmarch_field::blend::DEFAULT_STEPS;
-use pathmarch_render::pathmarch_field::registry::{Outline, modifiers, operators, shapes, solid, solids};
+use pathmarch_render::pathmarch_field::registry::{modifiers, operators, shapes, solid, solids};
 use pathmarch_render::pathmarch_field::{BlendProfile, Info, Param, Solid};
 
 #[derive(clap::Args)]

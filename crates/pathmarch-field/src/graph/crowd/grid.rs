@@ -383,7 +383,7 @@ impl<'a> Builder<'a> {
             let nothing = distance.simd_ge(result + width + change) | distance.simd_ge(farthest);
             let before = result - distance - change;
             let all = before.simd_ge(width);
-            let blended = operator.distance_lanes(result, distance, Some(blend));
+            let blended = operator.distance(result, distance, Some(blend));
             let taken = Real::select(Mask8(all), distance, blended);
             result = Real::select(Mask8(nothing), result, taken);
             matters.push(!nothing.to_bitmask());

@@ -28,9 +28,11 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::orbit;
-use crate::registry::{self, Entry, Info, Param, Primitive, TRAPS};
-use std::marker::PhantomData;
+use crate::shapes::orbit;
+use crate::shapes::entry::Entry;
+use crate::info::Info;
+use crate::parameter::Param;
+use crate::shapes::{Primitive, TRAPS};
 
 /// The mandelbulb of any power, or, where `POWER` is not zero, of that one, whose code has no more in it than it needs.
 pub(crate) struct Shape<const POWER: u32 = 0>;
@@ -232,11 +234,11 @@ impl<const POWER: u32> Primitive for Shape<POWER> {
         Aabb::centred(radius, radius, radius)
     }
     const VARIANT: u32 = POWER;
-    fn variant([power, _]: [f32; 2]) -> Option<&'static dyn registry::Shape> {
+    fn variant([power, _]: [f32; 2]) -> Option<&'static dyn crate::shapes::Shape> {
         macro_rules! of_power {
             ($($known:literal)*) => {
                 match power as u32 {
-                    $($known => Some(&Entry::<Shape<$known>>(PhantomData)),)*
+                    $($known => Some(const { &Entry::<Shape<$known>>::new() }),)*
                     _ => None,
                 }
             };

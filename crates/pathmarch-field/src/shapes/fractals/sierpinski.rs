@@ -14,8 +14,10 @@
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
-use crate::orbit;
-use crate::registry::{Info, Param, Primitive, TRAPS};
+use crate::shapes::orbit;
+use crate::info::Info;
+use crate::parameter::Param;
+use crate::shapes::{Primitive, TRAPS};
 
 pub(crate) struct Shape;
 

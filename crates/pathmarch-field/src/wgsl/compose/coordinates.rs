@@ -3,7 +3,7 @@
 use super::numbers::{arguments, component, local, rows};
 use super::{Composed, Composer, Program};
 use crate::graph::{Field, Modified, Tree, Turn};
-use crate::registry::TRAPS;
+use crate::shapes::TRAPS;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 

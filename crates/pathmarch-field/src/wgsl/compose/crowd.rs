@@ -12,7 +12,8 @@
 use super::{Composer, profile};
 use crate::graph::Pose;
 use crate::graph::crowd::{BITS, Cell, Crowd, SPLITS};
-use crate::registry::{Shape, union};
+use crate::registry::union;
+use crate::shapes::Shape;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 

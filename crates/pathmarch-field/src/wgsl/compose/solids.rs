@@ -3,7 +3,7 @@
 use super::Composer;
 use super::numbers::{component, rows};
 use crate::graph::{Tree, Turn};
-use crate::registry::Boolean;
+use crate::operators::Boolean;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 

@@ -11,7 +11,7 @@ use std::fmt::Write;
 /// Longest expression written without a `let`, in characters.
 const LONGEST_INLINE: usize = 64;
 
-/// What reads a vector of the table; see [`TABLE`](super::TABLE).
+/// What reads a vector of the table; see [`TABLE`](crate::wgsl::TABLE).
 const TABLE_VECTOR: &str = "table_vector";
 
 /// Names that WGSL reserves and that parameters of shapes could have.

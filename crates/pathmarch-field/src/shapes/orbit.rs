@@ -11,7 +11,8 @@
 //! at one and 3,000 sets of parameters; the test repeats it with 300 and the constant in its place.
 
 use crate::number::{Real, Vec3};
-use crate::registry::{NO_HIT, TRAPS};
+use crate::shapes::TRAPS;
+use crate::span::NO_HIT;
 
 /// The solid of `estimate` cut by the one of `bound`, and far outside only the latter.
 ///
@@ -72,7 +73,7 @@ pub(crate) fn descending<N: Real>([x, y, z]: [N; 3]) -> Vec3<N> {
     Vec3::new(x, y, z)
 }
 
-/// Follows an orbit and gives what it comes near to: [`Primitive::orbit`](crate::registry::Primitive::orbit).
+/// Follows an orbit and gives what it comes near to: [`Primitive::orbit`](crate::shapes::Primitive::orbit).
 ///
 /// `T` is `K + TRAPS`, the state and the traps side by side.
 #[inline(always)]

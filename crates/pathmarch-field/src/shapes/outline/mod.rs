@@ -15,13 +15,17 @@
 
 mod cells;
 mod clean;
+pub(super) mod polygon;
+pub(super) mod text;
 
+use super::dispatch::{EvalShape, Shape};
 use crate::bounds::Aabb;
-use crate::number::{Dual, Real, Vec3};
-use crate::registry::{Info, NO_HIT, Param, Shape};
-use crate::wgsl::{Expr, Function};
+use crate::expression::{Expr, Function};
+use crate::info::Info;
+use crate::number::{Differentiable, Dual, Real, Vec3};
+use crate::parameter::Param;
+use crate::span::NO_HIT;
 use cells::{HEADER, PER_SEGMENT};
-use wide::f32x8;
 
 /// Which of the areas that an outline divides the plane into are inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +107,15 @@ impl Drawn {
     }
 }
 
+impl<N: Differentiable> EvalShape<N> for Drawn {
+    fn distance(&self, p: Vec3<N>, table: &[f32]) -> N {
+        distance(p, table, N::zero())
+    }
+    fn gradient(&self, p: Vec3<Dual<N>>, table: &[f32]) -> Dual<N> {
+        distance(p, table, Dual::zero())
+    }
+}
+
 impl Shape for Drawn {
     fn info(&self) -> &Info {
         &self.info
@@ -127,18 +140,6 @@ impl Shape for Drawn {
     }
     fn reads_table(&self) -> bool {
         true
-    }
-    fn distance(&self, p: Vec3<f32>, table: &[f32]) -> f32 {
-        distance(p, table, 0.0)
-    }
-    fn distance_lanes(&self, p: Vec3<f32x8>, table: &[f32]) -> f32x8 {
-        distance(p, table, Real::zero())
-    }
-    fn gradient(&self, p: Vec3<Dual<f32>>, table: &[f32]) -> Dual<f32> {
-        distance(p, table, Real::zero())
-    }
-    fn gradient_lanes(&self, p: Vec3<Dual<f32x8>>, table: &[f32]) -> Dual<f32x8> {
-        distance(p, table, Real::zero())
     }
     fn bounds(&self, table: &[f32]) -> Aabb {
         let end = f32::INFINITY;

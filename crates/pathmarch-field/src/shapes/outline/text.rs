@@ -1,8 +1,9 @@
-//! Text in the plane of x and y: the outlines of a font's glyphs ([`crate::outline`]), which whoever knows the font finds.
+//! Text in the plane of x and y: the outlines of a font's glyphs ([`super`]), which whoever knows the font finds.
 //! Glyphs may overlap; their holes go around the other way.
 
-use crate::outline::{Drawn, Fill};
-use crate::registry::{Info, Outline, Param};
+use super::{Drawn, Fill};
+use crate::info::{Info, Outline};
+use crate::parameter::Param;
 
 /// The letter T.
 const LETTER: &[[f32; 2]] =
@@ -13,7 +14,11 @@ pub(crate) static SHAPE: Drawn = Drawn {
         exact: false,
         profile: true,
         outline: Some(Outline::Text),
-        ..Info::new("text", "Profile: letters that stand on the x axis, centred at x = 0.", "Quilez 2008, polygon; Frisken et al. 2000")
+        ..Info::new(
+            "text",
+            "Profile: letters that stand on the x axis, centred at x = 0.",
+            "Quilez 2008, polygon; Frisken et al. 2000",
+        )
     },
     params: &[Param::length("size", 1.0, "Size of the font: the height of a line without the space between lines.")],
     fill: Fill::NonZero,

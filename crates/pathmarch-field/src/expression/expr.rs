@@ -9,6 +9,21 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Expr(pub(super) u32);
 
+impl Expr {
+    /// The n-th point among the inputs of a recorded function.
+    pub(crate) fn point(inputs: &[Self], n: usize) -> Vec3<Self> {
+        Vec3::new(inputs[3 * n], inputs[3 * n + 1], inputs[3 * n + 2])
+    }
+    /// A dual number given as gradient (xyz) and value (w).
+    pub(crate) fn dual(inputs: &[Self]) -> Dual<Self> {
+        Dual { value: inputs[3], gradient: Vec3::new(inputs[0], inputs[1], inputs[2]) }
+    }
+    /// A dual number as outputs: gradient (xyz) and value (w).
+    pub(crate) fn outputs(result: Dual<Self>) -> Vec<Self> {
+        vec![result.gradient.x, result.gradient.y, result.gradient.z, result.value]
+    }
+}
+
 /// A truth value in the expression graph being recorded on this thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ExprMask(pub(super) u32);
