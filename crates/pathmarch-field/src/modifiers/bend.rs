@@ -8,13 +8,13 @@
 //! of it (`round`, `shell`) is bounded, too. What is longer than half a circle is cut there. Away from the solid its box
 //! is nearer the truth; the larger bound is taken.
 
-use super::bounding_box::{ENDLESS, box_distance, corners};
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
 use crate::modifiers::Modifier;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
+use super::bounding_box::{ENDLESS, box_distance, corners};
 
 pub(crate) struct Op;
 

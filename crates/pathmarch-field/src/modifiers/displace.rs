@@ -2,13 +2,13 @@
 //! amplitude · sin(ωx) sin(ωy) sin(ωz), whose slope is at most amplitude · ω. The sum of both is divided by one more than that,
 //! which keeps a bound. Away from the solid its box is nearer the truth; the larger of the two bounds is taken.
 
-use super::bounding_box::{box_distance, corners};
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
 use crate::modifiers::Modifier;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use std::f32::consts::TAU;
+use super::bounding_box::{box_distance, corners};
 
 pub(crate) struct Op;
 

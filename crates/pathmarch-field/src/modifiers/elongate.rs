@@ -2,9 +2,9 @@
 //! The map of points takes each to the nearest of a box, whose complement it keeps: it never enlarges distances.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
 use crate::modifiers::Modifier;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 
 pub(crate) struct Op;

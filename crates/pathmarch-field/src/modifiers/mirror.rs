@@ -2,9 +2,9 @@
 //! is right for what crosses the plane; what lies on one side alone is looked for only where `p` is folded to.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
 use crate::modifiers::Modifier;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 
 pub(crate) struct Op;

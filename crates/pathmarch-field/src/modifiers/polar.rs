@@ -3,9 +3,9 @@
 //! that the box of what it holds covers; all of them, at most eight, where it holds the axis.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
 use crate::modifiers::Modifier;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use std::f32::consts::{PI, TAU};
 

@@ -6,12 +6,12 @@
 //! cell, more if it does not. The distance is that to the nearest of them, which is right across all borders.
 //! Cost: one evaluation for each of those copies, 2 to 8 for what fits in its cell.
 
-use super::bounding_box::ENDLESS;
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
 use crate::modifiers::Modifier;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
+use super::bounding_box::ENDLESS;
 
 pub(crate) struct Op;
 

@@ -5,9 +5,9 @@
 //! Of a solid it takes the slice at z = 0, whose distance in the plane is never below that in space.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
 use crate::modifiers::Modifier;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 
 pub(crate) struct Op;

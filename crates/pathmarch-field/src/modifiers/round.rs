@@ -2,9 +2,9 @@
 //! outside stays exact there.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
 use crate::modifiers::Modifier;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 
 pub(crate) struct Op;

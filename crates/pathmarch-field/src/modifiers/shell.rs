@@ -1,9 +1,9 @@
 //! Shell: a wall along the surface, half of it on either side (Quilez 2008, "Distance functions", onion).
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
 use crate::modifiers::Modifier;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 
 pub(crate) struct Op;

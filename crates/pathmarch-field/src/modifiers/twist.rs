@@ -5,13 +5,13 @@
 //! first moved to it, which brings no two further apart nor any away from the solid; then the distance over the stretch at
 //! the cylinder is a bound. Away from the solid its box is nearer the truth; the larger of the two bounds is taken.
 
-use super::bounding_box::{box_distance, corners, reach};
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
 use crate::modifiers::Modifier;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use std::f32::consts::TAU;
+use super::bounding_box::{box_distance, corners, reach};
 
 pub(crate) struct Op;
 

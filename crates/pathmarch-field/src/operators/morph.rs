@@ -4,8 +4,8 @@
 
 use crate::blend::{Blend, Blending};
 use crate::bounds::Aabb;
-use crate::number::Real;
 use crate::info::Info;
+use crate::number::Real;
 use crate::operators::Operator;
 use crate::parameter::Param;
 

@@ -1,12 +1,12 @@
 //! Subtraction: the first child without the others (Ricci 1973): minus the union of what `a` leaves free and `b`, blended
 //! by any of the profiles of [`crate::blend`]. A lower bound of the distance outside, exact inside the kept part.
 
-use super::union::SOURCE;
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
-use crate::number::Real;
 use crate::info::Info;
+use crate::number::Real;
 use crate::operators::{Boolean, Operator};
+use super::union::SOURCE;
 
 pub(crate) struct Op;
 

@@ -3,8 +3,8 @@
 
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
-use crate::number::Real;
 use crate::info::Info;
+use crate::number::Real;
 use crate::operators::{Boolean, Operator};
 
 pub(crate) struct Op;

@@ -6,8 +6,8 @@
 //! coordinates rather than by a signed square root, so that the gradient has length one on the surface too.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 use crate::span::{NO_HIT, Span};

@@ -2,8 +2,8 @@
 //! coordinates (distance from the axis, height) (Quilez 2008, "Distance functions", capped cylinder). Exact.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 use crate::span::Span;

@@ -4,8 +4,8 @@
 //! Over the disc the distance is |y| and not the root of y², so that the gradient has length one on the sheet itself.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::{Emitter, Primitive};
 use crate::span::NO_HIT;

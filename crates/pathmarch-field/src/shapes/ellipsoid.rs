@@ -21,8 +21,8 @@
 //! 1 : 0.3 : 0.001, where the steps run out.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 use crate::span::Span;

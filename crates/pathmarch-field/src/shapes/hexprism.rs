@@ -5,8 +5,8 @@
 //! of them on the x axis; the sides at `radius`·√3/2, two of them facing ±z.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 use crate::span::Span;

@@ -3,8 +3,8 @@
 //! height of a capsule: the whole is `length + 2 (major + minor)` long. Quilez's is half of it.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 

@@ -3,8 +3,8 @@
 //! `normal` turns the plane; it is part of the placement, so that a level floor costs nothing but `p.y`.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 use crate::span::Span;

@@ -2,8 +2,8 @@
 //! along z (Quilez 2008, "2D distance functions", equilateral triangle, and "extrusion"). Exact.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 use crate::span::Span;

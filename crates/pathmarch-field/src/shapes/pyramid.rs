@@ -7,8 +7,8 @@
 //! overestimate, which does no harm because the square shares that edge and is nearer.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 use crate::span::Span;

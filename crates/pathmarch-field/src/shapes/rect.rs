@@ -5,8 +5,8 @@
 //! itself.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::{Emitter, Primitive};
 use crate::span::NO_HIT;

@@ -3,8 +3,8 @@
 //! same size. A `radius` of more than half the shortest edge is taken as that half.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 

@@ -1,8 +1,8 @@
 //! Sphere: the distance to a point, less the radius (Hart 1996, "Sphere tracing", appendix A). Exact.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::{Emitter, Primitive};
 use crate::span::Span;

@@ -1,8 +1,8 @@
 //! Torus about y: in the half-plane through the axis it is a circle (Hart 1996, appendix A). Exact.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 

@@ -15,10 +15,10 @@
 //! Cost: about 35 operations for each iteration and one root.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
-use crate::shapes::orbit;
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::{Param, Unit};
+use crate::shapes::orbit;
 use crate::shapes::{Primitive, TRAPS};
 
 pub(crate) struct Shape;

@@ -19,10 +19,10 @@
 //! Cost: about 20 operations and a root for each iteration until the orbit has escaped, one logarithm.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
-use crate::shapes::orbit;
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
+use crate::shapes::orbit;
 use crate::shapes::{Primitive, TRAPS};
 
 pub(crate) struct Shape;

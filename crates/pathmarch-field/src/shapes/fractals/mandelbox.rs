@@ -18,10 +18,10 @@
 //! Without the bend inside it was 5.1 and 52. Cost: about 30 operations for each iteration, no root.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
-use crate::shapes::orbit;
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::{Param, Unit};
+use crate::shapes::orbit;
 use crate::shapes::{Primitive, TRAPS};
 
 pub(crate) struct Shape;

@@ -27,11 +27,11 @@
 //! one logarithm. Each power is a shape of its own ([`Shape`]): with all digits of any power in the code it was 110.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
-use crate::shapes::orbit;
-use crate::shapes::entry::Entry;
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
+use crate::shapes::entry::Entry;
+use crate::shapes::orbit;
 use crate::shapes::{Primitive, TRAPS};
 
 /// The mandelbulb of any power, or, where `POWER` is not zero, of that one, whose code has no more in it than it needs.

@@ -13,10 +13,10 @@
 //! 15 operations for each iteration, no root.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
-use crate::shapes::orbit;
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
+use crate::shapes::orbit;
 use crate::shapes::{Primitive, TRAPS};
 
 pub(crate) struct Shape;

@@ -1,8 +1,8 @@
 //! Circle in the plane of x and y (Quilez 2008, "2D distance functions", circle). Exact.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 

@@ -2,8 +2,8 @@
 //! box). Exact.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 

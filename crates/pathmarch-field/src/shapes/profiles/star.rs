@@ -3,8 +3,8 @@
 //! nearest to a point of it lies in it, too. Exact.
 
 use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
 use crate::info::Info;
+use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::Primitive;
 use std::f32::consts::PI;
