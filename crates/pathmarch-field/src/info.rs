@@ -18,7 +18,7 @@ pub struct Info {
     /// Faces +y, and may be turned to face a `normal` instead.
     pub facing: bool,
     /// A profile: it stands in the plane of x and y, its distance does not depend on z, and it has no end along z. What is
-    /// [of profiles](Modifier::OF_PROFILES) makes solids of it.
+    /// [of profiles](ModifierDef::OF_PROFILES) makes solids of it.
     pub profile: bool,
     /// What its outline is made of, if it is drawn: numbers behind its parameters, [`crate::outline`].
     pub outline: Option<Outline>,

@@ -1,12 +1,12 @@
 //! Registry: the lists of all shapes, operators and modifiers, and lookup by name.
 //!
-//! One file declares one shape: a unit struct that implements [`Primitive`](crate::shapes::Primitive). The `mod` line that
+//! One file declares one shape: a unit struct that implements [`ShapeDef`](crate::shapes::ShapeDef). The `mod` line that
 //! names the file in `shapes/mod.rs` registers it; the parser, the reference page, the CPU and GPU code and the tests all
 //! read that list. Operators and modifiers do the same in `operators/mod.rs` and `modifiers/mod.rs`.
 
 use crate::info::Info;
-use crate::modifiers::Modify;
-use crate::operators::Combine;
+use crate::modifiers::Modifier;
+use crate::operators::Operator;
 use crate::parameter::Param;
 use crate::shapes::Shape;
 
@@ -16,12 +16,12 @@ pub fn shapes() -> &'static [&'static dyn Shape] {
 }
 
 /// Every operator, in the order of `operators/mod.rs`.
-pub fn operators() -> &'static [&'static dyn Combine] {
+pub fn operators() -> &'static [&'static dyn Operator] {
     crate::operators::ALL
 }
 
 /// Every modifier, in the order of `modifiers/mod.rs`.
-pub fn modifiers() -> &'static [&'static dyn Modify] {
+pub fn modifiers() -> &'static [&'static dyn Modifier] {
     crate::modifiers::ALL
 }
 
@@ -31,9 +31,9 @@ pub enum Solid<'a> {
     /// A shape.
     Shape(&'a (dyn Shape + 'static)),
     /// An operator of several solids.
-    Combine(&'static dyn Combine),
+    Operator(&'static dyn Operator),
     /// An operator that changes what it holds.
-    Modify(&'static dyn Modify),
+    Modifier(&'static dyn Modifier),
 }
 
 impl<'a> Solid<'a> {
@@ -41,16 +41,16 @@ impl<'a> Solid<'a> {
     pub fn info(self) -> &'a Info {
         match self {
             Self::Shape(shape) => shape.info(),
-            Self::Combine(operator) => operator.info(),
-            Self::Modify(modifier) => modifier.info(),
+            Self::Operator(operator) => operator.info(),
+            Self::Modifier(modifier) => modifier.info(),
         }
     }
     /// The parameters, in order.
     pub fn params(self) -> &'a [Param] {
         match self {
             Self::Shape(shape) => shape.params(),
-            Self::Combine(operator) => operator.params(),
-            Self::Modify(modifier) => modifier.params(),
+            Self::Operator(operator) => operator.params(),
+            Self::Modifier(modifier) => modifier.params(),
         }
     }
     /// Whether it holds solids.
@@ -62,8 +62,8 @@ impl<'a> Solid<'a> {
 /// Every shape, operator and modifier.
 pub fn solids() -> impl Iterator<Item = Solid<'static>> {
     let shapes = shapes().iter().map(|shape| Solid::Shape(*shape));
-    let operators = operators().iter().map(|operator| Solid::Combine(*operator));
-    shapes.chain(operators).chain(modifiers().iter().map(|modifier| Solid::Modify(*modifier)))
+    let operators = operators().iter().map(|operator| Solid::Operator(*operator));
+    shapes.chain(operators).chain(modifiers().iter().map(|modifier| Solid::Modifier(*modifier)))
 }
 
 /// The shape, operator or modifier of this name.
@@ -77,11 +77,11 @@ pub fn shape(name: &str) -> Option<&'static dyn Shape> {
 }
 
 /// The operator that joins what no other joins.
-pub fn union() -> &'static dyn Combine {
+pub fn union() -> &'static dyn Operator {
     crate::operators::UNION
 }
 
 /// The operator of this name.
-pub fn operator(name: &str) -> Option<&'static dyn Combine> {
+pub fn operator(name: &str) -> Option<&'static dyn Operator> {
     operators().iter().copied().find(|operator| operator.info().name == name)
 }

@@ -220,7 +220,7 @@ const UNLIMITED: f32 = 1e18;
 impl Frame {
     fn new(scene: &Scene, settings: &Settings, sky: &Sky, lights: &[LightRecord]) -> Self {
         let camera = settings.camera_of(scene);
-        let bounds = scene.field.marched_bounds();
+        let bounds = scene.field.sphere_traced_bounds();
         let (centre, radius) = extent(scene, camera);
         let [width, height] = settings.size;
         let position = Vec3::from(camera.position);
@@ -295,7 +295,7 @@ impl Prepared {
         }
         let flags = |index: usize, sheet: bool| {
             let in_glass = IN_GLASS * u32::from(in_glass[scene.field.leaves()[index].object as usize]);
-            let is_direct = scene.field.is_met_directly(index);
+            let is_direct = scene.field.is_analytic_leaf(index);
             let light = light_of_leaf.get(&(index as u32)).map_or(0, |light| light + 1);
             (SHEET * u32::from(sheet)) | (DIRECT * u32::from(is_direct)) | in_glass | (light << LIGHT_SHIFT)
         };
@@ -370,7 +370,7 @@ impl Prepared {
 
     /// Whether anything of the scene has no closed form.
     pub(crate) fn marches(&self) -> bool {
-        !self.field.marched_bounds().is_empty()
+        !self.field.sphere_traced_bounds().is_empty()
     }
 
     /// The same scene with another camera, size, seed, number of bounces or limit; other settings stay as they were.
@@ -387,7 +387,7 @@ impl Prepared {
 /// Reports whether an object that is sphere-traced emits and no sphere-traced object is a fractal, whose surface is where
 /// rays end.
 fn has_traced_emitter(field: &Field, materials: &[MaterialRecord]) -> bool {
-    let mut traced = field.leaves().iter().enumerate().filter(|(index, _)| !field.is_met_directly(*index));
+    let mut traced = field.leaves().iter().enumerate().filter(|(index, _)| !field.is_analytic_leaf(*index));
     let emits = |leaf: &Leaf| materials[leaf.tag as usize].flags & EMITS != 0;
     traced.clone().any(|(_, leaf)| emits(leaf)) && traced.all(|(_, leaf)| !leaf.shape.has_orbit())
 }

@@ -2,9 +2,9 @@
 //!
 //! Shapes and operators are called by way of `dyn`, which has no generic methods: each number says which method it calls.
 
-use crate::modifiers::{EvalModifier, Modify};
+use crate::modifiers::{EvalModifier, Modifier};
 use crate::number::{Differentiable, Mask8};
-use crate::operators::{Combine, EvalOperator};
+use crate::operators::{EvalOperator, Operator};
 use crate::shapes::{EvalShape, Shape};
 use wide::f32x8;
 
@@ -24,9 +24,9 @@ pub trait Batch: Differentiable {
     /// The functions of a shape over this number type.
     fn shape(shape: &dyn Shape) -> &dyn EvalShape<Self>;
     /// The functions of an operator over this number type.
-    fn operator(operator: &'static dyn Combine) -> &'static dyn EvalOperator<Self>;
+    fn operator(operator: &'static dyn Operator) -> &'static dyn EvalOperator<Self>;
     /// The functions of a modifier over this number type.
-    fn modifier(modifier: &'static dyn Modify) -> &'static dyn EvalModifier<Self>;
+    fn modifier(modifier: &'static dyn Modifier) -> &'static dyn EvalModifier<Self>;
     /// A uniform number in 0..1 for the choice of this index at each point.
     #[doc(hidden)]
     fn choice(seeds: Self::Seeds, index: u32) -> Self;
@@ -40,11 +40,11 @@ macro_rules! upcasts {
             shape
         }
         #[inline(always)]
-        fn operator(operator: &'static dyn Combine) -> &'static dyn EvalOperator<Self> {
+        fn operator(operator: &'static dyn Operator) -> &'static dyn EvalOperator<Self> {
             operator
         }
         #[inline(always)]
-        fn modifier(modifier: &'static dyn Modify) -> &'static dyn EvalModifier<Self> {
+        fn modifier(modifier: &'static dyn Modifier) -> &'static dyn EvalModifier<Self> {
             modifier
         }
     };

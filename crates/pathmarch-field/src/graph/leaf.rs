@@ -2,15 +2,15 @@
 
 use super::{Batch, Pose};
 use crate::number::{Dual, Vec3};
+use crate::ray_interval::RayInterval;
 use crate::shapes::ShapeRef;
-use crate::span::Span;
 
 /// A shape of the field.
 #[derive(Clone, Debug)]
 pub struct Leaf {
     /// The shape.
     pub shape: ShapeRef,
-    /// What it reads: [`Shape::numbers`](crate::Shape::numbers).
+    /// What it reads: [`Shape::coefficients`](crate::Shape::coefficients).
     pub params: Vec<f32>,
     /// The tag of its node.
     pub tag: u32,
@@ -21,7 +21,7 @@ pub struct Leaf {
     /// Whether that is in the space of a modifier, not in the world.
     pub modified: bool,
     /// Whether rays meet it in closed form from within: it is taken away from its object.
-    pub hollow: bool,
+    pub subtracted: bool,
 }
 
 impl Leaf {
@@ -38,10 +38,10 @@ impl Leaf {
     }
 
     #[inline]
-    pub(super) fn span<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> Span<N> {
+    pub(super) fn interval<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> RayInterval<N> {
         let (origin, direction) = (self.pose.local(origin), self.pose.turned(direction));
-        let Span { enter, leave } = N::shape(&*self.shape).span(origin, direction, &self.params);
-        Span { enter: self.pose.length(enter), leave: self.pose.length(leave) }
+        let RayInterval { enter, leave } = N::shape(&*self.shape).interval(origin, direction, &self.params);
+        RayInterval { enter: self.pose.length(enter), leave: self.pose.length(leave) }
     }
 
     #[inline]

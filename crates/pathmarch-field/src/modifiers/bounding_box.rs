@@ -1,4 +1,4 @@
-//! Bounding box of a modifier's child or result, as numbers that its functions read.
+//! Bounding box of a modifier's child or result, as coefficients that its functions read.
 
 use crate::bounds::Aabb;
 use crate::number::{Real, Vec3};
@@ -6,7 +6,7 @@ use crate::number::{Real, Vec3};
 /// Coordinates that stand for those without end, metres.
 pub(super) const ENDLESS: f32 = 1e30;
 
-/// Corners of a box as numbers that a modifier reads.
+/// Corners of a box as coefficients that a modifier reads.
 pub(super) fn corners(bounds: Aabb) -> [f32; 6] {
     let finite = |v: f32| v.clamp(-ENDLESS, ENDLESS);
     let ([a, b, c], [d, e, f]) = (bounds.min.map(finite), bounds.max.map(finite));

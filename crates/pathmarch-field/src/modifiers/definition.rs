@@ -9,13 +9,13 @@ use crate::parameter::Param;
 ///
 /// What it holds is one solid: the union of its children. Implementations are unit structs named `Op`, one in each file of
 /// `modifiers/`.
-pub trait Modifier: Send + Sync + 'static {
+pub trait ModifierDef: Send + Sync + 'static {
     /// Name, documentation, source.
     const INFO: Info;
     /// The parameters, in the order of positional arguments.
     const PARAMS: &'static [Param];
-    /// The numbers that the functions below read: `[N; K]`.
-    type Numbers<N: Real>: Values<N>;
+    /// The coefficients that the functions below read: `[N; K]`.
+    type Coefficients<N: Real>: Values<N>;
     /// Whether it needs what it holds to have an end.
     const NEEDS_BOUNDS: bool = false;
     /// Whether it makes solids of profiles, and of solids their slice at z = 0.
@@ -23,18 +23,18 @@ pub trait Modifier: Send + Sync + 'static {
     /// Whether it moves points only within planes across z, so that it may hold profiles.
     const IN_PLANE: bool = true;
 
-    /// The numbers, found once of the parameters and of the box that holds what it holds.
-    fn numbers(params: &[f32], inside: Aabb) -> Self::Numbers<f32>;
-    /// In how many places what it holds must be looked for; [`point`](Self::point) tells them apart.
-    fn places(_params: &[f32], _inside: Aabb) -> u32 {
+    /// The coefficients, found once of the parameters and of the box that holds what it holds.
+    fn coefficients(params: &[f32], inside: Aabb) -> Self::Coefficients<f32>;
+    /// In how many copies what it holds must be looked for; [`point`](Self::point) tells them apart.
+    fn copies(_params: &[f32], _inside: Aabb) -> u32 {
         1
     }
-    /// Where `p` is in the space of what it holds; `place` counts from 0.
-    fn point<N: Real>(p: Vec3<N>, _place: N, _numbers: Self::Numbers<N>) -> Vec3<N> {
+    /// Where `p` is in the space of what it holds; `copy` counts from 0.
+    fn point<N: Real>(p: Vec3<N>, _place: N, _numbers: Self::Coefficients<N>) -> Vec3<N> {
         p
     }
     /// The distance at `p`, given the least one of what it holds at the points of `p`.
-    fn distance<N: Real>(_p: Vec3<N>, inside: N, _numbers: Self::Numbers<N>) -> N {
+    fn distance<N: Real>(_p: Vec3<N>, inside: N, _numbers: Self::Coefficients<N>) -> N {
         inside
     }
     /// A box that holds the result.

@@ -11,20 +11,20 @@ use wide::f32x8;
 /// Functions of a modifier over one number type: `f32` for one point, `f32x8` for eight.
 pub trait EvalModifier<N: Real> {
     /// Point `p` in the space of the child.
-    fn point(&self, p: Vec3<N>, place: N, numbers: &[f32]) -> Vec3<N>;
+    fn point(&self, p: Vec3<N>, copy: N, coefficients: &[f32]) -> Vec3<N>;
     /// The same point with its derivatives.
-    fn point_gradient(&self, p: Vec3<N>, place: N, numbers: &[f32]) -> Vec3<Dual<N>>;
+    fn point_gradient(&self, p: Vec3<N>, copy: N, coefficients: &[f32]) -> Vec3<Dual<N>>;
     /// Distance of the result, metres.
-    fn distance(&self, p: Vec3<N>, inside: N, numbers: &[f32]) -> N;
+    fn distance(&self, p: Vec3<N>, inside: N, coefficients: &[f32]) -> N;
     /// Distance and gradient of the result.
-    fn gradient(&self, p: Vec3<N>, inside: Dual<N>, numbers: &[f32]) -> Dual<N>;
+    fn gradient(&self, p: Vec3<N>, inside: Dual<N>, coefficients: &[f32]) -> Dual<N>;
 }
 
 /// A modifier as a field evaluates it: object-safe, with all its number types.
 ///
-/// Registered modifiers get it from their [`Modifier`](super::Modifier). Code that is generic over the number type calls
+/// Registered modifiers get it from their [`ModifierDef`](super::ModifierDef). Code that is generic over the number type calls
 /// [`Batch::modifier`](crate::graph::Batch::modifier).
-pub trait Modify: EvalModifier<f32x8> + EvalModifier<f32> + Send + Sync {
+pub trait Modifier: EvalModifier<f32x8> + EvalModifier<f32> + Send + Sync {
     /// Name, documentation, source.
     fn info(&self) -> &'static Info;
     /// The parameters, in order.
@@ -35,10 +35,10 @@ pub trait Modify: EvalModifier<f32x8> + EvalModifier<f32> + Send + Sync {
     fn of_profiles(&self) -> bool;
     /// Whether it may hold profiles.
     fn in_plane(&self) -> bool;
-    /// The numbers that the functions below read.
-    fn numbers(&self, params: &[f32], inside: Aabb) -> Vec<f32>;
-    /// In how many places what it holds must be looked for.
-    fn places(&self, params: &[f32], inside: Aabb) -> u32;
+    /// The coefficients that the functions below read.
+    fn coefficients(&self, params: &[f32], inside: Aabb) -> Vec<f32>;
+    /// In how many copies what it holds must be looked for.
+    fn copies(&self, params: &[f32], inside: Aabb) -> u32;
     /// A box that holds the result.
     fn bounds(&self, params: &[f32], inside: Aabb) -> Aabb;
     /// The functions `NAME_point`, `NAME_pull` (a gradient back through it), `NAME_distance` and `NAME_gradient` in WGSL.
@@ -49,7 +49,7 @@ pub trait Modify: EvalModifier<f32x8> + EvalModifier<f32> + Send + Sync {
     }
 }
 
-impl Debug for dyn Modify {
+impl Debug for dyn Modifier {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.info().name)
     }

@@ -4,7 +4,7 @@
 
 use crate::bounds::Aabb;
 use crate::info::Info;
-use crate::modifiers::Modifier;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use std::f32::consts::TAU;
@@ -12,7 +12,7 @@ use super::bounding_box::{box_distance, corners};
 
 pub(crate) struct Op;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info {
         exact: false,
         ..Info::new("displace", "What it holds, its surface moved in and out by a wave.", "Quilez 2008, displacement")
@@ -21,9 +21,9 @@ impl Modifier for Op {
         Param::length_or_zero("amplitude", 0.05, "How far the surface moves, to either side."),
         Param { unit: crate::parameter::Unit::Ratio, ..Param::length("frequency", 2.0, "Waves in a metre.") },
     ];
-    type Numbers<N: Real> = [N; 9];
+    type Coefficients<N: Real> = [N; 9];
 
-    fn numbers(params: &[f32], inside: Aabb) -> [f32; 9] {
+    fn coefficients(params: &[f32], inside: Aabb) -> [f32; 9] {
         let [a, b, c, d, e, f] = corners(Self::bounds(params, inside));
         let rate = TAU * params[1];
         [params[0], rate, 1.0 / (1.0 + params[0] * rate), a, b, c, d, e, f]

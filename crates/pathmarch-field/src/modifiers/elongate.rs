@@ -3,13 +3,13 @@
 
 use crate::bounds::Aabb;
 use crate::info::Info;
-use crate::modifiers::Modifier;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 
 pub(crate) struct Op;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info {
         exact: false,
         size_params: 3,
@@ -24,9 +24,9 @@ impl Modifier for Op {
         Param::length_or_zero("y", 0.0, "Length of the straight piece along y."),
         Param::length_or_zero("z", 0.0, "Length of the straight piece along z."),
     ];
-    type Numbers<N: Real> = [N; 3];
+    type Coefficients<N: Real> = [N; 3];
 
-    fn numbers(params: &[f32], _inside: Aabb) -> [f32; 3] {
+    fn coefficients(params: &[f32], _inside: Aabb) -> [f32; 3] {
         [params[0], params[1], params[2]]
     }
     #[inline(always)]

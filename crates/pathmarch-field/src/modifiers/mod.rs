@@ -1,6 +1,6 @@
 //! Modifiers, which change the domain or the distance of one child. A name in the list below is a file and its registration.
 //!
-//! [`Modifier`] is what a file implements, generic over the number type. [`Modify`] is the object-safe form by which a field
+//! [`ModifierDef`] is what a file implements, generic over the number type. [`Modifier`] is the object-safe form by which a field
 //! calls all modifiers.
 
 mod bounding_box;
@@ -8,15 +8,15 @@ mod definition;
 mod dispatch;
 mod entry;
 
-pub use definition::Modifier;
-pub use dispatch::{EvalModifier, Modify};
+pub use definition::ModifierDef;
+pub use dispatch::{EvalModifier, Modifier};
 use entry::Entry;
 
 macro_rules! modifiers {
     ($($module:ident),* $(,)?) => {
         $(mod $module;)*
         /// Every modifier, in this order.
-        pub(crate) static ALL: &[&'static dyn Modify] = &[$(&Entry::<$module::Op>::new()),*];
+        pub(crate) static ALL: &[&'static dyn Modifier] = &[$(&Entry::<$module::Op>::new()),*];
     };
 }
 

@@ -11,7 +11,7 @@ use crate::parameter::Param;
 ///
 /// More than two children are folded from the first to the last. Implementations are unit structs named `Shape`'s twin
 /// `Op`, one in each file of `operators/`.
-pub trait Operator: Send + Sync + 'static {
+pub trait OperatorDef: Send + Sync + 'static {
     /// Name, documentation, source.
     const INFO: Info;
     /// The parameters: none where it blends, one that is the [`Blend::amount`] where it does not.

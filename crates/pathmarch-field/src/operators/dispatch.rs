@@ -33,18 +33,18 @@ pub trait EvalOperator<N: Real> {
 
 /// An operator as a field evaluates it: object-safe, with all its number types.
 ///
-/// Registered operators get it from their [`Operator`](super::Operator). Code that is generic over the number type calls
+/// Registered operators get it from their [`OperatorDef`](super::OperatorDef). Code that is generic over the number type calls
 /// [`Batch::operator`](crate::graph::Batch::operator).
-pub trait Combine: EvalOperator<f32x8> + EvalOperator<f32> + Send + Sync {
+pub trait Operator: EvalOperator<f32x8> + EvalOperator<f32> + Send + Sync {
     /// Name, documentation, source.
     fn info(&self) -> &'static Info;
-    /// The parameters, in order; see [`Operator::PARAMS`](super::Operator::PARAMS).
+    /// The parameters, in order; see [`OperatorDef::PARAMS`](super::OperatorDef::PARAMS).
     fn params(&self) -> &'static [Param];
     /// Whether it blends edges over a width.
     fn blends(&self) -> bool;
     /// How many children it needs, and how many it may have.
     fn children(&self) -> (usize, usize);
-    /// What it does to solids; see [`Operator::BOOLEAN`](super::Operator::BOOLEAN).
+    /// What it does to solids; see [`OperatorDef::BOOLEAN`](super::OperatorDef::BOOLEAN).
     fn boolean(&self) -> Option<Boolean>;
     /// A box that holds the result.
     fn bounds(&self, a: Aabb, b: Aabb, blend: Option<Blend>) -> Aabb;
@@ -61,7 +61,7 @@ pub trait Combine: EvalOperator<f32x8> + EvalOperator<f32> + Send + Sync {
     }
 }
 
-impl Debug for dyn Combine {
+impl Debug for dyn Operator {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.info().name)
     }

@@ -1,7 +1,7 @@
-//! Registration of an operator: makes the object-safe [`Combine`] of a generic [`Operator`].
+//! Registration of an operator: makes the object-safe [`Operator`] of a generic [`OperatorDef`].
 
-use super::definition::Operator;
-use super::dispatch::{Boolean, Combine, EvalOperator};
+use super::definition::OperatorDef;
+use super::dispatch::{Boolean, EvalOperator, Operator};
 use crate::blend::{Blend, BlendProfile, Blending};
 use crate::bounds::Aabb;
 use crate::expression::{Expr, Function};
@@ -22,7 +22,7 @@ impl<T> Entry<T> {
 
 /// The signature of a function of an operator, sharp or of a profile.
 fn operator_function(
-    operator: &dyn Combine,
+    operator: &dyn Operator,
     suffix: &str,
     kind: &'static str,
     profile: Option<BlendProfile>,
@@ -46,7 +46,7 @@ fn blending(profile: BlendProfile, inputs: &[Expr]) -> Blending<Expr> {
     Blending { amount: inputs[0], profile, steps: inputs.get(1).copied().unwrap_or(inputs[0]) }
 }
 
-impl<T: Operator, N: Differentiable> EvalOperator<N> for Entry<T> {
+impl<T: OperatorDef, N: Differentiable> EvalOperator<N> for Entry<T> {
     fn distance(&self, a: N, b: N, blend: Option<Blend>) -> N {
         combine::<T, _>(a, b, blend)
     }
@@ -58,7 +58,7 @@ impl<T: Operator, N: Differentiable> EvalOperator<N> for Entry<T> {
     }
 }
 
-impl<T: Operator> Combine for Entry<T> {
+impl<T: OperatorDef> Operator for Entry<T> {
     fn info(&self) -> &'static Info {
         &T::INFO
     }
@@ -108,14 +108,14 @@ impl<T: Operator> Combine for Entry<T> {
     }
 }
 
-fn combine<T: Operator, N: Real>(a: N, b: N, blend: Option<Blend>) -> N {
+fn combine<T: OperatorDef, N: Real>(a: N, b: N, blend: Option<Blend>) -> N {
     match blend {
         Some(blend) => T::blended(a, b, blend.over()),
         None => T::sharp(a, b),
     }
 }
 
-fn weight<T: Operator, N: Real>(a: N, b: N, blend: Option<Blend>) -> N {
+fn weight<T: OperatorDef, N: Real>(a: N, b: N, blend: Option<Blend>) -> N {
     match blend {
         Some(blend) => T::blended_weight(a, b, blend.over()),
         None => T::sharp_weight(a, b),

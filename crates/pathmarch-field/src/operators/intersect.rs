@@ -5,12 +5,12 @@ use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
 use crate::info::Info;
 use crate::number::Real;
-use crate::operators::{Boolean, Operator};
+use crate::operators::{Boolean, OperatorDef};
 use super::union::SOURCE;
 
 pub(crate) struct Op;
 
-impl Operator for Op {
+impl OperatorDef for Op {
     const INFO: Info = Info { exact: false, ..Info::new("intersect", "What all of the children hold.", SOURCE) };
     const BOOLEAN: Option<Boolean> = Some(Boolean::Intersection);
 

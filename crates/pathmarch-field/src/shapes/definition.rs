@@ -5,12 +5,12 @@ use crate::bounds::Aabb;
 use crate::info::Info;
 use crate::number::{Real, Values, Vec3};
 use crate::parameter::Param;
-use crate::span::Span;
+use crate::ray_interval::RayInterval;
 
 /// A shape, written once.
 ///
 /// Implementations are unit structs named `Shape`, one in each file of `shapes/`.
-pub trait Primitive: Send + Sync + 'static {
+pub trait ShapeDef: Send + Sync + 'static {
     /// Name, documentation, source.
     const INFO: Info;
     /// The parameters, in the order of positional arguments.
@@ -36,19 +36,19 @@ pub trait Primitive: Send + Sync + 'static {
     fn emitter(_params: Self::Params<f32>) -> Emitter {
         Emitter::Bounded
     }
-    /// Whether the solid is convex and [`span`](Self::span) is written.
+    /// Whether the solid is convex and [`interval`](Self::interval) is written.
     const CONVEX: bool = false;
     /// Where a line is inside a convex solid, metres from `origin` along the unit vector `direction`.
-    fn span<N: Real>(_origin: Vec3<N>, _direction: Vec3<N>, _params: Self::Params<N>) -> Span<N> {
-        Span::nowhere()
+    fn interval<N: Real>(_origin: Vec3<N>, _direction: Vec3<N>, _params: Self::Params<N>) -> RayInterval<N> {
+        RayInterval::nowhere()
     }
-    /// Whether where a ray meets this shape is known in closed form: [`span`](Self::span) or [`ray`](Self::ray) is written.
-    const CLOSED_FORM: bool = Self::CONVEX;
+    /// Whether where a ray meets this shape is known in closed form: [`interval`](Self::interval) or [`ray`](Self::ray) is written.
+    const ANALYTIC: bool = Self::CONVEX;
     /// Metres from `origin` along the unit vector `direction` to the first point of the surface ahead, from outside or
-    /// inside; [`NO_HIT`] where there is none.
+    /// inside; [`T_MAX`] where there is none.
     #[inline(always)]
     fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, params: Self::Params<N>) -> N {
-        Self::span(origin, direction, params).ahead()
+        Self::interval(origin, direction, params).ahead()
     }
     /// Tells apart the shapes that [`variant`](Self::variant) gives, which have this one's name; 0 for the one of the list.
     const VARIANT: u32 = 0;

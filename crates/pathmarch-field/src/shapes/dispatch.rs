@@ -5,13 +5,13 @@ use crate::expression::identifier;
 use crate::info::Info;
 use crate::number::{Dual, Real, Vec3};
 use crate::parameter::Param;
-use crate::span::{NO_HIT, Span};
+use crate::ray_interval::{RayInterval, T_MAX};
 use std::fmt::Debug;
 use std::ops::Deref;
 use std::sync::Arc;
 use wide::f32x8;
 
-/// How many numbers tell of an orbit; see [`Primitive::orbit`].
+/// How many numbers tell of an orbit; see [`ShapeDef::orbit`].
 pub const TRAPS: usize = 5;
 
 /// The surface of a shape, for choosing points on it: lengths in metres, local coordinates.
@@ -35,15 +35,15 @@ pub trait EvalShape<N: Real> {
     fn distance(&self, p: Vec3<N>, params: &[f32]) -> N;
     /// Distance and gradient at `p`.
     fn gradient(&self, p: Vec3<Dual<N>>, params: &[f32]) -> Dual<N>;
-    /// Interval of a line inside a convex solid; see [`Primitive::span`](super::Primitive::span).
-    fn span(&self, _origin: Vec3<N>, _direction: Vec3<N>, _params: &[f32]) -> Span<N> {
-        Span::nowhere()
+    /// Interval of a line inside a convex solid; see [`ShapeDef::span`](super::ShapeDef::interval).
+    fn interval(&self, _origin: Vec3<N>, _direction: Vec3<N>, _params: &[f32]) -> RayInterval<N> {
+        RayInterval::nowhere()
     }
-    /// Metres to the first hit of a ray, or [`NO_HIT`]; see [`Primitive::ray`](super::Primitive::ray).
+    /// Metres to the first hit of a ray, or [`T_MAX`]; see [`ShapeDef::ray`](super::ShapeDef::ray).
     fn ray(&self, _origin: Vec3<N>, _direction: Vec3<N>, _params: &[f32]) -> N {
-        N::constant(NO_HIT)
+        N::constant(T_MAX)
     }
-    /// Orbit traps of a point; see [`Primitive::orbit`](super::Primitive::orbit).
+    /// Orbit traps of a point; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
     fn orbit(&self, _p: Vec3<N>, _params: &[f32]) -> [N; TRAPS] {
         [N::zero(); TRAPS]
     }
@@ -51,7 +51,7 @@ pub trait EvalShape<N: Real> {
 
 /// A shape as a field evaluates it: object-safe, with all its number types.
 ///
-/// Registered shapes get it from their [`Primitive`](super::Primitive). Code that is generic over the number type calls
+/// Registered shapes get it from their [`ShapeDef`](super::ShapeDef). Code that is generic over the number type calls
 /// [`Batch::shape`](crate::graph::Batch::shape). The eight-point functions come first: their vtable is a prefix, so that the
 /// conversion costs nothing.
 pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
@@ -60,7 +60,7 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     /// The parameters, in order.
     fn params(&self) -> &[Param];
     /// The numbers that the functions below read, found once of the parameters.
-    fn numbers(&self, params: &[f32]) -> Vec<f32> {
+    fn coefficients(&self, params: &[f32]) -> Vec<f32> {
         params.to_vec()
     }
     /// Whether those numbers are a table of vectors, which may be of any length: its WGSL functions read it in the table of the
@@ -68,7 +68,7 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     fn reads_table(&self) -> bool {
         false
     }
-    /// The same shape with some of its numbers fixed in its code, which then is faster; see [`Primitive::variant`].
+    /// The same shape with some of its numbers fixed in its code, which then is faster; see [`ShapeDef::variant`].
     fn variant(&self, _params: &[f32]) -> Option<&'static dyn Shape> {
         None
     }
@@ -81,7 +81,7 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
         Emitter::Bounded
     }
     /// Whether rays meet it in closed form.
-    fn closed_form(&self) -> bool {
+    fn is_analytic(&self) -> bool {
         false
     }
     /// Whether it is convex, and spans are known in closed form.
@@ -96,8 +96,8 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     fn wgsl_orbit(&self) -> String {
         String::new()
     }
-    /// The span as a WGSL function `NAME_span(origin: vec3f, direction: vec3f, …) -> vec2f`.
-    fn wgsl_span(&self) -> String {
+    /// The span as a WGSL function `NAME_interval(origin: vec3f, direction: vec3f, …) -> vec2f`.
+    fn wgsl_interval(&self) -> String {
         String::new()
     }
     /// The closed form as a WGSL function `NAME_ray(origin: vec3f, direction: vec3f, …) -> f32`.
@@ -134,7 +134,7 @@ pub enum ShapeRef {
     /// One of the registry.
     Registered(&'static dyn Shape),
     /// One that a scene declares.
-    Own(Arc<dyn Shape>),
+    Custom(Arc<dyn Shape>),
 }
 
 impl Deref for ShapeRef {
@@ -142,7 +142,7 @@ impl Deref for ShapeRef {
     fn deref(&self) -> &(dyn Shape + 'static) {
         match self {
             Self::Registered(shape) => *shape,
-            Self::Own(shape) => &**shape,
+            Self::Custom(shape) => &**shape,
         }
     }
 }

@@ -1,13 +1,13 @@
-//! Registration of a shape: makes the object-safe [`Shape`] of a generic [`Primitive`].
+//! Registration of a shape: makes the object-safe [`Shape`] of a generic [`ShapeDef`].
 
-use super::definition::Primitive;
+use super::definition::ShapeDef;
 use super::dispatch::{Emitter, EvalShape, Shape, TRAPS};
 use crate::bounds::Aabb;
 use crate::expression::{Expr, Function, identifier};
 use crate::info::Info;
 use crate::number::{Differentiable, Dual, Values, Vec3, values};
 use crate::parameter::Param;
-use crate::span::Span;
+use crate::ray_interval::RayInterval;
 use std::marker::PhantomData;
 
 /// The entry of a registered definition in its list.
@@ -34,15 +34,15 @@ fn shape_name(name: &str, variant: u32) -> String {
     if variant > 0 { format!("{name}_{variant}") } else { name.to_owned() }
 }
 
-impl<T: Primitive, N: Differentiable> EvalShape<N> for Entry<T> {
+impl<T: ShapeDef, N: Differentiable> EvalShape<N> for Entry<T> {
     fn distance(&self, p: Vec3<N>, params: &[f32]) -> N {
         T::distance(p, values(params))
     }
     fn gradient(&self, p: Vec3<Dual<N>>, params: &[f32]) -> Dual<N> {
         T::distance_compact(p, values(params))
     }
-    fn span(&self, origin: Vec3<N>, direction: Vec3<N>, params: &[f32]) -> Span<N> {
-        T::span(origin, direction, values(params))
+    fn interval(&self, origin: Vec3<N>, direction: Vec3<N>, params: &[f32]) -> RayInterval<N> {
+        T::interval(origin, direction, values(params))
     }
     fn ray(&self, origin: Vec3<N>, direction: Vec3<N>, params: &[f32]) -> N {
         T::ray(origin, direction, values(params))
@@ -52,7 +52,7 @@ impl<T: Primitive, N: Differentiable> EvalShape<N> for Entry<T> {
     }
 }
 
-impl<T: Primitive> Shape for Entry<T> {
+impl<T: ShapeDef> Shape for Entry<T> {
     fn info(&self) -> &Info {
         &T::INFO
     }
@@ -74,8 +74,8 @@ impl<T: Primitive> Shape for Entry<T> {
     fn emitter(&self, params: &[f32]) -> Emitter {
         T::emitter(values(params))
     }
-    fn closed_form(&self) -> bool {
-        T::CLOSED_FORM
+    fn is_analytic(&self) -> bool {
+        T::ANALYTIC
     }
     fn is_convex(&self) -> bool {
         T::CONVEX
@@ -88,11 +88,11 @@ impl<T: Primitive> Shape for Entry<T> {
         shape_function(self, "orbit", &["p"], doc.replace("NAME", T::INFO.name))
             .print(&|inputs| T::orbit(Expr::point(inputs, 0), T::Params::from_fn(|k| inputs[3 + k])).to_vec())
     }
-    fn wgsl_span(&self) -> String {
+    fn wgsl_interval(&self) -> String {
         let doc = "Where a line enters and leaves `NAME`, metres.".replace("NAME", T::INFO.name);
-        shape_function(self, "span", &["origin", "direction"], doc).print(&|inputs| {
+        shape_function(self, "interval", &["origin", "direction"], doc).print(&|inputs| {
             let params = T::Params::from_fn(|k| inputs[6 + k]);
-            let Span { enter, leave } = T::span(Expr::point(inputs, 0), Expr::point(inputs, 1), params);
+            let RayInterval { enter, leave } = T::interval(Expr::point(inputs, 0), Expr::point(inputs, 1), params);
             vec![enter, leave]
         })
     }

@@ -1,7 +1,7 @@
 //! Shapes. A name in the list below is a file and its registration; names behind a colon are files of that folder, and the
 //! last group is the shapes that are drawn.
 //!
-//! [`Primitive`] is what a file implements, generic over the number type. [`Shape`] is the object-safe form by which a field
+//! [`ShapeDef`] is what a file implements, generic over the number type. [`Shape`] is the object-safe form by which a field
 //! calls all shapes.
 
 mod definition;
@@ -10,7 +10,7 @@ mod entry;
 pub(crate) mod orbit;
 pub mod outline;
 
-pub use definition::Primitive;
+pub use definition::ShapeDef;
 pub use dispatch::{Emitter, EvalShape, Shape, ShapeRef, TRAPS};
 use entry::Entry;
 

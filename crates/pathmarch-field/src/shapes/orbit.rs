@@ -11,8 +11,8 @@
 //! at one and 3,000 sets of parameters; the test repeats it with 300 and the constant in its place.
 
 use crate::number::{Real, Vec3};
+use crate::ray_interval::T_MAX;
 use crate::shapes::TRAPS;
-use crate::span::NO_HIT;
 
 /// The solid of `estimate` cut by the one of `bound`, and far outside only the latter.
 ///
@@ -73,7 +73,7 @@ pub(crate) fn descending<N: Real>([x, y, z]: [N; 3]) -> Vec3<N> {
     Vec3::new(x, y, z)
 }
 
-/// Follows an orbit and gives what it comes near to: [`Primitive::orbit`](crate::shapes::Primitive::orbit).
+/// Follows an orbit and gives what it comes near to: [`ShapeDef::orbit`](crate::shapes::ShapeDef::orbit).
 ///
 /// `T` is `K + TRAPS`, the state and the traps side by side.
 #[inline(always)]
@@ -84,7 +84,7 @@ pub(crate) fn traps<N: Real, const K: usize, const T: usize>(
     step: impl Fn([N; K]) -> ([N; K], N::Mask),
 ) -> [N; TRAPS] {
     const { assert!(T == K + TRAPS) };
-    let farthest = N::constant(NO_HIT);
+    let farthest = N::constant(T_MAX);
     let state: [N; T] = std::array::from_fn(|k| match k {
         _ if k < K => start[k],
         _ if k == T - 1 => N::zero(),

@@ -4,11 +4,11 @@ use crate::bounds::Aabb;
 use crate::info::Info;
 use crate::number::{Real, Vec3};
 use crate::parameter::Param;
-use crate::shapes::Primitive;
+use crate::shapes::ShapeDef;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info =
         Info::new("torus", "Ring about the y axis, centred at the origin.", "Hart 1996, appendix A");
     const PARAMS: &'static [Param] = &[

@@ -72,7 +72,7 @@ impl Case {
     }
     /// From a shape and its numbers.
     pub fn new(shape: &'static dyn Shape, params: Vec<f32>) -> Self {
-        let params = shape.numbers(&params);
+        let params = shape.coefficients(&params);
         let bounds = shape.bounds(&params).intersection(Aabb::centred(3.0, 3.0, 3.0));
         let size = (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f32::max);
         Self { shape, params, bounds, size }

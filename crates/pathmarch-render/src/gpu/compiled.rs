@@ -31,7 +31,7 @@ impl Printed {
     pub(super) fn for_adapter(prepared: &Prepared, software: bool) -> Self {
         let mut program = Program::new(&prepared.field);
         if let Some(preview) = &prepared.preview {
-            program.count(&prepared.field, &preview.counted());
+            program.write_object_sets(&prepared.field, &preview.counted());
         }
         let trusted = prepared.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
         let memory = Memory::new(prepared, &program, software);

@@ -17,7 +17,7 @@ use std::fmt::{Display, Write};
 const WATCHING: &str = "
 var<private> watched: vec4f;
 
-fn marched_distance(p: vec3f) -> f32 {
+fn sphere_traced_distance(p: vec3f) -> f32 {
     let distance = unwatched_distance(p);
     let change = abs(distance - watched.w) * frame.step_factor - NOISE * frame.rounding * largest(abs(p));
     if steps > 0u {
@@ -36,7 +36,7 @@ pub(super) fn kernel(prepared: &Prepared, program: &Program, memory: &Memory) ->
     if mode.traces_paths() {
         if prepared.features.penumbra {
             code.push('\n');
-            code.push_str(&program.whole_distance);
+            code.push_str(&program.estimated_distance);
         }
         code += &constants(prepared);
         code += &scattering(prepared);
@@ -44,7 +44,7 @@ pub(super) fn kernel(prepared: &Prepared, program: &Program, memory: &Memory) ->
         // `steady.wgsl` has one without noise.
         code = code.replace(CHOICE, "");
         if matches!(mode, Mode::Steps | Mode::Violations) {
-            code = code.replace("fn marched_distance(", "fn unwatched_distance(") + WATCHING;
+            code = code.replace("fn sphere_traced_distance(", "fn unwatched_distance(") + WATCHING;
         }
         code += &numbers_of_mode(prepared);
     }

@@ -171,7 +171,7 @@ fn surface_record(field: &Field, index: usize, radiance: [f32; 3]) -> Option<(Li
     let leaf = &field.leaves()[index];
     let [x, y, z] = leaf.pose.axes.map(|axis| Vec3::from(axis) * (0.5 * leaf.pose.scale));
     // What is combined with other shapes may lack parts of its surface.
-    let whole = field.is_whole(index);
+    let whole = field.is_analytic_object(index);
     let form = if whole { leaf.shape.emitter(&leaf.params) } else { Emitter::Bounded };
     let facing = Vec3::from(leaf.pose.axes[1]);
     let none = Vec3::ZERO;
@@ -451,7 +451,7 @@ mod tests {
                     let direction =
                         pathmarch_field::number::Vec3::new(sample.direction.x, sample.direction.y, sample.direction.z);
                     let origin = pathmarch_field::number::Vec3::new(p.x, p.y, p.z);
-                    let (t, _) = scene.field.direct_hit(origin, direction);
+                    let (t, _) = scene.field.analytic_hit(origin, direction);
                     if sample.target.is_none() {
                         assert!(
                             (t * SHORT_OF_LIGHT / sample.distance - 1.0).abs() < 2e-3,

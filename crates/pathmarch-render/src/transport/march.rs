@@ -26,7 +26,7 @@ use crate::frame::Features;
 use crate::frame::{Frame, Prepared};
 use glam::Vec3;
 use pathmarch_field::Field;
-use pathmarch_field::graph::MARCHED;
+use pathmarch_field::graph::SPHERE_TRACED;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use wide::f32x8;
 
@@ -118,9 +118,9 @@ pub(crate) struct Hit {
 }
 
 impl Hit {
-    /// The leaf of closed form as [`Field::surface_met`] is given it.
+    /// The leaf of closed form as [`Field::surface_at_hit`] is given it.
     pub(crate) fn met(direct: Option<u32>) -> f32 {
-        direct.map_or(MARCHED, |leaf| leaf as f32)
+        direct.map_or(SPHERE_TRACED, |leaf| leaf as f32)
     }
 }
 
@@ -134,7 +134,7 @@ struct Span {
 
 /// Meets eight rays with the shapes that have a closed form, and with the box of the others.
 fn spans(field: &Field, frame: &Frame, rays: &Rays8) -> [Span; 8] {
-    let (direct, leaf) = field.direct_hit(rays.origin, rays.direction);
+    let (direct, leaf) = field.analytic_hit(rays.origin, rays.direction);
     let last = rays.limit.fast_min(f32x8::splat(frame.far));
     let (mut start, mut end) = (f32x8::ZERO, direct.fast_min(last));
     let [min, max] = [frame.bounds_min, frame.bounds_max];
@@ -233,7 +233,7 @@ fn follow<const WATCHED: bool>(prepared: &Prepared, rays: &[March], trails: &mut
         // March until some lane ends.
         let (ended, was_hit) = loop {
             let p = FieldVec3::new(ox + dx * t, oy + dy * t, oz + dz * t);
-            let distance = field.marched_distance(p) * factor;
+            let distance = field.sphere_traced_distance(p) * factor;
             let extent = p.x.abs().fast_max(p.y.abs().fast_max(p.z.abs()));
             let tolerance = (coefficient * (before + t)).fast_max(precision * extent);
             if WATCHED {

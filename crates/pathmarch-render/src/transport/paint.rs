@@ -364,7 +364,7 @@ pub(crate) fn words(field: &Field, paints: &[Paint], start: usize) -> Vec<u32> {
     for (index, leaf) in field.leaves().iter().enumerate() {
         let rows = leaf.pose.local_from_world();
         words.extend(leaf.pose.at.iter().chain(rows.as_flattened()).map(|number| number.to_bits()));
-        words.push(field.holder(index));
+        words.push(field.enclosing_modifier(index));
     }
     let first = words.len();
     words.resize(first + paints.len(), 0);

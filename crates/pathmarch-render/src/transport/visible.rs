@@ -45,7 +45,7 @@ pub(crate) fn visible(
         let reached = rays.origin + rays.direction * t;
         let direct = lanes(|lane| Hit::met(chunk[of_lane(lane)].1.direct));
         let threshold = |blend| lanes(|lane| threshold(8 * number + of_lane(lane), blend));
-        let Surface { field, leaf } = prepared.field.surface_met(reached, direct, &threshold);
+        let Surface { field, leaf } = prepared.field.surface_at_hit(reached, direct, &threshold);
         let leaf: [usize; 8] = leaf.to_array().map(|leaf| leaf as usize);
         let record = |lane: usize| &prepared.leaves[leaf[lane]];
         let at = FieldVec3::new(

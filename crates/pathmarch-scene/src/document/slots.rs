@@ -386,7 +386,7 @@ impl List<'_> {
             self.slots
                 .push(Slot { control: Control { value, present, given, ..control }, place: Place::Parameter(index) });
         }
-        if let Solid::Combine(operator) = solid
+        if let Solid::Operator(operator) = solid
             && operator.blends()
         {
             for setting in schema::BLEND {

@@ -19,7 +19,7 @@ use crate::info::Info;
 use crate::number::{Real, Vec3};
 use crate::parameter::{Param, Unit};
 use crate::shapes::orbit;
-use crate::shapes::{Primitive, TRAPS};
+use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
@@ -75,7 +75,7 @@ fn start<N: Real>(p: Vec3<N>) -> State<N> {
     [p.x, p.y, p.z, N::one()]
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(

@@ -23,7 +23,7 @@ use crate::info::Info;
 use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::orbit;
-use crate::shapes::{Primitive, TRAPS};
+use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
@@ -74,7 +74,7 @@ fn radius<N: Real>(size: N) -> N {
     (N::one() + (N::one() + N::constant(4.0) * size).sqrt()) * N::constant(0.5)
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(

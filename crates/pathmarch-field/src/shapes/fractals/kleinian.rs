@@ -18,7 +18,7 @@ use crate::info::Info;
 use crate::number::{Real, Vec3};
 use crate::parameter::{Param, Unit};
 use crate::shapes::orbit;
-use crate::shapes::{Primitive, TRAPS};
+use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
@@ -56,7 +56,7 @@ fn bound<N: Real>(p: Vec3<N>) -> N {
     off.max(N::zero()).length() + off.largest().min(N::zero())
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(

@@ -32,7 +32,7 @@ use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::entry::Entry;
 use crate::shapes::orbit;
-use crate::shapes::{Primitive, TRAPS};
+use crate::shapes::{ShapeDef, TRAPS};
 
 /// The mandelbulb of any power, or, where `POWER` is not zero, of that one, whose code has no more in it than it needs.
 pub(crate) struct Shape<const POWER: u32 = 0>;
@@ -207,7 +207,7 @@ fn orbit_of_any<N: Real>(p: Vec3<N>, params: [N; 2], known: u32) -> [N; TRAPS] {
     orbit::traps::<N, 5, 10>(map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near))
 }
 
-impl<const POWER: u32> Primitive for Shape<POWER> {
+impl<const POWER: u32> ShapeDef for Shape<POWER> {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(

@@ -17,7 +17,7 @@ use crate::info::Info;
 use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::orbit;
-use crate::shapes::{Primitive, TRAPS};
+use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
@@ -50,7 +50,7 @@ fn bound<N: Real>(p: Vec3<N>) -> N {
     p.length() - N::constant(RADIUS)
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(

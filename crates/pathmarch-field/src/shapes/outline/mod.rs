@@ -24,7 +24,7 @@ use crate::expression::{Expr, Function};
 use crate::info::Info;
 use crate::number::{Differentiable, Dual, Real, Vec3};
 use crate::parameter::Param;
-use crate::span::NO_HIT;
+use crate::ray_interval::T_MAX;
 use cells::{HEADER, PER_SEGMENT};
 
 /// Which of the areas that an outline divides the plane into are inside.
@@ -74,7 +74,7 @@ fn distance<N: Real>(p: Vec3<N>, table: &[f32], first: N) -> N {
     let row = ((y - low) * rate_y).floor().clamp(zero, rows - one);
     let cell = first + N::constant(HEADER as f32) + row * columns + column;
     let [start, count, _, _] = N::vector(table, cell);
-    let farthest = N::constant(NO_HIT);
+    let farthest = N::constant(T_MAX);
     let [_, signed, _] =
         N::iterate(N::constant(MAX_SEGMENTS as f32), MAX_SEGMENTS as u32, [farthest, farthest, zero], |state| {
             let [least, signed, number] = state;
@@ -124,7 +124,7 @@ impl Shape for Drawn {
         self.params
     }
     /// The table alone: the size is in it.
-    fn numbers(&self, params: &[f32]) -> Vec<f32> {
+    fn coefficients(&self, params: &[f32]) -> Vec<f32> {
         let (params, segments) = params.split_at(self.params.len().min(params.len()));
         let unless_given: Vec<f32>;
         let segments = match segments {

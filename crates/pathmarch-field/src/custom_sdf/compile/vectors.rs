@@ -2,8 +2,8 @@
 
 use super::layout::Shape;
 use super::{Body, Compiler, EACH};
-use crate::own::machine::Op;
-use crate::own::{Fault, math};
+use crate::custom_sdf::machine::Op;
+use crate::custom_sdf::{CodeDiagnostic, math};
 use naga::{BinaryOperator, Expression, Handle, MathFunction, ScalarKind};
 
 impl<'m> Compiler<'m> {
@@ -68,7 +68,7 @@ impl<'m> Compiler<'m> {
         body: &mut Body<'m>,
         fun: MathFunction,
         arguments: &[Handle<Expression>],
-    ) -> Result<Option<u32>, Fault> {
+    ) -> Result<Option<u32>, CodeDiagnostic> {
         use MathFunction as F;
         let mut slots = Vec::new();
         let mut shapes = Vec::new();

@@ -1,7 +1,7 @@
 //! Unions of many shapes: what their grids leave out does not matter.
 
 use crate::sampling::{Random, declared, lanes, random_params, validate};
-use pathmarch_field::graph::{Kind, MARCHED};
+use pathmarch_field::graph::{Kind, SPHERE_TRACED};
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{operator, shape};
 use pathmarch_field::wgsl::Program;
@@ -32,7 +32,7 @@ fn shapes(random: &mut Random, count: usize, size: f32) -> Vec<Node> {
 
 fn union(children: Vec<Node>, smooth: Option<Blend>) -> Node {
     let operator = operator("union").expect("registered");
-    Node { kind: Kind::Combine { operator, smooth, children }, placement: Placement::default() }
+    Node { kind: Kind::Operator { operator, smooth, children }, placement: Placement::default() }
 }
 
 fn blends() -> Vec<Option<Blend>> {
@@ -54,15 +54,15 @@ fn crowds() -> Vec<Vec<Node>> {
 #[test]
 fn near_its_surface_a_crowd_is_the_whole_union_and_elsewhere_no_farther() {
     for (number, objects) in crowds().iter().enumerate() {
-        let (ours, whole) = (Field::new(objects), Field::with_crowds_from(objects, usize::MAX));
+        let (ours, whole) = (Field::new(objects), Field::with_shape_grids_from(objects, usize::MAX));
         let bounds = whole.bounds().expanded(2.0);
         let mut random = Random::new(number as u64);
         let (mut exact, mut bounded) = (0, 0);
         for _ in 0..4000 {
             let points: [Vec3<f32>; 8] = std::array::from_fn(|_| random.point(bounds));
-            let eight = ours.marched_distance(lanes(&points)).to_array();
+            let eight = ours.sphere_traced_distance(lanes(&points)).to_array();
             for (p, eight) in points.into_iter().zip(eight) {
-                let (one, truth) = (ours.marched_distance(p), whole.marched_distance(p));
+                let (one, truth) = (ours.sphere_traced_distance(p), whole.sphere_traced_distance(p));
                 assert!((one - eight).abs() <= 1e-5, "{number}: {one} {eight} at {p:?}");
                 assert!(one <= truth + 2e-5, "{number}: {one} is more than {truth} at {p:?}");
                 if (one - truth).abs() <= 2e-5 {
@@ -78,7 +78,7 @@ fn near_its_surface_a_crowd_is_the_whole_union_and_elsewhere_no_farther() {
                 );
             }
         }
-        println!("crowd {number}: {exact} exact, {bounded} bounded, {} bytes", ours.index_bytes());
+        println!("crowd {number}: {exact} exact, {bounded} bounded, {} bytes", ours.shape_grid_bytes());
         assert!(exact > 1000 && bounded > 1000);
     }
 }
@@ -86,27 +86,30 @@ fn near_its_surface_a_crowd_is_the_whole_union_and_elsewhere_no_farther() {
 #[test]
 fn the_surface_of_a_crowd_is_that_of_the_whole_union() {
     for (number, objects) in crowds().iter().enumerate() {
-        let (ours, whole) = (Field::new(objects), Field::with_crowds_from(objects, usize::MAX));
+        let (ours, whole) = (Field::new(objects), Field::with_shape_grids_from(objects, usize::MAX));
         let mut random = Random::new(number as u64);
         let mut met = 0;
         while met < 1000 {
             // Onto the surface along the gradient.
             let mut p = random.point(whole.bounds());
             for _ in 0..8 {
-                let near = whole.surface_met(p, MARCHED, &|_| 0.5f32).field;
+                let near = whole.surface_at_hit(p, SPHERE_TRACED, &|_| 0.5f32).field;
                 p = p - near.gradient * (near.value / near.gradient.dot(near.gradient).max(1e-6));
             }
-            if whole.marched_distance(p) > 1e-3 {
+            if whole.sphere_traced_distance(p) > 1e-3 {
                 continue;
             }
             met += 1;
             let seeds: [u32; 8] = std::array::from_fn(|k| (8 * met + k) as u32);
-            let eight = ours.surface_met(lanes(&[p; 8]), f32x8::splat(MARCHED), &|index| {
+            let eight = ours.surface_at_hit(lanes(&[p; 8]), f32x8::splat(SPHERE_TRACED), &|index| {
                 <f32x8 as pathmarch_field::graph::Batch>::choice(seeds, index)
             });
             for (lane, &seed) in seeds.iter().enumerate() {
                 let threshold = |index| <f32 as pathmarch_field::graph::Batch>::choice(seed, index);
-                let (a, b) = (ours.surface_met(p, MARCHED, &threshold), whole.surface_met(p, MARCHED, &threshold));
+                let (a, b) = (
+                    ours.surface_at_hit(p, SPHERE_TRACED, &threshold),
+                    whole.surface_at_hit(p, SPHERE_TRACED, &threshold),
+                );
                 assert!((a.field.value - b.field.value).abs() < 2e-5, "{number} {p:?}");
                 assert!((a.field.gradient - b.field.gradient).length() < 1e-3, "{number} {p:?}");
                 assert_eq!(a.leaf, b.leaf, "{number} at {p:?}");
@@ -123,12 +126,12 @@ fn the_code_of_a_crowd_does_not_grow_with_it() {
     };
     for blend in blends() {
         let (few, many) = (program(40, 1, blend), program(400, 2, blend));
-        validate(&format!("{}{}\n{}", declared(&many), many.code, many.whole_distance));
+        validate(&format!("{}{}\n{}", declared(&many), many.code, many.estimated_distance));
         assert!(few.code == many.code);
         assert!(!many.is_uniform());
     }
     let apart = Program::new(&Field::new(&shapes(&mut Random::new(3), 200, 3.0)));
-    validate(&format!("{}{}\n{}", declared(&apart), apart.code, apart.whole_distance));
+    validate(&format!("{}{}\n{}", declared(&apart), apart.code, apart.estimated_distance));
 }
 
 #[test]
@@ -153,7 +156,7 @@ fn thin_shapes_in_a_crowd_are_met() {
             let origin = Vec3::new(origin[0], origin[1], origin[2]);
             let mut t = 0.0f32;
             for _ in 0..256 {
-                let distance = field.marched_distance(origin + direction * t);
+                let distance = field.sphere_traced_distance(origin + direction * t);
                 if distance < 1e-5 {
                     break;
                 }
@@ -184,10 +187,10 @@ fn chains_and_heaps_of_many_shapes_are_bounded() {
     for (name, children) in [("chain", chain), ("heap", heap), ("cloud", cloud), ("row", flat)] {
         let started = std::time::Instant::now();
         let field = Field::new(&[union(children, Some(Blend::from(0.1)))]);
-        let distance = field.marched_distance(Vec3::new(0.3, 0.2, 0.1f32));
-        println!("{name}: {} bytes in {:?}, {distance}", field.index_bytes(), started.elapsed());
+        let distance = field.sphere_traced_distance(Vec3::new(0.3, 0.2, 0.1f32));
+        println!("{name}: {} bytes in {:?}, {distance}", field.shape_grid_bytes(), started.elapsed());
         assert!(distance.is_finite());
-        assert!(field.index_bytes() < 48 << 20, "{name}: {}", field.index_bytes());
+        assert!(field.shape_grid_bytes() < 48 << 20, "{name}: {}", field.shape_grid_bytes());
         assert!(field.bounds().is_finite());
     }
 }
@@ -202,7 +205,7 @@ fn what_has_no_end_is_in_no_crowd() {
     });
     let field = Field::new(&[union(children, None)]);
     assert_eq!(field.shapes_as_code(), 41);
-    assert_eq!(field.marched_distance(Vec3::new(50.0, 30.0, 0.0f32)), 30.0);
+    assert_eq!(field.sphere_traced_distance(Vec3::new(50.0, 30.0, 0.0f32)), 30.0);
 }
 
 /// Spheres, boxes, discs and sheets, each an object of its own.
@@ -220,7 +223,7 @@ fn apart(count: usize) -> Vec<Node> {
 #[test]
 fn rays_meet_the_same_of_many_objects_by_way_of_boxes() {
     let objects = apart(400);
-    let (ours, whole) = (Field::new(&objects), Field::with_crowds_from(&objects, usize::MAX));
+    let (ours, whole) = (Field::new(&objects), Field::with_shape_grids_from(&objects, usize::MAX));
     assert_eq!((ours.shapes_as_code(), whole.shapes_as_code()), (0, 400));
     let mut random = Random::new(3);
     let space = Aabb::centred(8.0, 8.0, 8.0);
@@ -231,10 +234,10 @@ fn rays_meet_the_same_of_many_objects_by_way_of_boxes() {
             let offset = random.point(space) - origin;
             offset * (1.0 / offset.length())
         });
-        let (t, leaf) = ours.direct_hit(lanes(&origins), lanes(&directions));
+        let (t, leaf) = ours.analytic_hit(lanes(&origins), lanes(&directions));
         for k in 0..8 {
             let (one, expected) =
-                (ours.direct_hit(origins[k], directions[k]), whole.direct_hit(origins[k], directions[k]));
+                (ours.analytic_hit(origins[k], directions[k]), whole.analytic_hit(origins[k], directions[k]));
             // What is missed is far away, farther than any scene.
             let near = |t: f32| (t - expected.0).abs() <= 1e-4 * expected.0 || t.min(expected.0) > 1e20;
             assert!(near(one.0) && near(t.to_array()[k]), "{one:?} {expected:?}");
@@ -246,7 +249,7 @@ fn rays_meet_the_same_of_many_objects_by_way_of_boxes() {
             let own = (hits % 400) as f32;
             let (a, b) = (ours.distance_to(origins[k], &counts, own), whole.distance_to(origins[k], &counts, own));
             assert!((a - b).abs() < 1e-5, "{a} {b}");
-            let surface = |field: &Field| field.surface_met(origins[k], 5.0, &|_| 0.5f32);
+            let surface = |field: &Field| field.surface_at_hit(origins[k], 5.0, &|_| 0.5f32);
             assert_eq!(surface(&ours).field.value, surface(&whole).field.value);
             assert_eq!(surface(&ours).leaf, 5.0);
         }
@@ -262,10 +265,10 @@ fn the_code_of_many_objects_does_not_grow_with_them() {
         let mut program = Program::new(&field);
         let counts: Vec<bool> = (0..count).map(|k| k % 2 == 0).collect();
         let sets = [("some", &counts[..])];
-        program.count(&field, &sets);
+        program.write_object_sets(&field, &sets);
         (program, Program::distances_to(&field, &sets))
     };
     let ((few, some), (many, others)) = (program(100), program(300));
-    validate(&format!("{}{}\n{}\n{some}", declared(&few), few.code, few.whole_distance));
+    validate(&format!("{}{}\n{}\n{some}", declared(&few), few.code, few.estimated_distance));
     assert!(few.code == many.code && some == others);
 }

@@ -1,8 +1,8 @@
 //! Fields that lie are caught, and those that do not are left in peace.
 
 use pathmarch_field::graph::Kind;
+use pathmarch_field::lipschitz_check::check_lipschitz;
 use pathmarch_field::registry::{modifiers, shape, shapes};
-use pathmarch_field::survey::survey;
 use pathmarch_field::{Field, Node, Placement, Shape};
 
 fn node(shape: &'static dyn Shape, params: Vec<f32>) -> Node {
@@ -13,15 +13,15 @@ fn node(shape: &'static dyn Shape, params: Vec<f32>) -> Node {
 fn what_is_registered_is_safe() {
     for shape in shapes() {
         let params: Vec<f32> = shape.params().iter().map(|param| param.default).collect();
-        let finding = survey(&Field::new(&[node(*shape, params)]), 2000);
+        let finding = check_lipschitz(&Field::new(&[node(*shape, params)]), 2000);
         assert!(finding.safe_factor > 0.995, "{shape:?}: {finding:?}");
     }
     let block = shape("box").expect("registered");
     for modifier in modifiers() {
         let params = modifier.params().iter().map(|param| param.default).collect();
         let children = vec![node(block, vec![1.0, 0.6, 0.4])];
-        let kind = Kind::Modify { modifier: *modifier, params, children };
-        let finding = survey(&Field::new(&[Node { kind, placement: Placement::default() }]), 2000);
+        let kind = Kind::Modifier { modifier: *modifier, params, children };
+        let finding = check_lipschitz(&Field::new(&[Node { kind, placement: Placement::default() }]), 2000);
         assert!(finding.safe_factor > 0.995, "{modifier:?}: {finding:?}");
         assert!(finding.slope < 1.6, "{modifier:?}: {finding:?}");
     }
@@ -76,7 +76,7 @@ mod liar {
 
 #[test]
 fn what_claims_too_much_is_caught() {
-    let finding = survey(&Field::new(&[node(&Liar, vec![])]), 4000);
+    let finding = check_lipschitz(&Field::new(&[node(&Liar, vec![])]), 4000);
     assert!((finding.slope - 4.0).abs() < 0.05, "{finding:?}");
     // A quarter of the steps would be safe; the worst place need not have been found.
     assert!((0.24..0.4).contains(&finding.safe_factor), "{finding:?}");

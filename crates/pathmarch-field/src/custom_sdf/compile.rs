@@ -11,7 +11,7 @@ mod vectors;
 use super::budget::Costs;
 use super::machine::{Case, Op, Procedure, Program};
 use super::math::Function;
-use super::{Fault, range};
+use super::{CodeDiagnostic, range};
 use naga::proc::TypeResolution;
 use naga::valid::ModuleInfo;
 use naga::{Block, Expression, Handle, Module, Span, Statement, SwitchValue, TypeInner};
@@ -27,7 +27,7 @@ pub(super) fn compile(
     costs: &Costs,
     entry: Handle<naga::Function>,
     params: &[String],
-) -> Result<Program, Fault> {
+) -> Result<Program, CodeDiagnostic> {
     let mut compiler = Compiler {
         module,
         info,
@@ -93,8 +93,8 @@ struct Body<'m> {
     ops: Vec<Op>,
 }
 
-fn fault(span: Span, message: impl Into<String>) -> Fault {
-    Fault { message: message.into(), label: "not in a field".to_owned(), range: range(span), help: None }
+fn fault(span: Span, message: impl Into<String>) -> CodeDiagnostic {
+    CodeDiagnostic { message: message.into(), label: "not in a field".to_owned(), range: range(span), help: None }
 }
 
 /// A bit for each operand of which every component is used.
@@ -124,7 +124,7 @@ impl<'m> Compiler<'m> {
         slot
     }
 
-    fn function(&mut self, handle: Handle<naga::Function>, function: &'m naga::Function) -> Result<(), Fault> {
+    fn function(&mut self, handle: Handle<naga::Function>, function: &'m naga::Function) -> Result<(), CodeDiagnostic> {
         let span = self.module.functions.get_span(handle);
         let mut body = Body {
             handle,
@@ -169,7 +169,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// Compiles a block into operations of its own.
-    fn block(&mut self, body: &mut Body<'m>, block: &'m Block) -> Result<Vec<Op>, Fault> {
+    fn block(&mut self, body: &mut Body<'m>, block: &'m Block) -> Result<Vec<Op>, CodeDiagnostic> {
         let outer = std::mem::take(&mut body.ops);
         for (statement, span) in block.span_iter() {
             self.statement(body, statement, *span)?;
@@ -177,7 +177,7 @@ impl<'m> Compiler<'m> {
         Ok(std::mem::replace(&mut body.ops, outer))
     }
 
-    fn statement(&mut self, body: &mut Body<'m>, statement: &'m Statement, span: Span) -> Result<(), Fault> {
+    fn statement(&mut self, body: &mut Body<'m>, statement: &'m Statement, span: Span) -> Result<(), CodeDiagnostic> {
         match statement {
             Statement::Emit(expressions) => {
                 for expression in expressions.clone() {
@@ -207,7 +207,7 @@ impl<'m> Compiler<'m> {
                         };
                         Ok(Case { value, body: self.block(body, &case.body)?, falls_through: case.fall_through })
                     })
-                    .collect::<Result<_, Fault>>()?;
+                    .collect::<Result<_, CodeDiagnostic>>()?;
                 body.ops.push(Op::Switch { selector, cases });
             }
             Statement::Loop { body: inner, continuing, break_if } => {
@@ -266,27 +266,27 @@ impl<'m> Compiler<'m> {
     }
 
     /// The slot of a value that is no pointer.
-    fn value(&mut self, body: &mut Body<'m>, expression: Handle<Expression>) -> Result<u32, Fault> {
+    fn value(&mut self, body: &mut Body<'m>, expression: Handle<Expression>) -> Result<u32, CodeDiagnostic> {
         match self.any(body, expression)? {
             Value::Slots(slot) => Ok(slot),
             Value::Pointer(_) => Err(self.unknown(body, expression)),
         }
     }
 
-    fn pointer(&mut self, body: &mut Body<'m>, expression: Handle<Expression>) -> Result<Pointer, Fault> {
+    fn pointer(&mut self, body: &mut Body<'m>, expression: Handle<Expression>) -> Result<Pointer, CodeDiagnostic> {
         match self.any(body, expression)? {
             Value::Pointer(pointer) => Ok(pointer),
             Value::Slots(_) => Err(self.unknown(body, expression)),
         }
     }
 
-    fn unknown(&self, body: &Body, expression: Handle<Expression>) -> Fault {
+    fn unknown(&self, body: &Body, expression: Handle<Expression>) -> CodeDiagnostic {
         let span = body.function.expressions.get_span(expression);
         fault(span, "A field only computes with numbers: this is not for it.")
     }
 
     /// What was emitted, or what needs not be.
-    fn any(&mut self, body: &mut Body<'m>, expression: Handle<Expression>) -> Result<Value, Fault> {
+    fn any(&mut self, body: &mut Body<'m>, expression: Handle<Expression>) -> Result<Value, CodeDiagnostic> {
         match body.values.get(&expression) {
             Some(value) => Ok(*value),
             None => self.expression(body, expression),

@@ -13,7 +13,7 @@ use crate::number::Vec3;
 
 /// What a survey found of an object.
 #[derive(Clone, Copy, Debug)]
-pub struct Finding {
+pub struct LipschitzReport {
     /// Largest length of the gradient.
     pub slope: f32,
     /// Steps of the distance over the Lipschitz constant, times this, met no surface; 1 where none was met at all.
@@ -34,13 +34,13 @@ const ROUNDING: f32 = 1e-5;
 const LIMIT: f32 = 20.0;
 
 /// Surveys a field of one object at this many points; the same points every time.
-pub fn survey(field: &Field, points: u32) -> Finding {
+pub fn check_lipschitz(field: &Field, points: u32) -> LipschitzReport {
     let limits = Aabb::centred(LIMIT, LIMIT, LIMIT);
     let bounds = Some(field.bounds().intersection(limits)).filter(|bounds| !bounds.is_empty()).unwrap_or(limits);
     let size = (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f32::max).max(1e-3);
     let around = bounds.expanded(0.5 * size);
     let lipschitz = field.lipschitz();
-    let mut finding = Finding { slope: 0.0, safe_factor: 1.0, at: [0.0; 3], leaf: 0 };
+    let mut finding = LipschitzReport { slope: 0.0, safe_factor: 1.0, at: [0.0; 3], leaf: 0 };
     let mut next = {
         let mut index = 0;
         move || {
@@ -76,7 +76,7 @@ pub fn survey(field: &Field, points: u32) -> Finding {
             if beyond < radius - ROUNDING * size && factor < finding.safe_factor {
                 let there = p + direction * beyond;
                 let leaf = field.surface(there, 0).leaf as u32;
-                finding = Finding { safe_factor: factor, at: [there.x, there.y, there.z], leaf, ..finding };
+                finding = LipschitzReport { safe_factor: factor, at: [there.x, there.y, there.z], leaf, ..finding };
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The grid of a crowd: which shapes matter where.
+//! The grid of a shape_grid: which shapes matter where.
 //!
 //! Idea (Barbier et al. 2025): within a ball of radius r around c no distance changes by more than L r. A shape whose distance
 //! at c exceeds the running result of the fold by more than the width of the blend and 2 L r never changes it in the ball; where
@@ -17,7 +17,7 @@
 //! Cost: a few evaluations of what matters for each cell, eight cells at a time, on all cores. Where the cells or their lists
 //! would be too many, lists are allowed to be longer.
 
-use super::Crowd;
+use super::ShapeGrid;
 use crate::blend::{Blend, BlendProfile};
 use crate::graph::{Field, Leaf};
 use crate::number::{Mask8, Real, Vec3};
@@ -40,7 +40,7 @@ const FAR: f32 = 2.0;
 const MOST_CELLS: usize = 1 << 20;
 /// The most numbers in all lists together.
 const MOST_NUMBERS: usize = 1 << 23;
-/// Space around the crowd, as a share of its size.
+/// Space around the shape_grid, as a share of its size.
 const MARGIN: f32 = 1.0 / 64.0;
 /// For the rounding of points and centres.
 const SLACK: f32 = 1.001;
@@ -57,9 +57,9 @@ pub(crate) enum Cell {
     Far { surface: [f32; 3], distance: f32, leaf: u32 },
 }
 
-/// The cells of a crowd.
+/// The cells of a shape_grid.
 #[derive(Clone, Debug)]
-pub(crate) struct Grid {
+pub(crate) struct SparseGrid {
     /// Corner of smallest coordinates.
     pub(crate) min: [f32; 3],
     /// Edge of the smallest cells, metres.
@@ -81,14 +81,14 @@ pub(super) struct Found<'a> {
     pub(super) inside: bool,
 }
 
-impl Grid {
-    /// Builds the grid of a crowd.
-    pub(super) fn new(field: &Field, crowd: &Crowd) -> Self {
+impl SparseGrid {
+    /// Builds the grid of a shape_grid.
+    pub(super) fn new(field: &Field, shape_grid: &ShapeGrid) -> Self {
         // Where cells are too many the next attempt is with longer lists: begin where the first one may do.
-        let thousands = crowd.leaves.len() as f32 / 1000.0;
+        let thousands = shape_grid.leaves.len() as f32 / 1000.0;
         let mut short = SHORT * (thousands.powf(0.6).round() as usize).clamp(1, 16);
         loop {
-            if let Some(grid) = Builder::new(field, crowd, short).build() {
+            if let Some(grid) = Builder::new(field, shape_grid, short).build() {
                 return grid;
             }
             short *= 2;
@@ -142,7 +142,7 @@ struct Part {
 
 struct Builder<'a> {
     field: &'a Field,
-    crowd: &'a Crowd,
+    shape_grid: &'a ShapeGrid,
     leaves: Vec<&'a Leaf>,
     min: [f32; 3],
     edge: f32,
@@ -165,14 +165,14 @@ struct Wanted {
     list: Vec<u32>,
     /// Length of the list around it.
     around: usize,
-    /// The crowd's at its centre.
+    /// The shape_grid's at its centre.
     distance: f32,
 }
 
 impl<'a> Builder<'a> {
-    fn new(field: &'a Field, crowd: &'a Crowd, short: usize) -> Self {
-        let leaves: Vec<&Leaf> = crowd.leaves.iter().map(|&leaf| &field.leaves[leaf as usize]).collect();
-        let (min, max) = (crowd.bounds.min, crowd.bounds.max);
+    fn new(field: &'a Field, shape_grid: &'a ShapeGrid, short: usize) -> Self {
+        let leaves: Vec<&Leaf> = shape_grid.leaves.iter().map(|&leaf| &field.leaves[leaf as usize]).collect();
+        let (min, max) = (shape_grid.bounds.min, shape_grid.bounds.max);
         let size = (0..3).map(|k| max[k] - min[k]).fold(1e-6, f32::max);
         let extent = min.iter().chain(&max).map(|v| v.abs()).fold(size, f32::max);
         let margin = (size * MARGIN).max(1e-5 * extent);
@@ -184,7 +184,7 @@ impl<'a> Builder<'a> {
         let min = std::array::from_fn(|k| 0.5 * (min[k] + max[k] - roots[k] as f32 * root));
         Self {
             field,
-            crowd,
+            shape_grid,
             min,
             edge,
             roots,
@@ -192,14 +192,14 @@ impl<'a> Builder<'a> {
             leaves,
             short,
             negligible,
-            forgotten: crowd.smooth.map_or(0.0, |blend| forgotten(blend, negligible)),
+            forgotten: shape_grid.smooth.map_or(0.0, |blend| forgotten(blend, negligible)),
             cells: AtomicUsize::new(0),
             numbers: AtomicUsize::new(0),
         }
     }
 
     /// The grid; `None` where it would be too large.
-    fn build(&self) -> Option<Grid> {
+    fn build(&self) -> Option<SparseGrid> {
         let [nx, ny, nz] = self.roots;
         let places: Vec<[u32; 3]> =
             (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))).collect();
@@ -236,7 +236,7 @@ impl<'a> Builder<'a> {
             first_cell += part.cells.len() as u32;
         }
         let Self { min, edge, roots, lipschitz, .. } = *self;
-        Some(Grid { min, edge, roots, cells, lists, lipschitz })
+        Some(SparseGrid { min, edge, roots, cells, lists, lipschitz })
     }
 
     fn shift(level: usize) -> u32 {
@@ -357,11 +357,11 @@ impl<'a> Builder<'a> {
         let p = Vec3::new(lane(0), lane(1), lane(2));
         let distance = |&number: &u32| {
             let distance: f32x8 = self.leaves[number as usize].distance(p);
-            if self.crowd.apart { distance.abs() } else { distance }
+            if self.shape_grid.separate { distance.abs() } else { distance }
         };
         let distances: Vec<f32x8> = list.iter().map(distance).collect();
         let change = f32x8::splat(2.0 * self.change(edge));
-        match self.crowd.smooth {
+        match self.shape_grid.smooth {
             None => nearest(&distances, change),
             Some(blend) => self.blended(&distances, change, blend),
         }
@@ -416,7 +416,7 @@ impl<'a> Builder<'a> {
 
     /// A cell far from every surface, if the nearest point of it can be told.
     fn far(&self, centre: [f32; 3], list: &[u32], distance: f32) -> Option<Cell> {
-        let found = self.crowd.fold_surface(
+        let found = self.shape_grid.fold_surface(
             self.field,
             list.iter().copied(),
             Vec3::new(centre[0], centre[1], centre[2]),

@@ -1,8 +1,8 @@
-//! Crowds as WGSL: code for the kinds of shapes in use, and everything else as numbers.
+//! Shape grids as WGSL: code for the kinds of shapes in use, and everything else as numbers.
 //!
-//! Twin of `graph/crowd.rs`, which explains them. Behind all other numbers of the field stand, for each crowd, a record of every
+//! Twin of `graph/shape_grid.rs`, which explains them. Behind all other numbers of the field stand, for each shape_grid, a record of every
 //! shape (place, scale, turn, parameters), the cells of its grid, two vectors each, and the lists of records. The code knows only
-//! where the five vectors that tell of the crowd stand, so that it does not change with how many shapes there are or where.
+//! where the five vectors that tell of the shape_grid stand, so that it does not change with how many shapes there are or where.
 //!
 //! Cost: a descent without a loop, and one iteration for each shape in a list. Mesa's software Vulkan ends all loops of an
 //! invocation once they have run 65,535 times together: a path of ten rays at a hundred evaluations each, lists of eight at every
@@ -11,24 +11,24 @@
 
 use super::{Composer, profile};
 use crate::graph::Pose;
-use crate::graph::crowd::{BITS, Cell, Crowd, SPLITS};
+use crate::graph::shape_grid::{BITS, Cell, SPLITS, ShapeGrid};
 use crate::registry::union;
 use crate::shapes::Shape;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Vectors that tell of a crowd.
+/// Vectors that tell of a shape_grid.
 pub(super) const HEADER: usize = 5;
 /// Vectors of a record before those of further parameters.
 const RECORD: usize = 5;
 
 const CELL: &str = "\
-/// The cell of a crowd around a point or nearest to it.
-struct CrowdCell {
+/// The cell of a shape_grid around a point or nearest to it.
+struct GridCell {
     /// One, and the start and the length of its list; or two, and the leaf that shows.
     entry: vec4f,
     /// Of a cell far from all surfaces the nearest point of them to its centre, and the distance there.
-    afar: vec4f,
+    far_field: vec4f,
     centre: vec3f,
     inside: bool,
 }
@@ -36,7 +36,7 @@ struct CrowdCell {
 
 impl Composer<'_> {
     /// The shapes that have records, one of each kind, and what their functions' names begin with.
-    pub(super) fn crowd_kinds(&self) -> Vec<(String, &dyn Shape)> {
+    pub(super) fn shape_grid_kinds(&self) -> Vec<(String, &dyn Shape)> {
         let mut kinds: Vec<(String, &dyn Shape)> = Vec::new();
         for leaf in self.leaves_with_records() {
             let shape = &*self.field.leaves()[leaf as usize].shape;
@@ -51,7 +51,11 @@ impl Composer<'_> {
     }
 
     fn leaves_with_records(&self) -> impl Iterator<Item = u32> {
-        self.field.crowds().iter().flat_map(|crowd| crowd.leaves.iter().copied()).chain(self.field.bvh().leaves())
+        self.field
+            .shape_grids()
+            .iter()
+            .flat_map(|shape_grid| shape_grid.leaves.iter().copied())
+            .chain(self.field.bvh().leaves())
     }
 
     /// The kinds as they are called.
@@ -61,41 +65,41 @@ impl Composer<'_> {
             let known = self.leaves_with_records().map(|leaf| &leaves[leaf as usize]);
             let count = known.into_iter().find(|leaf| leaf.shape.wgsl_name() == name).map(|leaf| leaf.params.len());
             let numbers = if shape.reads_table() { 1 } else { count.unwrap_or_default() };
-            Item { is_long: is_long(&shape.wgsl_distance()), has_ray: shape.closed_form(), name, numbers }
+            Item { is_long: is_long(&shape.wgsl_distance()), has_ray: shape.is_analytic(), name, numbers }
         };
-        self.crowd_kinds().into_iter().map(item).collect()
+        self.shape_grid_kinds().into_iter().map(item).collect()
     }
 
-    /// Collects the functions that crowds call and keeps places for what tells of them; whether any blends.
-    pub(super) fn crowd_functions(&mut self, functions: &mut BTreeSet<(u32, String)>) -> bool {
-        for (_, shape) in self.crowd_kinds() {
+    /// Collects the functions that shape_grids call and keeps places for what tells of them; whether any blends.
+    pub(super) fn shape_grid_functions(&mut self, functions: &mut BTreeSet<(u32, String)>) -> bool {
+        for (_, shape) in self.shape_grid_kinds() {
             functions.insert((0, shape.wgsl_distance()));
             functions.insert((0, shape.wgsl_gradient()));
         }
         let field = self.field;
         let mut blends = false;
-        for crowd in field.crowds() {
-            self.crowd_starts.push(self.parameters.len());
+        for shape_grid in field.shape_grids() {
+            self.shape_grid_starts.push(self.parameters.len());
             self.parameters.extend([[0.0; 4]; HEADER]);
-            if !crowd.apart {
-                let profile = profile(crowd.smooth);
+            if !shape_grid.separate {
+                let profile = profile(shape_grid.smooth);
                 functions.insert((1, union().wgsl_distance(profile)));
                 functions.insert((1, union().wgsl_gradient(profile)));
                 functions.insert((1, union().wgsl_weight(profile)));
             }
-            blends |= crowd.smooth.is_some();
+            blends |= shape_grid.smooth.is_some();
         }
         blends
     }
 
-    /// Puts the numbers of crowds behind all others.
-    pub(super) fn crowd_numbers(&mut self) {
+    /// Puts the numbers of shape_grids behind all others.
+    pub(super) fn shape_grid_numbers(&mut self) {
         let field = self.field;
-        let kinds: Vec<String> = self.crowd_kinds().into_iter().map(|(name, _)| name).collect();
-        for (crowd, header) in field.crowds().iter().zip(self.crowd_starts.clone()) {
-            let grid = crowd.grid(field);
+        let kinds: Vec<String> = self.shape_grid_kinds().into_iter().map(|(name, _)| name).collect();
+        for (shape_grid, header) in field.shape_grids().iter().zip(self.shape_grid_starts.clone()) {
+            let grid = shape_grid.grid(field);
             let records: Vec<f32> =
-                (0..).zip(&crowd.leaves).map(|(number, &leaf)| self.record(&kinds, number, leaf)).collect();
+                (0..).zip(&shape_grid.leaves).map(|(number, &leaf)| self.record(&kinds, number, leaf)).collect();
             let cells = self.parameters.len();
             for cell in &grid.cells {
                 self.parameters.extend(match *cell {
@@ -111,11 +115,11 @@ impl Composer<'_> {
                 let record = |k: usize| numbers.get(k).map_or(0.0, |&number| records[number as usize]);
                 self.parameters.push(std::array::from_fn(record));
             }
-            let blend = crowd.smooth.map_or([0.0; 2], |blend| [blend.amount, blend.steps]);
-            let ([x, y, z], roots, bounds) = (grid.min, grid.roots.map(|count| count as f32), crowd.bounds);
+            let blend = shape_grid.smooth.map_or([0.0; 2], |blend| [blend.amount, blend.steps]);
+            let ([x, y, z], roots, bounds) = (grid.min, grid.roots.map(|count| count as f32), shape_grid.bounds);
             self.parameters[header..header + HEADER].copy_from_slice(&[
                 [x, y, z, grid.edge],
-                [roots[0], roots[1], roots[2], crowd.first_choice as f32],
+                [roots[0], roots[1], roots[2], shape_grid.first_choice as f32],
                 [bounds.min[0], bounds.min[1], bounds.min[2], blend[0]],
                 [bounds.max[0], bounds.max[1], bounds.max[2], blend[1]],
                 [cells as f32, lists as f32, grid.lipschitz, 0.0],
@@ -148,14 +152,15 @@ impl Composer<'_> {
         place as f32
     }
 
-    /// The functions of all crowds: `crowd_N_distance` and `crowd_N_surface`.
-    pub(super) fn crowds(&self) -> String {
-        if self.field.crowds().is_empty() {
+    /// The functions of all shape_grids: `crowd_N_distance` and `crowd_N_surface`.
+    pub(super) fn shape_grids(&self) -> String {
+        if self.field.shape_grids().is_empty() {
             return String::new();
         }
         let mut text = format!("{CELL}\n{}\n", find());
-        for (number, (crowd, &header)) in self.field.crowds().iter().zip(&self.crowd_starts).enumerate() {
-            text += &crowd_functions(number, crowd, header);
+        for (number, (shape_grid, &header)) in self.field.shape_grids().iter().zip(&self.shape_grid_starts).enumerate()
+        {
+            text += &shape_grid_functions(number, shape_grid, header);
         }
         text
     }
@@ -231,7 +236,7 @@ pub(super) fn cases(kinds: &[Item], result: &str, function: &str, inputs: &str) 
 /// The descent to a cell.
 fn find() -> String {
     let mut text = format!(
-        "fn crowd_cell(header: u32, p: vec3f) -> CrowdCell {{\n    let corner = field_parameters[header];\n    let roots = \
+        "fn shape_grid_cell(header: u32, p: vec3f) -> GridCell {{\n    let corner = field_parameters[header];\n    let roots = \
          vec3u(field_parameters[header + 1u].xyz);\n    let cells = u32(field_parameters[header + 4u].x);\n    let q = (p - \
          corner.xyz) * (1.0 / corner.w);\n    let count = vec3f(roots << vec3u({BITS}u));\n    let inside = all(q >= \
          vec3f(0.0)) && all(q < count);\n    let place = vec3u(clamp(q, vec3f(0.0), count - 1.0));\n    var shift = {BITS}u;\n    \
@@ -251,37 +256,38 @@ fn find() -> String {
         .expect("writing to a string");
     }
     text + "    let edge = corner.w * f32(1u << shift);\n    let centre = corner.xyz + (vec3f(place >> vec3u(shift)) + 0.5) * edge;\n    \
-            return CrowdCell(entry, field_parameters[index + 1u], centre, inside);\n}\n"
+            return GridCell(entry, field_parameters[index + 1u], centre, inside);\n}\n"
 }
 
-fn crowd_functions(number: usize, crowd: &Crowd, header: usize) -> String {
-    let profile = profile(crowd.smooth);
+fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) -> String {
+    let profile = profile(shape_grid.smooth);
     let name = union().wgsl_name(profile);
     let widths = match profile {
         None => "",
         Some(profile) if profile.has_steps() => ", width, steps",
         Some(_) => ", width",
     };
-    let (signed, combined) = match crowd.apart {
+    let (signed, combined) = match shape_grid.separate {
         true => ("abs(d)", "min(result, abs(d))".to_owned()),
         false => ("d", format!("{name}_distance(result, d{widths})")),
     };
-    let afar = if crowd.apart { "afar" } else { "select(afar, -afar, cell.afar.w < 0.0)" };
+    let far_field =
+        if shape_grid.separate { "far_field" } else { "select(far_field, -far_field, cell.far_field.w < 0.0)" };
     let numbers = format!(
         "    let width = field_parameters[{}].w;\n    let steps = field_parameters[{}].w;\n    let lists = \
-         u32(field_parameters[{}].y);\n    let cell = crowd_cell({header}u, p);\n",
+         u32(field_parameters[{}].y);\n    let cell = shape_grid_cell({header}u, p);\n",
         header + 2,
         header + 3,
         header + 4
     );
     let listed = "        let place = start + k;\n        let record = u32(field_parameters[lists + (place >> 2u)][place & 3u]);\n";
     let distance = format!(
-        "/// Distance to crowd {number}: near its surface exact, elsewhere no farther from zero, or about what it is.\n\
-         fn crowd_{number}_distance(p: vec3f, estimate: bool) -> f32 {{\n{numbers}    let bounded = abs(cell.afar.w) - \
-         field_parameters[{lipschitz}].z * length(p - cell.centre);\n    let afar = select(max(bounded, 0.0), length(p - \
-         cell.afar.xyz), estimate);\n    let beyond = max(max(field_parameters[{least}].xyz - p, p - \
+        "/// Distance to shape_grid {number}: near its surface exact, elsewhere no farther from zero, or about what it is.\n\
+         fn shape_grid_{number}_distance(p: vec3f, estimate: bool) -> f32 {{\n{numbers}    let bounded = abs(cell.far_field.w) - \
+         field_parameters[{lipschitz}].z * length(p - cell.centre);\n    let far_field = select(max(bounded, 0.0), length(p - \
+         cell.far_field.xyz), estimate);\n    let beyond = max(max(field_parameters[{least}].xyz - p, p - \
          field_parameters[{most}].xyz), vec3f(0.0));\n    let outside = !cell.inside && !estimate;\n    var result = \
-         select({afar}, length(beyond), outside);\n    let start = u32(cell.entry.y);\n    let count = select(0u, \
+         select({far_field}, length(beyond), outside);\n    let start = u32(cell.entry.y);\n    let count = select(0u, \
          u32(cell.entry.z), cell.entry.x == 1.0 && !outside);\n    for (var k = 0u; k < count; k++) {{\n{listed}        let d \
          = item_distance(record, p);\n        result = select({combined}, {signed}, k == 0u);\n    }}\n    return \
          result;\n}}\n",
@@ -289,13 +295,13 @@ fn crowd_functions(number: usize, crowd: &Crowd, header: usize) -> String {
         least = header + 2,
         most = header + 3,
     );
-    let shown = match crowd.apart {
+    let shown = match shape_grid.separate {
         true => {
             "        let shows = k == 0u || abs(d.w) < abs(result.w);\n        result = select(result, d, shows);\n"
                 .to_owned()
         }
         false => {
-            let threshold = match crowd.smooth {
+            let threshold = match shape_grid.smooth {
                 Some(_) => format!("choice(seed, u32(field_parameters[{}].w) + number - 1u)", header + 1),
                 None => "0.5".to_owned(),
             };
@@ -307,9 +313,9 @@ fn crowd_functions(number: usize, crowd: &Crowd, header: usize) -> String {
         }
     };
     let surface = format!(
-        "/// The surface of crowd {number}; far from it, a plane that stands for it.\nfn crowd_{number}_surface(p: vec3f, seed: \
-         u32) -> Surface {{\n{numbers}    let away = p - cell.afar.xyz;\n    let value = select(length(away), -length(away), \
-         cell.afar.w < 0.0);\n    var result = vec4f(away / value, value);\n    var leaf = u32(cell.entry.y);\n    let start = \
+        "/// The surface of shape_grid {number}; far from it, a plane that stands for it.\nfn shape_grid_{number}_surface(p: vec3f, seed: \
+         u32) -> Surface {{\n{numbers}    let away = p - cell.far_field.xyz;\n    let value = select(length(away), -length(away), \
+         cell.far_field.w < 0.0);\n    var result = vec4f(away / value, value);\n    var leaf = u32(cell.entry.y);\n    let start = \
          leaf;\n    let count = select(0u, u32(cell.entry.z), cell.entry.x == 1.0);\n    for (var k = 0u; k < count; k++) \
          {{\n{listed}        let d = item_gradient(record, p);\n{shown}        leaf = select(leaf, \
          u32(field_parameters[record + 3u].w), shows);\n    }}\n    return Surface(result.xyz, result.w, leaf);\n}}\n"

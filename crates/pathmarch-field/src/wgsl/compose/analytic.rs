@@ -1,7 +1,7 @@
 //! What rays meet in closed form, as WGSL: that of `graph/solids.rs`, which explains it.
 
 use super::Composer;
-use super::numbers::{component, rows};
+use super::parameters::{component, rows};
 use crate::graph::{Tree, Turn};
 use crate::operators::Boolean;
 use std::collections::BTreeSet;
@@ -12,18 +12,20 @@ impl Composer<'_> {
     pub(super) fn rays(&self, object: &Tree, functions: &mut BTreeSet<(u32, String)>) {
         for leaf in leaves(object) {
             let shape = &self.field.leaves()[leaf as usize].shape;
-            functions
-                .insert((0, if self.field.direct(object).is_some() { shape.wgsl_ray() } else { shape.wgsl_span() }));
+            functions.insert((
+                0,
+                if self.field.direct(object).is_some() { shape.wgsl_ray() } else { shape.wgsl_interval() },
+            ));
         }
     }
 
-    pub(super) fn direct_hit(&self) -> String {
+    pub(super) fn analytic_hit(&self) -> String {
         let mut text = String::from(
             "/// Metres to the first surface of the objects that rays meet in closed form, or 1e30.\n\
-             fn direct_hit(origin: vec3f, direction: vec3f) -> DirectHit {\n    var nearest = 1e30;\n    var met = MARCHED;\n    \
+             fn analytic_hit(origin: vec3f, direction: vec3f) -> AnalyticHit {\n    var nearest = 1e30;\n    var met = SPHERE_TRACED;\n    \
              var t: f32;\n",
         );
-        for object in self.field.direct_alone() {
+        for object in self.field.analytic_objects() {
             match self.field.direct(object) {
                 Some(leaf) => {
                     let ray = self.along_ray(leaf, "ray");
@@ -37,8 +39,8 @@ impl Composer<'_> {
             }
         }
         match self.field.bvh().nodes.is_empty() {
-            true => text + "    return DirectHit(nearest, met);\n}\n",
-            false => text + "    return bvh_hit(origin, direction, DirectHit(nearest, met));\n}\n",
+            true => text + "    return AnalyticHit(nearest, met);\n}\n",
+            false => text + "    return bvh_hit(origin, direction, AnalyticHit(nearest, met));\n}\n",
         }
     }
 
@@ -46,7 +48,7 @@ impl Composer<'_> {
     fn combined_hit(&self, object: &Tree, text: &mut String) {
         let leaves = leaves(object);
         for leaf in &leaves {
-            writeln!(text, "    let s{leaf} = {};", self.along_ray(*leaf, "span")).expect("writing to a string");
+            writeln!(text, "    let s{leaf} = {};", self.along_ray(*leaf, "interval")).expect("writing to a string");
         }
         for (leaf, end) in leaves.iter().flat_map(|leaf| ["x", "y"].map(|end| (leaf, end))) {
             let t = format!("s{leaf}.{end}");
@@ -82,8 +84,8 @@ impl Composer<'_> {
 pub(super) fn leaves(tree: &Tree) -> Vec<u32> {
     match tree {
         Tree::Leaf(index) => vec![*index],
-        Tree::Combine { children, .. } => children.iter().flat_map(leaves).collect(),
-        Tree::Modify(_) => vec![],
+        Tree::Operator { children, .. } => children.iter().flat_map(leaves).collect(),
+        Tree::Modifier(_) => vec![],
     }
 }
 
@@ -92,7 +94,7 @@ fn holds(tree: &Tree, t: &str, behind: bool) -> String {
     match tree {
         Tree::Leaf(index) if behind => format!("((s{index}.x <= {t}) & ({t} < s{index}.y))"),
         Tree::Leaf(index) => format!("((s{index}.x < {t}) & ({t} <= s{index}.y))"),
-        Tree::Combine { operator, children, .. } => {
+        Tree::Operator { operator, children, .. } => {
             let parts: Vec<String> = children.iter().map(|child| holds(child, t, behind)).collect();
             let sign = match operator.boolean() {
                 Some(Boolean::Intersection) => " & ",
@@ -101,6 +103,6 @@ fn holds(tree: &Tree, t: &str, behind: bool) -> String {
             };
             format!("({})", parts.join(sign))
         }
-        Tree::Modify(_) => "false".to_owned(),
+        Tree::Modifier(_) => "false".to_owned(),
     }
 }

@@ -7,25 +7,25 @@
 use crate::number::Real;
 
 /// Ray parameter beyond every scene, metres: "no hit". Finite, so that arithmetic with it stays defined.
-pub const NO_HIT: f32 = 1e30;
+pub const T_MAX: f32 = 1e30;
 
 /// The part of a line that is inside a convex solid, metres from its origin; it enters behind where it leaves if it misses.
 #[derive(Clone, Copy, Debug)]
-pub struct Span<N> {
-    /// Where it enters, or -[`NO_HIT`] where it always was inside.
+pub struct RayInterval<N> {
+    /// Where it enters, or -[`T_MAX`] where it always was inside.
     pub enter: N,
-    /// Where it leaves, or [`NO_HIT`] where it always will be.
+    /// Where it leaves, or [`T_MAX`] where it always will be.
     pub leave: N,
 }
 
-impl<N: Real> Span<N> {
+impl<N: Real> RayInterval<N> {
     /// A line that misses.
     pub fn nowhere() -> Self {
-        Self { enter: N::constant(NO_HIT), leave: N::constant(-NO_HIT) }
+        Self { enter: N::constant(T_MAX), leave: N::constant(-T_MAX) }
     }
     /// A line that is inside all along.
     pub fn everywhere() -> Self {
-        Self { enter: N::constant(-NO_HIT), leave: N::constant(NO_HIT) }
+        Self { enter: N::constant(-T_MAX), leave: N::constant(T_MAX) }
     }
     /// What is below zero of a height that starts at `height` and rises by `slope`.
     #[inline(always)]
@@ -33,7 +33,7 @@ impl<N: Real> Span<N> {
         let slope = slope.divisor();
         let t = -height / slope;
         let falls = slope.lt(N::zero());
-        Self { enter: N::select(falls, t, N::constant(-NO_HIT)), leave: N::select(falls, N::constant(NO_HIT), t) }
+        Self { enter: N::select(falls, t, N::constant(-T_MAX)), leave: N::select(falls, N::constant(T_MAX), t) }
     }
     /// What is within `half` of zero of a height that starts at `height` and rises by `slope`.
     #[inline(always)]
@@ -73,11 +73,11 @@ impl<N: Real> Span<N> {
         let ([a, b], [c, d]) = (kept(&self), kept(&other));
         Self { enter: a.min(c), leave: b.max(d) }
     }
-    /// The first end ahead of the origin, or [`NO_HIT`].
+    /// The first end ahead of the origin, or [`T_MAX`].
     #[inline(always)]
     pub fn ahead(self) -> N {
         let (near, far) = (self.enter.named("near"), self.leave.named("far"));
         let ahead = N::select(N::zero().lt(near), near, far);
-        N::select(near.lt(far) & N::zero().lt(far), ahead, N::constant(NO_HIT))
+        N::select(near.lt(far) & N::zero().lt(far), ahead, N::constant(T_MAX))
     }
 }

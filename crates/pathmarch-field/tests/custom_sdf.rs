@@ -2,12 +2,12 @@
 
 use crate::fields::{self, declared};
 use crate::sampling::{Case, Random, random_params};
+use pathmarch_field::custom_sdf::{Code, CodeDiagnostic, budget};
 use pathmarch_field::graph::Kind;
+use pathmarch_field::lipschitz_check::check_lipschitz;
 use pathmarch_field::number::{Dual, Vec3};
-use pathmarch_field::own::{Code, Fault, budget};
-use pathmarch_field::survey::survey;
+use pathmarch_field::{CustomShape, Field, Node, Placement, ShapeRef};
 use pathmarch_field::{EvalShape, Info, Param, Shape};
-use pathmarch_field::{Field, Node, OwnField, Placement, ShapeRef};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -16,7 +16,7 @@ fn cases(random_sets: usize) -> Vec<Case> {
     let mut random = Random::new(40);
     let mut cases = Vec::new();
     for declared in declared() {
-        let shape: &'static OwnField = Box::leak(Box::new(declared.shape()));
+        let shape: &'static CustomShape = Box::leak(Box::new(declared.shape()));
         let mut sets = vec![shape.params().iter().map(|param| param.default).collect::<Vec<f32>>()];
         sets.extend((0..random_sets).map(|_| random_params(shape, &mut random)));
         cases.extend(sets.into_iter().map(|params| Case::new(shape, params)));
@@ -69,9 +69,9 @@ fn the_box_cuts_the_solid() {
 fn a_survey_finds_false_declarations() {
     let gyroid = |lipschitz: f32| {
         let declared = fields::Declared { lipschitz, ..declared().swap_remove(0) };
-        let shape = ShapeRef::Own(Arc::new(declared.shape()));
+        let shape = ShapeRef::Custom(Arc::new(declared.shape()));
         let kind = Kind::Shape { params: vec![0.8, 0.05], shape, tag: 0 };
-        survey(&Field::new(&[Node { kind, placement: Placement::default() }]), 4000)
+        check_lipschitz(&Field::new(&[Node { kind, placement: Placement::default() }]), 4000)
     };
     let honest = gyroid(1.75);
     assert!(honest.safe_factor > 0.995 && honest.slope < 1.01, "{honest:?}");
@@ -186,8 +186,8 @@ fn hostile_texts_neither_panic_nor_hang() {
         if let Ok(code) = code(&params, &text) {
             ran += 1;
             let params = params.iter().map(|name| Param::any(name, 1.5, "")).collect();
-            let field = OwnField::new(Info::new("t", "", ""), params, 1.0, None, Arc::new(code));
-            let numbers = field.numbers(&[]);
+            let field = CustomShape::new(Info::new("t", "", ""), params, 1.0, None, Arc::new(code));
+            let numbers = field.coefficients(&[]);
             for p in [Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.0, 0.0, 0.0), Vec3::new(-1e6, 3.0, 1e-20)] {
                 assert!(field.distance(p, &numbers).is_finite(), "{text}");
                 assert!(field.gradient(Dual::variables(p), &numbers).gradient.length().is_finite(), "{text}");
@@ -233,8 +233,8 @@ fn large_texts_are_refused_or_run() {
         let was = Instant::now();
         let shown: String = text.chars().skip(30).take(60).collect();
         let result = code(&[], &text).map(|code| {
-            let field = OwnField::new(Info::new("t", "", ""), Vec::new(), 1.0, None, Arc::new(code));
-            field.distance(Vec3::new(0.5, 0.25, 0.1), &field.numbers(&[]))
+            let field = CustomShape::new(Info::new("t", "", ""), Vec::new(), 1.0, None, Arc::new(code));
+            field.distance(Vec3::new(0.5, 0.25, 0.1), &field.coefficients(&[]))
         });
         let result = result.map_err(|faults| faults[0].message.clone());
         println!("{:6.0} ms {shown:?}: {result:?}", was.elapsed().as_secs_f32() * 1e3);
@@ -243,21 +243,21 @@ fn large_texts_are_refused_or_run() {
     assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
 
-fn code(params: &[&str], text: &str) -> Result<Code, Vec<Fault>> {
+fn code(params: &[&str], text: &str) -> Result<Code, Vec<CodeDiagnostic>> {
     let params: Vec<String> = params.iter().map(|name| name.to_string()).collect();
     Code::new("test", &params, text)
 }
 
-fn field(params: &[&'static str], text: &str) -> OwnField {
+fn field(params: &[&'static str], text: &str) -> CustomShape {
     let code = code(params, text).unwrap_or_else(|faults| panic!("{faults:#?}\n{text}"));
     let params = params.iter().map(|name| Param::any(name, 1.0, "")).collect();
-    OwnField::new(Info::new("test", "", ""), params, 1.0, None, Arc::new(code))
+    CustomShape::new(Info::new("test", "", ""), params, 1.0, None, Arc::new(code))
 }
 
 /// The value of a body of `distance` at a point, where the parameter `k` has this value.
 fn value_at(text: &str, p: [f32; 3], k: f32) -> f32 {
     let field = field(&["k"], text);
-    field.distance(Vec3::new(p[0], p[1], p[2]), &field.numbers(&[k]))
+    field.distance(Vec3::new(p[0], p[1], p[2]), &field.coefficients(&[k]))
 }
 
 fn value(body: &str) -> f32 {
@@ -388,7 +388,7 @@ fn lanes_part() {
         return -a;
     }";
     let field = field(&[], text);
-    let numbers = field.numbers(&[]);
+    let numbers = field.coefficients(&[]);
     let x = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
     let y = [30.0, 2.0, 30.0, 1.0, 5.0, 30.0, 30.0, 0.0];
     let lanes = field.distance(Vec3::new(f32x8::from(x), f32x8::from(y), f32x8::splat(0.0)), &numbers);
@@ -423,19 +423,19 @@ fn lanes_part() {
 /// Loops end when their budget is used up: nested ones, those of called functions, and those that never end.
 #[test]
 fn loops_share_a_budget() {
-    gives("var n = 0.0; loop { n += 1.0; if n < 0.0 { break; } } return n;", budget::PASSES as f32);
+    gives("var n = 0.0; loop { n += 1.0; if n < 0.0 { break; } } return n;", budget::LOOP_BUDGET as f32);
     gives(
         "var n = 0.0; for (var i = 0; i < 10; i++) { for (var j = 0; j < 1000; j++) { n += 1.0; } } return n;",
-        budget::PASSES as f32 - 1.0,
+        budget::LOOP_BUDGET as f32 - 1.0,
     );
     let called = "fn more(n: ptr<function, f32>) { loop { *n += 1.0; if *n < 0.0 { break; } } }
         fn distance(p: vec3f) -> f32 { var n = 0.0; more(&n); more(&n); return n; }";
-    assert_eq!(value_at(called, [0.0; 3], 0.0), budget::PASSES as f32);
+    assert_eq!(value_at(called, [0.0; 3], 0.0), budget::LOOP_BUDGET as f32);
     // A body of many operations takes more.
     let long = "n += sin(n + k);".repeat(60);
     let passes =
         value(&format!("var n = 0.0; var m = 0.0; loop {{ {long} m += 1.0; if m < 0.0 {{ break; }} }} return m;"));
-    assert!(passes > 10.0 && passes < budget::PASSES as f32 / 4.0, "{passes}");
+    assert!(passes > 10.0 && passes < budget::LOOP_BUDGET as f32 / 4.0, "{passes}");
 }
 
 /// A copy of an array takes as much of the budget as the array has elements, however it is made.
@@ -443,7 +443,7 @@ fn loops_share_a_budget() {
 fn copies_of_arrays_share_the_budget() {
     for copying in fields::copying() {
         let passes = value_at(&copying.text, [1.0, 2.0, 3.0], 4.0);
-        let most = budget::PASSES * budget::OPERATIONS_IN_A_PASS;
+        let most = budget::LOOP_BUDGET * budget::OPERATIONS_PER_PASS;
         println!("{}: {passes} passes", copying.name);
         assert!(passes >= 2.0, "{}: {passes}", copying.name);
         assert!(passes as u32 * copying.copies <= most, "{}: {passes}", copying.name);
@@ -535,7 +535,7 @@ fn large_arrays_are_refused() {
     assert_eq!(value, 280.0);
 }
 
-fn fault(params: &[&str], text: &str) -> Fault {
+fn fault(params: &[&str], text: &str) -> CodeDiagnostic {
     match code(params, text) {
         Ok(_) => panic!("accepted: {text}"),
         Err(faults) => faults[0].clone(),
@@ -585,7 +585,7 @@ fn names_are_isolated() {
                 fn march(p: vec3f) -> f32 { return helper(Frame(p.x)); }\nfn distance(p: vec3f) -> f32 { return march(p); }";
     let shape = |identifier: &str| {
         let code = Code::new(identifier, &[], text).unwrap_or_else(|faults| panic!("{faults:?}"));
-        OwnField::new(Info::new("x", "", ""), Vec::new(), 1.0, Some([1.0; 3]), Arc::new(code))
+        CustomShape::new(Info::new("x", "", ""), Vec::new(), 1.0, Some([1.0; 3]), Arc::new(code))
     };
     let kernel = "struct Frame { a: vec3f }\nfn march(p: vec3f) -> Frame { return Frame(p); }\nfn distance_() {}\n";
     let fields: String =
@@ -613,8 +613,8 @@ fn values_that_are_not_finite() {
     ] {
         let code = Arc::new(code(&[], &format!("fn distance(p: vec3f) -> f32 {{ {body} }}")).expect("valid"));
         for edges in [None, Some([2.0; 3])] {
-            let field = OwnField::new(Info::new("x", "", ""), Vec::new(), 1.0, edges, code.clone());
-            let numbers = field.numbers(&[]);
+            let field = CustomShape::new(Info::new("x", "", ""), Vec::new(), 1.0, edges, code.clone());
+            let numbers = field.coefficients(&[]);
             for p in [Vec3::new(0.5, 0.2, 0.1), Vec3::new(0.0, 0.0, 0.0), Vec3::new(30.0, 0.2, 0.1)] {
                 let distance = field.distance(p, &numbers);
                 assert!(distance.is_finite() && distance > 0.0, "{body} at {p:?}: {distance}");

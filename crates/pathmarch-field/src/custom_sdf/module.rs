@@ -4,7 +4,7 @@ use super::budget::{self, Cost, Costs};
 use super::compile::compile;
 use super::machine::Program;
 use super::size::{self, Sizes, shown};
-use super::{Fault, MAX_BYTES, range, wgsl_distance, wgsl_gradient};
+use super::{CodeDiagnostic, MAX_BYTES, range, wgsl_distance, wgsl_gradient};
 use naga::back::wgsl::{Writer, WriterFlags};
 use naga::valid::{Capabilities, ValidationError, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, Module, Scalar, ScalarKind, TypeInner, VectorSize, WithSpan};
@@ -37,7 +37,7 @@ impl Code {
     ///
     /// # Errors
     /// What is wrong in the text, as far as it could be read.
-    pub fn new(identifier: &str, params: &[String], text: &str) -> Result<Self, Vec<Fault>> {
+    pub fn new(identifier: &str, params: &[String], text: &str) -> Result<Self, Vec<CodeDiagnostic>> {
         if text.len() > MAX_BYTES {
             let message = format!("The text of a field has at most {} KiB.", MAX_BYTES >> 10);
             return Err(vec![whole(message, "too long")]);
@@ -53,9 +53,9 @@ impl Code {
         })
     }
 
-    fn read(identifier: &str, params: &[String], text: &str) -> Result<Self, Vec<Fault>> {
+    fn read(identifier: &str, params: &[String], text: &str) -> Result<Self, Vec<CodeDiagnostic>> {
         let declarations: String = params.iter().map(|name| format!("\noverride {name}: f32;")).collect();
-        let one = |fault: Fault| vec![fault];
+        let one = |fault: CodeDiagnostic| vec![fault];
         // Behind the text, so that places in it stay what they are.
         let whole_text = format!("{text}\n{declarations}");
         size::check_constants(&whole_text)
@@ -78,7 +78,10 @@ impl Code {
         name_expressions(&mut module);
         let unprintable = |what: String| {
             let message = "This text cannot be made a part of the program for the GPU.";
-            vec![Fault { help: Some(format!("{what} Write it in a simpler way.")), ..whole(message, "in this text") }]
+            vec![CodeDiagnostic {
+                help: Some(format!("{what} Write it in a simpler way.")),
+                ..whole(message, "in this text")
+            }]
         };
         let info = validate(&module).map_err(|error| unprintable(innermost(error.as_inner())))?;
         let mut wgsl = String::new();
@@ -113,8 +116,8 @@ impl Code {
 /// Numbers of codes, so that each has its own memory.
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
-fn whole(message: impl Into<String>, label: &str) -> Fault {
-    Fault { message: message.into(), label: label.to_owned(), range: None, help: None }
+fn whole(message: impl Into<String>, label: &str) -> CodeDiagnostic {
+    CodeDiagnostic { message: message.into(), label: label.to_owned(), range: None, help: None }
 }
 
 fn validate(module: &Module) -> Result<naga::valid::ModuleInfo, Box<WithSpan<ValidationError>>> {
@@ -136,7 +139,7 @@ fn sentence(text: &str) -> String {
     format!("{first}{}.", chars.as_str())
 }
 
-fn parse_fault(error: &naga::front::wgsl::ParseError, text: &str) -> Fault {
+fn parse_fault(error: &naga::front::wgsl::ParseError, text: &str) -> CodeDiagnostic {
     let place = error.labels().find_map(|(span, label)| Some((within(range(span)?, text)?, label.to_owned())));
     let notes: Vec<String> = error.notes().map(sentence).collect();
     let (range, label) = match place {
@@ -145,7 +148,7 @@ fn parse_fault(error: &naga::front::wgsl::ParseError, text: &str) -> Fault {
     };
     let label: String = label.chars().take(MAX_MESSAGE).collect();
     let label = if label.is_empty() { "here".to_owned() } else { label };
-    Fault {
+    CodeDiagnostic {
         message: sentence(error.message()),
         label,
         range,
@@ -173,14 +176,14 @@ fn without_handles(message: &str) -> String {
     message.split(' ').filter(|word| !is_handle(word)).collect::<Vec<_>>().join(" ")
 }
 
-fn validation_fault(error: &WithSpan<ValidationError>, text: &str) -> Fault {
+fn validation_fault(error: &WithSpan<ValidationError>, text: &str) -> CodeDiagnostic {
     // The narrowest place says most.
     let spans = error.spans().filter_map(|(span, _)| within(range(*span)?, text));
     let range = spans.min_by_key(|range| range.len());
     let message = innermost(error.as_inner());
     // naga computes some functions of numbers without a type only later, when it is too late.
     let help = message.contains("Abstract").then(|| "Give one of the numbers here a type, as in 1.0f.".to_owned());
-    Fault { message, label: "here".to_owned(), range, help }
+    CodeDiagnostic { message, label: "here".to_owned(), range, help }
 }
 
 /// A range that is of the text, and not of what stands behind it.
@@ -189,7 +192,7 @@ fn within(range: std::ops::Range<usize>, text: &str) -> Option<std::ops::Range<u
 }
 
 /// What stands at the top of a text and must not.
-fn allowed(module: &Module, params: &[String], text: &str) -> Vec<Fault> {
+fn allowed(module: &Module, params: &[String], text: &str) -> Vec<CodeDiagnostic> {
     let mut faults = Vec::new();
     for (handle, global) in module.global_variables.iter() {
         let message = match global.space {
@@ -197,7 +200,7 @@ fn allowed(module: &Module, params: &[String], text: &str) -> Vec<Fault> {
             _ => "A field has no access to memory.",
         };
         let help = "Use `const`, a `param` of the field, or a `var` in a function that is handed on as a pointer.";
-        faults.push(Fault {
+        faults.push(CodeDiagnostic {
             message: message.to_owned(),
             label: "not in a field".to_owned(),
             range: range(module.global_variables.get_span(handle)).and_then(|range| within(range, text)),
@@ -208,7 +211,7 @@ fn allowed(module: &Module, params: &[String], text: &str) -> Vec<Fault> {
         let known = constant.name.as_ref().is_some_and(|name| params.contains(name));
         let place = range(module.overrides.get_span(handle)).and_then(|range| within(range, text));
         if !known || place.is_some() {
-            faults.push(Fault {
+            faults.push(CodeDiagnostic {
                 message: "A field has no overrides.".to_owned(),
                 label: "not in a field".to_owned(),
                 range: place,
@@ -218,7 +221,7 @@ fn allowed(module: &Module, params: &[String], text: &str) -> Vec<Fault> {
     }
     for point in &module.entry_points {
         let place = text.find(&format!("fn {}", point.name)).map(|at| at..at + 3 + point.name.len());
-        faults.push(Fault {
+        faults.push(CodeDiagnostic {
             message: "A field has no entry points.".to_owned(),
             label: "not in a field".to_owned(),
             range: place,
@@ -229,12 +232,15 @@ fn allowed(module: &Module, params: &[String], text: &str) -> Vec<Fault> {
 }
 
 /// The function `distance`, which takes a point and gives a number.
-fn entry(module: &Module) -> Result<Handle<naga::Function>, Fault> {
+fn entry(module: &Module) -> Result<Handle<naga::Function>, CodeDiagnostic> {
     let help = "It looks like this: fn distance(p: vec3f) -> f32 { return length(p) - 1.0; }";
     let found = module.functions.iter().find(|(_, function)| function.name.as_deref() == Some("distance"));
     let Some((handle, function)) = found else {
         let message = "This text has no function `distance`.";
-        return Err(Fault { help: Some(help.to_owned()), ..whole(message, "expected `fn distance(p: vec3f) -> f32`") });
+        return Err(CodeDiagnostic {
+            help: Some(help.to_owned()),
+            ..whole(message, "expected `fn distance(p: vec3f) -> f32`")
+        });
     };
     let inner = |ty: naga::Handle<naga::Type>| &module.types[ty].inner;
     let point = TypeInner::Vector { size: VectorSize::Tri, scalar: Scalar::F32 };
@@ -245,7 +251,7 @@ fn entry(module: &Module) -> Result<Handle<naga::Function>, Fault> {
     if takes && gives {
         return Ok(handle);
     }
-    Err(Fault {
+    Err(CodeDiagnostic {
         message: "`distance` takes a point and gives a number.".to_owned(),
         label: "expected `fn distance(p: vec3f) -> f32`".to_owned(),
         range: range(module.functions.get_span(handle)),
@@ -253,11 +259,11 @@ fn entry(module: &Module) -> Result<Handle<naga::Function>, Fault> {
     })
 }
 
-fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Result<(), Fault> {
+fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Result<(), CodeDiagnostic> {
     if module.functions.len() > MAX_FUNCTIONS {
         return Err(whole(format!("A field has at most {MAX_FUNCTIONS} functions."), "too many"));
     }
-    let refused = |function: Handle<naga::Function>, message: String, label: &str, help: &str| Fault {
+    let refused = |function: Handle<naga::Function>, message: String, label: &str, help: &str| CodeDiagnostic {
         message,
         label: label.to_owned(),
         range: range(module.functions.get_span(function)),
@@ -274,11 +280,11 @@ fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Resu
     let with_most = |of: &dyn Fn(Cost) -> u32| functions().max_by_key(|handle| of(costs.of(*handle))).unwrap_or(entry);
     let most = with_most(&|cost| cost.numbers);
     let numbers = costs.of(most).numbers;
-    if numbers > budget::MOST_NUMBERS {
+    if numbers > budget::MAX_ARRAY_SCALARS {
         let message = format!(
             "The arrays of this function come to {} numbers with every call written out; at most {} are allowed.",
             shown(numbers),
-            budget::MOST_NUMBERS
+            budget::MAX_ARRAY_SCALARS
         );
         let help = "Make arrays smaller, or keep one in a variable and hand it on as a pointer: an array that is an \
                     argument, a result or a value is a copy.";
@@ -286,11 +292,11 @@ fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Resu
     }
     let most = with_most(&|cost| cost.compiled);
     let operations = costs.of(most).compiled;
-    if operations > budget::MOST_OPERATIONS {
+    if operations > budget::MAX_OPERATIONS {
         let message = format!(
             "This function comes to {} operations with every call written out; at most {} are allowed.",
             shown(operations),
-            budget::MOST_OPERATIONS
+            budget::MAX_OPERATIONS
         );
         let sizes = Sizes::new(&module.types);
         let help = if module.types.iter().any(|(ty, _)| sizes.of(ty).has_array) {

@@ -27,7 +27,7 @@ use crate::info::Info;
 use crate::number::{Dual, Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::orbit;
-use crate::shapes::{self, EvalShape, Primitive, Shape};
+use crate::shapes::{self, EvalShape, Shape, ShapeDef};
 use machine::{Machine, Mask};
 pub use module::Code;
 use std::cell::RefCell;
@@ -43,7 +43,7 @@ pub const MAX_PARAMS: usize = 32;
 
 /// Something wrong in the text of a field.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
+pub struct CodeDiagnostic {
     /// One sentence.
     pub message: String,
     /// What is wrong at the place.
@@ -59,7 +59,7 @@ fn range(span: naga::Span) -> Option<Range<usize>> {
 }
 
 /// A shape that a scene declares.
-pub struct OwnField {
+pub struct CustomShape {
     info: Info,
     params: Vec<Param>,
     lipschitz: f32,
@@ -107,7 +107,7 @@ thread_local! {
 /// Machines kept on a thread.
 const KEPT: usize = 4;
 
-impl OwnField {
+impl CustomShape {
     /// The shape of this code, whose parameters `params` are. `lipschitz` is above zero; `edges` are those of a box around the
     /// origin that cuts the solid, `None` for an endless one.
     pub fn new(info: Info, params: Vec<Param>, lipschitz: f32, edges: Option<[f32; 3]>, code: Arc<Code>) -> Self {
@@ -175,7 +175,7 @@ fn upwards(gradient: Vec3<f32>) -> Vec3<f32> {
 /// Distance to the box of half these edges.
 #[inline(always)]
 fn bound<N: Real>(p: Vec3<N>, half: [N; 3]) -> N {
-    <shapes::Box as Primitive>::distance(p, half.map(|half| half + half))
+    <shapes::Box as ShapeDef>::distance(p, half.map(|half| half + half))
 }
 
 /// How far outside the box the estimate counts.
@@ -190,7 +190,7 @@ fn cut<N: Real>(p: Vec3<N>, estimate: N, half: [N; 3]) -> N {
     orbit::within(estimate, bound(p, half), reach(half))
 }
 
-impl EvalShape<f32> for OwnField {
+impl EvalShape<f32> for CustomShape {
     fn distance(&self, p: Vec3<f32>, numbers: &[f32]) -> f32 {
         let half = Self::half(numbers);
         let bound = bound(p, half);
@@ -211,7 +211,7 @@ impl EvalShape<f32> for OwnField {
     }
 }
 
-impl EvalShape<f32x8> for OwnField {
+impl EvalShape<f32x8> for CustomShape {
     fn distance(&self, p: Vec3<f32x8>, numbers: &[f32]) -> f32x8 {
         let half = Self::half(numbers).map(f32x8::splat);
         let bound = bound(p, half);
@@ -232,7 +232,7 @@ impl EvalShape<f32x8> for OwnField {
     }
 }
 
-impl Shape for OwnField {
+impl Shape for CustomShape {
     fn info(&self) -> &Info {
         &self.info
     }
@@ -245,7 +245,7 @@ impl Shape for OwnField {
     fn declared_lipschitz(&self) -> Option<f32> {
         Some(self.lipschitz)
     }
-    fn numbers(&self, params: &[f32]) -> Vec<f32> {
+    fn coefficients(&self, params: &[f32]) -> Vec<f32> {
         let half = self.edges.map_or([ENDLESS; 3], |edges| edges.map(|edge| 0.5 * edge));
         let given = self.params.iter().enumerate().map(|(k, param)| params.get(k).copied().unwrap_or(param.default));
         given.chain([self.lipschitz]).chain(half).collect()

@@ -1,13 +1,13 @@
 //! Expressions as operations: constants, values made of others and taken apart, and calls of functions.
 
 use super::{Body, Compiler, EACH, Pointer, Value, fault};
-use crate::own::Fault;
-use crate::own::machine::Op;
-use crate::own::math;
+use crate::custom_sdf::CodeDiagnostic;
+use crate::custom_sdf::machine::Op;
+use crate::custom_sdf::math;
 use naga::{Expression, Handle, Literal, RelationalFunction, Span, TypeInner};
 
 /// A number of the text as a slot holds it.
-fn bits(literal: Literal, span: Span) -> Result<u32, Fault> {
+fn bits(literal: Literal, span: Span) -> Result<u32, CodeDiagnostic> {
     Ok(match literal {
         Literal::F32(value) => value.to_bits(),
         Literal::U32(value) => value,
@@ -27,7 +27,7 @@ fn bits(literal: Literal, span: Span) -> Result<u32, Fault> {
 
 impl<'m> Compiler<'m> {
     /// The slot of a constant of the module, which is computed here once and which nothing writes to.
-    fn global(&mut self, constant: Handle<naga::Constant>) -> Result<u32, Fault> {
+    fn global(&mut self, constant: Handle<naga::Constant>) -> Result<u32, CodeDiagnostic> {
         if let Some(&slot) = self.globals.get(&constant) {
             return Ok(slot);
         }
@@ -43,7 +43,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// The scalars of a tree of literals, which is not larger than constants may be.
-    fn constant_values(&self, expression: Handle<Expression>, values: &mut Vec<u32>) -> Result<(), Fault> {
+    fn constant_values(&self, expression: Handle<Expression>, values: &mut Vec<u32>) -> Result<(), CodeDiagnostic> {
         let span = self.module.global_expressions.get_span(expression);
         match &self.module.global_expressions[expression] {
             Expression::Literal(literal) => values.push(bits(*literal, span)?),
@@ -67,7 +67,11 @@ impl<'m> Compiler<'m> {
         Ok(())
     }
 
-    pub(super) fn expression(&mut self, body: &mut Body<'m>, handle: Handle<Expression>) -> Result<Value, Fault> {
+    pub(super) fn expression(
+        &mut self,
+        body: &mut Body<'m>,
+        handle: Handle<Expression>,
+    ) -> Result<Value, CodeDiagnostic> {
         let span = body.function.expressions.get_span(handle);
         let unknown = || fault(span, "A field only computes with numbers: this is not for it.");
         let slot = match &body.function.expressions[handle] {

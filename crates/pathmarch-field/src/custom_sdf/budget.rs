@@ -2,12 +2,12 @@
 //!
 //! WGSL has no recursion, so that only three things can take long or much memory: loops, calls that are nested, and arrays. The
 //! latter two are counted when the scene is read: what a call of `distance` comes to when every call in it is written out is
-//! limited by [`MOST_OPERATIONS`], where all that copies an array or a matrix (a variable, an argument, a result, a value read
-//! or stored) takes an operation for each scalar or vector in it; and the numbers of all arrays together by [`MOST_NUMBERS`],
+//! limited by [`MAX_OPERATIONS`], where all that copies an array or a matrix (a variable, an argument, a result, a value read
+//! or stored) takes an operation for each scalar or vector in it; and the numbers of all arrays together by [`MAX_ARRAY_SCALARS`],
 //! since drivers put every call into the code of its caller, with variables of its own. Each pass of a loop takes one from a
-//! budget of [`PASSES`] that all loops of one call share, and one more for every [`OPERATIONS_IN_A_PASS`] operations in its body;
-//! when the budget is used up every loop breaks off. So a call does at most about [`MOST_OPERATIONS`] + [`PASSES`] ·
-//! [`OPERATIONS_IN_A_PASS`] operations, whatever its text says.
+//! budget of [`LOOP_BUDGET`] that all loops of one call share, and one more for every [`OPERATIONS_PER_PASS`] operations in its body;
+//! when the budget is used up every loop breaks off. So a call does at most about [`MAX_OPERATIONS`] + [`LOOP_BUDGET`] ·
+//! [`OPERATIONS_PER_PASS`] operations, whatever its text says.
 //!
 //! For the limit of what is compiled, arrays count more: drivers take much longer over them than over arithmetic.
 //!
@@ -17,7 +17,7 @@
 //! A march has at most 256 steps; 256 passes in each are as many as Mesa's software Vulkan lets the loops of an invocation
 //! have (65,535) before it ends them all without a word.
 
-pub use super::size::MOST_NUMBERS;
+pub use super::size::MAX_ARRAY_SCALARS;
 use super::size::{Size, Sizes};
 use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{
@@ -26,11 +26,11 @@ use naga::{
 };
 
 /// How many passes of loops a call of `distance` has.
-pub const PASSES: u32 = 256;
+pub const LOOP_BUDGET: u32 = 256;
 /// How many operations of a loop's body count as one pass.
-pub const OPERATIONS_IN_A_PASS: u32 = 64;
+pub const OPERATIONS_PER_PASS: u32 = 64;
 /// How many operations `distance` may have with every call written out.
-pub const MOST_OPERATIONS: u32 = 8192;
+pub const MAX_OPERATIONS: u32 = 8192;
 /// How many of these operations a scalar or vector of an array that is copied counts as.
 ///
 /// Compilers write out copies of arrays, and stores to memory one by one: 7,000 of them took software Vulkan more than 200 s, 1,300
@@ -115,7 +115,7 @@ impl Costs {
     /// What a pass of a loop of this function takes from the budget.
     pub(super) fn weight(&self, function: Handle<naga::Function>, body: &Block, continuing: &Block) -> u32 {
         let pass = self.block(function, body).plus(self.block(function, continuing));
-        1 + pass.operations / OPERATIONS_IN_A_PASS
+        1 + pass.operations / OPERATIONS_PER_PASS
     }
 
     fn expression(&self, function: Handle<naga::Function>, expression: Handle<Expression>) -> ExpressionCost {
@@ -223,7 +223,7 @@ pub(super) fn instrument(
         if handle == entry {
             let mut start = Block::new();
             let pointer = work.add(Expression::GlobalVariable(budget));
-            let value = work.add(Expression::Literal(Literal::U32(PASSES)));
+            let value = work.add(Expression::Literal(Literal::U32(LOOP_BUDGET)));
             start.push(Statement::Store { pointer, value }, Span::UNDEFINED);
             start.append(&mut body);
             body = start;

@@ -4,7 +4,7 @@
 //! on the GPU. So sizes are known before anything else is done with a text: naga itself copies whole constants while it reads the
 //! functions that name them, which grows without bound where constants contain each other.
 
-use super::{Fault, range};
+use super::{CodeDiagnostic, range};
 use naga::front::wgsl::ParseError;
 use naga::{ArraySize, Module, Span, Type, TypeInner, UniqueArena};
 use std::collections::HashMap;
@@ -14,7 +14,7 @@ use std::num::NonZeroU32;
 ///
 /// Drivers put a field into a kernel wherever it is evaluated. Mesa's software Vulkan then takes 4 s of processor time to compile
 /// arrays of 128 numbers, 12 s for 256, 33 s for 512 and minutes for 1,500.
-pub const MOST_NUMBERS: u32 = 256;
+pub const MAX_ARRAY_SCALARS: u32 = 256;
 /// How many numbers all constants may have that the functions of a text name, each as often as it is named.
 const MOST_NAMED: u64 = 1 << 16;
 
@@ -89,10 +89,10 @@ pub(super) fn shown(count: u32) -> String {
     if count == u32::MAX { "more than 4 billion".to_owned() } else { count.to_string() }
 }
 
-fn too_large(what: &str, numbers: u32, span: Span) -> Fault {
-    Fault {
+fn too_large(what: &str, numbers: u32, span: Span) -> CodeDiagnostic {
+    CodeDiagnostic {
         message: format!(
-            "{what} has {} numbers; a variable, a constant or a value of a field has at most {MOST_NUMBERS}.",
+            "{what} has {} numbers; a variable, a constant or a value of a field has at most {MAX_ARRAY_SCALARS}.",
             shown(numbers)
         ),
         label: "too large".to_owned(),
@@ -102,9 +102,9 @@ fn too_large(what: &str, numbers: u32, span: Span) -> Fault {
 }
 
 /// What a function of a module declares, takes, gives or makes and is too large.
-pub(super) fn too_large_declaration(module: &Module) -> Option<Fault> {
+pub(super) fn too_large_declaration(module: &Module) -> Option<CodeDiagnostic> {
     let sizes = Sizes::new(&module.types);
-    let too_many = |ty| Some(sizes.of(ty).numbers).filter(|numbers| *numbers > MOST_NUMBERS);
+    let too_many = |ty| Some(sizes.of(ty).numbers).filter(|numbers| *numbers > MAX_ARRAY_SCALARS);
     let named = |name: &Option<String>| name.as_deref().unwrap_or("_").to_owned();
     for (handle, function) in module.functions.iter() {
         let (name, span) = (named(&function.name), module.functions.get_span(handle));
@@ -143,7 +143,7 @@ pub(super) fn too_large_declaration(module: &Module) -> Option<Fault> {
 /// # Errors
 /// What is too large, or why the text cannot be read. One whose braces do not match is left to who reads it as a whole, which
 /// ends before any constant is computed.
-pub(super) fn check_constants(text: &str) -> Result<(), Result<Fault, Box<ParseError>>> {
+pub(super) fn check_constants(text: &str) -> Result<(), Result<CodeDiagnostic, Box<ParseError>>> {
     let Some((outline, named)) = outline(text) else { return Ok(()) };
     let module = naga::front::wgsl::parse_str(&outline).map_err(|error| Err(Box::new(error)))?;
     let sizes = Sizes::new(&module.types);
@@ -152,14 +152,14 @@ pub(super) fn check_constants(text: &str) -> Result<(), Result<Fault, Box<ParseE
         let numbers = sizes.of(constant.ty).numbers;
         let name = constant.name.as_deref().unwrap_or("_");
         let span = module.constants.get_span(handle);
-        if numbers > MOST_NUMBERS {
+        if numbers > MAX_ARRAY_SCALARS {
             return Err(Ok(too_large(&format!("The constant `{name}`"), numbers, span)));
         }
         if numbers > 1 {
             all += u64::from(numbers) * named.get(name).copied().unwrap_or_default();
         }
         if all > MOST_NAMED {
-            return Err(Ok(Fault {
+            return Err(Ok(CodeDiagnostic {
                 message: format!(
                     "The constants that functions of a field name have at most {MOST_NAMED} numbers, each counted as \
                      often as it is named."

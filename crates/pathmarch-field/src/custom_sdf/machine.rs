@@ -137,7 +137,7 @@ impl Machine {
         for (k, param) in params.iter().enumerate() {
             self.slots[program.params as usize + k] = [param.to_bits(); 8];
         }
-        self.budget = [budget::PASSES; 8];
+        self.budget = [budget::LOOP_BUDGET; 8];
         self.call(program, program.entry, mask);
         self.slots[program.functions[program.entry].result as usize]
     }

@@ -12,7 +12,7 @@ use super::Batch;
 use super::{Field, Tree};
 use crate::number::{Real, Vec3};
 use crate::operators::Boolean;
-use crate::span::Span;
+use crate::ray_interval::RayInterval;
 
 /// The most shapes of a combination that is met in closed form: beyond it marching costs less.
 const MOST_SHAPES: usize = 12;
@@ -26,10 +26,10 @@ enum Side {
 
 impl Field {
     /// Whether rays meet an object in closed form.
-    pub(super) fn is_direct(&self, object: &Tree) -> bool {
+    pub(super) fn is_analytic(&self, object: &Tree) -> bool {
         match object {
             Tree::Leaf(_) => self.direct(object).is_some(),
-            _ => !self.marches_all && self.convex_shapes(object).is_some_and(|count| count <= MOST_SHAPES),
+            _ => !self.sphere_traces_all && self.convex_shapes(object).is_some_and(|count| count <= MOST_SHAPES),
         }
     }
 
@@ -37,8 +37,8 @@ impl Field {
     fn convex_shapes(&self, tree: &Tree) -> Option<usize> {
         match tree {
             Tree::Leaf(index) => self.leaves[*index as usize].shape.is_convex().then_some(1),
-            Tree::Modify(_) => None,
-            Tree::Combine { operator, smooth, children, .. } => {
+            Tree::Modifier(_) => None,
+            Tree::Operator { operator, smooth, children, .. } => {
                 operator.boolean().filter(|_| smooth.is_none())?;
                 children.iter().map(|child| self.convex_shapes(child)).sum()
             }
@@ -46,16 +46,16 @@ impl Field {
     }
 
     /// Remembers which shapes of a combination are taken away from it.
-    pub(super) fn mark_hollow(&mut self, tree: &Tree, hollow: bool) {
+    pub(super) fn mark_subtracted(&mut self, tree: &Tree, subtracted: bool) {
         match tree {
-            Tree::Leaf(index) => self.leaves[*index as usize].hollow = hollow,
-            Tree::Combine { operator, children, .. } => {
+            Tree::Leaf(index) => self.leaves[*index as usize].subtracted = subtracted,
+            Tree::Operator { operator, children, .. } => {
                 let taken_away = operator.boolean() == Some(Boolean::Difference);
                 for (k, child) in children.iter().enumerate() {
-                    self.mark_hollow(child, hollow != (taken_away && k > 0));
+                    self.mark_subtracted(child, subtracted != (taken_away && k > 0));
                 }
             }
-            Tree::Modify(_) => {}
+            Tree::Modifier(_) => {}
         }
     }
 
@@ -92,17 +92,17 @@ impl Field {
     fn collect<N: Batch>(&self, tree: &Tree, origin: Vec3<N>, direction: Vec3<N>, spans: &mut Spans<N>) {
         match tree {
             Tree::Leaf(index) => {
-                let Span { enter, leave } = self.leaves[*index as usize].span(origin, direction);
+                let RayInterval { enter, leave } = self.leaves[*index as usize].interval(origin, direction);
                 spans.first = spans.first.min(*index);
                 if let Some(ends) = spans.ends.get_mut(spans.count) {
                     *ends = [enter, leave];
                     spans.count += 1;
                 }
             }
-            Tree::Combine { children, .. } => {
+            Tree::Operator { children, .. } => {
                 children.iter().for_each(|child| self.collect(child, origin, direction, spans));
             }
-            Tree::Modify(_) => {}
+            Tree::Modifier(_) => {}
         }
     }
 }
@@ -125,7 +125,7 @@ impl<N: Real> Spans<N> {
                     Side::Behind => !t.lt(enter) & t.lt(leave),
                 }
             }
-            Tree::Combine { operator, children, .. } => {
+            Tree::Operator { operator, children, .. } => {
                 let mut held = self.holds(&children[0], t, side);
                 for child in &children[1..] {
                     let other = self.holds(child, t, side);
@@ -137,7 +137,7 @@ impl<N: Real> Spans<N> {
                 }
                 held
             }
-            Tree::Modify(_) => N::truth(false),
+            Tree::Modifier(_) => N::truth(false),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! How many scalars values have, and where their parts stand among them.
 
 use super::{Body, Compiler, MAX_SLOTS, fault};
-use crate::own::Fault;
+use crate::custom_sdf::CodeDiagnostic;
 use naga::{ArraySize, Expression, Handle, ScalarKind, Span, Type, TypeInner};
 
 /// What an expression's type is made of.
@@ -24,7 +24,7 @@ impl Shape {
 
 impl Compiler<'_> {
     /// How many scalars a value of this type has.
-    pub(super) fn size(&self, inner: &TypeInner, span: Span) -> Result<u32, Fault> {
+    pub(super) fn size(&self, inner: &TypeInner, span: Span) -> Result<u32, CodeDiagnostic> {
         let scalar = |scalar: naga::Scalar| match (scalar.kind, scalar.width) {
             (ScalarKind::Bool, _) | (_, 4) => Ok(()),
             _ => Err(fault(span, "Numbers of a field are f32, i32 and u32.")),
@@ -51,7 +51,7 @@ impl Compiler<'_> {
         }
     }
 
-    pub(super) fn size_of(&self, ty: Handle<Type>, span: Span) -> Result<u32, Fault> {
+    pub(super) fn size_of(&self, ty: Handle<Type>, span: Span) -> Result<u32, CodeDiagnostic> {
         self.size(&self.module.types[ty].inner, span)
     }
 
@@ -71,7 +71,7 @@ impl Compiler<'_> {
     }
 
     /// Offset and size of an element, and how many there are.
-    pub(super) fn element(&self, inner: &TypeInner, index: u32, span: Span) -> Result<(u32, u32, u32), Fault> {
+    pub(super) fn element(&self, inner: &TypeInner, index: u32, span: Span) -> Result<(u32, u32, u32), CodeDiagnostic> {
         Ok(match inner {
             TypeInner::Vector { size, .. } => (index.min(*size as u32 - 1), 1, *size as u32),
             TypeInner::Matrix { columns, rows, .. } => {
