@@ -90,6 +90,10 @@ impl Blend {
         };
         share * self.amount
     }
+    /// The same blend with constants of the number type `N`.
+    pub(crate) fn over<N: Real>(self) -> Blending<N> {
+        Blending { amount: N::constant(self.amount), profile: self.profile, steps: N::constant(self.steps) }
+    }
 }
 
 /// The numbers of a [`Blend`] over any number.

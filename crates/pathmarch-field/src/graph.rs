@@ -8,54 +8,56 @@
 //! Here is what a field consists of, and what is known of it without evaluating it. `build.rs` makes it; `distance.rs` and
 //! `surface.rs` evaluate it.
 
+mod analytic;
 mod batch;
 mod build;
 pub(crate) mod bvh;
 mod coordinates;
-pub(crate) mod crowd;
 mod distance;
 mod leaf;
 mod node;
 mod pose;
-mod solids;
+pub(crate) mod shape_grid;
 mod surface;
 
 use crate::blend::Blend;
 use crate::bounds::Aabb;
+use crate::modifiers::Modifier;
 use crate::number::Vec3;
-use crate::registry::{Combine, Modify, TRAPS};
+use crate::operators::Operator;
+use crate::shapes::TRAPS;
 pub use batch::Batch;
 use bvh::Bvh;
 pub use coordinates::Coordinates;
-use crowd::Crowd;
 pub use leaf::Leaf;
 pub use node::{Kind, Node, Placement};
 pub use pose::{Pose, Turn};
+use shape_grid::ShapeGrid;
 pub use surface::Surface;
 
 /// The tree with placements moved to the leaves.
 #[derive(Clone, Debug)]
 pub(crate) enum Tree {
     Leaf(u32),
-    /// Operator, blend in world metres, children, number of its first choice.
-    Combine {
-        operator: &'static dyn Combine,
+    /// OperatorDef, blend in world metres, children, number of its first choice.
+    Operator {
+        operator: &'static dyn Operator,
         smooth: Option<Blend>,
         children: Vec<Tree>,
         first_choice: u32,
     },
-    Modify(Box<Modified>),
+    Modifier(Box<Modified>),
 }
 
 /// What a modifier holds, in its space.
 #[derive(Clone, Debug)]
 pub(crate) struct Modified {
-    pub(crate) modifier: &'static dyn Modify,
+    pub(crate) modifier: &'static dyn Modifier,
     /// Counts the modifiers of the field, those inside first.
     pub(crate) index: u32,
     /// What it reads.
-    pub(crate) numbers: Vec<f32>,
-    pub(crate) places: u32,
+    pub(crate) coefficients: Vec<f32>,
+    pub(crate) copies: u32,
     pub(crate) pose: Pose,
     pub(crate) inside: Tree,
     params: Vec<f32>,
@@ -66,19 +68,19 @@ pub(crate) struct Modified {
 ///
 /// Rays meet an object that is a single shape with a closed form ([`Shape::closed_form`](crate::Shape::closed_form))
 /// directly; the others must be marched. [`distance`](Self::distance) is over all,
-/// [`marched_distance`](Self::marched_distance) over the latter.
+/// [`sphere_traced_distance`](Self::sphere_traced_distance) over the latter.
 #[derive(Clone, Debug)]
 pub struct Field {
     leaves: Vec<Leaf>,
     objects: Vec<Tree>,
     /// Whether nothing is met in closed form.
-    marches_all: bool,
+    sphere_traces_all: bool,
     bounds: Aabb,
     object_bounds: Vec<Aabb>,
-    marched_bounds: Aabb,
+    sphere_traced_bounds: Aabb,
     /// How each object is evaluated.
-    roles: Vec<Role>,
-    crowds: Vec<Crowd>,
+    strategies: Vec<EvalStrategy>,
+    shape_grids: Vec<ShapeGrid>,
     /// Over many objects of closed form.
     bvh: Bvh,
     /// How many choices and modifiers there are so far.
@@ -87,19 +89,19 @@ pub struct Field {
 }
 
 /// Stands for the leaf where a ray met none of closed form.
-pub const MARCHED: f32 = -1.0;
+pub const SPHERE_TRACED: f32 = -1.0;
 
 /// How an object is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Role {
+pub(crate) enum EvalStrategy {
     /// By itself: rays meet it in closed form.
-    Direct,
+    Analytic,
     /// By itself: marched as code.
-    Marched,
-    /// It is the crowd of this number.
-    Crowd(usize),
-    /// Its one shape is in a crowd of such objects.
-    InCrowd,
+    SphereTraced,
+    /// It is the shape_grid of this number.
+    ShapeGrid(usize),
+    /// Its one shape is in a shape_grid of such objects.
+    InShapeGrid,
     /// Its one shape is met in closed form, by way of the hierarchy.
     InBvh,
 }
@@ -118,29 +120,31 @@ impl Field {
         &self.object_bounds
     }
     /// A box that holds every solid that must be marched; [`Aabb::NOTHING`] where there is none.
-    pub fn marched_bounds(&self) -> Aabb {
-        self.marched_bounds
+    pub fn sphere_traced_bounds(&self) -> Aabb {
+        self.sphere_traced_bounds
     }
     /// The shape of an object that is a single one which rays meet in closed form.
     pub(crate) fn direct(&self, object: &Tree) -> Option<u32> {
         match object {
-            Tree::Leaf(index) if !self.marches_all && self.leaves[*index as usize].shape.closed_form() => Some(*index),
+            Tree::Leaf(index) if !self.sphere_traces_all && self.leaves[*index as usize].shape.is_analytic() => {
+                Some(*index)
+            }
             _ => None,
         }
     }
     /// Whether the leaf of this number is an object by itself, which rays meet in closed form.
-    pub fn is_whole(&self, leaf: usize) -> bool {
+    pub fn is_analytic_object(&self, leaf: usize) -> bool {
         let object = self.leaves.get(leaf).and_then(|leaf| self.objects.get(leaf.object as usize));
         object.is_some_and(|object| self.direct(object).is_some())
     }
     /// Reports whether finding the hit of a ray takes loops: sphere tracing or the traversal of a BVH or grid.
     pub fn has_loops(&self) -> bool {
-        !self.marched_bounds().is_empty() || !self.bvh.nodes.is_empty() || !self.crowds.is_empty()
+        !self.sphere_traced_bounds().is_empty() || !self.bvh.nodes.is_empty() || !self.shape_grids.is_empty()
     }
     /// Whether rays meet the object of this leaf in closed form.
-    pub fn is_met_directly(&self, leaf: usize) -> bool {
-        let role = self.leaves.get(leaf).and_then(|leaf| self.roles.get(leaf.object as usize));
-        matches!(role, Some(Role::Direct | Role::InBvh))
+    pub fn is_analytic_leaf(&self, leaf: usize) -> bool {
+        let strategy = self.leaves.get(leaf).and_then(|leaf| self.strategies.get(leaf.object as usize));
+        matches!(strategy, Some(EvalStrategy::Analytic | EvalStrategy::InBvh))
     }
     /// What the orbit of a point of the world comes near to on the leaf of this number:
     /// [`Shape::orbit`](crate::Shape::orbit), where the leaf is a fractal.
@@ -168,10 +172,10 @@ impl Field {
                 let leaf = &self.leaves[*leaf as usize];
                 leaf.shape.lipschitz(&leaf.params)
             }
-            Tree::Combine { children, .. } => {
+            Tree::Operator { children, .. } => {
                 children.iter().map(|child| self.tree_lipschitz(child)).fold(1.0, f32::max)
             }
-            Tree::Modify(modified) => self.tree_lipschitz(&modified.inside),
+            Tree::Modifier(modified) => self.tree_lipschitz(&modified.inside),
         }
     }
 
@@ -181,15 +185,15 @@ impl Field {
                 let leaf = &self.leaves[*leaf as usize];
                 leaf.pose.world_bounds(leaf.shape.bounds(&leaf.params))
             }
-            Tree::Modify(modified) => {
+            Tree::Modifier(modified) => {
                 modified.pose.world_bounds(modified.modifier.bounds(&modified.params, modified.inside_bounds))
             }
-            Tree::Combine { operator, smooth, children, .. } if crowd::joins(*operator) => children
+            Tree::Operator { operator, smooth, children, .. } if shape_grid::joins(*operator) => children
                 .iter()
                 .map(|child| self.tree_bounds(child))
                 .fold(Aabb::NOTHING, Aabb::union)
-                .expanded(crowd::growth(*smooth, children.len())),
-            Tree::Combine { operator, smooth, children, .. } => children
+                .expanded(shape_grid::growth(*smooth, children.len())),
+            Tree::Operator { operator, smooth, children, .. } => children
                 .iter()
                 .map(|child| self.tree_bounds(child))
                 .reduce(|a, b| operator.bounds(a, b, *smooth))

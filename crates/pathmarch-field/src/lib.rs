@@ -9,23 +9,30 @@
 
 pub mod blend;
 pub mod bounds;
+pub mod custom_sdf;
+mod expression;
 pub mod graph;
+mod info;
+pub mod lipschitz_check;
 pub mod mesh;
 mod modifiers;
 pub mod number;
 mod operators;
-mod orbit;
-pub mod outline;
-pub mod own;
+mod parameter;
+mod ray_interval;
 pub mod registry;
 mod shapes;
-mod span;
-pub mod survey;
 pub mod wgsl;
 
 pub use blend::{Blend, BlendProfile};
 pub use bounds::Aabb;
+pub use custom_sdf::CustomShape;
 pub use graph::{Field, Node, Placement};
+pub use info::{Info, Outline};
 pub use mesh::Mesh;
-pub use own::OwnField;
-pub use registry::{Combine, Emitter, Info, Modify, Param, Shape, ShapeRef, Solid, Unit};
+pub use modifiers::{EvalModifier, Modifier, ModifierDef};
+pub use operators::{Boolean, EvalOperator, Operator, OperatorDef};
+pub use parameter::{Param, Unit};
+pub use ray_interval::{RayInterval, T_MAX};
+pub use registry::Solid;
+pub use shapes::{Emitter, EvalShape, Shape, ShapeDef, ShapeRef, TRAPS, outline};

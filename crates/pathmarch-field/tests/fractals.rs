@@ -130,7 +130,7 @@ fn orbits_of_eight_lanes_equal_one_and_print_valid_wgsl() {
     }
     for case in cases(4).iter().filter(|case| case.shape.has_orbit()) {
         for points in case.points(256, &mut random).chunks(8) {
-            let side_by_side = case.shape.orbit_lanes(lanes(points), &case.params).map(|trap| trap.to_array());
+            let side_by_side = case.shape.orbit(lanes(points), &case.params).map(|trap| trap.to_array());
             for (k, &p) in points.iter().enumerate() {
                 let alone = case.shape.orbit(p, &case.params);
                 for (trap, value) in alone.iter().enumerate() {

@@ -5,7 +5,7 @@ use pathmarch_field::graph::Kind;
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{modifiers, operators, shapes};
 use pathmarch_field::wgsl::Program;
-use pathmarch_field::{Aabb, Blend, BlendProfile, Combine, Field, Node, Placement};
+use pathmarch_field::{Aabb, Blend, BlendProfile, Field, Node, Operator, Placement};
 use proptest::prelude::*;
 
 fn triple(range: std::ops::Range<f32>) -> impl Strategy<Value = [f32; 3]> {
@@ -41,10 +41,10 @@ fn blend() -> impl Strategy<Value = Option<Blend>> {
     proptest::option::of(blend.prop_map(|(amount, profile, steps)| Blend { amount, profile, steps: steps as f32 }))
 }
 
-fn combined(operator: &'static dyn Combine, smooth: Option<Blend>, children: Vec<Node>) -> Kind {
+fn combined(operator: &'static dyn Operator, smooth: Option<Blend>, children: Vec<Node>) -> Kind {
     // What does not blend has an amount in the place of a width.
     let soft = Blend::from(smooth.map_or(0.5, |blend| blend.amount));
-    Kind::Combine { operator, smooth: if operator.blends() { smooth } else { Some(soft) }, children }
+    Kind::Operator { operator, smooth: if operator.blends() { smooth } else { Some(soft) }, children }
 }
 
 fn node() -> impl Strategy<Value = Node> {
@@ -75,7 +75,7 @@ fn modified() -> impl Strategy<Value = Node> {
                         "count" => 3.0,
                         _ => param.default,
                     });
-                    Kind::Modify { modifier, params: params.collect(), children }
+                    Kind::Modifier { modifier, params: params.collect(), children }
                 }
             };
             Node { kind, placement }
@@ -108,12 +108,12 @@ fn altered(node: &Node) -> Node {
             let params = params.iter().enumerate().map(|(k, v)| v * factor(k)).collect();
             Kind::Shape { shape: shape.clone(), params, tag: *tag }
         }
-        Kind::Combine { operator, smooth, children } => Kind::Combine {
+        Kind::Operator { operator, smooth, children } => Kind::Operator {
             operator: *operator,
             smooth: smooth.map(|blend| Blend { amount: blend.amount + 0.1, ..blend }),
             children: children.iter().map(altered).collect(),
         },
-        Kind::Modify { .. } => node.kind.clone(),
+        Kind::Modifier { .. } => node.kind.clone(),
     };
     Node { kind, placement }
 }
@@ -199,7 +199,7 @@ proptest! {
             prop_assert!(there * distance >= 0.0 || there.abs() < 1e-3, "{p:?} {distance}: {near:?} {there}");
         }
         let program = Program::new(&field);
-        validate(&format!("{}{}\n{}", declared(&program), program.code, program.whole_distance));
+        validate(&format!("{}{}\n{}", declared(&program), program.code, program.estimated_distance));
     }
 
     #[test]

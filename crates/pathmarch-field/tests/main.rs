@@ -1,20 +1,20 @@
 //! All tests of fields in one program, which is compiled and linked once.
 
-mod crowd;
+mod custom_sdf;
 #[path = "sampling/fields.rs"]
 mod fields;
 mod fractals;
 mod graph;
+mod lipschitz_check;
 mod mesh;
 mod modifiers;
 mod number;
 mod operators;
 mod outline;
-mod own;
 mod rays;
 mod registry;
 mod sampling;
-mod survey;
+mod shape_grid;
 mod wgsl;
 
 /// A file that is missing above would not be compiled.

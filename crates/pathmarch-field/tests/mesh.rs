@@ -24,12 +24,15 @@ fn tagged(name: &str, params: &[f32], placement: Placement, tag: u32) -> Node {
 
 fn combined(name: &str, smooth: Option<f32>, children: Vec<Node>) -> Node {
     let operator = operator(name).expect("registered");
-    Node { kind: Kind::Combine { operator, smooth: smooth.map(Into::into), children }, placement: Placement::default() }
+    Node {
+        kind: Kind::Operator { operator, smooth: smooth.map(Into::into), children },
+        placement: Placement::default(),
+    }
 }
 
 fn modified(name: &str, params: &[f32], children: Vec<Node>) -> Node {
-    let Some(Solid::Modify(modifier)) = solid(name) else { panic!("no modifier {name}") };
-    Node { kind: Kind::Modify { modifier, params: params.to_vec(), children }, placement: Placement::default() }
+    let Some(Solid::Modifier(modifier)) = solid(name) else { panic!("no modifier {name}") };
+    Node { kind: Kind::Modifier { modifier, params: params.to_vec(), children }, placement: Placement::default() }
 }
 
 fn at(x: f32, y: f32, z: f32) -> Placement {
@@ -264,7 +267,8 @@ fn every_modifier_leaves_a_closed_mesh() {
         let children =
             vec![leaf("box", &[0.6, 0.3, 0.2], at(0.5, 0.1, 0.0)), leaf("torus", &[0.4, 0.1], at(0.2, 0.2, 0.3))];
         let params = modifier.params().iter().map(|param| param.default).collect();
-        let node = Node { kind: Kind::Modify { modifier: *modifier, params, children }, placement: at(0.1, 0.2, 0.3) };
+        let node =
+            Node { kind: Kind::Modifier { modifier: *modifier, params, children }, placement: at(0.1, 0.2, 0.3) };
         let field = Field::new(&[node]);
         let cut = (!field.bounds().is_finite()).then_some(Aabb::centred(3.0, 3.0, 3.0));
         let mesh =

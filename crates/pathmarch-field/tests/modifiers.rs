@@ -12,15 +12,15 @@ fn shape(name: &str, params: &[f32], placement: Placement) -> Node {
 }
 
 fn modified(name: &str, params: &[f32], children: Vec<Node>) -> Node {
-    let Some(Solid::Modify(modifier)) = solid(name) else { panic!("no modifier {name}") };
+    let Some(Solid::Modifier(modifier)) = solid(name) else { panic!("no modifier {name}") };
     let all = modifier.params().iter().enumerate();
     let params = all.map(|(k, param)| params.get(k).copied().unwrap_or(param.default)).collect();
-    Node { kind: Kind::Modify { modifier, params, children }, placement: Placement::default() }
+    Node { kind: Kind::Modifier { modifier, params, children }, placement: Placement::default() }
 }
 
 fn union(children: Vec<Node>) -> Node {
     let operator = operator("union").expect("registered");
-    Node { kind: Kind::Combine { operator, smooth: None, children }, placement: Placement::default() }
+    Node { kind: Kind::Operator { operator, smooth: None, children }, placement: Placement::default() }
 }
 
 fn at(x: f32, y: f32, z: f32) -> Placement {
@@ -237,7 +237,7 @@ fn distances_are_bounds_and_gradients_agree_with_differences() {
                     })
                     .collect();
                 let node = Node {
-                    kind: Kind::Modify { modifier: *modifier, params: params.clone(), children: vec![solid.clone()] },
+                    kind: Kind::Modifier { modifier: *modifier, params: params.clone(), children: vec![solid.clone()] },
                     placement: Placement {
                         scale: Some(1.3),
                         rotate: Some([10.0, 20.0, 30.0]),

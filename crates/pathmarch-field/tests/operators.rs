@@ -3,7 +3,7 @@
 use crate::sampling::{Random, validate};
 use pathmarch_field::number::{Dual, Vec3};
 use pathmarch_field::registry::{operator, operators};
-use pathmarch_field::{Aabb, Blend, BlendProfile, Combine};
+use pathmarch_field::{Aabb, Blend, BlendProfile, Operator};
 use wide::f32x8;
 
 /// Sharp, and in every profile barely blended, blended over tens of centimetres, blended over everything.
@@ -18,7 +18,7 @@ fn blends() -> Vec<Option<Blend>> {
     blends
 }
 
-fn each(mut test: impl FnMut(&'static dyn Combine, Option<Blend>, &mut Random)) {
+fn each(mut test: impl FnMut(&'static dyn Operator, Option<Blend>, &mut Random)) {
     for (k, operator) in operators().iter().filter(|operator| operator.blends()).enumerate() {
         for blend in blends() {
             test(*operator, blend, &mut Random::new(k as u64 + 1));
@@ -31,7 +31,7 @@ fn width(blend: Option<Blend>) -> f32 {
 }
 
 /// The `b` at which the two children show alike beside this `a`, by bisection of the sharp weight.
-fn tie(operator: &'static dyn Combine, a: f32) -> f32 {
+fn tie(operator: &'static dyn Operator, a: f32) -> f32 {
     let (mut low, mut high) = (-10.0f32, 10.0f32);
     let at_low = operator.weight(a, low, None);
     assert_ne!(at_low, operator.weight(a, high, None), "{operator:?}: one child always shows");
@@ -59,8 +59,8 @@ fn eight_lanes_equal_one() {
         for _ in 0..100 {
             let a: [f32; 8] = std::array::from_fn(|_| random.within(-1.0, 1.0));
             let b: [f32; 8] = std::array::from_fn(|_| random.within(-1.0, 1.0));
-            let distances = operator.distance_lanes(f32x8::from(a), f32x8::from(b), blend).to_array();
-            let weights = operator.weight_lanes(f32x8::from(a), f32x8::from(b), blend).to_array();
+            let distances = operator.distance(f32x8::from(a), f32x8::from(b), blend).to_array();
+            let weights = operator.weight(f32x8::from(a), f32x8::from(b), blend).to_array();
             for k in 0..8 {
                 assert!((distances[k] - operator.distance(a[k], b[k], blend)).abs() < 1e-6, "{operator:?} {blend:?}");
                 assert!((weights[k] - operator.weight(a[k], b[k], blend)).abs() < 1e-5, "{operator:?} {blend:?}");

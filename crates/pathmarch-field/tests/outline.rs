@@ -16,7 +16,7 @@ fn drawn(fill: Fill) -> &'static dyn Shape {
 fn table(segments: &[f32], fill: Fill) -> Vec<f32> {
     let shape = drawn(fill);
     let params: Vec<f32> = shape.params().iter().map(|_| 1.0).chain(segments.iter().copied()).collect();
-    shape.numbers(&params)
+    shape.coefficients(&params)
 }
 
 fn to_segment(p: [f64; 2], s: &[f32]) -> f64 {
@@ -226,11 +226,11 @@ fn other_points_and_more_of_them_have_the_same_code() {
         let shape = drawn(Fill::EvenOdd).into();
         let child =
             Node { kind: Kind::Shape { shape, params: segments.to_vec(), tag: 0 }, placement: Placement::default() };
-        let Some(pathmarch_field::Solid::Modify(extrude)) = pathmarch_field::registry::solid("extrude") else {
+        let Some(pathmarch_field::Solid::Modifier(extrude)) = pathmarch_field::registry::solid("extrude") else {
             panic!()
         };
         Node {
-            kind: Kind::Modify { modifier: extrude, params: vec![0.5], children: vec![child] },
+            kind: Kind::Modifier { modifier: extrude, params: vec![0.5], children: vec![child] },
             placement: Placement::default(),
         }
     };
@@ -273,7 +273,7 @@ fn cost_does_not_grow_with_the_outline() {
         let shape = drawn(Fill::NonZero);
         let mut random = Random::new(6);
         let points: Vec<Vec3<f32>> = (0..8).map(|_| random.point(Aabb::centred(1.0, 0.6, 1.0))).collect();
-        let packed = shape.distance_lanes(lanes(&points), &table).to_array();
+        let packed = shape.distance(lanes(&points), &table).to_array();
         for (k, p) in points.iter().enumerate() {
             assert!((packed[k] - shape.distance(*p, &table)).abs() < 1e-6);
         }

@@ -1,9 +1,10 @@
 //! Rays that meet solids in closed form: the first surface that they find is where the distance first is zero.
 
 use crate::sampling::{Random, lanes};
+use pathmarch_field::T_MAX;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::number::Vec3;
-use pathmarch_field::registry::{NO_HIT, operator, shapes};
+use pathmarch_field::registry::{operator, shapes};
 use pathmarch_field::{Field, Node, Placement};
 
 /// A point of a ray.
@@ -28,29 +29,29 @@ fn unit(random: &mut Random) -> [f32; 3] {
 
 /// Follows rays through a field of objects that are met in closed form, and compares.
 fn check(field: &Field, random: &mut Random, what: &str) -> u32 {
-    assert!(field.marched_bounds().is_empty(), "{what}: nothing is left to march");
+    assert!(field.sphere_traced_bounds().is_empty(), "{what}: nothing is left to march");
     const FAR: f32 = 8.0;
     let (mut hits, mut outwards) = (0, 0);
     for _ in 0..25 {
         let rays: [([f32; 3], [f32; 3]); 8] =
             std::array::from_fn(|_| (std::array::from_fn(|_| random.within(-2.0, 2.0)), unit(random)));
         let eight = field
-            .direct_hit(
+            .analytic_hit(
                 lanes(&rays.map(|(o, _)| at(o, [0.0; 3], 0.0))),
                 lanes(&rays.map(|(_, d)| at([0.0; 3], d, 1.0))),
             )
             .0
             .to_array();
         for ((o, d), lane) in rays.into_iter().zip(eight) {
-            let (t, leaf) = field.direct_hit(at(o, [0.0; 3], 0.0), at([0.0; 3], d, 1.0));
+            let (t, leaf) = field.analytic_hit(at(o, [0.0; 3], 0.0), at([0.0; 3], d, 1.0));
             assert!((t - lane).abs() <= 1e-4 * t.abs() || t > FAR && lane > FAR, "{what}: {t} alone, {lane} of eight");
-            assert!(t > 0.0 && t <= NO_HIT, "{what}: {t}");
+            assert!(t > 0.0 && t <= T_MAX, "{what}: {t}");
             if t < FAR {
                 hits += 1;
                 let p = at(o, d, t);
                 let there = field.distance(p);
                 assert!(there.abs() < 2e-4, "{what}: {there} from the surface at {t} along {d:?} from {o:?}");
-                let met = field.surface_met(p, leaf, &|_| 0.5).field;
+                let met = field.surface_at_hit(p, leaf, &|_| 0.5).field;
                 assert!(met.value.abs() < 2e-4, "{what}: {} from the leaf that was met", met.value);
                 let [within, without] = [-2e-3, 2e-3].map(|off| field.distance(p + met.gradient * off));
                 outwards += u32::from(within < without);
@@ -113,7 +114,7 @@ fn sharp_combinations_are_met_where_their_distance_is_zero() {
         let name = ["union", "intersect", "subtract"][random.within(0.0, 2.99) as usize];
         let operator = operator(name).expect("registered");
         let children = (0..2 + u32::from(random.within(0.0, 1.0) < 0.3)).map(|_| tree(random, depth - 1)).collect();
-        Node { kind: Kind::Combine { operator, smooth: None, children }, placement: Placement::default() }
+        Node { kind: Kind::Operator { operator, smooth: None, children }, placement: Placement::default() }
     }
     let mut random = Random::new(8);
     let mut hits = 0;
@@ -137,10 +138,10 @@ fn faces_in_common_need_no_margin() {
         placement: Placement { at: Some([x, 0.0, z]), ..Placement::default() },
     };
     let combined = |name: &str, children: Vec<Node>| {
-        let kind = Kind::Combine { operator: operator(name).expect("registered"), smooth: None, children };
+        let kind = Kind::Operator { operator: operator(name).expect("registered"), smooth: None, children };
         Field::new(&[Node { kind, placement: Placement::default() }])
     };
-    let hit = |field: &Field, o: [f32; 3], d: [f32; 3]| field.direct_hit(at(o, d, 0.0), at([0.0; 3], d, 1.0)).0;
+    let hit = |field: &Field, o: [f32; 3], d: [f32; 3]| field.analytic_hit(at(o, d, 0.0), at([0.0; 3], d, 1.0)).0;
     // Side by side: a ray from within leaves at the far end; one from above meets the top they have in common.
     let beside = combined("union", vec![cube(0.0, 0.0, [1.0; 3]), cube(1.0, 0.0, [1.0; 3])]);
     assert_eq!(hit(&beside, [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]), 1.5);
@@ -150,6 +151,6 @@ fn faces_in_common_need_no_margin() {
     assert_eq!(hit(&within, [0.0, 2.0, 0.0], [0.0, -1.0, 0.0]), 1.5);
     // A hole through both faces.
     let hole = combined("subtract", vec![cube(0.0, 0.0, [1.0; 3]), cube(0.0, 0.0, [0.5, 1.0, 0.5])]);
-    assert_eq!(hit(&hole, [0.0, 2.0, 0.0], [0.0, -1.0, 0.0]), NO_HIT);
+    assert_eq!(hit(&hole, [0.0, 2.0, 0.0], [0.0, -1.0, 0.0]), T_MAX);
     assert_eq!(hit(&hole, [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]), 0.25);
 }

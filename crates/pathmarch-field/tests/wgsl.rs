@@ -49,7 +49,7 @@ fn a_smooth_union_of_a_placed_torus_and_box() {
         node("box", &[1.0, 2.0, 3.0], 1, Placement { rotate: Some([0.0, 45.0, 0.0]), ..Placement::default() }),
     ];
     let operator = operator("union").expect("registered");
-    let kind = Kind::Combine { operator, smooth: Some(0.1.into()), children };
+    let kind = Kind::Operator { operator, smooth: Some(0.1.into()), children };
     let program = Program::new(&Field::new(&[Node { kind, placement: Placement::default() }]));
     sampling::validate(&(sampling::declared(&program) + &program.code));
     insta::assert_snapshot!(program.code);

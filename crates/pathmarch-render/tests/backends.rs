@@ -5,8 +5,9 @@ use crate::common::{
 };
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
+use pathmarch_render::pathmarch_field::ShapeRef;
 use pathmarch_render::pathmarch_field::graph::Leaf;
-use pathmarch_render::pathmarch_field::registry::{ShapeRef, shapes};
+use pathmarch_render::pathmarch_field::registry::shapes;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings, adapters};
 use pathmarch_testing::{plain, tests};
@@ -117,7 +118,7 @@ fn every_scene_renders_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
         println!("{}: {:.2} % of pixels differ by over 1 %, means {a:.5} {b:.5}", path.display(), share * 100.0);
         // Gradients of own fields are differences, whose rounding turns normals by 0.0002, and a fractal multiplies rounding by
         // the scale of all its iterations: some of the paths that go on from there are others.
-        let is_rough = |leaf: &Leaf| matches!(leaf.shape, ShapeRef::Own(_)) || leaf.shape.has_orbit();
+        let is_rough = |leaf: &Leaf| matches!(leaf.shape, ShapeRef::Custom(_)) || leaf.shape.has_orbit();
         let limit = if scene.field.leaves().iter().any(is_rough) { 0.1 } else { 0.02 };
         failures.extend((share >= limit).then(|| format!("{}: {share}", path.display())));
         failures.extend(((a / b - 1.0).abs() >= 2e-3).then(|| format!("{}: means {a} {b}", path.display())));

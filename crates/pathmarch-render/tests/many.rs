@@ -46,7 +46,7 @@ fn scene() -> Scene {
 /// The same scene as code.
 fn as_code(scene: &Scene) -> Scene {
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
-    Scene { field: Field::with_crowds_from(&roots, usize::MAX), ..scene.clone() }
+    Scene { field: Field::with_shape_grids_from(&roots, usize::MAX), ..scene.clone() }
 }
 
 fn many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends(renderer: &mut Renderer) {

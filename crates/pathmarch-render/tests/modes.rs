@@ -42,7 +42,7 @@ fn every_mode_looks_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
                 assert!((a[k] - b[k]).abs() <= tolerance * b[k].max(1e-3), "{} {}", path.display(), mode.name());
             }
             let black = matches!(mode, Mode::Steps | Mode::Violations)
-                && scene.field.marched_bounds().min[0] > scene.field.marched_bounds().max[0];
+                && scene.field.sphere_traced_bounds().min[0] > scene.field.sphere_traced_bounds().max[0];
             assert_eq!(a.iter().sum::<f64>() < 1e-3, black, "{} {}", path.display(), mode.name());
         }
     }

@@ -60,8 +60,8 @@ object "needle" material="red" { cone 0.01 1.2 { at -0.15 0.6 0.7 } }
 fn compare_optimisations(backend: &str, render: impl Fn(&Picture, u32) -> Film) {
     let scene = parse(THIN);
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
-    let marched = Scene { field: Field::all_marched(&roots), ..scene.clone() };
-    assert!(marched.field.direct_hit::<f32>(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, -1.0, 0.0)).1 < 0.0);
+    let marched = Scene { field: Field::all_sphere_traced(&roots), ..scene.clone() };
+    assert!(marched.field.analytic_hit::<f32>(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, -1.0, 0.0)).1 < 0.0);
     const SAMPLES: u32 = 256;
     let settings = Settings { size: [80, 45], samples: SAMPLES, bounces: 2, detail: 0.005, ..Settings::of(&scene) };
     let reference = Picture::new(&marched, &settings).without_relaxation().on_cpu(SAMPLES).mean();

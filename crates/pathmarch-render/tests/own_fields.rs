@@ -7,9 +7,9 @@ use crate::common::{on_both_backends, on_each_backend, parse, render, with_gpu};
 use fields::{copying, declared};
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
+use pathmarch_render::pathmarch_field::custom_sdf::{Code, budget};
 use pathmarch_render::pathmarch_field::number::{Dual, Vec3};
-use pathmarch_render::pathmarch_field::own::{Code, budget};
-use pathmarch_render::pathmarch_field::{Info, OwnField, Shape};
+use pathmarch_render::pathmarch_field::{CustomShape, EvalShape, Info, Shape};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Mode, Renderer, Settings};
 use pathmarch_testing::{plain, tests};
@@ -107,7 +107,7 @@ fn the_cpu_and_the_gpu_agree_at_random_points() {
     let mut state = 1;
     for declared in declared() {
         let shape = declared.shape();
-        let numbers = shape.numbers(&[]);
+        let numbers = shape.coefficients(&[]);
         let points: Vec<[f32; 4]> = (0..POINTS)
             .map(|_| std::array::from_fn(|k| if k < 3 { 5.0 * random(&mut state) - 2.5 } else { 0.0 }))
             .collect();
@@ -133,10 +133,10 @@ fn copies_of_arrays_are_counted_alike() {
     let points = vec![[1.0, 2.0, 3.0, 0.0]; POINTS];
     for copying in copying() {
         let code = Code::new("copying", &[], &copying.text).unwrap_or_else(|faults| panic!("{faults:#?}"));
-        let shape = OwnField::new(Info::new("copying", "", ""), Vec::new(), 1.0, None, Arc::new(code));
-        let numbers = shape.numbers(&[]);
+        let shape = CustomShape::new(Info::new("copying", "", ""), Vec::new(), 1.0, None, Arc::new(code));
+        let numbers = shape.coefficients(&[]);
         let passes = shape.distance(Vec3::new(1.0, 2.0, 3.0), &numbers);
-        let most = budget::PASSES * budget::OPERATIONS_IN_A_PASS;
+        let most = budget::LOOP_BUDGET * budget::OPERATIONS_PER_PASS;
         assert!(passes >= 2.0 && passes as u32 * copying.copies <= most, "{}: {passes}", copying.name);
         let results = on_device(&device, &queue, &shape, &numbers, &points);
         assert!(results.iter().all(|result| result[3] == passes), "{}: {passes}, {:?}", copying.name, results[0]);

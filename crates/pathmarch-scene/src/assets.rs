@@ -11,7 +11,7 @@ use crate::atmosphere::Day;
 use crate::environment::{Environment, EnvironmentError, Loaded};
 use crate::scene::Light;
 use crate::textures::{Picture as Texture, PictureError};
-use pathmarch_field::own::{Code, Fault};
+use pathmarch_field::custom_sdf::{Code, CodeDiagnostic};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -112,7 +112,12 @@ impl Assets {
     }
 
     /// The code of a field: read and compiled once for each text.
-    pub(crate) fn code(&mut self, identifier: &str, params: &[String], text: &str) -> Result<Arc<Code>, Vec<Fault>> {
+    pub(crate) fn code(
+        &mut self,
+        identifier: &str,
+        params: &[String],
+        text: &str,
+    ) -> Result<Arc<Code>, Vec<CodeDiagnostic>> {
         let known = self
             .codes
             .iter()

@@ -102,7 +102,7 @@ pub fn shape(name: &str, numbers: &[f32], material: usize) -> Result<Node, Parts
 /// For an operator that is not there, a blend that it does not do, and as many children as it does not take.
 pub fn operator(name: &str, blend: Option<Blend>, children: Vec<Node>) -> Result<Node, PartsError> {
     let Some(operator) = registry::operator(name) else { return refuse(format!("there is no operator \"{name}\"")) };
-    let node = placed(Kind::Combine { operator, smooth: blend, children });
+    let node = placed(Kind::Operator { operator, smooth: blend, children });
     check_kind(&node.kind)?;
     Ok(node)
 }
@@ -114,7 +114,7 @@ pub fn operator(name: &str, blend: Option<Blend>, children: Vec<Node>) -> Result
 pub fn modifier(name: &str, numbers: &[f32], children: Vec<Node>) -> Result<Node, PartsError> {
     let found = registry::modifiers().iter().copied().find(|modifier| modifier.info().name == name);
     let Some(modifier) = found else { return refuse(format!("there is no operator \"{name}\" that changes shapes")) };
-    let node = placed(Kind::Modify { modifier, params: numbers.to_vec(), children });
+    let node = placed(Kind::Modifier { modifier, params: numbers.to_vec(), children });
     check_kind(&node.kind)?;
     Ok(node)
 }
@@ -310,7 +310,7 @@ fn check_kind(kind: &Kind) -> Result<(), PartsError> {
         // Its outline is behind its parameters; only the language makes such a shape, and checks it.
         Kind::Shape { shape, .. } if shape.info().outline.is_some() => Ok(()),
         Kind::Shape { shape, params, .. } => check_numbers(shape.info().name, shape.params(), params),
-        Kind::Combine { operator, smooth, children } => {
+        Kind::Operator { operator, smooth, children } => {
             let (name, (least, most)) = (operator.info().name, operator.children());
             if !(least..=most).contains(&children.len()) {
                 let most = if most == usize::MAX { "or more".to_owned() } else { format!("to {most}") };
@@ -329,7 +329,7 @@ fn check_kind(kind: &Kind) -> Result<(), PartsError> {
                 _ => Ok(()),
             }
         }
-        Kind::Modify { modifier, params, children } => {
+        Kind::Modifier { modifier, params, children } => {
             let name = modifier.info().name;
             if children.is_empty() {
                 return refuse(format!("\"{name}\" needs a shape"));
@@ -383,8 +383,8 @@ fn check_node(node: &Node, place: Place, materials: usize, shapes: &mut usize) -
             }
             return Ok(());
         }
-        Kind::Combine { children, .. } => (children, place.in_profile),
-        Kind::Modify { modifier, children, .. } => (children, place.in_profile || modifier.of_profiles()),
+        Kind::Operator { children, .. } => (children, place.in_profile),
+        Kind::Modifier { modifier, children, .. } => (children, place.in_profile || modifier.of_profiles()),
     };
     let below = Place { depth: place.depth + 1, in_profile };
     children.iter().try_for_each(|child| check_node(child, below, materials, shapes))

@@ -35,7 +35,7 @@ fn params(shape: &str) -> Vec<f32> {
         match &node.kind {
             // Behind them stands the outline of what is drawn.
             Kind::Shape { shape, params, .. } => params[..shape.params().len()].to_vec(),
-            Kind::Combine { children, .. } | Kind::Modify { children, .. } => first(&children[0]),
+            Kind::Operator { children, .. } | Kind::Modifier { children, .. } => first(&children[0]),
         }
     }
     first(&scene.objects[0].root)
@@ -219,9 +219,9 @@ fn materials_and_tags() {
     assert_eq!(scene.materials[1].albedo(), [0.0, 1.0, 0.0]);
     let own: Vec<_> = scene.objects.iter().map(|object| object.material).collect();
     assert_eq!(own, [0, 2, 1]);
-    let Kind::Combine { operator, smooth: None, children } = &scene.objects[0].root.kind else { panic!("no union") };
+    let Kind::Operator { operator, smooth: None, children } = &scene.objects[0].root.kind else { panic!("no union") };
     assert_eq!((operator.info().name, children.len()), ("union", 2));
-    let Kind::Combine { operator, smooth: Some(blend), children } = &children[0].kind else { panic!("not smooth") };
+    let Kind::Operator { operator, smooth: Some(blend), children } = &children[0].kind else { panic!("not smooth") };
     assert_eq!((operator.info().name, blend.amount, children.len()), ("subtract", 0.05, 3));
 }
 
@@ -238,7 +238,7 @@ fn placement() {
 #[test]
 fn zero_blend_is_sharp() {
     let scene = body("object \"o\" { union smooth=0 { sphere; box } }");
-    assert!(matches!(scene.objects[0].root.kind, Kind::Combine { smooth: None, .. }));
+    assert!(matches!(scene.objects[0].root.kind, Kind::Operator { smooth: None, .. }));
 }
 
 #[test]

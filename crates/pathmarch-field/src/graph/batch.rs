@@ -2,9 +2,10 @@
 //!
 //! Shapes and operators are called by way of `dyn`, which has no generic methods: each number says which method it calls.
 
-use crate::blend::Blend;
-use crate::number::{Differentiable, Dual, Mask8, Vec3};
-use crate::registry::{Combine, Modify, Shape, Span};
+use crate::modifiers::{EvalModifier, Modifier};
+use crate::number::{Differentiable, Mask8};
+use crate::operators::{EvalOperator, Operator};
+use crate::shapes::{EvalShape, Shape};
 use wide::f32x8;
 
 /// A number that a [`Field`](super::Field) can be evaluated over on the CPU.
@@ -20,73 +21,31 @@ pub trait Batch: Differentiable {
     fn lanes(self) -> [f32; 8];
     #[doc(hidden)]
     fn from_lanes(lanes: [f32; 8]) -> Self;
-    #[doc(hidden)]
-    fn shape_distance(shape: &dyn Shape, p: Vec3<Self>, params: &[f32]) -> Self;
-    #[doc(hidden)]
-    fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<Self>>, params: &[f32]) -> Dual<Self>;
-    #[doc(hidden)]
-    fn shape_ray(shape: &dyn Shape, origin: Vec3<Self>, direction: Vec3<Self>, params: &[f32]) -> Self;
-    #[doc(hidden)]
-    fn shape_span(shape: &dyn Shape, origin: Vec3<Self>, direction: Vec3<Self>, params: &[f32]) -> Span<Self>;
-    #[doc(hidden)]
-    fn modified_point(modifier: &dyn Modify, p: Vec3<Self>, place: Self, numbers: &[f32]) -> Vec3<Self>;
-    #[doc(hidden)]
-    fn modified_point_gradient(modifier: &dyn Modify, p: Vec3<Self>, place: Self, numbers: &[f32]) -> Vec3<Dual<Self>>;
-    #[doc(hidden)]
-    fn modified(modifier: &dyn Modify, p: Vec3<Self>, inside: Self, numbers: &[f32]) -> Self;
-    #[doc(hidden)]
-    fn modified_gradient(modifier: &dyn Modify, p: Vec3<Self>, inside: Dual<Self>, numbers: &[f32]) -> Dual<Self>;
-    #[doc(hidden)]
-    fn combined(operator: &dyn Combine, a: Self, b: Self, blend: Option<Blend>) -> Self;
-    #[doc(hidden)]
-    fn combined_gradient(operator: &dyn Combine, a: Dual<Self>, b: Dual<Self>, blend: Option<Blend>) -> Dual<Self>;
-    #[doc(hidden)]
-    fn weight(operator: &dyn Combine, a: Self, b: Self, blend: Option<Blend>) -> Self;
+    /// The functions of a shape over this number type.
+    fn shape(shape: &dyn Shape) -> &dyn EvalShape<Self>;
+    /// The functions of an operator over this number type.
+    fn operator(operator: &'static dyn Operator) -> &'static dyn EvalOperator<Self>;
+    /// The functions of a modifier over this number type.
+    fn modifier(modifier: &'static dyn Modifier) -> &'static dyn EvalModifier<Self>;
     /// A uniform number in 0..1 for the choice of this index at each point.
     #[doc(hidden)]
     fn choice(seeds: Self::Seeds, index: u32) -> Self;
 }
 
-/// The calls of an implementation of [`Batch`], given the methods of shapes, modifiers and operators for its numbers.
-macro_rules! calls {
-    ($distance:ident, $gradient:ident, $ray:ident, $span:ident, $point:ident, $point_gradient:ident, $weight:ident) => {
-        fn shape_distance(shape: &dyn Shape, p: Vec3<Self>, params: &[f32]) -> Self {
-            shape.$distance(p, params)
+/// Conversions to the functions of one number type, the same text for every implementation of [`Batch`].
+macro_rules! upcasts {
+    () => {
+        #[inline(always)]
+        fn shape(shape: &dyn Shape) -> &dyn EvalShape<Self> {
+            shape
         }
-        fn shape_gradient(shape: &dyn Shape, p: Vec3<Dual<Self>>, params: &[f32]) -> Dual<Self> {
-            shape.$gradient(p, params)
+        #[inline(always)]
+        fn operator(operator: &'static dyn Operator) -> &'static dyn EvalOperator<Self> {
+            operator
         }
-        fn shape_ray(shape: &dyn Shape, origin: Vec3<Self>, direction: Vec3<Self>, params: &[f32]) -> Self {
-            shape.$ray(origin, direction, params)
-        }
-        fn shape_span(shape: &dyn Shape, origin: Vec3<Self>, direction: Vec3<Self>, params: &[f32]) -> Span<Self> {
-            shape.$span(origin, direction, params)
-        }
-        fn modified_point(modifier: &dyn Modify, p: Vec3<Self>, place: Self, numbers: &[f32]) -> Vec3<Self> {
-            modifier.$point(p, place, numbers)
-        }
-        fn modified_point_gradient(
-            modifier: &dyn Modify,
-            p: Vec3<Self>,
-            place: Self,
-            numbers: &[f32],
-        ) -> Vec3<Dual<Self>> {
-            modifier.$point_gradient(p, place, numbers)
-        }
-        fn modified(modifier: &dyn Modify, p: Vec3<Self>, inside: Self, numbers: &[f32]) -> Self {
-            modifier.$distance(p, inside, numbers)
-        }
-        fn modified_gradient(modifier: &dyn Modify, p: Vec3<Self>, inside: Dual<Self>, numbers: &[f32]) -> Dual<Self> {
-            modifier.$gradient(p, inside, numbers)
-        }
-        fn combined(operator: &dyn Combine, a: Self, b: Self, blend: Option<Blend>) -> Self {
-            operator.$distance(a, b, blend)
-        }
-        fn combined_gradient(operator: &dyn Combine, a: Dual<Self>, b: Dual<Self>, blend: Option<Blend>) -> Dual<Self> {
-            operator.$gradient(a, b, blend)
-        }
-        fn weight(operator: &dyn Combine, a: Self, b: Self, blend: Option<Blend>) -> Self {
-            operator.$weight(a, b, blend)
+        #[inline(always)]
+        fn modifier(modifier: &'static dyn Modifier) -> &'static dyn EvalModifier<Self> {
+            modifier
         }
     };
 }
@@ -94,7 +53,7 @@ macro_rules! calls {
 impl Batch for f32 {
     type Seeds = u32;
     const LANES: usize = 1;
-    calls!(distance, gradient, ray, span, point, point_gradient, weight);
+    upcasts!();
     fn any(mask: bool) -> bool {
         mask
     }
@@ -115,7 +74,7 @@ impl Batch for f32 {
 impl Batch for f32x8 {
     type Seeds = [u32; 8];
     const LANES: usize = 8;
-    calls!(distance_lanes, gradient_lanes, ray_lanes, span_lanes, point_lanes, point_gradient_lanes, weight_lanes);
+    upcasts!();
     fn any(mask: Mask8) -> bool {
         mask.0.to_bitmask() != 0
     }

@@ -1,40 +1,42 @@
-//! A field made of the tree that people write: placements move down to the leaves, and each object gets its role.
+//! A field made of the tree that people write: placements move down to the leaves, and each object gets its strategy.
 
 use super::bvh::Bvh;
 use super::pose::Frame;
-use super::{Field, Kind, Leaf, Modified, Node, Role, Tree, crowd};
+use super::{EvalStrategy, Field, Kind, Leaf, Modified, Node, Tree, shape_grid};
 use crate::blend::Blend;
 use crate::bounds::Aabb;
-use crate::registry::{Combine, ShapeRef, union};
+use crate::operators::Operator;
+use crate::registry::union;
+use crate::shapes::ShapeRef;
 
 impl Field {
-    /// The union of `objects`. A [`Kind::Combine`] without children is left out.
+    /// The union of `objects`. A [`Kind::Operator`] without children is left out.
     pub fn new(objects: &[Node]) -> Self {
-        Self::with_crowds_from(objects, crowd::LEAST)
+        Self::with_shape_grids_from(objects, shape_grid::LEAST)
     }
 
-    /// [`new`](Self::new), where so many shapes are a crowd.
+    /// [`new`](Self::new), where so many shapes are a shape_grid.
     #[doc(hidden)]
-    pub fn with_crowds_from(objects: &[Node], least: usize) -> Self {
+    pub fn with_shape_grids_from(objects: &[Node], least: usize) -> Self {
         Self::of(objects, least, false)
     }
 
-    /// [`new`](Self::new), where nothing is met in closed form and nothing is a crowd.
+    /// [`new`](Self::new), where nothing is met in closed form and nothing is a shape_grid.
     #[doc(hidden)]
-    pub fn all_marched(objects: &[Node]) -> Self {
+    pub fn all_sphere_traced(objects: &[Node]) -> Self {
         Self::of(objects, usize::MAX, true)
     }
 
-    fn of(objects: &[Node], least: usize, marches_all: bool) -> Self {
+    fn of(objects: &[Node], least: usize, sphere_traces_all: bool) -> Self {
         let mut field = Self {
-            marches_all,
+            sphere_traces_all,
             leaves: Vec::new(),
             objects: Vec::new(),
             bounds: Aabb::NOTHING,
             object_bounds: Vec::new(),
-            marched_bounds: Aabb::NOTHING,
-            roles: Vec::new(),
-            crowds: Vec::new(),
+            sphere_traced_bounds: Aabb::NOTHING,
+            strategies: Vec::new(),
+            shape_grids: Vec::new(),
             bvh: Bvh::default(),
             choices: 0,
             modifiers: 0,
@@ -44,17 +46,17 @@ impl Field {
                 let bounds = field.tree_bounds(&tree);
                 field.bounds = field.bounds.union(bounds);
                 field.object_bounds.push(bounds);
-                if field.is_direct(&tree) {
-                    field.roles.push(Role::Direct);
-                    field.mark_hollow(&tree, false);
+                if field.is_analytic(&tree) {
+                    field.strategies.push(EvalStrategy::Analytic);
+                    field.mark_subtracted(&tree, false);
                 } else {
-                    field.roles.push(Role::Marched);
-                    field.marched_bounds = field.marched_bounds.union(bounds);
+                    field.strategies.push(EvalStrategy::SphereTraced);
+                    field.sphere_traced_bounds = field.sphere_traced_bounds.union(bounds);
                 }
                 field.objects.push(tree);
             }
         }
-        field.gather(least);
+        field.gather_shape_grids(least);
         field
     }
 
@@ -64,31 +66,31 @@ impl Field {
             Kind::Shape { shape, params, tag } => {
                 self.leaves.push(Leaf {
                     shape: shape.variant(params).map_or_else(|| shape.clone(), ShapeRef::from),
-                    params: shape.numbers(params),
+                    params: shape.coefficients(params),
                     tag: *tag,
                     object,
                     pose: frame.pose(),
                     modified,
-                    hollow: false,
+                    subtracted: false,
                 });
                 Some(Tree::Leaf(self.leaves.len() as u32 - 1))
             }
-            Kind::Combine { operator, smooth, children } => {
+            Kind::Operator { operator, smooth, children } => {
                 let scale = if operator.blends() { frame.scale } else { 1.0 };
                 let smooth = smooth.map(|blend| Blend { amount: blend.amount * scale, ..blend });
                 self.combine(*operator, smooth, children, frame, object, modified)
             }
-            Kind::Modify { modifier, params, children } => {
+            Kind::Modifier { modifier, params, children } => {
                 let inside = self.combine(union(), None, children, Frame::WORLD, object, true)?;
                 // An intersection may hold nothing, and a box that holds nothing has no corners.
                 let inside_bounds = Some(self.tree_bounds(&inside)).filter(|bounds| !bounds.is_empty());
                 let inside_bounds = inside_bounds.unwrap_or(Aabb::centred(0.0, 0.0, 0.0));
                 self.modifiers += 1;
-                Some(Tree::Modify(Box::new(Modified {
+                Some(Tree::Modifier(Box::new(Modified {
                     modifier: *modifier,
                     index: self.modifiers - 1,
-                    numbers: modifier.numbers(params, inside_bounds),
-                    places: modifier.places(params, inside_bounds),
+                    coefficients: modifier.coefficients(params, inside_bounds),
+                    copies: modifier.copies(params, inside_bounds),
                     pose: frame.pose(),
                     inside,
                     params: params.clone(),
@@ -100,7 +102,7 @@ impl Field {
 
     fn combine(
         &mut self,
-        operator: &'static dyn Combine,
+        operator: &'static dyn Operator,
         smooth: Option<Blend>,
         children: &[Node],
         frame: Frame,
@@ -114,7 +116,7 @@ impl Field {
         match children.len() {
             0 => None,
             1 => children.pop(),
-            _ => Some(Tree::Combine { operator, smooth, children, first_choice }),
+            _ => Some(Tree::Operator { operator, smooth, children, first_choice }),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Where a point of the world is in a leaf's own coordinates, and how these change with it.
 //!
 //! What is told of a surface beside its distance lives there: the orbit of a fractal, a texture, which so stays with a shape
-//! that is moved or twisted. Through modifiers the derivatives are those of [`Modify::point`](crate::Modify), by the chain
+//! that is moved or twisted. Through modifiers the derivatives are those of [`Modifier::point`](crate::Modifier), by the chain
 //! rule. Cost: one transform; for each modifier around the leaf one more, and where it holds copies, a search for the
 //! nearest.
 
@@ -41,15 +41,15 @@ impl Field {
         let mut here = Coordinates::world(p);
         for modified in self.around(leaf) {
             here = here.placed(&modified.pose);
-            let place = if modified.places > 1 { self.nearest_inside(modified, here.point).1 } else { 0.0 };
-            let point = f32::modified_point_gradient(modified.modifier, here.point, place, &modified.numbers);
+            let place = if modified.copies > 1 { self.nearest_inside(modified, here.point).1 } else { 0.0 };
+            let point = f32::modifier(modified.modifier).point_gradient(here.point, place, &modified.coefficients);
             here = here.inside(point.values(), [point.x.gradient, point.y.gradient, point.z.gradient]);
         }
         Some(here.placed(&shape.pose))
     }
 
     /// The number of the modifier that holds the leaf, counted from 1; 0 for one that stands in the world.
-    pub fn holder(&self, leaf: usize) -> u32 {
+    pub fn enclosing_modifier(&self, leaf: usize) -> u32 {
         self.around(leaf).last().map_or(0, |modified| modified.index + 1)
     }
 
@@ -68,8 +68,8 @@ impl Field {
 fn find<'t>(tree: &'t Tree, leaf: u32, around: &mut Vec<&'t Modified>) -> bool {
     match tree {
         Tree::Leaf(index) => *index == leaf,
-        Tree::Combine { children, .. } => children.iter().any(|child| find(child, leaf, around)),
-        Tree::Modify(modified) => {
+        Tree::Operator { children, .. } => children.iter().any(|child| find(child, leaf, around)),
+        Tree::Modifier(modified) => {
             let found = find(&modified.inside, leaf, around);
             if found {
                 around.push(modified);

@@ -2,14 +2,15 @@
 
 use super::{Batch, Pose};
 use crate::number::{Dual, Vec3};
-use crate::registry::{ShapeRef, Span};
+use crate::ray_interval::RayInterval;
+use crate::shapes::ShapeRef;
 
 /// A shape of the field.
 #[derive(Clone, Debug)]
 pub struct Leaf {
     /// The shape.
     pub shape: ShapeRef,
-    /// What it reads: [`Shape::numbers`](crate::Shape::numbers).
+    /// What it reads: [`Shape::coefficients`](crate::Shape::coefficients).
     pub params: Vec<f32>,
     /// The tag of its node.
     pub tag: u32,
@@ -20,32 +21,32 @@ pub struct Leaf {
     /// Whether that is in the space of a modifier, not in the world.
     pub modified: bool,
     /// Whether rays meet it in closed form from within: it is taken away from its object.
-    pub hollow: bool,
+    pub subtracted: bool,
 }
 
 impl Leaf {
     #[inline]
     pub(super) fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
-        let distance = N::shape_distance(&*self.shape, self.pose.local(p), &self.params);
+        let distance = N::shape(&*self.shape).distance(self.pose.local(p), &self.params);
         self.pose.length(distance)
     }
 
     #[inline]
     pub(super) fn ray<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> N {
-        let t = N::shape_ray(&*self.shape, self.pose.local(origin), self.pose.turned(direction), &self.params);
+        let t = N::shape(&*self.shape).ray(self.pose.local(origin), self.pose.turned(direction), &self.params);
         self.pose.length(t)
     }
 
     #[inline]
-    pub(super) fn span<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> Span<N> {
+    pub(super) fn interval<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> RayInterval<N> {
         let (origin, direction) = (self.pose.local(origin), self.pose.turned(direction));
-        let Span { enter, leave } = N::shape_span(&*self.shape, origin, direction, &self.params);
-        Span { enter: self.pose.length(enter), leave: self.pose.length(leave) }
+        let RayInterval { enter, leave } = N::shape(&*self.shape).interval(origin, direction, &self.params);
+        RayInterval { enter: self.pose.length(enter), leave: self.pose.length(leave) }
     }
 
     #[inline]
     pub(super) fn surface<N: Batch>(&self, p: Vec3<N>) -> Dual<N> {
-        let local = N::shape_gradient(&*self.shape, Dual::variables(self.pose.local(p)), &self.params);
+        let local = N::shape(&*self.shape).gradient(Dual::variables(self.pose.local(p)), &self.params);
         self.pose.world(local)
     }
 }

@@ -2,7 +2,9 @@
 
 use super::pose::{Frame, Pose};
 use crate::blend::Blend;
-use crate::registry::{Combine, Modify, ShapeRef};
+use crate::modifiers::Modifier;
+use crate::operators::Operator;
+use crate::shapes::ShapeRef;
 
 /// Where a node stands: scale first, then turn, then move.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,19 +48,19 @@ pub enum Kind {
         tag: u32,
     },
     /// An operator over its children, folded from the first to the last.
-    Combine {
+    Operator {
         /// The operator.
-        operator: &'static dyn Combine,
+        operator: &'static dyn Operator,
         /// How it blends; sharp when absent.
         smooth: Option<Blend>,
         /// At least one.
         children: Vec<Node>,
     },
     /// An operator that changes the union of its children.
-    Modify {
+    Modifier {
         /// The operator.
-        modifier: &'static dyn Modify,
-        /// Its numbers, in the order of [`Modify::params`].
+        modifier: &'static dyn Modifier,
+        /// Its numbers, in the order of [`Modifier::params`].
         params: Vec<f32>,
         /// At least one.
         children: Vec<Node>,

@@ -1,7 +1,7 @@
 //! Surfaces of a field on the CPU: distance, gradient, and the leaf whose material shows.
 
-use super::crowd::Afar;
-use super::{Batch, Field, Modified, Role, Tree};
+use super::shape_grid::FarField;
+use super::{Batch, EvalStrategy, Field, Modified, Tree};
 use crate::number::{Dual, Real, Vec3};
 
 /// The nearest surface as seen from a point.
@@ -18,16 +18,18 @@ impl Field {
     /// material shows. Where smooth operators blend materials, one of them is chosen with the probability of its weight,
     /// by the point's seed.
     pub fn surface<N: Batch>(&self, p: Vec3<N>, seeds: N::Seeds) -> Surface<N> {
-        self.nearest_surface(p, |_| N::truth(true), &|index| N::choice(seeds, index), Afar::Exact)
+        self.nearest_surface(p, |_| N::truth(true), &|index| N::choice(seeds, index), FarField::Exact)
     }
 
     /// The surface of the union at each point: of the object whose signed distance is least, as in
-    /// [`distance`](Self::distance). Thresholds are as in [`surface_met`](Self::surface_met).
+    /// [`distance`](Self::distance). Thresholds are as in [`surface_at_hit`](Self::surface_at_hit).
     pub fn union_surface<N: Batch>(&self, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         let mut least = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
-        for (object, role) in self.objects.iter().zip(&self.roles) {
-            let surface = match role {
-                Role::Crowd(crowd) => self.crowds[*crowd].surface(self, p, threshold, Afar::Exact),
+        for (object, strategy) in self.objects.iter().zip(&self.strategies) {
+            let surface = match strategy {
+                EvalStrategy::ShapeGrid(shape_grid) => {
+                    self.shape_grids[*shape_grid].surface(self, p, threshold, FarField::Exact)
+                }
                 _ => self.tree_surface(object, p, threshold),
             };
             let is_less = surface.field.value.lt(least.field.value);
@@ -40,21 +42,21 @@ impl Field {
     }
 
     /// The surface that a ray met at each point, as [`surface`](Self::surface): of the leaf of closed form that
-    /// [`direct_hit`](Self::direct_hit) gave as `met`, or of the objects that are marched where that is
-    /// [`MARCHED`](super::MARCHED). Where a smooth operator blends two materials, the second one shows if its weight exceeds
+    /// [`analytic_hit`](Self::analytic_hit) gave as `met`, or of the objects that are marched where that is
+    /// [`SPHERE_TRACED`](super::SPHERE_TRACED). Where a smooth operator blends two materials, the second one shows if its weight exceeds
     /// the threshold of the blend's number: [`Batch::choice`], or 0.5 for the heavier one.
-    pub fn surface_met<N: Batch>(&self, p: Vec3<N>, met: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
+    pub fn surface_at_hit<N: Batch>(&self, p: Vec3<N>, met: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         let all = &met.lanes()[..N::LANES];
         let mut result = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
         if all.iter().any(|&met| met < 0.0) {
-            result = self.nearest_surface(p, |closed| N::truth(!closed), threshold, Afar::Estimate);
+            result = self.nearest_surface(p, |closed| N::truth(!closed), threshold, FarField::Estimate);
         }
         for (lane, &leaf) in all.iter().enumerate().filter(|(_, leaf)| **leaf >= 0.0) {
             if all[..lane].contains(&leaf) {
                 continue;
             }
             let Some(shape) = self.leaves.get(leaf as usize) else { continue };
-            let field = if shape.hollow { -shape.surface(p) } else { shape.surface(p) };
+            let field = if shape.subtracted { -shape.surface(p) } else { shape.surface(p) };
             let is_it = (met - N::constant(leaf)).abs().lt(N::constant(0.5));
             result = Surface {
                 field: Dual::select(is_it, field, result.field),
@@ -69,7 +71,7 @@ impl Field {
         p: Vec3<N>,
         counts: impl Fn(bool) -> N::Mask,
         threshold: &dyn Fn(u32) -> N,
-        afar: Afar,
+        far_field: FarField,
     ) -> Surface<N> {
         let mut nearest = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
         let mut add = |surface: Surface<N>, counts: N::Mask| {
@@ -79,15 +81,15 @@ impl Field {
                 leaf: N::select(closer, surface.leaf, nearest.leaf),
             };
         };
-        for (object, role) in self.objects.iter().zip(&self.roles) {
-            let closed = matches!(role, Role::Direct | Role::InBvh);
-            let is_evaluated = closed || *role == Role::Marched;
+        for (object, strategy) in self.objects.iter().zip(&self.strategies) {
+            let closed = matches!(strategy, EvalStrategy::Analytic | EvalStrategy::InBvh);
+            let is_evaluated = closed || *strategy == EvalStrategy::SphereTraced;
             if is_evaluated && N::any(counts(closed)) {
                 add(self.tree_surface(object, p, threshold), counts(closed));
             }
         }
-        for crowd in &self.crowds {
-            add(crowd.surface(self, p, threshold, afar), counts(false));
+        for shape_grid in &self.shape_grids {
+            add(shape_grid.surface(self, p, threshold, far_field), counts(false));
         }
         nearest
     }
@@ -98,27 +100,27 @@ impl Field {
                 let field = self.leaves[*index as usize].surface(p);
                 Surface { field, leaf: N::constant(*index as f32) }
             }
-            Tree::Modify(modified) => {
-                let Modified { modifier, numbers, pose, inside, .. } = &**modified;
+            Tree::Modifier(modified) => {
+                let Modified { modifier, coefficients, pose, inside, .. } = &**modified;
                 let p = pose.local(p);
-                let place = if modified.places > 1 { self.nearest_inside(modified, p).1 } else { N::zero() };
-                let point = N::modified_point_gradient(*modifier, p, place, numbers);
+                let place = if modified.copies > 1 { self.nearest_inside(modified, p).1 } else { N::zero() };
+                let point = N::modifier(*modifier).point_gradient(p, place, coefficients);
                 let Surface { field, leaf } = self.tree_surface(inside, point.values(), threshold);
                 let inside = Dual { value: field.value, gradient: point.pulled(field.gradient) };
-                Surface { field: pose.world(N::modified_gradient(*modifier, p, inside, numbers)), leaf }
+                Surface { field: pose.world(N::modifier(*modifier).gradient(p, inside, coefficients)), leaf }
             }
-            Tree::Combine { operator, smooth, children, first_choice } => {
+            Tree::Operator { operator, smooth, children, first_choice } => {
                 let mut result = self.tree_surface(&children[0], p, threshold);
                 for (k, child) in children[1..].iter().enumerate() {
                     let other = self.tree_surface(child, p, threshold);
-                    let weight = N::weight(*operator, result.field.value, other.field.value, *smooth);
+                    let weight = N::operator(*operator).weight(result.field.value, other.field.value, *smooth);
                     let least = match smooth {
                         Some(_) => threshold(first_choice + k as u32),
                         None => N::constant(0.5),
                     };
                     let other_shows = least.lt(weight);
                     result = Surface {
-                        field: N::combined_gradient(*operator, result.field, other.field, *smooth),
+                        field: N::operator(*operator).gradient(result.field, other.field, *smooth),
                         leaf: N::select(other_shows, other.leaf, result.leaf),
                     };
                 }

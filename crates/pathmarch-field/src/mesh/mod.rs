@@ -165,7 +165,7 @@ fn grid<'a>(field: &'a Field, fineness: Fineness, cut: Option<Aabb>) -> Result<S
     }
     let before = [1.382, 1.437, 1.271];
     let origin = std::array::from_fn(|k| f64::from(bounds.min[k]) - cell * before[k]);
-    field.index();
+    field.build_shape_grids();
     Ok(Solid { field, cut, origin, cell, counts: counts.map(|count| count.ceil() as i32) })
 }
 

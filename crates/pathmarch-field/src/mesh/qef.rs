@@ -8,7 +8,7 @@
 
 use glam::{DMat3, DVec3};
 
-/// Share of the largest eigenvalue below which a direction is left alone: two planes that meet at less than 11° are one smooth
+/// Share of the largest eigenvalue below which a direction is left single_objects: two planes that meet at less than 11° are one smooth
 /// surface.
 const LEAST_SHARE: f64 = 0.01;
 

@@ -8,31 +8,33 @@
 //! of it (`round`, `shell`) is bounded, too. What is longer than half a circle is cut there. Away from the solid its box
 //! is nearer the truth; the larger bound is taken.
 
-use super::{ENDLESS, box_distance, corners};
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
+use super::bounding_box::{ENDLESS, box_distance, corners};
 
 pub(crate) struct Op;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info {
         exact: false,
         ..Info::new("bend", "What it holds, its x axis bent upwards into a circle.", "Barr 1984, section 4")
     };
     const PARAMS: &'static [Param] = &[Param::between("turns-per-metre", 0.1, 1e-4, 100.0, "Turns over a metre of the x axis; at most half a turn of it is kept.")];
-    type Numbers<N: Real> = [N; 8];
+    type Coefficients<N: Real> = [N; 8];
     const NEEDS_BOUNDS: bool = true;
 
-    fn numbers(params: &[f32], inside: Aabb) -> [f32; 8] {
+    fn coefficients(params: &[f32], inside: Aabb) -> [f32; 8] {
         let radius = 1.0 / (TAU * params[0]);
         let [a, b, c, d, e, f] = corners(Self::bounds(params, inside));
         [radius, (radius - inside.max[1]).clamp(0.02 * radius, ENDLESS), a, b, c, d, e, f]
     }
     #[inline(always)]
-    fn point<N: Real>(p: Vec3<N>, _place: N, numbers: [N; 8]) -> Vec3<N> {
-        let radius = numbers[0];
+    fn point<N: Real>(p: Vec3<N>, _place: N, coefficients: [N; 8]) -> Vec3<N> {
+        let radius = coefficients[0];
         let up = (radius - p.y).named("up");
         Vec3::new(p.x.atan2(up) * radius, radius - p.x.hypot(up), p.z)
     }

@@ -2,26 +2,28 @@
 //! amplitude · sin(ωx) sin(ωy) sin(ωz), whose slope is at most amplitude · ω. The sum of both is divided by one more than that,
 //! which keeps a bound. Away from the solid its box is nearer the truth; the larger of the two bounds is taken.
 
-use super::{box_distance, corners};
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
 use std::f32::consts::TAU;
+use super::bounding_box::{box_distance, corners};
 
 pub(crate) struct Op;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info {
         exact: false,
         ..Info::new("displace", "What it holds, its surface moved in and out by a wave.", "Quilez 2008, displacement")
     };
     const PARAMS: &'static [Param] = &[
         Param::length_or_zero("amplitude", 0.05, "How far the surface moves, to either side."),
-        Param { unit: crate::registry::Unit::Ratio, ..Param::length("frequency", 2.0, "Waves in a metre.") },
+        Param { unit: crate::parameter::Unit::Ratio, ..Param::length("frequency", 2.0, "Waves in a metre.") },
     ];
-    type Numbers<N: Real> = [N; 9];
+    type Coefficients<N: Real> = [N; 9];
 
-    fn numbers(params: &[f32], inside: Aabb) -> [f32; 9] {
+    fn coefficients(params: &[f32], inside: Aabb) -> [f32; 9] {
         let [a, b, c, d, e, f] = corners(Self::bounds(params, inside));
         let rate = TAU * params[1];
         [params[0], rate, 1.0 / (1.0 + params[0] * rate), a, b, c, d, e, f]

@@ -2,12 +2,14 @@
 //! The map of points takes each to the nearest of a box, whose complement it keeps: it never enlarges distances.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
 
 pub(crate) struct Op;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info {
         exact: false,
         size_params: 3,
@@ -22,9 +24,9 @@ impl Modifier for Op {
         Param::length_or_zero("y", 0.0, "Length of the straight piece along y."),
         Param::length_or_zero("z", 0.0, "Length of the straight piece along z."),
     ];
-    type Numbers<N: Real> = [N; 3];
+    type Coefficients<N: Real> = [N; 3];
 
-    fn numbers(params: &[f32], _inside: Aabb) -> [f32; 3] {
+    fn coefficients(params: &[f32], _inside: Aabb) -> [f32; 3] {
         [params[0], params[1], params[2]]
     }
     #[inline(always)]

@@ -5,22 +5,24 @@
 //! Of a solid it takes the slice at z = 0, whose distance in the plane is never below that in space.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
 
 pub(crate) struct Op;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info::new(
         "extrude",
         "A profile drawn out along z, centred at z = 0; of a solid, its slice there.",
         "Quilez 2008, extrusion",
     );
     const PARAMS: &'static [Param] = &[Param::length("height", 1.0, "Length along z, from end to end.")];
-    type Numbers<N: Real> = [N; 1];
+    type Coefficients<N: Real> = [N; 1];
     const OF_PROFILES: bool = true;
 
-    fn numbers(params: &[f32], _inside: Aabb) -> [f32; 1] {
+    fn coefficients(params: &[f32], _inside: Aabb) -> [f32; 1] {
         [0.5 * params[0]]
     }
     #[inline(always)]

@@ -2,8 +2,10 @@
 //! is right for what crosses the plane; what lies on one side alone is looked for only where `p` is folded to.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
 
 pub(crate) struct Op;
 
@@ -12,22 +14,22 @@ fn is_beside(params: &[f32], inside: Aabb) -> bool {
     inside.min[params[0] as usize] >= 0.0
 }
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info::new("mirror", "What it holds and its image in a mirror through the origin.", "Hart 1996, section 2.3");
     const PARAMS: &'static [Param] = &[Param::axis("axis", "The mirror lies across this axis.")];
-    type Numbers<N: Real> = [N; 4];
+    type Coefficients<N: Real> = [N; 4];
 
-    fn numbers(params: &[f32], inside: Aabb) -> [f32; 4] {
+    fn coefficients(params: &[f32], inside: Aabb) -> [f32; 4] {
         let across = |axis: usize| if params[0] as usize == axis { 1.0 } else { 0.0 };
         [across(0), across(1), across(2), if is_beside(params, inside) { 1.0 } else { 0.0 }]
     }
-    fn places(params: &[f32], inside: Aabb) -> u32 {
+    fn copies(params: &[f32], inside: Aabb) -> u32 {
         if is_beside(params, inside) { 1 } else { 2 }
     }
     #[inline(always)]
-    fn point<N: Real>(p: Vec3<N>, place: N, [x, y, z, folds]: [N; 4]) -> Vec3<N> {
+    fn point<N: Real>(p: Vec3<N>, copy: N, [x, y, z, folds]: [N; 4]) -> Vec3<N> {
         let half = N::constant(0.5);
-        let image = half.lt(place);
+        let image = half.lt(copy);
         let turned = |v: N, across: N| {
             let other = N::select(half.lt(folds), v.abs(), N::select(image, -v, v));
             N::select(half.lt(across), other, v)

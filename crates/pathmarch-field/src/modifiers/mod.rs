@@ -1,40 +1,23 @@
-//! The operators that change the space of what they hold, or its distance. A name in this list is a file and its
-//! registration.
+//! Modifiers, which change the domain or the distance of one child. A name in the list below is a file and its registration.
+//!
+//! [`ModifierDef`] is what a file implements, generic over the number type. [`Modifier`] is the object-safe form by which a field
+//! calls all modifiers.
 
-use crate::bounds::Aabb;
-use crate::number::{Real, Vec3};
-use crate::registry::{Entry, Modify};
-use std::marker::PhantomData;
+mod bounding_box;
+mod definition;
+mod dispatch;
+mod entry;
+
+pub use definition::ModifierDef;
+pub use dispatch::{EvalModifier, Modifier};
+use entry::Entry;
 
 macro_rules! modifiers {
     ($($module:ident),* $(,)?) => {
         $(mod $module;)*
         /// Every modifier, in this order.
-        pub(crate) static ALL: &[&'static dyn Modify] = &[$(&Entry::<$module::Op>(PhantomData)),*];
+        pub(crate) static ALL: &[&'static dyn Modifier] = &[$(&Entry::<$module::Op>::new()),*];
     };
 }
 
 modifiers!(repeat, polar, mirror, twist, bend, elongate, round, shell, displace, extrude, revolve);
-
-/// Coordinates that stand for those without end, metres.
-const ENDLESS: f32 = 1e30;
-
-/// Corners of a box as numbers that a modifier reads.
-fn corners(bounds: Aabb) -> [f32; 6] {
-    let finite = |v: f32| v.clamp(-ENDLESS, ENDLESS);
-    let ([a, b, c], [d, e, f]) = (bounds.min.map(finite), bounds.max.map(finite));
-    [a, b, c, d, e, f]
-}
-
-/// Signed distance to a box given by its corners.
-#[inline(always)]
-fn box_distance<N: Real>(p: Vec3<N>, [x, y, z, xx, yy, zz]: [N; 6]) -> N {
-    let outside = Vec3::new((x - p.x).max(p.x - xx), (y - p.y).max(p.y - yy), (z - p.z).max(p.z - zz));
-    outside.max(N::zero()).length() + outside.largest().min(N::zero())
-}
-
-/// The largest distance of a box's points from the axis, of which `a` and `b` are the others.
-fn reach(bounds: Aabb, a: usize, b: usize) -> f32 {
-    let far = |k: usize| bounds.min[k].abs().max(bounds.max[k].abs());
-    far(a).hypot(far(b)).clamp(1e-6, ENDLESS)
-}

@@ -3,8 +3,10 @@
 //! that the box of what it holds covers; all of them, at most eight, where it holds the axis.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
 use std::f32::consts::{PI, TAU};
 
 pub(crate) struct Op;
@@ -34,22 +36,22 @@ fn nearby(params: &[f32], inside: Aabb) -> f32 {
     across.min(params[0]).min(MOST)
 }
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info::new("polar", "Copies of what it holds, turned about the y axis.", "Quilez 2008, domain repetition");
     const PARAMS: &'static [Param] = &[Param::count("count", 6.0, 1.0, 10_000.0, "Copies in the whole circle.")];
-    type Numbers<N: Real> = [N; 2];
+    type Coefficients<N: Real> = [N; 2];
     const IN_PLANE: bool = false;
 
-    fn numbers(params: &[f32], inside: Aabb) -> [f32; 2] {
+    fn coefficients(params: &[f32], inside: Aabb) -> [f32; 2] {
         [TAU / params[0], angles(inside).0]
     }
-    fn places(params: &[f32], inside: Aabb) -> u32 {
+    fn copies(params: &[f32], inside: Aabb) -> u32 {
         nearby(params, inside) as u32
     }
     #[inline(always)]
-    fn point<N: Real>(p: Vec3<N>, place: N, [part, end]: [N; 2]) -> Vec3<N> {
+    fn point<N: Real>(p: Vec3<N>, copy: N, [part, end]: [N; 2]) -> Vec3<N> {
         // From +x towards +z. The number is constant around a point: only the turn by it counts for derivatives.
-        let number = ((p.z.atan2(p.x) - end) / part + N::constant(0.5)).floor() + place;
+        let number = ((p.z.atan2(p.x) - end) / part + N::constant(0.5)).floor() + copy;
         let turn = (number * part).named("turn");
         let (sine, cosine) = (turn.sin().named("sine"), turn.cos().named("cosine"));
         Vec3::new(p.x * cosine + p.z * sine, p.y, p.z * cosine - p.x * sine)

@@ -6,10 +6,12 @@
 //! cell, more if it does not. The distance is that to the nearest of them, which is right across all borders.
 //! Cost: one evaluation for each of those copies, 2 to 8 for what fits in its cell.
 
-use super::ENDLESS;
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
+use super::bounding_box::ENDLESS;
 
 pub(crate) struct Op;
 
@@ -35,7 +37,7 @@ fn nearby(params: &[f32], inside: Aabb, k: usize) -> f32 {
 /// The most copies along an axis that are looked at.
 const MOST_ACROSS: f32 = 5.0;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info {
         size_params: 3,
         ..Info::new(
@@ -54,17 +56,17 @@ impl Modifier for Op {
         Param::count("count-z", 0.0, 0.0, 1e6, "Copies along z; 0 for as many as `count`."),
     ];
     /// For each axis the spacing, the middle of the copies, their last number and that of those nearby, the box's end.
-    type Numbers<N: Real> = [N; 15];
+    type Coefficients<N: Real> = [N; 15];
     const NEEDS_BOUNDS: bool = true;
 
-    fn numbers(params: &[f32], inside: Aabb) -> [f32; 15] {
-        let mut numbers = [0.0; 15];
+    fn coefficients(params: &[f32], inside: Aabb) -> [f32; 15] {
+        let mut coefficients = [0.0; 15];
         for k in 0..3 {
             let (spacing, count) = axis(params, inside, k);
             // Endless copies are counted from the one at the origin.
             let (middle, last) = if count > 0.0 { (0.5 * (count - 1.0), count - 1.0) } else { (0.0, ENDLESS) };
             let used = spacing > 0.0;
-            numbers[5 * k..5 * k + 5].copy_from_slice(&[
+            coefficients[5 * k..5 * k + 5].copy_from_slice(&[
                 if used { spacing } else { 0.0 },
                 if used { middle } else { 0.0 },
                 if used { last } else { 0.0 },
@@ -72,19 +74,19 @@ impl Modifier for Op {
                 inside.max[k].clamp(-ENDLESS, ENDLESS),
             ]);
         }
-        numbers
+        coefficients
     }
-    fn places(params: &[f32], inside: Aabb) -> u32 {
+    fn copies(params: &[f32], inside: Aabb) -> u32 {
         (0..3).map(|k| nearby(params, inside, k) as u32).product()
     }
     #[inline(always)]
-    fn point<N: Real>(p: Vec3<N>, place: N, numbers: [N; 15]) -> Vec3<N> {
+    fn point<N: Real>(p: Vec3<N>, copy: N, coefficients: [N; 15]) -> Vec3<N> {
         let half = N::constant(0.5);
-        let [xs, xm, xl, xn, xe, ys, ym, yl, yn, ye, zs, zm, zl, zn, ze] = numbers;
-        // The digits of the place: which of those nearby along each axis.
-        let over_x = ((place + half) / xn).floor().named("over_x");
+        let [xs, xm, xl, xn, xe, ys, ym, yl, yn, ye, zs, zm, zl, zn, ze] = coefficients;
+        // The digits of the copy: which of those nearby along each axis.
+        let over_x = ((copy + half) / xn).floor().named("over_x");
         let over_y = ((over_x + half) / yn).floor().named("over_y");
-        let digits = [place - over_x * xn, over_x - over_y * yn, over_y];
+        let digits = [copy - over_x * xn, over_x - over_y * yn, over_y];
         let moved = |v: N, digit: N, [spacing, middle, last, nearby, end]: [N; 5]| {
             let step = spacing.max(N::constant(1e-20));
             let first = ((v - end) / step + middle + half).floor();

@@ -5,12 +5,14 @@
 //! Of a solid it takes the slice at z = 0, whose distance in the plane is never below that in space.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
 
 pub(crate) struct Op;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(
@@ -21,10 +23,10 @@ impl Modifier for Op {
     };
     const PARAMS: &'static [Param] =
         &[Param::length_or_zero("offset", 0.0, "From the axis to the origin of the profile.")];
-    type Numbers<N: Real> = [N; 1];
+    type Coefficients<N: Real> = [N; 1];
     const OF_PROFILES: bool = true;
 
-    fn numbers(params: &[f32], _inside: Aabb) -> [f32; 1] {
+    fn coefficients(params: &[f32], _inside: Aabb) -> [f32; 1] {
         [params[0]]
     }
     #[inline(always)]

@@ -2,17 +2,19 @@
 //! outside stays exact there.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
 
 pub(crate) struct Op;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info::new("round", "What it holds, thicker on every side, with round edges.", "Quilez 2008, rounding");
     const PARAMS: &'static [Param] = &[Param::length_or_zero("radius", 0.1, "How far the surface moves outwards.")];
-    type Numbers<N: Real> = [N; 1];
+    type Coefficients<N: Real> = [N; 1];
 
-    fn numbers(params: &[f32], _inside: Aabb) -> [f32; 1] {
+    fn coefficients(params: &[f32], _inside: Aabb) -> [f32; 1] {
         [params[0]]
     }
     #[inline(always)]

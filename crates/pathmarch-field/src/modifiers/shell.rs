@@ -1,17 +1,19 @@
 //! Shell: a wall along the surface, half of it on either side (Quilez 2008, "Distance functions", onion).
 
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
 
 pub(crate) struct Op;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info::new("shell", "A wall along the surface of what it holds, hollow inside.", "Quilez 2008, onion");
     const PARAMS: &'static [Param] = &[Param::length("thickness", 0.05, "Thickness of the wall, half of it outside.")];
-    type Numbers<N: Real> = [N; 1];
+    type Coefficients<N: Real> = [N; 1];
 
-    fn numbers(params: &[f32], _inside: Aabb) -> [f32; 1] {
+    fn coefficients(params: &[f32], _inside: Aabb) -> [f32; 1] {
         [params[0]]
     }
     #[inline(always)]

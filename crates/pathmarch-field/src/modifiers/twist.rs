@@ -5,25 +5,27 @@
 //! first moved to it, which brings no two further apart nor any away from the solid; then the distance over the stretch at
 //! the cylinder is a bound. Away from the solid its box is nearer the truth; the larger of the two bounds is taken.
 
-use super::{box_distance, corners, reach};
 use crate::bounds::Aabb;
+use crate::info::Info;
+use crate::modifiers::ModifierDef;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Modifier, Param};
+use crate::parameter::Param;
 use std::f32::consts::TAU;
+use super::bounding_box::{box_distance, corners, reach};
 
 pub(crate) struct Op;
 
-impl Modifier for Op {
+impl ModifierDef for Op {
     const INFO: Info = Info {
         exact: false,
         ..Info::new("twist", "What it holds, turned about the y axis more and more with the height.", "Barr 1984, section 3")
     };
     const PARAMS: &'static [Param] = &[Param::between("turns-per-metre", 0.25, -1000.0, 1000.0, "Turns over a metre of height, right-handed about y.")];
-    type Numbers<N: Real> = [N; 9];
+    type Coefficients<N: Real> = [N; 9];
     const NEEDS_BOUNDS: bool = true;
     const IN_PLANE: bool = false;
 
-    fn numbers(params: &[f32], inside: Aabb) -> [f32; 9] {
+    fn coefficients(params: &[f32], inside: Aabb) -> [f32; 9] {
         let [a, b, c, d, e, f] = corners(Self::bounds(params, inside));
         let (rate, reach) = (TAU * params[0], reach(inside, 0, 2));
         let slope = (rate * reach).abs();

@@ -8,10 +8,13 @@
 mod dual;
 mod lanes;
 mod scalar;
+mod values;
 mod vec3;
 
 pub use dual::Dual;
 pub use lanes::Mask8;
+pub use values::Values;
+pub(crate) use values::values;
 pub use vec3::Vec3;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};

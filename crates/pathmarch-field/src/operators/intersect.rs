@@ -1,15 +1,16 @@
 //! Intersection: the farther of two (Ricci 1973): minus the union of what both leave free, blended by any of the profiles
 //! of [`crate::blend`]. A lower bound of the distance outside.
 
-use super::union::SOURCE;
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::Real;
-use crate::registry::{Boolean, Info, Operator};
+use crate::operators::{Boolean, OperatorDef};
+use super::union::SOURCE;
 
 pub(crate) struct Op;
 
-impl Operator for Op {
+impl OperatorDef for Op {
     const INFO: Info = Info { exact: false, ..Info::new("intersect", "What all of the children hold.", SOURCE) };
     const BOOLEAN: Option<Boolean> = Some(Boolean::Intersection);
 

@@ -1,17 +1,25 @@
-//! The operators. A name in this list is a file and its registration.
+//! Operators, which make one solid of several. A name in the list below is a file and its registration.
+//!
+//! [`OperatorDef`] is what a file implements, generic over the number type. [`Operator`] is the object-safe form by which a field
+//! calls all operators.
 
-use crate::registry::{Combine, Entry};
-use std::marker::PhantomData;
+mod definition;
+mod dispatch;
+mod entry;
+
+pub use definition::OperatorDef;
+pub use dispatch::{Boolean, EvalOperator, Operator};
+use entry::Entry;
 
 macro_rules! operators {
     ($($module:ident),* $(,)?) => {
         $(mod $module;)*
         /// Every operator, in this order.
-        pub(crate) static ALL: &[&'static dyn Combine] = &[$(&Entry::<$module::Op>(PhantomData)),*];
+        pub(crate) static ALL: &[&'static dyn Operator] = &[$(&Entry::<$module::Op>::new()),*];
     };
 }
 
 operators!(union, subtract, intersect, morph);
 
-/// What joins solids that stand side by side.
-pub(crate) static UNION: &dyn Combine = &Entry::<union::Op>(PhantomData);
+/// The union, which joins objects and the children of modifiers.
+pub(crate) static UNION: &dyn Operator = &Entry::<union::Op>::new();

@@ -4,12 +4,14 @@
 
 use crate::blend::{Blend, Blending};
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::Real;
-use crate::registry::{Info, Operator, Param};
+use crate::operators::OperatorDef;
+use crate::parameter::Param;
 
 pub(crate) struct Op;
 
-impl Operator for Op {
+impl OperatorDef for Op {
     const INFO: Info = Info {
         exact: false,
         ..Info::new("morph", "A shape between two.", "Payne and Toga 1992, section 4")

@@ -1,15 +1,16 @@
 //! Subtraction: the first child without the others (Ricci 1973): minus the union of what `a` leaves free and `b`, blended
 //! by any of the profiles of [`crate::blend`]. A lower bound of the distance outside, exact inside the kept part.
 
-use super::union::SOURCE;
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::Real;
-use crate::registry::{Boolean, Info, Operator};
+use crate::operators::{Boolean, OperatorDef};
+use super::union::SOURCE;
 
 pub(crate) struct Op;
 
-impl Operator for Op {
+impl OperatorDef for Op {
     const INFO: Info =
         Info { exact: false, ..Info::new("subtract", "The first child without what the others hold.", SOURCE) };
     const CHILDREN: (usize, usize) = (2, usize::MAX);

@@ -3,15 +3,16 @@
 
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::Real;
-use crate::registry::{Boolean, Info, Operator};
+use crate::operators::{Boolean, OperatorDef};
 
 pub(crate) struct Op;
 
 /// Who the sharp operators and their blends are by.
 pub(super) const SOURCE: &str = "Ricci 1973; blends: Quilez 2013, quadratic smooth minimum, and Mercury 2015";
 
-impl Operator for Op {
+impl OperatorDef for Op {
     const INFO: Info = Info { exact: false, ..Info::new("union", "What any of the children holds.", SOURCE) };
     const BOOLEAN: Option<Boolean> = Some(Boolean::Union);
 

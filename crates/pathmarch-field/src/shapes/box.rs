@@ -2,12 +2,15 @@
 //! (Quilez 2008, "Distance functions", box). Exact.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Emitter, Info, Param, Primitive, Span};
+use crate::parameter::Param;
+use crate::shapes::{Emitter, ShapeDef};
+use crate::ray_interval::RayInterval;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         size_params: 3,
         ..Info::new("box", "Box centred at the origin, its edges along the axes.", "Quilez 2008, box")
@@ -28,9 +31,9 @@ impl Primitive for Shape {
     }
     const CONVEX: bool = true;
     #[inline(always)]
-    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> Span<N> {
+    fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> RayInterval<N> {
         let half = N::constant(0.5);
-        let slab = |o: N, d: N, size: N| Span::slab(o, d, size * half);
+        let slab = |o: N, d: N, size: N| RayInterval::slab(o, d, size * half);
         slab(origin.x, direction.x, x).and(slab(origin.y, direction.y, y)).and(slab(origin.z, direction.z, z))
     }
     fn emitter([x, y, z]: [f32; 3]) -> Emitter {

@@ -3,12 +3,15 @@
 //! `height + 2 radius` long.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive, Span};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
+use crate::ray_interval::RayInterval;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info::new(
         "capsule",
         "Cylinder about the y axis with half spheres for ends, centred at the origin.",
@@ -27,10 +30,10 @@ impl Primitive for Shape {
     }
     const CONVEX: bool = true;
     #[inline(always)]
-    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> Span<N> {
+    fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> RayInterval<N> {
         let half = height * N::constant(0.5);
-        let cylinder = super::cylinder::Shape::span(origin, direction, [radius, height]);
-        let end = |y: N| super::sphere::Shape::span(Vec3::new(origin.x, origin.y - y, origin.z), direction, [radius]);
+        let cylinder = super::cylinder::Shape::interval(origin, direction, [radius, height]);
+        let end = |y: N| super::sphere::Shape::interval(Vec3::new(origin.x, origin.y - y, origin.z), direction, [radius]);
         cylinder.or(end(half)).or(end(-half))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {

@@ -6,12 +6,15 @@
 //! coordinates rather than by a signed square root, so that the gradient has length one on the surface too.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, NO_HIT, Param, Primitive, Span};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
+use crate::ray_interval::{T_MAX, RayInterval};
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info::new(
         "cone",
         "Cone about the y axis, its base at -height/2 and its apex at +height/2.",
@@ -41,7 +44,7 @@ impl Primitive for Shape {
     }
     const CONVEX: bool = true;
     #[inline(always)]
-    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> Span<N> {
+    fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> RayInterval<N> {
         // From the apex downwards, x² + z² ≤ (slope·depth)².
         let (half, slope) = (height * N::constant(0.5), radius / height);
         let depth = half - origin.y;
@@ -57,18 +60,18 @@ impl Primitive for Shape {
         // A steep line is inside both nappes but for what is between: of those, the one below counts.
         let steep = a.lt(N::zero());
         let downwards = N::zero().lt(rise);
-        let between = Span { enter: first, leave: last };
+        let between = RayInterval { enter: first, leave: last };
         let missed = !steep & (b * b - a * c).lt(N::zero());
-        let nowhere = Span::nowhere();
-        let side = Span {
-            enter: N::select(steep, N::select(downwards, last, N::constant(-NO_HIT)), between.enter),
-            leave: N::select(steep, N::select(downwards, N::constant(NO_HIT), first), between.leave),
+        let nowhere = RayInterval::nowhere();
+        let side = RayInterval {
+            enter: N::select(steep, N::select(downwards, last, N::constant(-T_MAX)), between.enter),
+            leave: N::select(steep, N::select(downwards, N::constant(T_MAX), first), between.leave),
         };
-        let side = Span {
+        let side = RayInterval {
             enter: N::select(missed, nowhere.enter, side.enter),
             leave: N::select(missed, nowhere.leave, side.leave),
         };
-        side.and(Span::slab(origin.y, direction.y, half))
+        side.and(RayInterval::slab(origin.y, direction.y, half))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, radius)

@@ -2,12 +2,15 @@
 //! coordinates (distance from the axis, height) (Quilez 2008, "Distance functions", capped cylinder). Exact.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive, Span};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
+use crate::ray_interval::RayInterval;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info =
         Info::new("cylinder", "Capped cylinder about the y axis, centred at the origin.", "Quilez 2008, capped cylinder");
     const PARAMS: &'static [Param] = &[
@@ -24,20 +27,20 @@ impl Primitive for Shape {
     }
     const CONVEX: bool = true;
     #[inline(always)]
-    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> Span<N> {
+    fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> RayInterval<N> {
         let a = direction.x * direction.x + direction.z * direction.z;
         let b = origin.x * direction.x + origin.z * direction.z;
         let c = (origin.x * origin.x + origin.z * origin.z - radius * radius).named("c");
         let moment = origin.x * direction.z - origin.z * direction.x;
-        let side = Span::quadric(a, b, c, radius * radius * a - moment * moment);
+        let side = RayInterval::quadric(a, b, c, radius * radius * a - moment * moment);
         // Along the axis, it is inside all along or not at all.
         let parallel = a.lt(N::constant(1e-12));
-        let within = Span::half_space(c, N::zero());
-        let side = Span {
+        let within = RayInterval::half_space(c, N::zero());
+        let side = RayInterval {
             enter: N::select(parallel, within.enter, side.enter),
             leave: N::select(parallel, within.leave, side.leave),
         };
-        side.and(Span::slab(origin.y, direction.y, height * N::constant(0.5)))
+        side.and(RayInterval::slab(origin.y, direction.y, height * N::constant(0.5)))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, radius)

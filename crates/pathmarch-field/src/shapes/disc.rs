@@ -4,12 +4,15 @@
 //! Over the disc the distance is |y| and not the root of y², so that the gradient has length one on the sheet itself.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Emitter, Info, NO_HIT, Param, Primitive};
+use crate::parameter::Param;
+use crate::shapes::{Emitter, ShapeDef};
+use crate::ray_interval::T_MAX;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         sheet: true,
         facing: true,
@@ -23,12 +26,12 @@ impl Primitive for Shape {
         let past_rim = (p.x.hypot(p.z) - radius).named("past_rim");
         N::select(N::zero().lt(past_rim), past_rim.hypot(p.y), p.y.abs())
     }
-    const CLOSED_FORM: bool = true;
+    const ANALYTIC: bool = true;
     #[inline(always)]
     fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius]: [N; 1]) -> N {
         let t = (-origin.y / direction.y.divisor()).named("t");
         let past_rim = (origin.x + direction.x * t).hypot(origin.z + direction.z * t) - radius;
-        N::select(N::zero().lt(t) & past_rim.lt(N::zero()), t, N::constant(NO_HIT))
+        N::select(N::zero().lt(t) & past_rim.lt(N::zero()), t, N::constant(T_MAX))
     }
     fn emitter([radius]: [f32; 1]) -> Emitter {
         Emitter::Disc(radius)

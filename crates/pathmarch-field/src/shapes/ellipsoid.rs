@@ -21,8 +21,11 @@
 //! 1 : 0.3 : 0.001, where the steps run out.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive, Span};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
+use crate::ray_interval::RayInterval;
 
 pub(crate) struct Shape;
 
@@ -33,7 +36,7 @@ const TOLERANCE: f32 = 1e-5;
 /// Stands for zero in divisors.
 const TINY: f32 = 1e-20;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         size_params: 3,
         ..Info::new(
@@ -75,14 +78,14 @@ impl Primitive for Shape {
     }
     const CONVEX: bool = true;
     #[inline(always)]
-    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> Span<N> {
+    fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> RayInterval<N> {
         // A sphere of radius one in coordinates that are as much longer.
         let scaled = |v: Vec3<N>| Vec3::new(v.x / x, v.y / y, v.z / z);
         let (o, d) = (scaled(origin), scaled(direction));
         let a = d.dot(d).named("a");
         let b = o.dot(d).named("b");
         let across = o - d * (b / a);
-        Span::quadric(a, b, o.dot(o) - N::one(), a * (N::one() - across.dot(across)))
+        RayInterval::quadric(a, b, o.dot(o) - N::one(), a * (N::one() - across.dot(across)))
     }
     fn bounds([x, y, z]: [f32; 3]) -> Aabb {
         Aabb::centred(x, y, z)

@@ -5,14 +5,17 @@
 //! of them on the x axis; the sides at `radius`·√3/2, two of them facing ±z.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive, Span};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
+use crate::ray_interval::RayInterval;
 
 pub(crate) struct Shape;
 
 const HALF_SQRT_3: f32 = 0.866_025_4;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info::new(
         "hexprism",
         "Regular hexagon in xz, two corners on the x axis, extruded along y; centred at the origin.",
@@ -41,15 +44,15 @@ impl Primitive for Shape {
     }
     const CONVEX: bool = true;
     #[inline(always)]
-    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> Span<N> {
+    fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> RayInterval<N> {
         let (half, half_root) = (N::constant(0.5), N::constant(HALF_SQRT_3));
         let inner = radius * half_root;
         let faces = |sign: f32| {
             let across = |v: Vec3<N>| v.x * half_root * N::constant(sign) + v.z * half;
-            Span::slab(across(origin), across(direction), inner)
+            RayInterval::slab(across(origin), across(direction), inner)
         };
-        let ends = Span::slab(origin.y, direction.y, height * half);
-        faces(1.0).and(faces(-1.0)).and(Span::slab(origin.z, direction.z, inner)).and(ends)
+        let ends = RayInterval::slab(origin.y, direction.y, height * half);
+        faces(1.0).and(faces(-1.0)).and(RayInterval::slab(origin.z, direction.z, inner)).and(ends)
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, HALF_SQRT_3 * radius)

@@ -3,12 +3,14 @@
 //! height of a capsule: the whole is `length + 2 (major + minor)` long. Quilez's is half of it.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info::new(
         "link",
         "Chain link in the plane z = 0, long along y, centred at the origin.",

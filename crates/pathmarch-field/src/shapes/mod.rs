@@ -1,23 +1,30 @@
-//! The shapes. A name in this list is a file and its registration; those of folders stand behind their names, the last one
-//! being that of shapes that are drawn.
+//! Shapes. A name in the list below is a file and its registration; names behind a colon are files of that folder, and the
+//! last group is the shapes that are drawn.
+//!
+//! [`ShapeDef`] is what a file implements, generic over the number type. [`Shape`] is the object-safe form by which a field
+//! calls all shapes.
 
-use crate::registry::{Entry, Shape};
-use std::marker::PhantomData;
+mod definition;
+mod dispatch;
+mod entry;
+pub(crate) mod orbit;
+pub mod outline;
+
+pub use definition::ShapeDef;
+pub use dispatch::{Emitter, EvalShape, Shape, ShapeRef, TRAPS};
+use entry::Entry;
 
 macro_rules! shapes {
-    ($($module:ident),* $(,)? $(; $folder:ident: $($inner:ident),* $(,)?)*; & $last:ident: $($drawn:ident),* $(,)?) => {
+    ($($module:ident),* $(,)? $(; $folder:ident: $($inner:ident),* $(,)?)*; & $drawn:ident: $($outline:ident),* $(,)?) => {
         $(mod $module;)*
         $(mod $folder {
             $(pub(super) mod $inner;)*
         })*
-        mod $last {
-            $(pub(super) mod $drawn;)*
-        }
         /// Every shape, in this order.
         pub(crate) static ALL: &[&'static dyn Shape] = &[
-            $(&Entry::<$module::Shape>(PhantomData),)*
-            $($(&Entry::<$folder::$inner::Shape>(PhantomData),)*)*
-            $(&$last::$drawn::SHAPE),*
+            $(&Entry::<$module::Shape>::new(),)*
+            $($(&Entry::<$folder::$inner::Shape>::new(),)*)*
+            $(&$drawn::$outline::SHAPE),*
         ];
     };
 }
@@ -52,10 +59,10 @@ shapes!(
     circle,
     rectangle,
     star;
-    &outlines:
+    &outline:
     polygon,
     text,
 );
 
-/// The box, which bounds what is cut by one.
+/// The box, which clips custom shapes.
 pub(crate) use r#box::Shape as Box;

@@ -7,8 +7,11 @@
 //! short at the corners.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive, Span};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
+use crate::ray_interval::RayInterval;
 
 pub(crate) struct Shape;
 
@@ -22,7 +25,7 @@ fn sorted<N: Real>(a: N, b: N) -> (N, N) {
     (N::select(swap, b, a), N::select(swap, a, b))
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info::new(
         "octahedron",
         "Regular octahedron centred at the origin, its corners on the axes.",
@@ -49,10 +52,10 @@ impl Primitive for Shape {
     }
     const CONVEX: bool = true;
     #[inline(always)]
-    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius]: [N; 1]) -> Span<N> {
+    fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius]: [N; 1]) -> RayInterval<N> {
         let faces = |x: f32, z: f32| {
             let across = |v: Vec3<N>| v.x * N::constant(x) + v.y + v.z * N::constant(z);
-            Span::slab(across(origin), across(direction), radius)
+            RayInterval::slab(across(origin), across(direction), radius)
         };
         faces(1.0, 1.0).and(faces(1.0, -1.0)).and(faces(-1.0, 1.0)).and(faces(-1.0, -1.0))
     }

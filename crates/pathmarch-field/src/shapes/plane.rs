@@ -3,12 +3,15 @@
 //! `normal` turns the plane; it is part of the placement, so that a level floor costs nothing but `p.y`.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive, Span};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
+use crate::ray_interval::RayInterval;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         facing: true,
         ..Info::new("plane", "Endless plane through the origin, solid below; faces +y.", "Hart 1996, appendix A")
@@ -22,8 +25,8 @@ impl Primitive for Shape {
     }
     const CONVEX: bool = true;
     #[inline(always)]
-    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, []: [N; 0]) -> Span<N> {
-        Span::half_space(origin.y, direction.y)
+    fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, []: [N; 0]) -> RayInterval<N> {
+        RayInterval::half_space(origin.y, direction.y)
     }
     fn bounds([]: [f32; 0]) -> Aabb {
         Aabb { max: [f32::INFINITY, 0.0, f32::INFINITY], ..Aabb::EVERYTHING }

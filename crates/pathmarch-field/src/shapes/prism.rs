@@ -2,14 +2,17 @@
 //! along z (Quilez 2008, "2D distance functions", equilateral triangle, and "extrusion"). Exact.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive, Span};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
+use crate::ray_interval::RayInterval;
 
 pub(crate) struct Shape;
 
 const SQRT_3: f32 = 1.732_050_8;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info::new(
         "prism",
         "Equilateral triangle in xy, a corner up, its centroid at the origin, extruded along z.",
@@ -40,15 +43,15 @@ impl Primitive for Shape {
     }
     const CONVEX: bool = true;
     #[inline(always)]
-    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [side, depth]: [N; 2]) -> Span<N> {
+    fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [side, depth]: [N; 2]) -> RayInterval<N> {
         let (half, inner) = (N::constant(0.5), side * N::constant(0.5 / SQRT_3));
         let slope = N::constant(0.5 * SQRT_3);
         let face = |sign: f32| {
             let across = |v: Vec3<N>| v.x * slope * N::constant(sign) + v.y * half;
-            Span::half_space(across(origin) - inner, across(direction))
+            RayInterval::half_space(across(origin) - inner, across(direction))
         };
-        let below = Span::half_space(-origin.y - inner, -direction.y);
-        face(1.0).and(face(-1.0)).and(below).and(Span::slab(origin.z, direction.z, depth * half))
+        let below = RayInterval::half_space(-origin.y - inner, -direction.y);
+        face(1.0).and(face(-1.0)).and(below).and(RayInterval::slab(origin.z, direction.z, depth * half))
     }
     fn bounds([side, depth]: [f32; 2]) -> Aabb {
         let (half, inner) = (0.5 * side, 0.5 * side / SQRT_3);

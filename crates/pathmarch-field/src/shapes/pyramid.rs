@@ -7,12 +7,15 @@
 //! overestimate, which does no harm because the square shares that edge and is nearer.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive, Span};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
+use crate::ray_interval::RayInterval;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info::new(
         "pyramid",
         "Pyramid on a square in the plane y = 0 centred at the origin, its apex on the y axis.",
@@ -51,11 +54,11 @@ impl Primitive for Shape {
     }
     const CONVEX: bool = true;
     #[inline(always)]
-    fn span<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [base, height]: [N; 2]) -> Span<N> {
+    fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [base, height]: [N; 2]) -> RayInterval<N> {
         let half = base * N::constant(0.5);
         // A face rises from the edge of the base to the apex.
-        let face = |o: N, d: N| Span::half_space(o * height + (origin.y - height) * half, d * height + direction.y * half);
-        let base = Span::half_space(-origin.y, -direction.y);
+        let face = |o: N, d: N| RayInterval::half_space(o * height + (origin.y - height) * half, d * height + direction.y * half);
+        let base = RayInterval::half_space(-origin.y, -direction.y);
         let along_x = face(origin.x, direction.x).and(face(-origin.x, -direction.x));
         base.and(along_x).and(face(origin.z, direction.z).and(face(-origin.z, -direction.z)))
     }

@@ -5,12 +5,15 @@
 //! itself.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Emitter, Info, NO_HIT, Param, Primitive};
+use crate::parameter::Param;
+use crate::shapes::{Emitter, ShapeDef};
+use crate::ray_interval::T_MAX;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         sheet: true,
         facing: true,
@@ -28,13 +31,13 @@ impl Primitive for Shape {
         let beside = Vec3::new(past_x.max(N::zero()), p.y, past_z.max(N::zero())).length();
         N::select(N::zero().lt(past_x.max(past_z)), beside, p.y.abs())
     }
-    const CLOSED_FORM: bool = true;
+    const ANALYTIC: bool = true;
     #[inline(always)]
     fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, z]: [N; 2]) -> N {
         let t = (-origin.y / direction.y.divisor()).named("t");
         let past_x = (origin.x + direction.x * t).abs() - x * N::constant(0.5);
         let past_z = (origin.z + direction.z * t).abs() - z * N::constant(0.5);
-        N::select(N::zero().lt(t) & past_x.max(past_z).lt(N::zero()), t, N::constant(NO_HIT))
+        N::select(N::zero().lt(t) & past_x.max(past_z).lt(N::zero()), t, N::constant(T_MAX))
     }
     fn emitter([x, z]: [f32; 2]) -> Emitter {
         Emitter::Rect([x, z])

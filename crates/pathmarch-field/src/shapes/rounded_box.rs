@@ -3,12 +3,14 @@
 //! same size. A `radius` of more than half the shortest edge is taken as that half.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         size_params: 3,
         ..Info::new(

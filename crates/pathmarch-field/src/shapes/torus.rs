@@ -1,12 +1,14 @@
 //! Torus about y: in the half-plane through the axis it is a circle (Hart 1996, appendix A). Exact.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info =
         Info::new("torus", "Ring about the y axis, centred at the origin.", "Hart 1996, appendix A");
     const PARAMS: &'static [Param] = &[

@@ -3,13 +3,13 @@
 //! Structure is code, numbers are data: every number of the scene stands in [`Program::parameters`], so that a scene of
 //! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
 
+mod analytic;
 mod bvh;
 mod coordinates;
-mod crowd;
 mod distance;
 mod modifiers;
-mod numbers;
-mod solids;
+mod parameters;
+mod shape_grid;
 mod surface;
 
 use crate::blend::{Blend, BlendProfile};
@@ -24,16 +24,16 @@ pub type Parameters = Vec<[f32; 4]>;
 
 /// A field's code and numbers.
 ///
-/// The code expects an array `field_parameters` of `vec4f` and declares `marched_distance(p: vec3f) -> f32`,
-/// `direct_hit(origin: vec3f, direction: vec3f) -> DirectHit`, the struct `Surface` and `surface(p: vec3f, met: u32, seed: u32)
-/// -> Surface`, where `met` is that of a direct hit or `MARCHED`: the WGSL of the [`Field`] methods of these names, the last one that of [`Field::surface_met`].
+/// The code expects an array `field_parameters` of `vec4f` and declares `sphere_traced_distance(p: vec3f) -> f32`,
+/// `analytic_hit(origin: vec3f, direction: vec3f) -> AnalyticHit`, the struct `Surface` and `surface(p: vec3f, met: u32, seed: u32)
+/// -> Surface`, where `met` is that of a direct hit or `SPHERE_TRACED`: the WGSL of the [`Field`] methods of these names, the last one that of [`Field::surface_at_hit`].
 #[derive(Clone, Debug)]
 pub struct Program {
     /// WGSL text; equal for scenes of equal structure.
     pub code: String,
-    /// WGSL text of `whole_distance(p: vec3f) -> f32`, the distance to all that `code` only marches in part: for those
+    /// WGSL text of `estimated_distance(p: vec3f) -> f32`, the distance to all that `code` only marches in part: for those
     /// who need it, behind `code`.
-    pub whole_distance: String,
+    pub estimated_distance: String,
     /// The numbers, at least one vector.
     pub parameters: Parameters,
     /// Whether the code looks numbers up in tables: then the array has no length in its type, which another point of an
@@ -45,10 +45,10 @@ pub struct Program {
 
 const SURFACE: &str = "\
 /// A surface that was met by marching.
-const MARCHED = 0xffffffffu;
+const SPHERE_TRACED = 0xffffffffu;
 
 /// The first surface of closed form along a ray: metres, or 1e30, and what `surface` tells it by.
-struct DirectHit {
+struct AnalyticHit {
     t: f32,
     met: u32,
 }
@@ -96,14 +96,14 @@ impl Program {
     pub fn new(field: &Field) -> Self {
         let Composed { mut composer, functions, has_choice } = Composed::new(field);
         let mut code_of_distances = BTreeSet::new();
-        for tree in field.alone() {
+        for tree in field.single_objects() {
             composer.distances(tree, &mut code_of_distances);
         }
-        let mut whole_distance: String =
+        let mut estimated_distance: String =
             code_of_distances.difference(&functions).map(|(_, f)| format!("{f}\n")).collect();
-        whole_distance += &composer.whole_distance();
+        estimated_distance += &composer.estimated_distance();
         let distance = composer.distance();
-        let direct = composer.direct_hit();
+        let direct = composer.analytic_hit();
         let surface = composer.surface();
         if composer.parameters.is_empty() {
             composer.parameters.push([0.0; 4]);
@@ -114,7 +114,7 @@ impl Program {
             code += CHOICE;
         }
         let reads_tables = field.leaves().iter().any(|leaf| leaf.shape.reads_table());
-        let has_tables = reads_tables || !field.crowds().is_empty() || !field.bvh().nodes.is_empty();
+        let has_tables = reads_tables || !field.shape_grids().is_empty() || !field.bvh().nodes.is_empty();
         if reads_tables {
             code += "\n";
             code += TABLE;
@@ -123,10 +123,10 @@ impl Program {
             code += "\n";
             code += function;
         }
-        let crowds = composer.records() + &composer.crowds() + &composer.bvh();
-        let code = format!("{code}\n{crowds}{distance}\n{direct}\n{surface}");
+        let shape_grids = composer.records() + &composer.shape_grids() + &composer.bvh();
+        let code = format!("{code}\n{shape_grids}{distance}\n{direct}\n{surface}");
         let Composer { parameters, bvh_records, .. } = composer;
-        Self { code, whole_distance, parameters, has_tables, bvh_records }
+        Self { code, estimated_distance, parameters, has_tables, bvh_records }
     }
 
     /// WGSL text, to stand behind [`code`](Self::code), of functions `NAME(p: vec3f, own: u32) -> f32`: each is
@@ -137,13 +137,18 @@ impl Program {
         let mut text = String::new();
         for (bit, (name, counts)) in named.iter().enumerate() {
             let counted: Vec<&Tree> =
-                field.alone_with(counts).filter(|(_, counts)| *counts).map(|(tree, _)| tree).collect();
-            let crowds = field.crowds_that_count(counts);
+                field.single_objects_with(counts).filter(|(_, counts)| *counts).map(|(tree, _)| tree).collect();
+            let shape_grids = field.included_shape_grids(counts);
             counted.iter().for_each(|tree| composer.distances(tree, &mut of_distances));
             let doc =
                 "Distance from `p` to the nearest surface of the objects that count here, from either side, metres.";
-            text +=
-                &composer.unsigned_distance(&format!("{name}(p: vec3f, own: u32)"), doc, &counted, &crowds, Some(bit));
+            text += &composer.unsigned_distance(
+                &format!("{name}(p: vec3f, own: u32)"),
+                doc,
+                &counted,
+                &shape_grids,
+                Some(bit),
+            );
         }
         of_distances.difference(&functions).map(|(_, function)| format!("{function}\n")).collect::<String>() + &text
     }
@@ -165,18 +170,18 @@ impl<'a> Composed<'a> {
             widths: Vec::new(),
             starts: Vec::new(),
             modifier_starts: Vec::new(),
-            crowd_starts: Vec::new(),
+            shape_grid_starts: Vec::new(),
             bvh_start: 0,
             bvh_records: Vec::new(),
         };
         let mut functions = BTreeSet::new();
         let mut printed = BTreeSet::new();
-        let mut in_crowds = vec![false; field.leaves().len()];
-        let in_data = field.crowds().iter().flat_map(|crowd| crowd.leaves.iter().copied());
-        in_data.chain(field.bvh().leaves()).for_each(|leaf| in_crowds[leaf as usize] = true);
-        for (leaf, in_crowd) in field.leaves().iter().zip(in_crowds) {
+        let mut in_shape_grids = vec![false; field.leaves().len()];
+        let in_data = field.shape_grids().iter().flat_map(|shape_grid| shape_grid.leaves.iter().copied());
+        in_data.chain(field.bvh().leaves()).for_each(|leaf| in_shape_grids[leaf as usize] = true);
+        for (leaf, in_shape_grid) in field.leaves().iter().zip(in_shape_grids) {
             composer.starts.push(composer.parameters.len());
-            if in_crowd {
+            if in_shape_grid {
                 continue;
             }
             match leaf.shape.reads_table() {
@@ -188,18 +193,18 @@ impl<'a> Composed<'a> {
                 functions.insert((0, leaf.shape.wgsl_gradient()));
             }
         }
-        let mut has_choice = composer.crowd_functions(&mut functions);
+        let mut has_choice = composer.shape_grid_functions(&mut functions);
         composer.bvh_functions(&mut functions);
-        for tree in field.alone() {
+        for tree in field.single_objects() {
             has_choice |= composer.operators(tree, &mut functions);
         }
-        field.direct_alone().for_each(|tree| composer.rays(tree, &mut functions));
-        field.marched_alone().for_each(|tree| composer.distances(tree, &mut functions));
-        for tree in field.alone() {
+        field.analytic_objects().for_each(|tree| composer.rays(tree, &mut functions));
+        field.sphere_traced_objects().for_each(|tree| composer.distances(tree, &mut functions));
+        for tree in field.single_objects() {
             composer.modifiers(tree, &mut functions);
         }
         composer.tables();
-        composer.crowd_numbers();
+        composer.shape_grid_numbers();
         composer.bvh_numbers();
         Self { composer, functions, has_choice }
     }
@@ -214,8 +219,8 @@ struct Composer<'a> {
     starts: Vec<usize>,
     /// Where the numbers of each modifier start.
     modifier_starts: Vec<usize>,
-    /// Where what tells of each crowd starts.
-    crowd_starts: Vec<usize>,
+    /// Where what tells of each shape_grid starts.
+    shape_grid_starts: Vec<usize>,
     /// Where what tells of the hierarchy starts.
     bvh_start: usize,
     /// Where the record of each of its leaves stands.
@@ -231,15 +236,15 @@ impl Composer<'_> {
     fn operators(&mut self, tree: &Tree, functions: &mut BTreeSet<(u32, String)>) -> bool {
         let (operator, smooth, children, first_choice) = match tree {
             Tree::Leaf(_) => return false,
-            Tree::Modify(modified) => {
+            Tree::Modifier(modified) => {
                 let chooses = self.operators(&modified.inside, functions);
                 // Those inside were numbered before.
                 self.modifier_starts.push(self.parameters.len());
-                self.place(&modified.pose, &modified.numbers);
+                self.place(&modified.pose, &modified.coefficients);
                 functions.insert((1, modified.modifier.wgsl()));
                 return chooses;
             }
-            Tree::Combine { operator, smooth, children, first_choice } => (operator, smooth, children, first_choice),
+            Tree::Operator { operator, smooth, children, first_choice } => (operator, smooth, children, first_choice),
         };
         functions.insert((1, operator.wgsl_gradient(profile(*smooth))));
         functions.insert((1, operator.wgsl_weight(profile(*smooth))));
@@ -256,11 +261,11 @@ impl Composer<'_> {
             Tree::Leaf(leaf) => {
                 functions.insert((0, self.field.leaves()[*leaf as usize].shape.wgsl_distance()));
             }
-            Tree::Combine { operator, smooth, children, .. } => {
+            Tree::Operator { operator, smooth, children, .. } => {
                 functions.insert((1, operator.wgsl_distance(profile(*smooth))));
                 children.iter().for_each(|child| self.distances(child, functions));
             }
-            Tree::Modify(modified) => self.distances(&modified.inside, functions),
+            Tree::Modifier(modified) => self.distances(&modified.inside, functions),
         }
     }
 }

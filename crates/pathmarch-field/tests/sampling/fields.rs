@@ -1,8 +1,8 @@
 //! Own fields for the tests, as people write them: true to their declarations.
 #![allow(dead_code)]
 
-use pathmarch_field::own::Code;
-use pathmarch_field::{Info, OwnField, Param};
+use pathmarch_field::custom_sdf::Code;
+use pathmarch_field::{CustomShape, Info, Param};
 use std::sync::Arc;
 
 /// A field as it is declared.
@@ -15,12 +15,12 @@ pub struct Declared {
 }
 
 impl Declared {
-    pub fn shape(&self) -> OwnField {
+    pub fn shape(&self) -> CustomShape {
         let names: Vec<String> = self.params.iter().map(|param| param.name.to_owned()).collect();
         let code =
             Code::new(self.name, &names, self.text).unwrap_or_else(|faults| panic!("{}: {faults:#?}", self.name));
         let info = Info { exact: false, ..Info::new(self.name, "A field.", "a test") };
-        OwnField::new(info, self.params.clone(), self.lipschitz, self.edges, Arc::new(code))
+        CustomShape::new(info, self.params.clone(), self.lipschitz, self.edges, Arc::new(code))
     }
 }
 

@@ -57,8 +57,8 @@ impl Case {
     pub fn assert_lanes_equal_one(&self, count: usize, random: &mut Random) {
         for points in self.points(count, random).chunks(8) {
             let p = lanes(points);
-            let distances = self.shape.distance_lanes(p, &self.params).to_array();
-            let fields = self.shape.gradient_lanes(Dual::variables(p), &self.params);
+            let distances = self.shape.distance(p, &self.params).to_array();
+            let fields = self.shape.gradient(Dual::variables(p), &self.params);
             for (k, &point) in points.iter().enumerate() {
                 let tolerance = 1e-6 * (point.length() + self.size);
                 let field = self.gradient(point);
@@ -72,7 +72,7 @@ impl Case {
     }
     /// From a shape and its numbers.
     pub fn new(shape: &'static dyn Shape, params: Vec<f32>) -> Self {
-        let params = shape.numbers(&params);
+        let params = shape.coefficients(&params);
         let bounds = shape.bounds(&params).intersection(Aabb::centred(3.0, 3.0, 3.0));
         let size = (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f32::max);
         Self { shape, params, bounds, size }

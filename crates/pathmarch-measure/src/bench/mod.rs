@@ -217,7 +217,7 @@ impl Stage<'_> {
         let settings = arguments.settings(scene, 1 + arguments.rounds * arguments.samples);
         let counted = Settings { size: arguments.counted_size(), ..settings.clone() };
         // Else it is built at the first look at the field; it is no part of a sample.
-        scene.field.index();
+        scene.field.build_shape_grids();
         let began = Instant::now();
         let ray_stats = ray_stats(scene, &counted).map_err(Failure::other)?;
         // The CPU renders it in about as long as a sample of so many pixels takes.

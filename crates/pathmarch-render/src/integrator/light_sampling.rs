@@ -288,7 +288,7 @@ mod tests {
                     let direction =
                         pathmarch_field::number::Vec3::new(sample.direction.x, sample.direction.y, sample.direction.z);
                     let origin = pathmarch_field::number::Vec3::new(p.x, p.y, p.z);
-                    let (t, _) = input.scene.field.direct_hit(origin, direction);
+                    let (t, _) = input.scene.field.analytic_hit(origin, direction);
                     if sample.target.is_none() {
                         assert!(
                             (t * SHORT_OF_LIGHT / sample.distance - 1.0).abs() < 2e-3,

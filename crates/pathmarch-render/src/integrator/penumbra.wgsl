@@ -6,7 +6,7 @@ fn near_misses(ray: Ray, limit: f32, sharpness: f32) -> f32 {
     var t = tolerance(ray.origin, 0.0);
     for (var step = 0u; step < MAX_STEPS; step++) {
         let p = ray.origin + ray.direction * t;
-        let distance = whole_distance(p) * frame.step_factor;
+        let distance = estimated_distance(p) * frame.step_factor;
         light = min(light, sharpness * distance / t);
         if light < 0.001 {
             return 0.0;

@@ -71,7 +71,7 @@ struct Interval {
 
 /// Intersects eight rays with the analytic shapes and with the bounds of all others.
 fn intervals(field: &Field, frame: &FrameUniforms, rays: &Rays8) -> [Interval; 8] {
-    let (analytic, leaf) = field.direct_hit(rays.origin, rays.direction);
+    let (analytic, leaf) = field.analytic_hit(rays.origin, rays.direction);
     let last = rays.limit.fast_min(f32x8::splat(frame.far));
     let (mut start, mut end) = (f32x8::ZERO, analytic.fast_min(last));
     let [min, max] = [frame.bounds_min, frame.bounds_max];
@@ -162,7 +162,7 @@ fn trace<const STATS: bool>(ctx: &TraceContext, rays: &[RaySegment], stats: &mut
         // March until some lane ends.
         let (ended, was_hit) = loop {
             let p = FieldVec3::new(ox + dx * t, oy + dy * t, oz + dz * t);
-            let distance = field.marched_distance(p) * factor;
+            let distance = field.sphere_traced_distance(p) * factor;
             let extent = p.x.abs().fast_max(p.y.abs().fast_max(p.z.abs()));
             let tolerance = (coefficient * (path_length + t)).fast_max(precision * extent);
             if STATS {

@@ -44,7 +44,7 @@ struct Hit {
 
 /// Follows a ray after a path of length `before` up to `limit` metres.
 fn march(ray: Ray, before: f32, limit: f32) -> Hit {
-    let first = direct_hit(ray.origin, ray.direction);
+    let first = analytic_hit(ray.origin, ray.direction);
     let direct = first.t;
     let last = min(limit, frame.far);
     let inverse = 1.0 / select(ray.direction, vec3f(1e-12), abs(ray.direction) < vec3f(1e-12));
@@ -55,8 +55,8 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
     let end = min(min(far.x, min(far.y, far.z)), min(direct, last));
     var t = max(largest(near), 0.0);
     let otherwise = select(NO_HIT, direct, direct < last);
-    if !HAS_MARCHED {
-        return Hit(otherwise, true, first.met);
+    if !HAS_SPHERE_TRACED {
+        return Hit(otherwise, true, first.hit_id);
     }
     // On the way off the surface that the ray starts on, while the distance rises, closeness is no hit.
     var last_distance = select(AT_INFINITY, 0.0, t == 0.0);
@@ -74,7 +74,7 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
             }
         }
         let p = ray.origin + ray.direction * t;
-        distance = marched_distance(p) * frame.step_factor;
+        distance = sphere_traced_distance(p) * frame.step_factor;
         if stride > radius + distance {
             t += radius - stride;
             stride = radius;
@@ -96,7 +96,7 @@ fn march(ray: Ray, before: f32, limit: f32) -> Hit {
     }
     // Out of steps, close to a surface counts as on it.
     if distance < 0.01 * (before + t) {
-        return Hit(t, false, MARCHED);
+        return Hit(t, false, SPHERE_TRACED);
     }
-    return Hit(otherwise, true, first.met);
+    return Hit(otherwise, true, first.hit_id);
 }

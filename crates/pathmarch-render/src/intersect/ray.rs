@@ -1,7 +1,7 @@
 //! Rays, segments of them, and hits.
 
 use glam::Vec3;
-use pathmarch_field::graph::MARCHED;
+use pathmarch_field::graph::SPHERE_TRACED;
 use pathmarch_field::number::Vec3 as FieldVec3;
 use wide::f32x8;
 
@@ -67,8 +67,8 @@ pub(crate) struct Hit {
 }
 
 impl Hit {
-    /// The analytic leaf as [`Field::surface_met`](pathmarch_field::Field::surface_met) takes it.
+    /// The analytic leaf as [`Field::surface_at_hit`](pathmarch_field::Field::surface_at_hit) takes it.
     pub(crate) fn encoded(analytic: Option<u32>) -> f32 {
-        analytic.map_or(MARCHED, |leaf| leaf as f32)
+        analytic.map_or(SPHERE_TRACED, |leaf| leaf as f32)
     }
 }

@@ -85,7 +85,7 @@ const UNLIMITED: f32 = 1e18;
 impl FrameUniforms {
     pub(crate) fn new(scene: &Scene, settings: &Settings, sky: &SkyLight, lights: &[Light]) -> Self {
         let camera = settings.camera_of(scene);
-        let bounds = scene.field.marched_bounds();
+        let bounds = scene.field.sphere_traced_bounds();
         let Extent { centre, radius } = Extent::new(scene, camera);
         let [width, height] = settings.size;
         let position = Vec3::from(camera.position);

@@ -58,7 +58,7 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
             // In the space of a modifier, a sheet has no facing direction in the world.
             at: if leaf.modified { [0.0; 3] } else { leaf.pose.at },
             flags: flag(SHEET, leaf.shape.info().sheet && !leaf.modified)
-                | flag(ANALYTIC, field.is_met_directly(index))
+                | flag(ANALYTIC, field.is_analytic_leaf(index))
                 | flag(IN_GLASS, in_glass[leaf.object as usize])
                 | (light << LIGHT_SHIFT),
         }

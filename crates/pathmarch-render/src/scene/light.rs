@@ -231,7 +231,7 @@ fn emitter(field: &Field, index: usize, radiance: Vec3) -> Option<LightShape> {
     let units = source.pose.axes.map(Vec3::from);
     let [x, y, z] = units.map(|axis| axis * (0.5 * scale));
     // Parts of the surface of a combined shape may be missing.
-    let form = if field.is_whole(index) { source.shape.emitter(&source.params) } else { Emitter::Bounded };
+    let form = if field.is_analytic_object(index) { source.shape.emitter(&source.params) } else { Emitter::Bounded };
     let normal = units[1];
     Some(match form {
         Emitter::Sphere(radius) => LightShape::Sphere(SphereLight { centre, radius: radius * scale, radiance, leaf }),

@@ -66,7 +66,7 @@ impl RenderScene {
 
     /// Whether any object is sphere-traced.
     pub(crate) fn is_sphere_traced(&self) -> bool {
-        !self.field.marched_bounds().is_empty()
+        !self.field.sphere_traced_bounds().is_empty()
     }
 
     /// Material of a leaf.
@@ -83,7 +83,7 @@ impl RenderScene {
     /// Whether a sphere-traced object emits and no sphere-traced object is a fractal.
     fn has_sphere_traced_emitter(&self) -> bool {
         let leaves = self.field.leaves().iter().enumerate();
-        let mut traced = leaves.filter(|(index, _)| !self.field.is_met_directly(*index)).map(|(_, leaf)| leaf);
+        let mut traced = leaves.filter(|(index, _)| !self.field.is_analytic_leaf(*index)).map(|(_, leaf)| leaf);
         let emits = |tag: u32| self.materials[tag as usize].emits();
         traced.clone().any(|leaf| emits(leaf.tag)) && traced.all(|leaf| !leaf.shape.has_orbit())
     }

@@ -48,7 +48,7 @@ pub(crate) fn interactions(
         let reached = rays.origin + rays.direction * t;
         let analytic = lanes(|lane| Hit::encoded(chunk[of_lane(lane)].1.analytic));
         let threshold = |blend| lanes(|lane| threshold(8 * number + of_lane(lane), blend));
-        let Surface { field, leaf } = ctx.scene.field.surface_met(reached, analytic, &threshold);
+        let Surface { field, leaf } = ctx.scene.field.surface_at_hit(reached, analytic, &threshold);
         let leaf: [usize; 8] = leaf.to_array().map(|leaf| leaf as usize);
         let record = |lane: usize| &ctx.scene.leaves[leaf[lane]];
         let at = FieldVec3::new(

@@ -14,7 +14,7 @@ fn texture_vector(at: u32) -> vec3f {
 /// Where `p` is in the coordinates of a leaf.
 fn leaf_coordinates(leaf: u32, p: vec3f) -> Coordinates {
     let at = PAINT_TABLE + 13u * leaf;
-    let outer = held_coordinates(tables[at + 12u], p);
+    let outer = modifier_coordinates(tables[at + 12u], p);
     let x = texture_vector(at + 3u);
     let y = texture_vector(at + 6u);
     let z = texture_vector(at + 9u);

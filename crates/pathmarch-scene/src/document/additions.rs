@@ -17,8 +17,8 @@ use crate::language::params::PARAM;
 use crate::language::schema::{self, AXES};
 use crate::materials;
 use crate::text::DEFAULT_TEXT;
-use pathmarch_field::registry::Outline;
-use pathmarch_field::{Modify, Shape, Solid, Unit, registry};
+use pathmarch_field::Outline;
+use pathmarch_field::{Modifier, Shape, Solid, Unit, registry};
 
 /// What may be added to a node of this kind, or to the file.
 pub(super) fn additions(work: &Work, parent: Option<ItemKind>) -> Vec<Addition> {
@@ -76,7 +76,7 @@ pub(super) fn add(work: &mut Work, parent: Option<&Path>, addition: &Addition) -
             let text = match work.fields().solid(word) {
                 Some(Solid::Shape(shape)) if is_in_plane(work, parent) => shape_text(shape),
                 Some(Solid::Shape(shape)) => solid_text(shape),
-                Some(Solid::Modify(modifier)) => modifier_text(modifier),
+                Some(Solid::Modifier(modifier)) => modifier_text(modifier),
                 None => string_like(word, ""),
                 _ => operator_text(word),
             };
@@ -166,11 +166,11 @@ fn is_in_plane(work: &Work, node: Option<&Path>) -> bool {
     let words = around.filter_map(|path| Some(work.find(&path).ok()?.node.name.value.to_string()));
     words
         .into_iter()
-        .any(|word| matches!(registry::solid(&word), Some(Solid::Modify(modifier)) if modifier.of_profiles()))
+        .any(|word| matches!(registry::solid(&word), Some(Solid::Modifier(modifier)) if modifier.of_profiles()))
 }
 
 /// A modifier of a shape that has an end, off the middle so that it shows what the modifier does.
-fn modifier_text(modifier: &dyn Modify) -> String {
+fn modifier_text(modifier: &dyn Modifier) -> String {
     let numbers = modifier.params().iter().map(|param| match param.unit {
         Unit::Axis => quoted(AXES[param.default as usize]),
         _ => format!("{}={}", param.name, number(param.default)),

@@ -18,7 +18,7 @@ use crate::language::names::{NORMAL, POINT, listed};
 use crate::language::schema;
 use crate::language::tree;
 use crate::materials::{self, Texturing};
-use pathmarch_field::registry::Outline;
+use pathmarch_field::Outline;
 use pathmarch_field::{Param, Solid, registry};
 
 /// Makes a node one of another kind.
@@ -78,7 +78,7 @@ fn set_solid(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> 
             fits.then_some((same, value))
         })
         .collect();
-    let both_blend = matches!((old, new), (Solid::Combine(a), Solid::Combine(b)) if a.blends() && b.blends());
+    let both_blend = matches!((old, new), (Solid::Operator(a), Solid::Operator(b)) if a.blends() && b.blends());
     let stays = |entry: &&tree::Entry| {
         let named = |word: &str| entry.name.as_ref().is_some_and(|name| name.value == word);
         named("material") || both_blend && schema::BLEND.iter().any(|setting| named(setting.name))

@@ -17,7 +17,7 @@ use crate::language::schema::{self, AXES, FONT, Form, ORBIT_TRAP, Setting};
 use crate::language::tree::{self, Block, Entry, Node};
 use crate::materials::{self, MaterialKind, MaterialParam, ParamKind, Trap};
 use crate::text::DEFAULT_TEXT;
-use pathmarch_field::registry::Outline;
+use pathmarch_field::Outline;
 use pathmarch_field::{Param, Solid, Unit, registry};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -386,7 +386,7 @@ impl List<'_> {
             self.slots
                 .push(Slot { control: Control { value, present, given, ..control }, place: Place::Parameter(index) });
         }
-        if let Solid::Combine(operator) = solid
+        if let Solid::Operator(operator) = solid
             && operator.blends()
         {
             for setting in schema::BLEND {

@@ -16,8 +16,8 @@ use crate::language::arguments::{Range, srgb};
 use crate::language::characters;
 use crate::language::fields::Fields;
 use crate::language::tree::{self, Entry, Node};
+use pathmarch_field::Outline;
 use pathmarch_field::Solid;
-use pathmarch_field::registry::Outline;
 
 /// A node and the text that it stands in.
 #[derive(Clone, Copy)]

@@ -10,8 +10,8 @@ use super::report::{Report, draft, shown};
 use super::strings::origins;
 use super::tree::{Block, Entry, Node, Span};
 use crate::assets::Assets;
-use pathmarch_field::own::{Fault, MAX_PARAMS, keep};
-use pathmarch_field::{Info, OwnField, Param, Shape, ShapeRef, Solid, Unit, registry};
+use pathmarch_field::custom_sdf::{CodeDiagnostic, MAX_PARAMS, keep};
+use pathmarch_field::{CustomShape, Info, Param, Shape, ShapeRef, Solid, Unit, registry};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ const ENDLESS: &str = "none";
 /// The shapes that a scene declares.
 #[derive(Clone, Default)]
 pub(crate) struct Fields {
-    shapes: Vec<Arc<OwnField>>,
+    shapes: Vec<Arc<CustomShape>>,
     /// Names of those that have mistakes, so that these are not told again where they are used.
     broken: Vec<String>,
 }
@@ -39,7 +39,7 @@ impl Fields {
     /// The shape of this name.
     pub(crate) fn shape(&self, name: &str) -> Option<ShapeRef> {
         let shape = self.shapes.iter().find(|shape| shape.info().name == name)?;
-        Some(ShapeRef::Own(shape.clone()))
+        Some(ShapeRef::Custom(shape.clone()))
     }
     /// What stands in objects under this name: of the registry, or one of these.
     pub(crate) fn solid(&self, name: &str) -> Option<Solid<'_>> {
@@ -123,7 +123,7 @@ fn check_name(name: &str, span: Span, report: &mut Report) {
 }
 
 /// The field of a node, where it could be made; mistakes are in the report.
-fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, report: &mut Report) -> Option<OwnField> {
+fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, report: &mut Report) -> Option<CustomShape> {
     let mut found: HashMap<&str, &Node> = HashMap::new();
     for child in node.child_nodes() {
         let word = &*child.name.value;
@@ -186,7 +186,7 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, report: 
             "this scene",
         )
     };
-    Some(OwnField::new(info, params, lipschitz?, edges?, code))
+    Some(CustomShape::new(info, params, lipschitz?, edges?, code))
 }
 
 /// The only argument of a node.
@@ -239,7 +239,7 @@ fn kept(text: &str, entry: &Entry, report: &mut Report) -> Option<&'static str> 
 }
 
 /// Reports what is wrong in a text, where it stands in the file.
-fn wrong(entry: &Entry, fault: &Fault, report: &mut Report) {
+fn wrong(entry: &Entry, fault: &CodeDiagnostic, report: &mut Report) {
     let span = fault.range.as_ref().and_then(|range| {
         let (text, base) = report.text_at(entry.value_span);
         let start = entry.value_span.start as usize;

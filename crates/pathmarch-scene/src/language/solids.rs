@@ -16,10 +16,11 @@ use super::tree::{Entry, Node, Span};
 use crate::assets::Assets;
 use crate::materials::Material;
 use crate::scene::Object;
+use pathmarch_field::Outline;
 use pathmarch_field::graph::Kind;
-use pathmarch_field::registry::Outline;
 use pathmarch_field::{
-    Blend, BlendProfile, Combine, Field, Modify, Node as FieldNode, Param, Placement, ShapeRef, Solid, Unit, registry,
+    Blend, BlendProfile, Field, Modifier, Node as FieldNode, Operator, Param, Placement, ShapeRef, Solid, Unit,
+    registry,
 };
 
 /// More shapes are refused.
@@ -275,8 +276,8 @@ impl<'m> Solids<'m> {
         let declared = self.declared;
         match registry::solid(&node.name.value) {
             Some(Solid::Shape(shape)) => self.counted_shape(shape.into(), node, material, report),
-            Some(Solid::Combine(operator)) => self.operator(operator, node, material, report),
-            Some(Solid::Modify(modifier)) => self.modifier(modifier, node, material, report),
+            Some(Solid::Operator(operator)) => self.operator(operator, node, material, report),
+            Some(Solid::Modifier(modifier)) => self.modifier(modifier, node, material, report),
             None => {
                 if let Some(shape) = self.fields.shape(&node.name.value) {
                     return self.counted_shape(shape, node, material, report);
@@ -373,7 +374,7 @@ impl<'m> Solids<'m> {
 
     fn operator(
         &mut self,
-        operator: &'static dyn Combine,
+        operator: &'static dyn Operator,
         node: &Node,
         material: Option<u32>,
         report: &mut Report,
@@ -390,7 +391,7 @@ impl<'m> Solids<'m> {
             arguments(node, 0, &format!("`{name} smooth=0.1 {{ … }}`"), report);
             blend(&named, report)
         } else {
-            numbers(Solid::Combine(operator), node, &named, report).first().map(|&amount| amount.into())
+            numbers(Solid::Operator(operator), node, &named, report).first().map(|&amount| amount.into())
         };
         let (placement, children, written) = self.held(node, material, report);
         let (least, most) = operator.children();
@@ -409,12 +410,12 @@ impl<'m> Solids<'m> {
             let mistake = draft("pathmarch::too_many_shapes", extra.name.span, message);
             report.add(mistake.label(format!("expected {needs}, this is one more")).help(help));
         }
-        Some(FieldNode { kind: Kind::Combine { operator, smooth, children }, placement })
+        Some(FieldNode { kind: Kind::Operator { operator, smooth, children }, placement })
     }
 
     fn modifier(
         &mut self,
-        modifier: &'static dyn Modify,
+        modifier: &'static dyn Modifier,
         node: &Node,
         material: Option<u32>,
         report: &mut Report,
@@ -424,7 +425,7 @@ impl<'m> Solids<'m> {
         let mut named = properties(node, &known, report);
         let own = named.iter().position(|(name, _)| *name == "material").map(|at| named.swap_remove(at).1);
         let material = own.map(|entry| self.material(entry, report)).or(material);
-        let params = numbers(Solid::Modify(modifier), node, &named, report);
+        let params = numbers(Solid::Modifier(modifier), node, &named, report);
         self.planes += usize::from(modifier.of_profiles());
         let (placement, children, _) = self.held(node, material, report);
         self.planes -= usize::from(modifier.of_profiles());
@@ -454,7 +455,7 @@ impl<'m> Solids<'m> {
             report.add(mistake.help("Cut it first: intersect { box 10 1 10; … }."));
             return None;
         }
-        Some(FieldNode { kind: Kind::Modify { modifier, params, children }, placement })
+        Some(FieldNode { kind: Kind::Modifier { modifier, params, children }, placement })
     }
 
     /// What stands in the braces of an operator: where it stands, and what it holds; and of how many that is of.
@@ -493,8 +494,8 @@ fn blend(named: &[(&str, &Entry)], report: &mut Report) -> Option<Blend> {
 fn profile(node: &FieldNode) -> Option<&'static str> {
     match &node.kind {
         Kind::Shape { shape, .. } => Some(shape.info()).filter(|info| info.profile).map(|info| info.name),
-        Kind::Modify { modifier, .. } if modifier.of_profiles() => None,
-        Kind::Combine { children, .. } | Kind::Modify { children, .. } => children.iter().find_map(profile),
+        Kind::Modifier { modifier, .. } if modifier.of_profiles() => None,
+        Kind::Operator { children, .. } | Kind::Modifier { children, .. } => children.iter().find_map(profile),
     }
 }
 
@@ -502,22 +503,22 @@ fn profile(node: &FieldNode) -> Option<&'static str> {
 fn first_name(node: &FieldNode) -> &str {
     match &node.kind {
         Kind::Shape { shape, .. } => shape.info().name,
-        Kind::Combine { operator, .. } => operator.info().name,
-        Kind::Modify { modifier, .. } => modifier.info().name,
+        Kind::Operator { operator, .. } => operator.info().name,
+        Kind::Modifier { modifier, .. } => modifier.info().name,
     }
 }
 
 /// The nodes under one of the registry's operators.
 fn combined(operator: &str, children: Vec<FieldNode>) -> Option<FieldNode> {
     let operator = registry::operator(operator)?;
-    Some(FieldNode { kind: Kind::Combine { operator, smooth: None, children }, placement: Placement::default() })
+    Some(FieldNode { kind: Kind::Operator { operator, smooth: None, children }, placement: Placement::default() })
 }
 
 /// The material of the first shape.
 fn first_tag(node: &FieldNode) -> u32 {
     match &node.kind {
         Kind::Shape { tag, .. } => *tag,
-        Kind::Combine { children, .. } | Kind::Modify { children, .. } => children.first().map_or(0, first_tag),
+        Kind::Operator { children, .. } | Kind::Modifier { children, .. } => children.first().map_or(0, first_tag),
     }
 }
 

@@ -2,7 +2,7 @@
 //! alone.
 
 use super::{all_items, path};
-use pathmarch_field::registry::Outline;
+use pathmarch_field::Outline;
 use pathmarch_field::{Unit, registry};
 use pathmarch_scene::document::{Control, ControlKind, Document, Item, ItemKind, Value, key};
 use pathmarch_scene::{Scene, materials, textures};

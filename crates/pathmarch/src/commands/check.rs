@@ -2,7 +2,7 @@
 
 use pathmarch_cli::{DONE, FAILED, Failure, USAGE, print_report};
 use pathmarch_render::pathmarch_field::graph::Kind;
-use pathmarch_render::pathmarch_field::survey::survey;
+use pathmarch_render::pathmarch_field::lipschitz_check::check_lipschitz;
 use pathmarch_render::pathmarch_field::{Field, Node, Placement};
 use pathmarch_render::pathmarch_scene::Scene;
 use std::path::PathBuf;
@@ -57,7 +57,7 @@ fn field_is_safe(scene: &Scene) -> bool {
     let mut safe = true;
     for object in &scene.objects {
         let field = Field::new(std::slice::from_ref(&object.root));
-        let finding = survey(&field, POINTS);
+        let finding = check_lipschitz(&field, POINTS);
         let declared = field.lipschitz();
         if finding.safe_factor >= LEAST_FACTOR {
             println!("  {}: safe; slope up to {:.3}, {declared} is declared", object.name, finding.slope);
@@ -95,7 +95,7 @@ fn declarations_are_true(scene: &Scene) -> bool {
         let params = leaf.params[..leaf.shape.params().len()].to_vec();
         let kind = Kind::Shape { shape: leaf.shape.clone(), params, tag: 0 };
         let field = Field::new(&[Node { kind, placement: Placement::default() }]);
-        let slope = survey(&field, POINTS).slope;
+        let slope = check_lipschitz(&field, POINTS).slope;
         let steepest = declared * slope;
         if slope <= STEEPEST {
             println!("  field `{name}`: as declared; slope up to {steepest:.3}, lipschitz {declared}");

@@ -1,8 +1,9 @@
 //! `pathmarch shapes`: the reference page, from the registry.
 
 use pathmarch_cli::{DONE, Failure};
+use pathmarch_render::pathmarch_field::Outline;
 use pathmarch_render::pathmarch_field::blend::DEFAULT_STEPS;
-use pathmarch_render::pathmarch_field::registry::{Outline, modifiers, operators, shapes, solid, solids};
+use pathmarch_render::pathmarch_field::registry::{modifiers, operators, shapes, solid, solids};
 use pathmarch_render::pathmarch_field::{BlendProfile, Info, Param, Solid};
 
 #[derive(clap::Args)]
@@ -57,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 println!("  Without thickness; a material that emits does so on the side it faces only.");
             }
         }
-        Some(Solid::Combine(operator)) if arguments.wgsl => {
+        Some(Solid::Operator(operator)) if arguments.wgsl => {
             let profiles = BlendProfile::ALL.map(Some).into_iter().take(if operator.blends() { 4 } else { 1 });
             for profile in profiles.chain([None]) {
                 println!(
@@ -68,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 );
             }
         }
-        Some(Solid::Combine(operator)) => {
+        Some(Solid::Operator(operator)) => {
             page(operator.info(), operator.params());
             if operator.blends() {
                 println!("\n  smooth=    Width of the blend, metres; sharp when absent.");
@@ -79,8 +80,8 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 println!("  steps=     How many steps the profile stairs has. Default {DEFAULT_STEPS}.");
             }
         }
-        Some(Solid::Modify(modifier)) if arguments.wgsl => print!("{}", modifier.wgsl()),
-        Some(Solid::Modify(modifier)) => {
+        Some(Solid::Modifier(modifier)) if arguments.wgsl => print!("{}", modifier.wgsl()),
+        Some(Solid::Modifier(modifier)) => {
             page(modifier.info(), modifier.params());
             if modifier.needs_bounds() {
                 println!("\n  What it holds must have an end.");

@@ -15,9 +15,11 @@
 //! Cost: about 35 operations for each iteration and one root.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::orbit;
-use crate::registry::{Info, Param, Primitive, TRAPS, Unit};
+use crate::parameter::{Param, Unit};
+use crate::shapes::orbit;
+use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
@@ -73,7 +75,7 @@ fn start<N: Real>(p: Vec3<N>) -> State<N> {
     [p.x, p.y, p.z, N::one()]
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(

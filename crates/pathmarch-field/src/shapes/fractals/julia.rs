@@ -19,9 +19,11 @@
 //! Cost: about 20 operations and a root for each iteration until the orbit has escaped, one logarithm.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::orbit;
-use crate::registry::{Info, Param, Primitive, TRAPS};
+use crate::parameter::Param;
+use crate::shapes::orbit;
+use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
@@ -72,7 +74,7 @@ fn radius<N: Real>(size: N) -> N {
     (N::one() + (N::one() + N::constant(4.0) * size).sqrt()) * N::constant(0.5)
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(

@@ -14,9 +14,11 @@
 //! Cost: about 20 operations for each iteration, no root.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::orbit;
-use crate::registry::{Info, Param, Primitive, TRAPS, Unit};
+use crate::parameter::{Param, Unit};
+use crate::shapes::orbit;
+use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
@@ -54,7 +56,7 @@ fn bound<N: Real>(p: Vec3<N>) -> N {
     off.max(N::zero()).length() + off.largest().min(N::zero())
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(

@@ -18,9 +18,11 @@
 //! Without the bend inside it was 5.1 and 52. Cost: about 30 operations for each iteration, no root.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::orbit;
-use crate::registry::{Info, Param, Primitive, TRAPS, Unit};
+use crate::parameter::{Param, Unit};
+use crate::shapes::orbit;
+use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
@@ -74,7 +76,7 @@ fn half_edge<N: Real>(scale: N, fold: N) -> N {
     fold * N::select(scale.lt(N::zero()), two, positive)
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         exact: false,
         ..Info::new("mandelbox", "Mandelbox centred at the origin.", "Lowe 2010; Christensen 2011, part VI")

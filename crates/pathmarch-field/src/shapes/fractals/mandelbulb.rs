@@ -27,10 +27,12 @@
 //! one logarithm. Each power is a shape of its own ([`Shape`]): with all digits of any power in the code it was 110.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::orbit;
-use crate::registry::{self, Entry, Info, Param, Primitive, TRAPS};
-use std::marker::PhantomData;
+use crate::parameter::Param;
+use crate::shapes::entry::Entry;
+use crate::shapes::orbit;
+use crate::shapes::{ShapeDef, TRAPS};
 
 /// The mandelbulb of any power, or, where `POWER` is not zero, of that one, whose code has no more in it than it needs.
 pub(crate) struct Shape<const POWER: u32 = 0>;
@@ -205,7 +207,7 @@ fn orbit_of_any<N: Real>(p: Vec3<N>, params: [N; 2], known: u32) -> [N; TRAPS] {
     orbit::traps::<N, 5, 10>(map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near))
 }
 
-impl<const POWER: u32> Primitive for Shape<POWER> {
+impl<const POWER: u32> ShapeDef for Shape<POWER> {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(
@@ -232,11 +234,11 @@ impl<const POWER: u32> Primitive for Shape<POWER> {
         Aabb::centred(radius, radius, radius)
     }
     const VARIANT: u32 = POWER;
-    fn variant([power, _]: [f32; 2]) -> Option<&'static dyn registry::Shape> {
+    fn variant([power, _]: [f32; 2]) -> Option<&'static dyn crate::shapes::Shape> {
         macro_rules! of_power {
             ($($known:literal)*) => {
                 match power as u32 {
-                    $($known => Some(&Entry::<Shape<$known>>(PhantomData)),)*
+                    $($known => Some(const { &Entry::<Shape<$known>>::new() }),)*
                     _ => None,
                 }
             };

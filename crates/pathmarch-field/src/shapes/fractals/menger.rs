@@ -16,9 +16,11 @@
 //! 25 operations for each iteration, no root but in the last one's cube.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::orbit;
-use crate::registry::{Info, Param, Primitive, TRAPS};
+use crate::parameter::Param;
+use crate::shapes::orbit;
+use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
@@ -43,7 +45,7 @@ fn step<N: Real>([x, y, z, shrink, outside]: State<N>) -> (State<N>, N::Mask) {
     ([x * three - two, y * three - two, z * three, shrink * third, outside], N::truth(true))
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info::new(
         "menger",
         "Menger's sponge in the cube of edge 2 centred at the origin.",

@@ -13,9 +13,11 @@
 //! 15 operations for each iteration, no root.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::orbit;
-use crate::registry::{Info, Param, Primitive, TRAPS};
+use crate::parameter::Param;
+use crate::shapes::orbit;
+use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
@@ -48,7 +50,7 @@ fn bound<N: Real>(p: Vec3<N>) -> N {
     p.length() - N::constant(RADIUS)
 }
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         exact: false,
         ..Info::new(

@@ -1,12 +1,14 @@
 //! Circle in the plane of x and y (Quilez 2008, "2D distance functions", circle). Exact.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info =
         Info { profile: true, ..Info::new("circle", "Profile: a disc around the origin.", "Quilez 2008, circle") };
     const PARAMS: &'static [Param] = &[Param::length("radius", 0.5, "From the origin to the edge.")];

@@ -2,12 +2,14 @@
 //! box). Exact.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         profile: true,
         size_params: 2,

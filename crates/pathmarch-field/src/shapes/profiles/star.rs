@@ -3,13 +3,15 @@
 //! nearest to a point of it lies in it, too. Exact.
 
 use crate::bounds::Aabb;
+use crate::info::Info;
 use crate::number::{Real, Vec3};
-use crate::registry::{Info, Param, Primitive};
+use crate::parameter::Param;
+use crate::shapes::ShapeDef;
 use std::f32::consts::PI;
 
 pub(crate) struct Shape;
 
-impl Primitive for Shape {
+impl ShapeDef for Shape {
     const INFO: Info = Info {
         profile: true,
         ..Info::new("star", "Profile: a star around the origin, a point up.", "after Quilez 2008, star")

@@ -1,11 +1,11 @@
 //! The hierarchy of objects of closed form as WGSL: one traversal, and everything else as numbers.
 //!
 //! Twin of `graph/bvh.rs`, which explains it. A node is two vectors: its least corner and where to go on when it is skipped; its
-//! greatest corner and the record of its leaf, or zero. Records are those of crowds. Cost: two iterations for each node that is
+//! greatest corner and the record of its leaf, or zero. Records are those of shape_grids. Cost: two iterations for each node that is
 //! visited, of the 65,535 that Mesa's software Vulkan grants an invocation: a path of ten rays through a thousand spheres takes
 //! about 2,000.
 
-use super::crowd::cases;
+use super::shape_grid::cases;
 use super::{Composer, Program};
 use std::collections::{BTreeSet, HashMap};
 
@@ -14,7 +14,7 @@ const TRAVERSAL: &str = "\
 const BVH = 0x80000000u;
 
 /// The first hit of a ray, or what it has met before.
-fn bvh_hit(origin: vec3f, direction: vec3f, before: DirectHit) -> DirectHit {
+fn bvh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit {
     var nearest = before;
     let inverse = 1.0 / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
     var node = u32(field_parameters[HEADERu].x);
@@ -37,7 +37,7 @@ fn bvh_hit(origin: vec3f, direction: vec3f, before: DirectHit) -> DirectHit {
             }
             let t = item_ray(record, origin, direction);
             if t < nearest.t {
-                nearest = DirectHit(t, BVH + record);
+                nearest = AnalyticHit(t, BVH + record);
             }
             break;
         }
@@ -77,7 +77,7 @@ fn bvh_distance(p: vec3f, before: f32, sets: u32, own: u32) -> f32 {
 impl Program {
     /// Says which objects count in each of the sets whose distances [`distances_to`](Self::distances_to) prints, in that order: where
     /// there are many objects, that is a number, too.
-    pub fn count(&mut self, field: &crate::graph::Field, named: &[(&str, &[bool])]) {
+    pub fn write_object_sets(&mut self, field: &crate::graph::Field, named: &[(&str, &[bool])]) {
         for &(leaf, record) in &self.bvh_records {
             let object = field.leaves()[leaf as usize].object as usize;
             let counts = |(_, counts): &(&str, &[bool])| counts.get(object) == Some(&true);
@@ -94,10 +94,10 @@ impl Composer<'_> {
         if field.bvh().nodes.is_empty() {
             return;
         }
-        for (_, shape) in self.crowd_kinds() {
+        for (_, shape) in self.shape_grid_kinds() {
             functions.insert((0, shape.wgsl_distance()));
             functions.insert((0, shape.wgsl_gradient()));
-            if shape.closed_form() {
+            if shape.is_analytic() {
                 functions.insert((0, shape.wgsl_ray()));
             }
         }
@@ -111,7 +111,7 @@ impl Composer<'_> {
         if field.bvh().nodes.is_empty() {
             return;
         }
-        let kinds: Vec<String> = self.crowd_kinds().into_iter().map(|(name, _)| name).collect();
+        let kinds: Vec<String> = self.shape_grid_kinds().into_iter().map(|(name, _)| name).collect();
         let records: HashMap<u32, f32> =
             field.bvh().leaves().map(|leaf| (leaf, self.record(&kinds, 0, leaf))).collect();
         let first = self.parameters.len();

@@ -1,9 +1,9 @@
 //! The WGSL of [`Field::coordinates`], as far as modifiers go, and of [`Field::orbit`].
 
-use super::numbers::{arguments, component, local, rows};
+use super::parameters::{arguments, component, local, rows};
 use super::{Composed, Composer, Program};
 use crate::graph::{Field, Modified, Tree, Turn};
-use crate::registry::TRAPS;
+use crate::shapes::TRAPS;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -26,17 +26,17 @@ fn coordinates_inside(outer: Coordinates, p: vec3f, x: vec3f, y: vec3f, z: vec3f
 impl Program {
     /// WGSL text, to stand behind [`code`](Self::code), of the struct `Coordinates` (`p`, and the gradients `x`, `y`, `z` of its
     /// coordinates over the world), of `coordinates_inside(outer: Coordinates, p, x, y, z)`, which applies the chain rule, and
-    /// of `held_coordinates(holder: u32, p: vec3f) -> Coordinates`: where a point of the world is in the space of the
+    /// of `modifier_coordinates(holder: u32, p: vec3f) -> Coordinates`: where a point of the world is in the space of the
     /// modifier of this number, which is [`Field::holder`].
     pub fn coordinates(field: &Field) -> String {
         let Composed { composer, .. } = Composed::new(field);
         let (mut functions, mut cases) = (String::new(), String::new());
-        for tree in field.alone() {
+        for tree in field.single_objects() {
             composer.coordinates(tree, "world", &mut functions, &mut cases);
         }
         format!(
             "{COORDINATES}\n{functions}/// Where `p` is in the space of what the modifier of this number holds; 0 is the \
-             world.\nfn held_coordinates(holder: u32, p: vec3f) -> Coordinates {{\n    let world = Coordinates(p, vec3f(1.0, \
+             world.\nfn modifier_coordinates(holder: u32, p: vec3f) -> Coordinates {{\n    let world = Coordinates(p, vec3f(1.0, \
              0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));\n{cases}    return world;\n}}\n\n"
         )
     }
@@ -70,10 +70,10 @@ impl Composer<'_> {
     fn coordinates(&self, tree: &Tree, outer: &str, functions: &mut String, cases: &mut String) {
         match tree {
             Tree::Leaf(_) => {}
-            Tree::Combine { children, .. } => {
+            Tree::Operator { children, .. } => {
                 children.iter().for_each(|child| self.coordinates(child, outer, functions, cases));
             }
-            Tree::Modify(modified) => {
+            Tree::Modifier(modified) => {
                 *functions += &self.coordinates_in(modified);
                 let here = format!("inside_{}_coordinates({outer})", modified.index);
                 writeln!(cases, "    if holder == {}u {{\n        return {here};\n    }}", modified.index + 1)
@@ -88,7 +88,7 @@ impl Composer<'_> {
         let name = modifier.wgsl_name();
         let start = self.modifier_starts[*index as usize];
         let (point, first) = local(pose, start, "world");
-        let numbers = arguments(first, modified.numbers.len());
+        let numbers = arguments(first, modified.coefficients.len());
         let chosen = self.chosen(modified, &numbers);
         let gradient = |axis: &str| {
             let pulled = format!("{name}_pull(p, chosen, {axis}{numbers})");

@@ -1,7 +1,7 @@
 //! Modifiers as WGSL: for each one the distance and the surface of what it holds, and those of itself.
 
 use super::Composer;
-use super::numbers::{arguments, component, local, rows};
+use super::parameters::{arguments, component, local, rows};
 use crate::graph::{Modified, Tree, Turn};
 use std::collections::BTreeSet;
 
@@ -11,8 +11,8 @@ impl Composer<'_> {
     pub(super) fn modifiers(&self, tree: &Tree, functions: &mut BTreeSet<(u32, String)>) {
         match tree {
             Tree::Leaf(_) => {}
-            Tree::Combine { children, .. } => children.iter().for_each(|child| self.modifiers(child, functions)),
-            Tree::Modify(modified) => {
+            Tree::Operator { children, .. } => children.iter().for_each(|child| self.modifiers(child, functions)),
+            Tree::Modifier(modified) => {
                 self.modifiers(&modified.inside, functions);
                 functions.insert((2, self.modified(modified)));
             }
@@ -20,11 +20,11 @@ impl Composer<'_> {
     }
 
     fn modified(&self, modified: &Modified) -> String {
-        let Modified { modifier, index, places, pose, inside, .. } = modified;
+        let Modified { modifier, index, copies, pose, inside, .. } = modified;
         let name = modifier.wgsl_name();
         let start = self.modifier_starts[*index as usize];
         let (point, first) = local(pose, start, "world");
-        let numbers = arguments(first, modified.numbers.len());
+        let numbers = arguments(first, modified.coefficients.len());
         let mut counter = 0;
         let mut distance = format!(
             "/// Signed distance to what modifier {index}, `{name}`, holds.\nfn inside_{index}_distance(p: vec3f) -> f32 {{\n"
@@ -41,11 +41,11 @@ impl Composer<'_> {
             Turn::None => String::new(),
             _ => format!(" * {}", component(start, 3)),
         };
-        let (looked, found) = match places {
+        let (looked, found) = match copies {
             1 => (String::new(), format!("inside_{index}_distance({name}_point(p, 0.0{numbers}))")),
             _ => (self.nearest(modified, &numbers, "nearest = min(nearest, distance);"), "nearest".to_owned()),
         };
-        let whole_distance = format!(
+        let estimated_distance = format!(
             "/// Signed distance to modifier {index}, `{name}`.\nfn modified_{index}_distance(world: vec3f) -> f32 {{\n    let p = \
              {point};\n{looked}    return {name}_distance(p, {found}{numbers}){scale};\n}}\n"
         );
@@ -62,14 +62,14 @@ impl Composer<'_> {
              let local = {name}_gradient(p, vec4f(pulled, inside.distance){numbers});\n    let result = {back};\n    \
              return Surface(result.xyz, result.w, inside.leaf);\n}}\n"
         );
-        [distance, surface, whole_distance, whole_surface].join("\n")
+        [distance, surface, estimated_distance, whole_surface].join("\n")
     }
 
     /// WGSL that does something with the `distance` of each place of what a modifier holds and with the `nearest` so far.
     fn nearest(&self, modified: &Modified, numbers: &str, then: &str) -> String {
-        let Modified { modifier, index, places, .. } = modified;
+        let Modified { modifier, index, copies, .. } = modified;
         format!(
-            "    var nearest = 1e30;\n    for (var place = 0u; place < {places}u; place++) {{\n        let distance = \
+            "    var nearest = 1e30;\n    for (var place = 0u; place < {copies}u; place++) {{\n        let distance = \
              inside_{index}_distance({}_point(p, f32(place){numbers}));\n        {then}\n    }}\n",
             modifier.wgsl_name()
         )
@@ -79,7 +79,7 @@ impl Composer<'_> {
     pub(super) fn chosen(&self, modified: &Modified, numbers: &str) -> String {
         let then =
             "chosen = select(chosen, f32(place), distance < nearest);\n        nearest = min(nearest, distance);";
-        match modified.places {
+        match modified.copies {
             1 => "    let chosen = 0.0;\n".to_owned(),
             _ => "    var chosen = 0.0;\n".to_owned() + &self.nearest(modified, numbers, then),
         }

@@ -1,7 +1,7 @@
 //! The WGSL of surfaces: distance, gradient, and the leaf whose material shows.
 
-use super::numbers::{component, rows};
-use super::{Composer, profile, solids};
+use super::parameters::{component, rows};
+use super::{Composer, analytic, profile};
 use crate::graph::{Tree, Turn};
 use std::fmt::Write;
 
@@ -13,9 +13,9 @@ impl Composer<'_> {
              fn surface(p: vec3f, met: u32, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
         );
         let mut counter = 0;
-        let marched: Vec<&Tree> = self.field.marched_alone().collect();
-        if !marched.is_empty() || !self.field.crowds().is_empty() {
-            text += &asked("met != MARCHED");
+        let marched: Vec<&Tree> = self.field.sphere_traced_objects().collect();
+        if !marched.is_empty() || !self.field.shape_grids().is_empty() {
+            text += &asked("met != SPHERE_TRACED");
         }
         for object in &marched {
             let (value, leaf) = self.tree_surface(object, &mut text, &mut counter);
@@ -25,29 +25,29 @@ impl Composer<'_> {
             )
             .expect("writing to a string");
         }
-        for crowd in 0..self.field.crowds().len() {
+        for shape_grid in 0..self.field.shape_grids().len() {
             writeln!(
                 text,
-                "    let crowd{crowd} = crowd_{crowd}_surface(p, seed);\n    if abs(crowd{crowd}.distance) < abs(nearest.w) \
-                 {{\n        nearest = vec4f(crowd{crowd}.gradient, crowd{crowd}.distance);\n        leaf = \
-                 crowd{crowd}.leaf;\n    }}"
+                "    let shape_grid{shape_grid} = shape_grid_{shape_grid}_surface(p, seed);\n    if abs(shape_grid{shape_grid}.distance) < abs(nearest.w) \
+                 {{\n        nearest = vec4f(shape_grid{shape_grid}.gradient, shape_grid{shape_grid}.distance);\n        leaf = \
+                 shape_grid{shape_grid}.leaf;\n    }}"
             )
             .expect("writing to a string");
         }
-        if !marched.is_empty() || !self.field.crowds().is_empty() {
+        if !marched.is_empty() || !self.field.shape_grids().is_empty() {
             text += ANSWERED;
         }
-        for index in self.field.direct_alone().flat_map(solids::leaves) {
+        for index in self.field.analytic_objects().flat_map(analytic::leaves) {
             let mut inner = String::new();
             let (value, leaf) = self.tree_surface(&Tree::Leaf(index), &mut inner, &mut counter);
-            let sign = if self.field.leaves()[index as usize].hollow { "-" } else { "" };
+            let sign = if self.field.leaves()[index as usize].subtracted { "-" } else { "" };
             text += &asked(&format!("met != {leaf}"));
             text += &inner;
             writeln!(text, "    nearest = {sign}{value};\n    leaf = {leaf};").expect("writing to a string");
             text += ANSWERED;
         }
         if !self.field.bvh().nodes.is_empty() {
-            text += &asked("met < BVH || met == MARCHED");
+            text += &asked("met < BVH || met == SPHERE_TRACED");
             text += "    let record = met - BVH;\n    nearest = item_gradient(record, p);\n    leaf = \
                      u32(field_parameters[record + 3u].w);\n";
             text += ANSWERED;
@@ -85,7 +85,7 @@ impl Composer<'_> {
                 .expect("writing to a string");
                 (name, format!("{index}u"))
             }
-            Tree::Modify(modified) => {
+            Tree::Modifier(modified) => {
                 let (name, surface) = (fresh("g"), fresh("s"));
                 writeln!(
                     text,
@@ -95,7 +95,7 @@ impl Composer<'_> {
                 .expect("writing to a string");
                 (name, format!("{surface}.leaf"))
             }
-            Tree::Combine { operator, smooth, children, first_choice } => {
+            Tree::Operator { operator, smooth, children, first_choice } => {
                 let (mut result, mut leaf) = self.tree_surface(&children[0], text, counter);
                 let width = self.width(*first_choice, *smooth);
                 let function = operator.wgsl_name(profile(*smooth));

@@ -18,7 +18,7 @@ use std::fmt::{Display, Write};
 const WATCHING: &str = "
 var<private> watched: vec4f;
 
-fn marched_distance(p: vec3f) -> f32 {
+fn sphere_traced_distance(p: vec3f) -> f32 {
     let distance = unwatched_distance(p);
     let change = abs(distance - watched.w) * frame.step_factor - NOISE * frame.rounding * largest(abs(p));
     if steps > 0u {
@@ -37,7 +37,7 @@ pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings
     if mode.traces_paths() {
         if input.config.penumbra {
             code.push('\n');
-            code.push_str(&program.whole_distance);
+            code.push_str(&program.estimated_distance);
         }
         code += &constants(input, data);
         code += &scattering(input);
@@ -45,13 +45,13 @@ pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings
         // `r2_sequence.wgsl` has one without noise.
         code = code.replace(CHOICE, "");
         if matches!(mode, Mode::Steps | Mode::Violations) {
-            code = code.replace("fn marched_distance(", "fn unwatched_distance(") + WATCHING;
+            code = code.replace("fn sphere_traced_distance(", "fn unwatched_distance(") + WATCHING;
         }
         code += &constants_of_mode(input, data);
     }
     code += &textures_of(input, data);
     writeln!(code, "const RELAXATION = {:?};", input.config.relaxation).expect("writing to a string");
-    writeln!(code, "const HAS_MARCHED = {};", input.scene.is_sphere_traced()).expect("writing to a string");
+    writeln!(code, "const HAS_SPHERE_TRACED = {};", input.scene.is_sphere_traced()).expect("writing to a string");
     writeln!(code, "const REFINED_GRAZING = {};", input.config.refined_grazing).expect("writing to a string");
     for part in parts(mode) {
         code.push('\n');

@@ -34,7 +34,7 @@ impl KernelSource {
     pub(super) fn for_adapter(input: &RenderInput, software: bool) -> Self {
         let mut program = Program::new(&input.scene.field);
         if let Some(preview) = input.preview() {
-            program.count(&input.scene.field, &preview.distance_functions());
+            program.write_object_sets(&input.scene.field, &preview.distance_functions());
         }
         let trusted = input.scene.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
         let bindings = Bindings::new(input, &program, software);

@@ -32,7 +32,7 @@ pub(super) fn encode(field: &Field, materials: &[TexturedMaterial], start: usize
     for (index, leaf) in field.leaves().iter().enumerate() {
         let rows = leaf.pose.local_from_world();
         encoder.floats(leaf.pose.at.iter().chain(rows.as_flattened()).copied());
-        encoder.words.push(field.holder(index));
+        encoder.words.push(field.enclosing_modifier(index));
     }
     let first = encoder.words.len();
     encoder.words.resize(first + materials.len(), 0);

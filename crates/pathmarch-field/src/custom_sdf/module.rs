@@ -1,0 +1,368 @@
+//! The text of a field: read, checked, and printed under names of its own.
+
+use super::budget::{self, Cost, Costs};
+use super::compile::compile;
+use super::machine::Program;
+use super::size::{self, Sizes, shown};
+use super::{CodeDiagnostic, MAX_BYTES, range, wgsl_distance, wgsl_gradient};
+use naga::back::wgsl::{Writer, WriterFlags};
+use naga::valid::{Capabilities, ValidationError, ValidationFlags, Validator};
+use naga::{AddressSpace, Expression, Handle, Module, Scalar, ScalarKind, TypeInner, VectorSize, WithSpan};
+use std::error::Error;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The most functions of a field.
+const MAX_FUNCTIONS: usize = 128;
+/// The most arguments of a function.
+const MAX_ARGUMENTS: usize = 64;
+/// Bytes of stack for reading a text: chains of operators as long as a text may be are read by recursion. Only what is used is
+/// taken from memory.
+const STACK: usize = 256 << 20;
+
+/// The text of a field, ready to be run: all that does not depend on numbers.
+pub struct Code {
+    /// What the names in WGSL have in them.
+    pub(super) identifier: String,
+    pub(super) id: u64,
+    pub(super) program: Program,
+    wgsl: String,
+    entry: String,
+    params: usize,
+}
+
+impl Code {
+    /// Reads and checks a text. `identifier` is unlike those of other fields in the scene, ASCII letters, digits and underscores,
+    /// starts with a letter and does not end with an underscore; `params` are the names of the parameters, which are WGSL
+    /// identifiers.
+    ///
+    /// # Errors
+    /// What is wrong in the text, as far as it could be read.
+    pub fn new(identifier: &str, params: &[String], text: &str) -> Result<Self, Vec<CodeDiagnostic>> {
+        if text.len() > MAX_BYTES {
+            let message = format!("The text of a field has at most {} KiB.", MAX_BYTES >> 10);
+            return Err(vec![whole(message, "too long")]);
+        }
+        std::thread::scope(|scope| {
+            let read = std::thread::Builder::new()
+                .stack_size(STACK)
+                .spawn_scoped(scope, || Self::read(identifier, params, text));
+            match read.map(|thread| thread.join()) {
+                Ok(Ok(result)) => result,
+                _ => Err(vec![whole("This text could not be read.", "in this text")]),
+            }
+        })
+    }
+
+    fn read(identifier: &str, params: &[String], text: &str) -> Result<Self, Vec<CodeDiagnostic>> {
+        let declarations: String = params.iter().map(|name| format!("\noverride {name}: f32;")).collect();
+        let one = |fault: CodeDiagnostic| vec![fault];
+        // Behind the text, so that places in it stay what they are.
+        let whole_text = format!("{text}\n{declarations}");
+        size::check_constants(&whole_text)
+            .map_err(|fault| one(fault.unwrap_or_else(|error| parse_fault(&error, text))))?;
+        let mut module = naga::front::wgsl::parse_str(&whole_text).map_err(|error| one(parse_fault(&error, text)))?;
+        let faults = allowed(&module, params, text);
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let entry = entry(&module).map_err(one)?;
+        if let Some(fault) = size::too_large_declaration(&module) {
+            return Err(one(fault));
+        }
+        let info = validate(&module).map_err(|error| one(validation_fault(&error, text)))?;
+        let costs = Costs::new(&module, &info);
+        limits(&module, &costs, entry).map_err(one)?;
+        let program = compile(&module, &info, &costs, entry, params).map_err(one)?;
+        let entry_name = rename(&mut module, identifier, entry);
+        budget::instrument(&mut module, &costs, entry, params, format!("user_{identifier}_passes"));
+        name_expressions(&mut module);
+        let unprintable = |what: String| {
+            let message = "This text cannot be made a part of the program for the GPU.";
+            vec![CodeDiagnostic {
+                help: Some(format!("{what} Write it in a simpler way.")),
+                ..whole(message, "in this text")
+            }]
+        };
+        let info = validate(&module).map_err(|error| unprintable(innermost(error.as_inner())))?;
+        let mut wgsl = String::new();
+        let mut writer = Writer::new(&mut wgsl, WriterFlags::EXPLICIT_TYPES);
+        writer.write(&module, &info).map_err(|error| unprintable(error.to_string()))?;
+        let code = Self {
+            identifier: identifier.to_owned(),
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            program,
+            wgsl,
+            entry: entry_name,
+            params: params.len(),
+        };
+        // What was printed must be what a device can read.
+        let printed = code.wgsl_distance() + &code.wgsl_gradient();
+        let again = naga::front::wgsl::parse_str(&printed).map_err(|error| unprintable(error.message().to_owned()))?;
+        validate(&again).map_err(|error| unprintable(innermost(error.as_inner())))?;
+        Ok(code)
+    }
+
+    fn name(&self) -> String {
+        format!("own_{}", self.identifier)
+    }
+    pub(super) fn wgsl_distance(&self) -> String {
+        format!("{}\n{}", self.wgsl, wgsl_distance(&self.name(), &self.entry, self.params))
+    }
+    pub(super) fn wgsl_gradient(&self) -> String {
+        wgsl_gradient(&self.name(), self.params)
+    }
+}
+
+/// Numbers of codes, so that each has its own memory.
+static NEXT: AtomicU64 = AtomicU64::new(0);
+
+fn whole(message: impl Into<String>, label: &str) -> CodeDiagnostic {
+    CodeDiagnostic { message: message.into(), label: label.to_owned(), range: None, help: None }
+}
+
+fn validate(module: &Module) -> Result<naga::valid::ModuleInfo, Box<WithSpan<ValidationError>>> {
+    Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(module).map_err(Box::new)
+}
+
+/// The longest message, characters: some of naga's hold a piece of the text.
+const MAX_MESSAGE: usize = 200;
+
+/// A sentence of what naga says.
+fn sentence(text: &str) -> String {
+    let mut short: String = text.chars().take(MAX_MESSAGE).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(MAX_MESSAGE).is_some() {
+        short.push('…');
+    }
+    let text = short.trim().trim_end_matches('.');
+    let mut chars = text.chars();
+    let first: String = chars.next().map(|c| c.to_uppercase().collect()).unwrap_or_default();
+    format!("{first}{}.", chars.as_str())
+}
+
+fn parse_fault(error: &naga::front::wgsl::ParseError, text: &str) -> CodeDiagnostic {
+    let place = error.labels().find_map(|(span, label)| Some((within(range(span)?, text)?, label.to_owned())));
+    let notes: Vec<String> = error.notes().map(sentence).collect();
+    let (range, label) = match place {
+        Some((range, label)) => (Some(range), label),
+        None => (None, "in this text".to_owned()),
+    };
+    let label: String = label.chars().take(MAX_MESSAGE).collect();
+    let label = if label.is_empty() { "here".to_owned() } else { label };
+    CodeDiagnostic {
+        message: sentence(error.message()),
+        label,
+        range,
+        help: Some(notes.join(" ")).filter(|notes| !notes.is_empty()),
+    }
+}
+
+/// The innermost cause of an error.
+fn innermost(error: &ValidationError) -> String {
+    let mut cause: &dyn Error = error;
+    while let Some(source) = cause.source() {
+        cause = source;
+    }
+    sentence(&without_handles(&cause.to_string()))
+}
+
+/// A message without the numbers that naga gives to what it talks of, as in "expression Some([3])".
+fn without_handles(message: &str) -> String {
+    let is_handle = |word: &str| {
+        let word = word.trim_end_matches([',', ':']);
+        let inner = word.strip_prefix("Some(").and_then(|word| word.strip_suffix(')')).unwrap_or(word);
+        let digits = inner.strip_prefix('[').and_then(|inner| inner.strip_suffix(']'));
+        digits.is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()))
+    };
+    message.split(' ').filter(|word| !is_handle(word)).collect::<Vec<_>>().join(" ")
+}
+
+fn validation_fault(error: &WithSpan<ValidationError>, text: &str) -> CodeDiagnostic {
+    // The narrowest place says most.
+    let spans = error.spans().filter_map(|(span, _)| within(range(*span)?, text));
+    let range = spans.min_by_key(|range| range.len());
+    let message = innermost(error.as_inner());
+    // naga computes some functions of numbers without a type only later, when it is too late.
+    let help = message.contains("Abstract").then(|| "Give one of the numbers here a type, as in 1.0f.".to_owned());
+    CodeDiagnostic { message, label: "here".to_owned(), range, help }
+}
+
+/// A range that is of the text, and not of what stands behind it.
+fn within(range: std::ops::Range<usize>, text: &str) -> Option<std::ops::Range<usize>> {
+    (range.end <= text.len()).then_some(range)
+}
+
+/// What stands at the top of a text and must not.
+fn allowed(module: &Module, params: &[String], text: &str) -> Vec<CodeDiagnostic> {
+    let mut faults = Vec::new();
+    for (handle, global) in module.global_variables.iter() {
+        let message = match global.space {
+            AddressSpace::Private => "A field has no variables of its own outside its functions.",
+            _ => "A field has no access to memory.",
+        };
+        let help = "Use `const`, a `param` of the field, or a `var` in a function that is handed on as a pointer.";
+        faults.push(CodeDiagnostic {
+            message: message.to_owned(),
+            label: "not in a field".to_owned(),
+            range: range(module.global_variables.get_span(handle)).and_then(|range| within(range, text)),
+            help: Some(help.to_owned()),
+        });
+    }
+    for (handle, constant) in module.overrides.iter() {
+        let known = constant.name.as_ref().is_some_and(|name| params.contains(name));
+        let place = range(module.overrides.get_span(handle)).and_then(|range| within(range, text));
+        if !known || place.is_some() {
+            faults.push(CodeDiagnostic {
+                message: "A field has no overrides.".to_owned(),
+                label: "not in a field".to_owned(),
+                range: place,
+                help: Some("Numbers that can be set from outside are the field's `param`s.".to_owned()),
+            });
+        }
+    }
+    for point in &module.entry_points {
+        let place = text.find(&format!("fn {}", point.name)).map(|at| at..at + 3 + point.name.len());
+        faults.push(CodeDiagnostic {
+            message: "A field has no entry points.".to_owned(),
+            label: "not in a field".to_owned(),
+            range: place,
+            help: Some("Leave out @compute, @vertex and @fragment.".to_owned()),
+        });
+    }
+    faults
+}
+
+/// The function `distance`, which takes a point and gives a number.
+fn entry(module: &Module) -> Result<Handle<naga::Function>, CodeDiagnostic> {
+    let help = "It looks like this: fn distance(p: vec3f) -> f32 { return length(p) - 1.0; }";
+    let found = module.functions.iter().find(|(_, function)| function.name.as_deref() == Some("distance"));
+    let Some((handle, function)) = found else {
+        let message = "This text has no function `distance`.";
+        return Err(CodeDiagnostic {
+            help: Some(help.to_owned()),
+            ..whole(message, "expected `fn distance(p: vec3f) -> f32`")
+        });
+    };
+    let inner = |ty: naga::Handle<naga::Type>| &module.types[ty].inner;
+    let point = TypeInner::Vector { size: VectorSize::Tri, scalar: Scalar::F32 };
+    let takes = matches!(&function.arguments[..], [argument] if *inner(argument.ty) == point);
+    let gives = function.result.as_ref().is_some_and(|result| {
+        matches!(inner(result.ty), TypeInner::Scalar(Scalar { kind: ScalarKind::Float, width: 4 }))
+    });
+    if takes && gives {
+        return Ok(handle);
+    }
+    Err(CodeDiagnostic {
+        message: "`distance` takes a point and gives a number.".to_owned(),
+        label: "expected `fn distance(p: vec3f) -> f32`".to_owned(),
+        range: range(module.functions.get_span(handle)),
+        help: Some(help.to_owned()),
+    })
+}
+
+fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Result<(), CodeDiagnostic> {
+    if module.functions.len() > MAX_FUNCTIONS {
+        return Err(whole(format!("A field has at most {MAX_FUNCTIONS} functions."), "too many"));
+    }
+    let refused = |function: Handle<naga::Function>, message: String, label: &str, help: &str| CodeDiagnostic {
+        message,
+        label: label.to_owned(),
+        range: range(module.functions.get_span(function)),
+        help: Some(help.to_owned()),
+    };
+    for (handle, function) in module.functions.iter() {
+        if function.arguments.len() > MAX_ARGUMENTS {
+            let message = format!("A function of a field has at most {MAX_ARGUMENTS} arguments.");
+            return Err(refused(handle, message, "too many", "Put arguments that belong together into a structure."));
+        }
+    }
+    // Functions that are not called are compiled as well.
+    let functions = || module.functions.iter().map(|(handle, _)| handle);
+    let with_most = |of: &dyn Fn(Cost) -> u32| functions().max_by_key(|handle| of(costs.of(*handle))).unwrap_or(entry);
+    let most = with_most(&|cost| cost.numbers);
+    let numbers = costs.of(most).numbers;
+    if numbers > budget::MAX_ARRAY_SCALARS {
+        let message = format!(
+            "The arrays of this function come to {} numbers with every call written out; at most {} are allowed.",
+            shown(numbers),
+            budget::MAX_ARRAY_SCALARS
+        );
+        let help = "Make arrays smaller, or keep one in a variable and hand it on as a pointer: an array that is an \
+                    argument, a result or a value is a copy.";
+        return Err(refused(most, message, "too much memory", help));
+    }
+    let most = with_most(&|cost| cost.compiled);
+    let operations = costs.of(most).compiled;
+    if operations > budget::MAX_OPERATIONS {
+        let message = format!(
+            "This function comes to {} operations with every call written out; at most {} are allowed.",
+            shown(operations),
+            budget::MAX_OPERATIONS
+        );
+        let sizes = Sizes::new(&module.types);
+        let help = if module.types.iter().any(|(ty, _)| sizes.of(ty).has_array) {
+            "A copy of an array counts as 16 operations for each element, an element found by a computed index as 32: make \
+             arrays smaller, and hand them on as pointers. Put what is done several times into a loop: its passes count against a budget of their own."
+        } else {
+            "Put what is done several times into a loop: its passes count against a budget of their own."
+        };
+        return Err(refused(most, message, "too much to compile", help));
+    }
+    Ok(())
+}
+
+/// Gives everything a name that nothing else in the kernel has; says that of the entry.
+fn rename(module: &mut Module, identifier: &str, entry: Handle<naga::Function>) -> String {
+    let mut count = 0;
+    let mut fresh = |name: &str| {
+        count += 1;
+        // A digit behind the prefix, then the name, which starts with none: no two fields can make the same.
+        format!("user_{identifier}_{count}_{name}_v")
+    };
+    let predeclared: Vec<_> = module.special_types.predeclared_types.values().copied().collect();
+    let structs: Vec<_> = module
+        .types
+        .iter()
+        .filter(|(handle, ty)| matches!(ty.inner, TypeInner::Struct { .. }) && !predeclared.contains(handle))
+        .map(|(handle, ty)| (handle, ty.clone()))
+        .collect();
+    for (handle, mut ty) in structs {
+        ty.name = Some(fresh(ty.name.as_deref().unwrap_or("s")));
+        module.types.replace(handle, ty);
+    }
+    for (_, constant) in module.constants.iter_mut() {
+        constant.name = constant.name.as_ref().map(|name| fresh(name));
+    }
+    let mut entry_name = String::new();
+    for (handle, function) in module.functions.iter_mut() {
+        let name = fresh(function.name.as_deref().unwrap_or("f"));
+        if handle == entry {
+            entry_name.clone_from(&name);
+        }
+        function.name = Some(name);
+    }
+    entry_name
+}
+
+/// Names every result of an operation, so that no printed expression is nested deeper than a reader goes.
+fn name_expressions(module: &mut Module) {
+    for (_, function) in module.functions.iter_mut() {
+        let operations: Vec<_> = function
+            .expressions
+            .iter()
+            .filter(|(_, expression)| {
+                matches!(
+                    expression,
+                    Expression::Binary { .. }
+                        | Expression::Unary { .. }
+                        | Expression::Select { .. }
+                        | Expression::Math { .. }
+                        | Expression::As { .. }
+                )
+            })
+            .map(|(handle, _)| handle)
+            .collect();
+        for handle in operations {
+            function.named_expressions.entry(handle).or_insert_with(|| "t".to_owned());
+        }
+    }
+}

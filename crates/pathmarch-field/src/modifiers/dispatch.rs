@@ -1,0 +1,56 @@
+//! Object-safe form of a modifier: the trait behind which a field evaluates all modifiers.
+
+use crate::bounds::Aabb;
+use crate::expression::identifier;
+use crate::info::Info;
+use crate::number::{Dual, Real, Vec3};
+use crate::parameter::Param;
+use std::fmt::Debug;
+use wide::f32x8;
+
+/// Functions of a modifier over one number type: `f32` for one point, `f32x8` for eight.
+pub trait EvalModifier<N: Real> {
+    /// Point `p` in the space of the child.
+    fn point(&self, p: Vec3<N>, copy: N, coefficients: &[f32]) -> Vec3<N>;
+    /// The same point with its derivatives.
+    fn point_gradient(&self, p: Vec3<N>, copy: N, coefficients: &[f32]) -> Vec3<Dual<N>>;
+    /// Distance of the result, metres.
+    fn distance(&self, p: Vec3<N>, inside: N, coefficients: &[f32]) -> N;
+    /// Distance and gradient of the result.
+    fn gradient(&self, p: Vec3<N>, inside: Dual<N>, coefficients: &[f32]) -> Dual<N>;
+}
+
+/// A modifier as a field evaluates it: object-safe, with all its number types.
+///
+/// Registered modifiers get it from their [`ModifierDef`](super::ModifierDef). Code that is generic over the number type calls
+/// [`Batch::modifier`](crate::graph::Batch::modifier).
+pub trait Modifier: EvalModifier<f32x8> + EvalModifier<f32> + Send + Sync {
+    /// Name, documentation, source.
+    fn info(&self) -> &'static Info;
+    /// The parameters, in order.
+    fn params(&self) -> &'static [Param];
+    /// Whether it needs what it holds to have an end.
+    fn needs_bounds(&self) -> bool;
+    /// Whether it makes solids of profiles.
+    fn of_profiles(&self) -> bool;
+    /// Whether it may hold profiles.
+    fn in_plane(&self) -> bool;
+    /// The coefficients that the functions below read.
+    fn coefficients(&self, params: &[f32], inside: Aabb) -> Vec<f32>;
+    /// In how many copies what it holds must be looked for.
+    fn copies(&self, params: &[f32], inside: Aabb) -> u32;
+    /// A box that holds the result.
+    fn bounds(&self, params: &[f32], inside: Aabb) -> Aabb;
+    /// The functions `NAME_point`, `NAME_pull` (a gradient back through it), `NAME_distance` and `NAME_gradient` in WGSL.
+    fn wgsl(&self) -> String;
+    /// What its WGSL functions' names begin with.
+    fn wgsl_name(&self) -> String {
+        identifier(self.info().name).trim_end_matches('_').to_owned()
+    }
+}
+
+impl Debug for dyn Modifier {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.info().name)
+    }
+}

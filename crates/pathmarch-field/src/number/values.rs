@@ -1,0 +1,22 @@
+//! Parameter values of a fixed number, converted to the number type that a function is evaluated with.
+
+use super::Real;
+
+/// A list of parameter values; implemented by arrays.
+pub trait Values<N>: AsRef<[N]> + Copy {
+    /// From the value at each index.
+    fn from_fn(value: impl FnMut(usize) -> N) -> Self;
+}
+
+impl<N: Copy, const K: usize> Values<N> for [N; K] {
+    #[inline(always)]
+    fn from_fn(value: impl FnMut(usize) -> N) -> Self {
+        std::array::from_fn(value)
+    }
+}
+
+/// The values as constants of the number type `N`.
+#[inline(always)]
+pub(crate) fn values<N: Real, V: Values<N>>(params: &[f32]) -> V {
+    V::from_fn(|k| N::constant(params[k]))
+}

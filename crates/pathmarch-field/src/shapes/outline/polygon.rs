@@ -1,0 +1,24 @@
+//! Polygon in the plane of x and y, of any number of points: an outline ([`super`]). Where it crosses itself, areas
+//! are inside and outside by turns.
+
+use super::{Drawn, Fill};
+use crate::info::{Info, Outline};
+
+/// An arrow upwards.
+const ARROW: &[[f32; 2]] = &[[-0.2, -0.5], [0.2, -0.5], [0.2, 0.0], [0.5, 0.0], [0.0, 0.5], [-0.5, 0.0], [-0.2, 0.0]];
+
+pub(crate) static SHAPE: Drawn = Drawn {
+    info: Info {
+        exact: false,
+        profile: true,
+        outline: Some(Outline::Points),
+        ..Info::new(
+            "polygon",
+            "Profile: what the lines between points go around.",
+            "Quilez 2008, polygon; Frisken et al. 2000",
+        )
+    },
+    params: &[],
+    fill: Fill::EvenOdd,
+    unless_given: &[ARROW],
+};

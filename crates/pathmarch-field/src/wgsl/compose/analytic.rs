@@ -1,0 +1,108 @@
+//! What rays meet in closed form, as WGSL: that of `graph/solids.rs`, which explains it.
+
+use super::Composer;
+use super::parameters::{component, rows};
+use crate::graph::{Tree, Turn};
+use crate::operators::Boolean;
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+impl Composer<'_> {
+    /// Collects the functions by which rays meet an object.
+    pub(super) fn rays(&self, object: &Tree, functions: &mut BTreeSet<(u32, String)>) {
+        for leaf in leaves(object) {
+            let shape = &self.field.leaves()[leaf as usize].shape;
+            functions.insert((
+                0,
+                if self.field.direct(object).is_some() { shape.wgsl_ray() } else { shape.wgsl_interval() },
+            ));
+        }
+    }
+
+    pub(super) fn analytic_hit(&self) -> String {
+        let mut text = String::from(
+            "/// Metres to the first surface of the objects that rays meet in closed form, or 1e30.\n\
+             fn analytic_hit(origin: vec3f, direction: vec3f) -> AnalyticHit {\n    var nearest = 1e30;\n    var met = SPHERE_TRACED;\n    \
+             var t: f32;\n",
+        );
+        for object in self.field.analytic_objects() {
+            match self.field.direct(object) {
+                Some(leaf) => {
+                    let ray = self.along_ray(leaf, "ray");
+                    writeln!(
+                        text,
+                        "    t = {ray};\n    met = select(met, {leaf}u, t < nearest);\n    nearest = min(nearest, t);"
+                    )
+                    .expect("writing to a string");
+                }
+                None => self.combined_hit(object, &mut text),
+            }
+        }
+        match self.field.bvh().nodes.is_empty() {
+            true => text + "    return AnalyticHit(nearest, met);\n}\n",
+            false => text + "    return bvh_hit(origin, direction, AnalyticHit(nearest, met));\n}\n",
+        }
+    }
+
+    /// The first surface of a combination, if it is nearer.
+    fn combined_hit(&self, object: &Tree, text: &mut String) {
+        let leaves = leaves(object);
+        for leaf in &leaves {
+            writeln!(text, "    let s{leaf} = {};", self.along_ray(*leaf, "interval")).expect("writing to a string");
+        }
+        for (leaf, end) in leaves.iter().flat_map(|leaf| ["x", "y"].map(|end| (leaf, end))) {
+            let t = format!("s{leaf}.{end}");
+            let [before, behind] = [false, true].map(|behind| holds(object, &t, behind));
+            writeln!(
+                text,
+                "    t = select(1e30, {t}, (0.0 < {t}) & ({before} != {behind}));\n    met = select(met, {leaf}u, t < nearest);\n    \
+                 nearest = min(nearest, t);"
+            )
+            .expect("writing to a string");
+        }
+    }
+
+    /// What a function of a leaf's shape says of the ray, in metres.
+    fn along_ray(&self, leaf: u32, function: &str) -> String {
+        let (point, values) = self.arguments(leaf, "origin");
+        let start = self.starts[leaf as usize];
+        let leaf = &self.field.leaves()[leaf as usize];
+        let (direction, factor) = match leaf.pose.turn {
+            Turn::None => ("direction".to_owned(), String::new()),
+            Turn::Scaled => ("direction".to_owned(), format!(" * {}", component(start, 3))),
+            // The stored rows are divided by the scale.
+            Turn::Turned => {
+                let scale = component(start, 3);
+                (format!("direction * {} * {scale}", rows(start + 1)), format!(" * {scale}"))
+            }
+        };
+        format!("{}_{function}({point}, {direction}{values}){factor}", leaf.shape.wgsl_name())
+    }
+}
+
+/// The shapes of a combination.
+pub(super) fn leaves(tree: &Tree) -> Vec<u32> {
+    match tree {
+        Tree::Leaf(index) => vec![*index],
+        Tree::Operator { children, .. } => children.iter().flat_map(leaves).collect(),
+        Tree::Modifier(_) => vec![],
+    }
+}
+
+/// Whether an object holds the points just before or just behind `t`, as an expression in brackets.
+fn holds(tree: &Tree, t: &str, behind: bool) -> String {
+    match tree {
+        Tree::Leaf(index) if behind => format!("((s{index}.x <= {t}) & ({t} < s{index}.y))"),
+        Tree::Leaf(index) => format!("((s{index}.x < {t}) & ({t} <= s{index}.y))"),
+        Tree::Operator { operator, children, .. } => {
+            let parts: Vec<String> = children.iter().map(|child| holds(child, t, behind)).collect();
+            let sign = match operator.boolean() {
+                Some(Boolean::Intersection) => " & ",
+                Some(Boolean::Difference) => " & !",
+                _ => " | ",
+            };
+            format!("({})", parts.join(sign))
+        }
+        Tree::Modifier(_) => "false".to_owned(),
+    }
+}

@@ -1,0 +1,324 @@
+//! Shape grids as WGSL: code for the kinds of shapes in use, and everything else as numbers.
+//!
+//! Twin of `graph/shape_grid.rs`, which explains them. Behind all other numbers of the field stand, for each shape_grid, a record of every
+//! shape (place, scale, turn, parameters), the cells of its grid, two vectors each, and the lists of records. The code knows only
+//! where the five vectors that tell of the shape_grid stand, so that it does not change with how many shapes there are or where.
+//!
+//! Cost: a descent without a loop, and one iteration for each shape in a list. Mesa's software Vulkan ends all loops of an
+//! invocation once they have run 65,535 times together: a path of ten rays at a hundred evaluations each, lists of eight at every
+//! one of them, takes 9,000. There a `switch` runs all its cases, which costs less than asking for each; only what loops itself
+//! stands in a loop that is left at once, which is skipped.
+
+use super::{Composer, profile};
+use crate::graph::Pose;
+use crate::graph::shape_grid::{BITS, Cell, SPLITS, ShapeGrid};
+use crate::registry::union;
+use crate::shapes::Shape;
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+/// Vectors that tell of a shape_grid.
+pub(super) const HEADER: usize = 5;
+/// Vectors of a record before those of further parameters.
+const RECORD: usize = 5;
+
+const CELL: &str = "\
+/// The cell of a shape_grid around a point or nearest to it.
+struct GridCell {
+    /// One, and the start and the length of its list; or two, and the leaf that shows.
+    entry: vec4f,
+    /// Of a cell far from all surfaces the nearest point of them to its centre, and the distance there.
+    far_field: vec4f,
+    centre: vec3f,
+    inside: bool,
+}
+";
+
+impl Composer<'_> {
+    /// The shapes that have records, one of each kind, and what their functions' names begin with.
+    pub(super) fn shape_grid_kinds(&self) -> Vec<(String, &dyn Shape)> {
+        let mut kinds: Vec<(String, &dyn Shape)> = Vec::new();
+        for leaf in self.leaves_with_records() {
+            let shape = &*self.field.leaves()[leaf as usize].shape;
+            let name = shape.wgsl_name();
+            if kinds.iter().all(|(known, _)| *known != name) {
+                kinds.push((name, shape));
+            }
+        }
+        // Not in the order of places, by which leaves stand in a hierarchy.
+        kinds.sort_by(|(a, _), (b, _)| a.cmp(b));
+        kinds
+    }
+
+    fn leaves_with_records(&self) -> impl Iterator<Item = u32> {
+        self.field
+            .shape_grids()
+            .iter()
+            .flat_map(|shape_grid| shape_grid.leaves.iter().copied())
+            .chain(self.field.bvh().leaves())
+    }
+
+    /// The kinds as they are called.
+    pub(super) fn record_kinds(&self) -> Vec<Item> {
+        let item = |(name, shape): (String, &dyn Shape)| {
+            let leaves = self.field.leaves();
+            let known = self.leaves_with_records().map(|leaf| &leaves[leaf as usize]);
+            let count = known.into_iter().find(|leaf| leaf.shape.wgsl_name() == name).map(|leaf| leaf.params.len());
+            let numbers = if shape.reads_table() { 1 } else { count.unwrap_or_default() };
+            Item { is_long: is_long(&shape.wgsl_distance()), has_ray: shape.is_analytic(), name, numbers }
+        };
+        self.shape_grid_kinds().into_iter().map(item).collect()
+    }
+
+    /// Collects the functions that shape_grids call and keeps places for what tells of them; whether any blends.
+    pub(super) fn shape_grid_functions(&mut self, functions: &mut BTreeSet<(u32, String)>) -> bool {
+        for (_, shape) in self.shape_grid_kinds() {
+            functions.insert((0, shape.wgsl_distance()));
+            functions.insert((0, shape.wgsl_gradient()));
+        }
+        let field = self.field;
+        let mut blends = false;
+        for shape_grid in field.shape_grids() {
+            self.shape_grid_starts.push(self.parameters.len());
+            self.parameters.extend([[0.0; 4]; HEADER]);
+            if !shape_grid.separate {
+                let profile = profile(shape_grid.smooth);
+                functions.insert((1, union().wgsl_distance(profile)));
+                functions.insert((1, union().wgsl_gradient(profile)));
+                functions.insert((1, union().wgsl_weight(profile)));
+            }
+            blends |= shape_grid.smooth.is_some();
+        }
+        blends
+    }
+
+    /// Puts the numbers of shape_grids behind all others.
+    pub(super) fn shape_grid_numbers(&mut self) {
+        let field = self.field;
+        let kinds: Vec<String> = self.shape_grid_kinds().into_iter().map(|(name, _)| name).collect();
+        for (shape_grid, header) in field.shape_grids().iter().zip(self.shape_grid_starts.clone()) {
+            let grid = shape_grid.grid(field);
+            let records: Vec<f32> =
+                (0..).zip(&shape_grid.leaves).map(|(number, &leaf)| self.record(&kinds, number, leaf)).collect();
+            let cells = self.parameters.len();
+            for cell in &grid.cells {
+                self.parameters.extend(match *cell {
+                    Cell::Split { first } => [[0.0, first as f32, 0.0, 0.0], [0.0; 4]],
+                    Cell::Near { start, length } => [[1.0, start as f32, length as f32, 0.0], [0.0; 4]],
+                    Cell::Far { surface: [x, y, z], distance, leaf } => {
+                        [[2.0, leaf as f32, 0.0, 0.0], [x, y, z, distance]]
+                    }
+                });
+            }
+            let lists = self.parameters.len();
+            for numbers in grid.lists.chunks(4) {
+                let record = |k: usize| numbers.get(k).map_or(0.0, |&number| records[number as usize]);
+                self.parameters.push(std::array::from_fn(record));
+            }
+            let blend = shape_grid.smooth.map_or([0.0; 2], |blend| [blend.amount, blend.steps]);
+            let ([x, y, z], roots, bounds) = (grid.min, grid.roots.map(|count| count as f32), shape_grid.bounds);
+            self.parameters[header..header + HEADER].copy_from_slice(&[
+                [x, y, z, grid.edge],
+                [roots[0], roots[1], roots[2], shape_grid.first_choice as f32],
+                [bounds.min[0], bounds.min[1], bounds.min[2], blend[0]],
+                [bounds.max[0], bounds.max[1], bounds.max[2], blend[1]],
+                [cells as f32, lists as f32, grid.lipschitz, 0.0],
+            ]);
+        }
+    }
+
+    /// Puts a record of a leaf behind all other numbers; gives its place.
+    pub(super) fn record(&mut self, kinds: &[String], number: u32, leaf: u32) -> f32 {
+        let shape = &self.field.leaves()[leaf as usize];
+        let mut params = shape.params.clone();
+        if shape.shape.reads_table() {
+            // What reads a table has its own before its record.
+            params = vec![self.parameters.len() as f32];
+            self.parameters.extend(shape.params.chunks_exact(4).map(|v| [v[0], v[1], v[2], v[3]]));
+        }
+        let name = shape.shape.wgsl_name();
+        let kind = kinds.iter().position(|kind| *kind == name).unwrap_or_default();
+        let Pose { at, scale, .. } = shape.pose;
+        let [x, y, z] = shape.pose.local_from_world();
+        let place = self.parameters.len();
+        self.parameters.extend([
+            [at[0], at[1], at[2], scale],
+            [x[0], x[1], x[2], kind as f32],
+            [y[0], y[1], y[2], number as f32],
+            [z[0], z[1], z[2], leaf as f32],
+        ]);
+        params.resize(params.len().next_multiple_of(4).max(4), 0.0);
+        self.parameters.extend(params.chunks_exact(4).map(|v| [v[0], v[1], v[2], v[3]]));
+        place as f32
+    }
+
+    /// The functions of all shape_grids: `crowd_N_distance` and `crowd_N_surface`.
+    pub(super) fn shape_grids(&self) -> String {
+        if self.field.shape_grids().is_empty() {
+            return String::new();
+        }
+        let mut text = format!("{CELL}\n{}\n", find());
+        for (number, (shape_grid, &header)) in self.field.shape_grids().iter().zip(&self.shape_grid_starts).enumerate()
+        {
+            text += &shape_grid_functions(number, shape_grid, header);
+        }
+        text
+    }
+
+    /// The distance and the gradient of the shape of a record.
+    pub(super) fn records(&self) -> String {
+        let kinds = self.record_kinds();
+        if kinds.is_empty() {
+            return String::new();
+        }
+        let local = "    let at = field_parameters[record];\n    let x = field_parameters[record + 1u];\n    \
+                     let y = field_parameters[record + 2u];\n    let z = field_parameters[record + 3u];\n    \
+                     let n = field_parameters[record + 4u];\n    let q = (p - at.xyz) * mat3x3f(x.xyz, y.xyz, z.xyz);\n";
+        format!(
+            "/// Signed distance to the shape of a record.\nfn item_distance(record: u32, p: vec3f) -> f32 {{\n{local}    var d = \
+             1e30;\n{}    return d * at.w;\n}}\n\n/// Gradient (xyz) and distance (w) of the shape of a record.\n\
+             fn item_gradient(record: u32, p: vec3f) -> vec4f {{\n{local}    var d = vec4f(0.0, 0.0, 0.0, 1e30);\n{}    return \
+             vec4f(mat3x3f(x.xyz, y.xyz, z.xyz) * d.xyz, d.w) * at.w;\n}}\n\n",
+            cases(&kinds, "d", "distance", "q"),
+            cases(&kinds, "d", "gradient", "q"),
+        )
+    }
+}
+
+/// A kind of shape as it is called with the numbers of a record.
+pub(super) struct Item {
+    pub(super) name: String,
+    pub(super) numbers: usize,
+    pub(super) is_long: bool,
+    pub(super) has_ray: bool,
+}
+
+/// Whether a function loops, so that it is worth a question.
+pub(super) fn is_long(function: &str) -> bool {
+    function.contains("for (")
+        || function.contains("loop")
+        || function.contains("while")
+        || function.lines().count() > 60
+}
+
+/// Sets `result` to what the function of the record's kind gives; the first parameters are in `n`, the kind in `x.w`.
+pub(super) fn cases(kinds: &[Item], result: &str, function: &str, inputs: &str) -> String {
+    let call = |item: &Item| {
+        let numbers: String = (0..item.numbers)
+            .map(|k| match k {
+                0..4 => format!(", n.{}", ["x", "y", "z", "w"][k]),
+                _ => format!(", field_parameters[record + {}u].{}", RECORD - 1 + k / 4, ["x", "y", "z", "w"][k % 4]),
+            })
+            .collect();
+        format!("{result} = {}_{function}({inputs}{numbers});", item.name)
+    };
+    if let [item] = kinds {
+        return format!("    {}\n", call(item));
+    }
+    let mut text = String::from("    switch u32(x.w) {\n");
+    let is_called = |item: &Item| item.has_ray || function != "ray";
+    for (number, item) in kinds.iter().enumerate().filter(|(_, item)| !item.is_long && is_called(item)) {
+        writeln!(text, "        case {number}u: {{\n            {}\n        }}", call(item))
+            .expect("writing to a string");
+    }
+    text += "        default: {}\n    }\n";
+    for (number, item) in kinds.iter().enumerate().filter(|(_, item)| item.is_long && is_called(item)) {
+        writeln!(
+            text,
+            "    loop {{\n        if u32(x.w) != {number}u {{\n            break;\n        }}\n        {}\n        break;\n    }}",
+            call(item)
+        )
+        .expect("writing to a string");
+    }
+    text
+}
+
+/// The descent to a cell.
+fn find() -> String {
+    let mut text = format!(
+        "fn shape_grid_cell(header: u32, p: vec3f) -> GridCell {{\n    let corner = field_parameters[header];\n    let roots = \
+         vec3u(field_parameters[header + 1u].xyz);\n    let cells = u32(field_parameters[header + 4u].x);\n    let q = (p - \
+         corner.xyz) * (1.0 / corner.w);\n    let count = vec3f(roots << vec3u({BITS}u));\n    let inside = all(q >= \
+         vec3f(0.0)) && all(q < count);\n    let place = vec3u(clamp(q, vec3f(0.0), count - 1.0));\n    var shift = {BITS}u;\n    \
+         var own = place >> vec3u(shift);\n    var index = cells + 2u * ((own.z * roots.y + own.y) * roots.x + own.x);\n    var \
+         entry = field_parameters[index];\n"
+    );
+    let mut shift = BITS;
+    for bits in SPLITS {
+        shift -= bits;
+        let mask = (1 << bits) - 1;
+        writeln!(
+            text,
+            "    if entry.x == 0.0 {{\n        shift = {shift}u;\n        own = (place >> vec3u(shift)) & vec3u({mask}u);\n        \
+             index = cells + 2u * (u32(entry.y) + (((own.z << {bits}u) + own.y) << {bits}u) + own.x);\n        entry = \
+             field_parameters[index];\n    }}"
+        )
+        .expect("writing to a string");
+    }
+    text + "    let edge = corner.w * f32(1u << shift);\n    let centre = corner.xyz + (vec3f(place >> vec3u(shift)) + 0.5) * edge;\n    \
+            return GridCell(entry, field_parameters[index + 1u], centre, inside);\n}\n"
+}
+
+fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) -> String {
+    let profile = profile(shape_grid.smooth);
+    let name = union().wgsl_name(profile);
+    let widths = match profile {
+        None => "",
+        Some(profile) if profile.has_steps() => ", width, steps",
+        Some(_) => ", width",
+    };
+    let (signed, combined) = match shape_grid.separate {
+        true => ("abs(d)", "min(result, abs(d))".to_owned()),
+        false => ("d", format!("{name}_distance(result, d{widths})")),
+    };
+    let far_field =
+        if shape_grid.separate { "far_field" } else { "select(far_field, -far_field, cell.far_field.w < 0.0)" };
+    let numbers = format!(
+        "    let width = field_parameters[{}].w;\n    let steps = field_parameters[{}].w;\n    let lists = \
+         u32(field_parameters[{}].y);\n    let cell = shape_grid_cell({header}u, p);\n",
+        header + 2,
+        header + 3,
+        header + 4
+    );
+    let listed = "        let place = start + k;\n        let record = u32(field_parameters[lists + (place >> 2u)][place & 3u]);\n";
+    let distance = format!(
+        "/// Distance to shape_grid {number}: near its surface exact, elsewhere no farther from zero, or about what it is.\n\
+         fn shape_grid_{number}_distance(p: vec3f, estimate: bool) -> f32 {{\n{numbers}    let bounded = abs(cell.far_field.w) - \
+         field_parameters[{lipschitz}].z * length(p - cell.centre);\n    let far_field = select(max(bounded, 0.0), length(p - \
+         cell.far_field.xyz), estimate);\n    let beyond = max(max(field_parameters[{least}].xyz - p, p - \
+         field_parameters[{most}].xyz), vec3f(0.0));\n    let outside = !cell.inside && !estimate;\n    var result = \
+         select({far_field}, length(beyond), outside);\n    let start = u32(cell.entry.y);\n    let count = select(0u, \
+         u32(cell.entry.z), cell.entry.x == 1.0 && !outside);\n    for (var k = 0u; k < count; k++) {{\n{listed}        let d \
+         = item_distance(record, p);\n        result = select({combined}, {signed}, k == 0u);\n    }}\n    return \
+         result;\n}}\n",
+        lipschitz = header + 4,
+        least = header + 2,
+        most = header + 3,
+    );
+    let shown = match shape_grid.separate {
+        true => {
+            "        let shows = k == 0u || abs(d.w) < abs(result.w);\n        result = select(result, d, shows);\n"
+                .to_owned()
+        }
+        false => {
+            let threshold = match shape_grid.smooth {
+                Some(_) => format!("choice(seed, u32(field_parameters[{}].w) + number - 1u)", header + 1),
+                None => "0.5".to_owned(),
+            };
+            format!(
+                "        let number = u32(field_parameters[record + 2u].w);\n        let shows = k == 0u || {threshold} < \
+                 {name}_weight(result.w, d.w{widths});\n        result = select({name}_gradient(result, d{widths}), d, k == \
+                 0u);\n"
+            )
+        }
+    };
+    let surface = format!(
+        "/// The surface of shape_grid {number}; far from it, a plane that stands for it.\nfn shape_grid_{number}_surface(p: vec3f, seed: \
+         u32) -> Surface {{\n{numbers}    let away = p - cell.far_field.xyz;\n    let value = select(length(away), -length(away), \
+         cell.far_field.w < 0.0);\n    var result = vec4f(away / value, value);\n    var leaf = u32(cell.entry.y);\n    let start = \
+         leaf;\n    let count = select(0u, u32(cell.entry.z), cell.entry.x == 1.0);\n    for (var k = 0u; k < count; k++) \
+         {{\n{listed}        let d = item_gradient(record, p);\n{shown}        leaf = select(leaf, \
+         u32(field_parameters[record + 3u].w), shows);\n    }}\n    return Surface(result.xyz, result.w, leaf);\n}}\n"
+    );
+    format!("{distance}\n{surface}\n")
+}

@@ -1,0 +1,274 @@
+//! Unions of many shapes: what their grids leave out does not matter.
+
+use crate::sampling::{Random, declared, lanes, random_params, validate};
+use pathmarch_field::graph::{Kind, SPHERE_TRACED};
+use pathmarch_field::number::Vec3;
+use pathmarch_field::registry::{operator, shape};
+use pathmarch_field::wgsl::Program;
+use pathmarch_field::{Aabb, Blend, BlendProfile, Field, Node, Placement};
+use wide::f32x8;
+
+const NAMES: [&str; 8] = ["sphere", "box", "torus", "cylinder", "cone", "capsule", "ellipsoid", "octahedron"];
+
+fn place(random: &mut Random, size: f32) -> Placement {
+    let p = random.point(Aabb::centred(size, size, size));
+    let turn = random.point(Aabb::centred(180.0, 180.0, 180.0));
+    let scale = random.point(Aabb { min: [0.2; 3], max: [0.6; 3] });
+    Placement { at: Some([p.x, p.y, p.z]), rotate: Some([turn.x, turn.y, turn.z]), scale: Some(scale.x), normal: None }
+}
+
+fn shapes(random: &mut Random, count: usize, size: f32) -> Vec<Node> {
+    (0..count)
+        .map(|k| {
+            let shape = shape(NAMES[k % NAMES.len()]).expect("registered");
+            let params = random_params(shape, random);
+            Node {
+                kind: Kind::Shape { shape: shape.into(), params, tag: k as u32 % 3 },
+                placement: place(random, size),
+            }
+        })
+        .collect()
+}
+
+fn union(children: Vec<Node>, smooth: Option<Blend>) -> Node {
+    let operator = operator("union").expect("registered");
+    Node { kind: Kind::Operator { operator, smooth, children }, placement: Placement::default() }
+}
+
+fn blends() -> Vec<Option<Blend>> {
+    let blend = |profile| Some(Blend { amount: 0.15, profile, steps: 3.0 });
+    [None].into_iter().chain(BlendProfile::ALL.map(blend)).collect()
+}
+
+/// Objects, the number of shapes in each: a smooth union, and shapes apart.
+fn crowds() -> Vec<Vec<Node>> {
+    let mut random = Random::new(7);
+    let mut all: Vec<Vec<Node>> =
+        blends().into_iter().map(|blend| vec![union(shapes(&mut random, 300, 3.0), blend)]).collect();
+    let apart = shapes(&mut random, 200, 3.0).into_iter();
+    // Of closed form are only spheres and boxes; what is one object each of the others is a crowd.
+    all.push(apart.collect());
+    all
+}
+
+#[test]
+fn near_its_surface_a_crowd_is_the_whole_union_and_elsewhere_no_farther() {
+    for (number, objects) in crowds().iter().enumerate() {
+        let (ours, whole) = (Field::new(objects), Field::with_shape_grids_from(objects, usize::MAX));
+        let bounds = whole.bounds().expanded(2.0);
+        let mut random = Random::new(number as u64);
+        let (mut exact, mut bounded) = (0, 0);
+        for _ in 0..4000 {
+            let points: [Vec3<f32>; 8] = std::array::from_fn(|_| random.point(bounds));
+            let eight = ours.sphere_traced_distance(lanes(&points)).to_array();
+            for (p, eight) in points.into_iter().zip(eight) {
+                let (one, truth) = (ours.sphere_traced_distance(p), whole.sphere_traced_distance(p));
+                assert!((one - eight).abs() <= 1e-5, "{number}: {one} {eight} at {p:?}");
+                assert!(one <= truth + 2e-5, "{number}: {one} is more than {truth} at {p:?}");
+                if (one - truth).abs() <= 2e-5 {
+                    exact += 1
+                } else {
+                    bounded += 1
+                }
+                // What a march takes for a hit is one.
+                assert!(one > 1e-3 || truth < 1e-2, "{number}: {one} for {truth} at {p:?}");
+                assert_eq!(
+                    ours.distance(p),
+                    whole.distance(p).min(ours.distance(p) + 2e-5).max(ours.distance(p) - 2e-5)
+                );
+            }
+        }
+        println!("crowd {number}: {exact} exact, {bounded} bounded, {} bytes", ours.shape_grid_bytes());
+        assert!(exact > 1000 && bounded > 1000);
+    }
+}
+
+#[test]
+fn the_surface_of_a_crowd_is_that_of_the_whole_union() {
+    for (number, objects) in crowds().iter().enumerate() {
+        let (ours, whole) = (Field::new(objects), Field::with_shape_grids_from(objects, usize::MAX));
+        let mut random = Random::new(number as u64);
+        let mut met = 0;
+        while met < 1000 {
+            // Onto the surface along the gradient.
+            let mut p = random.point(whole.bounds());
+            for _ in 0..8 {
+                let near = whole.surface_at_hit(p, SPHERE_TRACED, &|_| 0.5f32).field;
+                p = p - near.gradient * (near.value / near.gradient.dot(near.gradient).max(1e-6));
+            }
+            if whole.sphere_traced_distance(p) > 1e-3 {
+                continue;
+            }
+            met += 1;
+            let seeds: [u32; 8] = std::array::from_fn(|k| (8 * met + k) as u32);
+            let eight = ours.surface_at_hit(lanes(&[p; 8]), f32x8::splat(SPHERE_TRACED), &|index| {
+                <f32x8 as pathmarch_field::graph::Batch>::choice(seeds, index)
+            });
+            for (lane, &seed) in seeds.iter().enumerate() {
+                let threshold = |index| <f32 as pathmarch_field::graph::Batch>::choice(seed, index);
+                let (a, b) = (
+                    ours.surface_at_hit(p, SPHERE_TRACED, &threshold),
+                    whole.surface_at_hit(p, SPHERE_TRACED, &threshold),
+                );
+                assert!((a.field.value - b.field.value).abs() < 2e-5, "{number} {p:?}");
+                assert!((a.field.gradient - b.field.gradient).length() < 1e-3, "{number} {p:?}");
+                assert_eq!(a.leaf, b.leaf, "{number} at {p:?}");
+                assert_eq!(a.leaf, eight.leaf.to_array()[lane]);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_code_of_a_crowd_does_not_grow_with_it() {
+    let program = |count: usize, seed: u64, blend| {
+        Program::new(&Field::new(&[union(shapes(&mut Random::new(seed), count, 3.0), blend)]))
+    };
+    for blend in blends() {
+        let (few, many) = (program(40, 1, blend), program(400, 2, blend));
+        validate(&format!("{}{}\n{}", declared(&many), many.code, many.estimated_distance));
+        assert!(few.code == many.code);
+        assert!(!many.is_uniform());
+    }
+    let apart = Program::new(&Field::new(&shapes(&mut Random::new(3), 200, 3.0)));
+    validate(&format!("{}{}\n{}", declared(&apart), apart.code, apart.estimated_distance));
+}
+
+#[test]
+fn thin_shapes_in_a_crowd_are_met() {
+    let mut random = Random::new(11);
+    let mut children = shapes(&mut random, 200, 3.0);
+    let wire = shape("capsule").expect("registered");
+    let kind = Kind::Shape { shape: wire.into(), params: vec![0.0005, 4.0], tag: 9 };
+    children.push(Node { kind, placement: Placement { at: Some([0.0, 9.0, 0.0]), ..Placement::default() } });
+    let sheet = shape("rect").expect("registered");
+    let kind = Kind::Shape { shape: sheet.into(), params: vec![1.0, 1.0], tag: 9 };
+    children.push(Node {
+        kind,
+        placement: Placement { at: Some([8.0, 0.0, 0.0]), rotate: Some([0.0, 0.0, 90.0]), ..Placement::default() },
+    });
+    for blend in [None, Some(Blend::from(1e-4))] {
+        let field = Field::new(&[union(children.clone(), blend)]);
+        // Rays towards both, from afar: along x to the wire, along -x to the sheet.
+        for (origin, direction, ends) in
+            [([-9.0, 9.3, 0.0], Vec3::new(1.0f32, 0.0, 0.0), 9.0), ([12.0, 0.1, 0.2], Vec3::new(-1.0, 0.0, 0.0), 4.0)]
+        {
+            let origin = Vec3::new(origin[0], origin[1], origin[2]);
+            let mut t = 0.0f32;
+            for _ in 0..256 {
+                let distance = field.sphere_traced_distance(origin + direction * t);
+                if distance < 1e-5 {
+                    break;
+                }
+                t += distance;
+            }
+            assert!((t - ends).abs() < 2e-3, "{t} instead of {ends}");
+        }
+    }
+}
+
+#[test]
+fn chains_and_heaps_of_many_shapes_are_bounded() {
+    let sphere = shape("sphere").expect("registered");
+    let ball = |at: [f32; 3], radius: f32| Node {
+        kind: Kind::Shape { shape: sphere.into(), params: vec![radius], tag: 0 },
+        placement: Placement { at: Some(at), ..Placement::default() },
+    };
+    let mut random = Random::new(5);
+    let chain = (0..5000).map(|k| ball([0.02 * k as f32, (0.01 * k as f32).sin(), 0.0], 0.1)).collect();
+    let heap = (0..3000).map(|_| ball([0.0; 3], 1.0)).collect();
+    let cloud = (0..100_000)
+        .map(|_| {
+            let p = random.point(Aabb::centred(20.0, 20.0, 20.0));
+            ball([p.x, p.y, p.z], 0.2)
+        })
+        .collect();
+    let flat = (0..100).map(|k| ball([k as f32, 0.0, 0.0], 0.3)).collect();
+    for (name, children) in [("chain", chain), ("heap", heap), ("cloud", cloud), ("row", flat)] {
+        let started = std::time::Instant::now();
+        let field = Field::new(&[union(children, Some(Blend::from(0.1)))]);
+        let distance = field.sphere_traced_distance(Vec3::new(0.3, 0.2, 0.1f32));
+        println!("{name}: {} bytes in {:?}, {distance}", field.shape_grid_bytes(), started.elapsed());
+        assert!(distance.is_finite());
+        assert!(field.shape_grid_bytes() < 48 << 20, "{name}: {}", field.shape_grid_bytes());
+        assert!(field.bounds().is_finite());
+    }
+}
+
+#[test]
+fn what_has_no_end_is_in_no_crowd() {
+    let plane = shape("plane").expect("registered");
+    let mut children = shapes(&mut Random::new(1), 40, 2.0);
+    children.push(Node {
+        kind: Kind::Shape { shape: plane.into(), params: vec![], tag: 0 },
+        placement: Placement::default(),
+    });
+    let field = Field::new(&[union(children, None)]);
+    assert_eq!(field.shapes_as_code(), 41);
+    assert_eq!(field.sphere_traced_distance(Vec3::new(50.0, 30.0, 0.0f32)), 30.0);
+}
+
+/// Spheres, boxes, discs and sheets, each an object of its own.
+fn apart(count: usize) -> Vec<Node> {
+    let mut random = Random::new(21);
+    (0..count)
+        .map(|k| {
+            let shape = shape(["sphere", "box", "disc", "rect"][k % 4]).expect("registered");
+            let params = random_params(shape, &mut random);
+            Node { kind: Kind::Shape { shape: shape.into(), params, tag: 0 }, placement: place(&mut random, 6.0) }
+        })
+        .collect()
+}
+
+#[test]
+fn rays_meet_the_same_of_many_objects_by_way_of_boxes() {
+    let objects = apart(400);
+    let (ours, whole) = (Field::new(&objects), Field::with_shape_grids_from(&objects, usize::MAX));
+    assert_eq!((ours.shapes_as_code(), whole.shapes_as_code()), (0, 400));
+    let mut random = Random::new(3);
+    let space = Aabb::centred(8.0, 8.0, 8.0);
+    let mut hits = 0;
+    for _ in 0..1000 {
+        let origins: [Vec3<f32>; 8] = std::array::from_fn(|_| random.point(space));
+        let directions = origins.map(|origin| {
+            let offset = random.point(space) - origin;
+            offset * (1.0 / offset.length())
+        });
+        let (t, leaf) = ours.analytic_hit(lanes(&origins), lanes(&directions));
+        for k in 0..8 {
+            let (one, expected) =
+                (ours.analytic_hit(origins[k], directions[k]), whole.analytic_hit(origins[k], directions[k]));
+            // What is missed is far away, farther than any scene.
+            let near = |t: f32| (t - expected.0).abs() <= 1e-4 * expected.0 || t.min(expected.0) > 1e20;
+            assert!(near(one.0) && near(t.to_array()[k]), "{one:?} {expected:?}");
+            if (one.0 - expected.0).abs() == 0.0 {
+                assert_eq!((one.1, leaf.to_array()[k]), (expected.1, expected.1));
+            }
+            hits += usize::from(expected.0 < 1e20);
+            let counts: Vec<bool> = (0..400).map(|k| k % 3 != 0).collect();
+            let own = (hits % 400) as f32;
+            let (a, b) = (ours.distance_to(origins[k], &counts, own), whole.distance_to(origins[k], &counts, own));
+            assert!((a - b).abs() < 1e-5, "{a} {b}");
+            let surface = |field: &Field| field.surface_at_hit(origins[k], 5.0, &|_| 0.5f32);
+            assert_eq!(surface(&ours).field.value, surface(&whole).field.value);
+            assert_eq!(surface(&ours).leaf, 5.0);
+        }
+    }
+    assert!(hits > 2000, "{hits}");
+}
+
+#[test]
+fn the_code_of_many_objects_does_not_grow_with_them() {
+    let program = |count: usize| {
+        let objects = apart(count);
+        let field = Field::new(&objects);
+        let mut program = Program::new(&field);
+        let counts: Vec<bool> = (0..count).map(|k| k % 2 == 0).collect();
+        let sets = [("some", &counts[..])];
+        program.write_object_sets(&field, &sets);
+        (program, Program::distances_to(&field, &sets))
+    };
+    let ((few, some), (many, others)) = (program(100), program(300));
+    validate(&format!("{}{}\n{}\n{some}", declared(&few), few.code, few.estimated_distance));
+    assert!(few.code == many.code && some == others);
+}
