@@ -24,6 +24,7 @@ mod scene;
 mod settings;
 mod shading;
 mod views;
+mod wgsl;
 
 pub use backend::gpu::{AdapterDescription, adapters};
 pub use error::RenderError;

@@ -11,6 +11,7 @@ use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, S
 use crate::scene::sky::EnvironmentSample;
 use crate::scene::{SkyLight, TraceContext};
 use crate::settings::LightSearch;
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
@@ -98,8 +99,11 @@ pub(crate) fn sample(ctx: &TraceContext, p: Vec3, choice: f32, position: [f32; 2
     }
 }
 
-/// Shadow rays end at this share of the distance to a light's surface, so that they do not hit the light itself.
-const SHORT_OF_LIGHT: f32 = 0.9999;
+shared_constants! {
+    /// Shadow rays end at this share of the distance to a light's surface, so that they do not hit the light itself.
+    const SHORT_OF_LIGHT: f32 = 0.9999;
+}
+
 
 /// Direction from `p` in the cone that a sphere subtends, 1 - cosine of the cone's half angle, and the offset of its centre.
 fn towards_sphere(sphere: &SphereLight, p: Vec3, position: [f32; 2]) -> (Vec3, f32, Vec3) {

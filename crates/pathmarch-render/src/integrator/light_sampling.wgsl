@@ -1,90 +1,57 @@
-// Lights: points, suns, and every object that emits. Twin of lights.rs, which explains them.
-
-struct Light {
-    place: vec3f,
-    kind: u32,
-    power: vec3f,
-    probability: f32,
-    threshold: f32,
-    alias_: u32,
-    leaf: u32,
-    extent: f32,
-    x: vec3f,
-    /// Sharpness of shadows from near misses; 0 for shadows as they are.
-    penumbra: f32,
-    y: vec3f,
-    /// Of a rectangle or a disc.
-    area: f32,
-    z: vec3f,
-    /// One over the probability.
-    rarity: f32,
-}
+// import: sampling/basis, integrator/light_weights, integrator/sky
+// Light sampling. Twin of light_sampling.rs, which explains it.
 
 struct LightSample {
     direction: vec3f,
     distance: f32,
     irradiance: vec3f,
     pdf: f32,
-    /// The leaf that the ray must meet, or NO_TARGET.
+    /// Leaf that the ray must hit, or NO_TARGET.
     target_leaf: u32,
     penumbra: f32,
 }
 
-const POINT = 0u;
-const SUN = 1u;
-const SPHERE = 2u;
-const RECT = 3u;
-const DISC = 4u;
-const BOX = 5u;
-const BOUNDED = 6u;
-const ENVIRONMENT = 7u;
-
-// LIGHT_SEARCH: the order is that of `LightSearch` in settings.rs.
-const LIGHTS_SAMPLED = 1u;
-const LIGHTS_MET = 2u;
-
+/// Leaf of a light that its shadow ray cannot miss.
 const NO_TARGET = 0xffffffffu;
-/// A shadow ray ends this share of the way to a light's surface.
-const SHORT_OF_LIGHT = 0.9999;
 
-/// Chooses a light and a point on it, as seen from `p`; there must be a light.
+/// Samples a light and a point on it, as seen from `p`; there must be a light.
 fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
     let cell = choice * f32(frame.light_count);
     var index = min(u32(cell), frame.light_count - 1u);
     if cell - f32(index) >= lights[index].threshold {
-        index = lights[index].alias_;
+        index = lights[index].alias_light;
     }
     let light = lights[index];
-    let power = light.power * light.rarity;
-    let offset = light.place - p;
+    let power = light.emission * light.inverse_pmf;
+    let offset = light.position - p;
     let square = dot(offset, offset);
     if HAS_POINT && light.kind == POINT {
         let distance = sqrt(square);
         return LightSample(offset / distance, distance, power / square, 0.0, NO_TARGET, light.penumbra);
     }
     if HAS_SUN && light.kind == SUN {
-        let direction = cone_direction(light.place, light.extent, position);
-        let pdf = select(0.0, light.probability / (6.2831853 * light.extent), light.extent > 0.0);
-        return LightSample(direction, AT_INFINITY, power * (2.0 / (2.0 - light.extent)), pdf, NO_TARGET, light.penumbra);
+        let direction = cone_direction(light.position, light.radius, position);
+        let pdf = select(0.0, light.pmf / (6.2831853 * light.radius), light.radius > 0.0);
+        return LightSample(direction, AT_INFINITY, power * (2.0 / (2.0 - light.radius)), pdf, NO_TARGET, light.penumbra);
     }
     if HAS_ENVIRONMENT && light.kind == ENVIRONMENT {
         let sample = environment_sample(position);
-        // The density holds the choice of the light already.
+        // This pdf includes the choice of the light.
         let irradiance = select(vec3f(0.0), sample.radiance / sample.pdf, sample.pdf > 0.0);
         return LightSample(sample.direction, AT_INFINITY, irradiance, sample.pdf, NO_TARGET, 0.0);
     }
     if (HAS_SPHERE || HAS_BOUNDED) && (light.kind == SPHERE || light.kind == BOUNDED) {
-        let open = cone_of_sphere(square, light.extent);
+        let one_minus_cos = subtended_cone(square, light.radius);
         let axis = select(vec3f(0.0, 1.0, 0.0), offset * inverseSqrt(max(square, 1e-30)), square > 1e-30);
-        let direction = cone_direction(axis, open, position);
-        let pdf = 1.0 / (6.2831853 * open);
+        let direction = cone_direction(axis, one_minus_cos, position);
+        let pdf = 1.0 / (6.2831853 * one_minus_cos);
         var distance = AT_INFINITY;
         var leaf = light.leaf;
         if HAS_SPHERE && light.kind == SPHERE {
-            distance = sphere_entry(offset, direction, light.extent) * SHORT_OF_LIGHT;
+            distance = sphere_entry(offset, direction, light.radius) * SHORT_OF_LIGHT;
             leaf = NO_TARGET;
         }
-        return LightSample(direction, distance, power / pdf, pdf * light.probability, leaf, 0.0);
+        return LightSample(direction, distance, power / pdf, pdf * light.pmf, leaf, 0.0);
     }
     if HAS_RECT || HAS_DISC || HAS_BOX {
         return area_sample(light, p, power, position);
@@ -92,21 +59,21 @@ fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
     return LightSample(vec3f(0.0), 0.0, vec3f(0.0), 0.0, NO_TARGET, 0.0);
 }
 
-/// 1 - cosine of the half angle of the cone that a sphere fills; 2, all directions, from within.
-fn cone_of_sphere(square: f32, radius: f32) -> f32 {
+/// 1 - cosine of the half angle of the cone that a sphere subtends; 2, all directions, from within.
+fn subtended_cone(square: f32, radius: f32) -> f32 {
     let sine_square = radius * radius / max(square, 1e-30);
     return select(sine_square / (1.0 + sqrt(max(1.0 - sine_square, 0.0))), 2.0, sine_square >= 1.0);
 }
 
-/// Uniform in the cone about `axis` that is this open, 1 - cosine of its half angle.
-fn cone_direction(axis: vec3f, open: f32, position: vec2f) -> vec3f {
-    let below = open * position.x;
+/// Uniform direction in the cone around `axis` with this 1 - cosine of its half angle.
+fn cone_direction(axis: vec3f, one_minus_cos: f32, position: vec2f) -> vec3f {
+    let below = one_minus_cos * position.x;
     let sine = sqrt(max(below * (2.0 - below), 0.0));
     let angle = 6.2831853 * position.y;
     return normalize(basis(axis) * vec3f(sine * cos(angle), sine * sin(angle), 1.0 - below));
 }
 
-/// Metres to where a ray that meets it meets a sphere whose middle is at `offset`.
+/// Distance at which a ray enters a sphere whose centre is at `offset`, metres; at which it leaves it, from within.
 fn sphere_entry(offset: vec3f, direction: vec3f, radius: f32) -> f32 {
     let along = dot(offset, direction);
     let across = offset - direction * along;
@@ -116,17 +83,17 @@ fn sphere_entry(offset: vec3f, direction: vec3f, radius: f32) -> f32 {
 
 /// A uniform point on the part of a light that may be seen from `p`.
 fn area_sample(light: Light, p: vec3f, power: vec3f, position: vec2f) -> LightSample {
-    var point = light.place;
+    var point = light.position;
     var normal = light.y;
     var area = light.area;
     if HAS_RECT && light.kind == RECT {
         point += light.x * (2.0 * position.x - 1.0) + light.z * (2.0 * position.y - 1.0);
     } else if HAS_DISC && light.kind == DISC {
-        let radius = light.extent * sqrt(position.x);
+        let radius = light.radius * sqrt(position.x);
         let angle = 6.2831853 * position.y;
         point += light.x * (radius * cos(angle)) + light.z * (radius * sin(angle));
     } else if HAS_BOX {
-        let areas = box_areas(light, p);
+        let areas = visible_areas(light, p);
         area = areas.w;
         let sum = areas.x + areas.y + areas.z;
         var u = position.x * sum;
@@ -147,7 +114,7 @@ fn area_sample(light: Light, p: vec3f, power: vec3f, position: vec2f) -> LightSa
             b = light.y;
         }
         u = clamp(u, 0.0, 1.0);
-        let along = dot(p - light.place, axis) / dot(axis, axis);
+        let along = dot(p - light.position, axis) / dot(axis, axis);
         var side = select(1.0, -1.0, along < 0.0);
         if abs(along) < 1.0 {
             side = select(1.0, -1.0, u < 0.5);
@@ -166,12 +133,12 @@ fn area_sample(light: Light, p: vec3f, power: vec3f, position: vec2f) -> LightSa
         return LightSample(direction, 0.0, vec3f(0.0), 0.0, NO_TARGET, 0.0);
     }
     let pdf = square / (area * cosine);
-    return LightSample(direction, distance * SHORT_OF_LIGHT, power / pdf, pdf * light.probability, NO_TARGET, 0.0);
+    return LightSample(direction, distance * SHORT_OF_LIGHT, power / pdf, pdf * light.pmf, NO_TARGET, 0.0);
 }
 
-/// Area of a face of a box across each axis, zero where none is seen from `p`, and of all that are seen.
-fn box_areas(light: Light, p: vec3f) -> vec4f {
-    let offset = p - light.place;
+/// Area of a face of a box across each axis, zero where none is visible from `p`, and of all visible faces.
+fn visible_areas(light: Light, p: vec3f) -> vec4f {
+    let offset = p - light.position;
     let size = vec3f(length(light.x), length(light.y), length(light.z));
     let areas = 4.0 * size.yzx * size.zxy;
     let along = abs(vec3f(dot(offset, light.x), dot(offset, light.y), dot(offset, light.z)));
@@ -183,57 +150,35 @@ fn box_areas(light: Light, p: vec3f) -> vec4f {
     return vec4f(shown, shown.x + shown.y + shown.z);
 }
 
-/// Density over solid angle with which `light_sample` gives the direction from `p` in which a ray met the light.
+/// Pdf over solid angle with which `light_sample` chooses the direction from `p` to a hit of the light.
 fn light_pdf(light: Light, p: vec3f, reached: vec3f, cosine: f32) -> f32 {
     let t = distance(p, reached);
     if (HAS_SPHERE || HAS_BOUNDED) && (light.kind == SPHERE || light.kind == BOUNDED) {
-        let offset = light.place - p;
-        let open = cone_of_sphere(dot(offset, offset), light.extent);
+        let offset = light.position - p;
+        let one_minus_cos = subtended_cone(dot(offset, offset), light.radius);
         // A blend may carry the light's material beyond its sphere.
-        let outside = light.kind == BOUNDED && dot(reached - p, offset) < (1.0 - open) * t * length(offset);
-        return select(light.probability / (6.2831853 * open), 0.0, outside);
+        let outside = light.kind == BOUNDED && dot(reached - p, offset) < (1.0 - one_minus_cos) * t * length(offset);
+        return select(light.pmf / (6.2831853 * one_minus_cos), 0.0, outside);
     }
     var area = light.area;
     if HAS_BOX && light.kind == BOX {
-        area = box_areas(light, p).w;
+        area = visible_areas(light, p).w;
     }
-    return light.probability * t * t / (area * max(cosine, 1e-6));
+    return light.pmf * t * t / (area * max(cosine, 1e-6));
 }
 
-/// The power heuristic: how much a sample of density `a` counts where another strategy has density `b`.
-fn heuristic(a: f32, b: f32) -> f32 {
-    let ratio = b / max(a, 1e-30);
-    return 1.0 / (1.0 + ratio * ratio);
-}
-
-/// Weight of light that a ray met, where lights are sampled with the other density.
-fn met_weight(scatter_pdf: f32, light_pdf: f32) -> f32 {
-    if scatter_pdf <= 0.0 || LIGHT_SEARCH == LIGHTS_MET {
-        return 1.0;
-    }
-    return select(heuristic(scatter_pdf, light_pdf), 0.0, LIGHT_SEARCH == LIGHTS_SAMPLED);
-}
-
-/// Weight of a sampled light, where rays are of the other density.
-fn sampled_weight(light_pdf: f32, scatter_pdf: f32) -> f32 {
-    if light_pdf <= 0.0 || LIGHT_SEARCH == LIGHTS_SAMPLED {
-        return 1.0;
-    }
-    return select(heuristic(light_pdf, scatter_pdf), 0.0, LIGHT_SEARCH == LIGHTS_MET);
-}
-
-/// Radiance of the suns' discs in the direction of a ray of this density, weighed.
-fn suns_beyond(direction: vec3f, scatter_pdf: f32) -> vec3f {
+/// Weighted radiance of the suns' discs in the direction of a ray of this density.
+fn sun_radiance(direction: vec3f, scatter_pdf: f32) -> vec3f {
     var radiance = vec3f(0.0);
     if !HAS_SUN {
         return radiance;
     }
     for (var k = 0u; k < frame.sun_count; k++) {
-        let x = lights[k].extent;
-        let offset = direction - lights[k].place;
+        let x = lights[k].radius;
+        let offset = direction - lights[k].position;
         if 0.5 * dot(offset, offset) < x {
-            let weight = met_weight(scatter_pdf, lights[k].probability / (6.2831853 * x));
-            radiance += lights[k].power * (weight / (3.14159265 * x * (2.0 - x)));
+            let weight = hit_weight(scatter_pdf, lights[k].pmf / (6.2831853 * x));
+            radiance += lights[k].emission * (weight / (3.14159265 * x * (2.0 - x)));
         }
     }
     return radiance;

@@ -28,12 +28,20 @@ use crate::scene::leaf::IN_GLASS;
 use crate::scene::material::{DELTA, TRANSMITS};
 use crate::shading::surface_interaction::{SurfaceInteraction, interactions};
 use crate::shading::textured_point::TexturedPoint;
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use std::iter::repeat_n;
 
-/// Over its throughput, the probability that a path goes on: what carries a third of its light is not worth to be doubted.
-const SURVIVAL: f32 = 3.0;
+shared_constants! {
+    /// Survival probability of a path over its throughput: Russian roulette spares paths that carry a third of their light.
+    const SURVIVAL: f32 = 3.0;
+    /// Bounce after which Russian roulette begins.
+    const ROULETTE_DEPTH: u32 = 4;
+    /// Length of a ray that leaves the scene, for absorption, metres.
+    const UNBOUNDED_LENGTH: f32 = 1e9;
+}
+
 
 #[derive(Clone)]
 struct Path {
@@ -56,7 +64,7 @@ struct Path {
 
 /// What a medium leaves of light over a length.
 pub(crate) fn transmittance(medium: Vec3, length: f32) -> Vec3 {
-    (-medium * length.min(1e9)).exp()
+    (-medium * length.min(UNBOUNDED_LENGTH)).exp()
 }
 
 /// The medium beyond a surface that the path passes.
@@ -160,9 +168,9 @@ struct Drawn {
 /// What each of these paths draws at its surface.
 fn drawn(ctx: &TraceContext, paths: &[Path], surface_index: u32) -> impl Iterator<Item = Drawn> + use<> {
     let randoms: Vec<PixelSampler> = paths.iter().map(|path| path.random).collect();
-    let of = |number: u32| PixelSampler::pairs(&randoms, pair::SURFACE + pair::PER_SURFACE * surface_index + number);
-    let lobes = if ctx.config.chooses_lobes { of(pair::LOBE) } else { vec![[0.0; 2]; randoms.len()] };
-    let numbers = of(pair::CHOICE).into_iter().zip(of(pair::LIGHT)).zip(of(pair::SCATTER)).zip(lobes);
+    let of = |number: u32| PixelSampler::pairs(&randoms, pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + number);
+    let lobes = if ctx.config.chooses_lobes { of(pair::PAIR_LOBE) } else { vec![[0.0; 2]; randoms.len()] };
+    let numbers = of(pair::PAIR_CHOICE).into_iter().zip(of(pair::PAIR_LIGHT)).zip(of(pair::PAIR_SCATTER)).zip(lobes);
     numbers.map(|(((choice, light), scatter), [lobe, _])| Drawn { choice, light, scatter, lobe })
 }
 
@@ -296,7 +304,7 @@ fn shade(
     }
     path.throughput *= scattered.weight;
     path.index_square *= scattered.eta * scattered.eta;
-    if surface_index > 4 {
+    if surface_index > ROULETTE_DEPTH {
         let survival = (SURVIVAL * path.throughput.max_element() * path.index_square).min(1.0);
         if go_on >= survival {
             return None;

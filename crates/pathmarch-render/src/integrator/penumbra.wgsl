@@ -1,4 +1,5 @@
-// Soft shadows from the march's near misses. Twin of `near_misses` in shadow.rs.
+// import: intersect/march
+// Soft shadows from near misses. Twin of `near_misses` in shadow.rs.
 
 fn near_misses(ray: Ray, limit: f32, sharpness: f32) -> f32 {
     var light = 1.0;

@@ -1,5 +1,6 @@
-// Paths as the film sums them in pictures of light.
+// Film of radiance.
 
-fn as_filmed(radiance: vec3f) -> vec3f {
+/// Value that the film adds up for the radiance of a path.
+fn film_value(radiance: vec3f) -> vec3f {
     return radiance;
 }

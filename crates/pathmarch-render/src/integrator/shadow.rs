@@ -17,12 +17,16 @@ use crate::scene::leaf::IN_GLASS;
 use crate::scene::material::{CLEAR, straight_transmittance};
 use crate::shading::surface_interaction::{SurfaceInteraction, interactions};
 use crate::shading::textured_point::TexturedPoint;
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_field::number::Vec3 as FieldVec3;
 
-/// Clear glass that a shadow ray passes at most.
-const MAX_PASSED: u32 = 8;
+shared_constants! {
+    /// Largest number of clear surfaces that a shadow ray passes.
+    const MAX_PASSED: u32 = 8;
+}
+
 
 /// Light on its way from a source that may be hidden.
 pub(super) struct Connection {

@@ -1,7 +1,5 @@
-// What lies beyond the scene. Twin of sky.rs, which explains it.
-
-const SKY_CONSTANT = 0u;
-const SKY_GRADIENT = 1u;
+// import: integrator/light_weights
+// Light of the sky. Twin of scene/sky.rs, which explains it.
 
 struct EnvironmentSample {
     direction: vec3f,
@@ -40,24 +38,24 @@ fn sky_lookup(direction: vec3f) -> vec4f {
     return vec4f(radiance, 0.25 * dot(a + b + c + d, vec3f(0.2126, 0.7152, 0.0722)));
 }
 
-/// Radiance that a ray of this density found, weighed.
-fn sky_beyond(direction: vec3f, scatter_pdf: f32) -> vec3f {
+/// Weighted radiance of the sky in the direction of a ray of this density.
+fn sky_radiance(direction: vec3f, scatter_pdf: f32) -> vec3f {
     let sky = sky_lookup(direction);
     if frame.sky_density > 0.0 {
-        return sky.xyz * met_weight(scatter_pdf, frame.sky_density * sky.w);
+        return sky.xyz * hit_weight(scatter_pdf, frame.sky_density * sky.w);
     }
     return sky.xyz;
 }
 
 /// Radiance of a sky that is not sampled as a light.
-fn sky_not_sampled(direction: vec3f) -> vec3f {
+fn unsampled_sky_radiance(direction: vec3f) -> vec3f {
     return select(sky_lookup(direction).xyz, vec3f(0.0), frame.sky_density > 0.0);
 }
 
-/// A direction of the picture, in proportion to its luminance.
+/// Samples a direction of the environment map in proportion to its luminance.
 fn environment_sample(position: vec2f) -> EnvironmentSample {
-    let row = alias_draw(SKY_TABLE, frame.sky_height + 1u, position.y);
-    let columns = SKY_TABLE + 2u * (frame.sky_height + 1u + u32(row.x) * frame.sky_width);
+    let row = alias_draw(SKY_DATA, frame.sky_height + 1u, position.y);
+    let columns = SKY_DATA + 2u * (frame.sky_height + 1u + u32(row.x) * frame.sky_width);
     let column = alias_draw(columns, frame.sky_width, position.x);
     let height = f32(frame.sky_height);
     let high = sin(1.57079633 * max(row.x - 0.5, 0.0) / height);
@@ -74,14 +72,14 @@ fn environment_sample(position: vec2f) -> EnvironmentSample {
     return EnvironmentSample(direction, frame.sky_density * sky.w, sky.xyz);
 }
 
-/// A cell of an alias table of `count` cells for a uniform number, and what is left of the number.
+/// Samples a cell of an alias table of `count` cells with a uniform number; returns the cell and the number stretched to 0..1.
 fn alias_draw(table: u32, count: u32, u: f32) -> vec2f {
     let place = u * f32(count);
     let cell = min(u32(place), count - 1u);
     let rest = place - f32(cell);
-    let threshold = bitcast<f32>(tables[table + 2u * cell]);
+    let threshold = bitcast<f32>(scene_data[table + 2u * cell]);
     if rest < threshold {
         return vec2f(f32(cell), clamp(rest / threshold, 0.0, 1.0));
     }
-    return vec2f(f32(tables[table + 2u * cell + 1u]), clamp((rest - threshold) / (1.0 - threshold), 0.0, 1.0));
+    return vec2f(f32(scene_data[table + 2u * cell + 1u]), clamp((rest - threshold) / (1.0 - threshold), 0.0, 1.0));
 }

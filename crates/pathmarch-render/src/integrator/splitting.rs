@@ -28,6 +28,7 @@ use crate::ray_stats::RayCounters;
 use crate::sampling::sobol::{PixelSampler, hash};
 use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
 use crate::settings::MAX_SPLITTING;
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_scene::Sampler;
 use rayon::prelude::*;
@@ -40,8 +41,11 @@ const RAYS: u32 = 4;
 const PATHS: u32 = 4;
 /// A picture has so many paths for each that is spent on this.
 const WORTH: f64 = 200.0;
-/// The first samples of a pixel have rays of their own, for smooth edges of pictures that are stopped early, too.
-const OWN_RAYS: u32 = 16;
+shared_constants! {
+    /// The first samples of a pixel have rays of their own, for smooth edges of pictures that are stopped early, too.
+    const OWN_RAYS: u32 = 16;
+}
+
 /// What an evaluation of the field costs, in rays with what belongs to them.
 const EVALUATION: f64 = 0.25;
 /// By how much the slowest of eight lanes exceeds their mean, for one path each, in mean lengths of a path.

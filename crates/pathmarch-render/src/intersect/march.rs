@@ -25,26 +25,29 @@ use crate::ray_stats::MarchStats;
 #[cfg(doc)]
 use crate::scene::KernelConfig;
 use crate::scene::{FrameUniforms, TraceContext};
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::Field;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use wide::f32x8;
 
-/// Steps after which a march gives up.
-pub(crate) const MAX_STEPS: u32 = 256;
+shared_constants! {
+    /// Rounding errors by which distances may differ from their Lipschitz bound without being reported.
+    const NOISE: f32 = 16.0;
+    /// Steps after which a march gives up.
+    pub(crate) const MAX_STEPS: u32 = 256;
+    /// How the distance changes along a ray, at the least and at the most.
+    const STEEPEST_FALL: f32 = -1.0;
+    const STEEPEST_RISE: f32 = 0.6;
+    /// A ray grazes where the distance along it changes by more than this per metre.
+    const GRAZING_SLOPE: f32 = -0.5;
+    /// Share of the tolerance at which a ray that grazes hits a surface, see [`KernelConfig::refined_grazing`].
+    const GRAZING_TOLERANCE: f32 = 0.0625;
+    /// How far off a surface a ray starts, in roundings.
+    const START_OFFSET: f32 = 3.0;
+}
 
-/// Distances may be off by this many roundings of their point without a word.
-pub(crate) const NOISE: f32 = 16.0;
 
-/// How the distance changes along a ray, at the least and at the most.
-const STEEPEST_FALL: f32 = -1.0;
-const STEEPEST_RISE: f32 = 0.6;
-/// A ray grazes where the distance along it changes by more than this per metre.
-const GRAZING_SLOPE: f32 = -0.5;
-/// Share of the tolerance at which a ray that grazes hits a surface, see [`KernelConfig::refined_grazing`].
-const GRAZING_TOLERANCE: f32 = 0.0625;
-/// How far off a surface a ray starts, in roundings.
-const START_OFFSET: f32 = 3.0;
 
 /// What is negligible at a point of a path of this length.
 pub(crate) fn tolerance(frame: &FrameUniforms, p: Vec3, path_length: f32) -> f32 {

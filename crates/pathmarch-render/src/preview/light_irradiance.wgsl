@@ -1,30 +1,31 @@
-// What of a light would fall on a surface if nothing were in its way. Twin of irradiance.rs, which explains it.
+// import: integrator/light_sampling
+// Irradiance of lights without occlusion. Twin of light_irradiance.rs, which explains it.
 
-struct Falling {
+struct UnoccludedLight {
     direction: vec3f,
     distance: f32,
     irradiance: vec3f,
     sine: f32,
 }
 
-fn falling(light: Light, radius: f32, p: vec3f, n: vec3f) -> Falling {
+fn unoccluded_light(light: Light, radius: f32, p: vec3f, n: vec3f) -> UnoccludedLight {
     if HAS_SUN && light.kind == SUN {
-        let sine = sqrt(max(light.extent * (2.0 - light.extent), 0.0));
-        return Falling(light.place, AT_INFINITY, light.power * max(dot(light.place, n), 0.0), sine);
+        let sine = sqrt(max(light.radius * (2.0 - light.radius), 0.0));
+        return UnoccludedLight(light.position, AT_INFINITY, light.emission * max(dot(light.position, n), 0.0), sine);
     }
-    let offset = light.place - p;
+    let offset = light.position - p;
     let square = max(dot(offset, offset), 1e-12);
     let distance = sqrt(square);
     let direction = offset / distance;
     if HAS_POINT && light.kind == POINT {
-        return Falling(direction, distance, light.power * (max(dot(direction, n), 0.0) / square), 0.0);
+        return UnoccludedLight(direction, distance, light.emission * (max(dot(direction, n), 0.0) / square), 0.0);
     }
     if (HAS_RECT && light.kind == RECT) || (HAS_DISC && light.kind == DISC) {
         return from_sheet(light, offset, n);
     }
     let sine = min(radius / distance, 1.0);
-    let irradiance = light.power * (3.14159265 * sine * sine * above_horizon(dot(direction, n), sine));
-    return Falling(direction, max(distance - radius, 0.0), irradiance, sine);
+    let irradiance = light.emission * (3.14159265 * sine * sine * above_horizon(dot(direction, n), sine));
+    return UnoccludedLight(direction, max(distance - radius, 0.0), irradiance, sine);
 }
 
 /// The cosine of a sphere's middle, or what is left of it where the horizon cuts the sphere.
@@ -33,8 +34,8 @@ fn above_horizon(cosine: f32, sine: f32) -> f32 {
     return select(shown * shown / max(4.0 * sine, 1e-6), cosine, cosine >= sine);
 }
 
-fn from_sheet(light: Light, offset: vec3f, n: vec3f) -> Falling {
-    let half = select(1.0, 0.8862269 * light.extent, light.kind == DISC);
+fn from_sheet(light: Light, offset: vec3f, n: vec3f) -> UnoccludedLight {
+    let half = select(1.0, 0.8862269 * light.radius, light.kind == DISC);
     let x = light.x * half;
     let z = light.z * half;
     let below = -dot(offset, light.y);
@@ -46,16 +47,16 @@ fn from_sheet(light: Light, offset: vec3f, n: vec3f) -> Falling {
     factor *= select(1.0, -1.0, dot(factor, offset) < 0.0);
     let share = length(factor);
     if below <= 0.0 || share < 1e-9 {
-        return Falling(light.y, 0.0, vec3f(0.0), 0.0);
+        return UnoccludedLight(light.y, 0.0, vec3f(0.0), 0.0);
     }
     let direction = factor / share;
     let toward = -dot(direction, light.y);
     let distance = below / max(toward, 1e-4);
     let radius = sqrt(4.0 / 3.14159265 * length(x) * length(z));
-    let irradiance = light.power * (3.14159265 * share * above_horizon(dot(direction, n), sqrt(min(share, 1.0))));
+    let irradiance = light.emission * (3.14159265 * share * above_horizon(dot(direction, n), sqrt(min(share, 1.0))));
     let narrow = radius * max(toward, 0.0);
     let sine = narrow / sqrt(narrow * narrow + distance * distance);
-    return Falling(direction, distance * max(1.0 - radius / distance, 0.3), irradiance, sine);
+    return UnoccludedLight(direction, distance * max(1.0 - radius / distance, 0.3), irradiance, sine);
 }
 
 /// Angle between two directions times the unit vector across both, over 2π.

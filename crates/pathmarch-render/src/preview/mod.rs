@@ -17,12 +17,12 @@
 //! Rough reflections are a mixture of a sharp one and of light from all around. Only the strongest lights of a point have
 //! shadows there, and at most [`MAX_LIGHTS`] are known. A picture of the sky lights from all around, without shadows.
 //!
-//! **Cost.** Up to [`THROUGH`] + [`REFLECTED`] marches, and for each surface that is shaded [`SHADOWED`] more and five
+//! **Cost.** Up to [`MAX_SURFACES`] + [`MAX_REFLECTED`] marches, and for each surface that is shaded [`SHADOWED`] more and five
 //! evaluations of the field.
 
 pub(crate) mod ambient_sh;
 mod light_irradiance;
-mod soft_shadow;
+pub(crate) mod soft_shadow;
 
 use self::light_irradiance::{UnoccludedLight, bounding_radius, unoccluded_light};
 use self::soft_shadow::{ShadowRay, soft_shadows};
@@ -37,28 +37,32 @@ use crate::scene::{LightShape, TraceContext};
 use crate::settings::LightSearch;
 use crate::shading::surface_interaction::{SurfaceInteraction, interactions};
 use crate::shading::textured_point::TexturedPoint;
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_scene::Scene;
 use std::f32::consts::PI;
 use wide::f32x8;
 
-/// Surfaces along the camera's ray at most: it passes clear ones.
-const THROUGH: u32 = 6;
-/// Surfaces along the reflection.
-const REFLECTED: u32 = 3;
-/// Lights that have shadows at a point.
-const SHADOWED: usize = 3;
-/// Lights that are weaker than this part of the strongest one cast none.
-const WEAK: f32 = 0.1;
+shared_constants! {
+    /// Surfaces along the reflection.
+    const MAX_REFLECTED: u32 = 3;
+    /// Surfaces along the camera's ray at most: it passes clear ones.
+    const MAX_SURFACES: u32 = 6;
+    /// Lights that have shadows at a point.
+    const SHADOWED: usize = 3;
+    /// Reflections that add less than this are left out.
+    const FAINT: f32 = 0.02;
+    /// Lights that are weaker than this part of the strongest one cast none.
+    const WEAK: f32 = 0.1;
+    /// The hardest shadow: one over the sine of half the angle that its light fills.
+    const HARDEST: f32 = 64.0;
+    /// How much each of the five distances of ambient occlusion hides at most.
+    const HIDES: f32 = 0.15;
+}
+
 /// Lights that are known.
 const MAX_LIGHTS: usize = 64;
-/// Reflections that add less than this are left out.
-const FAINT: f32 = 0.02;
-/// How much each of the five distances of ambient occlusion hides at most.
-const HIDES: f32 = 0.15;
-/// The hardest shadow: one over the sine of half the angle that its light fills.
-const HARDEST: f32 = 64.0;
 
 /// Data of a preview beyond that of paths.
 #[derive(Clone, Debug)]
@@ -191,9 +195,9 @@ pub(crate) fn trace(ctx: &TraceContext, preview: &Preview, pixels: &[(u32, u32)]
         })
         .collect();
     let mut follower = Follower { ctx, preview, sample, colours: &mut colours, reflections: Vec::new() };
-    follower.follow(walks, THROUGH, true);
+    follower.follow(walks, MAX_SURFACES, true);
     let reflections = std::mem::take(&mut follower.reflections);
-    follower.follow(reflections, REFLECTED, false);
+    follower.follow(reflections, MAX_REFLECTED, false);
     colours
 }
 

@@ -12,19 +12,23 @@
 use crate::intersect::march::tolerance;
 use crate::intersect::ray::{Ray, lanes};
 use crate::scene::TraceContext;
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::number::{Real, Vec3 as FieldVec3};
 use wide::f32x8;
 
-const STEPS: u32 = 96;
-/// A step is at least this part of the radius of the light's cone.
-const COARSE: f32 = 0.5;
-/// But for the first one, a step is at most this part of the way so far, times the sharpness where that is more: in wide
-/// cones, longer steps are seen as bands.
-const LONGEST: f32 = 0.3;
-const LONGEST_OF_CONE: f32 = 0.05;
-/// A long step may pass a surface no farther than half of it: so near is in the shadow.
-const PASSED: f32 = 0.5 * COARSE;
+shared_constants! {
+    const SHADOW_STEPS: u32 = 96;
+    /// A step is at least this part of the radius of the light's cone.
+    const COARSE: f32 = 0.5;
+    /// But for the first one, a step is at most this part of the way so far, times the sharpness where that is more: in wide
+    /// cones, longer steps are seen as bands.
+    const LONGEST: f32 = 0.3;
+    const LONGEST_OF_CONE: f32 = 0.05;
+    /// A long step may pass a surface no farther than half of it: so near is in the shadow.
+    const PASSED: f32 = 0.5 * COARSE;
+}
+
 
 /// What asks for a shadow.
 #[derive(Clone, Copy)]
@@ -54,7 +58,7 @@ pub(super) fn soft_shadows(ctx: &TraceContext, occluders: &[bool], rays: [Shadow
     let longest = f32x8::splat(LONGEST).fast_max(f32x8::splat(LONGEST_OF_CONE) * sharpness);
     let (two, at_infinity) = (f32x8::splat(2.0), f32x8::splat(1e30));
     let state = [f32x8::ONE, start, at_infinity];
-    let [light, ..] = f32x8::iterate(f32x8::splat(STEPS as f32), STEPS, state, |[light, t, previous]| {
+    let [light, ..] = f32x8::iterate(f32x8::splat(SHADOW_STEPS as f32), SHADOW_STEPS, state, |[light, t, previous]| {
         let distance = ctx.scene.field.distance_to(origin + direction * t, occluders, own) * factor;
         // How far back the ray was nearest, unless that was before the last step.
         let guess = distance * distance / (two * previous);

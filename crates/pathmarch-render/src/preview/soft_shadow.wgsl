@@ -1,13 +1,7 @@
+// import: intersect/march
 // Soft shadows in few steps. Twin of soft_shadow.rs, which explains them.
 
-const SHADOW_STEPS = 96u;
-const COARSE = 0.5;
-const LONGEST = 0.3;
-const LONGEST_OF_CONE = 0.05;
-/// A long step may pass a surface no farther than half of it: so near is in the shadow.
-const PASSED = 0.25;
-
-/// What is left of a light along a ray from the leaf `own`.
+/// Share of a light that arrives along a ray from the leaf `own`.
 fn soft_shadow(ray: Ray, own: u32, limit: f32, sharpness: f32) -> f32 {
     var light = 1.0;
     let last = min(limit, frame.far);

@@ -24,24 +24,28 @@
 //!
 //! **Cost.** About 85 integer operations a pair, a third of them the same for all pixels; no memory.
 
-/// The pairs of dimensions a path uses, in order.
+/// Pairs of dimensions that a path uses, in order.
 pub(crate) mod pair {
-    /// Position within the pixel.
-    pub(crate) const PIXEL: u32 = 0;
-    /// Position on the lens.
-    pub(crate) const LENS: u32 = 1;
-    /// First pair of the first surface; each surface has [`PER_SURFACE`].
-    pub(crate) const SURFACE: u32 = 2;
-    /// Direction of the scattered ray.
-    pub(crate) const SCATTER: u32 = 0;
-    /// Choice of the light (x) and of going on (y).
-    pub(crate) const CHOICE: u32 = 1;
-    /// Position on the light.
-    pub(crate) const LIGHT: u32 = 2;
-    /// Choice of the lobe (x).
-    pub(crate) const LOBE: u32 = 3;
-    /// Pairs of a surface.
-    pub(crate) const PER_SURFACE: u32 = 4;
+    use crate::wgsl::shared_constants;
+
+    shared_constants! {
+        /// Position within the pixel.
+        pub(crate) const PAIR_PIXEL: u32 = 0;
+        /// Position on the lens.
+        pub(crate) const PAIR_LENS: u32 = 1;
+        /// First pair of the first surface.
+        pub(crate) const PAIR_SURFACE: u32 = 2;
+        /// Direction of the scattered ray; this and the following count from the first pair of the surface.
+        pub(crate) const PAIR_SCATTER: u32 = 0;
+        /// Choice of the light (x) and Russian roulette (y).
+        pub(crate) const PAIR_CHOICE: u32 = 1;
+        /// Position on the light.
+        pub(crate) const PAIR_LIGHT: u32 = 2;
+        /// Choice of the lobe (x).
+        pub(crate) const PAIR_LOBE: u32 = 3;
+        /// Pairs of each surface.
+        pub(crate) const PAIRS_PER_SURFACE: u32 = 4;
+    }
 }
 
 /// A well-mixed word of a word (PCG output permutation; Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").

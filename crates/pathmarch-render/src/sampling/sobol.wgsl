@@ -1,23 +1,11 @@
-// Random numbers: Owen-scrambled Sobol' points, their error blue noise over the pixels. Twin of random.rs, which
-// explains them.
+// Random numbers: Owen-scrambled Sobol' points with blue noise over the pixels. Twin of sobol.rs, which explains them.
 
-const PAIR_PIXEL = 0u;
-const PAIR_LENS = 1u;
-const PAIR_SURFACE = 2u;
-const PAIR_SCATTER = 0u;
-const PAIR_CHOICE = 1u;
-const PAIR_LIGHT = 2u;
-const PAIR_LOBE = 3u;
-const PAIRS_PER_SURFACE = 4u;
-
-struct Random {
+/// Random numbers of one sample of a pixel.
+struct PixelSampler {
     base: u32,
     place: u32,
     sample: u32,
 }
-
-// SAMPLER: the order is that of `Sampler`.
-const INDEPENDENT = 1u;
 
 fn hash(x: u32) -> u32 {
     let state = x * 747796405u + 2891336453u;
@@ -61,21 +49,21 @@ fn spread(bits: u32) -> u32 {
     return (x | (x << 1u)) & 0x55555555u;
 }
 
-fn random_new(x: u32, y: u32, sample: u32, seed: u32) -> Random {
+fn pixel_sampler(x: u32, y: u32, sample: u32, seed: u32) -> PixelSampler {
     let morton = reverseBits(spread(x) | (spread(y) << 1u));
     let turned = (scramble_reversed(morton, 0x9e3779b9u) ^ morton) & 0x55555555u;
     let swap = (morton ^ (morton >> 1u)) & turned;
-    return Random(hash(seed), morton ^ swap ^ (swap << 1u), sample);
+    return PixelSampler(hash(seed), morton ^ swap ^ (swap << 1u), sample);
 }
 
-fn random_pair(random: Random, pair: u32) -> vec2f {
-    let seed = hash(random.base ^ (pair * 0x9e3779b9u));
+fn sample_2d(sampler: PixelSampler, pair: u32) -> vec2f {
+    let seed = hash(sampler.base ^ (pair * 0x9e3779b9u));
     if SAMPLER == INDEPENDENT {
-        let x = hash(random.sample ^ hash(random.place ^ seed));
+        let x = hash(sampler.sample ^ hash(sampler.place ^ seed));
         return vec2f(unit(x), unit(hash(x ^ seed)));
     }
-    let index = reverseBits(scramble_reversed(reverseBits(random.sample), seed));
-    let place = scramble_reversed(random.place, rotate_left(seed, 24u)) >> 16u;
+    let index = reverseBits(scramble_reversed(reverseBits(sampler.sample), seed));
+    let place = scramble_reversed(sampler.place, rotate_left(seed, 24u)) >> 16u;
     let at_zero = index ^ (index << 8u) ^ (index << 16u) ^ from_base_q(place);
     var at_one = at_zero;
     at_one ^= (at_one >> 1u) & 0x55555555u;
@@ -88,6 +76,6 @@ fn random_pair(random: Random, pair: u32) -> vec2f {
     return vec2f(unit(x), unit(y));
 }
 
-fn random_loose(random: Random, surface: u32) -> u32 {
-    return hash(hash(random.place ^ random.base) ^ hash(random.sample ^ (surface * 0x85ebca6bu)));
+fn unstratified_seed(sampler: PixelSampler, surface: u32) -> u32 {
+    return hash(hash(sampler.place ^ sampler.base) ^ hash(sampler.sample ^ (surface * 0x85ebca6bu)));
 }

@@ -4,73 +4,73 @@ use super::light::Light;
 use super::sky::SkyLight;
 use super::{Extent, medium_at};
 use crate::settings::Settings;
-use bytemuck::{Pod, Zeroable};
+use crate::wgsl::shared_struct;
 use glam::Vec3;
 use pathmarch_field::Aabb;
 use pathmarch_scene::sky::GROUND_EDGE;
 use pathmarch_scene::{Scene, Sky};
 
-/// Uniforms of a frame. `Frame` in `backend/gpu/frame.wgsl` has the same layout.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct FrameUniforms {
-    /// Middle of the lens in world space, metres.
-    pub(crate) position: [f32; 3],
-    /// Radius of the lens, metres; 0 for a pinhole.
-    pub(crate) lens_radius: f32,
-    /// Vector to the right in world space, half as long as the picture is wide at distance one.
-    pub(crate) right: [f32; 3],
-    /// Focus distance along `forward`, metres.
-    pub(crate) focus: f32,
-    /// Vector upwards in world space, half as long as the picture is high at distance one.
-    pub(crate) up: [f32; 3],
-    /// Hit tolerance over the length of the path.
-    pub(crate) tolerance: f32,
-    /// Unit view direction in world space.
-    pub(crate) forward: [f32; 3],
-    /// Rounding error over a point's largest coordinate.
-    pub(crate) rounding: f32,
-    /// Absorption coefficient of the medium around the camera, per metre.
-    pub(crate) medium: [f32; 3],
-    /// Safe step over the field's value: one over its Lipschitz constant.
-    pub(crate) step_factor: f32,
-    /// Bounds of all sphere-traced objects in world space, metres.
-    pub(crate) bounds_min: [f32; 3],
-    /// Largest distance along a ray, metres.
-    pub(crate) far: f32,
-    pub(crate) bounds_max: [f32; 3],
-    pub(crate) light_count: u32,
-    /// Size of the picture, pixels.
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    /// Scattering events after the first hit at most.
-    pub(crate) bounces: u32,
-    pub(crate) seed: u32,
-    /// Largest contribution of indirect light, W/(m² sr); 1e30 without a limit.
-    pub(crate) clamp: f32,
-    /// Number of suns; they are the first lights.
-    pub(crate) sun_count: u32,
-    /// Index of the sampler, see [`pathmarch_scene::Sampler`].
-    pub(crate) sampler: u32,
-    /// Size of the environment map, texels.
-    pub(crate) sky_width: u32,
-    /// Radiance of the zenith, or of a constant sky, W/(m² sr).
-    pub(crate) sky_zenith: [f32; 3],
-    pub(crate) sky_height: u32,
-    /// Radiance at the horizon, W/(m² sr).
-    pub(crate) sky_horizon: [f32; 3],
-    /// Pdf of a direction of the environment map over the mean luminance of the four texels around it.
-    pub(crate) sky_density: f32,
-    /// Radiance of the ground, W/(m² sr).
-    pub(crate) sky_ground: [f32; 3],
-    /// Sine of the depression angle at which the gradient reaches the colour of the ground.
-    pub(crate) sky_edge: f32,
-    /// Sine and cosine of the environment map's rotation.
-    pub(crate) sky_sine: f32,
-    pub(crate) sky_cosine: f32,
-    /// Edge of a pixel at distance one, metres.
-    pub(crate) pixel: f32,
-    pub(crate) padding: u32,
+shared_struct! {
+    /// Uniforms of a frame.
+    pub(crate) struct FrameUniforms as Frame {
+        /// Middle of the lens in world space, metres.
+        pub(crate) position: [f32; 3],
+        /// Radius of the lens, metres; 0 for a pinhole.
+        pub(crate) lens_radius: f32,
+        /// Vector to the right in world space, half as long as the picture is wide at distance one.
+        pub(crate) right: [f32; 3],
+        /// Focus distance along `forward`, metres.
+        pub(crate) focus: f32,
+        /// Vector upwards in world space, half as long as the picture is high at distance one.
+        pub(crate) up: [f32; 3],
+        /// Hit tolerance over the length of the path.
+        pub(crate) tolerance: f32,
+        /// Unit view direction in world space.
+        pub(crate) forward: [f32; 3],
+        /// Rounding error over a point's largest coordinate.
+        pub(crate) rounding: f32,
+        /// Absorption coefficient of the medium around the camera, per metre.
+        pub(crate) medium: [f32; 3],
+        /// Safe step over the field's value: one over its Lipschitz constant.
+        pub(crate) step_factor: f32,
+        /// Bounds of all sphere-traced objects in world space, metres.
+        pub(crate) bounds_min: [f32; 3],
+        /// Largest distance along a ray, metres.
+        pub(crate) far: f32,
+        pub(crate) bounds_max: [f32; 3],
+        pub(crate) light_count: u32,
+        /// Size of the picture, pixels.
+        pub(crate) width: u32,
+        pub(crate) height: u32,
+        /// Scattering events after the first hit at most.
+        pub(crate) bounces: u32,
+        pub(crate) seed: u32,
+        /// Largest contribution of indirect light, W/(m² sr); 1e30 without a limit.
+        pub(crate) clamp: f32,
+        /// Number of suns; they are the first lights.
+        pub(crate) sun_count: u32,
+        /// Index of the sampler, see [`pathmarch_scene::Sampler`].
+        pub(crate) sampler: u32,
+        /// Size of the environment map, texels.
+        pub(crate) sky_width: u32,
+        /// Radiance of the zenith, or of a constant sky, W/(m² sr).
+        pub(crate) sky_zenith: [f32; 3],
+        pub(crate) sky_height: u32,
+        /// Radiance at the horizon, W/(m² sr).
+        pub(crate) sky_horizon: [f32; 3],
+        /// Pdf of a direction of the environment map over the mean luminance of the four texels around it.
+        pub(crate) sky_density: f32,
+        /// Radiance of the ground, W/(m² sr).
+        pub(crate) sky_ground: [f32; 3],
+        /// Sine of the depression angle at which the gradient reaches the colour of the ground.
+        pub(crate) sky_edge: f32,
+        /// Sine and cosine of the environment map's rotation.
+        pub(crate) sky_sine: f32,
+        pub(crate) sky_cosine: f32,
+        /// Edge of a pixel at distance one, metres.
+        pub(crate) pixel: f32,
+        pub(crate) padding: u32,
+    }
 }
 
 /// About four times the relative rounding error of an `f32` coordinate.

@@ -1,32 +1,35 @@
 //! Leaves of the field: which material, light and flags a surface has.
 
 use super::light::Light;
-use bytemuck::{Pod, Zeroable};
+use crate::wgsl::{shared_constants, shared_struct};
 use pathmarch_scene::Scene;
 use std::collections::HashMap;
 
-/// Leaf of the field. `LeafRecord` in `backend/gpu/frame.wgsl` has the same layout.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct LeafRecord {
-    /// Unit normal of the emitting side of a sheet, in world space.
-    pub(crate) facing: [f32; 3],
-    /// Index of the material.
-    pub(crate) material: u32,
-    /// Origin of the local coordinates, in world space.
-    pub(crate) at: [f32; 3],
-    /// [`SHEET`], [`ANALYTIC`] and [`IN_GLASS`]; from [`LIGHT_SHIFT`] on one more than the index of its light, or zero.
-    pub(crate) flags: u32,
+shared_struct! {
+    /// Leaf of the field.
+    pub(crate) struct LeafRecord as LeafRecord {
+        /// Unit normal of the emitting side of a sheet, in world space.
+        pub(crate) facing: [f32; 3],
+        /// Index of the material.
+        pub(crate) material: u32,
+        /// Origin of the local coordinates, in world space.
+        pub(crate) at: [f32; 3],
+        /// [`SHEET`], [`ANALYTIC`] and [`IN_GLASS`]; from [`LIGHT_SHIFT`] on one more than the index of its light, or zero.
+        pub(crate) flags: u32,
+    }
 }
 
-/// Surface without thickness, which emits on one side.
-pub(crate) const SHEET: u32 = 1;
-/// Shape with an analytic ray intersection.
-pub(crate) const ANALYTIC: u32 = 2;
-/// Part of a solid some of whose materials transmit, so that paths reach the leaf from inside.
-pub(crate) const IN_GLASS: u32 = 4;
-/// First bit of the light in the flags.
-pub(crate) const LIGHT_SHIFT: u32 = 3;
+shared_constants! {
+    /// Surface without thickness, which emits on one side.
+    pub(crate) const SHEET: u32 = 1;
+    /// Shape with an analytic ray intersection.
+    pub(crate) const ANALYTIC: u32 = 2;
+    /// Part of a solid some of whose materials transmit, so that paths reach the leaf from inside.
+    pub(crate) const IN_GLASS: u32 = 4;
+    /// First bit of the light in the flags.
+    pub(crate) const LIGHT_SHIFT: u32 = 3;
+}
+
 
 impl LeafRecord {
     /// Whether this flag is set.

@@ -1,33 +1,36 @@
 //! Materials as a renderer reads them.
 
 use super::textured_material::TexturedMaterial;
-use bytemuck::{Pod, Zeroable};
+use crate::wgsl::{shared_constants, shared_struct};
 use glam::Vec3;
 use pathmarch_scene::Material;
 use pathmarch_scene::materials::{self, Numbers};
 
-/// Material. `Material` in `backend/gpu/frame.wgsl` has the same layout.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct MaterialRecord {
-    /// Emitted radiance, W/(m² sr).
-    pub(crate) emission: [f32; 3],
-    /// [`EMITS`], [`DELTA`], [`TRANSMITS`].
-    pub(crate) flags: u32,
-    /// Absorption coefficient of the inside, per metre.
-    pub(crate) absorption: [f32; 3],
-    /// Index into [`materials::kinds`].
-    pub(crate) kind: u32,
-    /// Parameters of the BSDF.
-    pub(crate) numbers: Numbers,
+shared_struct! {
+    /// Material.
+    pub(crate) struct MaterialRecord as Material {
+        /// Emitted radiance, W/(m² sr).
+        pub(crate) emission: [f32; 3],
+        /// [`EMITS`], [`DELTA`], [`TRANSMITS`].
+        pub(crate) flags: u32,
+        /// Absorption coefficient of the inside, per metre.
+        pub(crate) absorption: [f32; 3],
+        /// Index into [`materials::kinds`].
+        pub(crate) kind: u32,
+        /// Parameters of the BSDF.
+        pub(crate) numbers: Numbers,
+    }
 }
 
-/// Emitter; it does not reflect.
-pub(crate) const EMITS: u32 = 1;
-/// BSDF of delta distributions only: no light is sampled there.
-pub(crate) const DELTA: u32 = 2;
-/// BSDF that transmits.
-pub(crate) const TRANSMITS: u32 = 4;
+shared_constants! {
+    /// Emitter; it does not reflect.
+    pub(crate) const EMITS: u32 = 1;
+    /// BSDF of delta distributions only: no light is sampled there.
+    pub(crate) const DELTA: u32 = 2;
+    /// BSDF that transmits.
+    pub(crate) const TRANSMITS: u32 = 4;
+}
+
 /// Clear glass, which the shadow rays of fast caustics pass.
 pub(crate) const CLEAR: u32 = DELTA | TRANSMITS;
 

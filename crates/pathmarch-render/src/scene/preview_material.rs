@@ -1,10 +1,14 @@
 //! Numbers of a material for previews, in the order of `preview/preview.wgsl`.
 
+use crate::wgsl::shared_constants;
 use pathmarch_scene::materials::Look;
 
-/// Numbers of a preview material: diffuse albedo, roughness, reflectance straight on and at grazing angles, transmittance, index
-/// of refraction.
-pub(crate) const PREVIEW_SIZE: usize = 14;
+shared_constants! {
+    /// Numbers of a preview material: diffuse albedo, roughness, reflectance straight on and at grazing angles, transmittance, index
+    /// of refraction.
+    pub(crate) const PREVIEW_SIZE: usize = 14;
+}
+
 pub(crate) type PreviewNumbers = [f32; PREVIEW_SIZE];
 
 /// Encodes a preview material.

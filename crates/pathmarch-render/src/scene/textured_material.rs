@@ -7,11 +7,14 @@
 //! single directions is decided once for the whole of it.
 
 use super::preview_material::{self, PreviewNumbers};
+use crate::wgsl::shared_constants;
 use pathmarch_scene::materials::{Bsdf, Bump, Material, Meaning, Numbers, OrbitTrap, Texturing};
 use pathmarch_scene::textures::Texture;
 
-/// Values of a parameter for which its material is packed.
-pub(crate) const KNOTS: usize = 17;
+shared_constants! {
+    /// Values of a parameter for which its material is packed.
+    pub(crate) const KNOTS: usize = 17;
+}
 
 /// Source of a value from 0 to 1, or of a colour.
 #[derive(Clone, Debug)]

@@ -30,6 +30,7 @@ use crate::scene::{Extent, FrameUniforms, KernelConfig, RenderScene, TraceContex
 use crate::settings::Settings;
 use crate::shading::surface_interaction::interactions;
 use crate::shading::textured_point::TexturedPoint;
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_scene::{Camera, Scene};
 
@@ -71,16 +72,19 @@ pub(crate) fn table(mode: Mode, scene: &Scene, camera: &Camera) -> Vec<f32> {
             let scale = Extent::new(scene, camera).radius.min(distance);
             vec![distance - scale, scale]
         }
-        Mode::Violations => (0..=VIOLATIONS).flat_map(|k| violation(k as f32 / VIOLATIONS_UNIT)).collect(),
+        Mode::Violations => (0..=VIOLATIONS as u32).flat_map(|k| violation(k as f32 / VIOLATIONS_UNIT)).collect(),
         Mode::Steps => (0..=MAX_STEPS)
             .flat_map(|steps| if steps == 0 { [0.0; 3] } else { heat((1.0 + steps as f32).log2() / 8.0) })
             .collect(),
     }
 }
 
-/// The last colour of [`Mode::Violations`], and how many stand for a steepness of 1.
-const VIOLATIONS: u32 = 1024;
-const VIOLATIONS_UNIT: f32 = 256.0;
+shared_constants! {
+    /// Index of the last colour of violations.
+    const VIOLATIONS: f32 = 1024.0;
+    /// Index of the colour of a steepness of 1.
+    const VIOLATIONS_UNIT: f32 = 256.0;
+}
 
 /// The colour of a steepness over the one allowed.
 fn violation(steepness: f32) -> [f32; 3] {
@@ -116,7 +120,7 @@ pub(crate) fn view(ctx: &TraceContext, mode: Mode, table: &[f32], pixels: &[(u32
         return stats.iter().map(|ray| colour(ray.evaluations as usize)).collect();
     }
     if mode == Mode::Violations {
-        let place = |ray: &MarchStats| (ray.steepest * VIOLATIONS_UNIT).round().clamp(0.0, VIOLATIONS as f32);
+        let place = |ray: &MarchStats| (ray.steepest * VIOLATIONS_UNIT).round().clamp(0.0, VIOLATIONS);
         let seen = |ray: &MarchStats| if ray.evaluations > 0 { colour(place(ray) as usize) } else { Vec3::ZERO };
         return stats.iter().map(seen).collect();
     }

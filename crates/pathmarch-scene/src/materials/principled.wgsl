@@ -16,8 +16,8 @@ fn ggx_split(cosine: f32, roughness: f32) -> vec2f {
 }
 
 fn ggx_entry(row: u32, column: u32) -> vec2f {
-    let place = GGX_TABLE + 2u * (row * GGX_COSINES + column);
-    return vec2f(bitcast<f32>(tables[place]), bitcast<f32>(tables[place + 1u]));
+    let place = GGX_DATA + 2u * (row * GGX_COSINES + column);
+    return vec2f(bitcast<f32>(scene_data[place]), bitcast<f32>(scene_data[place + 1u]));
 }
 
 fn compensation(f0: f32, split: vec2f) -> f32 {

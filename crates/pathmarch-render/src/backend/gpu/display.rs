@@ -8,27 +8,32 @@ use super::slice::Progress;
 use crate::error::RenderError;
 use crate::mode::{Mode, uncertainty_wgsl};
 use crate::output::tonemap::{self, Display};
-use bytemuck::{Pod, Zeroable};
+use crate::wgsl::{declaration, shared_struct};
 
-/// The layout is that of `Shown` in `display.wgsl`.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct Shown {
-    width: u32,
-    height: u32,
-    samples: u32,
-    begun: u32,
-    row: u32,
-    column: u32,
-    gain: f32,
-    tonemap: u32,
-    variance: u32,
+shared_struct! {
+    /// Uniforms of the display pass.
+    struct DisplayUniforms as DisplayUniforms {
+        width: u32,
+        height: u32,
+        /// Samples of every pixel.
+        samples: u32,
+        /// Further samples of the pixels above `row`, and in the eight rows from there of those left of `column`.
+        begun: u32,
+        row: u32,
+        column: u32,
+        /// Factor of radiance before the tone curve.
+        gain: f32,
+        /// Index of the tone curve.
+        tonemap: u32,
+        /// Not 0 where the film holds moments of luminance.
+        variance: u32,
+    }
 }
 
 /// The compiled pass of a device.
 pub(crate) struct DisplayPass {
     pipeline: wgpu::ComputePipeline,
-    shown: wgpu::Buffer,
+    uniforms: wgpu::Buffer,
 }
 
 /// Buffers for films up to a size.
@@ -40,7 +45,8 @@ pub(crate) struct Screen {
 
 impl DisplayPass {
     pub(crate) fn new(gpu: &wgpu::Device) -> Self {
-        let code = tonemap::wgsl() + &uncertainty_wgsl() + include_str!("display.wgsl");
+        let uniforms = declaration::<DisplayUniforms>();
+        let code = tonemap::wgsl() + &uncertainty_wgsl() + &uniforms + include_str!("display.wgsl");
         let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("display"),
             source: wgpu::ShaderSource::Wgsl(code.into()),
@@ -53,13 +59,13 @@ impl DisplayPass {
             compilation_options: Default::default(),
             cache: None,
         });
-        let shown = gpu.create_buffer(&wgpu::BufferDescriptor {
+        let uniforms = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("display"),
-            size: size_of::<Shown>() as u64,
+            size: size_of::<DisplayUniforms>() as u64,
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        Self { pipeline, shown }
+        Self { pipeline, uniforms }
     }
 
     /// Room for the pictures of this film.
@@ -75,7 +81,7 @@ impl DisplayPass {
             label: Some("display"),
             layout: &self.pipeline.get_bind_group_layout(0),
             entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: self.shown.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 0, resource: self.uniforms.as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 1, resource: film.as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 2, resource: codes.as_entire_binding() },
             ],
@@ -95,8 +101,8 @@ impl DisplayPass {
     ) -> Result<Vec<u8>, RenderError> {
         let (gain, tonemap) = (display.gain(), display.tonemap as u32);
         let variance = u32::from(mode == Mode::Variance);
-        let shown = Shown { width, height, samples, begun, row, column, gain, tonemap, variance };
-        device.queue.write_buffer(&self.shown, 0, bytemuck::bytes_of(&shown));
+        let uniforms = DisplayUniforms { width, height, samples, begun, row, column, gain, tonemap, variance };
+        device.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
         let mut encoder =
             device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("display") });
         {

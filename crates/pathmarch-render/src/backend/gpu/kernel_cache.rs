@@ -2,12 +2,11 @@
 
 use super::GpuContext;
 use super::bindings::{self, Bindings};
-use super::compose::kernel;
+use super::compose::{kernel, program};
 use super::device::Device;
 use super::encode::SceneData;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
-use pathmarch_field::wgsl::Program;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -32,10 +31,7 @@ impl KernelSource {
 
     /// Kernel for a software adapter or for a real GPU.
     pub(super) fn for_adapter(input: &RenderInput, software: bool) -> Self {
-        let mut program = Program::new(&input.scene.field);
-        if let Some(preview) = input.preview() {
-            program.write_object_sets(&input.scene.field, &preview.distance_functions());
-        }
+        let program = program(input);
         let trusted = input.scene.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
         let bindings = Bindings::new(input, &program, software);
         let data = SceneData::new(input);

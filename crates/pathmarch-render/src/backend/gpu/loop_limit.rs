@@ -16,6 +16,7 @@
 use super::device::Device;
 use super::slice::Slice;
 use crate::error::RenderError;
+use crate::wgsl::shared_struct;
 use bytemuck::{Pod, Zeroable};
 #[cfg(doc)]
 use pathmarch_field::Field;
@@ -23,7 +24,7 @@ use pathmarch_field::Field;
 /// Paths of a submission at most.
 pub(super) const CAPACITY: u32 = 1 << 16;
 
-/// Header of `Suspended` in `loop_limit.wgsl`.
+/// Header of the suspended paths; the paths follow it.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Header {
@@ -33,11 +34,23 @@ struct Header {
     padding: u32,
 }
 
-/// Layout of `SuspendedPath` in `loop_limit.wgsl`.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct SuspendedPath {
-    vectors: [[f32; 4]; 6],
+shared_struct! {
+    /// State of a path before a surface.
+    pub(super) struct SuspendedPath as SuspendedPath {
+        origin: [f32; 3],
+        length: f32,
+        direction: [f32; 3],
+        scatter_pdf: f32,
+        previous_vertex: [f32; 3],
+        index_square: f32,
+        throughput: [f32; 3],
+        /// Number of surfaces that the path has left, or FINISHED.
+        surfaces: u32,
+        radiance: [f32; 3],
+        passing: u32,
+        medium: [f32; 3],
+        padding: u32,
+    }
 }
 
 /// Room for the paths of a submission that the adapter may cut short.

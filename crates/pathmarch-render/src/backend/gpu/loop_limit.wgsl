@@ -1,4 +1,4 @@
-// The limit that some software adapters set to the loops of an invocation. gpu/loop_limit.rs explains it.
+// Limit that some software adapters set to the loops of an invocation. loop_limit.rs explains it.
 
 /// Shared by the paths of a submission, one place for each.
 struct Suspended {
@@ -9,22 +9,6 @@ struct Suspended {
     /// Two. Read from storage, so that no compiler knows it.
     turns: u32,
     paths: array<SuspendedPath>,
-}
-
-/// State of a path before a surface. Layout of `SuspendedPath` in gpu/loop_limit.rs.
-struct SuspendedPath {
-    origin: vec3f,
-    length: f32,
-    direction: vec3f,
-    scatter_pdf: f32,
-    reference: vec3f,
-    index_square: f32,
-    throughput: vec3f,
-    /// Surfaces that the path has left, or FINISHED.
-    surfaces: u32,
-    radiance: vec3f,
-    passing: u32,
-    medium: vec3f,
 }
 
 @group(0) @binding(9) var<storage, read_write> suspended: Suspended;

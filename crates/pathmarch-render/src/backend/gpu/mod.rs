@@ -12,6 +12,7 @@ mod kernel_cache;
 #[cfg(test)]
 mod kernel_tests;
 mod loop_limit;
+mod shaders;
 mod slice;
 mod stopwatch;
 

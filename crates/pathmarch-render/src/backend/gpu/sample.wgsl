@@ -1,6 +1,8 @@
-// One sample of a pixel. gpu/kernel.rs names the function of the mode in place of the path's.
+// import: backend/gpu/film, estimator, integrator/camera, loop_check, sampler
+// One sample of a pixel.
 
-fn samples_of(x: u32, y: u32) -> vec4f {
-    let random = random_new(x, y, slice.sample, frame.seed);
-    return checked(kept(radiance_along(camera_ray(x, y, random), random)));
+/// Value of the slice's sample of a pixel, as the film adds it.
+fn slice_value(x: u32, y: u32) -> vec4f {
+    let sampler = pixel_sampler(x, y, slice.sample, frame.seed);
+    return checked(kept(estimate(camera_ray(x, y, sampler), sampler)));
 }

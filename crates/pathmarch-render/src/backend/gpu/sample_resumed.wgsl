@@ -1,14 +1,16 @@
+// import: backend/gpu/film, integrator/path, loop_check
 // One sample of a pixel whose path goes on in the next dispatch where the adapter ended its loops.
 
+/// Number of surfaces of a path that has ended.
 const FINISHED = 0xffffffffu;
 
-fn resumed(saved: SuspendedPath, random: Random) -> Path {
+fn resumed(saved: SuspendedPath, sampler: PixelSampler) -> Path {
     var path: Path;
     path.ray = Ray(saved.origin, saved.direction);
-    path.random = random;
+    path.sampler = sampler;
     path.length = saved.length;
     path.scatter_pdf = saved.scatter_pdf;
-    path.reference = saved.reference;
+    path.previous_vertex = saved.previous_vertex;
     path.index_square = saved.index_square;
     path.throughput = saved.throughput;
     path.surfaces = saved.surfaces;
@@ -24,7 +26,7 @@ fn suspend(slot: u32, path: Path) {
         path.length,
         path.ray.direction,
         path.scatter_pdf,
-        path.reference,
+        path.previous_vertex,
         path.index_square,
         path.throughput,
         path.surfaces,
@@ -35,17 +37,18 @@ fn suspend(slot: u32, path: Path) {
     atomicAdd(&suspended.count, 1u);
 }
 
-fn samples_of(x: u32, y: u32) -> vec4f {
+/// Value of the slice's sample of a pixel, or zero while its path is suspended.
+fn slice_value(x: u32, y: u32) -> vec4f {
     let slot = slice.first_slot + (y - slice.first_row) * slice.columns + x - slice.first_column;
-    let random = random_new(x, y, slice.sample, frame.seed);
+    let sampler = pixel_sampler(x, y, slice.sample, frame.seed);
     var path: Path;
     if suspended.round == 0u {
-        path = path_from(camera_ray(x, y, random), random);
+        path = path_from(camera_ray(x, y, sampler), sampler);
     } else {
         if suspended.paths[slot].surfaces == FINISHED {
             return vec4f(0.0);
         }
-        path = resumed(suspended.paths[slot], random);
+        path = resumed(suspended.paths[slot], sampler);
     }
     loop {
         let before = path;
@@ -59,5 +62,5 @@ fn samples_of(x: u32, y: u32) -> vec4f {
         }
     }
     suspended.paths[slot].surfaces = FINISHED;
-    return kept(as_filmed(path.radiance));
+    return kept(film_value(path.radiance));
 }

@@ -1,19 +1,22 @@
 //! Slices of the work on a picture, one for each dispatch.
 
-use bytemuck::{Pod, Zeroable};
+use crate::wgsl::shared_struct;
 
-/// Samples and pixels of one dispatch. `Slice` in `frame.wgsl` has the same layout.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(super) struct Slice {
-    pub(super) sample: u32,
-    pub(super) samples: u32,
-    pub(super) first_row: u32,
-    pub(super) rows: u32,
-    pub(super) first_column: u32,
-    pub(super) columns: u32,
-    pub(super) first_slot: u32,
-    pub(super) padding: u32,
+shared_struct! {
+    /// Samples and pixels of one dispatch.
+    pub(super) struct Slice as Slice {
+        /// Index of the first sample.
+        pub(super) sample: u32,
+        /// Number of samples: one, or more where they share a camera ray.
+        pub(super) samples: u32,
+        pub(super) first_row: u32,
+        pub(super) rows: u32,
+        pub(super) first_column: u32,
+        pub(super) columns: u32,
+        /// Slot of the first path among those that may be suspended.
+        pub(super) first_slot: u32,
+        pub(super) padding: u32,
+    }
 }
 
 impl Slice {

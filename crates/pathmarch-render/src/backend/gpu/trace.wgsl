@@ -1,4 +1,5 @@
-// Some samples of every pixel of a band of rows.
+// import: backend/gpu/buffers, slice
+// Entry point: some samples of every pixel of a slice.
 
 // Eight lanes that run together, as in software, are a tile of 4x2 pixels and not a row: their rays part later. Thirty-two are
 // 8x4 either way.
@@ -12,14 +13,5 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
         return;
     }
     let y = slice.first_row + id.y;
-    film[y * frame.width + x] += samples_of(x, y);
-}
-
-/// A sample as the film counts it: what is not finite is left out, and the fourth number says so.
-fn kept(radiance: vec3f) -> vec4f {
-    // Comparisons with what is not a number are false, so this also catches NaN.
-    if all(radiance >= vec3f(0.0)) && all(radiance < vec3f(1e30)) {
-        return vec4f(radiance, 0.0);
-    }
-    return vec4f(0.0, 0.0, 0.0, 1.0);
+    film[y * frame.width + x] += slice_value(x, y);
 }

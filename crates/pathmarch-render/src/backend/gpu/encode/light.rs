@@ -1,43 +1,62 @@
 //! Lights as records of one layout.
 
 use crate::scene::light::{BoxLight, Light, LightShape, SheetLight, SphereLight};
-use bytemuck::{Pod, Zeroable};
+use crate::settings::LightSearch;
+use crate::wgsl::{declaration, shared_struct, write_constant};
+use bytemuck::Zeroable;
 use glam::Vec3;
 
-/// Light. `Light` in `integrator/light_sampling.wgsl` has the same layout. A field that a kind of light lacks is zero.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct LightRecord {
-    /// Centre in world space, metres; of a sun the unit vector towards it.
-    pub(super) position: [f32; 3],
-    /// Index of the kind, see [`LightShape::kind`].
-    pub(super) kind: u32,
-    /// Radiant intensity of a point, W/sr; irradiance of a sun, W/m²; radiance of an object, W/(m² sr).
-    pub(super) emission: [f32; 3],
-    /// Probability of being chosen.
-    pub(super) pmf: f32,
-    /// Alias table: share of the cell that is this light's own, and the light that has the rest.
-    pub(super) threshold: f32,
-    pub(super) alias: u32,
-    /// Leaf of the field that emits.
-    pub(super) leaf: u32,
-    /// Radius of a sphere, a disc or a bounding sphere, metres; of a sun 1 - cosine of its angular radius.
-    pub(super) radius: f32,
-    /// Half edges, metres; of a sheet y is the unit normal of the emitting side, of a disc x and z are unit axes.
-    pub(super) x: [f32; 3],
-    /// Sharpness of shadows from near misses; 0 for exact shadows.
-    pub(super) penumbra: f32,
-    pub(super) y: [f32; 3],
-    /// Of a rectangle or a disc, square metres.
-    pub(super) area: f32,
-    pub(super) z: [f32; 3],
-    /// One over `pmf`.
-    pub(super) inverse_pmf: f32,
+shared_struct! {
+    /// Light. A field that a kind of light lacks is zero.
+    pub(crate) struct LightRecord as Light {
+        /// Centre in world space, metres; of a sun the unit vector towards it.
+        pub(super) position: [f32; 3],
+        /// Index of the kind, see [`LightShape::kind`].
+        pub(super) kind: u32,
+        /// Radiant intensity of a point, W/sr; irradiance of a sun, W/m²; radiance of an object, W/(m² sr).
+        pub(super) emission: [f32; 3],
+        /// Probability of being chosen.
+        pub(super) pmf: f32,
+        /// Alias table: share of the cell that is this light's own, and the light that has the rest.
+        pub(super) threshold: f32,
+        pub(super) alias_light: u32,
+        /// Leaf of the field that emits.
+        pub(super) leaf: u32,
+        /// Radius of a sphere, a disc or a bounding sphere, metres; of a sun 1 - cosine of its angular radius.
+        pub(super) radius: f32,
+        /// Half edges, metres; of a sheet y is the unit normal of the emitting side, of a disc x and z are unit axes.
+        pub(super) x: [f32; 3],
+        /// Sharpness of shadows from near misses; 0 for exact shadows.
+        pub(super) penumbra: f32,
+        pub(super) y: [f32; 3],
+        /// Of a rectangle or a disc, square metres.
+        pub(super) area: f32,
+        pub(super) z: [f32; 3],
+        /// One over `pmf`.
+        pub(super) inverse_pmf: f32,
+    }
 }
 
 /// Names of the kinds of lights in constants of the kernel, by index.
 pub(crate) const KIND_NAMES: [&str; LightShape::KINDS] =
     ["POINT", "SUN", "SPHERE", "RECT", "DISC", "BOX", "BOUNDED", "ENVIRONMENT"];
+
+/// Declarations of lights and their kinds in WGSL.
+pub(crate) fn shared_wgsl() -> String {
+    let mut code = declaration::<LightRecord>();
+    for (kind, name) in (0u32..).zip(KIND_NAMES) {
+        write_constant(&mut code, &[], name, &kind);
+    }
+    code
+}
+
+/// Values of `LIGHT_SEARCH` in WGSL.
+pub(crate) fn search_wgsl() -> String {
+    let mut code = String::new();
+    write_constant(&mut code, &[], "LIGHTS_SAMPLED", &(LightSearch::Sampled as u32));
+    write_constant(&mut code, &[], "LIGHTS_HIT", &(LightSearch::Met as u32));
+    code
+}
 
 impl LightRecord {
     /// Record of a light.
@@ -59,7 +78,7 @@ impl LightRecord {
             pmf: light.pmf,
             inverse_pmf: light.inverse_pmf,
             threshold: light.threshold,
-            alias: light.alias,
+            alias_light: light.alias,
             penumbra: light.shape.penumbra(),
             ..shape
         }

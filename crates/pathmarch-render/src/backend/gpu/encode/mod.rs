@@ -3,15 +3,17 @@
 //! Leaves and materials have one layout for both backends. The other tables are encoded here: lights as records, textures, the sky's
 //! sampling tables, the directional albedos of GGX and the data of the mode as words of one buffer.
 
-mod light;
-mod preview;
-mod texture;
+pub(super) mod light;
+pub(super) mod preview;
+pub(super) mod texture;
 
-pub(super) use light::{KIND_NAMES, LightRecord};
-pub(super) use preview::FIRST_LIGHT;
-pub(super) use texture::{COLOURS, LEAF_WORDS, NUMBERS, ORBIT, OWN_COLOURS, PACKED, PICTURE, computed_kind};
+pub(super) use light::LightRecord;
+pub(super) use texture::computed_kind;
 
 use crate::backend::{ModeData, RenderInput};
+use crate::scene::SkyLight;
+use crate::wgsl::write_constant;
+use pathmarch_scene::Sampler;
 use pathmarch_scene::materials::albedo;
 
 /// Words that the kernel reads, and the offset of each table in them.
@@ -53,4 +55,36 @@ impl SceneData {
         }
         Self { words, sky_texels, sky: 0, ggx, textures, mode }
     }
+}
+
+/// Kind of a sky.
+#[derive(Clone, Copy)]
+pub(super) enum SkyKind {
+    Constant,
+    Gradient,
+    Environment,
+}
+
+/// Kind of a sky, for the kernel.
+pub(super) fn sky_kind(sky: &SkyLight) -> SkyKind {
+    match (sky.environment(), sky.is_gradient()) {
+        (Some(_), _) => SkyKind::Environment,
+        (None, true) => SkyKind::Gradient,
+        (None, false) => SkyKind::Constant,
+    }
+}
+
+/// Kinds of skies in WGSL.
+pub(super) fn sky_kinds_wgsl() -> String {
+    let mut code = String::new();
+    write_constant(&mut code, &[], "SKY_CONSTANT", &(SkyKind::Constant as u32));
+    write_constant(&mut code, &[], "SKY_GRADIENT", &(SkyKind::Gradient as u32));
+    code
+}
+
+/// Kinds of samplers in WGSL.
+pub(super) fn samplers_wgsl() -> String {
+    let mut code = String::new();
+    write_constant(&mut code, &[], "INDEPENDENT", &(Sampler::Independent as u32));
+    code
 }

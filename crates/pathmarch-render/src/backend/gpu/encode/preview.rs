@@ -1,9 +1,13 @@
 //! Data of a preview, as `preview/preview.wgsl` reads them.
 
 use crate::preview::Preview;
+use crate::wgsl::shared_constants;
 
-/// Offset of the lights in the data: after nine colours, the reach and the number of lights. The preview materials follow them.
-pub(crate) const FIRST_LIGHT: u32 = 29;
+shared_constants! {
+    /// Offset of the lights in the data: after nine colours, the reach and the number of lights. The preview materials follow them.
+    pub(crate) const FIRST_LIGHT: u32 = 29;
+}
+
 
 /// Encodes the data of a preview.
 pub(super) fn encode(preview: &Preview) -> Vec<u32> {

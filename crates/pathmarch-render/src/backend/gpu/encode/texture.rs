@@ -4,22 +4,35 @@
 //! of the buffer.
 
 use crate::scene::textured_material::{Change, Layer, Source, TexturedMaterial};
+use crate::wgsl::shared_constants;
 use pathmarch_field::Field;
 use pathmarch_scene::textures::{self, Pattern, Picture, Texture, TextureKind};
 
-/// Words of a leaf: position, rows of the rotation and scale, and the modifiers around it.
-pub(crate) const LEAF_WORDS: u32 = 13;
-/// Word of a texture at which its numbers start, after kind, position, three rows, scale and step.
-pub(crate) const NUMBERS: usize = 15;
-/// Words of a texture.
-const TEXTURE_WORDS: usize = NUMBERS + textures::MOST_NUMBERS;
-/// Kinds of textures that are not computed from a point alone.
-pub(crate) const ORBIT: u32 = 1000;
-pub(crate) const PICTURE: u32 = 1001;
-/// Kinds of layers: a ramp of colours, the texture's own colour, parameters packed at knots.
-pub(crate) const COLOURS: u32 = 0;
-pub(crate) const OWN_COLOURS: u32 = 1;
-pub(crate) const PACKED: u32 = 2;
+shared_constants! {
+    /// Words of a leaf: position, three rows of the inverse rotation and scale, and the modifiers around it.
+    const LEAF_WORDS: u32 = 13;
+    /// Words of a texture: kind, position, three rows, scale, step of differences, parameters.
+    const TEXTURE_POSITION: u32 = 1;
+    const TEXTURE_ROWS: u32 = 4;
+    const TEXTURE_SCALE: u32 = 13;
+    const TEXTURE_STEP: u32 = 14;
+    const TEXTURE_PARAMETERS: u32 = 15;
+    /// Kinds of textures that a point alone does not decide.
+    const ORBIT_SOURCE: u32 = 1000;
+    const PICTURE_SOURCE: u32 = 1001;
+    /// Words of a layer: texture, kind, place or number of places, preview materials, contents.
+    const LAYER_KIND: u32 = 1;
+    const LAYER_PLACE: u32 = 2;
+    const LAYER_PREVIEWS: u32 = 3;
+    const LAYER_CONTENTS: u32 = 4;
+    /// Kinds of layers: a ramp of colours, the texture's own colour, parameters packed at knots.
+    const RAMP_LAYER: u32 = 0;
+    const OWN_COLOURS_LAYER: u32 = 1;
+    const PACKED_LAYER: u32 = 2;
+}
+
+/// Words of a texture in all.
+const TEXTURE_WORDS: usize = TEXTURE_PARAMETERS as usize + textures::MOST_NUMBERS;
 
 /// Index of a kind of computed texture.
 pub(crate) fn computed_kind(kind: &'static TextureKind) -> usize {
@@ -41,6 +54,9 @@ pub(super) fn encode(field: &Field, materials: &[TexturedMaterial], start: usize
     }
     encoder.words
 }
+
+/// [`TEXTURE_PARAMETERS`] as an index.
+const PARAMETERS: usize = TEXTURE_PARAMETERS as usize;
 
 struct Encoder<'a> {
     words: Vec<u32>,
@@ -83,8 +99,8 @@ impl<'a> Encoder<'a> {
             Source::Orbit(trap) => {
                 let [from, to] = trap.range.map(f32::to_bits);
                 let mut record = [0; TEXTURE_WORDS];
-                record[0] = ORBIT;
-                record[NUMBERS..NUMBERS + 3].copy_from_slice(&[trap.trap as u32, from, to]);
+                record[0] = ORBIT_SOURCE;
+                record[PARAMETERS..PARAMETERS + 3].copy_from_slice(&[trap.trap as u32, from, to]);
                 self.record(record)
             }
             Source::Texture(texture) => self.texture(texture),
@@ -97,14 +113,14 @@ impl<'a> Encoder<'a> {
         let at = self.offset();
         match &layer.change {
             Change::Colour { place, colours: Some(colours) } => {
-                self.words.extend([texture, COLOURS, *place as u32, previews, colours.len() as u32 - 1]);
+                self.words.extend([texture, RAMP_LAYER, *place as u32, previews, colours.len() as u32 - 1]);
                 self.floats(colours.as_flattened().iter().copied());
             }
             Change::Colour { place, colours: None } => {
-                self.words.extend([texture, OWN_COLOURS, *place as u32, previews]);
+                self.words.extend([texture, OWN_COLOURS_LAYER, *place as u32, previews]);
             }
             Change::Numbers { places, knots } => {
-                self.words.extend([texture, PACKED, places.len() as u32, previews]);
+                self.words.extend([texture, PACKED_LAYER, places.len() as u32, previews]);
                 self.words.extend(places.iter().map(|place| *place as u32));
                 self.floats(knots.iter().flatten().copied());
             }
@@ -118,13 +134,13 @@ impl<'a> Encoder<'a> {
         let step = match &texture.pattern {
             Pattern::Computed { kind, numbers } => {
                 record[0] = computed_kind(kind) as u32;
-                record[NUMBERS..].copy_from_slice(&numbers.map(f32::to_bits));
+                record[PARAMETERS..].copy_from_slice(&numbers.map(f32::to_bits));
                 (kind.step)(numbers)
             }
             Pattern::Picture { picture, size } => {
                 let texels = self.texels(picture);
-                record[0] = PICTURE;
-                record[NUMBERS..NUMBERS + 6].copy_from_slice(&[
+                record[0] = PICTURE_SOURCE;
+                record[PARAMETERS..PARAMETERS + 6].copy_from_slice(&[
                     texels,
                     picture.width,
                     picture.height,

@@ -1,0 +1,154 @@
+//! Shader files of the kernels and what they import.
+//!
+//! A line `// import: a, b` at the top of a file names the files that it needs, by their paths in the crate, without extension.
+//! Some names are interfaces instead, such as `sampler`: the kernel chooses the file that implements them. Constants and
+//! structures that a file shares with Rust are printed in front of it.
+
+use super::encode;
+use super::loop_limit::SuspendedPath;
+use super::slice::Slice;
+use crate::integrator::{light_sampling, path, shadow, splitting};
+use crate::intersect::march;
+use crate::preview::{self, soft_shadow};
+use crate::sampling::sobol::pair;
+use crate::scene::{FrameUniforms, LeafRecord, MaterialRecord, leaf, material, preview_material, textured_material};
+use crate::views;
+use crate::wgsl::declaration;
+
+/// Shader file.
+struct ShaderFile {
+    /// Path in the crate, without extension.
+    name: &'static str,
+    text: &'static str,
+    /// Prints what it shares with Rust.
+    shared: fn() -> String,
+}
+
+macro_rules! shader_files {
+    ($($name:literal $(shares $shared:expr)?,)+) => {
+        &[$(ShaderFile {
+            name: $name,
+            text: include_str!(concat!("../../", $name, ".wgsl")),
+            shared: shader_files!(@shared $($shared)?),
+        }),+]
+    };
+    (@shared) => { String::new };
+    (@shared $shared:expr) => { $shared };
+}
+
+static FILES: &[ShaderFile] = shader_files![
+    "backend/gpu/buffers" shares || {
+        [declaration::<FrameUniforms>(), declaration::<Slice>(), declaration::<LeafRecord>(), leaf::shared_wgsl(),
+            declaration::<MaterialRecord>(), material::shared_wgsl()].concat()
+    },
+    "backend/gpu/film",
+    "backend/gpu/loop_limit" shares declaration::<SuspendedPath>,
+    "backend/gpu/loops_unlimited",
+    "backend/gpu/sample",
+    "backend/gpu/sample_resumed",
+    "backend/gpu/trace",
+    "integrator/camera",
+    "integrator/light_sampling" shares || encode::light::shared_wgsl() + &light_sampling::shared_wgsl(),
+    "integrator/light_weights" shares encode::light::search_wgsl,
+    "integrator/medium" shares path::shared_wgsl,
+    "integrator/moments",
+    "integrator/no_penumbra",
+    "integrator/path",
+    "integrator/penumbra",
+    "integrator/radiance",
+    "integrator/shadow" shares shadow::shared_wgsl,
+    "integrator/sky" shares encode::sky_kinds_wgsl,
+    "integrator/splitting" shares splitting::shared_wgsl,
+    "intersect/march" shares march::shared_wgsl,
+    "intersect/ray",
+    "preview/light_irradiance",
+    "preview/preview" shares || {
+        preview::shared_wgsl() + &encode::preview::shared_wgsl() + &preview_material::shared_wgsl()
+    },
+    "preview/soft_shadow" shares soft_shadow::shared_wgsl,
+    "sampling/basis",
+    "sampling/r2_sequence" shares pair::shared_wgsl,
+    "sampling/sobol" shares || pair::shared_wgsl() + &encode::samplers_wgsl(),
+    "shading/no_orbits",
+    "shading/surface_interaction",
+    "shading/textured_albedo",
+    "shading/textured_bsdf",
+    "shading/textured_material" shares || encode::texture::shared_wgsl() + &textured_material::shared_wgsl(),
+    "shading/textured_preview",
+    "shading/untextured",
+    "shading/untextured_albedo",
+    "shading/untextured_bsdf",
+    "shading/untextured_preview",
+    "views/march_stats",
+    "views/no_march_stats",
+    "views/views" shares views::shared_wgsl,
+];
+
+/// Names after `// import:` in a shader file.
+fn imports(text: &'static str) -> impl Iterator<Item = &'static str> {
+    let lines = text.lines().map_while(|line| line.strip_prefix("// import:"));
+    lines.flat_map(|names| names.split(',')).map(str::trim)
+}
+
+/// Text of a shader file and of all that it imports, each once; `implementation` gives the file of an interface.
+///
+/// # Panics
+/// Where a file imports a name that is neither a file nor an interface: a mistake in the shaders, which every test of a kernel finds.
+pub(super) fn with_imports(name: &str, implementation: &dyn Fn(&str) -> Option<&'static str>) -> String {
+    let mut code = String::new();
+    append(name, implementation, &mut Vec::new(), &mut code);
+    code
+}
+
+fn append(
+    name: &str,
+    implementation: &dyn Fn(&str) -> Option<&'static str>,
+    seen: &mut Vec<&'static str>,
+    code: &mut String,
+) {
+    let name = implementation(name).unwrap_or(name);
+    let Some(file) = FILES.iter().find(|file| file.name == name) else {
+        panic!("no shader file implements {name}");
+    };
+    if seen.contains(&file.name) {
+        return;
+    }
+    seen.push(file.name);
+    for import in imports(file.text) {
+        append(import, implementation, seen, code);
+    }
+    *code += &format!("\n// ---- {}.wgsl ----\n", file.name);
+    *code += &(file.shared)();
+    for line in file.text.lines().skip_while(|line| line.starts_with("// import:")) {
+        code.push_str(line);
+        code.push('\n');
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    #[test]
+    fn every_shader_file_is_listed() {
+        let listed: BTreeSet<String> = FILES.iter().map(|file| file.name.to_owned()).collect();
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+        let mut found = BTreeSet::from(["backend/gpu/display".to_owned()]);
+        let mut folders = vec![root.clone()];
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(folder).expect("is readable") {
+                let path = entry.expect("is readable").path();
+                if path.is_dir() {
+                    folders.push(path);
+                } else if path.extension().is_some_and(|extension| extension == "wgsl") {
+                    let name = path.strip_prefix(&root).expect("is below").with_extension("");
+                    found.insert(name.to_str().expect("is Unicode").replace('\\', "/"));
+                }
+            }
+        }
+        found.remove("backend/gpu/display");
+        assert_eq!(listed, found);
+    }
+}

@@ -1,0 +1,8 @@
+// import: texture_target
+// Materials without textures. Takes the place of textured_material.wgsl.
+
+fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) {}
+
+fn shading_normal(outward: vec3f, normal: vec3f, view: vec3f) -> vec3f {
+    return normal;
+}

@@ -1,0 +1,3 @@
+// Albedo without textures. Takes the place of textured_albedo.wgsl.
+
+const textured_albedo = vec4f(0.0);

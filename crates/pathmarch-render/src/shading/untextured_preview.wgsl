@@ -1,0 +1,5 @@
+// Preview materials without textures. Takes the place of textured_preview.wgsl.
+
+fn textured_preview(material: PreviewMaterial) -> PreviewMaterial {
+    return material;
+}

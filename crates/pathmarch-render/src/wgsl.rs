@@ -1,0 +1,164 @@
+//! Constants and structures that Rust and WGSL share. They are declared in Rust and printed for the kernels.
+
+use std::fmt::Write;
+
+/// Type of a field of a shared structure.
+pub(crate) trait FieldType {
+    /// Type in WGSL.
+    const WGSL: &'static str;
+}
+
+impl FieldType for f32 {
+    const WGSL: &'static str = "f32";
+}
+
+impl FieldType for u32 {
+    const WGSL: &'static str = "u32";
+}
+
+impl FieldType for [f32; 3] {
+    const WGSL: &'static str = "vec3f";
+}
+
+impl FieldType for pathmarch_scene::materials::Numbers {
+    const WGSL: &'static str = "array<vec4f, 8>";
+}
+
+/// Value of a shared constant.
+pub(crate) trait ConstantValue {
+    /// Expression in WGSL.
+    fn wgsl(&self) -> String;
+}
+
+impl ConstantValue for f32 {
+    fn wgsl(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+impl ConstantValue for u32 {
+    fn wgsl(&self) -> String {
+        format!("{self}u")
+    }
+}
+
+impl ConstantValue for usize {
+    fn wgsl(&self) -> String {
+        format!("{self}u")
+    }
+}
+
+/// Appends a constant to a shader, with the lines of its documentation.
+pub(crate) fn write_constant(code: &mut String, doc: &[&str], name: &str, value: &dyn ConstantValue) {
+    for line in doc {
+        writeln!(code, "///{line}").expect("writing to a string");
+    }
+    writeln!(code, "const {name} = {};", value.wgsl()).expect("writing to a string");
+}
+
+/// Field of a shared structure.
+pub(crate) struct Field {
+    pub(crate) name: &'static str,
+    /// Lines of its documentation.
+    pub(crate) doc: &'static [&'static str],
+    /// Type in WGSL.
+    pub(crate) kind: &'static str,
+    /// Offset in Rust, bytes.
+    pub(crate) offset: usize,
+}
+
+/// Structure that Rust and WGSL share.
+pub(crate) trait SharedStruct {
+    /// Name in WGSL.
+    const NAME: &'static str;
+
+    /// Fields in order; those called `padding` are not in WGSL.
+    fn fields() -> Vec<Field>;
+}
+
+/// Declaration of a shared structure in WGSL.
+pub(crate) fn declaration<S: SharedStruct>() -> String {
+    let mut code = format!("struct {} {{\n", S::NAME);
+    for field in S::fields().into_iter().filter(|field| field.name != "padding") {
+        for line in field.doc {
+            writeln!(code, "    ///{line}").expect("writing to a string");
+        }
+        writeln!(code, "    {}: {},", field.name, field.kind).expect("writing to a string");
+    }
+    code + "}\n"
+}
+
+/// Declares constants, and `shared_wgsl()`, which prints them in WGSL.
+macro_rules! shared_constants {
+    ($($(#[doc = $doc:literal])* $vis:vis const $name:ident: $kind:ty = $value:expr;)+) => {
+        $($(#[doc = $doc])* $vis const $name: $kind = $value;)+
+
+        /// Constants of this module in WGSL.
+        pub(crate) fn shared_wgsl() -> String {
+            let mut code = String::new();
+            $($crate::wgsl::write_constant(&mut code, &[$($doc),*], stringify!($name), &$name);)+
+            code
+        }
+    };
+}
+
+/// Declares a structure with the layout that WGSL gives it.
+macro_rules! shared_struct {
+    ($(#[doc = $doc:literal])* $vis:vis struct $name:ident as $wgsl:ident {
+        $($(#[doc = $field_doc:literal])* $field_vis:vis $field:ident: $kind:ty,)+
+    }) => {
+        $(#[doc = $doc])*
+        #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+        #[repr(C)]
+        $vis struct $name {
+            $($(#[doc = $field_doc])* $field_vis $field: $kind,)+
+        }
+
+        impl $crate::wgsl::SharedStruct for $name {
+            const NAME: &'static str = stringify!($wgsl);
+
+            fn fields() -> Vec<$crate::wgsl::Field> {
+                vec![$($crate::wgsl::Field {
+                    name: stringify!($field),
+                    doc: &[$($field_doc),*],
+                    kind: <$kind as $crate::wgsl::FieldType>::WGSL,
+                    offset: std::mem::offset_of!(Self, $field),
+                }),+]
+            }
+        }
+    };
+}
+
+pub(crate) use shared_constants;
+pub(crate) use shared_struct;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    shared_constants! {
+        /// A number.
+        const NUMBER: f32 = 0.5;
+        const COUNT: u32 = 3;
+    }
+
+    shared_struct! {
+        /// A pair.
+        struct Pair as WgslPair {
+            /// First of them.
+            first: [f32; 3],
+            second: u32,
+            padding: u32,
+        }
+    }
+
+    #[test]
+    fn declarations_are_printed() {
+        assert_eq!(shared_wgsl(), "/// A number.\nconst NUMBER = 0.5;\nconst COUNT = 3u;\n");
+        assert_eq!(
+            declaration::<Pair>(),
+            "struct WgslPair {\n    /// First of them.\n    first: vec3f,\n    second: u32,\n}\n"
+        );
+        assert_eq!(Pair::fields()[1].offset, 12);
+    }
+}
