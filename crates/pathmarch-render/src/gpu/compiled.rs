@@ -1,11 +1,10 @@
 //! Kernels as a device has compiled them, kept so that what was shown once is shown again at once.
 
 use super::Device;
-use super::kernel::kernel;
+use super::kernel::{kernel, program};
 use super::memory::{self, Memory};
 use crate::error::RenderError;
 use crate::frame::Prepared;
-use pathmarch_field::wgsl::Program;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -29,7 +28,7 @@ impl Printed {
 
     /// Kernel for a software adapter or for a real GPU.
     pub(super) fn for_adapter(prepared: &Prepared, software: bool) -> Self {
-        let mut program = Program::new(&prepared.field);
+        let mut program = program(prepared);
         if let Some(preview) = &prepared.preview {
             program.write_object_sets(&prepared.field, &preview.counted());
         }

@@ -6,7 +6,7 @@ use crate::frame::{EMITS, Features, Prepared};
 use crate::mode::Mode;
 use crate::transport::paint::{self, Paint};
 use crate::transport::{self, lights};
-use pathmarch_field::wgsl::{CHOICE, Program};
+use pathmarch_field::wgsl::{Program, ProgramOptions};
 use pathmarch_scene::materials::{self, albedo};
 use pathmarch_scene::textures;
 use std::collections::BTreeSet;
@@ -29,6 +29,18 @@ fn sphere_traced_distance(p: vec3f) -> f32 {
 }
 ";
 
+/// The program of the scene's field for the kernel of its mode.
+pub(super) fn program(prepared: &Prepared) -> Program {
+    let defaults = ProgramOptions::default();
+    let sphere_traced_distance = match prepared.mode {
+        Mode::Steps | Mode::Violations => "unwatched_distance",
+        _ => defaults.sphere_traced_distance,
+    };
+    // `steady.wgsl` declares a `choice` without noise.
+    let declares_choice = prepared.mode.traces_paths();
+    Program::with_options(&prepared.field, ProgramOptions { sphere_traced_distance, declares_choice })
+}
+
 /// The kernel, in WGSL.
 pub(super) fn kernel(prepared: &Prepared, program: &Program, memory: &Memory) -> String {
     let mode = prepared.mode;
@@ -41,10 +53,8 @@ pub(super) fn kernel(prepared: &Prepared, program: &Program, memory: &Memory) ->
         code += &constants(prepared);
         code += &scattering(prepared);
     } else {
-        // `steady.wgsl` has one without noise.
-        code = code.replace(CHOICE, "");
         if matches!(mode, Mode::Steps | Mode::Violations) {
-            code = code.replace("fn sphere_traced_distance(", "fn unwatched_distance(") + WATCHING;
+            code += WATCHING;
         }
         code += &numbers_of_mode(prepared);
     }
