@@ -1,4 +1,4 @@
-//! The profiles of blends: what the seam between two surfaces looks like.
+//! Blend profiles: the cross-section of the seam between two surfaces.
 //!
 //! Idea: a blend of two distances is a curve in the plane of both (a, b), which joins the axis a = 0 to the axis b = 0. The
 //! curves are the quadratic polynomial of Quilez 2013 ("Smooth minimum"), which is soft, and three of the library of Mercury
@@ -14,7 +14,7 @@
 
 use crate::number::Real;
 
-/// What the seam of a blend looks like.
+/// Cross-section of the seam of a blend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BlendProfile {
     /// A soft transition without edges: a parabola.
@@ -27,31 +27,31 @@ pub enum BlendProfile {
     Stairs,
 }
 
-/// How an operator blends what it combines.
+/// Blend of an operator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blend {
-    /// Metres of distance over which it blends; of an operator that does not blend edges, its parameter.
+    /// Width of the blend, metres of distance; the parameter of an operator that does not blend edges.
     pub amount: f32,
-    /// What the seam looks like.
+    /// Cross-section of the seam.
     pub profile: BlendProfile,
-    /// How many steps [`BlendProfile::Stairs`] have.
+    /// Number of steps of [`BlendProfile::Stairs`].
     pub steps: f32,
 }
 
-/// A soft blend.
+/// Soft blend of this width, metres.
 impl From<f32> for Blend {
     fn from(amount: f32) -> Self {
         Self { amount, profile: BlendProfile::Soft, steps: DEFAULT_STEPS }
     }
 }
 
-/// Steps of stairs where none are given.
+/// Default number of steps of stairs.
 pub const DEFAULT_STEPS: f32 = 4.0;
-/// The most steps.
+/// Largest number of steps.
 pub const MAX_STEPS: u32 = 1000;
 
 impl BlendProfile {
-    /// Every profile; the first is the default.
+    /// All profiles; the first is the default.
     pub const ALL: [Self; 4] = [Self::Soft, Self::Round, Self::Chamfer, Self::Stairs];
 
     /// Name in the scene language.
@@ -63,7 +63,7 @@ impl BlendProfile {
             Self::Stairs => "stairs",
         }
     }
-    /// One sentence for people.
+    /// One sentence of documentation.
     pub fn doc(self) -> &'static str {
         match self {
             Self::Soft => "A soft transition without edges.",
@@ -72,14 +72,14 @@ impl BlendProfile {
             Self::Stairs => "Steps, `smooth` wide along both surfaces.",
         }
     }
-    /// Whether its functions take a number of steps.
+    /// Reports whether its functions take a number of steps.
     pub(crate) fn has_steps(self) -> bool {
         self == Self::Stairs
     }
 }
 
 impl Blend {
-    /// How far it moves the surface, metres.
+    /// Largest offset of the surface by the blend, metres.
     pub(crate) fn reach(self) -> f32 {
         let share = match self.profile {
             BlendProfile::Soft => 0.25,
@@ -90,13 +90,13 @@ impl Blend {
         };
         share * self.amount
     }
-    /// The same blend with constants of the number type `N`.
+    /// Converts the blend to the number type `N`.
     pub(crate) fn over<N: Real>(self) -> Blending<N> {
         Blending { amount: N::constant(self.amount), profile: self.profile, steps: N::constant(self.steps) }
     }
 }
 
-/// The numbers of a [`Blend`] over any number.
+/// A [`Blend`] over any number type.
 #[derive(Clone, Copy)]
 pub struct Blending<N> {
     /// As [`Blend::amount`].
@@ -107,13 +107,13 @@ pub struct Blending<N> {
     pub steps: N,
 }
 
-/// One where both distances are equal, zero where they are a width apart.
+/// Closeness of both distances: one if they are equal, zero if they differ by the width or more.
 #[inline(always)]
 fn nearness<N: Real>(a: N, b: N, width: N) -> N {
     (N::one() - (a - b).abs() / width.max(N::constant(1e-6))).max(N::zero())
 }
 
-/// The lesser of two distances, blended.
+/// Blended minimum of two distances.
 #[inline(always)]
 pub(crate) fn minimum<N: Real>(a: N, b: N, Blending { amount: width, profile, steps }: Blending<N>) -> N {
     // In this order |b - a| and the minimum take the same side where both are equal, so that their derivatives agree.
@@ -144,7 +144,7 @@ pub(crate) fn minimum<N: Real>(a: N, b: N, Blending { amount: width, profile, st
     }
 }
 
-/// How much of `b` there is in the blended minimum of `a` and `b`: the share that it has in the gradient of the soft one.
+/// Weight of `b` in the blended minimum, 0..1: its share of the gradient of the soft one.
 #[inline(always)]
 pub(crate) fn weight<N: Real>(a: N, b: N, width: N) -> N {
     let half = nearness(a, b, width) * N::constant(0.5);

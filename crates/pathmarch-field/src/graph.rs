@@ -5,7 +5,7 @@
 //! transform away from the world, and evaluates the tree for one point or eight. [`crate::wgsl::Program`] prints the same
 //! tree for the GPU. Cost of an evaluation: one virtual call and one transform for each leaf.
 //!
-//! Here is what a field consists of, and what is known of it without evaluating it. `build.rs` makes it; `distance.rs` and
+//! This file has the parts of a field and the queries that need no evaluation. `build.rs` builds a field; `distance.rs` and
 //! `surface.rs` evaluate it.
 
 mod analytic;
@@ -39,24 +39,26 @@ pub use surface::Surface;
 #[derive(Clone, Debug)]
 pub(crate) enum Tree {
     Leaf(u32),
-    /// OperatorDef, blend in world metres, children, number of its first choice.
+    /// Operator over children; the blend is in world metres.
     Operator {
         operator: &'static dyn Operator,
         smooth: Option<Blend>,
         children: Vec<Tree>,
+        /// Index of the first random choice among its blended materials.
         first_choice: u32,
     },
     Modifier(Box<Modified>),
 }
 
-/// What a modifier holds, in its space.
+/// A modifier and its child, which is in the modifier's space.
 #[derive(Clone, Debug)]
 pub(crate) struct Modified {
     pub(crate) modifier: &'static dyn Modifier,
-    /// Counts the modifiers of the field, those inside first.
+    /// Index among the modifiers of the field, inner ones first.
     pub(crate) index: u32,
-    /// What it reads.
+    /// Coefficients that its functions read.
     pub(crate) coefficients: Vec<f32>,
+    /// Number of domain copies to evaluate.
     pub(crate) copies: u32,
     pub(crate) pose: Pose,
     pub(crate) inside: Tree,
@@ -64,66 +66,67 @@ pub(crate) struct Modified {
     inside_bounds: Aabb,
 }
 
-/// Everything of a scene, as one signed distance field: the union of its objects.
+/// Signed distance field of a scene: the union of its objects.
 ///
-/// Rays meet an object that is a single shape with a closed form ([`Shape::closed_form`](crate::Shape::closed_form))
-/// directly; the others must be marched. [`distance`](Self::distance) is over all,
-/// [`sphere_traced_distance`](Self::sphere_traced_distance) over the latter.
+/// Objects are analytic or sphere-traced. Rays intersect analytic objects in closed form: single shapes with
+/// [`Shape::is_analytic`](crate::Shape::is_analytic) and sharp combinations of a few convex shapes. All others are
+/// sphere-traced. [`distance`](Self::distance) is that to all objects,
+/// [`sphere_traced_distance`](Self::sphere_traced_distance) that to the latter.
 #[derive(Clone, Debug)]
 pub struct Field {
     leaves: Vec<Leaf>,
     objects: Vec<Tree>,
-    /// Whether nothing is met in closed form.
+    /// True if no object is analytic; for tests.
     sphere_traces_all: bool,
     bounds: Aabb,
     object_bounds: Vec<Aabb>,
     sphere_traced_bounds: Aabb,
-    /// How each object is evaluated.
+    /// Evaluation strategy of each object.
     strategies: Vec<EvalStrategy>,
     shape_grids: Vec<ShapeGrid>,
-    /// Over many objects of closed form.
+    /// Hierarchy over many analytic objects.
     bvh: Bvh,
-    /// How many choices and modifiers there are so far.
+    /// Numbers of choices and modifiers so far.
     choices: u32,
     modifiers: u32,
 }
 
-/// Stands for the leaf where a ray met none of closed form.
+/// Leaf index of a hit that is sphere-traced, in place of an analytic leaf.
 pub const SPHERE_TRACED: f32 = -1.0;
 
-/// How an object is evaluated.
+/// Evaluation strategy of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EvalStrategy {
-    /// By itself: rays meet it in closed form.
+    /// By itself: rays intersect it analytically.
     Analytic,
-    /// By itself: marched as code.
+    /// By itself: sphere-traced, printed as code.
     SphereTraced,
-    /// It is the shape_grid of this number.
+    /// As the shape grid of this index.
     ShapeGrid(usize),
-    /// Its one shape is in a shape_grid of such objects.
+    /// Its single shape is in the grid of separate objects.
     InShapeGrid,
-    /// Its one shape is met in closed form, by way of the hierarchy.
+    /// Its single shape is analytic and in the BVH.
     InBvh,
 }
 
 impl Field {
-    /// The shapes in the order they were written.
+    /// Shapes, in the order of the scene.
     pub fn leaves(&self) -> &[Leaf] {
         &self.leaves
     }
-    /// A box that holds every solid.
+    /// Bounds of all solids.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
-    /// A box that holds each object.
+    /// Bounds of each object.
     pub fn object_bounds(&self) -> &[Aabb] {
         &self.object_bounds
     }
-    /// A box that holds every solid that must be marched; [`Aabb::NOTHING`] where there is none.
+    /// Bounds of all sphere-traced objects; [`Aabb::NOTHING`] if there are none.
     pub fn sphere_traced_bounds(&self) -> Aabb {
         self.sphere_traced_bounds
     }
-    /// The shape of an object that is a single one which rays meet in closed form.
+    /// Leaf of an object that is a single analytic shape.
     pub(crate) fn direct(&self, object: &Tree) -> Option<u32> {
         match object {
             Tree::Leaf(index) if !self.sphere_traces_all && self.leaves[*index as usize].shape.is_analytic() => {
@@ -132,7 +135,7 @@ impl Field {
             _ => None,
         }
     }
-    /// Whether the leaf of this number is an object by itself, which rays meet in closed form.
+    /// Reports whether this leaf is a whole object and analytic.
     pub fn is_analytic_object(&self, leaf: usize) -> bool {
         let object = self.leaves.get(leaf).and_then(|leaf| self.objects.get(leaf.object as usize));
         object.is_some_and(|object| self.direct(object).is_some())
@@ -141,19 +144,17 @@ impl Field {
     pub fn has_loops(&self) -> bool {
         !self.sphere_traced_bounds().is_empty() || !self.bvh.nodes.is_empty() || !self.shape_grids.is_empty()
     }
-    /// Whether rays meet the object of this leaf in closed form.
+    /// Reports whether the object of this leaf is analytic.
     pub fn is_analytic_leaf(&self, leaf: usize) -> bool {
         let strategy = self.leaves.get(leaf).and_then(|leaf| self.strategies.get(leaf.object as usize));
         matches!(strategy, Some(EvalStrategy::Analytic | EvalStrategy::InBvh))
     }
-    /// What the orbit of a point of the world comes near to on the leaf of this number:
-    /// [`Shape::orbit`](crate::Shape::orbit), where the leaf is a fractal.
+    /// Orbit traps of a world point on this leaf ([`EvalShape::orbit`](crate::EvalShape::orbit)), if it is a fractal.
     pub fn orbit(&self, leaf: usize, p: Vec3<f32>) -> Option<[f32; TRAPS]> {
         let shape = self.leaves.get(leaf).filter(|leaf| leaf.shape.has_orbit())?;
         Some(shape.shape.orbit(self.coordinates(leaf, p)?.point, &shape.params))
     }
-    /// A box in the world that holds the leaf of this number, if there is one: of one that a modifier holds, the box of its
-    /// object.
+    /// World bounds of this leaf; those of its object if it is inside a modifier.
     pub fn leaf_bounds(&self, leaf: usize) -> Aabb {
         let Some(leaf) = self.leaves.get(leaf) else { return Aabb::NOTHING };
         match leaf.modified {
@@ -161,7 +162,7 @@ impl Field {
             true => self.object_bounds.get(leaf.object as usize).copied().unwrap_or(Aabb::EVERYTHING),
         }
     }
-    /// An upper bound of |∇distance|: operators and placements keep the largest of the leaves'.
+    /// Lipschitz constant, an upper bound of |∇distance|: the largest of all leaves; operators and placements keep it.
     pub fn lipschitz(&self) -> f32 {
         self.objects.iter().map(|object| self.tree_lipschitz(object)).fold(1.0, f32::max)
     }
@@ -188,7 +189,7 @@ impl Field {
             Tree::Modifier(modified) => {
                 modified.pose.world_bounds(modified.modifier.bounds(&modified.params, modified.inside_bounds))
             }
-            Tree::Operator { operator, smooth, children, .. } if shape_grid::joins(*operator) => children
+            Tree::Operator { operator, smooth, children, .. } if shape_grid::is_union(*operator) => children
                 .iter()
                 .map(|child| self.tree_bounds(child))
                 .fold(Aabb::NOTHING, Aabb::union)

@@ -1,40 +1,40 @@
 //! Description of a shape or operator: its name, documentation, source and the facts that hold for all its parameters.
 
-/// What a shape or an operator says of itself.
+/// Description of a shape, operator or modifier.
 #[derive(Clone, Copy, Debug)]
 pub struct Info {
     /// Name in the scene language.
     pub name: &'static str,
-    /// One sentence: what it is, where it stands.
+    /// One sentence: the solid and its position.
     pub doc: &'static str,
     /// Author, work, year, section; a key of REFERENCES.md where there is one.
     pub source: &'static str,
-    /// Whether the value outside is the true Euclidean distance, not only a lower bound.
+    /// True if the value outside is the Euclidean distance, false if it is a lower bound of it.
     pub exact: bool,
-    /// How many of the leading parameters are one size, for which a single number may stand.
+    /// Number of leading parameters that form one size; scenes may give a single number for all of them.
     pub size_params: usize,
-    /// A surface without thickness that faces +y: it emits on that side only.
+    /// True for a surface without thickness that faces +y; it emits on that side only.
     pub sheet: bool,
-    /// Faces +y, and may be turned to face a `normal` instead.
+    /// True if it faces +y and a placement may turn it to a `normal`.
     pub facing: bool,
-    /// A profile: it stands in the plane of x and y, its distance does not depend on z, and it has no end along z. What is
-    /// [of profiles](ModifierDef::OF_PROFILES) makes solids of it.
+    /// True for a profile: a shape in the xy plane, unbounded along z, whose distance does not depend on z. Modifiers such
+    /// as `extrude` make solids of profiles.
     pub profile: bool,
-    /// What its outline is made of, if it is drawn: numbers behind its parameters, [`crate::outline`].
+    /// Source of its outline, if it is drawn; the segments follow its parameters, see [`crate::outline`].
     pub outline: Option<Outline>,
 }
 
-/// What people write of a shape that is drawn.
+/// Source of the outline of a drawn shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outline {
-    /// Points.
+    /// Points of polygons.
     Points,
-    /// Letters of a font.
+    /// Glyphs of a font.
     Text,
 }
 
 impl Info {
-    /// An exact solid without size parameters; override fields with struct update syntax.
+    /// Description of an exact solid without size parameters; override fields with struct update syntax.
     pub const fn new(name: &'static str, doc: &'static str, source: &'static str) -> Self {
         Self {
             name,

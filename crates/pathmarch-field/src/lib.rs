@@ -1,11 +1,11 @@
 #![doc = include_str!("../README.md")]
 //!
-//! A shape is one file: its parameters, its source, its bounds, its Lipschitz constant, and its distance as one Rust
-//! function generic over its number ([`number::Real`]). From that one function come the distance on the CPU (for one
-//! point or eight), the exact gradient (dual numbers), and the WGSL of both (an expression graph, printed).
+//! Each shape is one file with its parameters, source, bounds, Lipschitz constant, and distance: one Rust function that is
+//! generic over the number type ([`number::Real`]). The same function computes the distance on the CPU (for one point or
+//! eight) and the exact gradient (dual numbers), and prints the WGSL of both (an expression graph).
 //!
-//! [`registry`] lists the shapes and operators; [`graph`] composes them into a scene's field; [`wgsl`] prints that
-//! field for the GPU; [`mesh`] makes triangles of it. This crate knows no files, no GPU and no light.
+//! [`registry`] lists shapes, operators and modifiers; [`graph`] composes them to a scene's field; [`wgsl`] prints that field
+//! for the GPU; [`mesh`] meshes it. This crate has no file access, no GPU and no light.
 
 pub mod blend;
 pub mod bounds;

@@ -1,46 +1,45 @@
-//! Looks for places where a field lies: where a surface is nearer than the distance says.
+//! Check of a field's Lipschitz constant: searches for points at which a surface is nearer than the distance claims.
 //!
-//! A march may step by the distance over the Lipschitz constant because the ball of that radius holds no surface (Hart
-//! 1996, section 2.2). A survey takes points in and around an object, looks into the ball around each in random directions,
-//! and where the field has the other sign there, finds the surface between by bisection. The share of the radius that was
-//! free is the factor by which steps would have to be shorter. It also tells the largest slope found, which is one for
-//! exact distances; what is made of a field by `round`, `shell` or a blend is as safe as its slope.
-//! What is not found may still be there: a survey is evidence, no proof. Cost: about twenty evaluations for each point.
+//! Sphere tracing steps by the distance over the Lipschitz constant because the ball of that radius contains no surface
+//! (Hart 1996, section 2.2). The check samples points in and around an object and random directions from each. If the field
+//! changes its sign within the ball, bisection finds the surface; its distance over the radius is the factor by which steps
+//! would have to be shorter. The check also reports the largest slope found, which is one for exact distances; `round`,
+//! `shell` and blends are as safe as that slope. The result is evidence, not proof. Cost: about twenty evaluations a point.
 
 use crate::bounds::Aabb;
 use crate::graph::{Batch, Field};
 use crate::number::Vec3;
 
-/// What a survey found of an object.
+/// Result of the check of one object.
 #[derive(Clone, Copy, Debug)]
 pub struct LipschitzReport {
-    /// Largest length of the gradient.
+    /// Largest length of the gradient found.
     pub slope: f32,
-    /// Steps of the distance over the Lipschitz constant, times this, met no surface; 1 where none was met at all.
+    /// Safe fraction of a step of the distance over the Lipschitz constant; 1 if no step passed a surface.
     pub safe_factor: f32,
-    /// Where the factor was found.
+    /// World position at which the factor was found, metres.
     pub at: [f32; 3],
-    /// The leaf that shows there.
+    /// Leaf whose material shows there.
     pub leaf: u32,
 }
 
-/// Directions looked into from each point.
+/// Directions sampled from each point.
 const DIRECTIONS: u32 = 8;
-/// Halvings of the way to a surface.
+/// Bisection steps.
 const HALVINGS: u32 = 20;
-/// Below this share of the object's size distances are lost in rounding.
+/// Fraction of the object's size below which distances are lost in rounding.
 const ROUNDING: f32 = 1e-5;
-/// Metres to which endless objects are looked at.
+/// Half edge of the box in which unbounded objects are checked, metres.
 const LIMIT: f32 = 20.0;
 
-/// Surveys a field of one object at this many points; the same points every time.
+/// Checks a field of one object at this many points; the same points every time.
 pub fn check_lipschitz(field: &Field, points: u32) -> LipschitzReport {
     let limits = Aabb::centred(LIMIT, LIMIT, LIMIT);
     let bounds = Some(field.bounds().intersection(limits)).filter(|bounds| !bounds.is_empty()).unwrap_or(limits);
     let size = (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f32::max).max(1e-3);
     let around = bounds.expanded(0.5 * size);
     let lipschitz = field.lipschitz();
-    let mut finding = LipschitzReport { slope: 0.0, safe_factor: 1.0, at: [0.0; 3], leaf: 0 };
+    let mut report = LipschitzReport { slope: 0.0, safe_factor: 1.0, at: [0.0; 3], leaf: 0 };
     let mut next = {
         let mut index = 0;
         move || {
@@ -53,12 +52,12 @@ pub fn check_lipschitz(field: &Field, points: u32) -> LipschitzReport {
         let p = Vec3::new(x, y, z);
         let surface = field.surface(p, 0);
         let distance = field.distance(p);
-        finding.slope = finding.slope.max(surface.field.gradient.length());
+        report.slope = report.slope.max(surface.field.gradient.length());
         let radius = distance.abs() / lipschitz;
         if radius.is_nan() || radius < ROUNDING * size {
             continue;
         }
-        // Beyond the box there is nothing to be met.
+        // There is no surface beyond the box.
         let reach = radius.min(3.0 * size);
         for _ in 0..DIRECTIONS {
             let direction = direction(next(), next());
@@ -73,17 +72,17 @@ pub fn check_lipschitz(field: &Field, points: u32) -> LipschitzReport {
                 if crosses(middle) { beyond = middle } else { free = middle }
             }
             let factor = beyond / radius;
-            if beyond < radius - ROUNDING * size && factor < finding.safe_factor {
+            if beyond < radius - ROUNDING * size && factor < report.safe_factor {
                 let there = p + direction * beyond;
                 let leaf = field.surface(there, 0).leaf as u32;
-                finding = LipschitzReport { safe_factor: factor, at: [there.x, there.y, there.z], leaf, ..finding };
+                report = LipschitzReport { safe_factor: factor, at: [there.x, there.y, there.z], leaf, ..report };
             }
         }
     }
-    finding
+    report
 }
 
-/// A unit vector of two uniform numbers.
+/// Uniform direction from two uniform numbers.
 fn direction(u: f32, v: f32) -> Vec3<f32> {
     let up = 1.0 - 2.0 * u;
     let around = (1.0 - up * up).max(0.0).sqrt();

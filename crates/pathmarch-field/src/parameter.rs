@@ -2,7 +2,7 @@
 //!
 //! The parser, the reference page, the window's controls and the tests read the same [`Param`].
 
-/// What a number of a shape measures.
+/// Unit of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Metres.
@@ -18,7 +18,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// As printed after a number.
+    /// Text printed after a value.
     pub fn name(self) -> &'static str {
         match self {
             Self::Metres => "m",
@@ -30,55 +30,55 @@ impl Unit {
     }
 }
 
-/// One number of a shape or operator.
+/// Specification of one parameter of a shape, operator or texture.
 #[derive(Clone, Copy, Debug)]
 pub struct Param {
     /// Name in the scene language.
     pub name: &'static str,
-    /// What it measures.
+    /// Unit of its values.
     pub unit: Unit,
-    /// Value when not given.
+    /// Value used when none is given.
     pub default: f32,
     /// Smallest allowed value.
     pub min: f32,
-    /// Whether `min` itself is allowed.
+    /// True if `min` itself is allowed.
     pub min_allowed: bool,
     /// Largest allowed value.
     pub max: f32,
-    /// One line for people.
+    /// One line of documentation.
     pub doc: &'static str,
 }
 
 impl Param {
-    /// A length above zero, metres.
+    /// Specification of a length above zero, metres.
     pub const fn length(name: &'static str, default: f32, doc: &'static str) -> Self {
         Self { name, unit: Unit::Metres, default, min: 0.0, min_allowed: false, max: f32::MAX, doc }
     }
-    /// A length of zero or more, metres.
+    /// Specification of a length of zero or more, metres.
     pub const fn length_or_zero(name: &'static str, default: f32, doc: &'static str) -> Self {
         Self { min_allowed: true, ..Self::length(name, default, doc) }
     }
-    /// A component of a direction or position: any number.
+    /// Specification of any finite number, e.g. a component of a direction.
     pub const fn any(name: &'static str, default: f32, doc: &'static str) -> Self {
         Self { name, unit: Unit::Ratio, default, min: f32::MIN, min_allowed: true, max: f32::MAX, doc }
     }
-    /// A number from `min` to `max`.
+    /// Specification of a number from `min` to `max`.
     pub const fn between(name: &'static str, default: f32, min: f32, max: f32, doc: &'static str) -> Self {
         Self { name, unit: Unit::Ratio, default, min, min_allowed: true, max, doc }
     }
-    /// A whole number from `min` to `max`.
+    /// Specification of a whole number from `min` to `max`.
     pub const fn count(name: &'static str, default: f32, min: f32, max: f32, doc: &'static str) -> Self {
         Self { unit: Unit::Count, ..Self::between(name, default, min, max, doc) }
     }
-    /// An axis.
+    /// Specification of an axis.
     pub const fn axis(name: &'static str, doc: &'static str) -> Self {
         Self { unit: Unit::Axis, ..Self::between(name, 0.0, 0.0, 2.0, doc) }
     }
-    /// Whether `value` is finite and within the range.
+    /// Reports whether `value` is finite and within the range.
     pub fn accepts(&self, value: f32) -> bool {
         value.is_finite() && (value > self.min || self.min_allowed && value == self.min) && value <= self.max
     }
-    /// The range in words, as in "must be above 0".
+    /// Description of the range, to follow "must be", e.g. "above 0".
     pub fn range_in_words(&self) -> String {
         let whole = if self.unit == Unit::Count { "a whole number " } else { "" };
         match (self.min > f32::MIN, self.max < f32::MAX) {

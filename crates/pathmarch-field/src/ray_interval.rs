@@ -1,6 +1,6 @@
-//! The part of a line that is inside a convex solid.
+//! Interval of a line inside a convex solid.
 //!
-//! Idea: a convex solid is what half spaces, slabs and quadrics have in common, and so is its span (Kay and Kajiya 1986, "Ray
+//! Idea: a convex solid is an intersection of half-spaces, slabs and quadrics; its interval is the intersection of theirs (Kay and Kajiya 1986, "Ray
 //! Tracing Complex Scenes"; Haines 1991, "Fast Ray-Convex Polyhedron Intersection"). Quadratics are solved in the form that
 //! does not cancel (Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection").
 
@@ -9,25 +9,25 @@ use crate::number::Real;
 /// Ray parameter beyond every scene, metres: "no hit". Finite, so that arithmetic with it stays defined.
 pub const T_MAX: f32 = 1e30;
 
-/// The part of a line that is inside a convex solid, metres from its origin; it enters behind where it leaves if it misses.
+/// Interval of a line inside a convex solid, metres from its origin; empty if `enter` is above `leave`.
 #[derive(Clone, Copy, Debug)]
 pub struct RayInterval<N> {
-    /// Where it enters, or -[`T_MAX`] where it always was inside.
+    /// Ray parameter at which it enters, or -[`T_MAX`] if unbounded.
     pub enter: N,
-    /// Where it leaves, or [`T_MAX`] where it always will be.
+    /// Ray parameter at which it leaves, or [`T_MAX`] if unbounded.
     pub leave: N,
 }
 
 impl<N: Real> RayInterval<N> {
-    /// A line that misses.
-    pub fn nowhere() -> Self {
+    /// Empty interval of a line that misses.
+    pub fn empty() -> Self {
         Self { enter: N::constant(T_MAX), leave: N::constant(-T_MAX) }
     }
-    /// A line that is inside all along.
-    pub fn everywhere() -> Self {
+    /// Unbounded interval of a line that is inside everywhere.
+    pub fn unbounded() -> Self {
         Self { enter: N::constant(-T_MAX), leave: N::constant(T_MAX) }
     }
-    /// What is below zero of a height that starts at `height` and rises by `slope`.
+    /// Interval with `height + slope * t` below zero.
     #[inline(always)]
     pub fn half_space(height: N, slope: N) -> Self {
         let slope = slope.divisor();
@@ -35,47 +35,45 @@ impl<N: Real> RayInterval<N> {
         let falls = slope.lt(N::zero());
         Self { enter: N::select(falls, t, N::constant(-T_MAX)), leave: N::select(falls, N::constant(T_MAX), t) }
     }
-    /// What is within `half` of zero of a height that starts at `height` and rises by `slope`.
+    /// Interval with `height + slope * t` within `half` of zero.
     #[inline(always)]
     pub fn slab(height: N, slope: N, half: N) -> Self {
         let slope = slope.divisor();
         let (a, b) = ((-half - height) / slope, (half - height) / slope);
         Self { enter: a.min(b), leave: a.max(b) }
     }
-    /// Where a·t² + 2·b·t + c is not above zero, for `a` above zero; `discriminant` is b² - a·c, however it was found.
+    /// Interval with a·t² + 2·b·t + c at most zero, for `a` above zero. `discriminant` is b² - a·c, computed by the caller in
+    /// its most precise form.
     #[inline(always)]
     pub fn quadric(a: N, b: N, c: N, discriminant: N) -> Self {
         let root = discriminant.max(N::zero()).sqrt();
         let q = (-b - root * b.sign()).named("q");
         let (one, other) = (q / a.max(N::constant(1e-20)), c / q.divisor());
         let hit = N::zero().lt(discriminant);
-        let nowhere = Self::nowhere();
-        Self {
-            enter: N::select(hit, one.min(other), nowhere.enter),
-            leave: N::select(hit, one.max(other), nowhere.leave),
-        }
+        let empty = Self::empty();
+        Self { enter: N::select(hit, one.min(other), empty.enter), leave: N::select(hit, one.max(other), empty.leave) }
     }
-    /// What both are inside of.
+    /// Intersection of both intervals.
     #[inline(always)]
-    pub fn and(self, other: Self) -> Self {
+    pub fn intersection(self, other: Self) -> Self {
         Self { enter: self.enter.max(other.enter), leave: self.leave.min(other.leave) }
     }
-    /// What any is inside of, where that is a span: where the line meets both, they overlap.
+    /// Union of both intervals, which must overlap unless one is empty.
     #[inline(always)]
-    pub fn or(self, other: Self) -> Self {
-        // One that misses must not count.
-        let empty = |span: &Self| span.leave.lt(span.enter);
-        let nowhere = Self::nowhere();
-        let kept = |span: &Self| {
-            let gone = empty(span);
-            [N::select(gone, nowhere.enter, span.enter), N::select(gone, nowhere.leave, span.leave)]
+    pub fn union(self, other: Self) -> Self {
+        // Empty intervals must not extend the union.
+        let is_empty = |interval: &Self| interval.leave.lt(interval.enter);
+        let empty = Self::empty();
+        let kept = |interval: &Self| {
+            let gone = is_empty(interval);
+            [N::select(gone, empty.enter, interval.enter), N::select(gone, empty.leave, interval.leave)]
         };
         let ([a, b], [c, d]) = (kept(&self), kept(&other));
         Self { enter: a.min(c), leave: b.max(d) }
     }
-    /// The first end ahead of the origin, or [`T_MAX`].
+    /// First end with a positive ray parameter, or [`T_MAX`].
     #[inline(always)]
-    pub fn ahead(self) -> N {
+    pub fn first_hit(self) -> N {
         let (near, far) = (self.enter.named("near"), self.leave.named("far"));
         let ahead = N::select(N::zero().lt(near), near, far);
         N::select(near.lt(far) & N::zero().lt(far), ahead, N::constant(T_MAX))

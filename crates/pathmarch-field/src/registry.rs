@@ -10,29 +10,29 @@ use crate::operators::Operator;
 use crate::parameter::Param;
 use crate::shapes::Shape;
 
-/// Every shape, in the order of `shapes/mod.rs`.
+/// All shapes, in the order of `shapes/mod.rs`.
 pub fn shapes() -> &'static [&'static dyn Shape] {
     crate::shapes::ALL
 }
 
-/// Every operator, in the order of `operators/mod.rs`.
+/// All operators, in the order of `operators/mod.rs`.
 pub fn operators() -> &'static [&'static dyn Operator] {
     crate::operators::ALL
 }
 
-/// Every modifier, in the order of `modifiers/mod.rs`.
+/// All modifiers, in the order of `modifiers/mod.rs`.
 pub fn modifiers() -> &'static [&'static dyn Modifier] {
     crate::modifiers::ALL
 }
 
-/// Anything that stands in an object.
+/// Kind of a node in an object: shape, operator or modifier.
 #[derive(Clone, Copy, Debug)]
 pub enum Solid<'a> {
-    /// A shape.
+    /// Shape.
     Shape(&'a (dyn Shape + 'static)),
-    /// An operator of several solids.
+    /// Operator on several solids.
     Operator(&'static dyn Operator),
-    /// An operator that changes what it holds.
+    /// Modifier of one solid.
     Modifier(&'static dyn Modifier),
 }
 
@@ -45,7 +45,7 @@ impl<'a> Solid<'a> {
             Self::Modifier(modifier) => modifier.info(),
         }
     }
-    /// The parameters, in order.
+    /// Parameters, in order.
     pub fn params(self) -> &'a [Param] {
         match self {
             Self::Shape(shape) => shape.params(),
@@ -53,35 +53,35 @@ impl<'a> Solid<'a> {
             Self::Modifier(modifier) => modifier.params(),
         }
     }
-    /// Whether it holds solids.
+    /// Reports whether it has children.
     pub fn is_operator(self) -> bool {
         !matches!(self, Self::Shape(_))
     }
 }
 
-/// Every shape, operator and modifier.
+/// All shapes, operators and modifiers.
 pub fn solids() -> impl Iterator<Item = Solid<'static>> {
     let shapes = shapes().iter().map(|shape| Solid::Shape(*shape));
     let operators = operators().iter().map(|operator| Solid::Operator(*operator));
     shapes.chain(operators).chain(modifiers().iter().map(|modifier| Solid::Modifier(*modifier)))
 }
 
-/// The shape, operator or modifier of this name.
+/// Finds the shape, operator or modifier of this name.
 pub fn solid(name: &str) -> Option<Solid<'static>> {
     solids().find(|solid| solid.info().name == name)
 }
 
-/// The shape of this name.
+/// Finds the shape of this name.
 pub fn shape(name: &str) -> Option<&'static dyn Shape> {
     shapes().iter().copied().find(|shape| shape.info().name == name)
 }
 
-/// The operator that joins what no other joins.
+/// Union, the operator that joins objects and the children of modifiers.
 pub fn union() -> &'static dyn Operator {
     crate::operators::UNION
 }
 
-/// The operator of this name.
+/// Finds the operator of this name.
 pub fn operator(name: &str) -> Option<&'static dyn Operator> {
     operators().iter().copied().find(|operator| operator.info().name == name)
 }

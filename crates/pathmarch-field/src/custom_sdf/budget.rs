@@ -1,21 +1,20 @@
-//! What a call of a field may cost: counted in its code before it runs, and in its loops while it does.
+//! Cost limits of custom shapes: operations are counted when a scene is read, loop passes at run time.
 //!
-//! WGSL has no recursion, so that only three things can take long or much memory: loops, calls that are nested, and arrays. The
-//! latter two are counted when the scene is read: what a call of `distance` comes to when every call in it is written out is
-//! limited by [`MAX_OPERATIONS`], where all that copies an array or a matrix (a variable, an argument, a result, a value read
-//! or stored) takes an operation for each scalar or vector in it; and the numbers of all arrays together by [`MAX_ARRAY_SCALARS`],
-//! since drivers put every call into the code of its caller, with variables of its own. Each pass of a loop takes one from a
-//! budget of [`LOOP_BUDGET`] that all loops of one call share, and one more for every [`OPERATIONS_PER_PASS`] operations in its body;
-//! when the budget is used up every loop breaks off. So a call does at most about [`MAX_OPERATIONS`] + [`LOOP_BUDGET`] ·
-//! [`OPERATIONS_PER_PASS`] operations, whatever its text says.
+//! WGSL has no recursion, so that only loops, nested calls and arrays can take long or much memory. Calls and arrays are counted
+//! when the scene is read. With every call inlined, `distance` has at most [`MAX_OPERATIONS`] operations; a copy of an array or
+//! a matrix (variable, argument, result, load or store) is one operation for each scalar or vector. All arrays together have at
+//! most [`MAX_ARRAY_SCALARS`] scalars, because drivers inline every call with variables of its own. Each pass of a loop takes
+//! one from a budget of [`LOOP_BUDGET`] that all loops of one call share, and one more for every [`OPERATIONS_PER_PASS`]
+//! operations of its body; without budget, every loop ends. So a call does at most about [`MAX_OPERATIONS`] + [`LOOP_BUDGET`] ·
+//! [`OPERATIONS_PER_PASS`] operations, whatever its code.
 //!
-//! For the limit of what is compiled, arrays count more: drivers take much longer over them than over arithmetic.
+//! For the limit on compilation arrays count more, because drivers compile them much slower than arithmetic.
 //!
-//! An array that is no variable but a value, as a constant is, is copied to memory wherever an index that is computed reads it
-//! (naga does, for SPIR-V): each such access counts as a copy.
+//! naga's SPIR-V copies an array value, e.g. a constant, to memory for each access by a computed index: such an access counts as
+//! a copy.
 //!
-//! A march has at most 256 steps; 256 passes in each are as many as Mesa's software Vulkan lets the loops of an invocation
-//! have (65,535) before it ends them all without a word.
+//! Sphere tracing takes at most 256 steps. With 256 passes in each, it stays below the 65,535 loop iterations after which Mesa's
+//! software Vulkan silently ends all loops of an invocation.
 
 pub use super::size::MAX_ARRAY_SCALARS;
 use super::size::{Size, Sizes};
@@ -25,33 +24,33 @@ use naga::{
     Module, Range, Scalar, Span, Statement, Type, TypeInner,
 };
 
-/// How many passes of loops a call of `distance` has.
+/// Loop passes of one call of `distance`.
 pub const LOOP_BUDGET: u32 = 256;
-/// How many operations of a loop's body count as one pass.
+/// Operations of a loop's body that count as one pass.
 pub const OPERATIONS_PER_PASS: u32 = 64;
-/// How many operations `distance` may have with every call written out.
+/// Largest number of operations of `distance` with every call inlined.
 pub const MAX_OPERATIONS: u32 = 8192;
-/// How many of these operations a scalar or vector of an array that is copied counts as.
+/// Weight of each scalar or vector of a copied array, in operations.
 ///
-/// Compilers write out copies of arrays, and stores to memory one by one: 7,000 of them took software Vulkan more than 200 s, 1,300
-/// products and sums less than one.
+/// Compilers unroll copies of arrays to single stores: 7,000 of them took software Vulkan more than 200 s, 1,300 products and
+/// sums less than one.
 const COPIED: u32 = 16;
-/// How many an element of an array counts as that is found by a computed index: 200 took software Vulkan 10 s.
+/// Weight of an access to an array by a computed index, in operations: 200 took software Vulkan 10 s.
 const INDEXED: u32 = 32;
 
-/// What code comes to, every call written out and every loop passed once. Sums end at the largest number.
+/// Cost of code with every call inlined and every loop passed once; sums saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Cost {
     pub(super) operations: u32,
-    /// Operations where arrays count as what a compiler makes of them: [`COPIED`] and [`INDEXED`].
+    /// Operations with the weights of arrays for compilation: [`COPIED`] and [`INDEXED`].
     pub(super) compiled: u32,
-    /// Numbers of the arrays that are in memory.
+    /// Scalars of the arrays in memory.
     pub(super) numbers: u32,
 }
 
 impl Cost {
     const ONE: Self = Self { operations: 1, compiled: 1, numbers: 0 };
-    /// Finds an element of an array.
+    /// Cost of an access to an array by a computed index.
     const INDEX: Self = Self { operations: 1, compiled: INDEXED, numbers: 0 };
 
     fn plus(self, other: Self) -> Self {
@@ -61,7 +60,7 @@ impl Cost {
             numbers: self.numbers.saturating_add(other.numbers),
         }
     }
-    /// A copy of something of this size. Those of scalars and vectors are free.
+    /// Cost of a copy of a value of this size; scalars and vectors are free.
     fn copy(size: Size) -> Self {
         let operations = if size.copies > 1 || size.has_array { size.copies } else { 0 };
         if size.has_array {
@@ -75,12 +74,12 @@ impl Cost {
     }
 }
 
-/// What an expression costs.
+/// Cost of an expression.
 #[derive(Clone, Copy)]
 struct ExpressionCost {
-    /// To compute it.
+    /// Cost of computing it.
     computed: Cost,
-    /// To copy its value.
+    /// Cost of copying its value.
     copied: Cost,
 }
 
@@ -100,7 +99,7 @@ impl Costs {
             let variables = function.local_variables.iter().map(|(_, variable)| variable.ty);
             let variables = variables.map(|ty| Cost::copy(sizes.of(ty)).at_least_one());
             let arguments = function.arguments.iter().map(|argument| Cost::copy(sizes.of(argument.ty)));
-            // What is called stands before what calls it.
+            // Callees are before their callers.
             let body = costs.block(handle, &function.body);
             costs.functions.push(variables.chain(arguments).fold(body.plus(Cost::ONE), Cost::plus));
         }
@@ -112,7 +111,7 @@ impl Costs {
         self.functions.get(function.index()).copied().unwrap_or(unknown)
     }
 
-    /// What a pass of a loop of this function takes from the budget.
+    /// Budget taken by one pass of a loop of this function.
     pub(super) fn weight(&self, function: Handle<naga::Function>, body: &Block, continuing: &Block) -> u32 {
         let pass = self.block(function, body).plus(self.block(function, continuing));
         1 + pass.operations / OPERATIONS_PER_PASS
@@ -166,11 +165,11 @@ fn expression_cost(
     let computed = match function.expressions[expression] {
         Expression::Access { base, .. } => match inner(base) {
             TypeInner::Pointer { base, .. } if sizes.of(*base).has_array => Cost::INDEX,
-            // A value is copied to memory first.
+            // naga copies the value to memory first.
             _ if size(base).has_array => Cost::copy(size(base)).plus(copied).plus(Cost::INDEX),
             _ => Cost::copy(size(base)).plus(copied).at_least_one(),
         },
-        // The columns of the one for each column of the other.
+        // The columns of one for each column of the other.
         Expression::Binary { left, right, .. } => least(size(left).copies.saturating_mul(size(right).copies)),
         Expression::Math { fun: MathFunction::Determinant | MathFunction::Inverse, arg, .. } => {
             least(size(arg).numbers)
@@ -180,8 +179,8 @@ fn expression_cost(
     ExpressionCost { computed, copied }
 }
 
-/// Makes every loop of a module count, gives the parameters of these names, which were overrides, to its functions as
-/// arguments, and makes `entry` fill the budget. The counter has the name `counter`.
+/// Adds the loop budget to a module: every loop takes from the variable `counter`, which `entry` fills. Turns the parameters
+/// `params`, which were overrides, into arguments of all functions.
 pub(super) fn instrument(
     module: &mut Module,
     costs: &Costs,
@@ -229,7 +228,7 @@ pub(super) fn instrument(
             body = start;
         }
         if let Some(result) = results[handle.index()] {
-            // A loop that never ended may end now: what then comes to the end of the function gives zero.
+            // A loop without end can end now; a function that then reaches its end returns zero.
             let value = work.add(Expression::ZeroValue(result));
             returns(&mut body, value);
         }
@@ -237,7 +236,7 @@ pub(super) fn instrument(
     }
 }
 
-/// Makes a block that may come to its end return a value there.
+/// Adds a return to a block that may reach its end.
 fn returns(block: &mut Block, value: Handle<Expression>) {
     match block.last_mut() {
         Some(Statement::Return { value: Some(_) }) => {}
@@ -251,7 +250,7 @@ struct Instrument<'a> {
     function: Handle<naga::Function>,
     expressions: &'a mut naga::Arena<Expression>,
     budget: Handle<GlobalVariable>,
-    /// How many arguments the function had.
+    /// Number of arguments without the parameters.
     before: u32,
     params: usize,
 }
@@ -294,7 +293,7 @@ impl Instrument<'_> {
         result
     }
 
-    /// What takes a pass of this weight from the budget, or breaks off.
+    /// Statements that take a pass of this weight from the budget, or break.
     fn count(&mut self, weight: u32) -> Block {
         let pointer = self.add(Expression::GlobalVariable(self.budget));
         let weight = self.add(Expression::Literal(Literal::U32(weight)));

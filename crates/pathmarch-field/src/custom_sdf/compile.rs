@@ -1,8 +1,8 @@
-//! A checked module of naga as the program of a [`Machine`](super::machine::Machine).
+//! Compiler from a validated naga module to the program of a [`Machine`](super::machine::Machine).
 //!
-//! Functions on vectors and matrices become operations on scalars; every value and variable gets slots of its own. What is
-//! not known here is refused, so that this is also the list of what a field may use: the kernel has nothing that a field
-//! could name, and no field reads memory, calls barriers or derivatives.
+//! Functions on vectors and matrices become operations on scalars; every value and variable has slots of its own. Unknown
+//! expressions and statements are refused, so that this is also the list of what custom shapes may use: they cannot name
+//! anything of the kernel, access its memory, or call barriers or derivatives.
 
 mod expression;
 mod layout;
@@ -17,10 +17,10 @@ use naga::valid::ModuleInfo;
 use naga::{Block, Expression, Handle, Module, Span, Statement, SwitchValue, TypeInner};
 use std::collections::HashMap;
 
-/// The most scalars that all values and variables together may have.
+/// Largest number of scalars of all values and variables together.
 const MAX_SLOTS: usize = 1 << 16;
 
-/// The program of a module whose overrides are the parameters of these names.
+/// Compiles a module whose overrides are the parameters `params`.
 pub(super) fn compile(
     module: &Module,
     info: &ModuleInfo,
@@ -51,19 +51,19 @@ pub(super) fn compile(
     Ok(Program { memory: compiler.memory, functions: compiler.procedures, entry, point, params: 0 })
 }
 
-/// Where a pointer points to.
+/// Target of a pointer.
 #[derive(Clone, Copy)]
 enum Pointer {
-    /// To this slot.
+    /// This slot.
     Slot(u32),
-    /// To the slot whose number is in this one.
+    /// The slot whose index is in this one.
     At(u32),
 }
 
-/// What an expression stands for.
+/// Compiled expression.
 #[derive(Clone, Copy)]
 enum Value {
-    /// A value from this slot on.
+    /// Value in the slots from this one on.
     Slots(u32),
     Pointer(Pointer),
 }
@@ -75,7 +75,7 @@ struct Compiler<'m> {
     costs: &'m Costs,
     memory: Vec<u32>,
     procedures: Vec<Procedure>,
-    /// Slots of the arguments of each function.
+    /// Slots of the arguments of each compiled function.
     arguments: Vec<Vec<u32>>,
     /// Slots of scalar constants.
     constants: HashMap<u32, u32>,
@@ -83,7 +83,7 @@ struct Compiler<'m> {
     globals: HashMap<Handle<naga::Constant>, u32>,
 }
 
-/// A function while it is compiled.
+/// Function being compiled.
 struct Body<'m> {
     handle: Handle<naga::Function>,
     function: &'m naga::Function,
@@ -97,13 +97,13 @@ fn fault(span: Span, message: impl Into<String>) -> CodeDiagnostic {
     CodeDiagnostic { message: message.into(), label: "not in a field".to_owned(), range: range(span), help: None }
 }
 
-/// A bit for each operand of which every component is used.
+/// Mask for [`Op::Apply`]: all operands have a slot for each component.
 const EACH: u8 = 0b111;
 
 impl<'m> Compiler<'m> {
     fn alloc(&mut self, count: u32) -> u32 {
         let slot = self.memory.len() as u32;
-        // Past the limit the program is refused at the end of the function; until then a place that is wrong will do.
+        // Beyond the limit the function is refused at its end; until then any slot will do.
         if self.memory.len().saturating_add(count as usize) > MAX_SLOTS {
             self.memory.resize(MAX_SLOTS + 1, 0);
             return 0;
@@ -168,7 +168,7 @@ impl<'m> Compiler<'m> {
         Ok(())
     }
 
-    /// Compiles a block into operations of its own.
+    /// Compiles a block to its operations.
     fn block(&mut self, body: &mut Body<'m>, block: &'m Block) -> Result<Vec<Op>, CodeDiagnostic> {
         let outer = std::mem::take(&mut body.ops);
         for (statement, span) in block.span_iter() {
@@ -213,7 +213,7 @@ impl<'m> Compiler<'m> {
             Statement::Loop { body: inner, continuing, break_if } => {
                 let weight = self.costs.weight(body.handle, inner, continuing);
                 let inner = self.block(body, inner)?;
-                // The condition is found at the end of the continuing block.
+                // The condition is evaluated at the end of the continuing block.
                 let continuing = self.block(body, continuing)?;
                 let break_if = break_if.map(|condition| self.value(body, condition)).transpose()?;
                 body.ops.push(Op::Loop { body: inner, continuing, break_if, weight });
@@ -265,7 +265,7 @@ impl<'m> Compiler<'m> {
         resolution.inner_with(&self.module.types)
     }
 
-    /// The slot of a value that is no pointer.
+    /// First slot of a value, which must not be a pointer.
     fn value(&mut self, body: &mut Body<'m>, expression: Handle<Expression>) -> Result<u32, CodeDiagnostic> {
         match self.any(body, expression)? {
             Value::Slots(slot) => Ok(slot),
@@ -285,7 +285,7 @@ impl<'m> Compiler<'m> {
         fault(span, "A field only computes with numbers: this is not for it.")
     }
 
-    /// What was emitted, or what needs not be.
+    /// Compiled value of an expression that was emitted or needs no emission.
     fn any(&mut self, body: &mut Body<'m>, expression: Handle<Expression>) -> Result<Value, CodeDiagnostic> {
         match body.values.get(&expression) {
             Some(value) => Ok(*value),

@@ -1,9 +1,8 @@
-//! Runs the program of a field for eight points at once.
+//! Interpreter of custom shapes, for eight points at once.
 //!
-//! All lanes go through the same operations; where they part, a mask says which of them are in a branch or a loop. A value
-//! is as many slots as it has scalars, each slot eight lanes. WGSL has no recursion, so that every function has its
-//! slots to itself and nothing is on a stack. What a lane that is not active computes is never seen: only writes to variables,
-//! to results and through pointers last, and these are masked.
+//! All lanes run the same operations; a mask has the lanes that are active in a branch or a loop. A value has one slot for each
+//! scalar, and a slot has eight lanes. WGSL has no recursion, so that every function has slots of its own and there is no stack.
+//! Inactive lanes compute, too, but only active ones write to variables, to results and through pointers.
 //!
 //! Cost: about a nanosecond for an operation on a scalar and eight points.
 
@@ -13,29 +12,29 @@ use super::math::{Function, Lanes};
 /// A bit for each lane.
 pub(super) type Mask = u8;
 
-/// What a field does, compiled.
+/// Compiled code of a custom shape.
 pub(super) struct Program {
-    /// What each slot holds at first.
+    /// Initial value of each slot.
     pub(super) memory: Vec<u32>,
     pub(super) functions: Vec<Procedure>,
-    /// The number of `distance`.
+    /// Index of the function `distance`.
     pub(super) entry: usize,
-    /// Slots of the point and of the parameters.
+    /// First slots of the point and of the parameters.
     pub(super) point: u32,
     pub(super) params: u32,
 }
 
-/// A function.
+/// Compiled function.
 pub(super) struct Procedure {
     pub(super) body: Vec<Op>,
-    /// Where its result is, and how many slots that has.
+    /// First slot of its result, and the number of slots.
     pub(super) result: u32,
     pub(super) size: u32,
 }
 
-/// Operands are slots.
+/// Operation; its operands are slots.
 pub(super) enum Op {
-    /// Applies a function to each of `count` scalars; an operand without its bit in `steps` is one scalar for all.
+    /// Applies a function to `count` scalars; an operand without its bit in `steps` is one scalar for all.
     Apply {
         function: Function,
         to: u32,
@@ -43,20 +42,20 @@ pub(super) enum Op {
         steps: u8,
         count: u32,
     },
-    /// A value into a place that only this op writes.
+    /// Copies a value to slots that only this operation writes.
     Copy {
         to: u32,
         from: u32,
         count: u32,
     },
-    /// A value into a variable.
+    /// Stores a value in a variable.
     Store {
         to: u32,
         from: u32,
         count: u32,
     },
-    /// The slot number `base` plus `index` times `stride`; the index is kept below `limit`. Where `relative`, `base` is a slot
-    /// that holds the number.
+    /// Computes the address `base` plus `index` times `stride`, with the index clamped below `limit`. If `relative`, `base` is a
+    /// slot with the address.
     Address {
         to: u32,
         base: u32,
@@ -65,13 +64,13 @@ pub(super) enum Op {
         stride: u32,
         limit: u32,
     },
-    /// A value from where an address says.
+    /// Loads a value from a computed address.
     Load {
         to: u32,
         address: u32,
         count: u32,
     },
-    /// A value to where an address says.
+    /// Stores a value at a computed address.
     StoreAt {
         address: u32,
         from: u32,
@@ -88,7 +87,7 @@ pub(super) enum Op {
         break_if: Option<u32>,
         weight: u32,
     },
-    /// The cases in order; no values stand for the default.
+    /// Cases in order.
     Switch {
         selector: u32,
         cases: Vec<Case>,
@@ -98,29 +97,29 @@ pub(super) enum Op {
     Return {
         value: Option<u32>,
     },
-    /// Copies the result to `to`.
+    /// Calls a function and copies its result to `to`.
     Call {
         function: usize,
         to: Option<u32>,
     },
 }
 
-/// A case of a switch.
+/// Case of a switch.
 pub(super) struct Case {
-    /// `None` is the default.
+    /// Selector value; `None` is the default case.
     pub(super) value: Option<u32>,
     pub(super) body: Vec<Op>,
     pub(super) falls_through: bool,
 }
 
-/// Lanes that left the innermost loop or switch, and those that go on with its next pass.
+/// Lanes that left the innermost loop or switch, and those that continue with its next pass.
 #[derive(Default)]
 struct Left {
     broke: Mask,
     continued: Mask,
 }
 
-/// The memory of a program, and what is left of the budget.
+/// Memory of a program, and the remaining loop budget of each lane.
 pub(super) struct Machine {
     slots: Vec<Lanes>,
     budget: Lanes,
@@ -131,7 +130,7 @@ impl Machine {
         Self { slots: program.memory.iter().map(|&value| [value; 8]).collect(), budget: [0; 8] }
     }
 
-    /// The distance at eight points, of which only those in the mask count.
+    /// Evaluates the distance at eight points; only lanes in the mask are valid.
     pub(super) fn run(&mut self, program: &Program, point: [Lanes; 3], params: &[f32], mask: Mask) -> Lanes {
         self.slots[program.point as usize..][..3].copy_from_slice(&point);
         for (k, param) in params.iter().enumerate() {
@@ -172,7 +171,7 @@ impl Machine {
         }
     }
 
-    /// Runs a block; gives the lanes that come to its end.
+    /// Runs a block. Returns the lanes that reach its end.
     fn block(
         &mut self,
         program: &Program,

@@ -1,16 +1,16 @@
-//! Scalar functions of WGSL on eight lanes: what [`super::compile`] makes vector functions of.
+//! Scalar functions of WGSL on eight lanes; [`super::compile`] composes vector functions of them.
 //!
-//! A lane is 32 bits: an `f32`, an `i32`, a `u32`, or a truth value with all bits set or none. Rounding follows what GPUs
-//! do where WGSL leaves a choice: a power of a negative number is NaN, `%` is x - y trunc(x/y).
+//! A lane is 32 bits: an `f32`, an `i32`, a `u32`, or a truth value with all bits set or none. Where WGSL leaves a choice,
+//! results follow GPUs: a power of a negative number is NaN, `%` is x - y trunc(x/y).
 
 use crate::number::Real;
 use naga::{BinaryOperator, MathFunction, ScalarKind, UnaryOperator};
 use wide::f32x8;
 
-/// One scalar of each of eight points.
+/// One scalar for each of eight points.
 pub(super) type Lanes = [u32; 8];
 
-/// A function of one to three scalars.
+/// Function of one to three scalars.
 #[derive(Clone, Copy)]
 pub(super) enum Function {
     One(fn(&Lanes) -> Lanes),
@@ -18,7 +18,7 @@ pub(super) enum Function {
     Three(fn(&Lanes, &Lanes, &Lanes) -> Lanes),
 }
 
-/// What a lane holds.
+/// Type of a lane.
 trait Bits: Copy {
     fn from_bits(bits: u32) -> Self;
     fn to_bits(self) -> u32;
@@ -83,7 +83,7 @@ fn zip3<A: Bits, B: Bits, C: Bits, R: Bits>(a: &Lanes, b: &Lanes, c: &Lanes, f: 
     std::array::from_fn(|lane| f(A::from_bits(a[lane]), B::from_bits(b[lane]), C::from_bits(c[lane])).to_bits())
 }
 
-/// A function of `f32x8`.
+/// Applies a function of `f32x8`.
 #[inline(always)]
 fn wide(a: &Lanes, f: impl Fn(f32x8) -> f32x8) -> Lanes {
     f(f32x8::from(a.map(f32::from_bits))).to_array().map(f32::to_bits)
@@ -119,7 +119,7 @@ pub(super) const BELOW_ZERO: Function = one!(f32, |a| a < 0.0);
 pub(super) const NEGATE: Function = one!(f32, |a| -a);
 pub(super) const BOTH: Function = two!(u32, |a, b| a & b);
 pub(super) const EITHER: Function = two!(u32, |a, b| a | b);
-/// Condition, value if it holds, value if not.
+/// Operands: condition, value if true, value if false.
 pub(super) const SELECT: Function = three!(u32, |c, yes, no| (c & yes) | (!c & no));
 
 fn quotient(a: i32, b: i32) -> i32 {
@@ -183,7 +183,7 @@ pub(super) fn binary(op: BinaryOperator, kind: ScalarKind) -> Option<Function> {
     })
 }
 
-/// The conversion of a number or truth value to another kind.
+/// Conversion of a number or truth value to another kind.
 pub(super) fn convert(from: ScalarKind, to: ScalarKind) -> Option<Function> {
     use ScalarKind::{Bool, Float, Sint, Uint};
     Some(match (from, to) {
@@ -227,7 +227,7 @@ fn trailing(a: u32) -> u32 {
     if a == 0 { u32::MAX } else { a.trailing_zeros() }
 }
 
-/// A function that acts on each component by itself.
+/// Component-wise function.
 pub(super) fn componentwise(fun: MathFunction, kind: ScalarKind) -> Option<Function> {
     use MathFunction as F;
     use ScalarKind::{Float, Sint, Uint};

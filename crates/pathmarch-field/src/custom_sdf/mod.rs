@@ -1,17 +1,17 @@
-//! Fields that a scene declares itself: a WGSL function `distance(p: vec3f) -> f32` as a shape like any other.
+//! Custom shapes: a scene declares a WGSL function `distance(p: vec3f) -> f32` as a shape like any other.
 //!
-//! naga reads and checks the text. Three things are made of it. The text for the GPU is printed from naga's tree under names that
-//! nothing else has, its loops made to count ([`budget`]). For the CPU the tree is compiled (`compile`) and run for eight points
-//! at once (`machine`), so that what needs the CPU (layers, meshes, the survey, machines without a driver) works with own fields,
-//! too. And whatever one of the two cannot have is refused with the place in the text where it stands.
+//! naga parses and validates the code (`module`). For the GPU its tree is printed again under unique names, with a budget for
+//! loops ([`budget`]). For the CPU it is compiled (`compile`) and interpreted for eight points at once (`machine`), so that
+//! layers, meshes, the Lipschitz check and machines without a driver support custom shapes, too. Code that either of the two
+//! does not support is refused, with its place in the text.
 //!
-//! The value is divided by the declared Lipschitz constant and cut by the declared box, so that a true declaration gives a safe
-//! lower bound of slope one (Hart 1996, section 2.2). Where it is not finite, the point counts as outside, a hundredth of the size
-//! from the surface: a march steps over a single bad point, and a bad region is empty.
+//! The value is divided by the declared Lipschitz constant and clipped to the declared box, so that a true declaration gives a
+//! safe lower bound of slope one (Hart 1996, section 2.2). If it is not finite, the point is outside, a hundredth of the size
+//! from the surface: sphere tracing steps over a single bad point, and a bad region is empty.
 //!
-//! There is no dual number of a text, so the gradient is that of central differences, over a 4,000th of the size: the
-//! edge of the box, or the distance to the origin of an endless field where that is larger. It costs seven evaluations, once for each
-//! surface that is met. A gradient of zero counts as one upwards.
+//! The code has no dual numbers, so the gradient is that of central differences, over a 4,000th of the size: the edge of the
+//! box, or the distance to the origin of an unbounded shape if that is larger. It costs seven evaluations for each hit. A zero
+//! gradient is replaced by one upwards.
 
 pub mod budget;
 mod compile;
@@ -36,21 +36,21 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex};
 use wide::f32x8;
 
-/// The longest text of a field, bytes.
+/// Largest length of the code of a custom shape, bytes.
 pub const MAX_BYTES: usize = 64 << 10;
-/// The most parameters of a field.
+/// Largest number of parameters of a custom shape.
 pub const MAX_PARAMS: usize = 32;
 
-/// Something wrong in the text of a field.
+/// Mistake in the code of a custom shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CodeDiagnostic {
     /// One sentence.
     pub message: String,
-    /// What is wrong at the place.
+    /// Label of the place.
     pub label: String,
-    /// Bytes of the text; the text as a whole where there is no place.
+    /// Byte range in the code; `None` for the code as a whole.
     pub range: Option<Range<usize>>,
-    /// What to do about it.
+    /// Suggested remedy.
     pub help: Option<String>,
 }
 
@@ -58,7 +58,7 @@ fn range(span: naga::Span) -> Option<Range<usize>> {
     span.to_range().filter(|range| *range != (0..0))
 }
 
-/// A shape that a scene declares.
+/// Shape that a scene declares.
 pub struct CustomShape {
     info: Info,
     params: Vec<Param>,
@@ -90,46 +90,47 @@ pub fn keep(text: &str) -> Option<&'static str> {
     Some(name)
 }
 
-/// Half an edge of what has no end.
-const ENDLESS: f32 = 1e30;
-/// Numbers besides the parameters: the Lipschitz constant and half the edges.
-const MORE: usize = 4;
-/// Share of the size over which differences are taken.
-const STEP: f32 = 2.5e-4;
-/// Share of the size that a point is from the surface where the value is not finite.
-const LOST: f32 = 0.01;
+/// Half edge of the box of an unbounded shape, metres.
+const UNBOUNDED: f32 = 1e30;
+/// Number of coefficients behind the parameters: the Lipschitz constant and the half edges.
+const EXTRA_COEFFICIENTS: usize = 4;
+/// Step of central differences, as a fraction of the size.
+const DIFFERENCE_STEP: f32 = 2.5e-4;
+/// Distance where the value is not finite, as a fraction of the size.
+const NON_FINITE_DISTANCE: f32 = 0.01;
 
 thread_local! {
-    /// Machines of the fields that were evaluated last.
+    /// Machines of the shapes that were evaluated last, the most recent first.
     static MACHINES: RefCell<Vec<(u64, Machine)>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Machines kept on a thread.
-const KEPT: usize = 4;
+const MAX_MACHINES: usize = 4;
 
 impl CustomShape {
-    /// The shape of this code, whose parameters `params` are. `lipschitz` is above zero; `edges` are those of a box around the
-    /// origin that cuts the solid, `None` for an endless one.
+    /// Makes a shape of its code and parameters. `lipschitz` is above zero; `edges` are those of the box around the origin that
+    /// clips the solid, metres, `None` for an unbounded one.
     pub fn new(info: Info, params: Vec<Param>, lipschitz: f32, edges: Option<[f32; 3]>, code: Arc<Code>) -> Self {
         Self { info, params, lipschitz, edges, code }
     }
 
+    /// Half edges of the box, from the coefficients.
     fn half(numbers: &[f32]) -> [f32; 3] {
         let n = numbers.len();
         [numbers[n - 3], numbers[n - 2], numbers[n - 1]]
     }
 
-    /// The length that steps and errors are measured against.
+    /// Length by which steps and errors are measured, metres.
     fn size<N: Batch>(p: Vec3<N>, [x, y, z]: [f32; 3]) -> N {
         let edge = N::constant(2.0 * x.max(y).max(z));
         edge.min(p.abs().largest().max(N::one()))
     }
 
-    /// The text's value over the Lipschitz constant, at the points in the mask.
+    /// Value of the code over the Lipschitz constant, at the points in the mask.
     fn estimate(&self, p: Vec3<f32x8>, numbers: &[f32], mask: Mask) -> f32x8 {
         let program = &self.code.program;
-        let params = &numbers[..numbers.len() - MORE];
-        let slope = numbers[numbers.len() - MORE];
+        let params = &numbers[..numbers.len() - EXTRA_COEFFICIENTS];
+        let slope = numbers[numbers.len() - EXTRA_COEFFICIENTS];
         let point = [p.x, p.y, p.z].map(|v| v.to_array().map(f32::to_bits));
         let values = MACHINES.with_borrow_mut(|machines| {
             let place = machines.iter().position(|(id, _)| *id == self.code.id);
@@ -138,20 +139,20 @@ impl CustomShape {
                 None => (self.code.id, Machine::new(program)),
             };
             let values = machine.run(program, point, params, mask);
-            machines.truncate(KEPT - 1);
+            machines.truncate(MAX_MACHINES - 1);
             machines.insert(0, (id, machine));
             values
         });
-        let lost = Self::size(p, Self::half(numbers)).to_array();
+        let size = Self::size(p, Self::half(numbers)).to_array();
         f32x8::from(std::array::from_fn(|lane| {
             let value = f32::from_bits(values[lane]);
-            if value.is_finite() { value / slope } else { LOST * lost[lane] }
+            if value.is_finite() { value / slope } else { NON_FINITE_DISTANCE * size[lane] }
         }))
     }
 
-    /// Central differences at one point and the value there; all points of it in one go.
+    /// Value and central differences at one point, evaluated for all their points at once.
     fn differences(&self, p: Vec3<f32>, numbers: &[f32]) -> Dual<f32> {
-        let h = STEP * Self::size(p, Self::half(numbers));
+        let h = DIFFERENCE_STEP * Self::size(p, Self::half(numbers));
         let along = |axis: usize, v: f32| {
             f32x8::from(std::array::from_fn(|lane| match lane {
                 _ if lane / 2 != axis => v,
@@ -167,26 +168,26 @@ impl CustomShape {
     }
 }
 
-/// A gradient, but of zero one upwards.
+/// Replaces a zero gradient by one upwards.
 fn upwards(gradient: Vec3<f32>) -> Vec3<f32> {
     if gradient.dot(gradient) < 1e-12 { Vec3::new(0.0, 1.0, 0.0) } else { gradient }
 }
 
-/// Distance to the box of half these edges.
+/// Distance to the box with these half edges, metres.
 #[inline(always)]
 fn bound<N: Real>(p: Vec3<N>, half: [N; 3]) -> N {
     <shapes::Box as ShapeDef>::distance(p, half.map(|half| half + half))
 }
 
-/// How far outside the box the estimate counts.
+/// Distance outside the box up to which the estimate is used, metres.
 #[inline(always)]
 fn reach<N: Real>([x, y, z]: [N; 3]) -> N {
     x.max(y.max(z))
 }
 
-/// What is known of the distance at `p`: the estimate, cut by the box.
+/// Distance at `p`: the estimate, clipped to the box.
 #[inline(always)]
-fn cut<N: Real>(p: Vec3<N>, estimate: N, half: [N; 3]) -> N {
+fn clip<N: Real>(p: Vec3<N>, estimate: N, half: [N; 3]) -> N {
     orbit::within(estimate, bound(p, half), reach(half))
 }
 
@@ -198,7 +199,7 @@ impl EvalShape<f32> for CustomShape {
             return bound;
         }
         let points = Vec3::new(f32x8::splat(p.x), f32x8::splat(p.y), f32x8::splat(p.z));
-        cut(p, self.estimate(points, numbers, 1).to_array()[0], half)
+        clip(p, self.estimate(points, numbers, 1).to_array()[0], half)
     }
     fn gradient(&self, p: Vec3<Dual<f32>>, numbers: &[f32]) -> Dual<f32> {
         let (point, half) = (p.values(), Self::half(numbers));
@@ -206,8 +207,8 @@ impl EvalShape<f32> for CustomShape {
             true => self.differences(point, numbers),
             false => Dual::independent(0.0),
         };
-        let local = cut(Dual::variables(point), estimate, half.map(Dual::independent));
-        Dual { value: local.value, gradient: p.pulled(local.gradient) }
+        let local = clip(Dual::variables(point), estimate, half.map(Dual::independent));
+        Dual { value: local.value, gradient: p.pulled_back(local.gradient) }
     }
 }
 
@@ -219,7 +220,7 @@ impl EvalShape<f32x8> for CustomShape {
         if near == 0 {
             return bound;
         }
-        cut(p, self.estimate(p, numbers, near), half)
+        clip(p, self.estimate(p, numbers, near), half)
     }
     fn gradient(&self, p: Vec3<Dual<f32x8>>, numbers: &[f32]) -> Dual<f32x8> {
         let point = p.values();
@@ -228,7 +229,7 @@ impl EvalShape<f32x8> for CustomShape {
         let lanes: [Dual<f32>; 8] = std::array::from_fn(one);
         let gather = |of: &dyn Fn(&Dual<f32>) -> f32| f32x8::from(std::array::from_fn(|lane| of(&lanes[lane])));
         let gradient = Vec3::new(gather(&|d| d.gradient.x), gather(&|d| d.gradient.y), gather(&|d| d.gradient.z));
-        Dual { value: gather(&|d| d.value), gradient: p.pulled(gradient) }
+        Dual { value: gather(&|d| d.value), gradient: p.pulled_back(gradient) }
     }
 }
 
@@ -246,7 +247,7 @@ impl Shape for CustomShape {
         Some(self.lipschitz)
     }
     fn coefficients(&self, params: &[f32]) -> Vec<f32> {
-        let half = self.edges.map_or([ENDLESS; 3], |edges| edges.map(|edge| 0.5 * edge));
+        let half = self.edges.map_or([UNBOUNDED; 3], |edges| edges.map(|edge| 0.5 * edge));
         let given = self.params.iter().enumerate().map(|(k, param)| params.get(k).copied().unwrap_or(param.default));
         given.chain([self.lipschitz]).chain(half).collect()
     }
@@ -257,7 +258,7 @@ impl Shape for CustomShape {
         1.0
     }
     fn wgsl_name(&self) -> String {
-        format!("own_{}", self.code.identifier)
+        format!("custom_{}", self.code.identifier)
     }
     fn wgsl_distance(&self) -> String {
         self.code.wgsl_distance()
@@ -267,8 +268,8 @@ impl Shape for CustomShape {
     }
 }
 
-/// The functions around the printed text, which has the function `entry`; the arguments of all are the point, the parameters,
-/// the Lipschitz constant and half the edges.
+/// Prints the distance function around the code's function `entry`. Its arguments are the point, the parameters, the Lipschitz
+/// constant and the half edges.
 fn wgsl_distance(name: &str, entry: &str, params: usize) -> String {
     let half = |inputs: &[crate::expression::Expr]| [inputs[0], inputs[1], inputs[2]];
     let point = |inputs: &[crate::expression::Expr]| Vec3::new(inputs[0], inputs[1], inputs[2]);
@@ -278,51 +279,51 @@ fn wgsl_distance(name: &str, entry: &str, params: usize) -> String {
         doc: doc.to_owned(),
         parameters: [("p", "vec3f")].into_iter().chain(more.iter().copied()).chain(edges).collect(),
     };
-    let bounds = function("bound", "Distance to the box of half these edges.", &[])
+    let bounds = function("bound", "Distance to the box with these half edges.", &[])
         .print(&|inputs| vec![bound(point(inputs), half(&inputs[3..]))]);
-    let cuts = function("cut", "The estimate, cut by the box.", &[("estimate", "f32")])
-        .print(&|inputs| vec![cut(point(inputs), inputs[3], half(&inputs[4..]))]);
+    let clips = function("clip", "Estimate, clipped to the box.", &[("estimate", "f32")])
+        .print(&|inputs| vec![clip(point(inputs), inputs[3], half(&inputs[4..]))]);
     let signature = signature(params);
     let arguments: String = (0..params).map(|k| format!(", n{k}")).collect();
     format!(
-        "{bounds}\n{cuts}\n\
-         /// The length that steps and errors are measured against.\n\
+        "{bounds}\n{clips}\n\
+         /// Length by which steps and errors are measured, metres.\n\
          fn {name}_size(p: vec3f, x: f32, y: f32, z: f32) -> f32 {{\n    \
          let a = abs(p);\n    \
          return min(2.0 * max(x, max(y, z)), max(1.0, max(a.x, max(a.y, a.z))));\n}}\n\n\
-         /// The scene's function over its Lipschitz constant.\n\
+         /// Value of the code over the Lipschitz constant.\n\
          fn {name}_estimate(p: vec3f{signature}) -> f32 {{\n    \
          let value = {entry}(p{arguments});\n    \
          if (bitcast<u32>(value) & 0x7f800000u) == 0x7f800000u {{\n        \
-         return {LOST} * {name}_size(p, x, y, z);\n    }}\n    \
+         return {NON_FINITE_DISTANCE} * {name}_size(p, x, y, z);\n    }}\n    \
          return value / slope;\n}}\n\n\
-         /// A shape of the scene's own.\n\
+         /// Signed distance of a custom shape.\n\
          fn {name}_distance(p: vec3f{signature}) -> f32 {{\n    \
          let bound = {name}_bound(p, x, y, z);\n    \
          if bound >= max(x, max(y, z)) {{\n        return bound;\n    }}\n    \
-         return {name}_cut(p, {name}_estimate(p{arguments}, slope, x, y, z), x, y, z);\n}}\n"
+         return {name}_clip(p, {name}_estimate(p{arguments}, slope, x, y, z), x, y, z);\n}}\n"
     )
 }
 
-/// As [`wgsl_distance`], which must stand beside it.
+/// Prints the gradient function, which calls those of [`wgsl_distance`].
 fn wgsl_gradient(name: &str, params: usize) -> String {
     let parameters = [("p", "vec3f"), ("estimate", "vec4f"), ("x", "f32"), ("y", "f32"), ("z", "f32")];
-    let doc = "Gradient (xyz) and distance (w) of the estimate, cut by the box.".to_owned();
-    let cuts =
-        Function { name: format!("{name}_cut_gradient"), doc, parameters: parameters.to_vec() }.print(&|inputs| {
+    let doc = "Gradient (xyz) and distance (w) of the estimate, clipped to the box.".to_owned();
+    let clips =
+        Function { name: format!("{name}_clip_gradient"), doc, parameters: parameters.to_vec() }.print(&|inputs| {
             let p = Dual::variables(Vec3::new(inputs[0], inputs[1], inputs[2]));
             let estimate = Dual { value: inputs[6], gradient: Vec3::new(inputs[3], inputs[4], inputs[5]) };
-            let result = cut(p, estimate, [inputs[7], inputs[8], inputs[9]].map(Dual::independent));
+            let result = clip(p, estimate, [inputs[7], inputs[8], inputs[9]].map(Dual::independent));
             vec![result.gradient.x, result.gradient.y, result.gradient.z, result.value]
         });
     let signature = signature(params);
     let arguments: String = (0..params).map(|k| format!(", n{k}")).collect();
     format!(
-        "{cuts}\n/// Gradient (xyz) by central differences and distance (w) of a shape of the scene's own.\n\
+        "{clips}\n/// Gradient (xyz) by central differences and distance (w) of a custom shape.\n\
          fn {name}_gradient(p: vec3f{signature}) -> vec4f {{\n    \
          var estimate = vec4f(0.0);\n    \
          if {name}_bound(p, x, y, z) < max(x, max(y, z)) {{\n        \
-         let h = {STEP} * {name}_size(p, x, y, z);\n        \
+         let h = {DIFFERENCE_STEP} * {name}_size(p, x, y, z);\n        \
          var gradient = vec3f(0.0);\n        \
          for (var axis = 0u; axis < 3u; axis++) {{\n            \
          let along = vec3f(f32(axis == 0u), f32(axis == 1u), f32(axis == 2u));\n            \
@@ -331,10 +332,11 @@ fn wgsl_gradient(name: &str, params: usize) -> String {
          gradient /= 2.0 * h;\n        \
          if dot(gradient, gradient) < 1e-12 {{\n            gradient = vec3f(0.0, 1.0, 0.0);\n        }}\n        \
          estimate = vec4f(gradient, {name}_estimate(p{arguments}, slope, x, y, z));\n    }}\n    \
-         return {name}_cut_gradient(p, estimate, x, y, z);\n}}\n"
+         return {name}_clip_gradient(p, estimate, x, y, z);\n}}\n"
     )
 }
 
+/// Declarations of the arguments behind the point.
 fn signature(params: usize) -> String {
     let params: String = (0..params).map(|k| format!(", n{k}: f32")).collect();
     format!("{params}, slope: f32, x: f32, y: f32, z: f32")

@@ -1,4 +1,4 @@
-//! The text of a field: read, checked, and printed under names of its own.
+//! Code of a custom shape: parsed, validated, and printed under unique names.
 
 use super::budget::{self, Cost, Costs};
 use super::compile::compile;
@@ -11,17 +11,17 @@ use naga::{AddressSpace, Expression, Handle, Module, Scalar, ScalarKind, TypeInn
 use std::error::Error;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The most functions of a field.
+/// Largest number of functions in a code.
 const MAX_FUNCTIONS: usize = 128;
-/// The most arguments of a function.
+/// Largest number of arguments of a function.
 const MAX_ARGUMENTS: usize = 64;
-/// Bytes of stack for reading a text: chains of operators as long as a text may be are read by recursion. Only what is used is
-/// taken from memory.
+/// Stack for parsing, bytes: naga parses chains of operators by recursion, and a chain may be as long as the code. The system
+/// commits only the used part.
 const STACK: usize = 256 << 20;
 
-/// The text of a field, ready to be run: all that does not depend on numbers.
+/// Validated code of a custom shape, independent of its parameters.
 pub struct Code {
-    /// What the names in WGSL have in them.
+    /// Part of all its names in WGSL.
     pub(super) identifier: String,
     pub(super) id: u64,
     pub(super) program: Program,
@@ -31,12 +31,11 @@ pub struct Code {
 }
 
 impl Code {
-    /// Reads and checks a text. `identifier` is unlike those of other fields in the scene, ASCII letters, digits and underscores,
-    /// starts with a letter and does not end with an underscore; `params` are the names of the parameters, which are WGSL
-    /// identifiers.
+    /// Parses and validates WGSL. `identifier` is unique in the scene and consists of ASCII letters, digits and underscores,
+    /// with a letter first and no underscore last. `params` are the names of the parameters, which are WGSL identifiers.
     ///
     /// # Errors
-    /// What is wrong in the text, as far as it could be read.
+    /// The mistakes found.
     pub fn new(identifier: &str, params: &[String], text: &str) -> Result<Self, Vec<CodeDiagnostic>> {
         if text.len() > MAX_BYTES {
             let message = format!("The text of a field has at most {} KiB.", MAX_BYTES >> 10);
@@ -56,12 +55,12 @@ impl Code {
     fn read(identifier: &str, params: &[String], text: &str) -> Result<Self, Vec<CodeDiagnostic>> {
         let declarations: String = params.iter().map(|name| format!("\noverride {name}: f32;")).collect();
         let one = |fault: CodeDiagnostic| vec![fault];
-        // Behind the text, so that places in it stay what they are.
+        // Appended, so that byte ranges in the text stay valid.
         let whole_text = format!("{text}\n{declarations}");
         size::check_constants(&whole_text)
             .map_err(|fault| one(fault.unwrap_or_else(|error| parse_fault(&error, text))))?;
         let mut module = naga::front::wgsl::parse_str(&whole_text).map_err(|error| one(parse_fault(&error, text)))?;
-        let faults = allowed(&module, params, text);
+        let faults = forbidden_globals(&module, params, text);
         if !faults.is_empty() {
             return Err(faults);
         }
@@ -71,7 +70,7 @@ impl Code {
         }
         let info = validate(&module).map_err(|error| one(validation_fault(&error, text)))?;
         let costs = Costs::new(&module, &info);
-        limits(&module, &costs, entry).map_err(one)?;
+        check_limits(&module, &costs, entry).map_err(one)?;
         let program = compile(&module, &info, &costs, entry, params).map_err(one)?;
         let entry_name = rename(&mut module, identifier, entry);
         budget::instrument(&mut module, &costs, entry, params, format!("user_{identifier}_passes"));
@@ -95,7 +94,7 @@ impl Code {
             entry: entry_name,
             params: params.len(),
         };
-        // What was printed must be what a device can read.
+        // The printed code must be valid, too.
         let printed = code.wgsl_distance() + &code.wgsl_gradient();
         let again = naga::front::wgsl::parse_str(&printed).map_err(|error| unprintable(error.message().to_owned()))?;
         validate(&again).map_err(|error| unprintable(innermost(error.as_inner())))?;
@@ -103,7 +102,7 @@ impl Code {
     }
 
     fn name(&self) -> String {
-        format!("own_{}", self.identifier)
+        format!("custom_{}", self.identifier)
     }
     pub(super) fn wgsl_distance(&self) -> String {
         format!("{}\n{}", self.wgsl, wgsl_distance(&self.name(), &self.entry, self.params))
@@ -113,7 +112,7 @@ impl Code {
     }
 }
 
-/// Numbers of codes, so that each has its own memory.
+/// Next id of a code; each has machines of its own.
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
 fn whole(message: impl Into<String>, label: &str) -> CodeDiagnostic {
@@ -124,10 +123,10 @@ fn validate(module: &Module) -> Result<naga::valid::ModuleInfo, Box<WithSpan<Val
     Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(module).map_err(Box::new)
 }
 
-/// The longest message, characters: some of naga's hold a piece of the text.
+/// Largest length of a message, characters; some of naga's quote the code.
 const MAX_MESSAGE: usize = 200;
 
-/// A sentence of what naga says.
+/// A message of naga as one sentence.
 fn sentence(text: &str) -> String {
     let mut short: String = text.chars().take(MAX_MESSAGE).map(|c| if c.is_control() { ' ' } else { c }).collect();
     if text.chars().nth(MAX_MESSAGE).is_some() {
@@ -156,7 +155,7 @@ fn parse_fault(error: &naga::front::wgsl::ParseError, text: &str) -> CodeDiagnos
     }
 }
 
-/// The innermost cause of an error.
+/// Innermost cause of an error, as a sentence.
 fn innermost(error: &ValidationError) -> String {
     let mut cause: &dyn Error = error;
     while let Some(source) = cause.source() {
@@ -165,7 +164,7 @@ fn innermost(error: &ValidationError) -> String {
     sentence(&without_handles(&cause.to_string()))
 }
 
-/// A message without the numbers that naga gives to what it talks of, as in "expression Some([3])".
+/// Removes naga's handles from a message, as in "expression Some([3])".
 fn without_handles(message: &str) -> String {
     let is_handle = |word: &str| {
         let word = word.trim_end_matches([',', ':']);
@@ -177,22 +176,22 @@ fn without_handles(message: &str) -> String {
 }
 
 fn validation_fault(error: &WithSpan<ValidationError>, text: &str) -> CodeDiagnostic {
-    // The narrowest place says most.
+    // The narrowest place is the most useful.
     let spans = error.spans().filter_map(|(span, _)| within(range(*span)?, text));
     let range = spans.min_by_key(|range| range.len());
     let message = innermost(error.as_inner());
-    // naga computes some functions of numbers without a type only later, when it is too late.
+    // naga evaluates some functions of untyped numbers too late.
     let help = message.contains("Abstract").then(|| "Give one of the numbers here a type, as in 1.0f.".to_owned());
     CodeDiagnostic { message, label: "here".to_owned(), range, help }
 }
 
-/// A range that is of the text, and not of what stands behind it.
+/// The range, if it is in the text and not in the appended declarations.
 fn within(range: std::ops::Range<usize>, text: &str) -> Option<std::ops::Range<usize>> {
     (range.end <= text.len()).then_some(range)
 }
 
-/// What stands at the top of a text and must not.
-fn allowed(module: &Module, params: &[String], text: &str) -> Vec<CodeDiagnostic> {
+/// Mistakes in the global declarations.
+fn forbidden_globals(module: &Module, params: &[String], text: &str) -> Vec<CodeDiagnostic> {
     let mut faults = Vec::new();
     for (handle, global) in module.global_variables.iter() {
         let message = match global.space {
@@ -231,7 +230,7 @@ fn allowed(module: &Module, params: &[String], text: &str) -> Vec<CodeDiagnostic
     faults
 }
 
-/// The function `distance`, which takes a point and gives a number.
+/// Finds the function `distance`, from a point to a number.
 fn entry(module: &Module) -> Result<Handle<naga::Function>, CodeDiagnostic> {
     let help = "It looks like this: fn distance(p: vec3f) -> f32 { return length(p) - 1.0; }";
     let found = module.functions.iter().find(|(_, function)| function.name.as_deref() == Some("distance"));
@@ -259,7 +258,8 @@ fn entry(module: &Module) -> Result<Handle<naga::Function>, CodeDiagnostic> {
     })
 }
 
-fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Result<(), CodeDiagnostic> {
+/// Checks the numbers of functions, arguments, operations and array elements.
+fn check_limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Result<(), CodeDiagnostic> {
     if module.functions.len() > MAX_FUNCTIONS {
         return Err(whole(format!("A field has at most {MAX_FUNCTIONS} functions."), "too many"));
     }
@@ -275,7 +275,7 @@ fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Resu
             return Err(refused(handle, message, "too many", "Put arguments that belong together into a structure."));
         }
     }
-    // Functions that are not called are compiled as well.
+    // Drivers compile functions that are not called, too.
     let functions = || module.functions.iter().map(|(handle, _)| handle);
     let with_most = |of: &dyn Fn(Cost) -> u32| functions().max_by_key(|handle| of(costs.of(*handle))).unwrap_or(entry);
     let most = with_most(&|cost| cost.numbers);
@@ -310,12 +310,12 @@ fn limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -> Resu
     Ok(())
 }
 
-/// Gives everything a name that nothing else in the kernel has; says that of the entry.
+/// Renames all declarations to names that are unique in the kernel. Returns the entry's name.
 fn rename(module: &mut Module, identifier: &str, entry: Handle<naga::Function>) -> String {
     let mut count = 0;
     let mut fresh = |name: &str| {
         count += 1;
-        // A digit behind the prefix, then the name, which starts with none: no two fields can make the same.
+        // The identifier is followed by a digit, and names start with none: two shapes never make the same name.
         format!("user_{identifier}_{count}_{name}_v")
     };
     let predeclared: Vec<_> = module.special_types.predeclared_types.values().copied().collect();
@@ -343,7 +343,7 @@ fn rename(module: &mut Module, identifier: &str, entry: Handle<naga::Function>) 
     entry_name
 }
 
-/// Names every result of an operation, so that no printed expression is nested deeper than a reader goes.
+/// Names the result of every operation, so that printed expressions are not nested too deep for parsers.
 fn name_expressions(module: &mut Module) {
     for (_, function) in module.functions.iter_mut() {
         let operations: Vec<_> = function

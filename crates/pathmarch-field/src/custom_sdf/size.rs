@@ -1,8 +1,8 @@
-//! How large the types of a field are, and what may be that large.
+//! Size limits of the types in custom shapes.
 //!
-//! A copy of an array takes as many operations as the array has elements, and every variable of a function is memory of each ray
-//! on the GPU. So sizes are known before anything else is done with a text: naga itself copies whole constants while it reads the
-//! functions that name them, which grows without bound where constants contain each other.
+//! A copy of an array takes as many operations as it has elements, and every variable of a function is memory of each ray on the
+//! GPU. Sizes are checked before anything else, because naga copies whole constants while it parses the functions that name
+//! them, which grows without bound if constants contain each other.
 
 use super::{CodeDiagnostic, range};
 use naga::front::wgsl::ParseError;
@@ -10,29 +10,29 @@ use naga::{ArraySize, Module, Span, Type, TypeInner, UniqueArena};
 use std::collections::HashMap;
 use std::num::NonZeroU32;
 
-/// How many numbers a variable, a constant or a value may have, and all arrays of a call of `distance` together.
+/// Largest number of scalars of a variable, a constant or a value, and of all arrays of a call of `distance` together.
 ///
-/// Drivers put a field into a kernel wherever it is evaluated. Mesa's software Vulkan then takes 4 s of processor time to compile
-/// arrays of 128 numbers, 12 s for 256, 33 s for 512 and minutes for 1,500.
+/// Drivers inline the code wherever it is evaluated. Mesa's software Vulkan then takes 4 s of processor time to compile arrays of
+/// 128 scalars, 12 s for 256, 33 s for 512 and minutes for 1,500.
 pub const MAX_ARRAY_SCALARS: u32 = 256;
-/// How many numbers all constants may have that the functions of a text name, each as often as it is named.
-const MOST_NAMED: u64 = 1 << 16;
+/// Largest number of scalars of all constants that functions name, each counted as often as it is named.
+const MAX_NAMED_SCALARS: u64 = 1 << 16;
 
-/// The size of a type. Sums and products end at the largest number.
+/// Size of a type; sums and products saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Size {
     /// Scalars of a value.
     pub(super) numbers: u32,
-    /// Scalars and vectors of a value: operations of a copy.
+    /// Scalars and vectors of a value, which are the operations of a copy.
     pub(super) copies: u32,
-    /// Whether it is an array or contains one.
+    /// True if it is an array or contains one.
     pub(super) has_array: bool,
 }
 
 impl Size {
     const ONE: Self = Self { numbers: 1, copies: 1, has_array: false };
 
-    /// Of a type, given the sizes of those before it.
+    /// Size of a type, given the sizes of those before it.
     fn of(inner: &TypeInner, known: &[Self]) -> Self {
         let of = |handle: naga::Handle<Type>| known.get(handle.index()).copied().unwrap_or(Self::ONE);
         match *inner {
@@ -61,14 +61,14 @@ impl Size {
     }
 }
 
-/// The size of every type of a module.
+/// Sizes of all types of a module.
 pub(super) struct Sizes(Vec<Size>);
 
 impl Sizes {
     pub(super) fn new(types: &UniqueArena<Type>) -> Self {
         let mut sizes = Vec::new();
         for (_, ty) in types.iter() {
-            // What a type contains stands before it.
+            // The parts of a type are before it.
             sizes.push(Size::of(&ty.inner, &sizes));
         }
         Self(sizes)
@@ -78,13 +78,13 @@ impl Sizes {
         self.0.get(ty.index()).copied().unwrap_or(Size::ONE)
     }
 
-    /// Of a type that may have no handle.
+    /// Size of a type that may have no handle.
     pub(super) fn of_inner(&self, inner: &TypeInner) -> Size {
         Size::of(inner, &self.0)
     }
 }
 
-/// A count for people: what ended at the largest number is only known to be more.
+/// Text of a count, which may have saturated.
 pub(super) fn shown(count: u32) -> String {
     if count == u32::MAX { "more than 4 billion".to_owned() } else { count.to_string() }
 }
@@ -101,7 +101,7 @@ fn too_large(what: &str, numbers: u32, span: Span) -> CodeDiagnostic {
     }
 }
 
-/// What a function of a module declares, takes, gives or makes and is too large.
+/// Finds a variable, argument, result or value that is too large.
 pub(super) fn too_large_declaration(module: &Module) -> Option<CodeDiagnostic> {
     let sizes = Sizes::new(&module.types);
     let too_many = |ty| Some(sizes.of(ty).numbers).filter(|numbers| *numbers > MAX_ARRAY_SCALARS);
@@ -138,11 +138,11 @@ pub(super) fn too_large_declaration(module: &Module) -> Option<CodeDiagnostic> {
     None
 }
 
-/// Checks the constants of a text without reading the bodies of its functions.
+/// Checks the sizes of constants without parsing the bodies of functions.
 ///
 /// # Errors
-/// What is too large, or why the text cannot be read. One whose braces do not match is left to who reads it as a whole, which
-/// ends before any constant is computed.
+/// A constant that is too large, or the parser's error. Code with unmatched braces passes: parsing it as a whole fails before any
+/// constant is evaluated.
 pub(super) fn check_constants(text: &str) -> Result<(), Result<CodeDiagnostic, Box<ParseError>>> {
     let Some((outline, named)) = outline(text) else { return Ok(()) };
     let module = naga::front::wgsl::parse_str(&outline).map_err(|error| Err(Box::new(error)))?;
@@ -158,10 +158,10 @@ pub(super) fn check_constants(text: &str) -> Result<(), Result<CodeDiagnostic, B
         if numbers > 1 {
             all += u64::from(numbers) * named.get(name).copied().unwrap_or_default();
         }
-        if all > MOST_NAMED {
+        if all > MAX_NAMED_SCALARS {
             return Err(Ok(CodeDiagnostic {
                 message: format!(
-                    "The constants that functions of a field name have at most {MOST_NAMED} numbers, each counted as \
+                    "The constants that functions of a field name have at most {MAX_NAMED_SCALARS} numbers, each counted as \
                      often as it is named."
                 ),
                 label: "named too often".to_owned(),
@@ -173,8 +173,7 @@ pub(super) fn check_constants(text: &str) -> Result<(), Result<CodeDiagnostic, B
     Ok(())
 }
 
-/// A text whose functions are empty, every place in it what it was, and how often each name occurs in what was left out;
-/// `None` where braces do not match.
+/// Blanks the bodies of all functions, at the same byte offsets, and counts each name in them; `None` if braces do not match.
 fn outline(text: &str) -> Option<(String, HashMap<&str, u64>)> {
     let mut outline = String::with_capacity(text.len());
     let mut named: HashMap<&str, u64> = HashMap::new();
@@ -206,7 +205,7 @@ fn outline(text: &str) -> Option<(String, HashMap<&str, u64>)> {
     (depth == 0).then_some((outline, named))
 }
 
-/// Bytes of the token or comment that a text starts with.
+/// Length of the token or comment at the start of a text, bytes.
 fn token_length(text: &str, first: char) -> usize {
     let until = |end: &dyn Fn(char) -> bool| text.find(end).unwrap_or(text.len());
     if text.starts_with("//") {

@@ -1,16 +1,16 @@
-//! A number that records what is done to it.
+//! Number type that records operations in an expression graph.
 
 use crate::number::{Differentiable, Dual, Real, Vec3};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// A number in the expression graph being recorded on this thread.
+/// Number in the expression graph that this thread records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Expr(pub(super) u32);
 
 impl Expr {
-    /// The n-th point among the inputs of a recorded function.
+    /// Point `n` of the inputs of a recorded function.
     pub(crate) fn point(inputs: &[Self], n: usize) -> Vec3<Self> {
         Vec3::new(inputs[3 * n], inputs[3 * n + 1], inputs[3 * n + 2])
     }
@@ -24,32 +24,32 @@ impl Expr {
     }
 }
 
-/// A truth value in the expression graph being recorded on this thread.
+/// Truth value in the expression graph that this thread records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ExprMask(pub(super) u32);
 
-/// One operation; operands are indices of earlier nodes.
+/// Operation of the graph; operands are indices of earlier nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Node {
-    /// The bits of an `f32`.
+    /// Constant, as the bits of an `f32`.
     Constant(u32),
-    /// A truth value.
+    /// Constant truth value.
     Truth(bool),
-    /// The n-th input of the function.
+    /// Input of the function, by index.
     Input(u32),
     Binary(Binary, u32, u32),
     Unary(Unary, u32),
     /// Mask, value where true, value where false.
     Select(u32, u32, u32),
-    /// The vector of a table by its index.
+    /// Vector of a table, by index.
     Vector(u32),
-    /// The k-th number of a vector.
+    /// Component of a vector, by index.
     Component(u32, u32),
-    /// The k-th state of a loop while it runs.
+    /// Variable of a loop's state during the loop: loop, index.
     LoopVariable(u32, u32),
-    /// A loop as a whole: the place where it is printed.
+    /// Loop as a whole, at the place where it is printed.
     Loop(u32),
-    /// The k-th state of a loop after it ended.
+    /// Variable of a loop's state after the loop: loop, index.
     LoopResult(u32, u32),
 }
 
@@ -80,7 +80,7 @@ pub(super) enum Unary {
     Not,
 }
 
-/// A recorded loop.
+/// Recorded loop.
 #[derive(Clone, Debug)]
 pub(super) struct LoopRecord {
     pub(super) count: u32,
@@ -88,16 +88,16 @@ pub(super) struct LoopRecord {
     pub(super) initial: Vec<u32>,
     pub(super) next: Vec<u32>,
     pub(super) go_on: u32,
-    /// The loop around this one.
+    /// Loop around this one.
     pub(super) parent: Option<u32>,
     pub(super) depth: u32,
 }
 
-/// The graph under construction.
+/// Expression graph under construction.
 #[derive(Default)]
 pub(super) struct Graph {
     pub(super) nodes: Vec<Node>,
-    /// For each node, the innermost loop it depends on.
+    /// Innermost loop on which each node depends.
     pub(super) home: Vec<Option<u32>>,
     pub(super) names: HashMap<u32, &'static str>,
     pub(super) loops: Vec<LoopRecord>,
@@ -109,7 +109,7 @@ thread_local! {
     static GRAPH: RefCell<Graph> = RefCell::default();
 }
 
-/// Records what `body` does with `inputs` inputs; gives the graph and the outputs.
+/// Records `body` with `inputs` inputs. Returns the graph and the outputs.
 pub(super) fn record(inputs: usize, body: &dyn Fn(&[Expr]) -> Vec<Expr>) -> (Graph, Vec<u32>) {
     GRAPH.with_borrow_mut(|graph| *graph = Graph::default());
     let inputs: Vec<Expr> = (0..inputs).map(|k| Expr(push(Node::Input(k as u32)))).collect();
@@ -165,7 +165,7 @@ fn negated(index: u32) -> Option<u32> {
     })
 }
 
-/// Adds an operation, folding constants and dropping what does nothing (so that a gradient holds no `0 * x`).
+/// Adds an operation. Folds constants and drops operations without effect, so that gradients have no `0 * x`.
 #[inline(never)]
 fn binary(op: Binary, a: u32, b: u32) -> u32 {
     let (ca, cb) = (value_of(a), value_of(b));
@@ -246,11 +246,11 @@ impl Not for ExprMask {
     }
 }
 
-/// Records a turn of a loop: its results and its condition, of the values before it.
-type Turn<'a> = dyn Fn(&[Expr]) -> (Vec<u32>, u32) + 'a;
+/// Body of a recorded loop: from the state to the next state and the condition to go on.
+type LoopBody<'a> = dyn Fn(&[Expr]) -> (Vec<u32>, u32) + 'a;
 
-/// Records a loop over `initial`; `body` maps the running state to the next state and the mask to go on.
-fn record_loop(count: u32, limit: u32, initial: Vec<u32>, body: &Turn) -> Vec<Expr> {
+/// Records a loop over `initial`. Returns the state after it.
+fn record_loop(count: u32, limit: u32, initial: Vec<u32>, body: &LoopBody) -> Vec<Expr> {
     let id = GRAPH.with_borrow_mut(|graph| {
         let parent = graph.open.last().copied();
         let depth = graph.open.len() as u32 + 1;
@@ -278,7 +278,7 @@ fn record_loop(count: u32, limit: u32, initial: Vec<u32>, body: &Turn) -> Vec<Ex
     (0..initial.len()).map(|k| Expr(push(Node::LoopResult(id, k as u32)))).collect()
 }
 
-/// Names a node, unless it is one that needs none or has one.
+/// Names a node, unless it is a constant or an input or has a name.
 fn set_name(index: u32, name: &'static str) {
     GRAPH.with_borrow_mut(|graph| {
         if !matches!(graph.nodes[index as usize], Node::Constant(_) | Node::Input(_)) {
@@ -287,17 +287,17 @@ fn set_name(index: u32, name: &'static str) {
     });
 }
 
-/// The nodes of a loop's state.
+/// Nodes of a loop's state.
 fn flat(state: &[Expr]) -> Vec<u32> {
     state.iter().map(|e| e.0).collect()
 }
 
-/// The nodes of a loop's state of dual numbers: of each its value, then its gradient.
+/// Nodes of a loop's state of dual numbers: the value of each, then its gradient.
 fn flat_duals(state: &[Dual<Expr>]) -> Vec<u32> {
     state.iter().flat_map(|d| [d.value.0, d.gradient.x.0, d.gradient.y.0, d.gradient.z.0]).collect()
 }
 
-/// The first dual number of a flat state.
+/// First dual number of a flat state.
 fn dual(flat: &[Expr]) -> Dual<Expr> {
     Dual { value: flat[0], gradient: Vec3::new(flat[1], flat[2], flat[3]) }
 }
@@ -307,7 +307,7 @@ impl Real for Expr {
 
     #[inline(never)]
     fn constant(value: f32) -> Self {
-        // One zero: -0 and 0 print alike and fold alike.
+        // One zero, so that -0 and 0 print and fold alike.
         let value = if value == 0.0 { 0.0 } else { value };
         Self(push(Node::Constant(value.to_bits())))
     }

@@ -14,10 +14,10 @@ pub(crate) use print::identifier;
 
 use crate::number::{Dual, Vec3};
 
-/// A distance written over [`Expr`] as the text of a WGSL function `name(p: vec3f, …) -> f32`, each parameter an `f32`.
+/// Prints a distance written over [`Expr`] as a WGSL function `name(p: vec3f, …) -> f32`, each parameter an `f32`.
 ///
-/// Registered shapes print themselves ([`Shape::wgsl_distance`](crate::Shape::wgsl_distance)); this is for a function that
-/// is not registered.
+/// Registered shapes print themselves ([`Shape::wgsl_distance`](crate::Shape::wgsl_distance)); this is for functions that
+/// are not registered.
 pub fn distance_function(
     name: &str,
     doc: &str,
@@ -28,7 +28,7 @@ pub fn distance_function(
         .print(&|inputs| vec![distance(Vec3::new(inputs[0], inputs[1], inputs[2]), &inputs[3..])])
 }
 
-/// The same function's gradient (xyz) and distance (w) as the text of a WGSL function `name(p: vec3f, …) -> vec4f`.
+/// Prints the same function's gradient (xyz) and distance (w) as a WGSL function `name(p: vec3f, …) -> vec4f`.
 pub fn gradient_function(
     name: &str,
     doc: &str,

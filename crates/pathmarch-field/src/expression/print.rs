@@ -1,32 +1,32 @@
-//! An expression graph as the text of one WGSL function.
+//! Printer of an expression graph as one WGSL function.
 //!
-//! A value used once is written where it is used, as long as the line stays short; every other becomes a `let`, named
-//! by its author ([`Real::named`](crate::number::Real::named)) or `t1`, `t2`, …. What does not change within a loop is
-//! computed before it.
+//! A value that is used once is printed inline, as long as the line is short. Every other value becomes a `let`, named by its
+//! author ([`Real::named`](crate::number::Real::named)) or `t1`, `t2`, …. Values that do not change in a loop are computed before
+//! it.
 
 use super::expr::{Binary, Expr, Graph, Node, Unary, record};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
-/// Longest expression written without a `let`, in characters.
+/// Longest inline expression, in characters.
 const LONGEST_INLINE: usize = 64;
 
-/// What reads a vector of the table; see [`TABLE`](crate::wgsl::TABLE).
+/// WGSL function that reads a vector of the table; see [`TABLE`](crate::wgsl::TABLE).
 const TABLE_VECTOR: &str = "table_vector";
 
-/// Names that WGSL reserves and that parameters of shapes could have.
+/// Names that WGSL reserves and parameters could have.
 const RESERVED: [&str; 14] = [
     "union", "smooth", "box", "loop", "switch", "target", "filter", "mod", "move", "ref", "self", "type", "unit",
     "final",
 ];
 
-/// A name as a WGSL identifier.
+/// Converts a name to a WGSL identifier.
 pub(crate) fn identifier(name: &str) -> String {
     let name = name.replace('-', "_");
     if RESERVED.contains(&name.as_str()) { name + "_" } else { name }
 }
 
-/// The signature of a function to be recorded.
+/// Signature of a function to be recorded.
 pub struct Function<'a> {
     /// Name, already an identifier.
     pub name: String,
@@ -37,9 +37,10 @@ pub struct Function<'a> {
 }
 
 impl Function<'_> {
-    /// Records `body` and prints it; one output gives an `f32`, two a `vec2f`, three a `vec3f`, four a `vec4f`, any other number an array.
+    /// Records `body` and prints it. One output returns an `f32`, two a `vec2f`, three a `vec3f`, four a `vec4f`, any other number
+    /// an array.
     ///
-    /// The body is behind a pointer so that this is compiled once, not again for each of some 160 functions.
+    /// `body` is a trait object so that this is compiled once, not for each of some 160 functions.
     pub fn print(&self, body: &dyn Fn(&[Expr]) -> Vec<Expr>) -> String {
         let mut inputs = Vec::new();
         for (name, kind) in &self.parameters {
@@ -143,7 +144,7 @@ impl<'a> Printer<'a> {
                 for &next in &record.next {
                     self.count(next, Some(id));
                 }
-                // Tested after the stores, so it must be computed before them: always a `let`.
+                // Always a `let`: it is tested after the stores but computed before them.
                 self.count(record.go_on, Some(id));
                 self.crossing.insert(record.go_on);
             }
@@ -221,7 +222,7 @@ impl<'a> Printer<'a> {
             .expect("writing to a string");
         self.scope(Some(id), indent + 1, text);
         let inner = "    ".repeat(indent + 1);
-        // All next states are computed before the first is stored.
+        // All next values are computed before the first is stored.
         let mut stores = Vec::new();
         for (variable, &next) in variables.iter().zip(&record.next) {
             let value = self.operand(next, Some(id), 0);
@@ -258,7 +259,7 @@ impl<'a> Printer<'a> {
         }
     }
 
-    /// The text of a node as an operand inside something of the given precedence.
+    /// Text of a node as an operand of an operation of this precedence.
     fn operand(&self, index: u32, scope: Option<u32>, precedence: u8) -> String {
         match self.written.get(&index) {
             Some(name) => name.clone(),
@@ -325,7 +326,7 @@ impl<'a> Printer<'a> {
                 ),
                 4,
             ),
-            // Always written by name before use.
+            // Always printed by name.
             Node::LoopVariable(..) | Node::Loop(_) | Node::LoopResult(..) => ("0.0".to_owned(), 4),
         };
         if precedence < outer { format!("({text})") } else { text }

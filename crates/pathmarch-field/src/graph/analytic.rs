@@ -1,12 +1,11 @@
-//! Objects that rays meet in closed form: shapes whose intersection with a line is known, and sharp combinations of convex
-//! ones.
+//! Analytic objects: shapes that rays intersect in closed form, and constructive solid geometry of convex shapes.
 //!
-//! Idea: a line is inside a convex solid along one span, and inside a union, intersection or difference of such wherever the
-//! same operation on truth values says so (Roth 1982, "Ray Casting for Modeling Solids"). The surfaces along a ray are those
-//! ends of spans at which that changes. We differ from Roth, who merges sorted lists: every end is asked whether the solid is
-//! there just before it and just behind it, which needs no list, has no branch, and is the same code for one ray and for
-//! eight. Faces that touch or coincide need no margin: of two equal ends, what is before and behind both is the same.
-//! Cost: for N shapes, N intersections and 4N² pairs of comparisons; nothing is marched.
+//! Idea: a line is inside a convex solid along one interval, and inside a union, intersection or difference wherever the same
+//! Boolean operation on the intervals holds (Roth 1982, "Ray Casting for Modeling Solids"). The surfaces along a ray are the
+//! interval ends at which the result changes. We differ from Roth, who merges sorted lists: each end is tested for whether
+//! the solid is just before and just behind it. That needs no list and no branch, and is the same code for one ray and for
+//! eight. Faces that touch or coincide need no margin: two equal ends have the same before and behind.
+//! Cost: for N shapes, N intersections and 4N² pairs of comparisons; no sphere tracing.
 
 use super::Batch;
 use super::{Field, Tree};
@@ -14,10 +13,10 @@ use crate::number::{Real, Vec3};
 use crate::operators::Boolean;
 use crate::ray_interval::RayInterval;
 
-/// The most shapes of a combination that is met in closed form: beyond it marching costs less.
-const MOST_SHAPES: usize = 12;
+/// Largest number of shapes of an analytic combination; beyond it sphere tracing is cheaper.
+const MAX_SHAPES: usize = 12;
 
-/// Where a point is seen from: it counts as inside a span whose end it is on this side of.
+/// Side of an interval's end that is tested.
 #[derive(Clone, Copy)]
 enum Side {
     Before,
@@ -25,15 +24,15 @@ enum Side {
 }
 
 impl Field {
-    /// Whether rays meet an object in closed form.
+    /// Reports whether an object is analytic.
     pub(super) fn is_analytic(&self, object: &Tree) -> bool {
         match object {
             Tree::Leaf(_) => self.direct(object).is_some(),
-            _ => !self.sphere_traces_all && self.convex_shapes(object).is_some_and(|count| count <= MOST_SHAPES),
+            _ => !self.sphere_traces_all && self.convex_shapes(object).is_some_and(|count| count <= MAX_SHAPES),
         }
     }
 
-    /// How many shapes there are in a sharp combination of convex ones; `None` if it is something else.
+    /// Number of shapes in a sharp combination of convex shapes; `None` for any other tree.
     fn convex_shapes(&self, tree: &Tree) -> Option<usize> {
         match tree {
             Tree::Leaf(index) => self.leaves[*index as usize].shape.is_convex().then_some(1),
@@ -45,22 +44,21 @@ impl Field {
         }
     }
 
-    /// Remembers which shapes of a combination are taken away from it.
+    /// Marks the shapes that a combination subtracts.
     pub(super) fn mark_subtracted(&mut self, tree: &Tree, subtracted: bool) {
         match tree {
             Tree::Leaf(index) => self.leaves[*index as usize].subtracted = subtracted,
             Tree::Operator { operator, children, .. } => {
-                let taken_away = operator.boolean() == Some(Boolean::Difference);
+                let subtracts = operator.boolean() == Some(Boolean::Difference);
                 for (k, child) in children.iter().enumerate() {
-                    self.mark_subtracted(child, subtracted != (taken_away && k > 0));
+                    self.mark_subtracted(child, subtracted != (subtracts && k > 0));
                 }
             }
             Tree::Modifier(_) => {}
         }
     }
 
-    /// The first hit so far, metres along a ray and the number of the leaf, or that of an object which is met in closed form
-    /// where that is nearer.
+    /// Hit of a ray with an analytic object, metres and leaf; or the one found before, if that is nearer.
     pub(super) fn object_hit<N: Batch>(
         &self,
         object: &Tree,
@@ -68,55 +66,55 @@ impl Field {
         direction: Vec3<N>,
         first: (N, N),
     ) -> (N, N) {
-        let nearer = |(nearest, met): (N, N), t: N, counts: N::Mask, leaf: u32| {
-            let counts = counts & t.lt(nearest);
-            (N::select(counts, t, nearest), N::select(counts, N::constant(leaf as f32), met))
+        let nearer = |(nearest, hit_leaf): (N, N), t: N, is_hit: N::Mask, leaf: u32| {
+            let is_hit = is_hit & t.lt(nearest);
+            (N::select(is_hit, t, nearest), N::select(is_hit, N::constant(leaf as f32), hit_leaf))
         };
         if let Some(index) = self.direct(object) {
             let t = self.leaves[index as usize].ray(origin, direction);
             return nearer(first, t, N::truth(true), index);
         }
-        let mut spans = Spans { first: u32::MAX, ends: [[N::zero(); 2]; MOST_SHAPES], count: 0 };
-        self.collect(object, origin, direction, &mut spans);
+        let mut intervals = Intervals { first: u32::MAX, ends: [[N::zero(); 2]; MAX_SHAPES], count: 0 };
+        self.collect(object, origin, direction, &mut intervals);
         let mut hit = first;
-        for (k, ends) in (0..).zip(&spans.ends[..spans.count]) {
+        for (k, ends) in (0..).zip(&intervals.ends[..intervals.count]) {
             for &t in ends {
-                let [before, behind] = [Side::Before, Side::Behind].map(|side| spans.holds(object, t, side));
+                let [before, behind] = [Side::Before, Side::Behind].map(|side| intervals.contains(object, t, side));
                 let changes = (before & !behind) | (behind & !before);
-                hit = nearer(hit, t, changes & N::zero().lt(t), spans.first + k);
+                hit = nearer(hit, t, changes & N::zero().lt(t), intervals.first + k);
             }
         }
         hit
     }
 
-    fn collect<N: Batch>(&self, tree: &Tree, origin: Vec3<N>, direction: Vec3<N>, spans: &mut Spans<N>) {
+    fn collect<N: Batch>(&self, tree: &Tree, origin: Vec3<N>, direction: Vec3<N>, intervals: &mut Intervals<N>) {
         match tree {
             Tree::Leaf(index) => {
                 let RayInterval { enter, leave } = self.leaves[*index as usize].interval(origin, direction);
-                spans.first = spans.first.min(*index);
-                if let Some(ends) = spans.ends.get_mut(spans.count) {
+                intervals.first = intervals.first.min(*index);
+                if let Some(ends) = intervals.ends.get_mut(intervals.count) {
                     *ends = [enter, leave];
-                    spans.count += 1;
+                    intervals.count += 1;
                 }
             }
             Tree::Operator { children, .. } => {
-                children.iter().for_each(|child| self.collect(child, origin, direction, spans));
+                children.iter().for_each(|child| self.collect(child, origin, direction, intervals));
             }
             Tree::Modifier(_) => {}
         }
     }
 }
 
-/// Where a line is inside each shape of an object, whose leaves follow each other.
-struct Spans<N> {
+/// Intervals of a line inside the shapes of an object, whose leaves are consecutive.
+struct Intervals<N> {
     first: u32,
-    ends: [[N; 2]; MOST_SHAPES],
+    ends: [[N; 2]; MAX_SHAPES],
     count: usize,
 }
 
-impl<N: Real> Spans<N> {
-    /// Whether the object holds the points just before or just behind `t`.
-    fn holds(&self, tree: &Tree, t: N, side: Side) -> N::Mask {
+impl<N: Real> Intervals<N> {
+    /// Reports whether the object contains the points just before or just behind `t`.
+    fn contains(&self, tree: &Tree, t: N, side: Side) -> N::Mask {
         match tree {
             Tree::Leaf(index) => {
                 let [enter, leave] = self.ends[(index - self.first) as usize];
@@ -126,16 +124,16 @@ impl<N: Real> Spans<N> {
                 }
             }
             Tree::Operator { operator, children, .. } => {
-                let mut held = self.holds(&children[0], t, side);
+                let mut inside = self.contains(&children[0], t, side);
                 for child in &children[1..] {
-                    let other = self.holds(child, t, side);
-                    held = match operator.boolean() {
-                        Some(Boolean::Intersection) => held & other,
-                        Some(Boolean::Difference) => held & !other,
-                        _ => held | other,
+                    let other = self.contains(child, t, side);
+                    inside = match operator.boolean() {
+                        Some(Boolean::Intersection) => inside & other,
+                        Some(Boolean::Difference) => inside & !other,
+                        _ => inside | other,
                     };
                 }
-                held
+                inside
             }
             Tree::Modifier(_) => N::truth(false),
         }

@@ -1,6 +1,7 @@
-//! The numbers that a field can be evaluated over on the CPU: one point, or eight at once.
+//! Number types with which the CPU evaluates a field: `f32` for one point, `f32x8` for eight.
 //!
-//! Shapes and operators are called by way of `dyn`, which has no generic methods: each number says which method it calls.
+//! Shapes, operators and modifiers are `dyn`, which have no generic methods. Each number type converts them to the trait
+//! object of its own functions.
 
 use crate::modifiers::{EvalModifier, Modifier};
 use crate::number::{Differentiable, Mask8};
@@ -8,11 +9,11 @@ use crate::operators::{EvalOperator, Operator};
 use crate::shapes::{EvalShape, Shape};
 use wide::f32x8;
 
-/// A number that a [`Field`](super::Field) can be evaluated over on the CPU.
+/// Number type with which the CPU evaluates a [`Field`](super::Field).
 pub trait Batch: Differentiable {
-    /// One seed for each point.
+    /// One random seed for each point.
     type Seeds: Copy;
-    /// How many points.
+    /// Number of points.
     #[doc(hidden)]
     const LANES: usize;
     #[doc(hidden)]
@@ -21,13 +22,13 @@ pub trait Batch: Differentiable {
     fn lanes(self) -> [f32; 8];
     #[doc(hidden)]
     fn from_lanes(lanes: [f32; 8]) -> Self;
-    /// The functions of a shape over this number type.
+    /// Functions of a shape over this number type.
     fn shape(shape: &dyn Shape) -> &dyn EvalShape<Self>;
-    /// The functions of an operator over this number type.
+    /// Functions of an operator over this number type.
     fn operator(operator: &'static dyn Operator) -> &'static dyn EvalOperator<Self>;
-    /// The functions of a modifier over this number type.
+    /// Functions of a modifier over this number type.
     fn modifier(modifier: &'static dyn Modifier) -> &'static dyn EvalModifier<Self>;
-    /// A uniform number in 0..1 for the choice of this index at each point.
+    /// Uniform number in 0..1 for the choice of this index at each point.
     #[doc(hidden)]
     fn choice(seeds: Self::Seeds, index: u32) -> Self;
 }
@@ -64,7 +65,7 @@ impl Batch for f32 {
         lanes[0]
     }
     fn choice(seed: u32, index: u32) -> f32 {
-        // PCG output hash (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering"); the WGSL twin is in compose.rs.
+        // PCG output hash (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering"); its WGSL is in compose.rs.
         let state = (seed ^ index.wrapping_mul(0x9e37_79b9)).wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
         let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
         (((word >> 22) ^ word) >> 8) as f32 / 16_777_216.0

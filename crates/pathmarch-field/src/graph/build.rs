@@ -1,4 +1,5 @@
-//! A field made of the tree that people write: placements move down to the leaves, and each object gets its strategy.
+//! Construction of a field from a scene's tree: placements move down to the leaves, and each object gets its evaluation
+//! strategy.
 
 use super::bvh::Bvh;
 use super::pose::Frame;
@@ -10,18 +11,18 @@ use crate::registry::union;
 use crate::shapes::ShapeRef;
 
 impl Field {
-    /// The union of `objects`. A [`Kind::Operator`] without children is left out.
+    /// Builds the union of `objects`. Operators and modifiers without children are left out.
     pub fn new(objects: &[Node]) -> Self {
-        Self::with_shape_grids_from(objects, shape_grid::LEAST)
+        Self::with_shape_grids_from(objects, shape_grid::MIN_SHAPES)
     }
 
-    /// [`new`](Self::new), where so many shapes are a shape_grid.
+    /// [`new`](Self::new) with another least number of shapes of a shape grid; for tests.
     #[doc(hidden)]
     pub fn with_shape_grids_from(objects: &[Node], least: usize) -> Self {
         Self::of(objects, least, false)
     }
 
-    /// [`new`](Self::new), where nothing is met in closed form and nothing is a shape_grid.
+    /// [`new`](Self::new) without analytic objects and shape grids; for tests.
     #[doc(hidden)]
     pub fn all_sphere_traced(objects: &[Node]) -> Self {
         Self::of(objects, usize::MAX, true)
@@ -82,7 +83,7 @@ impl Field {
             }
             Kind::Modifier { modifier, params, children } => {
                 let inside = self.combine(union(), None, children, Frame::WORLD, object, true)?;
-                // An intersection may hold nothing, and a box that holds nothing has no corners.
+                // An intersection may be empty, and an empty box has no corners.
                 let inside_bounds = Some(self.tree_bounds(&inside)).filter(|bounds| !bounds.is_empty());
                 let inside_bounds = inside_bounds.unwrap_or(Aabb::centred(0.0, 0.0, 0.0));
                 self.modifiers += 1;

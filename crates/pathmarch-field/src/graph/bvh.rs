@@ -1,38 +1,38 @@
-//! A bounding volume hierarchy over objects that rays meet in closed form.
+//! Bounding volume hierarchy over analytic objects.
 //!
-//! Idea: boxes in boxes, of which a ray skips those that it misses or meets only beyond what it has met (Rubin and Whitted 1980;
-//! halved at the median along the longest axis). The nodes stand in depth-first order and each says where to go on when it is
-//! skipped, so that a traversal needs no stack (Smits 1998, "Efficiency issues for ray tracing"): the same few lines on the
-//! CPU, eight rays together, and in WGSL, where the nodes are numbers and any number of objects the same code.
+//! Idea: a ray skips the boxes that it misses or enters only behind its nearest hit (Rubin and Whitted 1980; split at the
+//! median along the longest axis). The nodes are in depth-first order, and each has the index of the node after its subtree,
+//! so that traversal needs no stack (Smits 1998, "Efficiency issues for ray tracing"). The CPU runs the same few lines for
+//! eight rays together; in WGSL the nodes are parameters, and the code is the same for any number of objects.
 //!
-//! It answers a second question: how near is the nearest of them, by the distances to the boxes. Cost: two boxes for each shape in
-//! memory, O(n log² n) to build; a traversal visits some tens of nodes for a thousand shapes.
+//! The hierarchy also finds the distance to the nearest object. Cost: two boxes for each shape in memory, O(n log² n) to
+//! build; a traversal visits some tens of nodes for a thousand shapes.
 
 use super::{Batch, Field};
 use crate::bounds::Aabb;
 use crate::number::Vec3;
 
-/// Objects of closed form from which on they stand in a hierarchy: what is fewer is met sooner one by one.
-pub(super) const LEAST: usize = 48;
+/// Least number of analytic objects for a hierarchy; fewer are intersected faster one by one.
+pub(super) const MIN_OBJECTS: usize = 48;
 
-/// A box, and the leaf in it or the boxes behind it.
+/// Node: a bounding box with one leaf, or an inner node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     pub(crate) bounds: Aabb,
-    /// The node after all that is in this one.
+    /// Index of the node after this subtree.
     pub(crate) skip: u32,
-    /// The leaf, if it is no box of boxes.
+    /// Leaf of the field; absent for an inner node.
     pub(crate) leaf: Option<u32>,
 }
 
-/// Nodes in depth-first order; none where there are few objects.
+/// Nodes in depth-first order; none if there are few objects.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bvh {
     pub(crate) nodes: Vec<Node>,
 }
 
 impl Bvh {
-    /// Over leaves and their boxes.
+    /// Builds the hierarchy over leaves and their bounds.
     pub(super) fn new(mut leaves: Vec<(u32, Aabb)>) -> Self {
         let mut bvh = Self { nodes: Vec::with_capacity(2 * leaves.len()) };
         bvh.add(&mut leaves);
@@ -46,7 +46,7 @@ impl Bvh {
     fn add(&mut self, leaves: &mut [(u32, Aabb)]) {
         let Some(&(leaf, _)) = leaves.first() else { return };
         let bounds = leaves.iter().fold(Aabb::NOTHING, |all, (_, bounds)| all.union(*bounds));
-        let place = self.nodes.len();
+        let index = self.nodes.len();
         self.nodes.push(Node { bounds, skip: 0, leaf: (leaves.len() == 1).then_some(leaf) });
         if leaves.len() > 1 {
             let size = |axis: &usize| bounds.max[*axis] - bounds.min[*axis];
@@ -58,21 +58,21 @@ impl Bvh {
             self.add(before);
             self.add(after);
         }
-        self.nodes[place].skip = self.nodes.len() as u32;
+        self.nodes[index].skip = self.nodes.len() as u32;
     }
 
-    /// The first hit of each ray: metres and leaf, or what it has met before.
+    /// Nearest hit of each ray, metres and leaf; or the one found before, if that is nearer.
     pub(super) fn hit<N: Batch>(&self, field: &Field, origin: Vec3<N>, direction: Vec3<N>, before: (N, N)) -> (N, N) {
         if self.nodes.is_empty() {
             return before;
         }
-        let (mut nearest, mut met) = before;
+        let (mut nearest, mut hit_leaf) = before;
         let inverse = [direction.x, direction.y, direction.z].map(|d| {
             let tiny = N::constant(1e-12);
             N::one() / N::select(d.abs().lt(tiny), tiny, d)
         });
-        let mut place = 0;
-        while let Some(node) = self.nodes.get(place) {
+        let mut index = 0;
+        while let Some(node) = self.nodes.get(index) {
             let mut enters = N::zero();
             let mut leaves = nearest;
             for (axis, o) in [origin.x, origin.y, origin.z].into_iter().enumerate() {
@@ -81,48 +81,48 @@ impl Bvh {
                 enters = enters.max(a.min(b));
                 leaves = leaves.min(a.max(b));
             }
-            // A box may be flat.
+            // The margin keeps flat boxes.
             if !N::any(enters.lt(leaves + leaves.abs() * N::constant(1e-6) + N::constant(1e-30))) {
-                place = node.skip as usize;
+                index = node.skip as usize;
                 continue;
             }
             if let Some(leaf) = node.leaf {
                 let t = field.leaves[leaf as usize].ray(origin, direction);
-                met = N::select(t.lt(nearest), N::constant(leaf as f32), met);
+                hit_leaf = N::select(t.lt(nearest), N::constant(leaf as f32), hit_leaf);
                 nearest = nearest.min(t);
             }
-            place += 1;
+            index += 1;
         }
-        (nearest, met)
+        (nearest, hit_leaf)
     }
 
-    /// The distance to the nearest surface of the leaves that count, or what is nearer; the leaf `own` does not count.
+    /// Distance to the nearest surface of the included leaves except `ignored_leaf`; or the one found before, if that is less.
     pub(super) fn distance<N: Batch>(
         &self,
         field: &Field,
         p: Vec3<N>,
         before: N,
-        counts: impl Fn(u32) -> bool,
-        own: N,
+        is_included: impl Fn(u32) -> bool,
+        ignored_leaf: N,
     ) -> N {
         let mut nearest = before;
-        let mut place = 0;
-        while let Some(node) = self.nodes.get(place) {
+        let mut index = 0;
+        while let Some(node) = self.nodes.get(index) {
             let beyond = |axis: usize, p: N| {
                 let (a, b) = (N::constant(node.bounds.min[axis]) - p, p - N::constant(node.bounds.max[axis]));
                 a.max(b).max(N::zero())
             };
             let away = Vec3::new(beyond(0, p.x), beyond(1, p.y), beyond(2, p.z));
             if !N::any(away.length().lt(nearest)) {
-                place = node.skip as usize;
+                index = node.skip as usize;
                 continue;
             }
-            if let Some(leaf) = node.leaf.filter(|&leaf| counts(leaf)) {
+            if let Some(leaf) = node.leaf.filter(|&leaf| is_included(leaf)) {
                 let distance = field.leaves[leaf as usize].distance(p).abs();
-                let is_own = (own - N::constant(leaf as f32)).abs().lt(N::constant(0.5));
-                nearest = N::select(is_own, nearest, nearest.min(distance));
+                let is_ignored = (ignored_leaf - N::constant(leaf as f32)).abs().lt(N::constant(0.5));
+                nearest = N::select(is_ignored, nearest, nearest.min(distance));
             }
-            place += 1;
+            index += 1;
         }
         nearest
     }

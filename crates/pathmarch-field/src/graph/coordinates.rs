@@ -1,19 +1,18 @@
-//! Where a point of the world is in a leaf's own coordinates, and how these change with it.
+//! Local coordinates of a leaf at a world point, with their derivatives.
 //!
-//! What is told of a surface beside its distance lives there: the orbit of a fractal, a texture, which so stays with a shape
-//! that is moved or twisted. Through modifiers the derivatives are those of [`Modifier::point`](crate::Modifier), by the chain
-//! rule. Cost: one transform; for each modifier around the leaf one more, and where it holds copies, a search for the
-//! nearest.
+//! Textures and orbit traps are evaluated in local coordinates, so that they follow a shape that is moved or twisted.
+//! Derivatives pass through modifiers by the chain rule, with those of [`EvalModifier::point`](crate::EvalModifier::point).
+//! Cost: one transform; one more for each modifier around the leaf, with a search for the nearest of its domain copies.
 
 use super::{Batch, Field, Modified, Pose, Tree};
 use crate::number::Vec3;
 
-/// A point in other coordinates than the world's.
+/// Point in local coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Coordinates {
-    /// The point.
+    /// Point in local coordinates, metres.
     pub point: Vec3<f32>,
-    /// The gradient of each of its three coordinates over the world, per metre.
+    /// World-space gradient of each of its three coordinates.
     pub gradients: [Vec3<f32>; 3],
 }
 
@@ -23,7 +22,7 @@ impl Coordinates {
         Self { point: p, gradients: std::array::from_fn(axis) }
     }
 
-    /// The point of gradients over these coordinates.
+    /// Composes with inner coordinates: a point in them and its gradients over these.
     fn inside(&self, point: Vec3<f32>, gradients: [Vec3<f32>; 3]) -> Self {
         let [x, y, z] = self.gradients;
         Self { point, gradients: gradients.map(|g| x * g.x + y * g.y + z * g.z) }
@@ -35,26 +34,26 @@ impl Coordinates {
 }
 
 impl Field {
-    /// Where `p` is in the coordinates of the leaf of this number.
+    /// Coordinates of the world point `p` on this leaf.
     pub fn coordinates(&self, leaf: usize, p: Vec3<f32>) -> Option<Coordinates> {
         let shape = self.leaves.get(leaf)?;
         let mut here = Coordinates::world(p);
-        for modified in self.around(leaf) {
+        for modified in self.modifiers_around(leaf) {
             here = here.placed(&modified.pose);
-            let place = if modified.copies > 1 { self.nearest_inside(modified, here.point).1 } else { 0.0 };
-            let point = f32::modifier(modified.modifier).point_gradient(here.point, place, &modified.coefficients);
+            let copy = if modified.copies > 1 { self.nearest_copy(modified, here.point).1 } else { 0.0 };
+            let point = f32::modifier(modified.modifier).point_gradient(here.point, copy, &modified.coefficients);
             here = here.inside(point.values(), [point.x.gradient, point.y.gradient, point.z.gradient]);
         }
         Some(here.placed(&shape.pose))
     }
 
-    /// The number of the modifier that holds the leaf, counted from 1; 0 for one that stands in the world.
+    /// Number of the innermost modifier around the leaf, from 1; 0 if there is none.
     pub fn enclosing_modifier(&self, leaf: usize) -> u32 {
-        self.around(leaf).last().map_or(0, |modified| modified.index + 1)
+        self.modifiers_around(leaf).last().map_or(0, |modified| modified.index + 1)
     }
 
-    /// The modifiers around a leaf, the outermost first.
-    fn around(&self, leaf: usize) -> Vec<&Modified> {
+    /// Modifiers around a leaf, the outermost first.
+    fn modifiers_around(&self, leaf: usize) -> Vec<&Modified> {
         let mut around = Vec::new();
         if self.leaves.get(leaf).is_some_and(|leaf| leaf.modified) {
             self.objects.iter().any(|object| find(object, leaf as u32, &mut around));
@@ -64,7 +63,7 @@ impl Field {
     }
 }
 
-/// Whether the leaf is in the tree; then `around` has the modifiers on the way, the innermost first.
+/// Searches the tree for a leaf. Returns true if it is there, with the modifiers above it, the innermost first, in `around`.
 fn find<'t>(tree: &'t Tree, leaf: u32, around: &mut Vec<&'t Modified>) -> bool {
     match tree {
         Tree::Leaf(index) => *index == leaf,

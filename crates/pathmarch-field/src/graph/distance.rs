@@ -1,4 +1,4 @@
-//! Distances of a field on the CPU: of all, of what is marched, of objects that count; and hits in closed form.
+//! Distances of a field on the CPU: to all objects, to sphere-traced ones, to chosen ones; and analytic hits.
 
 use super::shape_grid::FarField;
 use super::{Batch, EvalStrategy, Field, Modified, SPHERE_TRACED, Tree};
@@ -15,7 +15,7 @@ impl Field {
         nearest
     }
 
-    /// [`distance`](Self::distance), which far from unions of many shapes need only be about right: what shading asks for.
+    /// Signed distance as [`distance`](Self::distance), but only an estimate far from shape grids; enough for shading.
     pub fn estimated_distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let mut nearest = N::constant(f32::INFINITY);
         for object in self.single_objects() {
@@ -27,8 +27,8 @@ impl Field {
         self.bvh.distance(self, p, nearest, |_| true, N::constant(SPHERE_TRACED))
     }
 
-    /// Distance to the nearest surface that must be marched, from outside or inside; infinite where there is none. Every
-    /// object keeps its own surface: what lies inside a clear one is seen.
+    /// Unsigned distance to the nearest surface of the sphere-traced objects, metres; infinite if there are none. Every object
+    /// keeps its own surface, so that objects inside a transparent one are visible.
     pub fn sphere_traced_distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let mut nearest = N::constant(f32::INFINITY);
         for object in self.sphere_traced_objects() {
@@ -40,26 +40,26 @@ impl Field {
         nearest
     }
 
-    /// Distance from each point to the nearest surface of the objects that count, from outside or inside; infinite where
-    /// there is none. `counts` has one entry for each object, in their order. The object whose only leaf has the number `own`
-    /// does not count if it has a closed form: it is convex, so that nothing of it is before its own surface.
-    pub fn distance_to<N: Batch>(&self, p: Vec3<N>, counts: &[bool], own: N) -> N {
+    /// Unsigned distance from each point to the nearest surface of the included objects, metres; infinite if there are none.
+    /// `included` has one entry for each object. The analytic object whose only leaf is `ignored_leaf` is left out: it is
+    /// convex and does not occlude its own surface.
+    pub fn distance_to<N: Batch>(&self, p: Vec3<N>, included: &[bool], ignored_leaf: N) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for (object, _) in self.single_objects_with(counts).filter(|(_, counts)| *counts) {
+        for (object, _) in self.single_objects_with(included).filter(|(_, included)| *included) {
             let closer = nearest.min(self.tree_distance(object, p).abs());
             nearest = match self.direct(object) {
                 Some(leaf) => {
-                    let is_own = (own - N::constant(leaf as f32)).abs().lt(N::constant(0.5));
-                    N::select(is_own, nearest, closer)
+                    let is_ignored = (ignored_leaf - N::constant(leaf as f32)).abs().lt(N::constant(0.5));
+                    N::select(is_ignored, nearest, closer)
                 }
                 None => closer,
             };
         }
-        for shape_grid in self.included_shape_grids(counts) {
+        for shape_grid in self.included_shape_grids(included) {
             nearest = nearest.min(self.shape_grids[shape_grid].distance(self, p, FarField::Estimate).abs());
         }
-        let leaf_counts = |leaf: u32| counts.get(self.leaves[leaf as usize].object as usize) == Some(&true);
-        self.bvh.distance(self, p, nearest, leaf_counts, own)
+        let is_included = |leaf: u32| included.get(self.leaves[leaf as usize].object as usize) == Some(&true);
+        self.bvh.distance(self, p, nearest, is_included, ignored_leaf)
     }
 
     /// Signed distance from each point to each object, in their order, metres.
@@ -70,8 +70,8 @@ impl Field {
         })
     }
 
-    /// Metres along each unit vector `direction` to the first surface of the objects that are met in closed form, or
-    /// [`T_MAX`]; and the number of its leaf, or [`SPHERE_TRACED`].
+    /// First analytic hit of each ray: metres along the unit vector `direction`, or [`T_MAX`]; and the index of the leaf, or
+    /// [`SPHERE_TRACED`] if there is none.
     pub fn analytic_hit<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> (N, N) {
         let mut hit = (N::constant(T_MAX), N::constant(SPHERE_TRACED));
         for object in self.analytic_objects() {
@@ -85,7 +85,7 @@ impl Field {
             Tree::Leaf(leaf) => self.leaves[*leaf as usize].distance(p),
             Tree::Modifier(modified) => {
                 let p = modified.pose.local(p);
-                let (inside, _) = self.nearest_inside(modified, p);
+                let (inside, _) = self.nearest_copy(modified, p);
                 modified.pose.length(N::modifier(modified.modifier).distance(p, inside, &modified.coefficients))
             }
             Tree::Operator { operator, smooth, children, .. } => {
@@ -98,14 +98,14 @@ impl Field {
         }
     }
 
-    /// The least distance of what a modifier holds at the points of `p`, and the number of that point.
-    pub(super) fn nearest_inside<N: Batch>(&self, modified: &Modified, p: Vec3<N>) -> (N, N) {
+    /// Least distance of a modifier's child over its domain copies at `p`, and the index of that copy.
+    pub(super) fn nearest_copy<N: Batch>(&self, modified: &Modified, p: Vec3<N>) -> (N, N) {
         let mut nearest = (N::constant(f32::INFINITY), N::zero());
-        for place in 0..modified.copies {
-            let place = N::constant(place as f32);
-            let point = N::modifier(modified.modifier).point(p, place, &modified.coefficients);
+        for copy in 0..modified.copies {
+            let copy = N::constant(copy as f32);
+            let point = N::modifier(modified.modifier).point(p, copy, &modified.coefficients);
             let distance = self.tree_distance(&modified.inside, point);
-            nearest.1 = N::select(distance.lt(nearest.0), place, nearest.1);
+            nearest.1 = N::select(distance.lt(nearest.0), copy, nearest.1);
             nearest.0 = nearest.0.min(distance);
         }
         nearest

@@ -1,26 +1,26 @@
-//! A leaf of a field: a shape, its numbers and where it stands, evaluated in the coordinates around it.
+//! Leaf of a field: a shape, its coefficients and its pose.
 
 use super::{Batch, Pose};
 use crate::number::{Dual, Vec3};
 use crate::ray_interval::RayInterval;
 use crate::shapes::ShapeRef;
 
-/// A shape of the field.
+/// Placed shape of a field.
 #[derive(Clone, Debug)]
 pub struct Leaf {
-    /// The shape.
+    /// Shape.
     pub shape: ShapeRef,
-    /// What it reads: [`Shape::coefficients`](crate::Shape::coefficients).
+    /// Coefficients: [`Shape::coefficients`](crate::Shape::coefficients).
     pub params: Vec<f32>,
-    /// The tag of its node.
+    /// Tag of its node.
     pub tag: u32,
-    /// Index of the object it belongs to.
+    /// Index of its object.
     pub object: u32,
-    /// Where it stands.
+    /// Pose in the world, or in the space of the modifier around it.
     pub pose: Pose,
-    /// Whether that is in the space of a modifier, not in the world.
+    /// True if the pose is in the space of a modifier.
     pub modified: bool,
-    /// Whether rays meet it in closed form from within: it is taken away from its object.
+    /// True if its analytic object subtracts it: rays hit it from inside.
     pub subtracted: bool,
 }
 

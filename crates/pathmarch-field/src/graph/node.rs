@@ -1,4 +1,4 @@
-//! The tree that people write: shapes and operators, each where it stands under its parent.
+//! Tree of a scene: shapes, operators and modifiers, each placed relative to its parent.
 
 use super::pose::{Frame, Pose};
 use crate::blend::Blend;
@@ -6,61 +6,61 @@ use crate::modifiers::Modifier;
 use crate::operators::Operator;
 use crate::shapes::ShapeRef;
 
-/// Where a node stands: scale first, then turn, then move.
+/// Placement of a node: scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Placement {
-    /// Direction that the shape's +y is turned to, before everything else; any length but zero.
+    /// Direction to which the shape's +y is turned first; any length above zero.
     pub normal: Option<[f32; 3]>,
-    /// Uniform factor, above zero.
+    /// Uniform scale, above zero.
     pub scale: Option<f32>,
-    /// Degrees about the fixed x, then y, then z axis, right-handed.
+    /// Rotation about the fixed x, then y, then z axis, degrees, right-handed.
     pub rotate: Option<[f32; 3]>,
-    /// Position, metres.
+    /// Translation, metres.
     pub at: Option<[f32; 3]>,
 }
 
 impl Placement {
-    /// The coordinates of what stands there.
+    /// Local coordinates of the node.
     pub fn pose(&self) -> Pose {
         Frame::WORLD.inside(self).pose()
     }
 }
 
-/// One shape or operator of the tree people write.
+/// Node of a scene's tree.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// What it is.
+    /// Shape, operator or modifier.
     pub kind: Kind,
-    /// Where it stands, relative to its parent.
+    /// Placement relative to its parent.
     pub placement: Placement,
 }
 
-/// What a [`Node`] is.
+/// Kind of a [`Node`].
 #[derive(Clone, Debug)]
 pub enum Kind {
-    /// A shape and its numbers, in the order of [`Shape::params`](crate::Shape::params).
+    /// Shape with its parameters, in the order of [`Shape::params`](crate::Shape::params).
     Shape {
-        /// The shape.
+        /// Shape.
         shape: ShapeRef,
-        /// Its numbers.
+        /// Values of its parameters.
         params: Vec<f32>,
-        /// Whatever the caller wants to know of a hit here; the scene keeps the material in it.
+        /// Value of the caller's choice for hits on it; scenes store the material.
         tag: u32,
     },
-    /// An operator over its children, folded from the first to the last.
+    /// Operator over its children, folded from the first to the last.
     Operator {
-        /// The operator.
+        /// Operator or modifier.
         operator: &'static dyn Operator,
-        /// How it blends; sharp when absent.
+        /// Blend; sharp if absent.
         smooth: Option<Blend>,
         /// At least one.
         children: Vec<Node>,
     },
-    /// An operator that changes the union of its children.
+    /// Modifier of the union of its children.
     Modifier {
-        /// The operator.
+        /// Operator or modifier.
         modifier: &'static dyn Modifier,
-        /// Its numbers, in the order of [`Modifier::params`].
+        /// Values of its parameters, in the order of [`Modifier::params`].
         params: Vec<f32>,
         /// At least one.
         children: Vec<Node>,

@@ -1,33 +1,33 @@
-//! Local coordinates: placements folded into one similarity, and what it does to points, lengths and boxes.
+//! Local coordinates: placements composed to one similarity, which transforms points, lengths and boxes.
 
 use super::Placement;
 use crate::bounds::Aabb;
 use crate::number::{Dual, Real, Vec3};
 use glam::{EulerRot, Mat3, Quat};
 
-/// How local coordinates are scaled and turned; decides which code is printed.
+/// Rotation and scale of local coordinates, which decide on the printed code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Turn {
-    /// Neither.
+    /// No rotation or scale.
     None,
-    /// Scaled only.
+    /// Scale only.
     Scaled,
-    /// Turned, perhaps scaled.
+    /// Rotation, perhaps with scale.
     Turned,
 }
 
-/// Local coordinates: where a shape stands in the world, or in the space of the modifier that holds it.
+/// Local coordinates of a shape, in the world or in the space of the modifier around it.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
-    /// Whether any placement moves it.
+    /// True if any placement translates it.
     pub moved: bool,
-    /// Whether any placement scales or turns it.
+    /// Rotation and scale by its placements.
     pub turn: Turn,
     /// Origin of the local coordinates, metres.
     pub at: [f32; 3],
     /// Size of a local unit, metres.
     pub scale: f32,
-    /// The local axes x, y, z in the world, each of length one.
+    /// Local axes x, y, z in the world, unit vectors.
     pub axes: [[f32; 3]; 3],
 }
 
@@ -51,7 +51,7 @@ impl Pose {
         }
     }
 
-    /// A direction in local axes; its length stays.
+    /// Direction in local axes, of the same length.
     #[inline]
     pub(super) fn turned<N: Real>(&self, direction: Vec3<N>) -> Vec3<N> {
         if self.turn != Turn::Turned {
@@ -61,13 +61,13 @@ impl Pose {
         Vec3::new(x, y, z)
     }
 
-    /// A length in local coordinates as one in the world.
+    /// Converts a length from local coordinates to the world.
     #[inline]
     pub(super) fn length<N: Real>(&self, local: N) -> N {
         if self.turn == Turn::None { local } else { local * N::constant(self.scale) }
     }
 
-    /// A distance and its gradient in local coordinates as those in the world.
+    /// Converts a distance and its gradient from local coordinates to the world.
     #[inline]
     pub(super) fn world<N: Real>(&self, local: Dual<N>) -> Dual<N> {
         let value = self.length(local.value);
@@ -79,7 +79,7 @@ impl Pose {
         Dual { value, gradient: x * g.x + y * g.y + z * g.z }
     }
 
-    /// A box in the world that holds what this local box holds.
+    /// World bounds of a local box.
     pub(super) fn world_bounds(&self, local: Aabb) -> Aabb {
         if self.turn != Turn::Turned {
             let place = |v: [f32; 3]| std::array::from_fn(|k| v[k] * self.scale + self.at[k]);
@@ -99,7 +99,7 @@ impl Pose {
     }
 }
 
-/// A placement under its parents: a similarity of the world, and which parts of it were written.
+/// Placement composed with those of its parents: a similarity of the world, and the parts that were written.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
     at: glam::Vec3,

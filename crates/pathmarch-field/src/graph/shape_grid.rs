@@ -1,18 +1,18 @@
-//! Shape grids: unions of so many shapes that they are numbers, not code.
+//! Shape grids: unions of so many shapes that they are data, not code.
 //!
-//! Idea: of thousands of shapes only a few matter near a point. A sparse grid over the shape_grid keeps for each of its cells which
-//! ones, and in what order they are folded; cells far from every surface keep one bound of the distance instead (Barbier
-//! et al. 2025, "Lipschitz Pruning: Hierarchical Simplification of ShapeDef-Based SDFs"). `grid.rs`
-//! has the rule and the building.
+//! Idea: of thousands of shapes only a few affect the distance near a point. A sparse grid lists for each cell those shapes,
+//! in the order of the fold; cells far from every surface have one bound of the distance instead (Barbier et al. 2025,
+//! "Lipschitz Pruning: Hierarchical Simplification of Primitive-Based SDFs"). `sparse_grid.rs` has the pruning rule and the
+//! construction.
 //!
-//! Where we differ: a shape_grid is one fold over a list and not a tree of operators, so that what matters can be told exactly; near
-//! a surface the value is that of the whole fold, up to its rounding. Grids are sparse and stop at short lists. A cell without
-//! a list keeps the point of the surface nearest to its centre, which stands for the shape_grid where a view is so coarse that a
-//! ray ends there, and where shading asks for a distance rather than for a bound.
+//! Where we differ: a shape grid is one fold over a list, not a tree of operators, so that pruning is exact: near a surface
+//! the value is that of the whole fold, up to rounding. Grids are sparse and stop at short lists. A cell without a list has
+//! the surface point nearest to its centre. Rays end on it in coarse views, and shading estimates distances with it.
 //!
-//! A shape_grid is an object that is one union, sharp or smooth, of at least [`LEAST`] shapes that have ends and are no fractals, or all objects that are one
-//! such shape each and are marched. Cost: a descent of at most five cells and the fold of a short list; building 10,000 shapes
-//! takes a fraction of a second, done when something is first marched. Memory is bounded: [`SparseGrid::bytes`].
+//! Two kinds of shapes are in grids: those of an object that is one union, sharp or smooth, of at least [`MIN_SHAPES`]
+//! bounded shapes without fractals; and all sphere-traced objects of one such shape each, if there are as many. Cost: a
+//! descent of at most five cells and the fold of a short list. The first sphere-traced ray builds the grid: a fraction of a
+//! second for 10,000 shapes. Memory is bounded: [`SparseGrid::bytes`].
 
 mod sparse_grid;
 
@@ -27,38 +27,38 @@ pub(crate) use sparse_grid::{BITS, Cell, SPLITS, SparseGrid};
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
-/// Shapes of a union from which on they are a shape_grid.
-pub(crate) const LEAST: usize = 24;
+/// Least number of shapes of a shape grid.
+pub(crate) const MIN_SHAPES: usize = 24;
 
-/// Many shapes and what is known of them.
+/// Union of many shapes, evaluated by a sparse grid.
 #[derive(Clone, Debug)]
 pub(crate) struct ShapeGrid {
-    /// In the order of the fold.
+    /// Leaves of the field, in the order of the fold.
     pub(crate) leaves: Vec<u32>,
-    /// How the union blends; sharp when absent.
+    /// Blend of the union; sharp if absent.
     pub(crate) smooth: Option<Blend>,
-    /// Whether each is an object of its own, whose surface counts from both sides.
+    /// True if each shape is an object of its own, whose distance is unsigned.
     pub(crate) separate: bool,
-    /// Number of the first choice among blended materials.
+    /// Index of the first random choice among blended materials.
     pub(crate) first_choice: u32,
-    /// A box that holds all of them.
+    /// Bounds of all shapes.
     pub(crate) bounds: Aabb,
     grid: Arc<OnceLock<SparseGrid>>,
 }
 
-/// What stands for the distance far from all surfaces.
+/// Value of the distance far from all surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FarField {
-    /// Something nearer to zero, of its sign.
+    /// A bound: nearer to zero than the distance, of the same sign.
     Bound,
-    /// About the distance itself.
+    /// An estimate of the distance.
     Estimate,
-    /// The whole fold.
+    /// The exact fold of all shapes.
     Exact,
 }
 
-/// How far the fold of any number of shapes reaches beyond them: once the result is that far below the next distance, that does
-/// not change it, and what is nearer lowers it by no more than what is left.
+/// Largest offset of the surface of a fold beyond its shapes, metres: a result that is so far below the next distance does not
+/// change any more.
 pub(crate) fn growth(smooth: Option<Blend>, shapes: usize) -> f32 {
     let Some(blend) = smooth else { return 0.0 };
     let steps = if blend.profile == BlendProfile::Stairs { 1.0 + 1.0 / blend.steps } else { 1.0 };
@@ -76,17 +76,17 @@ impl ShapeGrid {
         Self { leaves, smooth, separate, first_choice, bounds, grid: Arc::default() }
     }
 
-    /// The grid, built when it is first asked for.
+    /// The grid, built on first use.
     pub(crate) fn grid(&self, field: &Field) -> &SparseGrid {
         self.grid.get_or_init(|| SparseGrid::new(field, self))
     }
 
-    /// The grid, if it was built.
-    pub(crate) fn built(&self) -> Option<&SparseGrid> {
+    /// The grid, if it has been built.
+    pub(crate) fn built_grid(&self) -> Option<&SparseGrid> {
         self.grid.get()
     }
 
-    /// The distance of the shapes in the list.
+    /// Distance of the union of the listed shapes.
     fn fold<N: Batch>(&self, field: &Field, list: impl IntoIterator<Item = u32>, p: Vec3<N>) -> N {
         let mut distances = list.into_iter().map(|number| {
             let distance: N = field.leaves[self.leaves[number as usize] as usize].distance(p);
@@ -97,7 +97,7 @@ impl ShapeGrid {
         distances.fold(first, |result, distance| N::operator(operator).distance(result, distance, self.smooth))
     }
 
-    /// The surface of the shapes in the list; thresholds are as in [`Field::surface_at_hit`].
+    /// Surface of the union of the listed shapes; thresholds are as in [`Field::surface_at_hit`].
     fn fold_surface<N: Batch>(
         &self,
         field: &Field,
@@ -107,10 +107,10 @@ impl ShapeGrid {
     ) -> Surface<N> {
         let operator = union();
         let mut result = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
-        for (place, number) in list.into_iter().enumerate() {
+        for (position, number) in list.into_iter().enumerate() {
             let leaf = self.leaves[number as usize];
             let other = Surface { field: field.leaves[leaf as usize].surface(p), leaf: N::constant(leaf as f32) };
-            if place == 0 {
+            if position == 0 {
                 result = other;
                 continue;
             }
@@ -131,20 +131,20 @@ impl ShapeGrid {
         result
     }
 
-    fn everyone(&self) -> std::ops::Range<u32> {
+    fn all_shapes(&self) -> std::ops::Range<u32> {
         0..self.leaves.len() as u32
     }
 
-    /// The distance from each point, unsigned where the shapes are [separate](Self::apart).
+    /// Distance from each point, metres; unsigned if the shapes are [separate](Self::separate).
     pub(super) fn distance<N: Batch>(&self, field: &Field, p: Vec3<N>, far_field: FarField) -> N {
-        let grid = match (far_field, self.built()) {
-            (FarField::Exact, None) => return self.fold(field, self.everyone(), p),
+        let grid = match (far_field, self.built_grid()) {
+            (FarField::Exact, None) => return self.fold(field, self.all_shapes(), p),
             (_, Some(grid)) => grid,
             (_, None) => self.grid(field),
         };
         let [x, y, z] = [p.x, p.y, p.z].map(N::lanes);
         let mut values = [0.0; 8];
-        // The list of each lane that has one.
+        // List of each lane in a near cell.
         let mut lists: [Option<&[u32]>; 8] = [None; 8];
         let mut is_exact = true;
         for lane in 0..N::LANES {
@@ -166,14 +166,14 @@ impl ShapeGrid {
             }
         }
         if !is_exact {
-            return self.fold(field, self.everyone(), p);
+            return self.fold(field, self.all_shapes(), p);
         }
         let far_field = N::from_lanes(values);
         let far_field = if self.separate { far_field.abs() } else { far_field };
         self.by_list::<N, N>(far_field, &lists, |list| self.fold(field, list.iter().copied(), p), N::select)
     }
 
-    /// The surface of the shape_grid as seen from each point; where none is near, a plane stands for it unless `far_field` is exact.
+    /// Surface of the union at each point; far from it a plane replaces it, unless `far_field` is exact.
     pub(super) fn surface<N: Batch>(
         &self,
         field: &Field,
@@ -181,13 +181,13 @@ impl ShapeGrid {
         threshold: &dyn Fn(u32) -> N,
         far_field: FarField,
     ) -> Surface<N> {
-        let grid = match (far_field, self.built()) {
-            (FarField::Exact, None) => return self.fold_surface(field, self.everyone(), p, threshold),
+        let grid = match (far_field, self.built_grid()) {
+            (FarField::Exact, None) => return self.fold_surface(field, self.all_shapes(), p, threshold),
             (_, Some(grid)) => grid,
             (_, None) => self.grid(field),
         };
         let [x, y, z] = [p.x, p.y, p.z].map(N::lanes);
-        // Distance, gradient, leaf.
+        // Distance, gradient and leaf of each lane.
         let mut values = [[0.0; 8]; 5];
         let mut lists: [Option<&[u32]>; 8] = [None; 8];
         let mut is_exact = true;
@@ -210,7 +210,7 @@ impl ShapeGrid {
             }
         }
         if !is_exact {
-            return self.fold_surface(field, self.everyone(), p, threshold);
+            return self.fold_surface(field, self.all_shapes(), p, threshold);
         }
         let [value, gx, gy, gz, leaf] = values.map(N::from_lanes);
         let far_field = Surface { field: Dual { value, gradient: Vec3::new(gx, gy, gz) }, leaf };
@@ -221,7 +221,7 @@ impl ShapeGrid {
         })
     }
 
-    /// Evaluates each list that some lane has, once for all lanes, and chooses by lane.
+    /// Evaluates each distinct list once for all lanes and selects the results by lane.
     fn by_list<N: Batch, T: Copy>(
         &self,
         otherwise: T,
@@ -233,11 +233,11 @@ impl ShapeGrid {
         let mut done = [false; 8];
         for lane in 0..N::LANES {
             let Some(list) = lists[lane].filter(|_| !done[lane]) else { continue };
-            let mut own = [0.0; 8];
+            let mut has_list = [0.0; 8];
             let mut count = 0;
             for other in lane..N::LANES {
                 if lists[other].is_some_and(|other| std::ptr::eq(other, list)) {
-                    (done[other], own[other]) = (true, 1.0);
+                    (done[other], has_list[other]) = (true, 1.0);
                     count += 1;
                 }
             }
@@ -245,7 +245,7 @@ impl ShapeGrid {
             if count == N::LANES {
                 return found;
             }
-            result = select(N::constant(0.5).lt(N::from_lanes(own)), found, result);
+            result = select(N::constant(0.5).lt(N::from_lanes(has_list)), found, result);
         }
         result
     }
@@ -256,40 +256,40 @@ fn length(a: [f32; 3], b: [f32; 3]) -> f32 {
     (x * x + y * y + z * z).sqrt()
 }
 
-/// Whether an operator is the union.
-pub(super) fn joins(operator: &dyn Operator) -> bool {
+/// Reports whether an operator is the union.
+pub(super) fn is_union(operator: &dyn Operator) -> bool {
     operator.info().name == union().info().name
 }
 
 impl Field {
-    /// Makes shape_grids of what has at least so many shapes.
+    /// Moves unions and separate objects of at least this many shapes to shape grids, and many analytic objects to the BVH.
     pub(super) fn gather_shape_grids(&mut self, least: usize) {
         let least = least.max(2);
         let mut strategies = std::mem::take(&mut self.strategies);
-        // Fractals stay code: what is asked of their orbits is.
-        let has_end = |leaf: u32| {
+        // Fractals stay code, because their orbit traps are code.
+        let finite_bounds = |leaf: u32| {
             let bounds = Some(self.leaf_bounds(leaf as usize)).filter(|b| b.is_finite() && !b.is_empty());
             bounds.filter(|_| !self.leaves[leaf as usize].shape.has_orbit())
         };
         let mut shape_grids = Vec::new();
-        let (mut separate, mut closed) = (Vec::new(), Vec::new());
+        let (mut separate, mut analytic) = (Vec::new(), Vec::new());
         for (index, object) in self.objects.iter().enumerate() {
             match object {
-                Tree::Leaf(leaf) if self.direct(object).is_none() && has_end(*leaf).is_some() => {
+                Tree::Leaf(leaf) if self.direct(object).is_none() && finite_bounds(*leaf).is_some() => {
                     separate.push((index, *leaf))
                 }
-                Tree::Leaf(leaf) if self.direct(object).is_some() && has_end(*leaf).is_some() => {
-                    closed.push((index, *leaf));
+                Tree::Leaf(leaf) if self.direct(object).is_some() && finite_bounds(*leaf).is_some() => {
+                    analytic.push((index, *leaf));
                 }
                 Tree::Operator { operator, smooth, children, first_choice }
                     if strategies[index] == EvalStrategy::SphereTraced
                         && children.len() >= least
-                        && joins(*operator) =>
+                        && is_union(*operator) =>
                 {
                     let leaves: Option<Vec<u32>> = children
                         .iter()
                         .map(|child| match child {
-                            Tree::Leaf(leaf) => has_end(*leaf).map(|_| *leaf),
+                            Tree::Leaf(leaf) => finite_bounds(*leaf).map(|_| *leaf),
                             _ => None,
                         })
                         .collect();
@@ -320,26 +320,26 @@ impl Field {
                 bounds,
             ));
         }
-        if closed.len() >= least.max(bvh::LEAST) {
-            for &(index, _) in &closed {
+        if analytic.len() >= least.max(bvh::MIN_OBJECTS) {
+            for &(index, _) in &analytic {
                 strategies[index] = EvalStrategy::InBvh;
             }
-            self.bvh = Bvh::new(closed.into_iter().map(|(index, leaf)| (leaf, self.object_bounds[index])).collect());
+            self.bvh = Bvh::new(analytic.into_iter().map(|(index, leaf)| (leaf, self.object_bounds[index])).collect());
         }
         (self.strategies, self.shape_grids) = (strategies, shape_grids);
     }
 
-    /// Objects that are in no shape_grid and none themselves.
+    /// Objects outside of shape grids and the BVH.
     pub(crate) fn single_objects(&self) -> impl Iterator<Item = &Tree> {
         self.with_strategy(|strategy| matches!(strategy, EvalStrategy::Analytic | EvalStrategy::SphereTraced))
     }
 
-    /// Those of them that rays meet in closed form.
+    /// Analytic objects among them.
     pub(crate) fn analytic_objects(&self) -> impl Iterator<Item = &Tree> {
         self.with_strategy(|strategy| strategy == EvalStrategy::Analytic)
     }
 
-    /// Those of them that are marched.
+    /// Sphere-traced objects among them.
     pub(crate) fn sphere_traced_objects(&self) -> impl Iterator<Item = &Tree> {
         self.with_strategy(|strategy| strategy == EvalStrategy::SphereTraced)
     }
@@ -352,51 +352,51 @@ impl Field {
             .map(|(object, _)| object)
     }
 
-    /// Those in no shape_grid, and what `counts` says of each.
-    pub(crate) fn single_objects_with(&self, counts: &[bool]) -> impl Iterator<Item = (&Tree, bool)> {
-        let all = self.objects.iter().zip(&self.strategies).zip(counts);
+    /// Objects outside of shape grids and the BVH, each with its entry of `included`.
+    pub(crate) fn single_objects_with(&self, included: &[bool]) -> impl Iterator<Item = (&Tree, bool)> {
+        let all = self.objects.iter().zip(&self.strategies).zip(included);
         all.filter(|((_, strategy), _)| matches!(strategy, EvalStrategy::Analytic | EvalStrategy::SphereTraced))
-            .map(|((object, _), counts)| (object, *counts))
+            .map(|((object, _), included)| (object, *included))
     }
 
-    /// Numbers of the shape_grids of which any object counts.
-    pub(crate) fn included_shape_grids(&self, counts: &[bool]) -> Vec<usize> {
+    /// Indices of the shape grids with an included object.
+    pub(crate) fn included_shape_grids(&self, included: &[bool]) -> Vec<usize> {
         let last = self.shape_grids.len().wrapping_sub(1);
-        let number = |(strategy, counts): (&EvalStrategy, &bool)| match strategy {
-            _ if !counts => None,
+        let number = |(strategy, included): (&EvalStrategy, &bool)| match strategy {
+            _ if !included => None,
             EvalStrategy::Analytic | EvalStrategy::SphereTraced | EvalStrategy::InBvh => None,
             EvalStrategy::ShapeGrid(shape_grid) => Some(*shape_grid),
             EvalStrategy::InShapeGrid => Some(last),
         };
-        let numbers: BTreeSet<usize> = self.strategies.iter().zip(counts).filter_map(number).collect();
+        let numbers: BTreeSet<usize> = self.strategies.iter().zip(included).filter_map(number).collect();
         numbers.into_iter().collect()
     }
 
-    /// Over the objects of closed form that are in it.
+    /// Hierarchy over many analytic objects.
     pub(crate) fn bvh(&self) -> &Bvh {
         &self.bvh
     }
 
-    /// Those of many shapes.
+    /// Shape grids of the field.
     pub(crate) fn shape_grids(&self) -> &[ShapeGrid] {
         &self.shape_grids
     }
 
-    /// Builds what finds the shapes near a point, where there are many: for those who will ask for many distances.
+    /// Builds all shape grids now instead of on first use, e.g. before many distances.
     pub fn build_shape_grids(&self) {
         for shape_grid in &self.shape_grids {
             shape_grid.grid(self);
         }
     }
 
-    /// How many shapes are printed as code: those of shape_grids are numbers.
+    /// Number of shapes that are printed as code, not stored as data.
     pub fn shapes_as_code(&self) -> usize {
         let in_bvh = self.strategies.iter().filter(|strategy| **strategy == EvalStrategy::InBvh).count();
         self.leaves.len() - in_bvh - self.shape_grids.iter().map(|shape_grid| shape_grid.leaves.len()).sum::<usize>()
     }
 
-    /// What the grids of shape_grids take that were built so far, bytes.
+    /// Memory of the shape grids that have been built, bytes.
     pub fn shape_grid_bytes(&self) -> usize {
-        self.shape_grids.iter().filter_map(ShapeGrid::built).map(SparseGrid::bytes).sum()
+        self.shape_grids.iter().filter_map(ShapeGrid::built_grid).map(SparseGrid::bytes).sum()
     }
 }

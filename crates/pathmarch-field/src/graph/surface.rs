@@ -4,24 +4,23 @@ use super::shape_grid::FarField;
 use super::{Batch, EvalStrategy, Field, Modified, Tree};
 use crate::number::{Dual, Real, Vec3};
 
-/// The nearest surface as seen from a point.
+/// Nearest surface to a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<N> {
-    /// Distance and its gradient.
+    /// Signed distance, metres, and its gradient.
     pub field: Dual<N>,
-    /// Index into [`Field::leaves`] of the leaf whose material shows, as a number.
+    /// Index into [`Field::leaves`] of the leaf whose material shows.
     pub leaf: N,
 }
 
 impl Field {
-    /// The nearest surface of an object from each point: signed distance to that object, gradient, and the leaf whose
-    /// material shows. Where smooth operators blend materials, one of them is chosen with the probability of its weight,
-    /// by the point's seed.
+    /// Surface of the nearest object to each point: signed distance to that object, gradient, and the leaf whose material
+    /// shows. Smooth operators blend materials at random: each shows with the probability of its weight, by the point's seed.
     pub fn surface<N: Batch>(&self, p: Vec3<N>, seeds: N::Seeds) -> Surface<N> {
         self.nearest_surface(p, |_| N::truth(true), &|index| N::choice(seeds, index), FarField::Exact)
     }
 
-    /// The surface of the union at each point: of the object whose signed distance is least, as in
+    /// Surface of the union at each point: that of the object with the least signed distance, as in
     /// [`distance`](Self::distance). Thresholds are as in [`surface_at_hit`](Self::surface_at_hit).
     pub fn union_surface<N: Batch>(&self, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         let mut least = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
@@ -41,15 +40,15 @@ impl Field {
         least
     }
 
-    /// The surface that a ray met at each point, as [`surface`](Self::surface): of the leaf of closed form that
-    /// [`analytic_hit`](Self::analytic_hit) gave as `met`, or of the objects that are marched where that is
-    /// [`SPHERE_TRACED`](super::SPHERE_TRACED). Where a smooth operator blends two materials, the second one shows if its weight exceeds
-    /// the threshold of the blend's number: [`Batch::choice`], or 0.5 for the heavier one.
-    pub fn surface_at_hit<N: Batch>(&self, p: Vec3<N>, met: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
-        let all = &met.lanes()[..N::LANES];
+    /// Surface at the hit of a ray at each point, as [`surface`](Self::surface). `hit_leaf` is the leaf returned by
+    /// [`analytic_hit`](Self::analytic_hit), or [`SPHERE_TRACED`](super::SPHERE_TRACED) for the nearest sphere-traced object.
+    /// In a smooth operator, the second material shows if its weight exceeds the threshold of the blend's index:
+    /// [`Batch::choice`], or 0.5 for the larger weight.
+    pub fn surface_at_hit<N: Batch>(&self, p: Vec3<N>, hit_leaf: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
+        let all = &hit_leaf.lanes()[..N::LANES];
         let mut result = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
-        if all.iter().any(|&met| met < 0.0) {
-            result = self.nearest_surface(p, |closed| N::truth(!closed), threshold, FarField::Estimate);
+        if all.iter().any(|&leaf| leaf < 0.0) {
+            result = self.nearest_surface(p, |analytic| N::truth(!analytic), threshold, FarField::Estimate);
         }
         for (lane, &leaf) in all.iter().enumerate().filter(|(_, leaf)| **leaf >= 0.0) {
             if all[..lane].contains(&leaf) {
@@ -57,10 +56,10 @@ impl Field {
             }
             let Some(shape) = self.leaves.get(leaf as usize) else { continue };
             let field = if shape.subtracted { -shape.surface(p) } else { shape.surface(p) };
-            let is_it = (met - N::constant(leaf)).abs().lt(N::constant(0.5));
+            let is_hit = (hit_leaf - N::constant(leaf)).abs().lt(N::constant(0.5));
             result = Surface {
-                field: Dual::select(is_it, field, result.field),
-                leaf: N::select(is_it, N::constant(leaf), result.leaf),
+                field: Dual::select(is_hit, field, result.field),
+                leaf: N::select(is_hit, N::constant(leaf), result.leaf),
             };
         }
         result
@@ -69,27 +68,27 @@ impl Field {
     fn nearest_surface<N: Batch>(
         &self,
         p: Vec3<N>,
-        counts: impl Fn(bool) -> N::Mask,
+        is_included: impl Fn(bool) -> N::Mask,
         threshold: &dyn Fn(u32) -> N,
         far_field: FarField,
     ) -> Surface<N> {
         let mut nearest = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
-        let mut add = |surface: Surface<N>, counts: N::Mask| {
-            let closer = surface.field.value.abs().lt(nearest.field.value.abs()) & counts;
+        let mut add = |surface: Surface<N>, is_included: N::Mask| {
+            let closer = surface.field.value.abs().lt(nearest.field.value.abs()) & is_included;
             nearest = Surface {
                 field: Dual::select(closer, surface.field, nearest.field),
                 leaf: N::select(closer, surface.leaf, nearest.leaf),
             };
         };
         for (object, strategy) in self.objects.iter().zip(&self.strategies) {
-            let closed = matches!(strategy, EvalStrategy::Analytic | EvalStrategy::InBvh);
-            let is_evaluated = closed || *strategy == EvalStrategy::SphereTraced;
-            if is_evaluated && N::any(counts(closed)) {
-                add(self.tree_surface(object, p, threshold), counts(closed));
+            let analytic = matches!(strategy, EvalStrategy::Analytic | EvalStrategy::InBvh);
+            let is_evaluated = analytic || *strategy == EvalStrategy::SphereTraced;
+            if is_evaluated && N::any(is_included(analytic)) {
+                add(self.tree_surface(object, p, threshold), is_included(analytic));
             }
         }
         for shape_grid in &self.shape_grids {
-            add(shape_grid.surface(self, p, threshold, far_field), counts(false));
+            add(shape_grid.surface(self, p, threshold, far_field), is_included(false));
         }
         nearest
     }
@@ -103,10 +102,10 @@ impl Field {
             Tree::Modifier(modified) => {
                 let Modified { modifier, coefficients, pose, inside, .. } = &**modified;
                 let p = pose.local(p);
-                let place = if modified.copies > 1 { self.nearest_inside(modified, p).1 } else { N::zero() };
-                let point = N::modifier(*modifier).point_gradient(p, place, coefficients);
+                let copy = if modified.copies > 1 { self.nearest_copy(modified, p).1 } else { N::zero() };
+                let point = N::modifier(*modifier).point_gradient(p, copy, coefficients);
                 let Surface { field, leaf } = self.tree_surface(inside, point.values(), threshold);
-                let inside = Dual { value: field.value, gradient: point.pulled(field.gradient) };
+                let inside = Dual { value: field.value, gradient: point.pulled_back(field.gradient) };
                 Surface { field: pose.world(N::modifier(*modifier).gradient(p, inside, coefficients)), leaf }
             }
             Tree::Operator { operator, smooth, children, first_choice } => {

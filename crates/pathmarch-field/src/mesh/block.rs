@@ -1,4 +1,4 @@
-//! A block of four by four by four cells: its crossings, patches and vertices, found without a look at any other.
+//! Block of 4³ cells: its crossings, patches and vertices, independent of all other blocks.
 
 use super::patches::{Patches, corners, is_crossed, pinched};
 use super::solid::{Points, Solid, in_lanes};
@@ -11,19 +11,19 @@ use wide::f32x8;
 pub(super) const SIDE: i32 = 4;
 /// Corners along an edge of a block.
 const CORNERS: usize = SIDE as usize + 1;
-/// How close to the surface a vertex must be that was not simply found between crossings, in cells.
-const CLOSE: f32 = 0.02;
-/// How far distances at a cell's corners may be from those to its plane, in cells, for the surface to count as flat there.
+/// Largest distance to the surface of a vertex that is not between crossings, in cells.
+const ON_SURFACE: f32 = 0.02;
+/// Largest difference of a corner's distance and that to the plane for a flat cell, in cells.
 const FLAT: f64 = 0.05;
 
-/// A cell that the surface passes through.
+/// Cell that the surface passes through.
 #[derive(Clone, Copy)]
 pub(super) struct Cell {
-    /// Its number along each axis, packed by [`key`].
+    /// Index along each axis, packed by [`key`].
     pub key: u64,
-    /// A bit for each corner inside, and above them two for each edge: the patch it belongs to.
+    /// A bit for each corner inside, and above them two for each edge: its patch.
     patches: u32,
-    /// Number of the vertex of its first patch.
+    /// Index of the vertex of its first patch.
     first: u32,
 }
 
@@ -32,7 +32,7 @@ impl Cell {
         let of_edges = (0..12).fold(0, |bits, edge| bits | u32::from(patches.of_edge[edge]) << (2 * edge));
         Self { key: key(at), patches: u32::from(mask) | of_edges << 8, first }
     }
-    /// The same cell where its block's vertices are numbered from `first`.
+    /// Offsets its vertices by the index of the block's first one.
     pub fn moved(self, first: u32) -> Self {
         Self { first: self.first + first, ..self }
     }
@@ -40,31 +40,31 @@ impl Cell {
     pub fn mask(&self) -> u8 {
         self.patches as u8
     }
-    /// The vertex of the patch that crosses an edge.
+    /// Vertex of the patch that crosses an edge.
     pub fn vertex(&self, edge: usize) -> u32 {
         self.first + (self.patches >> (8 + 2 * edge) & 3)
     }
 }
 
-/// Bits of a packed number along one axis.
+/// Bits of a packed index along one axis.
 const BITS: u32 = 21;
-/// What is added to make it positive.
+/// Offset that makes it positive.
 const BIAS: i32 = 1 << (BITS - 1);
-/// The largest number along an axis, and its negative the smallest.
+/// Largest index along an axis; its negative is the least.
 pub(super) const FARTHEST: i32 = BIAS - 2 * SIDE;
 
-/// Three numbers along the axes as one, which orders them by z, then y, then x.
+/// Packs three indices to one number, ordered by z, then y, then x.
 pub(super) fn key(at: [i32; 3]) -> u64 {
     let [x, y, z] = at.map(|v| (v + BIAS) as u64);
     x | y << BITS | z << (2 * BITS)
 }
 
-/// The three numbers of a [`key`].
+/// Indices of a [`key`].
 pub(super) fn unpacked(key: u64) -> [i32; 3] {
     [0, 1, 2].map(|axis| (key >> (axis * BITS) & ((1 << BITS) - 1)) as i32 - BIAS)
 }
 
-/// A vertex of the mesh.
+/// Vertex of the mesh.
 #[derive(Clone, Copy)]
 pub(super) struct Vertex {
     pub position: [f32; 3],
@@ -72,16 +72,16 @@ pub(super) struct Vertex {
     pub colour: [f32; 3],
 }
 
-/// What is in a block.
+/// Contoured block.
 #[derive(Default)]
 pub(super) struct Block {
     pub cells: Vec<Cell>,
     pub vertices: Vec<Vertex>,
-    /// The blocks around it that the surface goes on into: bit `x + 3 y + 9 z`, each 0 to 2.
-    pub goes_on: u32,
+    /// Neighbours into which the surface continues: bit `x + 3 y + 9 z`, each 0 to 2.
+    pub continues: u32,
 }
 
-/// Where the surface crosses an edge of the grid, and its unit normal there; zero where it has none.
+/// Crossing of the surface with a grid edge, and the unit normal there; zero if undefined.
 #[derive(Clone, Copy, Default)]
 struct Crossing {
     point: [f32; 3],
@@ -89,7 +89,7 @@ struct Crossing {
 }
 
 impl Block {
-    /// The block whose first cell is `low`. `paint` gives colours.
+    /// Contours the block whose first cell is `low`, with colours from `paint`.
     pub fn new(solid: &Solid, low: [i32; 3], paint: Paint) -> Self {
         let corner_at = |index: usize| {
             let along = along(index);
@@ -117,7 +117,7 @@ impl Block {
                 if at[axis] + 1 < CORNERS && is_inside(index) != is_inside(index + STEPS[axis]) {
                     *number = edges.len() as u16;
                     edges.push((index, axis));
-                    block.goes_on |= around(at, axis);
+                    block.continues |= around(at, axis);
                 }
             }
         }
@@ -138,7 +138,7 @@ impl Block {
                     let patches = Patches::new(mask, turned(solid, at, mask));
                     block.cells.push(Cell::new(at, mask, &patches, block.vertices.len() as u32));
                     let corner_distances = std::array::from_fn(|corner| distances[index(corner)]);
-                    let place = Place { solid, at, is_alone: patches.count == 1, corner_distances };
+                    let place = CellContext { solid, at, is_alone: patches.count == 1, corner_distances };
                     for patch in 0..patches.count {
                         planes.clear();
                         let of_patch = (0..12).filter(|&e| is_crossed(mask, e) && patches.of_edge[e] == patch);
@@ -155,15 +155,15 @@ impl Block {
     }
 }
 
-/// Where in its block a corner of the list is.
+/// Position of a corner in its block.
 fn along(index: usize) -> [usize; 3] {
     [index % CORNERS, index / CORNERS % CORNERS, index / (CORNERS * CORNERS)]
 }
 
-/// How far apart neighbouring corners are in the list, along each axis.
+/// Stride of the list of corners along each axis.
 const STEPS: [usize; 3] = [1, CORNERS, CORNERS * CORNERS];
 
-/// The blocks that share an edge of a block's grid: bits as of [`Block::goes_on`].
+/// Blocks that share an edge of a block's grid: bits as of [`Block::continues`].
 fn around(at: [usize; 3], axis: usize) -> u32 {
     let beside = |k: usize| {
         let low = k != axis && at[k] == 0;
@@ -181,7 +181,7 @@ fn around(at: [usize; 3], axis: usize) -> u32 {
     bits
 }
 
-/// The faces of a cell that are joined the other way than usual, because both cells there are pinched.
+/// Faces of a cell that are joined the other way, because both cells there are pinched.
 fn turned(solid: &Solid, at: [i32; 3], mask: u8) -> u8 {
     let open = pinched(mask);
     (0..6).filter(|face| open >> face & 1 == 1).fold(0, |bits, face: usize| {
@@ -191,7 +191,7 @@ fn turned(solid: &Solid, at: [i32; 3], mask: u8) -> u8 {
     })
 }
 
-/// The corners of a cell.
+/// Corners of a cell.
 fn corners_of(solid: &Solid, at: [i32; 3]) -> Points {
     let corner = |corner: usize| solid.corner([0, 1, 2].map(|k| at[k] + (corner >> k & 1) as i32));
     let corners: [_; 8] = std::array::from_fn(corner);
@@ -205,8 +205,8 @@ fn mask_of(solid: &Solid, at: [i32; 3]) -> u8 {
     (0..8).fold(0, |bits, corner| bits | u8::from(distances[corner] < 0.0) << corner)
 }
 
-/// Where the surface crosses each of the edges: the Illinois variant of false position (Dowell and Jarratt 1971), which is
-/// exact at once where the field is linear and always keeps the crossing between its two ends.
+/// Finds the crossing of each edge by the Illinois variant of false position (Dowell and Jarratt 1971), which is exact at once for
+/// a linear field and always brackets the crossing.
 fn crossings(solid: &Solid, edges: &[(usize, usize)], corner_points: &[[f32; 3]], distances: &[f32]) -> Vec<Crossing> {
     let cell = f32x8::splat(solid.cell as f32);
     let starts: Vec<_> = edges.iter().map(|&(index, _)| corner_points[index]).collect();
@@ -231,7 +231,7 @@ fn crossings(solid: &Solid, edges: &[(usize, usize)], corner_points: &[[f32; 3]]
             if !(cell * f32x8::splat(1e-6)).lt(here.abs()).0.any() {
                 break;
             }
-            // Whether the crossing lies above t.
+            // Positive if the crossing is above t.
             let above =
                 Real::select(is_rising, Real::select(here.lt(zero), one, -one), Real::select(here.lt(zero), -one, one));
             let is_above = zero.lt(above);
@@ -254,16 +254,16 @@ fn crossings(solid: &Solid, edges: &[(usize, usize)], corner_points: &[[f32; 3]]
     crossings
 }
 
-/// A cell, for finding its vertices. Local coordinates are in cells, from its centre.
-struct Place<'a> {
+/// Cell whose vertices are computed. Local coordinates are in cells, from its centre.
+struct CellContext<'a> {
     solid: &'a Solid<'a>,
     at: [i32; 3],
-    /// Whether the surface passes through it in one patch.
+    /// True if the surface passes through it in one patch.
     is_alone: bool,
     corner_distances: [f32; 8],
 }
 
-impl Place<'_> {
+impl CellContext<'_> {
     fn centre(&self) -> DVec3 {
         DVec3::from([0, 1, 2].map(|k| self.solid.origin[k] + self.solid.cell * (f64::from(self.at[k]) + 0.5)))
     }
@@ -274,19 +274,19 @@ impl Place<'_> {
         (self.centre() + local * self.solid.cell).as_vec3().into()
     }
 
-    /// The vertex of a patch, of the tangent planes at its crossings.
+    /// Vertex of a patch, from the tangent planes at its crossings.
     fn vertex(&self, planes: &mut Vec<(DVec3, DVec3)>, paint: Paint) -> Vertex {
         let normal: DVec3 = planes.iter().map(|(_, normal)| normal).sum();
         let normal = normal.try_normalize().unwrap_or(DVec3::Y);
-        let (met, told) = qef::solve(planes.iter().copied());
+        let (meeting, rank) = qef::solve(planes.iter().copied());
         let mut kept = None;
-        if self.is_alone && !self.is_flat(met, normal) {
+        if self.is_alone && !self.is_flat(meeting, normal) {
             self.look_around(planes);
             let (sharper, more) = qef::solve(planes.iter().copied());
-            kept = Some(sharper).filter(|&sharper| more > told && self.may_hold(sharper, true));
+            kept = Some(sharper).filter(|&sharper| more > rank && self.may_be_at(sharper, true));
         }
-        let kept = kept.or_else(|| Some(met).filter(|&met| self.may_hold(met, false)));
-        let kept = kept.unwrap_or(met.clamp(DVec3::splat(-0.5), DVec3::splat(0.5)));
+        let kept = kept.or_else(|| Some(meeting).filter(|&meeting| self.may_be_at(meeting, false)));
+        let kept = kept.unwrap_or(meeting.clamp(DVec3::splat(-0.5), DVec3::splat(0.5)));
         let position = self.in_world(kept);
         let normal = normal.as_vec3().into();
         let colour = blended(self.solid, position, &|leaf| paint(leaf, position, normal));
@@ -302,7 +302,7 @@ impl Place<'_> {
         })
     }
 
-    /// Adds the tangent planes where the surface is nearest to the cell's corners: what no edge of the cell crosses is met, too.
+    /// Adds the tangent planes at the surface points nearest to the cell's corners, for faces that cross no edge of the cell.
     fn look_around(&self, planes: &mut Vec<(DVec3, DVec3)>) {
         let mut p = corners_of(self.solid, self.at);
         let half = |_| f32x8::splat(0.5);
@@ -320,13 +320,13 @@ impl Place<'_> {
     }
 
     fn is_close(&self, distance: f32) -> bool {
-        distance.abs() <= CLOSE * self.solid.cell as f32
+        distance.abs() <= ON_SURFACE * self.solid.cell as f32
     }
 
-    /// Whether the vertex may be at a place: in the cell; or on the surface up to half a cell beyond it, or up to a whole one in
-    /// a cell that has no vertex of its own. So edges and corners are kept that reach into a cell none of whose edges they
-    /// cross. What was found by looking around must be on the surface, and leaves a corner to the cell that has it.
-    fn may_hold(&self, local: DVec3, is_sharper: bool) -> bool {
+    /// Reports whether the vertex may be at a position: in the cell; or on the surface up to half a cell beyond it, or up to a
+    /// whole one in a cell without a vertex of its own. This keeps edges and corners that reach into a cell without crossing
+    /// its edges. A position from [`look_around`](Self::look_around) must be on the surface and leaves a corner to its own cell.
+    fn may_be_at(&self, local: DVec3, is_sharper: bool) -> bool {
         let is_on_surface = || {
             let distance = self.solid.distance(Vec3::constant(self.in_world(local)));
             self.is_close(distance.to_array()[0])
@@ -343,7 +343,7 @@ impl Place<'_> {
     }
 }
 
-/// The colour at a place: the mean over eight choices between blended materials, an eighth apart for each blend.
+/// Colour at a position: the mean over eight thresholds of each blend between materials.
 fn blended(solid: &Solid, at: [f32; 3], colour: &dyn Fn(usize) -> [f32; 3]) -> [f32; 3] {
     let threshold = |blend: u32| {
         let odd = 2 * blend + 1;

@@ -1,24 +1,24 @@
 //! Triangle meshes of solids.
 //!
-//! **Idea.** Space is divided into cells; each cell that the surface passes through gets a vertex, and each edge of the grid
-//! that the surface crosses joins the vertices of the four cells around it. The vertex lies where the tangent planes at the
-//! cell's crossings meet best, so that edges and corners stay sharp (dual contouring, Ju et al. 2002). A cell that the surface
-//! passes through in several patches gets a vertex for each (`patches.rs`; Nielson 2004), so that the mesh is closed and
-//! manifold whatever the solid: every edge is in two triangles, every vertex has one fan around it.
+//! **Idea.** Dual contouring (Ju et al. 2002) on a grid of cells: each cell that the surface passes through gets a vertex, and
+//! each grid edge that the surface crosses joins the vertices of the four cells around it. The vertex is where the tangent
+//! planes at the cell's crossings meet best, so that edges and corners stay sharp. A cell that the surface passes through in
+//! several patches gets a vertex for each (`patches.rs`; Nielson 2004), so that the mesh is closed and manifold for every solid:
+//! every edge is in two triangles, every vertex has one fan around it.
 //!
-//! Cells are found by division of space: a block at whose centre the distance exceeds the field's Lipschitz constant times half
-//! its diagonal holds no surface. Blocks of four by four by four cells (`block.rs`) are then worked on apart, on all cores and
-//! eight points at a time. Where the surface leaves the blocks found, by bounds or a constant that are wrong, the blocks
-//! beyond are added: the mesh is closed all the same.
+//! Cells are found by subdivision: a block contains no surface if the distance at its centre exceeds the Lipschitz constant times
+//! half its diagonal. Blocks of 4³ cells (`block.rs`) are then contoured independently, on all cores and eight points at a
+//! time. If the surface leaves these blocks because bounds or a constant are wrong, the blocks beyond are added, so that the
+//! mesh is closed all the same.
 //!
 //! **Source.** Ju et al. 2002 for the method, Nielson 2004 and Wenger 2013 for the patches, Garland and Heckbert 1997 and
 //! Lindstrom 2000 for the vertex. **Differences.** Crossings are found on the field by false position, and normals are its exact
-//! gradients. A vertex stays in its cell unless the field says that it is on the surface a little beyond. All cells
-//! are of one size: larger ones on flat faces would lose the borders of materials there. A quad is cut along the diagonal whose
-//! middle is nearer to the surface. Triangles may meet each other in cells that hold more than their size can show.
+//! gradients. A vertex stays in its cell unless it is on the surface of the field a little beyond. All cells have one
+//! size: larger ones on flat faces would lose the borders of materials there. A quad is split along the diagonal whose middle
+//! is nearer to the surface. Triangles may intersect in cells with detail below their size.
 //!
-//! The mesher of `fidget` 0.5 was tried first and does not fit: it divides by halves only, merges flat cells over borders
-//! of materials, tells no progress, and its evaluators are tapes that our generic functions do not have.
+//! The mesher of `fidget` 0.5 does not fit: its cell counts are powers of two, it merges flat cells across borders of
+//! materials, reports no progress, and evaluates tapes, which our generic functions do not have.
 //!
 //! **Cost.** Time and memory grow with the area of the surface over that of a cell: about 2 µs and,
 //! at the peak, 200 bytes a cell.
@@ -39,10 +39,10 @@ use std::collections::HashSet;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The most cells that the surface may pass through: about three gigabytes of memory.
+/// Largest number of cells that the surface may pass through: about three gigabytes of memory.
 pub const MAX_CELLS: usize = 16_000_000;
 
-/// How fine a mesh is.
+/// Resolution of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fineness {
     /// Cells along the longest side of the solid's bounds.
@@ -54,23 +54,23 @@ pub enum Fineness {
 /// A closed surface of triangles, anticlockwise as seen from outside.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// Where each vertex is, metres.
+    /// Position of each vertex, metres.
     pub positions: Vec<[f32; 3]>,
-    /// Away from the solid, of length one; at an edge the mean of its sides.
+    /// Unit normal of each vertex, away from the solid; at an edge the mean of its sides.
     pub normals: Vec<[f32; 3]>,
-    /// What the leaf's paint is there, mixed where materials are.
+    /// Colour of each vertex; a mix where materials blend.
     pub colours: Vec<[f32; 3]>,
-    /// Three vertices each.
+    /// Triangles, as indices of three vertices.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Why there is no mesh.
+/// Error that prevents a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
-    /// The solid, or the box that cuts it, has no end.
+    /// The solid, or the box that clips it, is unbounded.
     #[error("the solid has no end; cut it with a box")]
     Endless,
-    /// Nothing is inside.
+    /// The solid is empty at this resolution.
     #[error(
         "there is no inside to make a mesh of at this fineness; sheets such as rect and disc have none, \
          and a thin solid needs smaller cells"
@@ -79,23 +79,23 @@ pub enum MeshError {
     /// There would be more than [`MAX_CELLS`] cells.
     #[error("more than {} million cells would be needed; take larger cells, or export objects one by one", MAX_CELLS / 1_000_000)]
     TooManyCells,
-    /// Cells are too small beside the coordinates, or not positive and finite.
+    /// The cell size is too small for the coordinates, or not positive and finite.
     #[error("cells of {0} m are too small for coordinates of 32 bits here, or no length at all; take larger cells")]
     CellSize(f32),
-    /// The caller's progress said so.
+    /// The progress callback stopped it.
     #[error("stopped")]
     Stopped,
 }
 
-/// Hears how much is done, 0 to 1, and whether to stop; from any thread.
+/// Callback for the progress, 0 to 1, that may stop the work; called from any thread.
 pub type Progress<'a> = &'a (dyn Fn(f32) -> ControlFlow<()> + Sync);
 
-/// Tells the colour of a leaf of this number at a position, where the unit normal is the second one.
+/// Callback for a vertex's colour: leaf, position in metres, unit normal.
 pub type Paint<'a> = &'a (dyn Fn(usize, [f32; 3], [f32; 3]) -> [f32; 3] + Sync);
 
 impl Mesh {
-    /// The surface of the union of a field's objects, cut by the box `cut` where there is one; `paint` gives colours.
-    /// The same input gives the same mesh, on any number of cores.
+    /// Meshes the surface of the union of a field's objects, clipped to the box `cut` if given, with colours from `paint`. The
+    /// result does not depend on the number of cores.
     ///
     /// # Errors
     /// [`MeshError`].
@@ -107,7 +107,7 @@ impl Mesh {
         progress: Progress,
     ) -> Result<Self, MeshError> {
         let solid = grid(field, fineness, cut)?;
-        let (mut cells, vertices) = gather(&solid, divide(&solid)?, paint, progress)?;
+        let (mut cells, vertices) = contour_blocks(&solid, subdivide(&solid)?, paint, progress)?;
         if cells.is_empty() {
             return Err(MeshError::Empty);
         }
@@ -122,15 +122,15 @@ impl Mesh {
         })
     }
 
-    /// The corners of a triangle.
+    /// Corners of a triangle, metres.
     pub fn corners(&self, triangle: [u32; 3]) -> [[f32; 3]; 3] {
         triangle.map(|vertex| self.positions[vertex as usize])
     }
-    /// What it holds, m³ (by the divergence theorem).
+    /// Volume, m³ (by the divergence theorem).
     pub fn volume(&self) -> f64 {
         self.sum(|[a, b, c]| a.dot(b.cross(c)) / 6.0)
     }
-    /// Its surface, m².
+    /// Surface area, m².
     pub fn area(&self) -> f64 {
         self.sum(|[a, b, c]| 0.5 * (b - a).cross(c - a).length())
     }
@@ -141,8 +141,8 @@ impl Mesh {
     }
 }
 
-/// The grid: as many cells as hold the solid and one more around it. It is set off from the bounds by fractions of a cell, so that
-/// faces do not fall on corners of the grid.
+/// Chooses the grid: the cells of the bounds and one more on every side. It is offset from the bounds by fractions of a cell, so
+/// that faces do not fall on grid corners.
 fn grid<'a>(field: &'a Field, fineness: Fineness, cut: Option<Aabb>) -> Result<Solid<'a>, MeshError> {
     let bounds = cut.map_or(field.bounds(), |cut| field.bounds().intersection(cut));
     let sides: [f64; 3] = std::array::from_fn(|k| f64::from(bounds.max[k]) - f64::from(bounds.min[k]));
@@ -169,8 +169,8 @@ fn grid<'a>(field: &'a Field, fineness: Fineness, cut: Option<Aabb>) -> Result<S
     Ok(Solid { field, cut, origin, cell, counts: counts.map(|count| count.ceil() as i32) })
 }
 
-/// The first cells of all blocks that may hold surface.
-fn divide(solid: &Solid) -> Result<Vec<[i32; 3]>, MeshError> {
+/// First cells of all blocks that may contain surface.
+fn subdivide(solid: &Solid) -> Result<Vec<[i32; 3]>, MeshError> {
     let longest = solid.counts.into_iter().max().unwrap_or(0);
     let mut side = SIDE;
     while side < longest {
@@ -179,7 +179,7 @@ fn divide(solid: &Solid) -> Result<Vec<[i32; 3]>, MeshError> {
     let mut blocks = vec![[0; 3]];
     while side > SIDE {
         side /= 2;
-        // A little more than the half diagonal, for rounding.
+        // A little more than half a diagonal, for rounding.
         let reach = solid.lipschitz() * (0.8661 * f64::from(side) * solid.cell) as f32;
         let halves = |low: &[i32; 3]| {
             let low = *low;
@@ -187,12 +187,12 @@ fn divide(solid: &Solid) -> Result<Vec<[i32; 3]>, MeshError> {
             let centres = children.map(|at| solid.place(at.map(|v| f64::from(v) + 0.5 * f64::from(side))));
             let mut distances = [0.0; 8];
             in_lanes(&centres, |_, p| distances = solid.distance(p).to_array());
-            let holds = move |n: &usize| {
-                // What is not a number is kept.
+            let may_have_surface = move |n: &usize| {
+                // NaN is kept.
                 let is_far = distances[*n].abs() > reach;
                 !is_far && (0..3).all(|k| children[*n][k] < solid.counts[k])
             };
-            (0..8).filter(holds).map(move |n| children[n])
+            (0..8).filter(may_have_surface).map(move |n| children[n])
         };
         blocks = blocks.par_iter().flat_map_iter(halves).collect();
         // A block that the surface passes through has about sixteen cells with surface in them.
@@ -203,8 +203,8 @@ fn divide(solid: &Solid) -> Result<Vec<[i32; 3]>, MeshError> {
     Ok(blocks)
 }
 
-/// The cells and vertices of the blocks, and of those that the surface goes on into.
-fn gather(
+/// Contours the blocks, and those into which the surface continues.
+fn contour_blocks(
     solid: &Solid,
     blocks: Vec<[i32; 3]>,
     paint: Paint,
@@ -233,7 +233,7 @@ fn gather(
             let first = vertices.len() as u32;
             cells.extend(block.cells.into_iter().map(|cell| cell.moved(first)));
             vertices.extend(block.vertices);
-            for n in (0..27).filter(|n| block.goes_on >> n & 1 == 1) {
+            for n in (0..27).filter(|n| block.continues >> n & 1 == 1) {
                 let next = [n % 3, n / 3 % 3, n / 9];
                 let next = [0, 1, 2].map(|k| low[k] + (next[k] - 1) * SIDE);
                 if next.iter().any(|v| v.abs() > FARTHEST) {
@@ -258,7 +258,7 @@ fn triangles(solid: &Solid, cells: &[Cell], vertices: &[Vertex]) -> Vec<[u32; 3]
     let quads_of = |cell: &Cell| {
         let (cell, at) = (*cell, unpacked(cell.key));
         (0..3).filter_map(move |axis| {
-            // The edge at the cell's first corner; the others at which it is seen lie before along the two next axes.
+            // The edge at the cell's first corner; the other cells around it are before it along the two next axes.
             if !is_crossed(cell.mask(), 4 * axis) {
                 return None;
             }
@@ -276,11 +276,11 @@ fn triangles(solid: &Solid, cells: &[Cell], vertices: &[Vertex]) -> Vec<[u32; 3]
         })
     };
     let quads: Vec<[u32; 4]> = cells.par_iter().flat_map_iter(quads_of).collect();
-    quads.par_chunks(4).flat_map_iter(|quads| cut_in_two(solid, quads, vertices)).collect()
+    quads.par_chunks(4).flat_map_iter(|quads| split_quads(solid, quads, vertices)).collect()
 }
 
-/// Cuts up to four quads along the diagonal that is nearer to the surface, unless that turns a triangle inside out.
-fn cut_in_two(solid: &Solid, quads: &[[u32; 4]], vertices: &[Vertex]) -> Vec<[u32; 3]> {
+/// Splits up to four quads along the diagonal that is nearer to the surface, unless that flips a triangle.
+fn split_quads(solid: &Solid, quads: &[[u32; 4]], vertices: &[Vertex]) -> Vec<[u32; 3]> {
     let at = |vertex: u32| Vec3::from(vertices[vertex as usize].position);
     let mut middles = [[0.0; 3]; 8];
     for (n, &[a, b, c, d]) in quads.iter().enumerate() {

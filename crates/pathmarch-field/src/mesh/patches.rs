@@ -1,4 +1,4 @@
-//! How the surface passes through a cell: which of its crossed edges belong to one patch.
+//! Patches of the surface in a cell: the crossed edges that belong together.
 //!
 //! The corners of a cell are numbered by bits: 1 is the far side along x, 2 along y, 4 along z. An edge is `4 * axis + b + 2 * c`,
 //! where `b` and `c` are the sides on which it lies along the next two axes; a face is `2 * axis + side`.
@@ -12,14 +12,14 @@
 //! vertices would be joined twice, by one edge in four triangles. There, and only there, both cells join the other way (Wenger
 //! 2013).
 
-/// The two corners of an edge, the one of smaller coordinate first.
+/// Two corners of an edge, the one of smaller coordinate first.
 pub(super) fn corners(edge: usize) -> [usize; 2] {
     let (axis, b, c) = (edge / 4, edge & 1, edge >> 1 & 1);
     let first = b << ((axis + 1) % 3) | c << ((axis + 2) % 3);
     [first, first | 1 << axis]
 }
 
-/// The edge between two corners that differ along one axis.
+/// Edge between two corners that differ along one axis.
 fn between(one: usize, other: usize) -> usize {
     let axis = (one ^ other).trailing_zeros() as usize;
     4 * axis + (one >> ((axis + 1) % 3) & 1) + 2 * (one >> ((axis + 2) % 3) & 1)
@@ -41,23 +41,24 @@ fn around(face: usize) -> [usize; 4] {
     [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(b, c)| side << axis | b << ((axis + 1) % 3) | c << ((axis + 2) % 3))
 }
 
-/// Whether the corners of a face alternate, so that its edges can be joined in two ways.
+/// Reports whether the corners of a face alternate, so that its edges can be joined in two ways.
 fn is_ambiguous(mask: u8, face: usize) -> bool {
     let [a, b, c, d] = around(face).map(|corner| is_inside(mask, corner));
     a == c && b == d && a != b
 }
 
-/// The patches of a cell.
+/// Patches of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Patches {
-    /// How many there are, at most four.
+    /// Number of patches, at most four.
     pub count: u8,
-    /// The patch of each crossed edge; 0 for the others.
+    /// Patch of each crossed edge; 0 for the others.
     pub of_edge: [u8; 12],
 }
 
 impl Patches {
-    /// Of a cell whose corners inside are `mask`; the faces of `turned` (a bit for each) are joined the other way.
+    /// Finds the patches of a cell whose corners inside are `mask`; the faces in `turned` (a bit for each) are joined the other
+    /// way.
     pub fn new(mask: u8, turned: u8) -> Self {
         let mut joined = [[usize::MAX; 2]; 12];
         let mut join = |one: usize, other: usize| {
@@ -104,7 +105,7 @@ impl Patches {
     }
 }
 
-/// The ambiguous faces, a bit for each, both of whose outlines are of one patch.
+/// Ambiguous faces whose two outlines belong to one patch, a bit for each.
 pub(super) fn pinched(mask: u8) -> u8 {
     let faces = (0..6).filter(|&face| is_ambiguous(mask, face));
     let patches = Patches::new(mask, 0);
@@ -138,7 +139,7 @@ mod tests {
         }
     }
 
-    /// Two vertices of neighbouring cells are joined at most once, whatever lies in the two cells and beyond: so that every
+    /// Two vertices of neighbouring cells are joined at most once, for all corners of the cells around them, so that every
     /// edge of the mesh is in two faces.
     #[test]
     fn no_two_vertices_are_joined_twice() {

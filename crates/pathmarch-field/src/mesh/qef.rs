@@ -1,19 +1,19 @@
-//! The point that lies best on several planes.
+//! Quadratic error function: the point nearest to several planes.
 //!
 //! **Idea.** Each crossing of an edge, with the field's gradient, is a plane. The sum of the squared distances to
 //! all of them is least where they meet: on a face anywhere, on an edge along a line, at a corner in a point (Garland and
-//! Heckbert 1997; Ju et al. 2002). **Source.** Directions in which the planes say little, eigenvalues below a share of the
-//! largest, are left as they are in the mean of the crossings (Lindstrom 2000). **Difference.** Eigenvalues come from
+//! Heckbert 1997; Ju et al. 2002). **Source.** In directions of small eigenvalues, which the planes hardly determine, the point
+//! stays at the mean of the crossings (Lindstrom 2000). **Difference.** Eigenvalues come from
 //! Jacobi's rotations, in double precision. **Cost.** About 0.2 µs.
 
 use glam::{DMat3, DVec3};
 
-/// Share of the largest eigenvalue below which a direction is left single_objects: two planes that meet at less than 11° are one smooth
-/// surface.
+/// Fraction of the largest eigenvalue below which a direction is undetermined: two planes that meet at less than 11° are one
+/// smooth surface.
 const LEAST_SHARE: f64 = 0.01;
 
-/// Where planes, each a point and a unit normal, meet best, and in how many directions they say so: 1 on a face, 2 on an edge, 3
-/// at a corner. In the others it is the mean of the points.
+/// Point nearest to planes, each a point and a unit normal, and the number of directions that they determine: 1 on a face, 2 on an
+/// edge, 3 at a corner. In the others it is the mean of the points.
 pub(super) fn solve(planes: impl Iterator<Item = (DVec3, DVec3)> + Clone) -> (DVec3, usize) {
     let (count, sum) = planes.clone().fold((0.0, DVec3::ZERO), |(n, sum), (point, _)| (n + 1.0, sum + point));
     let mean = sum / count;

@@ -1,4 +1,4 @@
-//! What is meshed, on its grid: the union of a field's objects, cut by a box where one is given.
+//! Solid to be meshed and its grid: the union of a field's objects, clipped to a box if given.
 
 use crate::bounds::Aabb;
 use crate::graph::{Field, Surface};
@@ -8,7 +8,7 @@ use wide::f32x8;
 /// Eight points.
 pub(super) type Points = Vec3<f32x8>;
 
-/// The solid, and the grid of cells that it is seen through. The grid has no end; `counts` cells of it hold the solid.
+/// Solid and its grid. The grid is unbounded; `counts` cells of it contain the solid.
 pub(super) struct Solid<'a> {
     pub field: &'a Field,
     pub cut: Option<Aabb>,
@@ -21,20 +21,20 @@ pub(super) struct Solid<'a> {
 }
 
 impl Solid<'_> {
-    /// A place on the grid, in cells.
+    /// World position of grid coordinates, which are in cells.
     pub fn place(&self, at: [f64; 3]) -> [f32; 3] {
         std::array::from_fn(|k| (self.origin[k] + self.cell * at[k]) as f32)
     }
-    /// The corner of the grid with this number.
+    /// World position of a grid corner.
     pub fn corner(&self, at: [i32; 3]) -> [f32; 3] {
         self.place(at.map(f64::from))
     }
-    /// An upper bound of the slope of [`distance`](Self::distance).
+    /// Lipschitz constant of [`distance`](Self::distance).
     pub fn lipschitz(&self) -> f32 {
         self.field.lipschitz()
     }
 
-    /// Negative inside, zero on the surface.
+    /// Signed distance, metres, negative inside.
     pub fn distance(&self, p: Points) -> f32x8 {
         let distance = self.field.distance(p);
         match self.cut {
@@ -43,7 +43,7 @@ impl Solid<'_> {
         }
     }
 
-    /// Distance, gradient, and the leaf that shows; `threshold` chooses between blended materials.
+    /// Distance, gradient, and the leaf whose material shows; `threshold` chooses between blended materials.
     pub fn surface(&self, p: Points, threshold: &dyn Fn(u32) -> f32x8) -> Surface<f32x8> {
         let surface = self.field.union_surface(p, threshold);
         match self.cut {
@@ -57,14 +57,14 @@ impl Solid<'_> {
     }
 }
 
-/// How far beyond the box's nearest face: the largest over its faces, so that the faces are flat and the edges sharp.
+/// Distance beyond the faces of a box, the largest of all, so that faces are flat and edges sharp; metres.
 fn past<N: Real>(cut: Aabb, p: Vec3<N>) -> N {
     let half = std::array::from_fn(|k| 0.5 * (cut.max[k] - cut.min[k]));
     let centre = std::array::from_fn(|k| 0.5 * (cut.max[k] + cut.min[k]));
     ((p - Vec3::constant(centre)).abs() - Vec3::constant(half)).largest()
 }
 
-/// Runs `of` over all points, eight side by side; the last lanes repeat the last point.
+/// Runs `of` on all points, eight at a time; the last lanes repeat the last point.
 pub(super) fn in_lanes(points: &[[f32; 3]], mut of: impl FnMut(usize, Points)) {
     for (group, chunk) in points.chunks(8).enumerate() {
         let at = |axis: usize| f32x8::from(std::array::from_fn(|lane| chunk[lane.min(chunk.len() - 1)][axis]));

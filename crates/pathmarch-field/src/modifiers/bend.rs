@@ -4,9 +4,9 @@
 //! A point at the angle θ and the distance ρ from the centre was at (R θ, R - ρ). Two points in those coordinates are
 //! D² = Δρ² + R² Δθ² apart, in space at least Δρ² + 4 ρ ρ' sin²(Δθ/2), and sin(t/2) ≥ t/π up to t = π, sin(t/2) ≥ 0.15 t up to
 //! 3π/2. So the distance, times 2/π (0.3 behind the centre) √(ρ ρ') / R, is a bound, with the least ρ' of the solid. The
-//! smaller of ρ and ρ' instead of the root of their product keeps the slope near the solid below one, so that what is made
-//! of it (`round`, `shell`) is bounded, too. What is longer than half a circle is cut there. Away from the solid its box
-//! is nearer the truth; the larger bound is taken.
+//! smaller of ρ and ρ' instead of the root of their product keeps the slope near the solid below one, so that modifiers of
+//! the result (`round`, `shell`) are safe, too. Solids longer than half a circle are cut there. Far from the solid the distance
+//! to its bounding box is the better bound; the larger of the two is used.
 
 use crate::bounds::Aabb;
 use crate::info::Info;
@@ -21,7 +21,7 @@ pub(crate) struct Op;
 impl ModifierDef for Op {
     const INFO: Info = Info {
         exact: false,
-        ..Info::new("bend", "What it holds, its x axis bent upwards into a circle.", "Barr 1984, section 4")
+        ..Info::new("bend", "Bends the x axis of its child upwards into a circle.", "Barr 1984, section 4")
     };
     const PARAMS: &'static [Param] = &[Param::between("turns-per-metre", 0.1, 1e-4, 100.0, "Turns over a metre of the x axis; at most half a turn of it is kept.")];
     type Coefficients<N: Real> = [N; 8];
@@ -44,7 +44,7 @@ impl ModifierDef for Op {
         let (away, turn) = (p.x.hypot(up).named("away"), p.x.atan2(up).abs());
         let factor = N::select(turn.lt(N::constant(FRAC_PI_2)), N::constant(FRAC_2_PI), N::constant(0.3));
         let squeeze = (factor * away.min(least) / radius).min(N::one());
-        // Nothing is kept of what is more than a quarter of a turn away, on either side.
+        // Everything beyond a quarter of a turn on either side is cut.
         let cut = (turn - N::constant(FRAC_PI_2)) * radius;
         (inside.max(cut) * squeeze).max(box_distance(p, [a, b, c, d, e, f]))
     }

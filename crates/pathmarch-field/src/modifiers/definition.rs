@@ -5,38 +5,38 @@ use crate::info::Info;
 use crate::number::{Real, Values, Vec3};
 use crate::parameter::Param;
 
-/// An operator that changes the space in which what it holds stands, or its distance, written once.
+/// Definition of a modifier, which changes the domain or the distance of its child, e.g. twist, repeat, shell.
 ///
-/// What it holds is one solid: the union of its children. Implementations are unit structs named `Op`, one in each file of
-/// `modifiers/`.
+/// The child is one solid: the union of the modifier's children. Each file of `modifiers/` implements it for a unit struct
+/// named `Op`.
 pub trait ModifierDef: Send + Sync + 'static {
     /// Name, documentation, source.
     const INFO: Info;
-    /// The parameters, in the order of positional arguments.
+    /// Parameters, in the order of positional arguments.
     const PARAMS: &'static [Param];
-    /// The coefficients that the functions below read: `[N; K]`.
+    /// Coefficients that the functions read: `[N; K]`.
     type Coefficients<N: Real>: Values<N>;
-    /// Whether it needs what it holds to have an end.
+    /// True if the child must be bounded.
     const NEEDS_BOUNDS: bool = false;
-    /// Whether it makes solids of profiles, and of solids their slice at z = 0.
+    /// True if it makes solids of profiles, and of solids their slice at z = 0.
     const OF_PROFILES: bool = false;
-    /// Whether it moves points only within planes across z, so that it may hold profiles.
+    /// True if it moves points only in planes across z, so that its child may be a profile.
     const IN_PLANE: bool = true;
 
-    /// The coefficients, found once of the parameters and of the box that holds what it holds.
+    /// Computes the coefficients, once, from the parameters and the child's bounding box.
     fn coefficients(params: &[f32], inside: Aabb) -> Self::Coefficients<f32>;
-    /// In how many copies what it holds must be looked for; [`point`](Self::point) tells them apart.
+    /// Number of domain copies to evaluate; [`point`](Self::point) takes the index of one.
     fn copies(_params: &[f32], _inside: Aabb) -> u32 {
         1
     }
-    /// Where `p` is in the space of what it holds; `copy` counts from 0.
+    /// Point `p` in the child's space, for the domain copy of this index, from 0.
     fn point<N: Real>(p: Vec3<N>, _place: N, _numbers: Self::Coefficients<N>) -> Vec3<N> {
         p
     }
-    /// The distance at `p`, given the least one of what it holds at the points of `p`.
+    /// Distance of the result at `p`, given the child's least distance over all copies.
     fn distance<N: Real>(_p: Vec3<N>, inside: N, _numbers: Self::Coefficients<N>) -> N {
         inside
     }
-    /// A box that holds the result.
+    /// Bounding box of the result.
     fn bounds(params: &[f32], inside: Aabb) -> Aabb;
 }

@@ -10,9 +10,9 @@ use wide::f32x8;
 
 /// Functions of a modifier over one number type: `f32` for one point, `f32x8` for eight.
 pub trait EvalModifier<N: Real> {
-    /// Point `p` in the space of the child.
+    /// Point `p` in the child's space, for the domain copy of this index.
     fn point(&self, p: Vec3<N>, copy: N, coefficients: &[f32]) -> Vec3<N>;
-    /// The same point with its derivatives.
+    /// The same point with its derivatives over `p`.
     fn point_gradient(&self, p: Vec3<N>, copy: N, coefficients: &[f32]) -> Vec3<Dual<N>>;
     /// Distance of the result, metres.
     fn distance(&self, p: Vec3<N>, inside: N, coefficients: &[f32]) -> N;
@@ -27,23 +27,23 @@ pub trait EvalModifier<N: Real> {
 pub trait Modifier: EvalModifier<f32x8> + EvalModifier<f32> + Send + Sync {
     /// Name, documentation, source.
     fn info(&self) -> &'static Info;
-    /// The parameters, in order.
+    /// Parameters, in order.
     fn params(&self) -> &'static [Param];
-    /// Whether it needs what it holds to have an end.
+    /// Reports whether the child must be bounded.
     fn needs_bounds(&self) -> bool;
-    /// Whether it makes solids of profiles.
+    /// Reports whether it makes solids of profiles.
     fn of_profiles(&self) -> bool;
-    /// Whether it may hold profiles.
+    /// Reports whether the child may be a profile.
     fn in_plane(&self) -> bool;
-    /// The coefficients that the functions below read.
+    /// Coefficients that the functions read, computed once from the parameters and the child's bounding box.
     fn coefficients(&self, params: &[f32], inside: Aabb) -> Vec<f32>;
-    /// In how many copies what it holds must be looked for.
+    /// Number of domain copies to evaluate.
     fn copies(&self, params: &[f32], inside: Aabb) -> u32;
-    /// A box that holds the result.
+    /// Bounding box of the result.
     fn bounds(&self, params: &[f32], inside: Aabb) -> Aabb;
-    /// The functions `NAME_point`, `NAME_pull` (a gradient back through it), `NAME_distance` and `NAME_gradient` in WGSL.
+    /// WGSL functions `NAME_point`, `NAME_pull` (pulls a gradient back through it), `NAME_distance` and `NAME_gradient`.
     fn wgsl(&self) -> String;
-    /// What its WGSL functions' names begin with.
+    /// Prefix of the names of its WGSL functions.
     fn wgsl_name(&self) -> String {
         identifier(self.info().name).trim_end_matches('_').to_owned()
     }

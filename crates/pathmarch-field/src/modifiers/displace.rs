@@ -1,6 +1,6 @@
 //! Displacement by a wave in all three directions (Quilez 2008, "Distance functions", displacement): the surface moves by
 //! amplitude · sin(ωx) sin(ωy) sin(ωz), whose slope is at most amplitude · ω. The sum of both is divided by one more than that,
-//! which keeps a bound. Away from the solid its box is nearer the truth; the larger of the two bounds is taken.
+//! which keeps a bound. Far from the solid the distance to its bounding box is the better bound; the larger one is used.
 
 use crate::bounds::Aabb;
 use crate::info::Info;
@@ -15,7 +15,7 @@ pub(crate) struct Op;
 impl ModifierDef for Op {
     const INFO: Info = Info {
         exact: false,
-        ..Info::new("displace", "What it holds, its surface moved in and out by a wave.", "Quilez 2008, displacement")
+        ..Info::new("displace", "Displaces the surface of its child in and out by a wave.", "Quilez 2008, displacement")
     };
     const PARAMS: &'static [Param] = &[
         Param::length_or_zero("amplitude", 0.05, "How far the surface moves, to either side."),

@@ -1,5 +1,5 @@
-//! Elongation: space is cut at the origin and a straight piece is put in (Quilez 2019, "Distance functions", elongation).
-//! The map of points takes each to the nearest of a box, whose complement it keeps: it never enlarges distances.
+//! Elongation: cuts space at the origin and inserts a straight piece (Quilez 2019, "Distance functions", elongation).
+//! The map moves each point by its nearest point of a box and never enlarges distances.
 
 use crate::bounds::Aabb;
 use crate::info::Info;
@@ -15,7 +15,7 @@ impl ModifierDef for Op {
         size_params: 3,
         ..Info::new(
             "elongate",
-            "What it holds, cut in the middle, drawn apart, and straight between.",
+            "Cuts its child in the middle, moves the parts apart and joins them straight.",
             "Quilez 2019, elongation",
         )
     };
@@ -38,7 +38,7 @@ impl ModifierDef for Op {
         Vec3::new(apart(p.x, x), apart(p.y, y), apart(p.z, z))
     }
     fn bounds(params: &[f32], inside: Aabb) -> Aabb {
-        // The piece is there only where the middle is solid; a box that has no part of it moves.
+        // The piece exists only where the middle is solid; a box beside it moves.
         Aabb {
             min: std::array::from_fn(|k| inside.min[k] - 0.5 * params[k]),
             max: std::array::from_fn(|k| inside.max[k] + 0.5 * params[k]),

@@ -9,20 +9,20 @@ use crate::number::{Differentiable, Dual, Values, Vec3, values};
 use crate::parameter::Param;
 use std::marker::PhantomData;
 
-/// The entry of a registered definition in its list.
+/// Entry of a definition in the registry's list.
 pub(crate) struct Entry<T>(PhantomData<T>);
 
 impl<T> Entry<T> {
-    /// The entry; a constant, so that lists can be static.
+    /// Makes the entry; constant, so that lists are static.
     pub(crate) const fn new() -> Self {
         Self(PhantomData)
     }
 }
 
-/// Records a function of a point and coefficients.
+/// Body of a recorded function: inputs, then coefficients.
 type Body<'a> = dyn Fn(&[Expr], &[Expr]) -> Vec<Expr> + 'a;
 
-/// A function of a modifier: its `parameters`, then `count` coefficients. The body gets the components of the one and the others.
+/// Prints a WGSL function of a modifier: its `parameters`, then `count` coefficients. The body gets both as scalars.
 fn modifier_function(
     modifier: &dyn Modifier,
     suffix: &str,
@@ -50,7 +50,7 @@ fn modifier_function(
     })
 }
 
-/// The most coefficients that a modifier may read.
+/// Largest number of coefficients of a modifier.
 const MAX_COEFFICIENTS: usize = 20;
 
 impl<T: ModifierDef, N: Differentiable> EvalModifier<N> for Entry<T> {
@@ -104,7 +104,7 @@ impl<T: ModifierDef> Modifier for Entry<T> {
                 self,
                 "point",
                 &[("p", "vec3f"), ("copy", "f32")],
-                format!("Where `p` is in the space of what `{name}` holds."),
+                format!("Point `p` in the space of the child of `{name}`."),
                 count,
                 &|inputs, coefficients| {
                     let q = T::point(Expr::point(inputs, 0), inputs[3], plain(coefficients));
@@ -115,12 +115,12 @@ impl<T: ModifierDef> Modifier for Entry<T> {
                 self,
                 "pull",
                 &[("p", "vec3f"), ("copy", "f32"), ("gradient", "vec3f")],
-                format!("A gradient there as one at `p`, for `{name}`."),
+                format!("Gradient in the space of the child of `{name}`, pulled back to `p`."),
                 count,
                 &|inputs, coefficients| {
                     let p = Dual::variables(Expr::point(inputs, 0));
                     let g = T::point(p, Dual::independent(inputs[3]), independent(coefficients))
-                        .pulled(Expr::point(&inputs[4..], 0));
+                        .pulled_back(Expr::point(&inputs[4..], 0));
                     vec![g.x, g.y, g.z]
                 },
             ),

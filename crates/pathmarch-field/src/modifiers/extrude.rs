@@ -1,8 +1,8 @@
-//! Extrusion along z (Quilez 2008, "Distance functions", extrusion): what it holds is looked at in the plane z = 0, and
-//! cut between two planes across z. The distance of a prism is that of a box in the coordinates (distance in the plane,
-//! distance to the ends): exact where that of the profile is.
+//! Extrusion along z (Quilez 2008, "Distance functions", extrusion): the child is evaluated in the plane z = 0 and
+//! cut by two planes across z. The distance of a prism is that of a box in the coordinates (distance in the plane, distance to
+//! the ends): exact if that of the profile is.
 //!
-//! Of a solid it takes the slice at z = 0, whose distance in the plane is never below that in space.
+//! A solid is replaced by its slice at z = 0, whose distance in the plane is never below that in space.
 
 use crate::bounds::Aabb;
 use crate::info::Info;

@@ -1,5 +1,5 @@
-//! Mirror: what it holds and its image behind the plane through the origin across an axis. Both are looked for, so that it
-//! is right for what crosses the plane; what lies on one side alone is looked for only where `p` is folded to.
+//! Mirror: the child and its image behind the plane through the origin across an axis. Both copies are evaluated, so that
+//! children may cross the plane; a child on the positive side alone needs one, at the folded point.
 
 use crate::bounds::Aabb;
 use crate::info::Info;
@@ -9,22 +9,22 @@ use crate::parameter::Param;
 
 pub(crate) struct Op;
 
-/// Whether it lies on the side of positive coordinates.
-fn is_beside(params: &[f32], inside: Aabb) -> bool {
+/// Reports whether the child is on the side of positive coordinates alone.
+fn is_on_positive_side(params: &[f32], inside: Aabb) -> bool {
     inside.min[params[0] as usize] >= 0.0
 }
 
 impl ModifierDef for Op {
-    const INFO: Info = Info::new("mirror", "What it holds and its image in a mirror through the origin.", "Hart 1996, section 2.3");
+    const INFO: Info = Info::new("mirror", "Its child and the mirror image behind a plane through the origin.", "Hart 1996, section 2.3");
     const PARAMS: &'static [Param] = &[Param::axis("axis", "The mirror lies across this axis.")];
     type Coefficients<N: Real> = [N; 4];
 
     fn coefficients(params: &[f32], inside: Aabb) -> [f32; 4] {
         let across = |axis: usize| if params[0] as usize == axis { 1.0 } else { 0.0 };
-        [across(0), across(1), across(2), if is_beside(params, inside) { 1.0 } else { 0.0 }]
+        [across(0), across(1), across(2), if is_on_positive_side(params, inside) { 1.0 } else { 0.0 }]
     }
     fn copies(params: &[f32], inside: Aabb) -> u32 {
-        if is_beside(params, inside) { 1 } else { 2 }
+        if is_on_positive_side(params, inside) { 1 } else { 2 }
     }
     #[inline(always)]
     fn point<N: Real>(p: Vec3<N>, copy: N, [x, y, z, folds]: [N; 4]) -> Vec3<N> {

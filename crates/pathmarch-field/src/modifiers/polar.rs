@@ -1,6 +1,6 @@
-//! Repetition around the y axis (Quilez 2008, "Domain repetition", rotational): copies of what it holds, turned by whole
-//! parts of a circle. As for `repeat`, the copies to look at are those whose number is next to that of `p`, by the angles
-//! that the box of what it holds covers; all of them, at most eight, where it holds the axis.
+//! Repetition around the y axis (Quilez 2008, "Domain repetition", rotational): copies of the child, rotated by whole
+//! parts of a circle. As in `repeat`, the copies to evaluate are those next to `p`, given the angles that the child's bounding
+//! box covers; all of them, at most eight, if it contains the axis.
 
 use crate::bounds::Aabb;
 use crate::info::Info;
@@ -11,10 +11,10 @@ use std::f32::consts::{PI, TAU};
 
 pub(crate) struct Op;
 
-/// The most copies that are looked at.
-const MOST: f32 = 8.0;
+/// Largest number of copies to evaluate.
+const MAX_COPIES: f32 = 8.0;
 
-/// The largest angle of the box, and how wide it is, radians about +x.
+/// Largest angle of the box and its angular width, radians from +x.
 fn angles(inside: Aabb) -> (f32, f32) {
     let holds_axis = inside.min[0] <= 0.0 && inside.max[0] >= 0.0 && inside.min[2] <= 0.0 && inside.max[2] >= 0.0;
     if holds_axis || !(inside.min[0].is_finite() && inside.max[0].is_finite() && inside.min[2].is_finite() && inside.max[2].is_finite()) {
@@ -33,11 +33,11 @@ fn angles(inside: Aabb) -> (f32, f32) {
 fn nearby(params: &[f32], inside: Aabb) -> f32 {
     let (_, width) = angles(inside);
     let across = (width * params[0] / TAU * 0.9999).ceil() + 1.0;
-    across.min(params[0]).min(MOST)
+    across.min(params[0]).min(MAX_COPIES)
 }
 
 impl ModifierDef for Op {
-    const INFO: Info = Info::new("polar", "Copies of what it holds, turned about the y axis.", "Quilez 2008, domain repetition");
+    const INFO: Info = Info::new("polar", "Copies of its child, rotated about the y axis.", "Quilez 2008, domain repetition");
     const PARAMS: &'static [Param] = &[Param::count("count", 6.0, 1.0, 10_000.0, "Copies in the whole circle.")];
     type Coefficients<N: Real> = [N; 2];
     const IN_PLANE: bool = false;

@@ -1,10 +1,10 @@
 //! Repetition on a lattice, limited or endless (Quilez 2008, "Domain repetition").
 //!
-//! Copies stand at whole multiples of the spacing, `count` of them around the origin where it is limited. The nearest copy
-//! of a point of the solid at `c` is that whose number is nearest to (p - c) / spacing, so the copies to look at are those
-//! from (p - max) / spacing to (p - min) / spacing, rounded, with the solid's box: two along an axis if it fits in its
-//! cell, more if it does not. The distance is that to the nearest of them, which is right across all borders.
-//! Cost: one evaluation for each of those copies, 2 to 8 for what fits in its cell.
+//! Copies are at integer multiples of the spacing; if limited, `count` of them around the origin. The nearest copy of the
+//! child's point `c` is that whose number is nearest to (p - c) / spacing, so the copies to evaluate are those from
+//! (p - max) / spacing to (p - min) / spacing, rounded, with the child's bounding box: two along an axis if it fits in its
+//! cell, more if it does not. The distance is the least of them and continuous across cells.
+//! Cost: one evaluation for each of those copies, 2 to 8 for a child that fits in its cell.
 
 use crate::bounds::Aabb;
 use crate::info::Info;
@@ -15,34 +15,34 @@ use super::bounding_box::ENDLESS;
 
 pub(crate) struct Op;
 
-/// Spacing, and how many copies along an axis; 0 for endless. What has no end along it, as a profile along z, has no copies
-/// there.
+/// Spacing and number of copies along an axis; 0 copies are endless. A child that is unbounded along the axis, as a profile
+/// along z, has no copies there.
 fn axis(params: &[f32], inside: Aabb, k: usize) -> (f32, f32) {
     let spacing = if inside.min[k].is_finite() && inside.max[k].is_finite() { params[k] } else { 0.0 };
     (spacing, if params[4 + k] > 0.0 { params[4 + k] } else { params[3] })
 }
 
-/// How many copies must be looked at along an axis.
+/// Number of copies to evaluate along an axis.
 fn nearby(params: &[f32], inside: Aabb, k: usize) -> f32 {
     let (spacing, count) = axis(params, inside, k);
     if spacing <= 0.0 || count == 1.0 {
         return 1.0;
     }
     let across = ((inside.max[k] - inside.min[k]).max(0.0) / spacing * 0.9999).ceil() + 1.0;
-    // Wider than this, copies beyond are left out.
-    let across = across.min(MOST_ACROSS);
+    // Copies beyond this are left out.
+    let across = across.min(MAX_COPIES);
     if count > 0.0 { across.min(count) } else { across }
 }
 
-/// The most copies along an axis that are looked at.
-const MOST_ACROSS: f32 = 5.0;
+/// Largest number of copies to evaluate along an axis.
+const MAX_COPIES: f32 = 5.0;
 
 impl ModifierDef for Op {
     const INFO: Info = Info {
         size_params: 3,
         ..Info::new(
             "repeat",
-            "Copies of what it holds on a lattice around the origin, endless unless counted.",
+            "Copies of its child on a lattice around the origin, endless unless counted.",
             "Quilez 2008, domain repetition",
         )
     };
@@ -55,7 +55,7 @@ impl ModifierDef for Op {
         Param::count("count-y", 0.0, 0.0, 1e6, "Copies along y; 0 for as many as `count`."),
         Param::count("count-z", 0.0, 0.0, 1e6, "Copies along z; 0 for as many as `count`."),
     ];
-    /// For each axis the spacing, the middle of the copies, their last number and that of those nearby, the box's end.
+    /// For each axis: spacing, middle of the copies, last copy, number of copies to evaluate, and end of the box.
     type Coefficients<N: Real> = [N; 15];
     const NEEDS_BOUNDS: bool = true;
 
@@ -63,7 +63,7 @@ impl ModifierDef for Op {
         let mut coefficients = [0.0; 15];
         for k in 0..3 {
             let (spacing, count) = axis(params, inside, k);
-            // Endless copies are counted from the one at the origin.
+            // Endless copies are numbered from the one at the origin.
             let (middle, last) = if count > 0.0 { (0.5 * (count - 1.0), count - 1.0) } else { (0.0, ENDLESS) };
             let used = spacing > 0.0;
             coefficients[5 * k..5 * k + 5].copy_from_slice(&[
@@ -83,7 +83,7 @@ impl ModifierDef for Op {
     fn point<N: Real>(p: Vec3<N>, copy: N, coefficients: [N; 15]) -> Vec3<N> {
         let half = N::constant(0.5);
         let [xs, xm, xl, xn, xe, ys, ym, yl, yn, ye, zs, zm, zl, zn, ze] = coefficients;
-        // The digits of the copy: which of those nearby along each axis.
+        // Index of the copy along each axis.
         let over_x = ((copy + half) / xn).floor().named("over_x");
         let over_y = ((over_x + half) / yn).floor().named("over_y");
         let digits = [copy - over_x * xn, over_x - over_y * yn, over_y];

@@ -1,8 +1,8 @@
-//! Revolution about y (Quilez 2008, "Distance functions", revolution): what it holds is looked at in the plane z = 0, where
-//! x is the distance from the axis less an offset, so that the y axis of the profile stands `offset` off the axis. What of
-//! the profile would be beyond the axis is not there, but still counts where it is the nearest: a lower bound.
+//! Revolution about y (Quilez 2008, "Distance functions", revolution): the child is evaluated in the plane z = 0, where
+//! x is the distance from the axis less an offset, so that the y axis of the profile is `offset` off the axis. Parts of the
+//! profile beyond the axis do not appear, but still limit the distance: a lower bound.
 //!
-//! Of a solid it takes the slice at z = 0, whose distance in the plane is never below that in space.
+//! A solid is replaced by its slice at z = 0, whose distance in the plane is never below that in space.
 
 use crate::bounds::Aabb;
 use crate::info::Info;

@@ -1,5 +1,5 @@
-//! Rounding: the surface moved outwards, which rounds edges (Quilez 2008, "Distance functions", rounding). What is exact
-//! outside stays exact there.
+//! Rounding: offsets the surface outwards, which rounds edges (Quilez 2008, "Distance functions", rounding). Distances that are
+//! exact outside stay exact there.
 
 use crate::bounds::Aabb;
 use crate::info::Info;
@@ -10,7 +10,7 @@ use crate::parameter::Param;
 pub(crate) struct Op;
 
 impl ModifierDef for Op {
-    const INFO: Info = Info::new("round", "What it holds, thicker on every side, with round edges.", "Quilez 2008, rounding");
+    const INFO: Info = Info::new("round", "Thickens its child on every side and rounds its edges.", "Quilez 2008, rounding");
     const PARAMS: &'static [Param] = &[Param::length_or_zero("radius", 0.1, "How far the surface moves outwards.")];
     type Coefficients<N: Real> = [N; 1];
 

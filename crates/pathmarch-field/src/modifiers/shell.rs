@@ -9,7 +9,7 @@ use crate::parameter::Param;
 pub(crate) struct Op;
 
 impl ModifierDef for Op {
-    const INFO: Info = Info::new("shell", "A wall along the surface of what it holds, hollow inside.", "Quilez 2008, onion");
+    const INFO: Info = Info::new("shell", "Wall along the surface of its child, hollow inside.", "Quilez 2008, onion");
     const PARAMS: &'static [Param] = &[Param::length("thickness", 0.05, "Thickness of the wall, half of it outside.")];
     type Coefficients<N: Real> = [N; 1];
 

@@ -1,9 +1,9 @@
 //! Twist about the y axis (Barr 1984, "Global and local deformations of solid primitives", section 3).
 //!
 //! A point at the distance r from the axis is turned by an angle in proportion to its height. The map is a shear of slope
-//! a = 2π turns r, whose largest stretch is (a + √(a² + 4)) / 2. Points outside of the cylinder that holds the solid are
-//! first moved to it, which brings no two further apart nor any away from the solid; then the distance over the stretch at
-//! the cylinder is a bound. Away from the solid its box is nearer the truth; the larger of the two bounds is taken.
+//! a = 2π turns r, whose largest stretch is (a + √(a² + 4)) / 2. Points outside of the bounding cylinder are first
+//! moved to it, which moves no two points apart and none away from the solid; then the distance over the stretch at the
+//! cylinder is a bound. Far from the solid the distance to its bounding box is the better bound; the larger one is used.
 
 use crate::bounds::Aabb;
 use crate::info::Info;
@@ -18,7 +18,7 @@ pub(crate) struct Op;
 impl ModifierDef for Op {
     const INFO: Info = Info {
         exact: false,
-        ..Info::new("twist", "What it holds, turned about the y axis more and more with the height.", "Barr 1984, section 3")
+        ..Info::new("twist", "Twists its child about the y axis, in proportion to the height.", "Barr 1984, section 3")
     };
     const PARAMS: &'static [Param] = &[Param::between("turns-per-metre", 0.25, -1000.0, 1000.0, "Turns over a metre of height, right-handed about y.")];
     type Coefficients<N: Real> = [N; 9];

@@ -6,20 +6,20 @@
 use super::{Differentiable, Real, Vec3};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value with its derivatives along x, y and z of the point it was computed from.
+/// Value with its derivatives along x, y and z of the point.
 #[derive(Clone, Copy, Debug)]
 pub struct Dual<N> {
-    /// The number itself.
+    /// Value.
     pub value: N,
     /// Partial derivatives along x, y, z.
     pub gradient: Vec3<N>,
 }
 
-/// Below this a square root's derivative is limited, so that 0/0 becomes 0.
+/// Least square root in the divisor of its derivative, so that 0/0 becomes 0.
 const SMALLEST_ROOT: f32 = 1e-18;
 
 impl<N: Real> Dual<N> {
-    /// The point `p` as the variables of differentiation.
+    /// Makes the point `p` the variables of differentiation.
     pub fn variables(p: Vec3<N>) -> Vec3<Self> {
         let (zero, one) = (N::zero(), N::one());
         Vec3::new(
@@ -28,12 +28,12 @@ impl<N: Real> Dual<N> {
             Self { value: p.z, gradient: Vec3::new(zero, zero, one) },
         )
     }
-    /// A number that does not depend on the point.
+    /// Makes a number that does not depend on the point.
     #[inline(always)]
     pub fn independent(value: N) -> Self {
         Self { value, gradient: Vec3::splat(N::zero()) }
     }
-    /// The chain rule: value `f`, outer derivative `slope`.
+    /// Chain rule: value `f`, outer derivative `slope`.
     #[inline(always)]
     fn chain(self, f: N, slope: N) -> Self {
         Self { value: f, gradient: self.gradient * slope }
@@ -52,12 +52,12 @@ impl<N: Real> Dual<N> {
 }
 
 impl<N: Real> Vec3<Dual<N>> {
-    /// The point itself.
+    /// Values of the point.
     pub fn values(self) -> Vec3<N> {
         Vec3::new(self.x.value, self.y.value, self.z.value)
     }
-    /// The gradient at this point of something as that over the variables of differentiation (chain rule).
-    pub fn pulled(self, gradient: Vec3<N>) -> Vec3<N> {
+    /// Pulls a gradient at this point back to the variables of differentiation (chain rule).
+    pub fn pulled_back(self, gradient: Vec3<N>) -> Vec3<N> {
         self.x.gradient * gradient.x + self.y.gradient * gradient.y + self.z.gradient * gradient.z
     }
 }

@@ -1,4 +1,4 @@
-//! [`Real`] as eight `f32` side by side, one for each of eight points.
+//! [`Real`] for `f32x8`: one lane for each of eight points.
 
 use super::{Differentiable, Dual, Real};
 use std::ops::{BitAnd, BitOr, Not};

@@ -1,4 +1,4 @@
-//! The number a field is written over.
+//! Number types over which fields are written.
 //!
 //! Idea: a distance is one Rust function generic over [`Real`]. With `f32` or [`Lanes`](wide::f32x8) it computes on
 //! the CPU, with [`Dual`] numbers it gives the exact gradient (forward-mode automatic differentiation; Griewank and
@@ -19,33 +19,33 @@ pub use vec3::Vec3;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// What comparisons of a [`Real`] yield: one truth value, or one for each lane.
+/// Result of a comparison of [`Real`]s: one truth value, or one for each lane.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {}
 
 impl<T: Copy + BitAnd<Output = T> + BitOr<Output = T> + Not<Output = T>> Mask for T {}
 
-/// A real number, in the sense of a field's author: arithmetic, a few functions, comparison and selection instead of
-/// branches, and one structured loop.
+/// Real number as fields use it: arithmetic, a few functions, comparison and selection instead of branches, and one structured
+/// loop.
 ///
 /// Functions follow IEEE arithmetic where defined. `sqrt` of a negative number is not a number; its derivative at zero
 /// is taken as finite, so that gradients of lengths stay finite.
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self> + 'static
 {
-    /// The result of a comparison.
+    /// Result of a comparison.
     type Mask: Mask;
 
-    /// A constant, the same in every lane.
+    /// Constant, the same in every lane.
     fn constant(value: f32) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
     /// Magnitude.
     fn abs(self) -> Self;
-    /// The smaller of two.
+    /// Minimum of two.
     fn min(self, other: Self) -> Self;
-    /// The larger of two.
+    /// Maximum of two.
     fn max(self, other: Self) -> Self;
-    /// Largest whole number not above `self`; its derivative is zero.
+    /// Largest integer not above `self`; its derivative is zero.
     fn floor(self) -> Self;
     /// Sine of an angle in radians.
     fn sin(self) -> Self;
@@ -57,17 +57,17 @@ pub trait Real:
     fn exp(self) -> Self;
     /// Natural logarithm.
     fn ln(self) -> Self;
-    /// `self < other`.
+    /// Comparison `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
-    /// The same truth value in every lane.
+    /// Constant truth value, the same in every lane.
     fn truth(value: bool) -> Self::Mask;
-    /// `yes` where the mask is true, else `no`.
+    /// Selects `yes` where the mask is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// A bounded loop over a state of `K` numbers.
+    /// Bounded loop over a state of `K` numbers.
     ///
-    /// Runs `body` at most `min(count, limit)` times; `body` gives the next state and whether to go on (a state is kept
-    /// even when it says to stop). Lanes that have stopped keep their state. `count` must be the same in every lane.
+    /// Runs `body` at most `min(count, limit)` times. `body` returns the next state, which is always kept, and the mask of lanes to
+    /// go on. Lanes that have stopped keep their state. `count` must be the same in every lane.
     fn iterate<const K: usize>(
         count: Self,
         limit: u32,
@@ -75,32 +75,32 @@ pub trait Real:
         body: impl Fn([Self; K]) -> ([Self; K], Self::Mask),
     ) -> [Self; K];
 
-    /// The vector of this number, counted from 0, in a table of four numbers each; an index beyond it gives any of them.
-    /// Printed code reads the table of the field, wherever it was recorded.
+    /// Vector `index` of a table of four numbers each; an index out of range returns any of them. Printed code reads the table in
+    /// the field's parameters instead.
     fn vector(table: &[f32], index: Self) -> [Self; 4];
 
-    /// A name for this value in printed code; does nothing elsewhere.
+    /// Names this value in printed code; no effect elsewhere.
     fn named(self, _name: &'static str) -> Self {
         self
     }
 
-    /// `self` raised to a constant or computed power; defined for positive `self`.
+    /// Power of `self`; defined for positive `self`.
     fn pow(self, exponent: Self) -> Self {
         (self.ln() * exponent).exp()
     }
-    /// `self` limited to `low..=high`.
+    /// Clamps `self` to `low..=high`.
     fn clamp(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
-    /// The square.
+    /// Square.
     fn squared(self) -> Self {
         self * self
     }
-    /// -1 below zero, else 1.
+    /// Sign: -1 below zero, else 1.
     fn sign(self) -> Self {
         Self::select(self.lt(Self::zero()), Self::constant(-1.0), Self::one())
     }
-    /// `self`, or 1e-12 where it is nearer to zero than that: a divisor whose quotients stay finite.
+    /// Divisor whose quotients stay finite: `self`, or 1e-12 if it is nearer to zero than that.
     fn divisor(self) -> Self {
         let least = Self::constant(1e-12);
         Self::select(self.abs().lt(least), least, self)
@@ -113,7 +113,7 @@ pub trait Real:
     fn one() -> Self {
         Self::constant(1.0)
     }
-    /// Root of the sum of squares: the length of a vector of `K` components.
+    /// Euclidean norm of `K` components.
     fn norm<const K: usize>(components: [Self; K]) -> Self {
         let square = components.map(Self::squared).into_iter().reduce(|a, b| a + b);
         square.map_or(Self::zero(), Self::sqrt)
@@ -124,10 +124,9 @@ pub trait Real:
     }
 }
 
-/// A number that can be computed with at once, and differentiated: everything but recorded expressions.
+/// Number type over which dual numbers exist.
 ///
-/// [`Real`] with the loop over duals, which cannot be derived from the loop over the plain number because the state
-/// is four times as long.
+/// It adds the loop over duals, which cannot be derived from [`Real::iterate`] because its state is four times as long.
 pub trait Differentiable: Real {
     /// [`Real::iterate`] over dual numbers of this base.
     fn iterate_dual<const K: usize>(

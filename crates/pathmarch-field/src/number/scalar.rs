@@ -1,4 +1,4 @@
-//! [`Real`] as one `f32`.
+//! [`Real`] for `f32`: one point.
 
 use super::{Differentiable, Dual, Real};
 

@@ -2,9 +2,9 @@
 
 use super::Real;
 
-/// A list of parameter values; implemented by arrays.
+/// List of parameter values of a fixed length; arrays implement it.
 pub trait Values<N>: AsRef<[N]> + Copy {
-    /// From the value at each index.
+    /// Makes the list from the value at each index.
     fn from_fn(value: impl FnMut(usize) -> N) -> Self;
 }
 
@@ -15,7 +15,7 @@ impl<N: Copy, const K: usize> Values<N> for [N; K] {
     }
 }
 
-/// The values as constants of the number type `N`.
+/// Converts `f32` values to constants of the number type `N`.
 #[inline(always)]
 pub(crate) fn values<N: Real, V: Values<N>>(params: &[f32]) -> V {
     V::from_fn(|k| N::constant(params[k]))

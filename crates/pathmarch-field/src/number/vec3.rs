@@ -1,36 +1,36 @@
-//! A triple of [`Real`]s: points and vectors of a field.
+//! Points and vectors over any number type.
 
 use super::Real;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A point or a vector in space over any number.
+/// Point or vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vec3<N> {
-    /// Along x.
+    /// Component along x.
     pub x: N,
-    /// Along y, up.
+    /// Component along y, up.
     pub y: N,
-    /// Along z.
+    /// Component along z.
     pub z: N,
 }
 
 impl<N> Vec3<N> {
-    /// From its three components.
+    /// Makes a vector of three components.
     pub const fn new(x: N, y: N, z: N) -> Self {
         Self { x, y, z }
     }
 }
 
 impl<N: Real> Vec3<N> {
-    /// All three components equal.
+    /// Makes a vector of three equal components.
     pub fn splat(value: N) -> Self {
         Self::new(value, value, value)
     }
-    /// Constants, the same in every lane.
+    /// Makes a constant vector, the same in every lane.
     pub fn constant(value: [f32; 3]) -> Self {
         Self::new(N::constant(value[0]), N::constant(value[1]), N::constant(value[2]))
     }
-    /// Scalar product.
+    /// Dot product.
     pub fn dot(self, other: Self) -> N {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
@@ -42,11 +42,11 @@ impl<N: Real> Vec3<N> {
     pub fn abs(self) -> Self {
         Self::new(self.x.abs(), self.y.abs(), self.z.abs())
     }
-    /// The larger of each component and `value`.
+    /// Maximum of each component and `value`.
     pub fn max(self, value: N) -> Self {
         Self::new(self.x.max(value), self.y.max(value), self.z.max(value))
     }
-    /// The largest component.
+    /// Largest component.
     pub fn largest(self) -> N {
         self.x.max(self.y.max(self.z))
     }

@@ -7,29 +7,29 @@ use crate::info::Info;
 use crate::number::Real;
 use crate::parameter::Param;
 
-/// An operator that makes one solid of two, written once.
+/// Definition of an operator, which combines two solids, written once for all number types.
 ///
-/// More than two children are folded from the first to the last. Implementations are unit structs named `Shape`'s twin
-/// `Op`, one in each file of `operators/`.
+/// More than two children are folded from the first to the last. Each file of `operators/` implements it for a unit struct
+/// named `Op`.
 pub trait OperatorDef: Send + Sync + 'static {
     /// Name, documentation, source.
     const INFO: Info;
-    /// The parameters: none where it blends, one that is the [`Blend::amount`] where it does not.
+    /// Parameters: none if it blends, else one, which is the [`Blend::amount`].
     const PARAMS: &'static [Param] = &[];
-    /// Whether it blends edges over a width, by any [`BlendProfile`].
+    /// True if it blends edges over a width, with any [`BlendProfile`](crate::BlendProfile).
     const BLENDS: bool = true;
-    /// How many children it needs, and how many it may have.
+    /// Least and largest number of children.
     const CHILDREN: (usize, usize) = (1, usize::MAX);
-    /// What it does to solids, where it is sharp, as an operation on truth values.
+    /// Boolean operation on solids that the sharp operator is.
     const BOOLEAN: Option<Boolean> = None;
-    /// The sharp result.
+    /// Distance of the sharp result.
     fn sharp<N: Real>(a: N, b: N) -> N;
-    /// The blended result.
+    /// Distance of the blended result.
     fn blended<N: Real>(a: N, b: N, blend: Blending<N>) -> N;
-    /// How much of `b`'s material shows, 0..1, in the sharp result.
+    /// Weight of `b`'s material in the sharp result, 0..1.
     fn sharp_weight<N: Real>(a: N, b: N) -> N;
-    /// How much of `b`'s material shows, 0..1, in the blended result.
+    /// Weight of `b`'s material in the blended result, 0..1.
     fn blended_weight<N: Real>(a: N, b: N, blend: Blending<N>) -> N;
-    /// A box that holds the result.
+    /// Bounding box of the result.
     fn bounds(a: Aabb, b: Aabb, blend: Option<Blend>) -> Aabb;
 }

@@ -8,14 +8,14 @@ use crate::parameter::Param;
 use std::fmt::Debug;
 use wide::f32x8;
 
-/// An operation on truth values: what two solids hold together.
+/// Boolean operation on two solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Boolean {
-    /// Either.
+    /// Points in either.
     Union,
-    /// Both.
+    /// Points in both.
     Intersection,
-    /// The first, without the second.
+    /// Points in the first and not in the second.
     Difference,
 }
 
@@ -38,23 +38,23 @@ pub trait EvalOperator<N: Real> {
 pub trait Operator: EvalOperator<f32x8> + EvalOperator<f32> + Send + Sync {
     /// Name, documentation, source.
     fn info(&self) -> &'static Info;
-    /// The parameters, in order; see [`OperatorDef::PARAMS`](super::OperatorDef::PARAMS).
+    /// Parameters, in order; see [`OperatorDef::PARAMS`](super::OperatorDef::PARAMS).
     fn params(&self) -> &'static [Param];
-    /// Whether it blends edges over a width.
+    /// Reports whether it blends edges over a width.
     fn blends(&self) -> bool;
-    /// How many children it needs, and how many it may have.
+    /// Least and largest number of children.
     fn children(&self) -> (usize, usize);
-    /// What it does to solids; see [`OperatorDef::BOOLEAN`](super::OperatorDef::BOOLEAN).
+    /// Boolean operation that the sharp operator is; see [`OperatorDef::BOOLEAN`](super::OperatorDef::BOOLEAN).
     fn boolean(&self) -> Option<Boolean>;
-    /// A box that holds the result.
+    /// Bounding box of the result.
     fn bounds(&self, a: Aabb, b: Aabb, blend: Option<Blend>) -> Aabb;
-    /// `NAME_distance`, sharp or of a profile, as a WGSL function.
+    /// WGSL function `NAME_distance`, sharp or with a blend profile.
     fn wgsl_distance(&self, profile: Option<BlendProfile>) -> String;
-    /// `NAME_gradient`, sharp or of a profile, as a WGSL function over (xyz gradient, w distance).
+    /// WGSL function `NAME_gradient` over gradient (xyz) and distance (w), sharp or with a blend profile.
     fn wgsl_gradient(&self, profile: Option<BlendProfile>) -> String;
-    /// `NAME_weight`, sharp or of a profile, as a WGSL function.
+    /// WGSL function `NAME_weight`, sharp or with a blend profile.
     fn wgsl_weight(&self, profile: Option<BlendProfile>) -> String;
-    /// What its WGSL functions' names begin with.
+    /// Prefix of the names of its WGSL functions.
     fn wgsl_name(&self, profile: Option<BlendProfile>) -> String {
         let prefix = profile.filter(|_| self.blends()).map_or(String::new(), |profile| format!("{}_", profile.name()));
         format!("{prefix}{}", self.info().name)

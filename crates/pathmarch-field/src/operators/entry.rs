@@ -10,17 +10,17 @@ use crate::number::{Differentiable, Dual, Real};
 use crate::parameter::Param;
 use std::marker::PhantomData;
 
-/// The entry of a registered definition in its list.
+/// Entry of a definition in the registry's list.
 pub(crate) struct Entry<T>(PhantomData<T>);
 
 impl<T> Entry<T> {
-    /// The entry; a constant, so that lists can be static.
+    /// Makes the entry; constant, so that lists are static.
     pub(crate) const fn new() -> Self {
         Self(PhantomData)
     }
 }
 
-/// The signature of a function of an operator, sharp or of a profile.
+/// Signature of an operator's WGSL function, sharp or with a blend profile.
 fn operator_function(
     operator: &dyn Operator,
     suffix: &str,
@@ -31,7 +31,7 @@ fn operator_function(
     let doc = match suffix {
         "distance" => info.doc.to_owned(),
         "gradient" => format!("Gradient (xyz) and distance (w) of `{}`.", info.name),
-        _ => format!("How much of b's material shows in `{}`, 0..1.", info.name),
+        _ => format!("Weight of b's material in `{}`, 0..1.", info.name),
     };
     let mut parameters = vec![("a", kind), ("b", kind)];
     if let Some(profile) = profile {
@@ -41,7 +41,7 @@ fn operator_function(
     Function { name: format!("{}_{suffix}", operator.wgsl_name(profile)), doc, parameters }
 }
 
-/// The blend whose numbers are the first of these inputs.
+/// Blend whose parameters are the first of these inputs.
 fn blending(profile: BlendProfile, inputs: &[Expr]) -> Blending<Expr> {
     Blending { amount: inputs[0], profile, steps: inputs.get(1).copied().unwrap_or(inputs[0]) }
 }

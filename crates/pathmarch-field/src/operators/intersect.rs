@@ -1,5 +1,5 @@
-//! Intersection: the farther of two (Ricci 1973): minus the union of what both leave free, blended by any of the profiles
-//! of [`crate::blend`]. A lower bound of the distance outside.
+//! Intersection: the maximum of two distances (Ricci 1973), which is minus the union of both complements, blended with any
+//! profile of [`crate::blend`]. A lower bound of the distance outside.
 
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
@@ -11,7 +11,7 @@ use super::union::SOURCE;
 pub(crate) struct Op;
 
 impl OperatorDef for Op {
-    const INFO: Info = Info { exact: false, ..Info::new("intersect", "What all of the children hold.", SOURCE) };
+    const INFO: Info = Info { exact: false, ..Info::new("intersect", "Intersection of all children.", SOURCE) };
     const BOOLEAN: Option<Boolean> = Some(Boolean::Intersection);
 
     #[inline(always)]

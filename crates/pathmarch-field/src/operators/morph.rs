@@ -1,6 +1,6 @@
-//! Morph: the distances of two shapes, interpolated (Payne and Toga 1992, "Distance field manipulation of surface models",
-//! section 4). The gradient is a mean of both, so that the Lipschitz constant is kept; what lies outside of both shapes lies
-//! outside of every one between them. Between shapes far apart there is nothing: they should overlap.
+//! Morph: interpolation between the distances of two shapes (Payne and Toga 1992, "Distance field manipulation of surface models",
+//! section 4). The gradient is a mean of both, so that the Lipschitz constant is kept. Points outside of both shapes are outside
+//! of every shape between them. Nothing appears between shapes that are far apart: they should overlap.
 
 use crate::blend::{Blend, Blending};
 use crate::bounds::Aabb;

@@ -1,5 +1,5 @@
-//! Subtraction: the first child without the others (Ricci 1973): minus the union of what `a` leaves free and `b`, blended
-//! by any of the profiles of [`crate::blend`]. A lower bound of the distance outside, exact inside the kept part.
+//! Subtraction: the first child without the others (Ricci 1973), which is minus the union of the complement of `a` and `b`,
+//! blended with any profile of [`crate::blend`]. A lower bound of the distance outside, exact inside the kept part.
 
 use crate::blend::{Blend, Blending, minimum, weight};
 use crate::bounds::Aabb;
@@ -12,7 +12,7 @@ pub(crate) struct Op;
 
 impl OperatorDef for Op {
     const INFO: Info =
-        Info { exact: false, ..Info::new("subtract", "The first child without what the others hold.", SOURCE) };
+        Info { exact: false, ..Info::new("subtract", "The first child without the others.", SOURCE) };
     const CHILDREN: (usize, usize) = (2, usize::MAX);
     const BOOLEAN: Option<Boolean> = Some(Boolean::Difference);
 

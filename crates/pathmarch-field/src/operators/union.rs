@@ -1,4 +1,4 @@
-//! Union: the nearer of two (Ricci 1973), blended by any of the profiles of [`crate::blend`]. A lower bound of the
+//! Union: the minimum of two distances (Ricci 1973), blended with any profile of [`crate::blend`]. A lower bound of the
 //! distance inside.
 
 use crate::blend::{Blend, Blending, minimum, weight};
@@ -9,11 +9,11 @@ use crate::operators::{Boolean, OperatorDef};
 
 pub(crate) struct Op;
 
-/// Who the sharp operators and their blends are by.
+/// Source of the sharp operators and their blends.
 pub(super) const SOURCE: &str = "Ricci 1973; blends: Quilez 2013, quadratic smooth minimum, and Mercury 2015";
 
 impl OperatorDef for Op {
-    const INFO: Info = Info { exact: false, ..Info::new("union", "What any of the children holds.", SOURCE) };
+    const INFO: Info = Info { exact: false, ..Info::new("union", "Union of all children.", SOURCE) };
     const BOOLEAN: Option<Boolean> = Some(Boolean::Union);
 
     #[inline(always)]

@@ -34,7 +34,7 @@ impl ShapeDef for Shape {
     fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> RayInterval<N> {
         let half = N::constant(0.5);
         let slab = |o: N, d: N, size: N| RayInterval::slab(o, d, size * half);
-        slab(origin.x, direction.x, x).and(slab(origin.y, direction.y, y)).and(slab(origin.z, direction.z, z))
+        slab(origin.x, direction.x, x).intersection(slab(origin.y, direction.y, y)).intersection(slab(origin.z, direction.z, z))
     }
     fn emitter([x, y, z]: [f32; 3]) -> Emitter {
         Emitter::Box([x, y, z])

@@ -34,7 +34,7 @@ impl ShapeDef for Shape {
         let half = height * N::constant(0.5);
         let cylinder = super::cylinder::Shape::interval(origin, direction, [radius, height]);
         let end = |y: N| super::sphere::Shape::interval(Vec3::new(origin.x, origin.y - y, origin.z), direction, [radius]);
-        cylinder.or(end(half)).or(end(-half))
+        cylinder.union(end(half)).union(end(-half))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height + radius, radius)

@@ -62,7 +62,7 @@ impl ShapeDef for Shape {
         let downwards = N::zero().lt(rise);
         let between = RayInterval { enter: first, leave: last };
         let missed = !steep & (b * b - a * c).lt(N::zero());
-        let nowhere = RayInterval::nowhere();
+        let nowhere = RayInterval::empty();
         let side = RayInterval {
             enter: N::select(steep, N::select(downwards, last, N::constant(-T_MAX)), between.enter),
             leave: N::select(steep, N::select(downwards, N::constant(T_MAX), first), between.leave),
@@ -71,7 +71,7 @@ impl ShapeDef for Shape {
             enter: N::select(missed, nowhere.enter, side.enter),
             leave: N::select(missed, nowhere.leave, side.leave),
         };
-        side.and(RayInterval::slab(origin.y, direction.y, half))
+        side.intersection(RayInterval::slab(origin.y, direction.y, half))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, radius)

@@ -40,7 +40,7 @@ impl ShapeDef for Shape {
             enter: N::select(parallel, within.enter, side.enter),
             leave: N::select(parallel, within.leave, side.leave),
         };
-        side.and(RayInterval::slab(origin.y, direction.y, height * N::constant(0.5)))
+        side.intersection(RayInterval::slab(origin.y, direction.y, height * N::constant(0.5)))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, radius)

@@ -7,59 +7,59 @@ use crate::number::{Real, Values, Vec3};
 use crate::parameter::Param;
 use crate::ray_interval::RayInterval;
 
-/// A shape, written once.
+/// Definition of a shape, written once for all number types.
 ///
-/// Implementations are unit structs named `Shape`, one in each file of `shapes/`.
+/// Each file of `shapes/` implements it for a unit struct named `Shape`.
 pub trait ShapeDef: Send + Sync + 'static {
     /// Name, documentation, source.
     const INFO: Info;
-    /// The parameters, in the order of positional arguments.
+    /// Parameters, in the order of positional arguments.
     const PARAMS: &'static [Param];
-    /// As many numbers as there are parameters: `[N; K]`.
+    /// Parameter values: `[N; K]` for `K` parameters.
     type Params<N: Real>: Values<N>;
 
-    /// Signed distance from `p` to the surface, metres, negative inside; a lower bound of it where not exact.
+    /// Signed distance from `p` to the surface, metres, negative inside; a lower bound of it where it is not exact.
     fn distance<N: Real>(p: Vec3<N>, params: Self::Params<N>) -> N;
-    /// The same distance, to the last bit, where little code matters more than speed: for gradients and for recording. A shape
-    /// of many [variants](Self::variant) has one function here for all of them.
+    /// The same distance, equal to the last bit, in little code: for gradients and for recording. A shape with many
+    /// [variants](Self::variant) has one function here for all of them.
     #[inline(always)]
     fn distance_compact<N: Real>(p: Vec3<N>, params: Self::Params<N>) -> N {
         Self::distance(p, params)
     }
-    /// A box that holds the solid.
+    /// Bounding box of the solid.
     fn bounds(params: Self::Params<f32>) -> Aabb;
-    /// An upper bound of |∇distance|.
+    /// Lipschitz constant: an upper bound of |∇distance|.
     fn lipschitz(_params: Self::Params<f32>) -> f32 {
         1.0
     }
-    /// What a light of this shape is sampled as.
+    /// Surface on which a light of this shape is sampled.
     fn emitter(_params: Self::Params<f32>) -> Emitter {
         Emitter::Bounded
     }
-    /// Whether the solid is convex and [`interval`](Self::interval) is written.
+    /// True if the solid is convex and [`interval`](Self::interval) is implemented.
     const CONVEX: bool = false;
-    /// Where a line is inside a convex solid, metres from `origin` along the unit vector `direction`.
+    /// Interval of a line inside a convex solid, metres from `origin` along the unit vector `direction`.
     fn interval<N: Real>(_origin: Vec3<N>, _direction: Vec3<N>, _params: Self::Params<N>) -> RayInterval<N> {
-        RayInterval::nowhere()
+        RayInterval::empty()
     }
-    /// Whether where a ray meets this shape is known in closed form: [`interval`](Self::interval) or [`ray`](Self::ray) is written.
+    /// True if rays intersect it analytically: [`interval`](Self::interval) or [`ray`](Self::ray) is implemented.
     const ANALYTIC: bool = Self::CONVEX;
-    /// Metres from `origin` along the unit vector `direction` to the first point of the surface ahead, from outside or
-    /// inside; [`T_MAX`] where there is none.
+    /// Metres from `origin` along the unit vector `direction` to the first hit, from outside or inside; [`T_MAX`] if the ray
+    /// misses.
     #[inline(always)]
     fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, params: Self::Params<N>) -> N {
-        Self::interval(origin, direction, params).ahead()
+        Self::interval(origin, direction, params).first_hit()
     }
-    /// Tells apart the shapes that [`variant`](Self::variant) gives, which have this one's name; 0 for the one of the list.
+    /// Number of a [`variant`](Self::variant) among shapes of the same name; 0 for the registered one.
     const VARIANT: u32 = 0;
-    /// The same shape with some of its numbers fixed in its code, which then is faster.
+    /// Faster variant of the shape with some parameters fixed at compile time.
     fn variant(_params: Self::Params<f32>) -> Option<&'static dyn Shape> {
         None
     }
-    /// Whether [`orbit`](Self::orbit) is written: the shape is a fractal, which follows the orbit of a point.
+    /// True for a fractal, which implements [`orbit`](Self::orbit).
     const ORBIT: bool = false;
-    /// What the orbit of `p` comes near to: its least distance to the origin, to the y axis, to the plane y = 0 and to the
-    /// unit sphere, and the share of the iterations that were done before it escaped, 0..1.
+    /// Orbit traps of `p`: the least distances of its orbit to the origin, the y axis, the plane y = 0 and the unit sphere,
+    /// and the fraction of iterations before it escaped, 0..1.
     fn orbit<N: Real>(_p: Vec3<N>, _params: Self::Params<N>) -> [N; TRAPS] {
         [N::zero(); TRAPS]
     }

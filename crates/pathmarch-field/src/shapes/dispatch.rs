@@ -11,21 +11,21 @@ use std::ops::Deref;
 use std::sync::Arc;
 use wide::f32x8;
 
-/// How many numbers tell of an orbit; see [`ShapeDef::orbit`].
+/// Number of orbit traps; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
 pub const TRAPS: usize = 5;
 
-/// The surface of a shape, for choosing points on it: lengths in metres, local coordinates.
+/// Surface on which a light is sampled; lengths in metres, local coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Emitter {
-    /// A sphere of this radius.
+    /// Sphere of this radius.
     Sphere(f32),
-    /// A sheet with these edges along x and z.
+    /// Rectangle with these edge lengths along x and z.
     Rect([f32; 2]),
-    /// A round sheet of this radius.
+    /// Disc of this radius.
     Disc(f32),
-    /// A box of these edges.
+    /// Box with these edge lengths.
     Box([f32; 3]),
-    /// Anything else: somewhere in its bounds.
+    /// Any other surface: directions to its bounding box are sampled.
     Bounded,
 }
 
@@ -35,9 +35,9 @@ pub trait EvalShape<N: Real> {
     fn distance(&self, p: Vec3<N>, params: &[f32]) -> N;
     /// Distance and gradient at `p`.
     fn gradient(&self, p: Vec3<Dual<N>>, params: &[f32]) -> Dual<N>;
-    /// Interval of a line inside a convex solid; see [`ShapeDef::span`](super::ShapeDef::interval).
+    /// Interval of a line inside a convex solid; see [`ShapeDef::interval`](super::ShapeDef::interval).
     fn interval(&self, _origin: Vec3<N>, _direction: Vec3<N>, _params: &[f32]) -> RayInterval<N> {
-        RayInterval::nowhere()
+        RayInterval::empty()
     }
     /// Metres to the first hit of a ray, or [`T_MAX`]; see [`ShapeDef::ray`](super::ShapeDef::ray).
     fn ray(&self, _origin: Vec3<N>, _direction: Vec3<N>, _params: &[f32]) -> N {
@@ -57,66 +57,66 @@ pub trait EvalShape<N: Real> {
 pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     /// Name, documentation, source.
     fn info(&self) -> &Info;
-    /// The parameters, in order.
+    /// Parameters, in order.
     fn params(&self) -> &[Param];
-    /// The numbers that the functions below read, found once of the parameters.
+    /// Coefficients that the functions read as `params`, computed once from the parameters.
     fn coefficients(&self, params: &[f32]) -> Vec<f32> {
         params.to_vec()
     }
-    /// Whether those numbers are a table of vectors, which may be of any length: its WGSL functions read it in the table of the
-    /// field, and are given the number of its first vector there instead of the numbers themselves.
+    /// True if the coefficients are a lookup table of `vec4`s of any length. Its WGSL functions read the table from the
+    /// parameter buffer and take the index of its first vector as their argument.
     fn reads_table(&self) -> bool {
         false
     }
-    /// The same shape with some of its numbers fixed in its code, which then is faster; see [`ShapeDef::variant`].
+    /// Faster variant with some parameters fixed at compile time; see [`ShapeDef::variant`](super::ShapeDef::variant).
     fn variant(&self, _params: &[f32]) -> Option<&'static dyn Shape> {
         None
     }
-    /// A box that holds the solid.
+    /// Bounding box of the solid.
     fn bounds(&self, params: &[f32]) -> Aabb;
-    /// An upper bound of |∇distance|.
+    /// Lipschitz constant: an upper bound of |∇distance|.
     fn lipschitz(&self, params: &[f32]) -> f32;
-    /// What a light of this shape is sampled as.
+    /// Surface on which a light of this shape is sampled.
     fn emitter(&self, _params: &[f32]) -> Emitter {
         Emitter::Bounded
     }
-    /// Whether rays meet it in closed form.
+    /// Reports whether rays intersect it analytically.
     fn is_analytic(&self) -> bool {
         false
     }
-    /// Whether it is convex, and spans are known in closed form.
+    /// Reports whether it is convex and lines through it have an analytic interval.
     fn is_convex(&self) -> bool {
         false
     }
-    /// Whether it follows orbits.
+    /// Reports whether it is a fractal with orbit traps.
     fn has_orbit(&self) -> bool {
         false
     }
-    /// The orbit as a WGSL function `NAME_orbit(p: vec3f, …) -> array<f32, 5>`.
+    /// Orbit traps as a WGSL function `NAME_orbit(p: vec3f, …) -> array<f32, 5>`.
     fn wgsl_orbit(&self) -> String {
         String::new()
     }
-    /// The span as a WGSL function `NAME_interval(origin: vec3f, direction: vec3f, …) -> vec2f`.
+    /// Interval of a line as a WGSL function `NAME_interval(origin: vec3f, direction: vec3f, …) -> vec2f`.
     fn wgsl_interval(&self) -> String {
         String::new()
     }
-    /// The closed form as a WGSL function `NAME_ray(origin: vec3f, direction: vec3f, …) -> f32`.
+    /// Ray intersection as a WGSL function `NAME_ray(origin: vec3f, direction: vec3f, …) -> f32`.
     fn wgsl_ray(&self) -> String {
         String::new()
     }
-    /// The distance as a WGSL function `NAME_distance(p: vec3f, …) -> f32`.
+    /// Distance as a WGSL function `NAME_distance(p: vec3f, …) -> f32`.
     fn wgsl_distance(&self) -> String;
-    /// The gradient (xyz) and distance (w) as a WGSL function `NAME_gradient(p: vec3f, …) -> vec4f`.
+    /// Gradient (xyz) and distance (w) as a WGSL function `NAME_gradient(p: vec3f, …) -> vec4f`.
     fn wgsl_gradient(&self) -> String;
-    /// What its WGSL functions' names begin with.
+    /// Prefix of the names of its WGSL functions.
     fn wgsl_name(&self) -> String {
         identifier(self.info().name).trim_end_matches('_').to_owned()
     }
-    /// The Lipschitz constant that a person declared, by which the distance is divided.
+    /// Lipschitz constant declared in the scene, by which the distance is divided.
     fn declared_lipschitz(&self) -> Option<f32> {
         None
     }
-    /// Whether its WGSL is ours, and needs no checks where it runs.
+    /// Reports whether its WGSL is built in and may run without bounds checks.
     fn is_trusted(&self) -> bool {
         true
     }
@@ -128,12 +128,12 @@ impl Debug for dyn Shape {
     }
 }
 
-/// A shape that is kept: one of the registry, or one that a scene declares and that lives as long as it is used.
+/// Shared reference to a shape: registered, or declared in a scene and owned by its users.
 #[derive(Clone, Debug)]
 pub enum ShapeRef {
-    /// One of the registry.
+    /// Registered shape.
     Registered(&'static dyn Shape),
-    /// One that a scene declares.
+    /// Shape declared in a scene.
     Custom(Arc<dyn Shape>),
 }
 

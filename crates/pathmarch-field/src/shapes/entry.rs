@@ -10,24 +10,24 @@ use crate::parameter::Param;
 use crate::ray_interval::RayInterval;
 use std::marker::PhantomData;
 
-/// The entry of a registered definition in its list.
+/// Entry of a definition in the registry's list.
 pub(crate) struct Entry<T>(PhantomData<T>);
 
 impl<T> Entry<T> {
-    /// The entry; a constant, so that lists can be static.
+    /// Makes the entry; constant, so that lists are static.
     pub(crate) const fn new() -> Self {
         Self(PhantomData)
     }
 }
 
-/// The signature of a function of a shape: its points, then its parameters.
+/// Signature of a shape's WGSL function: its points, then its parameters.
 fn shape_function(shape: &dyn Shape, suffix: &str, points: &[&'static str], doc: String) -> Function<'static> {
     let points = points.iter().map(|&p| (p, "vec3f"));
     let parameters = points.chain(shape.params().iter().map(|p| (p.name, "f32"))).collect();
     Function { name: format!("{}_{suffix}", shape.wgsl_name()), doc, parameters }
 }
 
-/// What the WGSL functions of a shape of this name and variant begin with.
+/// Prefix of the WGSL functions of a shape of this name and variant.
 fn shape_name(name: &str, variant: u32) -> String {
     let name = identifier(name);
     let name = name.trim_end_matches('_');
@@ -84,12 +84,12 @@ impl<T: ShapeDef> Shape for Entry<T> {
         T::ORBIT
     }
     fn wgsl_orbit(&self) -> String {
-        let doc = "What the orbit of `NAME` comes near to: point, line, plane, sphere; share of iterations.";
+        let doc = "Orbit traps of `NAME`: point, line, plane, sphere; fraction of iterations.";
         shape_function(self, "orbit", &["p"], doc.replace("NAME", T::INFO.name))
             .print(&|inputs| T::orbit(Expr::point(inputs, 0), T::Params::from_fn(|k| inputs[3 + k])).to_vec())
     }
     fn wgsl_interval(&self) -> String {
-        let doc = "Where a line enters and leaves `NAME`, metres.".replace("NAME", T::INFO.name);
+        let doc = "Interval of a line inside `NAME`, metres.".replace("NAME", T::INFO.name);
         shape_function(self, "interval", &["origin", "direction"], doc).print(&|inputs| {
             let params = T::Params::from_fn(|k| inputs[6 + k]);
             let RayInterval { enter, leave } = T::interval(Expr::point(inputs, 0), Expr::point(inputs, 1), params);
@@ -97,7 +97,7 @@ impl<T: ShapeDef> Shape for Entry<T> {
         })
     }
     fn wgsl_ray(&self) -> String {
-        let doc = "Metres to where a ray first meets `NAME`.".replace("NAME", T::INFO.name);
+        let doc = "Metres to the first hit of a ray with `NAME`.".replace("NAME", T::INFO.name);
         shape_function(self, "ray", &["origin", "direction"], doc).print(&|inputs| {
             vec![T::ray(Expr::point(inputs, 0), Expr::point(inputs, 1), T::Params::from_fn(|k| inputs[6 + k]))]
         })

@@ -52,7 +52,7 @@ impl ShapeDef for Shape {
             RayInterval::slab(across(origin), across(direction), inner)
         };
         let ends = RayInterval::slab(origin.y, direction.y, height * half);
-        faces(1.0).and(faces(-1.0)).and(RayInterval::slab(origin.z, direction.z, inner)).and(ends)
+        faces(1.0).intersection(faces(-1.0)).intersection(RayInterval::slab(origin.z, direction.z, inner)).intersection(ends)
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, HALF_SQRT_3 * radius)

@@ -57,7 +57,7 @@ impl ShapeDef for Shape {
             let across = |v: Vec3<N>| v.x * N::constant(x) + v.y + v.z * N::constant(z);
             RayInterval::slab(across(origin), across(direction), radius)
         };
-        faces(1.0, 1.0).and(faces(1.0, -1.0)).and(faces(-1.0, 1.0)).and(faces(-1.0, -1.0))
+        faces(1.0, 1.0).intersection(faces(1.0, -1.0)).intersection(faces(-1.0, 1.0)).intersection(faces(-1.0, -1.0))
     }
     fn bounds([radius]: [f32; 1]) -> Aabb {
         Aabb::centred(radius, radius, radius)

@@ -1,7 +1,7 @@
-//! What the fractals share: orbits, what they come near to, and a field that ends at a simple solid.
+//! Functions shared by fractals: orbits and their traps, and estimates clipped to a simple bounding solid.
 //!
-//! A fractal follows the orbit of a point: it applies one step again and again to a state whose first three numbers are
-//! the point z. The step is written once; the distance and the traps both iterate it.
+//! A fractal iterates one step on a state whose first three numbers are the point z: the orbit of the point. The step is
+//! written once; the distance and the traps both iterate it.
 //!
 //! Why a fractal's distance is safe: it is a continuous function f that is negative in the solid and positive outside. If
 //! |∇f| is at most L, then f/L is at most the distance to the surface (the argument of Hart 1996, section 2.2), whatever
@@ -14,22 +14,22 @@ use crate::number::{Real, Vec3};
 use crate::ray_interval::T_MAX;
 use crate::shapes::TRAPS;
 
-/// The solid of `estimate` cut by the one of `bound`, and far outside only the latter.
+/// Intersection of the solids of `estimate` and `bound`; far outside only the latter.
 ///
-/// From `reach` metres outside the bound on the result does not depend on the estimate, so that its iteration may stop
-/// ([`is_near`]). Where both have a slope of at most one the result does too, and never jumps.
+/// More than `reach` metres outside the bound, the result does not depend on the estimate, so that its iteration may stop
+/// ([`is_near`]). If both have a slope of at most one, so has the result, and it is continuous.
 #[inline(always)]
 pub(crate) fn within<N: Real>(estimate: N, bound: N, reach: N) -> N {
     bound.max(estimate.min(reach + reach - bound))
 }
 
-/// Whether [`within`] looks at the estimate.
+/// Reports whether [`within`] uses the estimate.
 #[inline(always)]
 pub(crate) fn is_near<N: Real>(bound: N, reach: N) -> N::Mask {
     bound.lt(reach)
 }
 
-/// `value` made smaller by one plus `amount`, which is zero where the value is.
+/// Divides `value` by one plus `amount`, which is zero where the value is.
 ///
 /// In a quotient f = g/D of a distance g after the iteration and a derivative D, |∇f| is at most |∇g|/D + g |∇D|/D². The first
 /// term is at most one, the second proportional to g: g/(1 + b |g|) limits it to 1/b of what multiplies g, and leaves g as
@@ -39,10 +39,10 @@ pub(crate) fn bent<N: Real>(value: N, amount: N) -> N {
     value / (N::one() + amount)
 }
 
-/// How much the values inside are bent: the derivative varies most where the orbit stays.
+/// Strength of [`bent`] inside, where the derivative varies most.
 const INSIDE_BEND: f32 = 16.0;
 
-/// Distance of the set where the orbits of a map of degree n escape, from the potential.
+/// Distance estimate of the escape set of a map of degree n, from its potential.
 ///
 /// The potential of Douady and Hubbard 1984, G = lim n^-k ln |z_k|, is zero on the set, and G / |∇G| = |z| ln |z| / |z'|
 /// (Hart et al. 1989, section 3) is to first order the distance, of which half is a lower bound near a connected set.
@@ -58,7 +58,7 @@ pub(crate) fn from_potential<N: Real>(length: N, offset: N, shrink: N) -> N {
     bent(value, N::constant(INSIDE_BEND) * (-value).max(N::zero())) * shrink
 }
 
-/// Three coordinates, the largest first: the mirrors across the diagonals of a cube.
+/// Sorts three coordinates, the largest first: the mirrors across the diagonals of a cube.
 ///
 /// Sorted by masks, not by max and min, which would both take the derivative of one side where two are equal.
 #[inline(always)]
@@ -73,7 +73,7 @@ pub(crate) fn descending<N: Real>([x, y, z]: [N; 3]) -> Vec3<N> {
     Vec3::new(x, y, z)
 }
 
-/// Follows an orbit and gives what it comes near to: [`ShapeDef::orbit`](crate::shapes::ShapeDef::orbit).
+/// Iterates an orbit and returns its traps; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
 ///
 /// `T` is `K + TRAPS`, the state and the traps side by side.
 #[inline(always)]

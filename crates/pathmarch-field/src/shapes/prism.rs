@@ -51,7 +51,7 @@ impl ShapeDef for Shape {
             RayInterval::half_space(across(origin) - inner, across(direction))
         };
         let below = RayInterval::half_space(-origin.y - inner, -direction.y);
-        face(1.0).and(face(-1.0)).and(below).and(RayInterval::slab(origin.z, direction.z, depth * half))
+        face(1.0).intersection(face(-1.0)).intersection(below).intersection(RayInterval::slab(origin.z, direction.z, depth * half))
     }
     fn bounds([side, depth]: [f32; 2]) -> Aabb {
         let (half, inner) = (0.5 * side, 0.5 * side / SQRT_3);

@@ -59,8 +59,8 @@ impl ShapeDef for Shape {
         // A face rises from the edge of the base to the apex.
         let face = |o: N, d: N| RayInterval::half_space(o * height + (origin.y - height) * half, d * height + direction.y * half);
         let base = RayInterval::half_space(-origin.y, -direction.y);
-        let along_x = face(origin.x, direction.x).and(face(-origin.x, -direction.x));
-        base.and(along_x).and(face(origin.z, direction.z).and(face(-origin.z, -direction.z)))
+        let along_x = face(origin.x, direction.x).intersection(face(-origin.x, -direction.x));
+        base.intersection(along_x).intersection(face(origin.z, direction.z).intersection(face(-origin.z, -direction.z)))
     }
     fn bounds([base, height]: [f32; 2]) -> Aabb {
         let half = 0.5 * base;

@@ -1,7 +1,7 @@
-//! A scene's field as WGSL: one function for each kind of shape in use, composed for the scene.
+//! WGSL of a scene's field: one function for each kind of shape in use, composed for the scene.
 //!
-//! Structure is code, numbers are data: every number of the scene stands in [`Program::parameters`], so that a scene of
-//! the same structure and other numbers runs the same code. Cost: linear in the number of shapes, microseconds each.
+//! Structure is code, parameters are data: every number of the scene is in [`Program::parameters`], so that scenes of the same
+//! structure run the same code. Cost: linear in the number of shapes, microseconds each.
 
 mod analytic;
 mod bvh;
@@ -16,44 +16,45 @@ use crate::blend::{Blend, BlendProfile};
 use crate::graph::{Field, Tree};
 use std::collections::BTreeSet;
 
-/// The most vectors of parameters that fit the uniform memory every adapter has (64 KiB).
+/// Largest number of parameter vectors for uniform memory: 64 KiB, which every adapter has.
 pub const MAX_UNIFORM_VECTORS: usize = 4096;
 
-/// The numbers of a field, packed for the GPU.
+/// Parameters of a field, packed for the GPU.
 pub type Parameters = Vec<[f32; 4]>;
 
-/// A field's code and numbers.
+/// Code and parameters of a field.
 ///
-/// The code expects an array `field_parameters` of `vec4f` and declares `sphere_traced_distance(p: vec3f) -> f32`,
-/// `analytic_hit(origin: vec3f, direction: vec3f) -> AnalyticHit`, the struct `Surface` and `surface(p: vec3f, met: u32, seed: u32)
-/// -> Surface`, where `met` is that of a direct hit or `SPHERE_TRACED`: the WGSL of the [`Field`] methods of these names, the last one that of [`Field::surface_at_hit`].
+/// The code reads an array `field_parameters` of `vec4f`. It declares the WGSL of [`Field`] methods:
+/// `sphere_traced_distance(p: vec3f) -> f32`, `analytic_hit(origin: vec3f, direction: vec3f) -> AnalyticHit`, and
+/// `surface(p: vec3f, hit_id: u32, seed: u32) -> Surface` for [`Field::surface_at_hit`], where `hit_id` is that of an analytic
+/// hit or `SPHERE_TRACED`.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// WGSL text; equal for scenes of equal structure.
+    /// WGSL text, equal for scenes of equal structure.
     pub code: String,
-    /// WGSL text of `estimated_distance(p: vec3f) -> f32`, the distance to all that `code` only marches in part: for those
-    /// who need it, behind `code`.
+    /// WGSL text of `estimated_distance(p: vec3f) -> f32`, the WGSL of [`Field::estimated_distance`]; optional, to be appended
+    /// to `code`.
     pub estimated_distance: String,
-    /// The numbers, at least one vector.
+    /// Parameters, at least one vector.
     pub parameters: Parameters,
-    /// Whether the code looks numbers up in tables: then the array has no length in its type, which another point of an
-    /// outline would change.
+    /// True if the code reads tables of any length. Then the type of the array has no length, so that it does not change with
+    /// the number of points of an outline.
     pub has_tables: bool,
-    /// Records of the leaves of the hierarchy.
+    /// Leaves of the BVH and the indices of their records.
     bvh_records: Vec<(u32, usize)>,
 }
 
 const SURFACE: &str = "\
-/// A surface that was met by marching.
+/// Id of a sphere-traced hit.
 const SPHERE_TRACED = 0xffffffffu;
 
-/// The first surface of closed form along a ray: metres, or 1e30, and what `surface` tells it by.
+/// First analytic hit of a ray: metres, or 1e30, and the id that `surface` takes.
 struct AnalyticHit {
     t: f32,
-    met: u32,
+    hit_id: u32,
 }
 
-/// The nearest surface as seen from a point.
+/// Surface nearest to a point.
 struct Surface {
     gradient: vec3f,
     distance: f32,
@@ -61,10 +62,9 @@ struct Surface {
 }
 ";
 
-/// WGSL text of `choice(seed: u32, index: u32) -> f32`, as it stands in the code of a field that blends: for those who
-/// choose among blended materials in another way.
-pub const CHOICE: &str = "\
-/// A uniform number in 0..1 for the choice of this index (PCG hash; Jarzynski and Olano 2020).
+/// WGSL text of `choice(seed: u32, index: u32) -> f32`, which chooses among blended materials.
+const CHOICE: &str = "\
+/// Uniform number in 0..1 for the choice of this index (PCG hash; Jarzynski and Olano 2020).
 fn choice(seed: u32, index: u32) -> f32 {
     let state = (seed ^ (index * 0x9e3779b9u)) * 747796405u + 2891336453u;
     let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
@@ -72,28 +72,48 @@ fn choice(seed: u32, index: u32) -> f32 {
 }
 ";
 
-/// WGSL text of `table_vector(index: f32) -> vec4f`, as it stands in the code of a field with shapes that read tables.
+/// WGSL text of `table_vector(index: f32) -> vec4f`, part of the code of fields with shapes that read tables.
 pub const TABLE: &str = "\
-/// A vector of the field's numbers.
+/// Vector of the field's parameters.
 fn table_vector(index: f32) -> vec4f {
     return field_parameters[min(u32(index), arrayLength(&field_parameters) - 1u)];
 }
 ";
 
+/// Options of a program's code.
+#[derive(Clone, Copy, Debug)]
+pub struct ProgramOptions<'a> {
+    /// Name of the function `sphere_traced_distance`, for kernels that declare their own in front of it.
+    pub sphere_traced_distance: &'a str,
+    /// True to declare `choice` in the code of fields that blend; false for kernels that declare their own.
+    pub declares_choice: bool,
+}
+
+impl Default for ProgramOptions<'_> {
+    fn default() -> Self {
+        Self { sphere_traced_distance: "sphere_traced_distance", declares_choice: true }
+    }
+}
+
 impl Program {
-    /// Whether the numbers may be a uniform buffer: if they fit, and are not looked up in tables of any length.
+    /// Reports whether the parameters may be in a uniform buffer: they fit, and the code reads no tables.
     pub fn is_uniform(&self) -> bool {
         !self.has_tables && self.parameters.len() <= MAX_UNIFORM_VECTORS
     }
-    /// The type of the array of numbers.
+    /// WGSL type of the array of parameters.
     pub fn parameters_type(&self) -> String {
         match self.has_tables {
             true => "array<vec4f>".to_owned(),
             false => format!("array<vec4f, {}>", self.parameters.len()),
         }
     }
-    /// Prints a field.
+    /// Composes the program of a field with the default options.
     pub fn new(field: &Field) -> Self {
+        Self::with_options(field, ProgramOptions::default())
+    }
+
+    /// Composes the program of a field.
+    pub fn with_options(field: &Field, options: ProgramOptions) -> Self {
         let Composed { mut composer, functions, has_choice } = Composed::new(field);
         let mut code_of_distances = BTreeSet::new();
         for tree in field.single_objects() {
@@ -102,14 +122,14 @@ impl Program {
         let mut estimated_distance: String =
             code_of_distances.difference(&functions).map(|(_, f)| format!("{f}\n")).collect();
         estimated_distance += &composer.estimated_distance();
-        let distance = composer.distance();
-        let direct = composer.analytic_hit();
+        let distance = composer.sphere_traced_distance(options.sphere_traced_distance);
+        let analytic_hit = composer.analytic_hit();
         let surface = composer.surface();
         if composer.parameters.is_empty() {
             composer.parameters.push([0.0; 4]);
         }
         let mut code = String::from(SURFACE);
-        if has_choice {
+        if has_choice && options.declares_choice {
             code += "\n";
             code += CHOICE;
         }
@@ -124,28 +144,27 @@ impl Program {
             code += function;
         }
         let shape_grids = composer.records() + &composer.shape_grids() + &composer.bvh();
-        let code = format!("{code}\n{shape_grids}{distance}\n{direct}\n{surface}");
+        let code = format!("{code}\n{shape_grids}{distance}\n{analytic_hit}\n{surface}");
         let Composer { parameters, bvh_records, .. } = composer;
         Self { code, estimated_distance, parameters, has_tables, bvh_records }
     }
 
-    /// WGSL text, to stand behind [`code`](Self::code), of functions `NAME(p: vec3f, own: u32) -> f32`: each is
-    /// [`Field::distance_to`] the objects that count.
+    /// WGSL text of functions `NAME(p: vec3f, ignored_leaf: u32) -> f32`, to be appended to [`code`](Self::code): each is
+    /// [`Field::distance_to`] the objects of one set, which has an entry for each object.
     pub fn distances_to(field: &Field, named: &[(&str, &[bool])]) -> String {
         let Composed { composer, functions, .. } = Composed::new(field);
         let mut of_distances = BTreeSet::new();
         let mut text = String::new();
-        for (bit, (name, counts)) in named.iter().enumerate() {
-            let counted: Vec<&Tree> =
-                field.single_objects_with(counts).filter(|(_, counts)| *counts).map(|(tree, _)| tree).collect();
-            let shape_grids = field.included_shape_grids(counts);
-            counted.iter().for_each(|tree| composer.distances(tree, &mut of_distances));
-            let doc =
-                "Distance from `p` to the nearest surface of the objects that count here, from either side, metres.";
+        for (bit, (name, included)) in named.iter().enumerate() {
+            let objects: Vec<&Tree> =
+                field.single_objects_with(included).filter(|(_, included)| *included).map(|(tree, _)| tree).collect();
+            let shape_grids = field.included_shape_grids(included);
+            objects.iter().for_each(|tree| composer.distances(tree, &mut of_distances));
+            let doc = "Unsigned distance from `p` to the nearest surface of the included objects, metres.";
             text += &composer.unsigned_distance(
-                &format!("{name}(p: vec3f, own: u32)"),
+                &format!("{name}(p: vec3f, ignored_leaf: u32)"),
                 doc,
-                &counted,
+                &objects,
                 &shape_grids,
                 Some(bit),
             );
@@ -154,11 +173,11 @@ impl Program {
     }
 }
 
-/// A field's numbers in their places, and the functions that its code calls.
+/// Packed parameters of a field, and the functions that its code calls.
 struct Composed<'a> {
     composer: Composer<'a>,
     functions: BTreeSet<(u32, String)>,
-    /// Whether any operator blends.
+    /// True if any operator blends.
     has_choice: bool,
 }
 
@@ -176,18 +195,18 @@ impl<'a> Composed<'a> {
         };
         let mut functions = BTreeSet::new();
         let mut printed = BTreeSet::new();
-        let mut in_shape_grids = vec![false; field.leaves().len()];
-        let in_data = field.shape_grids().iter().flat_map(|shape_grid| shape_grid.leaves.iter().copied());
-        in_data.chain(field.bvh().leaves()).for_each(|leaf| in_shape_grids[leaf as usize] = true);
-        for (leaf, in_shape_grid) in field.leaves().iter().zip(in_shape_grids) {
+        let mut is_record = vec![false; field.leaves().len()];
+        let records = field.shape_grids().iter().flat_map(|shape_grid| shape_grid.leaves.iter().copied());
+        records.chain(field.bvh().leaves()).for_each(|leaf| is_record[leaf as usize] = true);
+        for (leaf, is_record) in field.leaves().iter().zip(is_record) {
             composer.starts.push(composer.parameters.len());
-            if in_shape_grid {
+            if is_record {
                 continue;
             }
             match leaf.shape.reads_table() {
-                // Where its table is, once that is known.
-                true => composer.place(&leaf.pose, &[0.0]),
-                false => composer.place(&leaf.pose, &leaf.params),
+                // The index of its table, written later.
+                true => composer.pack(&leaf.pose, &[0.0]),
+                false => composer.pack(&leaf.pose, &leaf.params),
             }
             if printed.insert(leaf.shape.wgsl_name()) {
                 functions.insert((0, leaf.shape.wgsl_gradient()));
@@ -203,9 +222,9 @@ impl<'a> Composed<'a> {
         for tree in field.single_objects() {
             composer.modifiers(tree, &mut functions);
         }
-        composer.tables();
-        composer.shape_grid_numbers();
-        composer.bvh_numbers();
+        composer.append_tables();
+        composer.append_shape_grids();
+        composer.append_bvh();
         Self { composer, functions, has_choice }
     }
 }
@@ -213,17 +232,17 @@ impl<'a> Composed<'a> {
 struct Composer<'a> {
     field: &'a Field,
     parameters: Parameters,
-    /// Where the numbers of each operator's blend stand, by its first choice.
+    /// Index of the parameters of each blend, by its operator's first choice.
     widths: Vec<(u32, usize)>,
-    /// Where the parameters of each leaf start.
+    /// Index of the first parameters of each leaf.
     starts: Vec<usize>,
-    /// Where the numbers of each modifier start.
+    /// Index of the first parameters of each modifier.
     modifier_starts: Vec<usize>,
-    /// Where what tells of each shape_grid starts.
+    /// Index of each shape grid's header.
     shape_grid_starts: Vec<usize>,
-    /// Where what tells of the hierarchy starts.
+    /// Index of the BVH's header.
     bvh_start: usize,
-    /// Where the record of each of its leaves stands.
+    /// Leaves of the BVH and the indices of their records.
     bvh_records: Vec<(u32, usize)>,
 }
 
@@ -232,15 +251,15 @@ fn profile(smooth: Option<Blend>) -> Option<BlendProfile> {
 }
 
 impl Composer<'_> {
-    /// Collects the functions of the operators in use and stores their widths; whether any blends.
+    /// Collects the functions of the operators in use and packs their blends. Returns true if any blends.
     fn operators(&mut self, tree: &Tree, functions: &mut BTreeSet<(u32, String)>) -> bool {
         let (operator, smooth, children, first_choice) = match tree {
             Tree::Leaf(_) => return false,
             Tree::Modifier(modified) => {
                 let chooses = self.operators(&modified.inside, functions);
-                // Those inside were numbered before.
+                // Inner modifiers have lower indices.
                 self.modifier_starts.push(self.parameters.len());
-                self.place(&modified.pose, &modified.coefficients);
+                self.pack(&modified.pose, &modified.coefficients);
                 functions.insert((1, modified.modifier.wgsl()));
                 return chooses;
             }
@@ -255,7 +274,7 @@ impl Composer<'_> {
         children.iter().fold(smooth.is_some(), |blends, child| self.operators(child, functions) | blends)
     }
 
-    /// Collects the distance functions of a tree that is marched.
+    /// Collects the distance functions of a sphere-traced tree.
     fn distances(&self, tree: &Tree, functions: &mut BTreeSet<(u32, String)>) {
         match tree {
             Tree::Leaf(leaf) => {

@@ -1,6 +1,6 @@
-//! Fields as WGSL: the code of a scene's field and its parameters.
+//! WGSL of a scene's field, and its parameters.
 
 mod compose;
 
 pub use crate::expression::{Expr, Function, distance_function, gradient_function};
-pub use compose::{CHOICE, MAX_UNIFORM_VECTORS, Parameters, Program, TABLE};
+pub use compose::{MAX_UNIFORM_VECTORS, Parameters, Program, ProgramOptions, TABLE};

@@ -1,4 +1,4 @@
-//! Expressions as operations: constants, values made of others and taken apart, and calls of functions.
+//! Compilation of expressions: constants, composition and access, and calls of functions.
 
 use super::{Body, Compiler, EACH, Pointer, Value, fault};
 use crate::custom_sdf::CodeDiagnostic;
@@ -6,7 +6,7 @@ use crate::custom_sdf::machine::Op;
 use crate::custom_sdf::math;
 use naga::{Expression, Handle, Literal, RelationalFunction, Span, TypeInner};
 
-/// A number of the text as a slot holds it.
+/// Literal as the bits of a slot.
 fn bits(literal: Literal, span: Span) -> Result<u32, CodeDiagnostic> {
     Ok(match literal {
         Literal::F32(value) => value.to_bits(),
@@ -26,7 +26,7 @@ fn bits(literal: Literal, span: Span) -> Result<u32, CodeDiagnostic> {
 }
 
 impl<'m> Compiler<'m> {
-    /// The slot of a constant of the module, which is computed here once and which nothing writes to.
+    /// First slot of a constant of the module, evaluated once; nothing writes to it.
     fn global(&mut self, constant: Handle<naga::Constant>) -> Result<u32, CodeDiagnostic> {
         if let Some(&slot) = self.globals.get(&constant) {
             return Ok(slot);
@@ -34,7 +34,7 @@ impl<'m> Compiler<'m> {
         let mut values = Vec::new();
         self.constant_values(self.module.constants[constant].init, &mut values)?;
         let slot = self.alloc(values.len() as u32);
-        // A place past the limit is none: the program is refused.
+        // Slots beyond the limit do not exist; the program is refused.
         if let Some(place) = self.memory.get_mut(slot as usize..slot as usize + values.len()) {
             place.copy_from_slice(&values);
         }
@@ -42,7 +42,7 @@ impl<'m> Compiler<'m> {
         Ok(slot)
     }
 
-    /// The scalars of a tree of literals, which is not larger than constants may be.
+    /// Scalars of a tree of literals; the size of constants is limited.
     fn constant_values(&self, expression: Handle<Expression>, values: &mut Vec<u32>) -> Result<(), CodeDiagnostic> {
         let span = self.module.global_expressions.get_span(expression);
         match &self.module.global_expressions[expression] {

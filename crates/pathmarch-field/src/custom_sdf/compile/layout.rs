@@ -1,10 +1,10 @@
-//! How many scalars values have, and where their parts stand among them.
+//! Layout of values in slots: numbers of scalars, and offsets of parts.
 
 use super::{Body, Compiler, MAX_SLOTS, fault};
 use crate::custom_sdf::CodeDiagnostic;
 use naga::{ArraySize, Expression, Handle, ScalarKind, Span, Type, TypeInner};
 
-/// What an expression's type is made of.
+/// Parts of an expression's type.
 #[derive(Clone, Copy)]
 pub(super) struct Shape {
     pub(super) kind: ScalarKind,
@@ -23,7 +23,7 @@ impl Shape {
 }
 
 impl Compiler<'_> {
-    /// How many scalars a value of this type has.
+    /// Number of scalars of a value of this type.
     pub(super) fn size(&self, inner: &TypeInner, span: Span) -> Result<u32, CodeDiagnostic> {
         let scalar = |scalar: naga::Scalar| match (scalar.kind, scalar.width) {
             (ScalarKind::Bool, _) | (_, 4) => Ok(()),
@@ -59,7 +59,7 @@ impl Compiler<'_> {
         shape(self.inner(body, expression))
     }
 
-    /// The type of a value, or of what a pointer points to.
+    /// Type of a value, or of a pointer's target.
     pub(super) fn pointee(&self, body: &Body, expression: Handle<Expression>) -> TypeInner {
         match self.inner(body, expression) {
             TypeInner::Pointer { base, .. } => self.module.types[*base].inner.clone(),
@@ -70,7 +70,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Offset and size of an element, and how many there are.
+    /// Offset and size of an element, and the number of elements.
     pub(super) fn element(&self, inner: &TypeInner, index: u32, span: Span) -> Result<(u32, u32, u32), CodeDiagnostic> {
         Ok(match inner {
             TypeInner::Vector { size, .. } => (index.min(*size as u32 - 1), 1, *size as u32),
@@ -93,7 +93,7 @@ impl Compiler<'_> {
     }
 }
 
-/// The shape of a scalar, a vector or a matrix.
+/// Shape of a scalar, a vector or a matrix.
 fn shape(inner: &TypeInner) -> Option<Shape> {
     let (scalar, rows, columns) = match *inner {
         TypeInner::Scalar(scalar) => (scalar, 1, 1),

@@ -1,4 +1,4 @@
-//! Functions of vectors and matrices, composed of those of scalars.
+//! Compilation of functions of vectors and matrices to those of scalars.
 
 use super::layout::Shape;
 use super::{Body, Compiler, EACH};
@@ -7,7 +7,7 @@ use crate::custom_sdf::{CodeDiagnostic, math};
 use naga::{BinaryOperator, Expression, Handle, MathFunction, ScalarKind};
 
 impl<'m> Compiler<'m> {
-    /// The sum of products of two vectors whose components are `strides` apart.
+    /// Dot product of two vectors whose components are `strides` apart.
     fn dot(&mut self, body: &mut Body, a: u32, b: u32, count: u32, [step_a, step_b]: [u32; 2]) -> u32 {
         let mut sum = self.apply(body, math::MULTIPLY, &[a, b], EACH, 1);
         for k in 1..count {
@@ -22,7 +22,7 @@ impl<'m> Compiler<'m> {
         self.apply(body, math::SQRT, &[square], EACH, 1)
     }
 
-    /// The components from these slots, side by side.
+    /// Vector of the components in these slots.
     pub(super) fn gathered(&mut self, body: &mut Body, from: &[u32]) -> u32 {
         let to = self.alloc(from.len() as u32);
         body.ops.extend(from.iter().zip(to..).map(|(&from, to)| Op::Copy { to, from, count: 1 }));
@@ -42,7 +42,7 @@ impl<'m> Compiler<'m> {
             && !left.is_scalar()
             && !right.is_scalar()
         {
-            // Columns of the result, each of which has a component for each row.
+            // For each column of the result, a component for each row.
             let (rows, columns, inner) = match (is_matrix(left), is_matrix(right)) {
                 (true, true) => (left.rows, right.columns, left.columns),
                 (true, false) => (left.rows, 1, left.columns),
@@ -165,7 +165,7 @@ impl<'m> Compiler<'m> {
         Ok(Some(result))
     }
 
-    /// Of the columns from this one on and these rows, by cofactors of the first of them.
+    /// Determinant of the columns from this one on and of these rows, by cofactors of the first column.
     fn determinant(&mut self, body: &mut Body, a: u32, size: u32, column: u32, rows: &[u32]) -> u32 {
         let at = |row: u32| a + column * size + row;
         if let [row] = rows {

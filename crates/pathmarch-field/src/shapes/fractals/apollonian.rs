@@ -22,18 +22,18 @@ use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
-/// The most iterations.
+/// Largest number of iterations.
 const LIMIT: u32 = 12;
-/// Half of the sheet's thickness in the last cell, metres.
+/// Half thickness of the sheet in the last cell, metres.
 const THICKNESS: f32 = 0.05;
-/// Squares of lengths below this are inverted as this.
+/// Least squared length in inversions.
 const LEAST_SQUARE: f32 = 1e-2;
-/// How much heights over the sheet are bent.
+/// Strength of [`orbit::bent`] on heights over the sheet.
 const BEND: f32 = 8.0;
-/// Above the largest slope of (|y| - thickness)/D.
+/// Upper bound of the slope of (|y| - thickness)/D.
 const SLOPE: f32 = 1.15;
 
-/// The point and 1/D.
+/// State: the point and 1/D.
 type State<N> = [N; 4];
 
 fn start<N: Real>(p: Vec3<N>) -> State<N> {

@@ -23,15 +23,15 @@ use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
-/// The most iterations.
+/// Largest number of iterations.
 const LIMIT: u32 = 16;
 /// Least radius of the ball, metres: an offset of zero leaves a solid.
 const LEAST_RADIUS: f32 = 1e-3;
 
-/// The point and s^-k.
+/// State: the point and s^-k.
 type State<N> = [N; 4];
 
-/// What an iteration needs, computed once.
+/// Constants of an iteration.
 #[derive(Clone, Copy)]
 struct Map<N> {
     scale: N,

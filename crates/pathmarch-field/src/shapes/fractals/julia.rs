@@ -27,9 +27,9 @@ use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
-/// The most iterations.
+/// Largest number of iterations.
 const LIMIT: u32 = 20;
-/// Length at which an orbit is left: c is then lost in the rounding of q².
+/// Length at which an orbit ends: c is then lost in the rounding of q².
 const ESCAPED: f32 = 1e4;
 /// The quaternion (real, i, j, k), the inverse of the bound of its derivative, and 2^(k - N) ln R.
 type State<N> = [N; 6];
@@ -39,7 +39,7 @@ struct Map<N> {
     c: [N; 4],
     iterations: N,
     radius: N,
-    /// Above the largest slope of the potential's distance.
+    /// Upper bound of the slope of the potential's distance.
     slope: N,
 }
 
@@ -69,7 +69,7 @@ impl<N: Real> Map<N> {
     }
 }
 
-/// Beyond it every orbit escapes.
+/// Radius beyond which every orbit escapes.
 fn radius<N: Real>(size: N) -> N {
     (N::one() + (N::one() + N::constant(4.0) * size).sqrt()) * N::constant(0.5)
 }

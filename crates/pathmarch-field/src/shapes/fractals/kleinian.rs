@@ -22,20 +22,20 @@ use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
-/// The most iterations.
+/// Largest number of iterations.
 const LIMIT: u32 = 12;
-/// Half of the sheet's thickness in the last cell, metres.
+/// Half thickness of the sheet in the last cell, metres.
 const THICKNESS: f32 = 0.05;
-/// Squares of lengths below this are inverted as this.
+/// Least squared length in inversions.
 const LEAST_SQUARE: f32 = 1e-2;
-/// Half of an edge of the cube that the solid is cut at, metres.
+/// Half edge of the cube that clips the solid, metres.
 const HALF_EDGE: f32 = 2.0;
-/// How much heights over the sheet are bent.
+/// Strength of [`orbit::bent`] on heights over the sheet.
 const BEND: f32 = 8.0;
-/// Above the largest slope of (|y| - thickness)/D.
+/// Upper bound of the slope of (|y| - thickness)/D.
 const SLOPE: f32 = 2.0;
 
-/// The point and 1/D.
+/// State: the point and 1/D.
 type State<N> = [N; 4];
 
 fn start<N: Real>(p: Vec3<N>) -> State<N> {

@@ -26,14 +26,14 @@ use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
-/// The most iterations.
+/// Largest number of iterations.
 const LIMIT: u32 = 20;
-/// How much the values inside are bent: the derivative varies most where the orbit stays.
+/// Strength of [`orbit::bent`] inside, where the derivative varies most.
 const BEND: f32 = 48.0;
-/// Above the largest slope of (|z| - R)/D.
+/// Upper bound of the slope of (|z| - R)/D.
 const SLOPE: f32 = 2.0;
 
-/// The point and the inverse of the bound D of its derivative, whose slope does not overflow.
+/// State: the point and the inverse of the bound D of its derivative, whose slope does not overflow.
 type State<N> = [N; 4];
 
 #[derive(Clone, Copy)]
@@ -69,7 +69,7 @@ impl<N: Real> Map<N> {
     }
 }
 
-/// Half of an edge of the box that holds the set.
+/// Half edge of the bounding box of the set, metres.
 fn half_edge<N: Real>(scale: N, fold: N) -> N {
     let (one, two) = (N::one(), N::constant(2.0));
     let positive = (two * (scale + one) / (scale - one).max(N::constant(0.1))).min(N::constant(12.0));

@@ -34,21 +34,21 @@ use crate::shapes::entry::Entry;
 use crate::shapes::orbit;
 use crate::shapes::{ShapeDef, TRAPS};
 
-/// The mandelbulb of any power, or, where `POWER` is not zero, of that one, whose code has no more in it than it needs.
+/// Mandelbulb of any power or, if `POWER` is not zero, of that power alone, with less code.
 pub(crate) struct Shape<const POWER: u32 = 0>;
 
-/// The most iterations.
+/// Largest number of iterations.
 const LIMIT: u32 = 12;
 /// Binary digits of the power.
 const DIGITS: usize = 5;
-/// n-th power of the length at which an orbit is left: p is then lost in the rounding of z^n.
+/// n-th power of the length at which an orbit ends: p is then lost in the rounding of z^n.
 const ESCAPED: f32 = 1e8;
-/// The point, the inverse of the bound of its derivative, and n^(k - N) ln R.
+/// State: the point, the inverse of the bound of its derivative, and n^(k - N) ln R.
 type State<N> = [N; 5];
 
 #[derive(Clone, Copy)]
 struct Map<N: Real, const POWER: u32> {
-    /// The power where it is known when the program runs, and not when it is compiled; 0 where it is in `power` alone.
+    /// Power that is known at run time; 0 if it is in `power` alone.
     known: u32,
     power: N,
     digits: [N::Mask; DIGITS],
@@ -77,12 +77,12 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
         };
         Self { known, power, digits, iterations, radius, escaped }
     }
-    /// The power in code that was made for it, or that the program knows; 0 for one that is a number like others.
+    /// Power known at compile time or run time; 0 for a recorded number.
     #[inline(always)]
     fn known(&self) -> u32 {
         if POWER > 0 { POWER } else { self.known }
     }
-    /// The power of a complex number under `times`; of one that is zero, zero.
+    /// Power of a complex number under the product `times`; zero for zero.
     #[inline(always)]
     fn raised(&self, base: [N; 2], times: impl Fn([N; 2], [N; 2]) -> [N; 2]) -> [N; 2] {
         if self.known() > 0 {
@@ -98,7 +98,7 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
         }
         result
     }
-    /// The length of a power and of that by one less, given the length of its base and the two parts of the power.
+    /// Lengths of z^n and z^(n-1), given the length of z and the two parts of z^n.
     #[inline(always)]
     fn lengths(&self, length: N, a: N, radial: N) -> [N; 2] {
         if self.known() > 1 {
@@ -138,11 +138,11 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
     }
 }
 
-/// A power that is known, by as few products as its binary digits take.
+/// Known power, with as few products as its binary digits need.
 #[inline(always)]
 fn known_power<V: Copy>(power: u32, base: V, times: impl Fn(V, V) -> V) -> V {
     let (mut square, mut result) = (base, base);
-    // A fixed number of turns, so that the loop is unrolled and its conditions vanish where the power is a constant.
+    // A fixed number of passes, so that the loop is unrolled and its conditions vanish if the power is a constant.
     for k in 0..DIGITS as u32 {
         if power >> k == 0 {
             break;
@@ -158,29 +158,29 @@ fn known_power<V: Copy>(power: u32, base: V, times: impl Fn(V, V) -> V) -> V {
     result
 }
 
-/// The length at which an orbit is left.
+/// Length at which an orbit ends.
 fn escaped<N: Real>(power: N) -> N {
     (N::constant(ESCAPED.ln()) / power).exp()
 }
 
-/// Beyond it every orbit escapes.
+/// Radius beyond which every orbit escapes.
 fn radius<N: Real>(power: N) -> N {
     (N::constant(std::f32::consts::LN_2) / (power - N::one())).exp()
 }
 
-/// Above the largest slope of the potential's distance.
+/// Upper bound of the slope of the potential's distance.
 fn slope<N: Real>(power: N) -> N {
     let usual = (power * N::constant(0.25)).max(N::constant(2.4));
     N::select(power.lt(N::constant(3.5)), N::constant(6.0), usual)
 }
 
-/// Zero where the estimate does not count, so that no power is too large.
+/// Zero where the estimate is not used, so that no power overflows.
 fn kept<N: Real>(p: Vec3<N>, near: N::Mask) -> Vec3<N> {
     let [x, y, z] = [p.x, p.y, p.z].map(|v| N::select(near, v, N::zero()));
     Vec3::new(x, y, z)
 }
 
-/// The distance with a power of `POWER`, or of `known`, or of the parameters.
+/// Distance with the power `POWER`, or `known`, or of the parameters.
 #[inline(always)]
 fn distance<N: Real, const POWER: u32>(p: Vec3<N>, params: [N; 2], known: u32) -> N {
     let map = Map::<N, POWER>::new(params, known);
@@ -192,7 +192,7 @@ fn distance<N: Real, const POWER: u32>(p: Vec3<N>, params: [N; 2], known: u32) -
     orbit::within(estimate, bound, map.radius)
 }
 
-/// [`distance`] as one function for all powers.
+/// Distance as [`distance`], in one function for all powers.
 #[inline(never)]
 fn distance_of_any<N: Real>(p: Vec3<N>, params: [N; 2], known: u32) -> N {
     distance::<N, 0>(p, params, known)

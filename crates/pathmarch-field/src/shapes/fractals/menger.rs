@@ -24,10 +24,10 @@ use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
-/// The most iterations; the smallest cubes are then 0.3 mm wide.
+/// Largest number of iterations; the smallest cubes are then 0.3 mm wide.
 const LIMIT: u32 = 8;
 
-/// The point, 3^-k, and the largest of the distances that keep the point off the inside: to the cube, and the depths in
+/// State: the point, 3^-k, and the largest of the distances that keep the point off the inside: to the cube, and the depths in
 /// the bars.
 type State<N> = [N; 5];
 

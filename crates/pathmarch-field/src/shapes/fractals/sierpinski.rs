@@ -21,12 +21,12 @@ use crate::shapes::{ShapeDef, TRAPS};
 
 pub(crate) struct Shape;
 
-/// The most iterations.
+/// Largest number of iterations.
 const LIMIT: u32 = 14;
 /// Radius of the sphere through the corners, √3, which is where the distance is cut.
 const RADIUS: f32 = 1.732_050_8;
 
-/// The point and 2^-k.
+/// State: the point and 2^-k.
 type State<N> = [N; 4];
 
 fn start<N: Real>(p: Vec3<N>) -> State<N> {

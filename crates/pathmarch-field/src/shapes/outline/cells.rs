@@ -1,12 +1,12 @@
-//! The table of an outline: cells, and the segments that can be nearest to a point of each.
+//! Table of an outline: cells, each with the segments that can be nearest to one of its points.
 //!
-//! A segment is left out of a cell where another is nearer everywhere in it: where the least distance of the cell from it is
-//! above the largest of the cell from that other, which is that of a corner, because the distance to a segment is convex.
-//! Cells are found by halving, so that each half only looks at what its whole has left.
+//! A cell leaves out a segment if another is nearer everywhere in it: the cell's least distance from the one is above its largest
+//! distance from the other, which is that of a corner, because the distance to a segment is convex. Cells are found by
+//! bisection, so that each half only tests the segments left by its parent.
 //!
-//! The table is vectors of four numbers. Three of a header: the box of the outline; the lower left corner of the cells and
-//! how many there are to a metre; columns and rows, and the upper right corner. Then one for each cell: where its list starts and
-//! how long it is. Then the lists, two vectors for each segment: start and direction; length and the signs of its ends.
+//! The table consists of vectors of four numbers. Header, three vectors: bounds of the outline; lower left corner of the cells
+//! and cells per metre; columns and rows, and the upper right corner. Then one vector for each cell: start and length of its
+//! list. Then the lists, two vectors for each segment: start and direction; length and the signs of its ends.
 
 use super::clean::Piece;
 
@@ -14,11 +14,11 @@ use super::clean::Piece;
 pub(super) const HEADER: usize = 3;
 /// Vectors of a segment.
 pub(super) const PER_SEGMENT: usize = 2;
-/// The most cells.
-const MOST_CELLS: f64 = 65_536.0;
-/// The most cells along an axis.
-const MOST_ACROSS: f64 = 2_048.0;
-/// How far the cells reach beyond the outline, as a share of its smaller side and at least of its larger one.
+/// Largest number of cells.
+const MAX_CELLS: f64 = 65_536.0;
+/// Largest number of cells along an axis.
+const MAX_CELLS_ACROSS: f64 = 2_048.0;
+/// Margin of the cells around the outline, as a fraction of its smaller side, and least margin, as one of its larger side.
 const MARGIN: [f64; 2] = [0.25, 0.002];
 
 type Point = [f64; 2];
@@ -31,9 +31,9 @@ struct Cells<'p> {
     lists: Vec<Vec<u32>>,
 }
 
-/// The table of an outline.
+/// Builds the table of an outline.
 pub(super) fn table(pieces: &[Piece]) -> Vec<f32> {
-    // Of nothing, a point with nothing inside.
+    // An empty outline is a point without an inside.
     let nothing = [Piece { from: [0.0; 2], to: [0.0; 2], signs: [1.0; 2] }];
     let pieces = if pieces.is_empty() { &nothing } else { pieces };
     let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -44,13 +44,13 @@ pub(super) fn table(pieces: &[Piece]) -> Vec<f32> {
     }
     let sides = [max[0] - min[0], max[1] - min[1]];
     let margin = (MARGIN[0] * sides[0].min(sides[1])).max(MARGIN[1] * sides[0].max(sides[1])).max(1e-6);
-    // As f32 has them: the numbers that the distance computes with.
+    // Rounded to f32, as the distance reads them.
     let low = min.map(|v| (v - margin) as f32);
     let high = max.map(|v| (v + margin) as f32);
     let sides = [0, 1].map(|k| f64::from(high[k]) - f64::from(low[k]));
-    let wanted = (2.0 * pieces.len() as f64).clamp(64.0, MOST_CELLS);
+    let wanted = (2.0 * pieces.len() as f64).clamp(64.0, MAX_CELLS);
     let cell = (sides[0] * sides[1] / wanted).sqrt();
-    let counts = sides.map(|side| (side / cell).ceil().clamp(1.0, MOST_ACROSS));
+    let counts = sides.map(|side| (side / cell).ceil().clamp(1.0, MAX_CELLS_ACROSS));
     let rates = [0, 1].map(|k| (counts[k] / sides[k]) as f32);
     let (columns, rows) = (counts[0] as usize, counts[1] as usize);
     let mut cells = Cells {
@@ -93,9 +93,9 @@ pub(super) fn table(pieces: &[Piece]) -> Vec<f32> {
 }
 
 impl Cells<'_> {
-    /// Fills the cells from `first` on, `count` along each axis, with those of `candidates` that can be nearest there.
+    /// Fills the cells from `first` on, `count` along each axis, with the `candidates` that can be nearest there.
     fn divide(&mut self, first: [usize; 2], count: [usize; 2], candidates: &[u32]) {
-        // Wider by a share of a cell, for points that rounding puts into the neighbour.
+        // Wider by a fraction of a cell, for points that rounding puts into a neighbour.
         let slack = self.cell.map(|side| 1e-3 * side);
         let low: Point = std::array::from_fn(|k| self.low[k] + self.cell[k] * first[k] as f64 - slack[k]);
         let high: Point = std::array::from_fn(|k| self.low[k] + self.cell[k] * (first[k] + count[k]) as f64 + slack[k]);
@@ -119,7 +119,7 @@ impl Cells<'_> {
     }
 }
 
-/// The square of the distance of a point from a segment.
+/// Squared distance of a point from a segment.
 fn squared_distance(p: Point, Piece { from, to, .. }: &Piece) -> f64 {
     let along = [to[0] - from[0], to[1] - from[1]];
     let offset = [p[0] - from[0], p[1] - from[1]];
@@ -128,8 +128,7 @@ fn squared_distance(p: Point, Piece { from, to, .. }: &Piece) -> f64 {
     (offset[0] - t * along[0]).powi(2) + (offset[1] - t * along[1]).powi(2)
 }
 
-/// The square of the least distance between a segment and a box: between an end and the box, a corner and the segment, or
-/// none.
+/// Squared least distance between a segment and a box: that of an end and the box, of a corner and the segment, or zero.
 fn squared_from_box(piece: &Piece, low: Point, high: Point) -> f64 {
     let to_box = |p: Point| {
         let [x, y] = [0, 1].map(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0));

@@ -1,17 +1,16 @@
-//! Outlines without crossings: segments are cut where they meet, and those that have the inside on one side and the outside
-//! on the other are kept and turned, so that the inside is on their left.
+//! Removal of crossings from outlines: segments are cut where they meet; pieces with the inside on one side only are kept and
+//! turned so that it is on their left.
 //!
-//! What is inside is asked to the left and to the right of the middle of each piece, by counting the segments that a way to
-//! +x crosses (Shimrat 1962, with half-open segments; with their directions: Hormann and Agathos 2001). Segments are sorted
-//! into rows, and there from left to right, so that only those of one row are looked at. Computed over f64. Cost: linear but
-//! for the segments of a row.
+//! Left and right of the middle of each piece are tested by counting the segments that a ray to +x crosses (Shimrat 1962, with
+//! half-open segments; with their directions: Hormann and Agathos 2001). Segments are sorted into rows, and there from left to
+//! right, so that a test reads one row. Computed in f64. Cost: linear, apart from the segments of a row.
 
 use super::Fill;
 use std::collections::{HashMap, HashSet};
 
 type Point = [f64; 2];
 
-/// A piece of an outline, the inside on its left, and for each end whether its corner points outwards (1) or inwards (-1).
+/// Piece of an outline with the inside on its left; the sign of each end is 1 if its corner is convex, -1 if it is reflex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
     pub(super) from: Point,
@@ -19,7 +18,7 @@ pub(super) struct Piece {
     pub(super) signs: [f32; 2],
 }
 
-/// Segments by the rows that they reach into.
+/// Segments by the rows that they overlap.
 struct Rows {
     low: f64,
     height: f64,
@@ -55,7 +54,7 @@ fn dot([ax, ay]: Point, [bx, by]: Point) -> f64 {
     ax * bx + ay * by
 }
 
-/// The pieces of the outline of these segments, four numbers each.
+/// Pieces of the outline of these segments, four numbers each, without crossings.
 pub(super) fn cleaned(numbers: &[f32], fill: Fill) -> Vec<Piece> {
     let mut segments: Vec<[Point; 2]> = numbers
         .chunks_exact(4)
@@ -63,25 +62,25 @@ pub(super) fn cleaned(numbers: &[f32], fill: Fill) -> Vec<Piece> {
         .filter(|[a, b]| a != b)
         .collect();
     let reach = segments.iter().flatten().flatten().fold(0.0_f64, |most, v| most.max(v.abs()));
-    // Points nearer to each other than this are one; f32 does not tell them apart.
+    // Points closer than this are merged; f32 does not resolve them.
     let grain = reach * 1e-7;
     if segments.is_empty() || !grain.is_finite() || grain <= 0.0 {
         return Vec::new();
     }
-    // In each row those that begin to the left come first.
+    // Sorted by the left end within each row.
     segments.sort_by(|[a, b], [c, d]| a[0].min(b[0]).total_cmp(&c[0].min(d[0])));
     let rows = Rows::new(&segments);
     let mut seen = HashSet::new();
     let key = |[x, y]: Point| ((x / grain).round() as i64, (y / grain).round() as i64);
     let mut pieces = Vec::new();
-    for (mut points, [a, b]) in cuts(&segments, &rows, grain).into_iter().zip(&segments) {
+    for (mut points, [a, b]) in cut_points(&segments, &rows, grain).into_iter().zip(&segments) {
         points.extend([*a, *b]);
         let along = minus(*b, *a);
         points.sort_by(|p, q| dot(minus(*p, *a), along).total_cmp(&dot(minus(*q, *a), along)));
         points.dedup_by_key(|p| key(*p));
         for pair in points.windows(2) {
             let (from, to) = (pair[0], pair[1]);
-            // Where two segments lie on each other, their piece counts once.
+            // The piece of two overlapping segments counts once.
             let ends = [key(from), key(to)];
             if !seen.insert([ends[0].min(ends[1]), ends[0].max(ends[1])]) {
                 continue;
@@ -102,23 +101,23 @@ pub(super) fn cleaned(numbers: &[f32], fill: Fill) -> Vec<Piece> {
     with_corners(&pieces, key)
 }
 
-/// Where each segment is met by others.
-fn cuts(segments: &[[Point; 2]], rows: &Rows, grain: f64) -> Vec<Vec<Point>> {
+/// Points at which each segment meets others.
+fn cut_points(segments: &[[Point; 2]], rows: &Rows, grain: f64) -> Vec<Vec<Point>> {
     let mut cuts = vec![Vec::new(); segments.len()];
-    let spans = |k: u32| {
+    let extent = |k: u32| {
         let [a, b] = segments[k as usize];
         [0, 1].map(|axis| (a[axis].min(b[axis]) - grain, a[axis].max(b[axis]) + grain))
     };
     for (number, row) in rows.rows.iter().enumerate() {
         for (k, &one) in row.iter().enumerate() {
-            let reach = spans(one);
+            let reach = extent(one);
             for &other in &row[k + 1..] {
-                let there = spans(other);
+                let there = extent(other);
                 if there[0].0 > reach[0].1 {
                     break;
                 }
                 let apart = reach[1].1 < there[1].0 || there[1].1 < reach[1].0;
-                // A pair that shares several rows is looked at in the first of them.
+                // A pair in several rows is tested in the first of them.
                 let first = rows.of((reach[1].0 + grain).max(there[1].0 + grain));
                 if apart || first != number {
                     continue;
@@ -164,7 +163,7 @@ fn is_inside([x, y]: Point, segments: &[[Point; 2]], rows: &Rows, fill: Fill) ->
         if (a[1] <= y) == (b[1] <= y) {
             continue;
         }
-        // The segment lies to the right if the point is on its left as it goes up.
+        // The segment is to the right if the point is on its left as it goes up.
         let side = cross(minus(b, a), minus([x, y], a));
         let up = a[1] <= y;
         if (side > 0.0) == up {
@@ -178,8 +177,8 @@ fn is_inside([x, y]: Point, segments: &[[Point; 2]], rows: &Rows, fill: Fill) ->
     }
 }
 
-/// Which corners point outwards. The points nearest to a corner, and to none of its segments elsewhere, lie in the widest
-/// angle between them, which is more than half a turn; it is outside or inside.
+/// Adds the signs of corners. Points that are nearest to a corner are in the widest angle between its segments, which is more
+/// than half a turn; that angle is outside or inside.
 fn with_corners(pieces: &[[Point; 2]], key: impl Fn(Point) -> (i64, i64)) -> Vec<Piece> {
     let mut corners: HashMap<(i64, i64), Vec<(f64, bool)>> = HashMap::new();
     for [from, to] in pieces {
@@ -196,7 +195,7 @@ fn with_corners(pieces: &[[Point; 2]], key: impl Fn(Point) -> (i64, i64)) -> Vec
                 None => ways[0].0 + std::f64::consts::TAU,
             };
             let widest = (0..ways.len()).max_by(|&a, &b| (next(a) - ways[a].0).total_cmp(&(next(b) - ways[b].0)));
-            // Counter-clockwise of a way from the corner is its left: the inside where the piece starts here.
+            // Counter-clockwise from a segment that starts at the corner is its left: the inside.
             let inside = widest.is_some_and(|k| ways[k].1);
             (corner, if inside { -1.0 } else { 1.0 })
         })

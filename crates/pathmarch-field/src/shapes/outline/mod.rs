@@ -1,17 +1,17 @@
-//! Shapes that are drawn: profiles whose edge is any number of segments.
+//! Drawn shapes: profiles whose outline has any number of segments.
 //!
-//! Idea: the exact distance to an outline is that to its nearest segment, with the side of that segment as its sign, or at
-//! a corner whether the corner points outwards (Quilez 2008, "2D distance functions", polygon; the sign by the nearest
-//! feature: Bærentzen and Aanæs 2005). To look at all segments would cost too much for a text, so the plane around the
-//! outline is divided into cells, each with a list of the segments that can be nearest to one of its points (Frisken et al.
-//! 2000 divide space in this way). An evaluation looks at one list: a few segments near the edge, some tens in the middle of
-//! round holes, whether there are a hundred or ten thousand. Beyond the cells the distance is a lower bound: what lies in a box is at least √(d² + e²) away, d to the box and e from
-//! there (the projection onto a convex set; Boyd and Vandenberghe 2004, section 8.1).
+//! Idea: the exact distance to an outline is that to its nearest segment. Its sign is the side of that segment or, at a corner,
+//! given by the direction of the corner (Quilez 2008, "2D distance functions", polygon; the sign by the nearest
+//! feature: Bærentzen and Aanæs 2005). A text has too many segments to test all, so a grid of cells covers the outline,
+//! each with a list of the segments that can be nearest to one of its points (as Frisken et al. 2000 divide space). An
+//! evaluation reads one list: a few segments near the edge, some tens in the middle of round holes, for a hundred segments or
+//! ten thousand. Beyond the cells the distance is a lower bound: points in a box are at least √(d² + e²) away, with d the
+//! distance to the box and e that from there (the projection onto a convex set; Boyd and Vandenberghe 2004, section 8.1).
 //!
-//! `clean` first makes an outline of which every segment has the inside on its left and the outside on its right, whatever
-//! crosses and overlaps in what people wrote. `cells` makes the table. It stands behind all other numbers of the field, so
-//! that neither moving a point nor adding one changes the printed code. Cost: about 800 bytes for each segment, and the making of
-//! the table, 15 ms for 1,000 segments, ten letters or so; both are measured in `tests/outline.rs`.
+//! `clean` removes crossings and overlaps: every segment then has the inside on its left and the outside on its right. `cells`
+//! makes the table. It is behind all other parameters of the field, so that neither moving nor adding a point changes the
+//! printed code. Cost: about 800 bytes for each segment, and 15 ms to build the table of 1,000 segments, about ten letters; both
+//! are measured in `tests/outline.rs`.
 
 mod cells;
 mod clean;
@@ -27,40 +27,40 @@ use crate::parameter::Param;
 use crate::ray_interval::T_MAX;
 use cells::{HEADER, PER_SEGMENT};
 
-/// Which of the areas that an outline divides the plane into are inside.
+/// Fill rule: the areas of an outline that are inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fill {
-    /// Those from which a way outwards crosses the outline an odd number of times.
+    /// Areas from which a ray crosses the outline an odd number of times.
     EvenOdd,
-    /// Those that the outline goes around, in either direction: overlaps are inside, holes go around the other way.
+    /// Areas with a winding number other than zero: overlaps are inside, holes wind the other way.
     NonZero,
 }
 
-/// The most segments of an outline.
+/// Largest number of segments of an outline.
 pub const MAX_SEGMENTS: usize = 20_000;
 
-/// The numbers that say the segments of a closed contour through these points.
+/// Segments of a closed contour through these points, four numbers each.
 pub fn contour(points: &[[f32; 2]]) -> impl Iterator<Item = f32> {
     let next = points.iter().cycle().skip(1);
     points.iter().zip(next).flat_map(|([ax, ay], [bx, by])| [*ax, *ay, *bx, *by])
 }
 
-/// Whether something is inside of the outline of these segments.
+/// Reports whether the outline of these segments has an inside.
 pub fn has_area(segments: &[f32], fill: Fill) -> bool {
     !clean::cleaned(segments, fill).is_empty()
 }
 
-/// A shape that is drawn. Its numbers are the parameters and behind them the segments, four numbers each.
+/// Drawn shape. Its values are the parameters and behind them the segments, four numbers each.
 pub(crate) struct Drawn {
     pub(crate) info: Info,
-    /// None, or a size that the outline is scaled by.
+    /// No parameter, or the size by which the outline is scaled.
     pub(crate) params: &'static [Param],
     pub(crate) fill: Fill,
-    /// The outline where there is no segment.
-    pub(crate) unless_given: &'static [&'static [[f32; 2]]],
+    /// Outline used if there are no segments.
+    pub(crate) default_outline: &'static [&'static [[f32; 2]]],
 }
 
-/// Signed distance to the outline in a table whose first vector has the number `first`.
+/// Signed distance to the outline in the table that starts at vector `first`.
 #[inline(always)]
 fn distance<N: Real>(p: Vec3<N>, table: &[f32], first: N) -> N {
     let (zero, one) = (N::zero(), N::one());
@@ -85,7 +85,7 @@ fn distance<N: Real>(p: Vec3<N>, table: &[f32], first: N) -> N {
             let along = (x * along_x + y * along_y).named("along");
             let off = (x * along_y - y * along_x).named("off");
             let past = (along - length).max(-along).named("past");
-            // Beside the segment the distance is linear, so that its gradient is right on the segment itself.
+            // Beside the segment the distance is linear, so that its gradient is correct on the segment, too.
             let is_past = zero.lt(past);
             let sign = N::select(along.lt(zero), sign_at_start, sign_at_end);
             let from_corner = past.hypot(off);
@@ -123,14 +123,14 @@ impl Shape for Drawn {
     fn params(&self) -> &[Param] {
         self.params
     }
-    /// The table alone: the size is in it.
+    /// The table, which includes the size.
     fn coefficients(&self, params: &[f32]) -> Vec<f32> {
         let (params, segments) = params.split_at(self.params.len().min(params.len()));
-        let unless_given: Vec<f32>;
+        let default_outline: Vec<f32>;
         let segments = match segments {
             [] => {
-                unless_given = self.unless_given.iter().flat_map(|points| contour(points)).collect();
-                &unless_given
+                default_outline = self.default_outline.iter().flat_map(|points| contour(points)).collect();
+                &default_outline
             }
             segments => segments,
         };
@@ -166,7 +166,7 @@ impl Shape for Drawn {
             },
         )
     }
-    /// One for all that is drawn: a scene of several has the function once.
+    /// One name for all drawn shapes, so that a scene has the function once.
     fn wgsl_name(&self) -> String {
         "outline".to_owned()
     }

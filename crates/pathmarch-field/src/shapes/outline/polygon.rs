@@ -1,5 +1,4 @@
-//! Polygon in the plane of x and y, of any number of points: an outline ([`super`]). Where it crosses itself, areas
-//! are inside and outside by turns.
+//! Polygon in the xy plane with any number of points: an outline ([`super`]) with the even-odd rule.
 
 use super::{Drawn, Fill};
 use crate::info::{Info, Outline};
@@ -20,5 +19,5 @@ pub(crate) static SHAPE: Drawn = Drawn {
     },
     params: &[],
     fill: Fill::EvenOdd,
-    unless_given: &[ARROW],
+    default_outline: &[ARROW],
 };

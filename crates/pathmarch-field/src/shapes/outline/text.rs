@@ -1,5 +1,5 @@
-//! Text in the plane of x and y: the outlines of a font's glyphs ([`super`]), which whoever knows the font finds.
-//! Glyphs may overlap; their holes go around the other way.
+//! Text in the xy plane: the outlines of a font's glyphs ([`super`]), which the caller reads from the font. Glyphs may
+//! overlap; their holes wind the other way.
 
 use super::{Drawn, Fill};
 use crate::info::{Info, Outline};
@@ -22,5 +22,5 @@ pub(crate) static SHAPE: Drawn = Drawn {
     },
     params: &[Param::length("size", 1.0, "Size of the font: the height of a line without the space between lines.")],
     fill: Fill::NonZero,
-    unless_given: &[LETTER],
+    default_outline: &[LETTER],
 };

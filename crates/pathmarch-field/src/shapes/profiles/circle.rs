@@ -1,4 +1,4 @@
-//! Circle in the plane of x and y (Quilez 2008, "2D distance functions", circle). Exact.
+//! Circle in the xy plane (Quilez 2008, "2D distance functions", circle). Exact.
 
 use crate::bounds::Aabb;
 use crate::info::Info;

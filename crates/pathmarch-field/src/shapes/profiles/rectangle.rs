@@ -1,4 +1,4 @@
-//! Rectangle in the plane of x and y, with round corners if wanted (Quilez 2008, "2D distance functions", box and rounded
+//! Rectangle in the xy plane, with optional round corners (Quilez 2008, "2D distance functions", box and rounded
 //! box). Exact.
 
 use crate::bounds::Aabb;

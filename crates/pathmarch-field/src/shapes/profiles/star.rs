@@ -1,6 +1,6 @@
-//! Star in the plane of x and y: the plane is folded onto half the sector of one point, where the outline is a segment
-//! (after Quilez 2008, "2D distance functions", star). The mirrors of the star are walls of that sector, so that what is
-//! nearest to a point of it lies in it, too. Exact.
+//! Star in the xy plane: the plane is folded onto half the sector of one point, where the outline is a segment (after Quilez
+//! 2008, "2D distance functions", star). The mirrors of the star bound that sector, so that the nearest surface point is in it,
+//! too. Exact.
 
 use crate::bounds::Aabb;
 use crate::info::Info;

@@ -1,4 +1,4 @@
-//! What rays meet in closed form, as WGSL: that of `graph/solids.rs`, which explains it.
+//! WGSL of analytic hits; `graph/analytic.rs` explains them.
 
 use super::Composer;
 use super::parameters::{component, rows};
@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 impl Composer<'_> {
-    /// Collects the functions by which rays meet an object.
+    /// Collects the ray functions of an analytic object.
     pub(super) fn rays(&self, object: &Tree, functions: &mut BTreeSet<(u32, String)>) {
         for leaf in leaves(object) {
             let shape = &self.field.leaves()[leaf as usize].shape;
@@ -19,10 +19,11 @@ impl Composer<'_> {
         }
     }
 
+    /// Prints [`Field::analytic_hit`](crate::Field::analytic_hit).
     pub(super) fn analytic_hit(&self) -> String {
         let mut text = String::from(
-            "/// Metres to the first surface of the objects that rays meet in closed form, or 1e30.\n\
-             fn analytic_hit(origin: vec3f, direction: vec3f) -> AnalyticHit {\n    var nearest = 1e30;\n    var met = SPHERE_TRACED;\n    \
+            "/// First hit of a ray with the analytic objects.\n\
+             fn analytic_hit(origin: vec3f, direction: vec3f) -> AnalyticHit {\n    var nearest = 1e30;\n    var hit_id = SPHERE_TRACED;\n    \
              var t: f32;\n",
         );
         for object in self.field.analytic_objects() {
@@ -31,7 +32,7 @@ impl Composer<'_> {
                     let ray = self.along_ray(leaf, "ray");
                     writeln!(
                         text,
-                        "    t = {ray};\n    met = select(met, {leaf}u, t < nearest);\n    nearest = min(nearest, t);"
+                        "    t = {ray};\n    hit_id = select(hit_id, {leaf}u, t < nearest);\n    nearest = min(nearest, t);"
                     )
                     .expect("writing to a string");
                 }
@@ -39,12 +40,12 @@ impl Composer<'_> {
             }
         }
         match self.field.bvh().nodes.is_empty() {
-            true => text + "    return AnalyticHit(nearest, met);\n}\n",
-            false => text + "    return bvh_hit(origin, direction, AnalyticHit(nearest, met));\n}\n",
+            true => text + "    return AnalyticHit(nearest, hit_id);\n}\n",
+            false => text + "    return bvh_hit(origin, direction, AnalyticHit(nearest, hit_id));\n}\n",
         }
     }
 
-    /// The first surface of a combination, if it is nearer.
+    /// Prints the first hit with a combination, if it is nearer.
     fn combined_hit(&self, object: &Tree, text: &mut String) {
         let leaves = leaves(object);
         for leaf in &leaves {
@@ -52,17 +53,17 @@ impl Composer<'_> {
         }
         for (leaf, end) in leaves.iter().flat_map(|leaf| ["x", "y"].map(|end| (leaf, end))) {
             let t = format!("s{leaf}.{end}");
-            let [before, behind] = [false, true].map(|behind| holds(object, &t, behind));
+            let [before, behind] = [false, true].map(|behind| contains(object, &t, behind));
             writeln!(
                 text,
-                "    t = select(1e30, {t}, (0.0 < {t}) & ({before} != {behind}));\n    met = select(met, {leaf}u, t < nearest);\n    \
+                "    t = select(1e30, {t}, (0.0 < {t}) & ({before} != {behind}));\n    hit_id = select(hit_id, {leaf}u, t < nearest);\n    \
                  nearest = min(nearest, t);"
             )
             .expect("writing to a string");
         }
     }
 
-    /// What a function of a leaf's shape says of the ray, in metres.
+    /// Call of a ray function of a leaf's shape, in world metres.
     fn along_ray(&self, leaf: u32, function: &str) -> String {
         let (point, values) = self.arguments(leaf, "origin");
         let start = self.starts[leaf as usize];
@@ -80,7 +81,7 @@ impl Composer<'_> {
     }
 }
 
-/// The shapes of a combination.
+/// Leaves of a combination.
 pub(super) fn leaves(tree: &Tree) -> Vec<u32> {
     match tree {
         Tree::Leaf(index) => vec![*index],
@@ -89,13 +90,13 @@ pub(super) fn leaves(tree: &Tree) -> Vec<u32> {
     }
 }
 
-/// Whether an object holds the points just before or just behind `t`, as an expression in brackets.
-fn holds(tree: &Tree, t: &str, behind: bool) -> String {
+/// Expression, in brackets, for whether an object contains the points just before or just behind `t`.
+fn contains(tree: &Tree, t: &str, behind: bool) -> String {
     match tree {
         Tree::Leaf(index) if behind => format!("((s{index}.x <= {t}) & ({t} < s{index}.y))"),
         Tree::Leaf(index) => format!("((s{index}.x < {t}) & ({t} <= s{index}.y))"),
         Tree::Operator { operator, children, .. } => {
-            let parts: Vec<String> = children.iter().map(|child| holds(child, t, behind)).collect();
+            let parts: Vec<String> = children.iter().map(|child| contains(child, t, behind)).collect();
             let sign = match operator.boolean() {
                 Some(Boolean::Intersection) => " & ",
                 Some(Boolean::Difference) => " & !",

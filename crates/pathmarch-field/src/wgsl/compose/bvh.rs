@@ -1,19 +1,19 @@
-//! The hierarchy of objects of closed form as WGSL: one traversal, and everything else as numbers.
+//! WGSL of the BVH over analytic objects: one traversal as code, all nodes as parameters.
 //!
-//! Twin of `graph/bvh.rs`, which explains it. A node is two vectors: its least corner and where to go on when it is skipped; its
-//! greatest corner and the record of its leaf, or zero. Records are those of shape_grids. Cost: two iterations for each node that is
-//! visited, of the 65,535 that Mesa's software Vulkan grants an invocation: a path of ten rays through a thousand spheres takes
-//! about 2,000.
+//! `graph/bvh.rs` explains it. A node is two vectors: its least corner and the index of the node after its subtree; its greatest
+//! corner and the index of its leaf's record, or zero. Records are those of shape grids. Cost: two loop iterations for each
+//! visited node, of the 65,535 that Mesa's software Vulkan grants an invocation: a path of ten rays through a thousand spheres
+//! takes about 2,000.
 
 use super::shape_grid::cases;
 use super::{Composer, Program};
 use std::collections::{BTreeSet, HashMap};
 
 const TRAVERSAL: &str = "\
-/// What tells records of the hierarchy from numbers of leaves.
+/// Bit that marks the id of a hit as a record of the BVH, not a leaf.
 const BVH = 0x80000000u;
 
-/// The first hit of a ray, or what it has met before.
+/// First hit of a ray with the objects of the BVH, or the one found before.
 fn bvh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit {
     var nearest = before;
     let inverse = 1.0 / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
@@ -28,27 +28,27 @@ fn bvh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit 
         let last = max(a, b);
         let enters = max(max(first.x, first.y), max(first.z, 0.0));
         let leaves = min(min(last.x, last.y), min(last.z, nearest.t));
-        // A box may be flat.
-        let meets = enters < leaves + abs(leaves) * 1e-6 + 1e-30;
+        // The margin keeps flat boxes.
+        let is_hit = enters < leaves + abs(leaves) * 1e-6 + 1e-30;
         let record = u32(high.w);
         loop {
-            if !meets || record == 0u {
+            if !is_hit || record == 0u {
                 break;
             }
-            let t = item_ray(record, origin, direction);
+            let t = record_ray(record, origin, direction);
             if t < nearest.t {
                 nearest = AnalyticHit(t, BVH + record);
             }
             break;
         }
-        node = select(u32(low.w), node + 2u, meets);
+        node = select(u32(low.w), node + 2u, is_hit);
     }
     return nearest;
 }
 
-/// The distance to the nearest surface of the leaves that count in a set, or what is nearer; of all where `sets` is zero. The leaf
-/// `own` does not count.
-fn bvh_distance(p: vec3f, before: f32, sets: u32, own: u32) -> f32 {
+/// Unsigned distance to the nearest leaf of the BVH in one of the sets, or in any if `sets` is zero, except `ignored_leaf`; or the
+/// distance found before, if that is less.
+fn bvh_distance(p: vec3f, before: f32, sets: u32, ignored_leaf: u32) -> f32 {
     var nearest = before;
     var node = u32(field_parameters[HEADERu].x);
     let end = u32(field_parameters[HEADERu].y);
@@ -61,9 +61,9 @@ fn bvh_distance(p: vec3f, before: f32, sets: u32, own: u32) -> f32 {
             if !is_near || record == 0u {
                 break;
             }
-            let counts = sets == 0u || (u32(field_parameters[record + 2u].w) & sets) != 0u;
-            if counts && u32(field_parameters[record + 3u].w) != own {
-                nearest = min(nearest, abs(item_distance(record, p)));
+            let is_included = sets == 0u || (u32(field_parameters[record + 2u].w) & sets) != 0u;
+            if is_included && u32(field_parameters[record + 3u].w) != ignored_leaf {
+                nearest = min(nearest, abs(record_distance(record, p)));
             }
             break;
         }
@@ -75,20 +75,20 @@ fn bvh_distance(p: vec3f, before: f32, sets: u32, own: u32) -> f32 {
 ";
 
 impl Program {
-    /// Says which objects count in each of the sets whose distances [`distances_to`](Self::distances_to) prints, in that order: where
-    /// there are many objects, that is a number, too.
+    /// Writes to the parameters which objects of the BVH are in each of the sets of [`distances_to`](Self::distances_to), in the
+    /// same order.
     pub fn write_object_sets(&mut self, field: &crate::graph::Field, named: &[(&str, &[bool])]) {
         for &(leaf, record) in &self.bvh_records {
             let object = field.leaves()[leaf as usize].object as usize;
-            let counts = |(_, counts): &(&str, &[bool])| counts.get(object) == Some(&true);
-            let sets: u32 = named.iter().enumerate().map(|(bit, named)| u32::from(counts(named)) << bit).sum();
+            let includes = |(_, included): &(&str, &[bool])| included.get(object) == Some(&true);
+            let sets: u32 = named.iter().enumerate().map(|(bit, named)| u32::from(includes(named)) << bit).sum();
             self.parameters[record + 2][3] = sets as f32;
         }
     }
 }
 
 impl Composer<'_> {
-    /// Collects the functions that the traversal calls and keeps a place for what tells of it.
+    /// Collects the functions that the traversal calls and reserves its header.
     pub(super) fn bvh_functions(&mut self, functions: &mut BTreeSet<(u32, String)>) {
         let field = self.field;
         if field.bvh().nodes.is_empty() {
@@ -105,8 +105,8 @@ impl Composer<'_> {
         self.parameters.push([0.0; 4]);
     }
 
-    /// Puts its numbers behind all others.
-    pub(super) fn bvh_numbers(&mut self) {
+    /// Appends the records and nodes behind all other parameters.
+    pub(super) fn append_bvh(&mut self) {
         let field = self.field;
         if field.bvh().nodes.is_empty() {
             return;
@@ -125,13 +125,13 @@ impl Composer<'_> {
         self.bvh_records = records.into_iter().map(|(leaf, record)| (leaf, record as usize)).collect();
     }
 
-    /// The functions of the hierarchy: `bvh_hit` and `bvh_distance`.
+    /// Prints the functions of the BVH: `bvh_hit` and `bvh_distance`.
     pub(super) fn bvh(&self) -> String {
         if self.field.bvh().nodes.is_empty() {
             return String::new();
         }
         let ray = format!(
-            "/// Metres to where a ray first meets the shape of a record.\nfn item_ray(record: u32, origin: vec3f, direction: \
+            "/// Metres to the first hit of a ray with the shape of a record.\nfn record_ray(record: u32, origin: vec3f, direction: \
              vec3f) -> f32 {{\n    let at = field_parameters[record];\n    let x = field_parameters[record + 1u];\n    let y = \
              field_parameters[record + 2u];\n    let z = field_parameters[record + 3u];\n    let n = field_parameters[record + \
              4u];\n    let rows = mat3x3f(x.xyz, y.xyz, z.xyz);\n    let o = (origin - at.xyz) * rows;\n    let d = direction * rows \

@@ -1,4 +1,4 @@
-//! The WGSL of [`Field::coordinates`], as far as modifiers go, and of [`Field::orbit`].
+//! WGSL of [`Field::coordinates`] up to the innermost modifier, and of [`Field::orbit`].
 
 use super::parameters::{arguments, component, local, rows};
 use super::{Composed, Composer, Program};
@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 const COORDINATES: &str = "\
-/// A point in coordinates of its own, and the gradient of each of these over the world.
+/// Point in local coordinates, and the world-space gradient of each of them.
 struct Coordinates {
     p: vec3f,
     x: vec3f,
@@ -16,7 +16,7 @@ struct Coordinates {
     z: vec3f,
 }
 
-/// The point `p` of these gradients over the coordinates of another.
+/// Composes outer coordinates with a point `p` in inner ones, whose gradients are over the outer ones.
 fn coordinates_inside(outer: Coordinates, p: vec3f, x: vec3f, y: vec3f, z: vec3f) -> Coordinates {
     let back = mat3x3f(outer.x, outer.y, outer.z);
     return Coordinates(p, back * x, back * y, back * z);
@@ -24,10 +24,10 @@ fn coordinates_inside(outer: Coordinates, p: vec3f, x: vec3f, y: vec3f, z: vec3f
 ";
 
 impl Program {
-    /// WGSL text, to stand behind [`code`](Self::code), of the struct `Coordinates` (`p`, and the gradients `x`, `y`, `z` of its
-    /// coordinates over the world), of `coordinates_inside(outer: Coordinates, p, x, y, z)`, which applies the chain rule, and
-    /// of `modifier_coordinates(holder: u32, p: vec3f) -> Coordinates`: where a point of the world is in the space of the
-    /// modifier of this number, which is [`Field::holder`].
+    /// WGSL text of local coordinates, to be appended to [`code`](Self::code): the struct `Coordinates` (`p`, and the world-space
+    /// gradients `x`, `y`, `z` of its coordinates); `coordinates_inside(outer: Coordinates, p, x, y, z)`, which applies the
+    /// chain rule; and `modifier_coordinates(modifier: u32, p: vec3f) -> Coordinates`, the coordinates of a world point in the
+    /// space of this modifier's child, see [`Field::enclosing_modifier`].
     pub fn coordinates(field: &Field) -> String {
         let Composed { composer, .. } = Composed::new(field);
         let (mut functions, mut cases) = (String::new(), String::new());
@@ -35,14 +35,14 @@ impl Program {
             composer.coordinates(tree, "world", &mut functions, &mut cases);
         }
         format!(
-            "{COORDINATES}\n{functions}/// Where `p` is in the space of what the modifier of this number holds; 0 is the \
-             world.\nfn modifier_coordinates(holder: u32, p: vec3f) -> Coordinates {{\n    let world = Coordinates(p, vec3f(1.0, \
+            "{COORDINATES}\n{functions}/// Coordinates of `p` in the space of the child of modifier number `modifier`; 0 is the \
+             world.\nfn modifier_coordinates(modifier: u32, p: vec3f) -> Coordinates {{\n    let world = Coordinates(p, vec3f(1.0, \
              0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));\n{cases}    return world;\n}}\n\n"
         )
     }
 
-    /// WGSL text, to stand behind [`code`](Self::code), of `has_orbit(leaf: u32) -> bool` and `orbit(leaf: u32, p: vec3f) ->
-    /// array<f32, 5>`: [`Field::orbit`] of a point in the leaf's coordinates.
+    /// WGSL text of `has_orbit(leaf: u32) -> bool` and `orbit(leaf: u32, p: vec3f) -> array<f32, 5>`, to be appended to
+    /// [`code`](Self::code): [`Field::orbit`] of a point in local coordinates.
     pub fn orbits(field: &Field) -> String {
         let Composed { composer, .. } = Composed::new(field);
         let mut functions = BTreeSet::new();
@@ -58,15 +58,15 @@ impl Program {
         }
         let functions: String = functions.iter().map(|function| format!("{function}\n")).collect();
         format!(
-            "{functions}/// Whether the leaf is a fractal.\nfn has_orbit(leaf: u32) -> bool {{\n    return false{has};\n}}\n\n\
-             /// What the orbit of a point comes near to.\nfn orbit(leaf: u32, p: vec3f) -> array<f32, {TRAPS}> {{\n{cases}    \
+            "{functions}/// Reports whether the leaf is a fractal.\nfn has_orbit(leaf: u32) -> bool {{\n    return false{has};\n}}\n\n\
+             /// Orbit traps of a point.\nfn orbit(leaf: u32, p: vec3f) -> array<f32, {TRAPS}> {{\n{cases}    \
              return array<f32, {TRAPS}>();\n}}\n\n"
         )
     }
 }
 
 impl Composer<'_> {
-    /// Adds the modifiers of a tree; `outer` says where a point is in the space that it stands in.
+    /// Adds the modifiers of a tree; `outer` is the WGSL of the coordinates around it.
     fn coordinates(&self, tree: &Tree, outer: &str, functions: &mut String, cases: &mut String) {
         match tree {
             Tree::Leaf(_) => {}
@@ -74,24 +74,24 @@ impl Composer<'_> {
                 children.iter().for_each(|child| self.coordinates(child, outer, functions, cases));
             }
             Tree::Modifier(modified) => {
-                *functions += &self.coordinates_in(modified);
+                *functions += &self.coordinates_of(modified);
                 let here = format!("inside_{}_coordinates({outer})", modified.index);
-                writeln!(cases, "    if holder == {}u {{\n        return {here};\n    }}", modified.index + 1)
+                writeln!(cases, "    if modifier == {}u {{\n        return {here};\n    }}", modified.index + 1)
                     .expect("writing to a string");
                 self.coordinates(&modified.inside, &here, functions, cases);
             }
         }
     }
 
-    fn coordinates_in(&self, modified: &Modified) -> String {
+    fn coordinates_of(&self, modified: &Modified) -> String {
         let Modified { modifier, index, pose, .. } = modified;
         let name = modifier.wgsl_name();
         let start = self.modifier_starts[*index as usize];
         let (point, first) = local(pose, start, "world");
         let numbers = arguments(first, modified.coefficients.len());
-        let chosen = self.chosen(modified, &numbers);
+        let copy = self.nearest_copy(modified, &numbers);
         let gradient = |axis: &str| {
-            let pulled = format!("{name}_pull(p, chosen, {axis}{numbers})");
+            let pulled = format!("{name}_pull(p, copy, {axis}{numbers})");
             match pose.turn {
                 Turn::None => pulled,
                 Turn::Scaled => format!("{pulled} / {}", component(start, 3)),
@@ -100,9 +100,9 @@ impl Composer<'_> {
         };
         let [x, y, z] = ["vec3f(1.0, 0.0, 0.0)", "vec3f(0.0, 1.0, 0.0)", "vec3f(0.0, 0.0, 1.0)"].map(gradient);
         format!(
-            "/// Where a point is in the space of what modifier {index}, `{name}`, holds.\nfn inside_{index}_coordinates(outer: \
-             Coordinates) -> Coordinates {{\n    let world = outer.p;\n    let p = {point};\n{chosen}    return \
-             coordinates_inside(outer, {name}_point(p, chosen{numbers}), {x}, {y}, {z});\n}}\n\n"
+            "/// Coordinates of a point in the space of the child of modifier {index}, `{name}`.\nfn inside_{index}_coordinates(outer: \
+             Coordinates) -> Coordinates {{\n    let world = outer.p;\n    let p = {point};\n{copy}    return \
+             coordinates_inside(outer, {name}_point(p, copy{numbers}), {x}, {y}, {z});\n}}\n\n"
         )
     }
 }

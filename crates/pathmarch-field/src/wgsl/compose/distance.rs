@@ -1,4 +1,4 @@
-//! The WGSL of distances: to what is marched, to all, and to objects that count.
+//! WGSL of distances: to sphere-traced objects, to all objects, and to chosen ones.
 
 use super::parameters::component;
 use super::{Composer, profile};
@@ -6,15 +6,17 @@ use crate::graph::{Tree, Turn};
 use std::fmt::Write;
 
 impl Composer<'_> {
-    pub(super) fn distance(&self) -> String {
-        let marched: Vec<&Tree> = self.field.sphere_traced_objects().collect();
+    /// Prints [`Field::sphere_traced_distance`](crate::Field::sphere_traced_distance) under this name.
+    pub(super) fn sphere_traced_distance(&self, name: &str) -> String {
+        let objects: Vec<&Tree> = self.field.sphere_traced_objects().collect();
         let shape_grids: Vec<usize> = (0..self.field.shape_grids().len()).collect();
-        let doc = "Distance from `p` to the nearest surface that must be marched, from outside or inside, metres.";
-        self.unsigned_distance("sphere_traced_distance(p: vec3f)", doc, &marched, &shape_grids, None)
+        let doc = "Unsigned distance from `p` to the nearest surface of the sphere-traced objects, metres.";
+        self.unsigned_distance(&format!("{name}(p: vec3f)"), doc, &objects, &shape_grids, None)
     }
 
-    /// A function of this signature; where it is of a set of objects that count, the leaf `own` of closed form does not,
-    /// and distances to shape_grids are about what they are.
+    /// Prints the distance to some objects under this signature. For one of the sets of
+    /// [`Program::distances_to`](super::Program::distances_to), it leaves out `ignored_leaf`, and estimates distances to shape
+    /// grids.
     pub(super) fn unsigned_distance(
         &self,
         signature: &str,
@@ -29,7 +31,10 @@ impl Composer<'_> {
             let value = self.tree_distance(object, &mut text, &mut counter);
             match self.field.direct(object).filter(|_| set.is_some()) {
                 Some(leaf) => {
-                    writeln!(text, "    nearest = select(min(nearest, abs({value})), nearest, own == {leaf}u);")
+                    writeln!(
+                        text,
+                        "    nearest = select(min(nearest, abs({value})), nearest, ignored_leaf == {leaf}u);"
+                    )
                 }
                 None => writeln!(text, "    nearest = min(nearest, abs({value}));"),
             }
@@ -40,11 +45,13 @@ impl Composer<'_> {
                 .expect("writing to a string");
         }
         if let Some(set) = set.filter(|_| !self.field.bvh().nodes.is_empty()) {
-            writeln!(text, "    nearest = bvh_distance(p, nearest, {}u, own);", 1 << set).expect("writing to a string");
+            writeln!(text, "    nearest = bvh_distance(p, nearest, {}u, ignored_leaf);", 1 << set)
+                .expect("writing to a string");
         }
         text + "    return nearest;\n}\n"
     }
 
+    /// Prints [`Field::estimated_distance`](crate::Field::estimated_distance).
     pub(super) fn estimated_distance(&self) -> String {
         let mut text = String::from(
             "/// Signed distance from `p` to the nearest surface, metres.\n\
@@ -62,6 +69,7 @@ impl Composer<'_> {
         text + "    return nearest;\n}\n"
     }
 
+    /// Prints the statements of a tree's distance to `text`; returns the expression of its value.
     pub(super) fn tree_distance(&self, tree: &Tree, text: &mut String, counter: &mut u32) -> String {
         match tree {
             Tree::Leaf(index) => {

@@ -1,13 +1,13 @@
-//! Shape grids as WGSL: code for the kinds of shapes in use, and everything else as numbers.
+//! WGSL of shape grids: code for the kinds of shapes in use, and everything else as parameters.
 //!
-//! Twin of `graph/shape_grid.rs`, which explains them. Behind all other numbers of the field stand, for each shape_grid, a record of every
-//! shape (place, scale, turn, parameters), the cells of its grid, two vectors each, and the lists of records. The code knows only
-//! where the five vectors that tell of the shape_grid stand, so that it does not change with how many shapes there are or where.
+//! `graph/shape_grid.rs` explains them. Each grid appends to the parameters a record of every shape (position, scale, rotation,
+//! coefficients), its cells, two vectors each, and the lists of records. The code has only the index of the grid's header of
+//! five vectors, so that it does not change with the number of shapes or their positions.
 //!
 //! Cost: a descent without a loop, and one iteration for each shape in a list. Mesa's software Vulkan ends all loops of an
-//! invocation once they have run 65,535 times together: a path of ten rays at a hundred evaluations each, lists of eight at every
-//! one of them, takes 9,000. There a `switch` runs all its cases, which costs less than asking for each; only what loops itself
-//! stands in a loop that is left at once, which is skipped.
+//! invocation after 65,535 iterations together: a path of ten rays at a hundred evaluations each with lists of eight takes
+//! 9,000. It runs all cases of a `switch`, which is cheaper than a test for each; only functions that loop themselves are
+//! skipped, by a loop with one pass.
 
 use super::{Composer, profile};
 use crate::graph::Pose;
@@ -17,17 +17,17 @@ use crate::shapes::Shape;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Vectors that tell of a shape_grid.
+/// Vectors of a grid's header.
 pub(super) const HEADER: usize = 5;
-/// Vectors of a record before those of further parameters.
+/// Vectors of a record before those of further coefficients.
 const RECORD: usize = 5;
 
 const CELL: &str = "\
-/// The cell of a shape_grid around a point or nearest to it.
+/// Cell of a shape grid that contains a point, or the nearest one.
 struct GridCell {
-    /// One, and the start and the length of its list; or two, and the leaf that shows.
+    /// Near a surface: 1, start and length of the list. Far from all: 2 and the leaf whose material shows.
     entry: vec4f,
-    /// Of a cell far from all surfaces the nearest point of them to its centre, and the distance there.
+    /// Of a far cell: the surface point nearest to its centre, and the distance of the centre.
     far_field: vec4f,
     centre: vec3f,
     inside: bool,
@@ -35,7 +35,7 @@ struct GridCell {
 ";
 
 impl Composer<'_> {
-    /// The shapes that have records, one of each kind, and what their functions' names begin with.
+    /// Shapes with records, one of each kind, and the prefixes of their functions.
     pub(super) fn shape_grid_kinds(&self) -> Vec<(String, &dyn Shape)> {
         let mut kinds: Vec<(String, &dyn Shape)> = Vec::new();
         for leaf in self.leaves_with_records() {
@@ -45,7 +45,7 @@ impl Composer<'_> {
                 kinds.push((name, shape));
             }
         }
-        // Not in the order of places, by which leaves stand in a hierarchy.
+        // The order must not depend on positions, as that of the leaves of a BVH does.
         kinds.sort_by(|(a, _), (b, _)| a.cmp(b));
         kinds
     }
@@ -58,19 +58,19 @@ impl Composer<'_> {
             .chain(self.field.bvh().leaves())
     }
 
-    /// The kinds as they are called.
-    pub(super) fn record_kinds(&self) -> Vec<Item> {
-        let item = |(name, shape): (String, &dyn Shape)| {
+    /// Kinds of shapes with records, for calls of their functions.
+    pub(super) fn record_kinds(&self) -> Vec<RecordKind> {
+        let kind = |(name, shape): (String, &dyn Shape)| {
             let leaves = self.field.leaves();
             let known = self.leaves_with_records().map(|leaf| &leaves[leaf as usize]);
             let count = known.into_iter().find(|leaf| leaf.shape.wgsl_name() == name).map(|leaf| leaf.params.len());
-            let numbers = if shape.reads_table() { 1 } else { count.unwrap_or_default() };
-            Item { is_long: is_long(&shape.wgsl_distance()), has_ray: shape.is_analytic(), name, numbers }
+            let arguments = if shape.reads_table() { 1 } else { count.unwrap_or_default() };
+            RecordKind { is_long: is_long(&shape.wgsl_distance()), has_ray: shape.is_analytic(), name, arguments }
         };
-        self.shape_grid_kinds().into_iter().map(item).collect()
+        self.shape_grid_kinds().into_iter().map(kind).collect()
     }
 
-    /// Collects the functions that shape_grids call and keeps places for what tells of them; whether any blends.
+    /// Collects the functions that grids call and reserves their headers. Returns true if any blends.
     pub(super) fn shape_grid_functions(&mut self, functions: &mut BTreeSet<(u32, String)>) -> bool {
         for (_, shape) in self.shape_grid_kinds() {
             functions.insert((0, shape.wgsl_distance()));
@@ -92,8 +92,8 @@ impl Composer<'_> {
         blends
     }
 
-    /// Puts the numbers of shape_grids behind all others.
-    pub(super) fn shape_grid_numbers(&mut self) {
+    /// Appends records, cells and lists behind all other parameters.
+    pub(super) fn append_shape_grids(&mut self) {
         let field = self.field;
         let kinds: Vec<String> = self.shape_grid_kinds().into_iter().map(|(name, _)| name).collect();
         for (shape_grid, header) in field.shape_grids().iter().zip(self.shape_grid_starts.clone()) {
@@ -127,12 +127,12 @@ impl Composer<'_> {
         }
     }
 
-    /// Puts a record of a leaf behind all other numbers; gives its place.
+    /// Appends the record of a leaf; returns its index.
     pub(super) fn record(&mut self, kinds: &[String], number: u32, leaf: u32) -> f32 {
         let shape = &self.field.leaves()[leaf as usize];
         let mut params = shape.params.clone();
         if shape.shape.reads_table() {
-            // What reads a table has its own before its record.
+            // The table of a leaf is before its record.
             params = vec![self.parameters.len() as f32];
             self.parameters.extend(shape.params.chunks_exact(4).map(|v| [v[0], v[1], v[2], v[3]]));
         }
@@ -152,7 +152,7 @@ impl Composer<'_> {
         place as f32
     }
 
-    /// The functions of all shape_grids: `crowd_N_distance` and `crowd_N_surface`.
+    /// Prints the functions of all shape grids: `crowd_N_distance` and `crowd_N_surface`.
     pub(super) fn shape_grids(&self) -> String {
         if self.field.shape_grids().is_empty() {
             return String::new();
@@ -165,7 +165,7 @@ impl Composer<'_> {
         text
     }
 
-    /// The distance and the gradient of the shape of a record.
+    /// Prints distance and gradient of the shape of a record.
     pub(super) fn records(&self) -> String {
         let kinds = self.record_kinds();
         if kinds.is_empty() {
@@ -175,9 +175,9 @@ impl Composer<'_> {
                      let y = field_parameters[record + 2u];\n    let z = field_parameters[record + 3u];\n    \
                      let n = field_parameters[record + 4u];\n    let q = (p - at.xyz) * mat3x3f(x.xyz, y.xyz, z.xyz);\n";
         format!(
-            "/// Signed distance to the shape of a record.\nfn item_distance(record: u32, p: vec3f) -> f32 {{\n{local}    var d = \
+            "/// Signed distance to the shape of a record.\nfn record_distance(record: u32, p: vec3f) -> f32 {{\n{local}    var d = \
              1e30;\n{}    return d * at.w;\n}}\n\n/// Gradient (xyz) and distance (w) of the shape of a record.\n\
-             fn item_gradient(record: u32, p: vec3f) -> vec4f {{\n{local}    var d = vec4f(0.0, 0.0, 0.0, 1e30);\n{}    return \
+             fn record_gradient(record: u32, p: vec3f) -> vec4f {{\n{local}    var d = vec4f(0.0, 0.0, 0.0, 1e30);\n{}    return \
              vec4f(mat3x3f(x.xyz, y.xyz, z.xyz) * d.xyz, d.w) * at.w;\n}}\n\n",
             cases(&kinds, "d", "distance", "q"),
             cases(&kinds, "d", "gradient", "q"),
@@ -185,15 +185,16 @@ impl Composer<'_> {
     }
 }
 
-/// A kind of shape as it is called with the numbers of a record.
-pub(super) struct Item {
+/// Kind of a shape with records, for calls of its functions.
+pub(super) struct RecordKind {
     pub(super) name: String,
-    pub(super) numbers: usize,
+    /// Number of coefficients, or 1 for the index of a table.
+    pub(super) arguments: usize,
     pub(super) is_long: bool,
     pub(super) has_ray: bool,
 }
 
-/// Whether a function loops, so that it is worth a question.
+/// Reports whether a function loops or is long, so that skipping it pays.
 pub(super) fn is_long(function: &str) -> bool {
     function.contains("for (")
         || function.contains("loop")
@@ -201,22 +202,22 @@ pub(super) fn is_long(function: &str) -> bool {
         || function.lines().count() > 60
 }
 
-/// Sets `result` to what the function of the record's kind gives; the first parameters are in `n`, the kind in `x.w`.
-pub(super) fn cases(kinds: &[Item], result: &str, function: &str, inputs: &str) -> String {
-    let call = |item: &Item| {
-        let numbers: String = (0..item.numbers)
+/// Prints the choice of a record's function by its kind `x.w`, and its call with the coefficients in `n`; sets `result`.
+pub(super) fn cases(kinds: &[RecordKind], result: &str, function: &str, inputs: &str) -> String {
+    let call = |kind: &RecordKind| {
+        let numbers: String = (0..kind.arguments)
             .map(|k| match k {
                 0..4 => format!(", n.{}", ["x", "y", "z", "w"][k]),
                 _ => format!(", field_parameters[record + {}u].{}", RECORD - 1 + k / 4, ["x", "y", "z", "w"][k % 4]),
             })
             .collect();
-        format!("{result} = {}_{function}({inputs}{numbers});", item.name)
+        format!("{result} = {}_{function}({inputs}{numbers});", kind.name)
     };
     if let [item] = kinds {
         return format!("    {}\n", call(item));
     }
     let mut text = String::from("    switch u32(x.w) {\n");
-    let is_called = |item: &Item| item.has_ray || function != "ray";
+    let is_called = |kind: &RecordKind| kind.has_ray || function != "ray";
     for (number, item) in kinds.iter().enumerate().filter(|(_, item)| !item.is_long && is_called(item)) {
         writeln!(text, "        case {number}u: {{\n            {}\n        }}", call(item))
             .expect("writing to a string");
@@ -233,14 +234,14 @@ pub(super) fn cases(kinds: &[Item], result: &str, function: &str, inputs: &str) 
     text
 }
 
-/// The descent to a cell.
+/// Prints the descent to a cell.
 fn find() -> String {
     let mut text = format!(
         "fn shape_grid_cell(header: u32, p: vec3f) -> GridCell {{\n    let corner = field_parameters[header];\n    let roots = \
          vec3u(field_parameters[header + 1u].xyz);\n    let cells = u32(field_parameters[header + 4u].x);\n    let q = (p - \
          corner.xyz) * (1.0 / corner.w);\n    let count = vec3f(roots << vec3u({BITS}u));\n    let inside = all(q >= \
          vec3f(0.0)) && all(q < count);\n    let place = vec3u(clamp(q, vec3f(0.0), count - 1.0));\n    var shift = {BITS}u;\n    \
-         var own = place >> vec3u(shift);\n    var index = cells + 2u * ((own.z * roots.y + own.y) * roots.x + own.x);\n    var \
+         var offset = place >> vec3u(shift);\n    var index = cells + 2u * ((offset.z * roots.y + offset.y) * roots.x + offset.x);\n    var \
          entry = field_parameters[index];\n"
     );
     let mut shift = BITS;
@@ -249,8 +250,8 @@ fn find() -> String {
         let mask = (1 << bits) - 1;
         writeln!(
             text,
-            "    if entry.x == 0.0 {{\n        shift = {shift}u;\n        own = (place >> vec3u(shift)) & vec3u({mask}u);\n        \
-             index = cells + 2u * (u32(entry.y) + (((own.z << {bits}u) + own.y) << {bits}u) + own.x);\n        entry = \
+            "    if entry.x == 0.0 {{\n        shift = {shift}u;\n        offset = (place >> vec3u(shift)) & vec3u({mask}u);\n        \
+             index = cells + 2u * (u32(entry.y) + (((offset.z << {bits}u) + offset.y) << {bits}u) + offset.x);\n        entry = \
              field_parameters[index];\n    }}"
         )
         .expect("writing to a string");
@@ -282,14 +283,14 @@ fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) ->
     );
     let listed = "        let place = start + k;\n        let record = u32(field_parameters[lists + (place >> 2u)][place & 3u]);\n";
     let distance = format!(
-        "/// Distance to shape_grid {number}: near its surface exact, elsewhere no farther from zero, or about what it is.\n\
+        "/// Distance to shape grid {number}: exact near its surface, elsewhere a bound or, on request, an estimate.\n\
          fn shape_grid_{number}_distance(p: vec3f, estimate: bool) -> f32 {{\n{numbers}    let bounded = abs(cell.far_field.w) - \
          field_parameters[{lipschitz}].z * length(p - cell.centre);\n    let far_field = select(max(bounded, 0.0), length(p - \
          cell.far_field.xyz), estimate);\n    let beyond = max(max(field_parameters[{least}].xyz - p, p - \
          field_parameters[{most}].xyz), vec3f(0.0));\n    let outside = !cell.inside && !estimate;\n    var result = \
          select({far_field}, length(beyond), outside);\n    let start = u32(cell.entry.y);\n    let count = select(0u, \
          u32(cell.entry.z), cell.entry.x == 1.0 && !outside);\n    for (var k = 0u; k < count; k++) {{\n{listed}        let d \
-         = item_distance(record, p);\n        result = select({combined}, {signed}, k == 0u);\n    }}\n    return \
+         = record_distance(record, p);\n        result = select({combined}, {signed}, k == 0u);\n    }}\n    return \
          result;\n}}\n",
         lipschitz = header + 4,
         least = header + 2,
@@ -313,11 +314,11 @@ fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) ->
         }
     };
     let surface = format!(
-        "/// The surface of shape_grid {number}; far from it, a plane that stands for it.\nfn shape_grid_{number}_surface(p: vec3f, seed: \
+        "/// Surface of shape grid {number}; far from it, of a plane in its place.\nfn shape_grid_{number}_surface(p: vec3f, seed: \
          u32) -> Surface {{\n{numbers}    let away = p - cell.far_field.xyz;\n    let value = select(length(away), -length(away), \
          cell.far_field.w < 0.0);\n    var result = vec4f(away / value, value);\n    var leaf = u32(cell.entry.y);\n    let start = \
          leaf;\n    let count = select(0u, u32(cell.entry.z), cell.entry.x == 1.0);\n    for (var k = 0u; k < count; k++) \
-         {{\n{listed}        let d = item_gradient(record, p);\n{shown}        leaf = select(leaf, \
+         {{\n{listed}        let d = record_gradient(record, p);\n{shown}        leaf = select(leaf, \
          u32(field_parameters[record + 3u].w), shows);\n    }}\n    return Surface(result.xyz, result.w, leaf);\n}}\n"
     );
     format!("{distance}\n{surface}\n")

@@ -1,4 +1,4 @@
-//! The WGSL of surfaces: distance, gradient, and the leaf whose material shows.
+//! WGSL of surfaces: distance, gradient, and the leaf whose material shows.
 
 use super::parameters::{component, rows};
 use super::{Composer, analytic, profile};
@@ -6,18 +6,19 @@ use crate::graph::{Tree, Turn};
 use std::fmt::Write;
 
 impl Composer<'_> {
+    /// Prints [`Field::surface_at_hit`](crate::Field::surface_at_hit).
     pub(super) fn surface(&self) -> String {
         let mut text = String::from(
-            "/// The surface that a ray met at `p`, of the leaf of a direct hit or of what is marched: its signed distance,\n\
-             /// gradient, and the leaf whose material shows.\n\
-             fn surface(p: vec3f, met: u32, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
+            "/// Surface at the hit `p` of a ray, of an analytic leaf or of the sphere-traced objects: signed distance, gradient,\n\
+             /// and the leaf whose material shows.\n\
+             fn surface(p: vec3f, hit_id: u32, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
         );
         let mut counter = 0;
-        let marched: Vec<&Tree> = self.field.sphere_traced_objects().collect();
-        if !marched.is_empty() || !self.field.shape_grids().is_empty() {
-            text += &asked("met != SPHERE_TRACED");
+        let objects: Vec<&Tree> = self.field.sphere_traced_objects().collect();
+        if !objects.is_empty() || !self.field.shape_grids().is_empty() {
+            text += &skipped_if("hit_id != SPHERE_TRACED");
         }
-        for object in &marched {
+        for object in &objects {
             let (value, leaf) = self.tree_surface(object, &mut text, &mut counter);
             writeln!(
                 text,
@@ -34,27 +35,28 @@ impl Composer<'_> {
             )
             .expect("writing to a string");
         }
-        if !marched.is_empty() || !self.field.shape_grids().is_empty() {
-            text += ANSWERED;
+        if !objects.is_empty() || !self.field.shape_grids().is_empty() {
+            text += END_SKIPPED;
         }
         for index in self.field.analytic_objects().flat_map(analytic::leaves) {
             let mut inner = String::new();
             let (value, leaf) = self.tree_surface(&Tree::Leaf(index), &mut inner, &mut counter);
             let sign = if self.field.leaves()[index as usize].subtracted { "-" } else { "" };
-            text += &asked(&format!("met != {leaf}"));
+            text += &skipped_if(&format!("hit_id != {leaf}"));
             text += &inner;
             writeln!(text, "    nearest = {sign}{value};\n    leaf = {leaf};").expect("writing to a string");
-            text += ANSWERED;
+            text += END_SKIPPED;
         }
         if !self.field.bvh().nodes.is_empty() {
-            text += &asked("met < BVH || met == SPHERE_TRACED");
-            text += "    let record = met - BVH;\n    nearest = item_gradient(record, p);\n    leaf = \
+            text += &skipped_if("hit_id < BVH || hit_id == SPHERE_TRACED");
+            text += "    let record = hit_id - BVH;\n    nearest = record_gradient(record, p);\n    leaf = \
                      u32(field_parameters[record + 3u].w);\n";
-            text += ANSWERED;
+            text += END_SKIPPED;
         }
         text + "    return Surface(nearest.xyz, nearest.w, leaf);\n}\n"
     }
 
+    /// Prints the statements of a tree's surface to `text`; returns the expressions of gradient and distance, and of the leaf.
     pub(super) fn tree_surface(&self, tree: &Tree, text: &mut String, counter: &mut u32) -> (String, String) {
         let mut fresh = |prefix: &str| {
             *counter += 1;
@@ -122,10 +124,11 @@ impl Composer<'_> {
     }
 }
 
-/// What no invocation needs is skipped by a loop that is left at once: software Vulkan runs both sides of an `if`.
-fn asked(not: &str) -> String {
+/// Opening of a block that all invocations skip if none needs it, as a loop with one pass: software Vulkan runs both sides of
+/// an `if`.
+fn skipped_if(not: &str) -> String {
     format!("    loop {{\n        if {not} {{\n            break;\n        }}\n")
 }
 
-/// The end of what was [`asked`].
-const ANSWERED: &str = "        break;\n    }\n";
+/// End of the block of [`skipped_if`].
+const END_SKIPPED: &str = "        break;\n    }\n";
