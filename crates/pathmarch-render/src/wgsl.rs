@@ -64,6 +64,7 @@ pub(crate) struct Field {
     /// Type in WGSL.
     pub(crate) kind: &'static str,
     /// Offset in Rust, bytes.
+    #[cfg(test)]
     pub(crate) offset: usize,
 }
 
@@ -122,6 +123,7 @@ macro_rules! shared_struct {
                     name: stringify!($field),
                     doc: &[$($field_doc),*],
                     kind: <$kind as $crate::wgsl::FieldType>::WGSL,
+                    #[cfg(test)]
                     offset: std::mem::offset_of!(Self, $field),
                 }),+]
             }

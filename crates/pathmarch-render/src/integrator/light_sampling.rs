@@ -104,7 +104,6 @@ shared_constants! {
     const SHORT_OF_LIGHT: f32 = 0.9999;
 }
 
-
 /// Direction from `p` in the cone that a sphere subtends, 1 - cosine of the cone's half angle, and the offset of its centre.
 fn towards_sphere(sphere: &SphereLight, p: Vec3, position: [f32; 2]) -> (Vec3, f32, Vec3) {
     let offset = sphere.centre - p;

@@ -8,5 +8,5 @@ pub(crate) mod camera;
 pub(crate) mod light_sampling;
 pub(crate) mod moments;
 pub(crate) mod path;
-mod shadow;
+pub(crate) mod shadow;
 pub(crate) mod splitting;

@@ -42,7 +42,6 @@ shared_constants! {
     const UNBOUNDED_LENGTH: f32 = 1e9;
 }
 
-
 #[derive(Clone)]
 struct Path {
     slot: usize,
@@ -168,7 +167,9 @@ struct Drawn {
 /// What each of these paths draws at its surface.
 fn drawn(ctx: &TraceContext, paths: &[Path], surface_index: u32) -> impl Iterator<Item = Drawn> + use<> {
     let randoms: Vec<PixelSampler> = paths.iter().map(|path| path.random).collect();
-    let of = |number: u32| PixelSampler::pairs(&randoms, pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + number);
+    let of = |number: u32| {
+        PixelSampler::pairs(&randoms, pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + number)
+    };
     let lobes = if ctx.config.chooses_lobes { of(pair::PAIR_LOBE) } else { vec![[0.0; 2]; randoms.len()] };
     let numbers = of(pair::PAIR_CHOICE).into_iter().zip(of(pair::PAIR_LIGHT)).zip(of(pair::PAIR_SCATTER)).zip(lobes);
     numbers.map(|(((choice, light), scatter), [lobe, _])| Drawn { choice, light, scatter, lobe })

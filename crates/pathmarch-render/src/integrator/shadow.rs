@@ -27,7 +27,6 @@ shared_constants! {
     const MAX_PASSED: u32 = 8;
 }
 
-
 /// Light on its way from a source that may be hidden.
 pub(super) struct Connection {
     pub(super) slot: usize,

@@ -47,8 +47,6 @@ shared_constants! {
     const START_OFFSET: f32 = 3.0;
 }
 
-
-
 /// What is negligible at a point of a path of this length.
 pub(crate) fn tolerance(frame: &FrameUniforms, p: Vec3, path_length: f32) -> f32 {
     (frame.tolerance * path_length).max(frame.rounding * p.abs().max_element())

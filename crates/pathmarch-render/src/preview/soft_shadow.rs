@@ -29,7 +29,6 @@ shared_constants! {
     const PASSED: f32 = 0.5 * COARSE;
 }
 
-
 /// What asks for a shadow.
 #[derive(Clone, Copy)]
 pub(super) struct ShadowRay {

@@ -30,7 +30,6 @@ shared_constants! {
     pub(crate) const LIGHT_SHIFT: u32 = 3;
 }
 
-
 impl LeafRecord {
     /// Whether this flag is set.
     pub(crate) fn has(&self, flag: u32) -> bool {

@@ -12,7 +12,7 @@ use crate::wgsl::{declaration, shared_struct};
 
 shared_struct! {
     /// Uniforms of the display pass.
-    struct DisplayUniforms as DisplayUniforms {
+    pub(super) struct DisplayUniforms as DisplayUniforms {
         width: u32,
         height: u32,
         /// Samples of every pixel.

@@ -128,27 +128,88 @@ fn append(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::gpu::display::DisplayUniforms;
+    use crate::wgsl::SharedStruct;
+    use naga::TypeInner;
     use std::collections::BTreeSet;
-    use std::path::Path;
+    use std::path::{Path, PathBuf};
 
-    #[test]
-    fn every_shader_file_is_listed() {
-        let listed: BTreeSet<String> = FILES.iter().map(|file| file.name.to_owned()).collect();
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-        let mut found = BTreeSet::from(["backend/gpu/display".to_owned()]);
-        let mut folders = vec![root.clone()];
+    /// Files of this crate and of the scene's with this extension, and their text.
+    fn sources(extension: &str) -> Vec<(PathBuf, String)> {
+        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let mut folders = vec![crates.join("pathmarch-render/src"), crates.join("pathmarch-scene/src")];
+        let mut files = Vec::new();
         while let Some(folder) = folders.pop() {
             for entry in std::fs::read_dir(folder).expect("is readable") {
                 let path = entry.expect("is readable").path();
                 if path.is_dir() {
                     folders.push(path);
-                } else if path.extension().is_some_and(|extension| extension == "wgsl") {
-                    let name = path.strip_prefix(&root).expect("is below").with_extension("");
-                    found.insert(name.to_str().expect("is Unicode").replace('\\', "/"));
+                } else if path.extension().is_some_and(|found| found == extension) {
+                    let text = std::fs::read_to_string(&path).expect("is text");
+                    files.push((path, text));
                 }
             }
         }
-        found.remove("backend/gpu/display");
+        files
+    }
+
+    /// Names of constants that source text declares.
+    fn constants(files: &[(PathBuf, String)]) -> BTreeSet<String> {
+        let lines = files.iter().flat_map(|(_, text)| text.lines());
+        let names = lines.filter_map(|line| {
+            let line = line.trim_start();
+            let line = line.strip_prefix("pub(crate) ").or(line.strip_prefix("pub(super) ")).unwrap_or(line);
+            line.strip_prefix("pub ").unwrap_or(line).strip_prefix("const ")?.split([':', ' ']).next()
+        });
+        names.filter(|name| name.len() > 1 && *name == name.to_uppercase()).map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn no_constant_is_written_in_both_languages() {
+        let (rust, wgsl) = (constants(&sources("rs")), constants(&sources("wgsl")));
+        assert!(rust.contains("MAX_STEPS") && rust.contains("NOISE") && wgsl.contains("NO_HIT"));
+        let both: Vec<_> = rust.intersection(&wgsl).collect();
+        assert!(both.is_empty(), "share these with `shared_constants!`: {both:?}");
+    }
+
+    /// Compares the layout of a structure in Rust with the one that naga gives its declaration.
+    fn check_layout<S: SharedStruct>() {
+        let code = declaration::<S>() + &format!("@group(0) @binding(0) var<storage> all: array<{}>;\n", S::NAME);
+        let module =
+            naga::front::wgsl::parse_str(&code).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&code)));
+        let members = module.types.iter().find_map(|(_, kind)| match &kind.inner {
+            TypeInner::Struct { members, span } if kind.name.as_deref() == Some(S::NAME) => Some((members, *span)),
+            _ => None,
+        });
+        let (members, span) = members.expect("the structure is declared");
+        let found: Vec<_> =
+            members.iter().map(|member| (member.name.clone().unwrap_or_default(), member.offset as usize)).collect();
+        let fields = S::fields().into_iter().filter(|field| field.name != "padding");
+        let expected: Vec<_> = fields.map(|field| (field.name.to_owned(), field.offset)).collect();
+        assert_eq!((found, span as usize), (expected, size_of::<S>()), "{}", S::NAME);
+    }
+
+    #[test]
+    fn structures_have_one_layout_in_both_languages() {
+        check_layout::<FrameUniforms>();
+        check_layout::<Slice>();
+        check_layout::<LeafRecord>();
+        check_layout::<MaterialRecord>();
+        check_layout::<encode::LightRecord>();
+        check_layout::<SuspendedPath>();
+        check_layout::<DisplayUniforms>();
+    }
+
+    #[test]
+    fn every_shader_file_is_listed() {
+        let listed: BTreeSet<String> = FILES.iter().map(|file| file.name.to_owned()).collect();
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../pathmarch-render/src");
+        let files = sources("wgsl").into_iter().filter_map(|(path, _)| {
+            let name = path.strip_prefix(&root).ok()?.with_extension("");
+            Some(name.to_str().expect("is Unicode").replace('\\', "/"))
+        });
+        // The display pass is a shader of its own.
+        let found: BTreeSet<String> = files.filter(|name| name != "backend/gpu/display").collect();
         assert_eq!(listed, found);
     }
 }

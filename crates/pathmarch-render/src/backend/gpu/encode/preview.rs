@@ -8,7 +8,6 @@ shared_constants! {
     pub(crate) const FIRST_LIGHT: u32 = 29;
 }
 
-
 /// Encodes the data of a preview.
 pub(super) fn encode(preview: &Preview) -> Vec<u32> {
     let mut words: Vec<u32> = preview.ambient.iter().flat_map(|factor| factor.to_array().map(f32::to_bits)).collect();
