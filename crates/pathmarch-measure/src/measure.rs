@@ -39,7 +39,7 @@ impl Watch {
 
 /// A backend with its adapter, as it is named in results.
 pub fn described(renderer: &Renderer) -> String {
-    format!("{} ({})", renderer.backend_name(), renderer.adapter_name())
+    format!("{} ({})", renderer.backend().name, renderer.backend().adapter)
 }
 
 /// Backends to measure: without a choice every usable adapter and the CPU; `adapter` is part of an adapter's name.
@@ -67,7 +67,7 @@ pub fn renderers(backend: Option<Backend>, adapter: Option<&str>) -> Result<Vec<
 }
 
 /// Begins a picture; settings out of range are a mistake of the user.
-pub fn start(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Result<Job, Failure> {
+pub fn start(renderer: &Renderer, scene: &Scene, settings: &Settings) -> Result<Job, Failure> {
     renderer.start(scene, settings).map_err(|error| match error {
         RenderError::Settings(message) => Failure::Usage(message),
         other => Failure::other(other),
@@ -149,7 +149,7 @@ pub struct Taken {
 
 /// Renders for so long.
 pub fn take(
-    renderer: &mut Renderer,
+    renderer: &Renderer,
     scene: &Scene,
     settings: &Settings,
     effort: Effort,
@@ -227,7 +227,7 @@ impl References {
         name: &str,
         scene: &Scene,
         settings: &Settings,
-        renderer: &mut Renderer,
+        renderer: &Renderer,
         watch: &Watch,
     ) -> Result<Reference, Failure> {
         let own = self.folder.join(format!("{name}.exr"));
@@ -264,8 +264,8 @@ impl References {
                 seed,
                 bounces: settings.bounces,
                 mode: settings.mode.name().to_owned(),
-                adapter: renderer.adapter_name(),
-                backend: renderer.backend_name(),
+                adapter: renderer.backend().adapter,
+                backend: renderer.backend().name,
                 version: env!("CARGO_PKG_VERSION").to_owned(),
             };
             let display = Display { tonemap: Tonemap::Srgb, exposure_stops: 0.0 };

@@ -103,7 +103,7 @@ fn errors_are_measured_against_references_that_are_kept() {
     let scene = Scene::parse("cornell.kdl", text).expect("a scene");
     let render_own = |size| {
         let settings = Settings { size, samples: 3, ..Settings::of(&scene) };
-        let mut renderer = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+        let renderer = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
         let film = renderer.render(&scene, &settings).expect("renders");
         let provenance = Provenance { samples: film.samples, ..Provenance::default() };
         let display = Display { tonemap: Tonemap::Srgb, exposure_stops: 0.0 };

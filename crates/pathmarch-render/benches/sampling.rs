@@ -47,7 +47,7 @@ fn main() {
             .into();
         scenes.push(root.join("tests/data/diffuse_sphere_plane_area.kdl"));
     }
-    let mut renderer = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+    let renderer = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
     println!("{:36}{:>8}{:>24}{:>24}", "", "", "relMSE of pixels", "relMSE of blurred");
     println!(
         "{:36}{:>8}{:>10}{:>8}{:>6}{:>10}{:>8}{:>6}",

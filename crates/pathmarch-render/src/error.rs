@@ -1,9 +1,10 @@
-//! Why a picture could not be rendered.
+//! Errors of rendering.
 
+use pathmarch_scene::SceneError;
 use thiserror::Error;
 
 /// A failure of a backend; the message says what, where and what to do.
-#[derive(Clone, Debug, Error)]
+#[derive(Debug, Error)]
 pub enum RenderError {
     /// There is no adapter to render on.
     #[error(
@@ -40,6 +41,9 @@ pub enum RenderError {
     /// A setting is out of range.
     #[error("{0}")]
     Settings(String),
+    /// The text of an animation is no scene at some moment.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
 }
 
 fn list(names: &[String]) -> String {

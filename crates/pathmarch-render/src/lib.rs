@@ -28,8 +28,7 @@ mod wgsl;
 
 pub use backend::gpu::{AdapterDescription, adapters};
 pub use error::RenderError;
-pub use job::motion::{MotionError, MovingJob, Shutter};
-pub use job::{Backend, Job, Renderer, ray_stats};
+pub use job::{Backend, BackendInfo, Job, Renderer, Shutter, kernel_wgsl, ray_stats};
 pub use mode::{Mode, relative_error};
 pub use output::{film, image, tonemap};
 pub use pathmarch_field;

@@ -4,6 +4,7 @@ use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
 use crate::backend::gpu::{self, GpuJob, KernelSource, WHOLE};
 use crate::error::RenderError;
+use crate::job::Renderer;
 use crate::output::film::Film;
 use crate::settings::Settings;
 use pathmarch_scene::Scene;
@@ -77,4 +78,13 @@ impl Device {
         let bindings = KernelSource::new(&picture.0, &self.0).bindings;
         [bindings.is_uniform(gpu::FRAME), bindings.is_uniform(gpu::LEAVES)]
     }
+}
+
+/// Renderer of [`Backend::Auto`](crate::Backend::Auto) that takes the preferred adapter for another kind of adapter, as
+/// [`Device::open_as`] does.
+///
+/// # Errors
+/// [`RenderError`] where there is none.
+pub fn auto_renderer_as(kind: &'static str) -> Result<Renderer, RenderError> {
+    Ok(Renderer::choosing(Device::open_as(kind)?.0))
 }

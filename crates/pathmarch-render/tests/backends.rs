@@ -5,24 +5,24 @@ use crate::common::{
 };
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
-use pathmarch_render::pathmarch_field::ShapeRef;
 use pathmarch_render::pathmarch_field::graph::Leaf;
 use pathmarch_render::pathmarch_field::registry::shapes;
+use pathmarch_render::pathmarch_field::{Field, ShapeRef};
 use pathmarch_render::pathmarch_scene::Scene;
-use pathmarch_render::{Backend, Renderer, Settings, adapters};
+use pathmarch_render::{Backend, Renderer, Settings, testing};
 use pathmarch_testing::{plain, tests};
 
-fn a_white_furnace_shows_the_albedo(renderer: &mut Renderer) {
+fn a_white_furnace_shows_the_albedo(renderer: &Renderer) {
     let scene = Scene::load(data("furnace_050.kdl")).expect("a valid scene");
     let settings = Settings { size: [64, 64], samples: 64, ..Settings::of(&scene) };
     let picture = render(renderer, &scene, &settings).mean();
     // The ball covers a disc of 23 pixels radius.
     let ball = mean(&picture, |x, y| (x as f32 - 31.5).hypot(y as f32 - 31.5) < 20.0);
-    println!("{}: {ball}", renderer.backend_name());
+    println!("{}: {ball}", renderer.backend().name);
     assert!((ball - 0.5).abs() < 0.0025, "{ball}");
 }
 
-fn a_point_light_falls_off_by_the_square_and_the_cosine(renderer: &mut Renderer) {
+fn a_point_light_falls_off_by_the_square_and_the_cosine(renderer: &Renderer) {
     // A floor of albedo 0.5 seen from above through a narrow lens; the light at height 2.
     for (offset, [x, y, z]) in [(0.0, [0.0, 2.0, 0.0]), (3.0, [3.0, 2.0, 0.0]), (1.0, [0.0, 4.0, 1.0])] {
         let scene = parse(&format!(
@@ -35,12 +35,12 @@ fn a_point_light_falls_off_by_the_square_and_the_cosine(renderer: &mut Renderer)
         let expected = 0.5 / std::f64::consts::PI * 10.0 * height / square.sqrt() / square;
         let settings = Settings { size: [8, 8], samples: 4, bounces: 0, ..Settings::of(&scene) };
         let shown = mean(&render(renderer, &scene, &settings).mean(), |_, _| true);
-        println!("{}: {shown} for {expected}", renderer.backend_name());
+        println!("{}: {shown} for {expected}", renderer.backend().name);
         assert!((shown / expected - 1.0).abs() < 1e-3, "{shown} for {expected}");
     }
 }
 
-fn the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide(renderer: &mut Renderer) {
+fn the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide(renderer: &Renderer) {
     for angle in [0.0, 0.53, 20.0] {
         let scene = parse(&format!(
             "pathmarch 1\ncamera {{ position 0 5 0; target 0 0 0; up 0 0 -1; fov 0.1 }}\n\
@@ -54,7 +54,7 @@ fn the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide(renderer
     }
 }
 
-fn a_sheet_emits_on_the_side_it_faces_only(renderer: &mut Renderer) {
+fn a_sheet_emits_on_the_side_it_faces_only(renderer: &Renderer) {
     let scene = |facing: &str| {
         parse(&format!(
             "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nmaterial \"lamp\" {{ emit 2 }}\n\
@@ -68,7 +68,7 @@ fn a_sheet_emits_on_the_side_it_faces_only(renderer: &mut Renderer) {
     }
 }
 
-fn samples_that_are_not_finite_are_left_out_of_their_pixels_mean(renderer: &mut Renderer) {
+fn samples_that_are_not_finite_are_left_out_of_their_pixels_mean(renderer: &Renderer) {
     // A lamp too bright for a film, before a part of the sky.
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 5; target 0 0 0; fov 40 }\nsky 0.5\nmaterial \"lamp\" { emit 1e35 }\n\
@@ -86,7 +86,7 @@ fn samples_that_are_not_finite_are_left_out_of_their_pixels_mean(renderer: &mut 
     }
 }
 
-fn ranges_of_samples_add_up_to_the_whole_and_seeds_differ(renderer: &mut Renderer) {
+fn ranges_of_samples_add_up_to_the_whole_and_seeds_differ(renderer: &Renderer) {
     let scene = Scene::load(data("diffuse_sphere_plane.kdl")).expect("a valid scene");
     let settings = Settings { size: [64, 36], samples: 24, ..Settings::of(&scene) };
     let whole = render(renderer, &scene, &settings);
@@ -127,7 +127,7 @@ fn every_scene_renders_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
-fn marched_shapes_look_as_those_met_in_closed_form(renderer: &mut Renderer) {
+fn marched_shapes_look_as_those_met_in_closed_form(renderer: &Renderer) {
     // A blend of one sphere and a small one within must be marched; the picture is that of the plain sphere.
     let text = |ball: &str| {
         format!(
@@ -140,7 +140,7 @@ fn marched_shapes_look_as_those_met_in_closed_form(renderer: &mut Renderer) {
     let settings = Settings { size: [160, 90], samples: 256, ..Settings::of(&direct) };
     let [a, b] = [&direct, &marched].map(|scene| render(renderer, scene, &settings).mean());
     let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
-    println!("{}: relMSE {:.2e}, FLIP {:.4}", renderer.backend_name(), result.relmse, result.flip);
+    println!("{}: relMSE {:.2e}, FLIP {:.4}", renderer.backend().name, result.relmse, result.flip);
     assert!(result.relmse < 1e-3);
 }
 
@@ -164,7 +164,7 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form(renderers: &mut
         for renderer in &mut *renderers {
             let [a, b] = [&alone, &marched].map(|scene| render(renderer, scene, &settings).mean());
             let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
-            println!("{name} on {}: by itself against marched relMSE {:.1e}", renderer.backend_name(), result.relmse);
+            println!("{name} on {}: by itself against marched relMSE {:.1e}", renderer.backend().name, result.relmse);
             assert!(result.relmse < 5e-4, "{name}: {:.1e}", result.relmse);
             pictures.push([a, b]);
         }
@@ -192,45 +192,59 @@ fn settings_out_of_range_are_refused_in_words() {
         Settings { camera: 1, ..good },
     ];
     for settings in bad {
-        let mut renderer = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+        let renderer = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
         assert!(renderer.start(&scene, &settings).is_err_and(|error| error.to_string().len() > 10), "{settings:?}");
     }
 }
 
-fn software_adapters_render_by_themselves_what_is_not_marched() {
-    let scene = |shape: &str| {
-        parse(&format!(
-            "pathmarch 1\ncamera {{ position 0 0 4; target 0 0 0 }}\nmaterial \"m\" {{ diffuse 0.5 }}\n\
-             object \"o\" material=\"m\" {{ {shape} }}\n"
-        ))
-    };
-    let backend_of = |scene: &Scene, backend| {
-        let mut renderer = Renderer::open(backend, None).expect("opens");
-        let settings = Settings { size: [8, 8], samples: 1, ..Settings::of(scene) };
-        drop(renderer.start(scene, &settings).expect("starts"));
-        (renderer.backend_name(), renderer.notice().map(str::to_owned))
-    };
-    let adapter = adapters().into_iter().find(|adapter| adapter.unusable.is_none()).expect("an adapter");
-    let (direct, marched) = (scene("sphere 1"), scene("torus 1 0.3"));
-    assert_eq!(backend_of(&direct, Backend::Auto), (adapter.backend.clone(), None));
-    assert_eq!(backend_of(&marched, Backend::Gpu), (adapter.backend.clone(), None), "as it was asked for");
-    let (backend, notice) = backend_of(&marched, Backend::Auto);
-    if adapter.kind == "software" {
-        assert_eq!(backend, "CPU");
-        assert!(notice.expect("says why").contains("software"));
-    } else {
-        assert_eq!((backend, notice), (adapter.backend, None));
-    }
+/// Scene of `count` balls; the GPU refuses more than 2,048 shapes that are code.
+fn balls(count: usize) -> Scene {
+    let mut text = String::from("pathmarch 1\ncamera { position 0 0 4; target 0 0 0 }\n");
+    (0..count).for_each(|k| text += &format!("object \"o{k}\" {{ sphere 0.01 {{ at 0 {} 0 }} }}\n", k as f32 * 1e-3));
+    let scene = parse(&text);
+    let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
+    Scene { field: Field::with_shape_grids_from(&roots, usize::MAX), ..scene }
+}
+
+fn a_refused_scene_leaves_the_backend_as_it_was() {
+    // A software adapter would be compared with the CPU instead.
+    let renderer = testing::auto_renderer_as("discrete GPU").expect("opens");
+    let settings = |scene: &Scene| Settings { size: [8, 8], samples: 1, ..Settings::of(scene) };
+    let backend_of = |scene: &Scene| renderer.start(scene, &settings(scene)).expect("starts").backend().clone();
+    let (small, large) = (balls(1), balls(2100));
+    let before = backend_of(&small);
+    let refused = backend_of(&large);
+    assert_ne!(before.name, "CPU");
+    assert_eq!(refused.name, "CPU");
+    assert!(refused.notice.is_some_and(|notice| notice.contains("2100 shapes")));
+    assert_eq!(backend_of(&small), before);
+}
+
+fn software_adapters_are_compared_with_the_cpu() {
+    let renderer = testing::auto_renderer_as("software").expect("opens");
+    let scene = parse("pathmarch 1\ncamera { position 0 0 4; target 0 0 0 }\nobject \"o\" { torus 1 0.3 }\n");
+    // Quick on the CPU, so that nothing is compiled.
+    let settings = Settings { size: [8, 8], samples: 1, ..Settings::of(&scene) };
+    let backend = renderer.start(&scene, &settings).expect("starts").backend().clone();
+    assert_eq!(backend.name, "CPU");
+    assert!(backend.notice.is_some_and(|notice| notice.contains("software")));
+    // Long enough to be measured; either may be quicker.
+    let settings = Settings { size: [640, 360], samples: 4096, ..settings };
+    let job = renderer.start(&scene, &settings).expect("starts");
+    assert_eq!(job.backend().name == "CPU", job.backend().notice.is_some(), "{:?}", job.backend());
+    // A GPU that is asked for is used.
+    let asked = Renderer::open(Backend::Gpu, None).expect("opens");
+    assert_ne!(asked.start(&scene, &settings).expect("starts").backend().name, "CPU");
 }
 
 /// The device's own time is there where the adapter has timestamps and somebody asks, and it grows with the samples.
-fn the_gpus_own_time_is_measured(renderer: &mut Renderer) {
+fn the_gpus_own_time_is_measured(renderer: &Renderer) {
     let scene = parse("pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject \"ball\" { sphere 1 }");
     let settings = Settings { size: [64, 36], samples: 8, ..Settings::of(&scene) };
     let mut job = renderer.start(&scene, &settings).expect("starts");
     assert_eq!(job.gpu_time().expect("works"), None, "nobody has asked");
     let measured = job.measure_gpu_time().expect("works");
-    assert!(!measured || renderer.backend_name() != "CPU");
+    assert!(!measured || renderer.backend().name != "CPU");
     let mut before = std::time::Duration::ZERO;
     for samples in [4, 8] {
         while job.samples_done() < f64::from(samples) {
@@ -257,5 +271,5 @@ tests! {
     ],
     on_one_and_both_backends slow: [every_shape_renders_alike_on_both_backends_and_in_closed_form],
     on_both_backends slow: [every_scene_renders_alike_on_both_backends],
-    with_gpu: [software_adapters_render_by_themselves_what_is_not_marched],
+    with_gpu: [a_refused_scene_leaves_the_backend_as_it_was, software_adapters_are_compared_with_the_cpu],
 }

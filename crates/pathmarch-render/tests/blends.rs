@@ -4,7 +4,7 @@ use crate::common::{on_each_backend, parse, render};
 use pathmarch_render::{Renderer, Settings};
 use pathmarch_testing::tests;
 
-fn mean(scene: &str, renderer: &mut Renderer, samples: u32) -> f64 {
+fn mean(scene: &str, renderer: &Renderer, samples: u32) -> f64 {
     let scene = parse(scene);
     let settings = Settings { size: [128, 72], samples, ..Settings::of(&scene) };
     let picture = render(renderer, &scene, &settings).mean();
@@ -13,7 +13,7 @@ fn mean(scene: &str, renderer: &mut Renderer, samples: u32) -> f64 {
 
 /// Two balls in one place blend half and half, and the blend is a ball that is larger by a quarter of `smooth`. It lights the
 /// floor as much as one that is met in closed form: a march that ends before its surface made it 0.6 % too bright.
-fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does(renderer: &mut Renderer) {
+fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does(renderer: &Renderer) {
     let scene = |ball: &str| {
         format!(
             "pathmarch 1\ncamera {{ position 0 1.5 5; target 0 0.7 0; fov 40 }}\nrender {{ bounces 4 }}\nsky 0.1\n\
@@ -30,7 +30,7 @@ fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does(renderer: &mut Ren
             let solids = [first, second].map(|name| format!("sphere 0.6 material=\"{name}\" {{ at 0 0.8 0 }}; "));
             let blend = scene(&format!("union smooth={smooth} {{ {} }}", solids.concat()));
             let excess = 100.0 * (mean(&blend, renderer, 256) / plain - 1.0);
-            println!("{}: {first} with {second}, smooth {smooth}: {excess:+.3} %", renderer.backend_name());
+            println!("{}: {first} with {second}, smooth {smooth}: {excess:+.3} %", renderer.backend().name);
             assert!(excess.abs() < 0.25, "{first} with {second}, smooth {smooth}: {excess:+.3} %");
         }
     }
@@ -38,7 +38,7 @@ fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does(renderer: &mut Ren
 
 /// Where all that surrounds a solid has the radiance 1, every blend of what emits 1, reflects all and transmits all has it, too.
 /// Balls in one place: no light is trapped in them by total internal reflection.
-fn every_blend_vanishes_in_a_furnace(renderer: &mut Renderer) {
+fn every_blend_vanishes_in_a_furnace(renderer: &Renderer) {
     let materials =
         [("lamp", "emit 1"), ("white", "diffuse 1"), ("glass", "glass 1; ior 1.5"), ("mirror", "metal 1; roughness 0")];
     let all = materials.map(|(name, kind)| format!("material \"{name}\" {{ {kind} }}\n")).concat();
@@ -49,7 +49,7 @@ fn every_blend_vanishes_in_a_furnace(renderer: &mut Renderer) {
                  object \"ball\" {{ union smooth=0.2 {{ sphere 0.8 material=\"{first}\"; sphere 0.8 material=\"{second}\" }} }}"
             );
             let mean = mean(&scene, renderer, 16);
-            println!("{}: {first} with {second}: {mean:.5}", renderer.backend_name());
+            println!("{}: {first} with {second}: {mean:.5}", renderer.backend().name);
             assert!((mean - 1.0).abs() < 0.002, "{first} with {second}: {mean}");
         }
     }

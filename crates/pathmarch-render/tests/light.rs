@@ -40,11 +40,11 @@ object "disc" material="warm" { disc 0.3 { rotate 120 0 0; at -0.4 1.5 -1 } }
 /// Mean and variance of the mean of every block's channels over pictures of different seeds.
 fn blocks(scene: &Scene, search: LightSearch, samples: u32) -> Vec<(f64, f64)> {
     const SEEDS: u32 = 12;
-    let mut renderer = cpu();
+    let renderer = cpu();
     let pictures: Vec<Picture> = (0..SEEDS)
         .map(|seed| {
             let settings = Settings { size: [96, 64], samples, seed, light_search: search, ..Settings::of(scene) };
-            block_means(&render(&mut renderer, scene, &settings).mean(), 16)
+            block_means(&render(&renderer, scene, &settings).mean(), 16)
         })
         .collect();
     let count = f64::from(SEEDS);
@@ -89,7 +89,7 @@ fn lights_sampled_met_and_both_make_the_same_picture() {
 
 /// What is refracted in and out again in a uniform surrounding is that surrounding: nothing is lost, nothing leaks, at any
 /// scale, whether the surface is met in closed form or marched.
-fn clear_glass_is_invisible_in_a_furnace_at_every_scale(renderer: &mut Renderer) {
+fn clear_glass_is_invisible_in_a_furnace_at_every_scale(renderer: &Renderer) {
     for scale in ["0.001", "1", "1000"] {
         for shape in
             ["sphere 1", "box 1.4", "torus 0.8 0.3", "rounded-box 1.2 1.2 1.2 0.2", "subtract { sphere 1; sphere 0.9 }"]
@@ -108,8 +108,8 @@ fn clear_glass_is_invisible_in_a_furnace_at_every_scale(renderer: &mut Renderer)
             let mean = mean_colour(&picture)[1];
             let darkest = picture.pixels.iter().map(|p| p[1]).fold(1.0, f32::min);
             // Light that creeps along the inside runs out of bounces, a little.
-            assert!((mean - 1.0).abs() < 4e-3, "{shape} at {scale} on {}: {mean}", renderer.backend_name());
-            assert!(darkest > 0.7, "{shape} at {scale} on {}: {darkest}", renderer.backend_name());
+            assert!((mean - 1.0).abs() < 4e-3, "{shape} at {scale} on {}: {mean}", renderer.backend().name);
+            assert!(darkest > 0.7, "{shape} at {scale} on {}: {darkest}", renderer.backend().name);
         }
     }
 }
@@ -166,7 +166,7 @@ fn no_scale_is_special() {
 }
 
 /// A far, small light out of focus is a disc of the diameter that the thin lens formula says.
-fn the_lens_blurs_by_its_formula(renderer: &mut Renderer) {
+fn the_lens_blurs_by_its_formula(renderer: &Renderer) {
     let (radius, focus, distance, fov) = (0.05f32, 2.0f32, 10.0f32, 20.0f32);
     let scene = parse(&format!(
         "pathmarch 1\ncamera {{ position 0 0 {distance}; target 0 0 0; fov {fov}; lens radius={radius} focus={focus} }}\n\
@@ -188,12 +188,12 @@ fn the_lens_blurs_by_its_formula(renderer: &mut Renderer) {
         weight += pixel[1];
     }
     let found = sum / weight;
-    println!("{}: mean square {found:.2} pixels, {expected:.2} by the formula", renderer.backend_name());
+    println!("{}: mean square {found:.2} pixels, {expected:.2} by the formula", renderer.backend().name);
     assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
 }
 
 /// Straight down through a slab of glass: two interfaces at right angles, and what the slab absorbs.
-fn fast_caustics_weigh_by_fresnel_and_absorption(renderer: &mut Renderer) {
+fn fast_caustics_weigh_by_fresnel_and_absorption(renderer: &Renderer) {
     let scene = |caustics: &str| {
         parse(&format!(
             "pathmarch 1\ncamera {{ position 0 0.5 0.01; target 0 0 0; fov 2 }}\nrender {{ bounces 0; caustics \"{caustics}\" }}\n\
@@ -215,7 +215,7 @@ fn fast_caustics_weigh_by_fresnel_and_absorption(renderer: &mut Renderer) {
 }
 
 /// With `fast`, light that shadow rays let through is not counted again by paths that meet it through glass.
-fn fast_caustics_count_no_light_twice(renderer: &mut Renderer) {
+fn fast_caustics_count_no_light_twice(renderer: &Renderer) {
     // A glass whose index is almost that of air bends nothing: both ways must agree.
     let scene = parse(
         "pathmarch 1\ncamera { position 0 1 5; target 0 0.5 0; fov 40 }\nrender { bounces 4; caustics \"fast\" }\n\
@@ -227,12 +227,12 @@ fn fast_caustics_count_no_light_twice(renderer: &mut Renderer) {
         let settings = Settings { size: [48, 32], samples: 512, caustics, ..Settings::of(&scene) };
         mean_colour(&render(renderer, &scene, &settings).mean())[1]
     });
-    println!("{}: fast {fast:.4}, traced {traced:.4}", renderer.backend_name());
+    println!("{}: fast {fast:.4}, traced {traced:.4}", renderer.backend().name);
     assert!((fast / traced - 1.0).abs() < 0.01, "{fast} {traced}");
 }
 
 /// What is not sampled as a light stays to be met, behind clear glass, too.
-fn fast_caustics_leave_what_is_not_sampled(renderer: &mut Renderer) {
+fn fast_caustics_leave_what_is_not_sampled(renderer: &Renderer) {
     let scene = |caustics: &str| {
         parse(&format!(
             "pathmarch 1\ncamera {{ position 0 1 4; target 0 0 0; fov 30 }}\nrender {{ bounces 6; caustics \"{caustics}\" }}\n\
@@ -250,7 +250,7 @@ fn fast_caustics_leave_what_is_not_sampled(renderer: &mut Renderer) {
 }
 
 /// A sun whose disc near misses stand for is not met as well.
-fn a_penumbra_counts_no_light_twice(renderer: &mut Renderer) {
+fn a_penumbra_counts_no_light_twice(renderer: &Renderer) {
     let scene = |penumbra: &str| {
         parse(&format!(
             "pathmarch 1\ncamera {{ position 0 1 3; target 0 0.5 0; fov 40 }}\nrender {{ bounces 2 }}\n\
@@ -266,7 +266,7 @@ fn a_penumbra_counts_no_light_twice(renderer: &mut Renderer) {
     assert!((soft / plain - 1.0).abs() < 0.02, "{soft} {plain}");
 }
 
-fn a_penumbra_softens_a_hard_shadow_and_leaves_the_rest(renderer: &mut Renderer) {
+fn a_penumbra_softens_a_hard_shadow_and_leaves_the_rest(renderer: &Renderer) {
     let scene = |penumbra: &str| {
         parse(&format!(
             "pathmarch 1\ncamera {{ position 0 4 0.01; target 0 0 0; fov 5 }}\nrender {{ bounces 0 }}\n\
@@ -283,12 +283,12 @@ fn a_penumbra_softens_a_hard_shadow_and_leaves_the_rest(renderer: &mut Renderer)
     // The slab is seen up to the middle of the picture and beyond; what lies behind its edge is floor.
     let row = |picture: &Picture| (33..60).map(|x| picture.pixels[4 * 64 + x][1]).collect::<Vec<_>>();
     let (hard, soft) = (row(&hard), row(&soft));
-    println!("{}: {soft:.2?}", renderer.backend_name());
+    println!("{}: {soft:.2?}", renderer.backend().name);
     assert!(soft.windows(2).all(|pair| pair[0] <= pair[1] + 0.02), "brighter and brighter: {soft:?}");
     assert!(soft[0] < 0.9 * hard[0] && (soft[26] / hard[26] - 1.0).abs() < 0.02, "{hard:?} {soft:?}");
 }
 
-fn the_camera_may_stand_in_what_absorbs(renderer: &mut Renderer) {
+fn the_camera_may_stand_in_what_absorbs(renderer: &Renderer) {
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 0; target 0 0 -1; fov 1 }\nrender { bounces 4 }\n\
          material \"water\" { glass 1; ior 1.33; absorb 0.5 0.1 0 }\nmaterial \"lamp\" { emit 1 }\n\
@@ -302,7 +302,7 @@ fn the_camera_may_stand_in_what_absorbs(renderer: &mut Renderer) {
 }
 
 /// Each object keeps its own surface, so that what lies in clear glass is seen, marched or not.
-fn what_lies_in_glass_is_seen(renderer: &mut Renderer) {
+fn what_lies_in_glass_is_seen(renderer: &Renderer) {
     for (glass, inner) in
         [("sphere 1", "sphere 0.4"), ("rounded-box 2 2 2 0.2", "torus 0.3 0.2"), ("box 2", "torus 0.3 0.2")]
     {
@@ -316,13 +316,13 @@ fn what_lies_in_glass_is_seen(renderer: &mut Renderer) {
         let at = |x: u32, y: u32| mean(&picture, |a, b| a == x && b == y);
         // The ring's hole is clear in its middle; the ball is not.
         let dark = (16..48).flat_map(|y| (16..48).map(move |x| (x, y))).filter(|&(x, y)| at(x, y) < 0.2).count();
-        assert!(dark > 60, "{inner} in {glass} on {}: {dark} dark pixels", renderer.backend_name());
+        assert!(dark > 60, "{inner} in {glass} on {}: {dark} dark pixels", renderer.backend().name);
         assert!(at(1, 1) > 0.99);
     }
 }
 
 /// A ray that leaves a marched surface does not start beyond what lies a millimetre off it.
-fn nothing_leaks_through_a_thin_gap(renderer: &mut Renderer) {
+fn nothing_leaks_through_a_thin_gap(renderer: &Renderer) {
     for floor in ["rect 400 400", "box 400 0.2 400 { at 0 -0.1 0 }", "rounded-box 400 0.2 400 0.05 { at 0 -0.1 0 }"] {
         let scene = parse(&format!(
             "pathmarch 1\ncamera {{ position 2.2 1.6 3.2; target -0.5 0.1 0; fov 16 }}\nrender {{ bounces 16 }}\n\
@@ -335,14 +335,14 @@ fn nothing_leaks_through_a_thin_gap(renderer: &mut Renderer) {
         let tint = |p: &[f32; 3]| (p[0] - p[1]).abs() / p[1].max(0.1);
         let tinted = picture.pixels.iter().map(tint).sum::<f32>() / picture.pixels.len() as f32;
         let darkest = block_means(&picture, 6).pixels.iter().map(|p| p[1]).fold(1.0, f32::min);
-        println!("{floor} on {}: tint {tinted:.4}, darkest block {darkest:.2}", renderer.backend_name());
+        println!("{floor} on {}: tint {tinted:.4}, darkest block {darkest:.2}", renderer.backend().name);
         // Two that are marched, closer than what is negligible at this size, are one: dark, but no leak.
         assert!(tinted < 0.01 && (darkest > 0.7 || floor.starts_with("rounded")), "{floor}: {tinted} {darkest}");
     }
 }
 
 /// A mirror shows the sun's disc as bright as it is.
-fn mirrors_show_the_sun(renderer: &mut Renderer) {
+fn mirrors_show_the_sun(renderer: &Renderer) {
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 4; target 0 0 0; fov 2 }\nrender { bounces 1 }\n\
          sun { direction 0 0 1; irradiance 2; angle 30 }\nmaterial \"m\" { metal 1; roughness 0 }\n\
@@ -354,7 +354,7 @@ fn mirrors_show_the_sun(renderer: &mut Renderer) {
     assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
 }
 
-fn a_limit_takes_fireflies_and_nothing_else(renderer: &mut Renderer) {
+fn a_limit_takes_fireflies_and_nothing_else(renderer: &Renderer) {
     let scene = parse(LIT_ROOM);
     let settings = Settings { size: [48, 32], samples: 64, ..Settings::of(&scene) };
     let free = render(renderer, &scene, &settings).mean();
@@ -368,7 +368,7 @@ fn a_limit_takes_fireflies_and_nothing_else(renderer: &mut Renderer) {
     assert!(relmse(&limited, &render(renderer, &scene, &direct).mean()).expect("two of a size") < 1e-9);
 }
 
-fn a_rough_fractal_is_no_brighter_than_what_lights_it(renderer: &mut Renderer) {
+fn a_rough_fractal_is_no_brighter_than_what_lights_it(renderer: &Renderer) {
     // Its normals look away from rays in places, where a material seen from below once gave pixels of thousands.
     let scene = parse(
         "pathmarch 1\ncamera { position 2.25 1.45 2.5; target 0 0 0; fov 42 }\nrender { bounces 4 }\nsky 1\n\
@@ -378,8 +378,8 @@ fn a_rough_fractal_is_no_brighter_than_what_lights_it(renderer: &mut Renderer) {
     let settings = Settings { size: [96, 64], samples: 64, ..Settings::of(&scene) };
     let picture = render(renderer, &scene, &settings).mean();
     let brightest = picture.pixels.iter().flatten().fold(0.0f32, |most, &channel| most.max(channel));
-    println!("{}: brightest pixel {brightest}", renderer.backend_name());
-    assert!(brightest < 4.0, "{}", renderer.backend_name());
+    println!("{}: brightest pixel {brightest}", renderer.backend().name);
+    assert!(brightest < 4.0, "{}", renderer.backend().name);
 }
 
 tests! {

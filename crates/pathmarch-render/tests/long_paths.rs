@@ -32,7 +32,7 @@ fn random_scenes_render_alike([cpu, gpu]: &mut [Renderer; 2]) {
     for seed in 0..count {
         let scene = parse(&random_scene(seed));
         let settings = Settings { size: [16, 16], samples: 16, ..Settings::of(&scene) };
-        let mean = |renderer: &mut Renderer| {
+        let mean = |renderer: &Renderer| {
             let picture = renderer.render(&scene, &settings)?.mean();
             let sum: f64 = picture.pixels.iter().flatten().map(|&value| f64::from(value)).sum();
             Ok::<_, RenderError>(sum / (3.0 * picture.pixels.len() as f64))

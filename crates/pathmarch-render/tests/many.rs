@@ -49,26 +49,26 @@ fn as_code(scene: &Scene) -> Scene {
     Scene { field: Field::with_shape_grids_from(&roots, usize::MAX), ..scene.clone() }
 }
 
-fn many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends(renderer: &mut Renderer) {
+fn many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends(renderer: &Renderer) {
     let scene = scene();
     assert_eq!((scene.field.shapes_as_code(), as_code(&scene).field.shapes_as_code()), (1, 271));
     let settings = Settings { size: [128, 72], samples: 64, ..Settings::of(&scene) };
     let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
     let reference = render(&mut cpu, &as_code(&scene), &settings).mean();
     let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("sizes agree");
-    println!("{}: relMSE {error:.6} to the same as code", renderer.backend_name());
-    assert!(error < 0.0005, "{}: {error}", renderer.backend_name());
+    println!("{}: relMSE {error:.6} to the same as code", renderer.backend().name);
+    assert!(error < 0.0005, "{}: {error}", renderer.backend().name);
 }
 
-fn previews_and_views_of_many_shapes_are_alike_on_both_backends(renderer: &mut Renderer) {
+fn previews_and_views_of_many_shapes_are_alike_on_both_backends(renderer: &Renderer) {
     let scene = scene();
     for mode in [Mode::Preview, Mode::Normal, Mode::Depth, Mode::Albedo] {
         let settings = Settings { size: [128, 72], samples: 4, mode, ..Settings::of(&scene) };
         let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
         let code = render(&mut cpu, &as_code(&scene), &settings).mean();
         let error = relmse(&render(renderer, &scene, &settings).mean(), &code).expect("sizes agree");
-        println!("{mode:?} {}: relMSE {error:.6} to the same as code", renderer.backend_name());
-        assert!(error < 0.005, "{mode:?} {}: {error}", renderer.backend_name());
+        println!("{mode:?} {}: relMSE {error:.6} to the same as code", renderer.backend().name);
+        assert!(error < 0.005, "{mode:?} {}: {error}", renderer.backend().name);
     }
 }
 

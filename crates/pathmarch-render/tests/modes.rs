@@ -49,7 +49,7 @@ fn every_mode_looks_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
 }
 
 fn previews_are_about_as_bright_as_pictures() {
-    let mut renderer = cpu();
+    let renderer = cpu();
     for path in scenes() {
         let scene = Scene::load(&path).expect("a valid scene");
         let [traced, preview] = [Mode::Path, Mode::Preview].map(|mode| {
@@ -57,7 +57,7 @@ fn previews_are_about_as_bright_as_pictures() {
             let settings = Settings { size: [96, 54], samples, mode, ..Settings::of(&scene) };
             let camera = &scene.cameras[0];
             let display = Display { tonemap: scene.render.tonemap, exposure_stops: camera.exposure };
-            let picture = render(&mut renderer, &scene, &settings).mean();
+            let picture = render(&renderer, &scene, &settings).mean();
             let codes = picture.pixels.iter().map(|pixel| f64::from(display.encode(*pixel).iter().sum::<f32>() / 3.0));
             codes.sum::<f64>() / picture.pixels.len() as f64
         });
@@ -66,7 +66,7 @@ fn previews_are_about_as_bright_as_pictures() {
     }
 }
 
-fn modes_without_noise_know_no_seed_and_their_ranges_add_up(renderer: &mut Renderer) {
+fn modes_without_noise_know_no_seed_and_their_ranges_add_up(renderer: &Renderer) {
     let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
     for mode in Mode::ALL.into_iter().filter(|mode| !mode.traces_paths()) {
         let settings = Settings { size: [64, 36], samples: 1, mode, ..Settings::of(&scene) };
@@ -94,7 +94,7 @@ fn ball(shape: &str) -> Scene {
 const DIRECT: &str = "sphere 1";
 const MARCHED: &str = "union smooth=1e-6 { sphere 1; sphere 0.001 }";
 
-fn views_show_a_ball_as_it_is(renderer: &mut Renderer) {
+fn views_show_a_ball_as_it_is(renderer: &Renderer) {
     for shape in [DIRECT, MARCHED] {
         let scene = ball(shape);
         let mut show = |mode, [x, y]: [u32; 2]| {
@@ -124,7 +124,7 @@ fn views_show_a_ball_as_it_is(renderer: &mut Renderer) {
     }
 }
 
-fn violations_show_where_a_field_lies(renderer: &mut Renderer) {
+fn violations_show_where_a_field_lies(renderer: &Renderer) {
     let scene = |lipschitz: f32| {
         parse(&format!(
             "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 40 }}\n\
@@ -145,7 +145,7 @@ fn violations_show_where_a_field_lies(renderer: &mut Renderer) {
     assert!(counts[0] == 0 && counts[1] > 500, "{counts:?}");
 }
 
-fn the_depth_of_a_plane_across_the_view_is_one_grey(renderer: &mut Renderer) {
+fn the_depth_of_a_plane_across_the_view_is_one_grey(renderer: &Renderer) {
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 3; target 0 0 0; fov 90 }\nsky 1\nobject \"wall\" { plane { normal 0 0 1 } }",
     );
@@ -157,7 +157,7 @@ fn the_depth_of_a_plane_across_the_view_is_one_grey(renderer: &mut Renderer) {
     }
 }
 
-fn every_object_and_material_has_its_colour(renderer: &mut Renderer) {
+fn every_object_and_material_has_its_colour(renderer: &Renderer) {
     let scene = Scene::load(data("../../../../scenes/material-grid.kdl")).expect("a valid scene");
     let settings = Settings { size: [192, 108], samples: 1, ..Settings::of(&scene) };
     let aovs = aov::render(&scene, &settings).expect("renders");
@@ -172,7 +172,7 @@ fn every_object_and_material_has_its_colour(renderer: &mut Renderer) {
     }
 }
 
-fn a_lamp_shows_on_the_side_that_shines(renderer: &mut Renderer) {
+fn a_lamp_shows_on_the_side_that_shines(renderer: &Renderer) {
     for (facing, expected) in [(1, [2.0, 0.5, 0.25]), (-1, [0.0; 3])] {
         let scene = parse(&format!(
             "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nmaterial \"lamp\" {{ emit 2 0.5 0.25 }}\n\
@@ -187,7 +187,7 @@ fn a_lamp_shows_on_the_side_that_shines(renderer: &mut Renderer) {
     }
 }
 
-fn a_preview_of_a_lit_floor_is_exact_where_it_can_be(renderer: &mut Renderer) {
+fn a_preview_of_a_lit_floor_is_exact_where_it_can_be(renderer: &Renderer) {
     // Under a point, a sun, a square lamp: nothing hides anything, and nothing is all around.
     let cases = [
         ("point { at 0 2 0; intensity 10 }", 10.0 / 4.0),
@@ -210,7 +210,7 @@ fn a_preview_of_a_lit_floor_is_exact_where_it_can_be(renderer: &mut Renderer) {
     }
 }
 
-fn a_white_furnace_looks_white_in_a_preview(renderer: &mut Renderer) {
+fn a_white_furnace_looks_white_in_a_preview(renderer: &Renderer) {
     // Under a constant sky a ball in the air shows its albedo, but for what occlusion guesses.
     let scene = Scene::load(data("furnace_050.kdl")).expect("a valid scene");
     let settings = Settings { size: [64, 64], samples: 1, mode: Mode::Preview, ..Settings::of(&scene) };
@@ -219,7 +219,7 @@ fn a_white_furnace_looks_white_in_a_preview(renderer: &mut Renderer) {
     assert!((ball - 0.5).abs() < 0.08, "{ball}");
 }
 
-fn uncertainty_falls_with_the_root_of_the_samples(renderer: &mut Renderer) {
+fn uncertainty_falls_with_the_root_of_the_samples(renderer: &Renderer) {
     let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
     let base = Settings { size: [48, 27], sampler: scene.render.sampler, mode: Mode::Variance, ..Settings::of(&scene) };
     let mut errors = [64, 1024].map(|samples| {
@@ -230,7 +230,7 @@ fn uncertainty_falls_with_the_root_of_the_samples(renderer: &mut Renderer) {
         errors
     });
     let [few, many] = errors.each_mut().map(|errors| errors[errors.len() * 3 / 4]);
-    println!("{}: {few:.4} at 64 samples, {many:.4} at 1024", renderer.backend_name());
+    println!("{}: {few:.4} at 64 samples, {many:.4} at 1024", renderer.backend().name);
     assert!((few / many / 4.0 - 1.0).abs() < 0.1, "{few} {many}");
 }
 
@@ -247,7 +247,7 @@ fn the_mean_of_variance_is_that_of_the_picture() {
     }
 }
 
-fn later_samples_smooth_the_edges(renderer: &mut Renderer) {
+fn later_samples_smooth_the_edges(renderer: &Renderer) {
     let scene = ball(MARCHED);
     let settings = Settings { size: [81, 61], samples: 16, mode: Mode::Albedo, ..Settings::of(&scene) };
     let one = render(renderer, &scene, &Settings { samples: 1, ..settings.clone() }).mean();

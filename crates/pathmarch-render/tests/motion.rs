@@ -3,8 +3,9 @@
 use crate::common::{cpu, on_each_backend, worst_block};
 use pathmarch_render::film::Film;
 use pathmarch_render::pathmarch_scene::{Animation, Moment};
-use pathmarch_render::{MovingJob, Renderer, Settings, Shutter};
+use pathmarch_render::{Renderer, Settings, Shutter};
 use pathmarch_testing::{plain, tests};
+use std::sync::{Arc, Mutex};
 
 /// A lit ball that crosses half of the picture in a second, over a ground that stays.
 const SCENE: &str = "pathmarch 1
@@ -26,23 +27,24 @@ fn settings(samples: u32, first_sample: u32, seed: u32) -> Settings {
     Settings { samples, first_sample, seed, ..Settings::of(&scene) }
 }
 
-fn blurred(renderer: &mut Renderer, settings: &Settings, shutter: Shutter) -> Film {
-    let (mut animation, mut job) = (animation(), MovingJob::new(settings, shutter));
-    while job.samples_done() < f64::from(settings.samples) {
-        job.advance(renderer, &mut animation).expect("renders");
-    }
+fn blurred(renderer: &Renderer, settings: &Settings, shutter: Shutter) -> Film {
+    let mut animation = animation();
+    let scene = animation.at(shutter.opens).expect("a scene");
+    let animation = Arc::new(Mutex::new(animation));
+    let mut job = renderer.start_exposure(&animation, &scene, settings, shutter).expect("starts");
+    job.run(|_| false, |_| {}).expect("renders");
     let film = job.film().expect("a film");
     assert_eq!((film.samples, film.non_finite()), (settings.samples, 0));
     film
 }
 
-fn still(renderer: &mut Renderer, seconds: f64, settings: &Settings) -> Film {
+fn still(renderer: &Renderer, seconds: f64, settings: &Settings) -> Film {
     let scene = animation().at(Moment { seconds, frame: 0 }).expect("a scene");
     renderer.render(&scene, settings).expect("renders")
 }
 
-fn blur_is_the_mean_over_the_time(renderer: &mut Renderer) {
-    let name = renderer.backend_name();
+fn blur_is_the_mean_over_the_time(renderer: &Renderer) {
+    let name = renderer.backend().name;
     // Sixty-four still pictures, each by few samples of its own.
     let mut mean = Film::new(64, 36);
     for k in 0..64 {
@@ -65,24 +67,21 @@ fn blur_is_the_mean_over_the_time(renderer: &mut Renderer) {
     assert!(frozen < 1e-3, "{name}: {frozen}");
 }
 
-fn ranges_of_samples_add_up(renderer: &mut Renderer) {
+fn ranges_of_samples_add_up(renderer: &Renderer) {
     let whole = blurred(renderer, &settings(24, 0, 5), OPEN);
     let mut parts = blurred(renderer, &settings(10, 0, 5), OPEN);
     parts.add(&blurred(renderer, &settings(14, 10, 5), OPEN)).expect("one size");
     let error = worst_block(&parts.mean(), &whole.mean(), 1);
-    assert!(error < 1e-4, "{}: {error}", renderer.backend_name());
+    assert!(error < 1e-4, "{}: {error}", renderer.backend().name);
 }
 
 fn mistakes_of_a_moment_are_told() {
     let mut animation = Animation::new("motion.kdl", SCENE.replace("sphere 0.5", "sphere \"0.9 - t\""));
-    let mut renderer = cpu();
-    let mut job = MovingJob::new(&settings(64, 0, 0), OPEN);
-    let error = loop {
-        match job.advance(&mut renderer, &mut animation) {
-            Ok(()) => assert!(job.samples_done() < 64.0, "the radius becomes negative"),
-            Err(error) => break error,
-        }
-    };
+    let scene = animation.at(OPEN.opens).expect("a scene");
+    let animation = Arc::new(Mutex::new(animation));
+    let mut job = cpu().start_exposure(&animation, &scene, &settings(64, 0, 0), OPEN).expect("starts");
+    let error = job.run(|_| false, |_| {}).expect_err("the radius becomes negative");
+    assert!(job.samples_done() < 64.0);
     assert!(error.to_string().contains("motion.kdl has 1 mistake"), "{error}");
 }
 

@@ -185,7 +185,7 @@ fn fields_render_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
 }
 
 /// A value that is nowhere or hardly finite, and loops that never end: the picture is made, and soon.
-fn hostile_fields_are_rendered(renderer: &mut Renderer) {
+fn hostile_fields_are_rendered(renderer: &Renderer) {
     for text in [
         "fn distance(p: vec3f) -> f32 { return p.x / (p.y - p.y); }",
         "fn distance(p: vec3f) -> f32 { return sqrt(p.x) - 0.5; }",
@@ -208,7 +208,7 @@ fn hostile_fields_are_rendered(renderer: &mut Renderer) {
             let film = renderer.render(&scene, &settings).expect("renders");
             let finite = film.mean().pixels.iter().flatten().all(|v| v.is_finite());
             let seconds = start.elapsed().as_secs_f32();
-            println!("{}: {seconds:.2} s, {} not finite: {text:.80}", renderer.backend_name(), film.non_finite());
+            println!("{}: {seconds:.2} s, {} not finite: {text:.80}", renderer.backend().name, film.non_finite());
             assert!(finite && film.non_finite() == 0, "{text}");
             assert!(seconds < 30.0, "{text}");
         }
@@ -216,7 +216,7 @@ fn hostile_fields_are_rendered(renderer: &mut Renderer) {
 }
 
 /// The examples of the documentation, one of which is a scene of the gallery to the letter.
-fn the_examples_of_the_documentation_are_rendered(renderer: &mut Renderer) {
+fn the_examples_of_the_documentation_are_rendered(renderer: &Renderer) {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let docs = std::fs::read_to_string(root.join("docs/own-fields.md")).expect("the page");
     let blocks: Vec<&str> =
@@ -228,7 +228,7 @@ fn the_examples_of_the_documentation_are_rendered(renderer: &mut Renderer) {
         let settings = Settings { size: [96, 54], samples: 4, bounces: 2, ..Settings::of(&scene) };
         let picture = render(renderer, &scene, &settings).mean();
         let brightness = picture.mean_colour()[1];
-        assert!(brightness > 0.01, "{}: {brightness}", renderer.backend_name());
+        assert!(brightness > 0.01, "{}: {brightness}", renderer.backend().name);
     }
 }
 

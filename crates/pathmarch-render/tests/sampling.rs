@@ -8,7 +8,7 @@ use pathmarch_render::{Renderer, Settings};
 use pathmarch_testing::{plain, tests};
 
 /// The picture of a scene with a lamp.
-fn picture(renderer: &mut Renderer, sampler: Sampler, samples: u32, seed: u32) -> Picture {
+fn picture(renderer: &Renderer, sampler: Sampler, samples: u32, seed: u32) -> Picture {
     let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
     let settings = Settings { size: [96, 54], samples, seed, sampler, ..Settings::of(&scene) };
     renderer.render(&scene, &settings).expect("renders").mean()

@@ -24,7 +24,7 @@ object "ring" material="red" { torus 0.3 0.08 { at 0 1.3 -0.6; rotate 70 0 0 } }
 object "lamp" material="lamp" { sphere 0.15 { at 0.7 1.7 0 } }
 "#;
 
-fn paths_that_share_a_ray_make_the_same_picture(renderer: &mut Renderer) {
+fn paths_that_share_a_ray_make_the_same_picture(renderer: &Renderer) {
     let scene = parse(ROOM);
     let mut picture = |splitting, seed| {
         let settings =
@@ -40,7 +40,7 @@ fn paths_that_share_a_ray_make_the_same_picture(renderer: &mut Renderer) {
     }
 }
 
-fn ranges_of_samples_add_up_whatever_shares_a_ray(renderer: &mut Renderer) {
+fn ranges_of_samples_add_up_whatever_shares_a_ray(renderer: &Renderer) {
     let scene = parse(ROOM);
     let settings = Settings { size: [32, 20], samples: 23, splitting: Some(4), ..Settings::of(&scene) };
     let whole = render(renderer, &scene, &settings);
@@ -53,7 +53,7 @@ fn ranges_of_samples_add_up_whatever_shares_a_ray(renderer: &mut Renderer) {
     }
 }
 
-fn a_picture_that_is_stopped_has_as_many_samples_everywhere(renderer: &mut Renderer) {
+fn a_picture_that_is_stopped_has_as_many_samples_everywhere(renderer: &Renderer) {
     let scene = parse(ROOM);
     // Far more than are waited for, so that the last samples are begun and not finished.
     let settings = Settings { size: [320, 200], samples: 4096, splitting: Some(8), ..Settings::of(&scene) };

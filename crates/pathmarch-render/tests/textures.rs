@@ -116,7 +116,7 @@ fn pictures_are_shown_alike_and_upright(renderers: &mut [Renderer]) {
     }
 }
 
-fn a_relief_makes_no_light_and_loses_little(renderer: &mut Renderer) {
+fn a_relief_makes_no_light_and_loses_little(renderer: &Renderer) {
     for (material, least) in [("diffuse 1", 0.93), ("metal 1; roughness 0", 0.93), ("principled 1; roughness 0.3", 0.9)]
     {
         let scene = parse(&format!(

@@ -21,10 +21,10 @@ fn own_peak() -> Option<f64> {
 /// Renders one sample and prints the peak: what the process of its own does.
 pub fn report(arguments: &Arguments, watch: &Watch) -> Result<u8, Failure> {
     let backend = arguments.backend.map(Into::into);
-    for mut renderer in measure::renderers(backend, arguments.adapter.as_deref())? {
+    for renderer in measure::renderers(backend, arguments.adapter.as_deref())? {
         for chosen in scenes::chosen(&arguments.scenes)? {
             let settings = arguments.settings(&chosen.scene, 1);
-            let mut job = measure::start(&mut renderer, &chosen.scene, &Settings { samples: 1, ..settings })?;
+            let mut job = measure::start(&renderer, &chosen.scene, &Settings { samples: 1, ..settings })?;
             measure::until(&mut job, 1, watch)?;
             job.film().map_err(Failure::other)?;
         }
@@ -44,10 +44,10 @@ pub fn of_scene(arguments: &Arguments, scene: &Path, renderer: &Renderer) -> Opt
     let mut command = Command::new(std::env::current_exe().ok()?);
     command.args(["bench", "--peak-memory", "--size", &format!("{width}x{height}")]);
     command.args(["--bounces", &arguments.bounces.to_string()]);
-    if renderer.backend_name() == "CPU" {
+    if renderer.backend().name == "CPU" {
         command.args(["--backend", "cpu"]);
     } else {
-        command.args(["--backend", "gpu", "--adapter", &renderer.adapter_name()]);
+        command.args(["--backend", "gpu", "--adapter", &renderer.backend().adapter]);
     }
     let output = command.arg("--").arg(scene).stderr(Stdio::null()).output().ok()?;
     String::from_utf8(output.stdout).ok()?.trim().parse().ok()

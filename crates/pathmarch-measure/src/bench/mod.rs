@@ -152,13 +152,13 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     }
     let references = arguments.kept_references()?;
     let all = scenes::chosen(&arguments.scenes)?;
-    let mut renderers = measure::renderers(arguments.backend.map(Into::into), arguments.adapter.as_deref())?;
+    let renderers = measure::renderers(arguments.backend.map(Into::into), arguments.adapter.as_deref())?;
     let mut results = arguments.results();
     results.print_head();
     let mut interrupted = false;
     for (index, chosen) in all.iter().enumerate() {
         let stage = Stage { arguments, chosen, watch: &watch, place: format!("{}/{}", index + 1, all.len()) };
-        match stage.measure(&mut renderers, references.as_ref()) {
+        match stage.measure(&renderers, references.as_ref()) {
             Ok(entries) => {
                 entries.iter().for_each(Entry::print);
                 results.entries.extend(entries);
@@ -210,7 +210,7 @@ impl Stage<'_> {
     }
 
     /// The figures of every backend that can render the scene.
-    fn measure(&self, renderers: &mut [Renderer], references: Option<&References>) -> Result<Vec<Entry>, Failure> {
+    fn measure(&self, renderers: &[Renderer], references: Option<&References>) -> Result<Vec<Entry>, Failure> {
         let Self { arguments, chosen: Chosen { scene, .. }, watch, .. } = *self;
         watch.check()?;
         self.say("counting rays");
@@ -227,7 +227,7 @@ impl Stage<'_> {
         let (mut able, mut jobs) = (Vec::new(), Vec::new());
         for renderer in renderers {
             watch.check()?;
-            if renderer.backend_name() == "CPU" && cpu_seconds > arguments.limit {
+            if renderer.backend().name == "CPU" && cpu_seconds > arguments.limit {
                 let told = format!("a sample takes about {cpu_seconds:.0} s, above --limit");
                 self.say(&format!("not on {}: {told}; choose a smaller --size", measure::described(renderer)));
                 continue;
@@ -277,7 +277,7 @@ impl Stage<'_> {
             entry.peak_mib = memory::of_scene(arguments, &self.chosen.argument, renderer);
         }
         if let Some(references) = references {
-            self.measure_errors(&mut able, &mut entries, references)?;
+            self.measure_errors(&able, &mut entries, references)?;
         }
         Ok(entries)
     }
@@ -285,7 +285,7 @@ impl Stage<'_> {
     /// The errors of every backend, against the reference that the fastest renders.
     fn measure_errors(
         &self,
-        renderers: &mut [&mut Renderer],
+        renderers: &[&Renderer],
         entries: &mut [Entry],
         references: &References,
     ) -> Result<(), Failure> {
@@ -296,7 +296,7 @@ impl Stage<'_> {
         let (Some(fastest), Some(seconds)) = (fastest, arguments.error) else { return Ok(()) };
         self.say("reference");
         let reference = references.get(name, scene, &settings, renderers[fastest], watch)?;
-        for (renderer, entry) in renderers.iter_mut().zip(entries) {
+        for (renderer, entry) in renderers.iter().zip(entries) {
             self.say(&format!("error after {seconds} s"));
             let taken = measure::take(renderer, scene, &settings, Effort::Seconds(seconds), watch)?;
             let error = reference.error_of(&taken.picture)?;

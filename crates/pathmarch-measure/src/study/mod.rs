@@ -223,7 +223,7 @@ impl Study<'_> {
 
     /// Short names of the backends, all different.
     fn backends(&self) -> Vec<String> {
-        let names: Vec<_> = self.renderers.iter().map(Renderer::backend_name).collect();
+        let names: Vec<_> = self.renderers.iter().map(|renderer| renderer.backend().name).collect();
         let is_alone = |name: &String| names.iter().filter(|other| *other == name).count() == 1;
         let both = names.iter().zip(&self.renderers);
         both.map(|(name, renderer)| if is_alone(name) { name.clone() } else { measure::described(renderer) }).collect()

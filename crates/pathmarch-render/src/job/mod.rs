@@ -1,24 +1,29 @@
-//! Choosing a backend, and rendering a scene with it.
+//! Jobs: pictures being rendered, still or with motion blur, each on the backend that suits it.
 
-pub(crate) mod motion;
+mod backend_choice;
+mod motion;
 pub(crate) mod tracer;
 
 use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
-use crate::backend::gpu::{self, GpuContext, GpuJob};
+use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
 use crate::error::RenderError;
+use crate::mode::Mode;
 use crate::output::film::Film;
 use crate::ray_stats::{RayCounters, RayStats};
 use crate::settings::Settings;
-use pathmarch_scene::Scene;
-use std::sync::Arc;
+use backend_choice::Choice;
+use motion::MotionBlur;
+pub use motion::Shutter;
+use pathmarch_scene::{Animation, Scene};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tracer::Tracer;
 
-/// Which kind of backend to render with.
+/// Kind of backend to render with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
-    /// The GPU where one works, else the CPU; the renderer says which, and why.
+    /// For each picture the GPU where one works, else the CPU. On a software adapter the quicker of both, by measurement.
     Auto,
     /// The GPU, or an error.
     Gpu,
@@ -26,10 +31,34 @@ pub enum Backend {
     Cpu,
 }
 
-/// A backend, ready to render scenes.
+/// Backend and adapter of a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BackendInfo {
+    /// Graphics API, "Vulkan", "Metal", …, or "CPU".
+    pub name: String,
+    /// Name of the adapter, or number of threads.
+    pub adapter: String,
+    /// Reason why this is not the backend that one would expect, in one sentence.
+    pub notice: Option<String>,
+}
+
+impl BackendInfo {
+    fn cpu(notice: Option<String>) -> Self {
+        Self { name: "CPU".to_owned(), adapter: format!("{} threads", rayon::current_num_threads()), notice }
+    }
+
+    fn gpu(gpu: &GpuContext) -> Self {
+        let description = &gpu.description;
+        Self { name: description.backend.clone(), adapter: description.name.clone(), notice: None }
+    }
+}
+
+/// Opened backends, ready to render scenes. Clones share them.
+#[derive(Clone)]
 pub struct Renderer {
     gpu: Option<Arc<GpuContext>>,
     may_fall_back: bool,
+    /// Reason why no GPU is open although one was asked for.
     notice: Option<String>,
 }
 
@@ -43,9 +72,7 @@ impl Renderer {
             return Ok(Self { gpu: None, may_fall_back: false, notice: None });
         }
         match GpuContext::open(adapter) {
-            Ok(device) => {
-                Ok(Self { gpu: Some(Arc::new(device)), may_fall_back: backend == Backend::Auto, notice: None })
-            }
+            Ok(gpu) => Ok(Self { gpu: Some(Arc::new(gpu)), may_fall_back: backend == Backend::Auto, notice: None }),
             Err(error) if backend == Backend::Auto && adapter.is_none() => {
                 let reason = match error {
                     RenderError::NoAdapter { reason } => format!("no usable GPU adapter: {reason}"),
@@ -57,139 +84,210 @@ impl Renderer {
         }
     }
 
-    /// Why this is not the backend one would expect, in one sentence.
-    pub fn notice(&self) -> Option<&str> {
-        self.notice.as_deref()
+    /// Renderer that chooses between this device and the CPU.
+    pub(crate) fn choosing(gpu: Arc<GpuContext>) -> Self {
+        Self { gpu: Some(gpu), may_fall_back: true, notice: None }
     }
 
-    /// The name of the backend: "Vulkan", "Metal", …, or "CPU".
-    pub fn backend_name(&self) -> String {
-        self.gpu.as_ref().map_or_else(|| "CPU".to_owned(), |device| device.description.backend.clone())
+    /// Backend that was opened. With [`Backend::Auto`] a job may use the CPU nevertheless, see [`Job::backend`].
+    pub fn backend(&self) -> BackendInfo {
+        match &self.gpu {
+            Some(gpu) => BackendInfo::gpu(gpu),
+            None => BackendInfo::cpu(self.notice.clone()),
+        }
     }
 
-    /// The name of the adapter, or the number of cores.
-    pub fn adapter_name(&self) -> String {
-        self.gpu
-            .as_ref()
-            .map_or_else(|| format!("{} threads", rayon::current_num_threads()), |d| d.description.name.clone())
-    }
-
-    /// Begins a picture. With [`Backend::Auto`], a scene or size that the GPU cannot hold makes this a CPU renderer, as does one
-    /// that is marched where the GPU is software; [`notice`](Self::notice) says so.
+    /// Starts a picture of one moment. With [`Backend::Auto`], the CPU renders a scene or size that the GPU refuses.
     ///
     /// # Errors
     /// [`RenderError`] where settings are out of range or the GPU refuses.
-    pub fn start(&mut self, scene: &Scene, settings: &Settings) -> Result<Job, RenderError> {
+    pub fn start(&self, scene: &Scene, settings: &Settings) -> Result<Job, RenderError> {
+        let (tracer, backend) = self.trace(scene, settings)?;
+        Ok(Job { work: Work::Still(tracer), settings: settings.clone(), backend })
+    }
+
+    /// Starts a picture over the time that the shutter is open. `scene` is the animation at the moment at which it opens. Scenes
+    /// that do not move and modes that trace no paths show that moment alone.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_exposure(
+        &self,
+        animation: &Arc<Mutex<Animation>>,
+        scene: &Scene,
+        settings: &Settings,
+        shutter: Shutter,
+    ) -> Result<Job, RenderError> {
+        if !(shutter.seconds > 0.0 && scene.animated && settings.mode == Mode::Path) {
+            return self.start(scene, settings);
+        }
         settings.check(scene)?;
-        let mut input = RenderInput::new(scene, settings);
-        let marches_in_software =
-            input.scene.is_sphere_traced() && self.gpu.as_ref().is_some_and(|device| device.is_software());
-        if marches_in_software && self.may_fall_back {
-            self.notice =
-                Some("the only GPU adapter is software, which marches slower than the CPU backend".to_owned());
-            self.gpu = None;
-        }
-        // Paths that share a ray cannot be resumed where an adapter ends their loops, see gpu/loop_limit.rs.
-        let limited = self.gpu.as_ref().is_some_and(|device| device.is_software()) && input.scene.field.has_loops();
-        if settings.splitting.is_none() && !limited {
-            input.choose_splitting(settings.samples, self.gpu.is_some());
-        }
-        if let Some(device) = &self.gpu {
-            match GpuJob::new(device.clone(), &input, settings.first_sample, gpu::WHOLE) {
-                Ok(job) => return Ok(Job { tracer: Tracer::Gpu(Box::new(job)), settings: settings.clone() }),
-                Err(error) if self.may_fall_back => {
-                    self.notice = Some(error.to_string());
-                    self.gpu = None;
-                }
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(Job { tracer: Tracer::Cpu(Box::new(CpuJob::new(input, settings.first_sample))), settings: settings.clone() })
+        let motion = MotionBlur::new(self.clone(), animation.clone(), settings, shutter);
+        Ok(Job { work: Work::Moving(Box::new(motion)), settings: settings.clone(), backend: self.backend() })
     }
 
     /// Renders a whole picture.
     ///
     /// # Errors
     /// As [`start`](Self::start), and where the device fails on the way.
-    pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Film, RenderError> {
+    pub fn render(&self, scene: &Scene, settings: &Settings) -> Result<Film, RenderError> {
         let mut job = self.start(scene, settings)?;
         while job.samples_done() < f64::from(settings.samples) {
             job.advance(settings.samples)?;
         }
         job.film()
     }
+
+    /// Tracer of a picture, on the backend that suits it.
+    fn trace(&self, scene: &Scene, settings: &Settings) -> Result<(Tracer, BackendInfo), RenderError> {
+        settings.check(scene)?;
+        let mut input = RenderInput::new(scene, settings);
+        let mut notice = self.notice.clone();
+        if let Some(gpu) = &self.gpu {
+            let choice = match self.may_fall_back && gpu.is_software() {
+                true => backend_choice::measure(scene, settings, &input, gpu),
+                false => Choice::Gpu,
+            };
+            match choice {
+                Choice::Gpu => match on_gpu(&mut input, settings, gpu) {
+                    Ok(job) => return Ok((Tracer::Gpu(Box::new(job)), BackendInfo::gpu(gpu))),
+                    Err(error) if self.may_fall_back => notice = Some(error.to_string()),
+                    Err(error) => return Err(error),
+                },
+                Choice::Cpu { reason } => notice = Some(reason),
+            }
+        }
+        if settings.splitting.is_none() {
+            input.choose_splitting(settings.samples, false);
+        }
+        let job = CpuJob::new(input, settings.first_sample);
+        Ok((Tracer::Cpu(Box::new(job)), BackendInfo::cpu(notice)))
+    }
 }
 
-/// A picture being rendered.
+fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -> Result<GpuJob, RenderError> {
+    // Paths that share a ray cannot be resumed where an adapter ends their loops, see backend/gpu/loop_limit.rs.
+    let limited = gpu.is_software() && input.scene.field.has_loops();
+    if settings.splitting.is_none() && !limited {
+        input.choose_splitting(settings.samples, true);
+    }
+    GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::WHOLE)
+}
+
+/// Picture being rendered.
 pub struct Job {
-    tracer: Tracer,
+    work: Work,
     settings: Settings,
+    backend: BackendInfo,
+}
+
+enum Work {
+    Still(Tracer),
+    Moving(Box<MotionBlur>),
 }
 
 impl Job {
+    /// Backend that renders it. A picture with motion blur may change its backend with the scene; this is the last one.
+    pub fn backend(&self) -> &BackendInfo {
+        match &self.work {
+            Work::Still(_) => &self.backend,
+            Work::Moving(motion) => motion.backend().unwrap_or(&self.backend),
+        }
+    }
+
     /// Does a slice of the work: a few hundredths of a second on a GPU, one sample of every pixel on the CPU. Stops at
-    /// `samples` samples, at most those asked for.
+    /// `samples` samples, at most those of the settings.
     ///
     /// # Errors
-    /// [`RenderError::Device`] where the GPU fails.
+    /// [`RenderError::Device`] where the GPU fails, and [`RenderError::Scene`] where the animation is no scene at the moment of
+    /// a sample.
     pub fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
-        self.tracer.advance(samples.min(self.settings.samples))
+        match &mut self.work {
+            Work::Still(tracer) => tracer.advance(samples.min(self.settings.samples)),
+            Work::Moving(motion) => motion.advance(),
+        }
     }
 
-    /// Samples of every pixel that are done or on their way, with a fraction for one that is begun.
-    pub fn samples_done(&self) -> f64 {
-        self.tracer.samples_done()
-    }
-
-    /// The picture so far; finishes a sample that is begun.
+    /// Renders until the picture has all its samples or `stop` returns true, and calls `progress` after each slice. Both
+    /// take the number of samples that are done.
     ///
     /// # Errors
-    /// [`RenderError::Device`] where the GPU fails.
-    pub fn film(&mut self) -> Result<Film, RenderError> {
-        self.tracer.film()
+    /// As [`advance`](Self::advance).
+    pub fn run(&mut self, stop: impl Fn(f64) -> bool, mut progress: impl FnMut(f64)) -> Result<(), RenderError> {
+        while self.samples_done() < f64::from(self.settings.samples) && !stop(self.samples_done()) {
+            self.advance(self.settings.samples)?;
+            progress(self.samples_done());
+        }
+        Ok(())
     }
 
-    /// Waits for work that is on its way.
+    /// Samples of every pixel that are done or submitted, with a fraction for one that is begun.
+    pub fn samples_done(&self) -> f64 {
+        match &self.work {
+            Work::Still(tracer) => tracer.samples_done(),
+            Work::Moving(motion) => motion.samples_done(),
+        }
+    }
+
+    /// The picture so far; finishes samples that are begun.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn film(&mut self) -> Result<Film, RenderError> {
+        match &mut self.work {
+            Work::Still(tracer) => tracer.film(),
+            Work::Moving(motion) => motion.film(),
+        }
+    }
+
+    fn gpu_job(&mut self) -> Option<&mut GpuJob> {
+        match &mut self.work {
+            Work::Still(Tracer::Gpu(job)) => Some(job),
+            _ => None,
+        }
+    }
+
+    /// Waits for submitted work.
     ///
     /// # Errors
     /// [`RenderError::Device`] where the GPU fails.
     pub fn wait(&mut self) -> Result<(), RenderError> {
-        match &mut self.tracer {
-            Tracer::Gpu(job) => job.wait(),
-            Tracer::Cpu(_) => Ok(()),
-        }
+        self.gpu_job().map_or(Ok(()), GpuJob::wait)
     }
 
-    /// How long the GPU took to compile the scene; zero on the CPU.
+    /// Time that the GPU took to compile the scene; zero on the CPU.
     pub fn compile_time(&self) -> Duration {
-        match &self.tracer {
-            Tracer::Gpu(job) => job.compile_time,
-            Tracer::Cpu(_) => Duration::ZERO,
+        match &self.work {
+            Work::Still(Tracer::Gpu(job)) => job.compile_time,
+            _ => Duration::ZERO,
         }
     }
 
-    /// From now on measures how long the work takes on the GPU's own clock, see [`gpu_time`](Self::gpu_time). False where
+    /// Measures from now on the time of the work on the GPU's own clock, see [`gpu_time`](Self::gpu_time). Returns false where
     /// there is none: on the CPU, and on adapters without timestamps.
     ///
     /// # Errors
     /// [`RenderError::Device`] where the GPU fails.
     pub fn measure_gpu_time(&mut self) -> Result<bool, RenderError> {
-        match &mut self.tracer {
-            Tracer::Gpu(job) => job.measure_gpu_time(),
-            Tracer::Cpu(_) => Ok(false),
-        }
+        self.gpu_job().map_or(Ok(false), GpuJob::measure_gpu_time)
     }
 
-    /// How long the GPU worked since it is measured; none where it is not. Waits for work that is on its way.
+    /// Time that the GPU worked since it is measured; `None` where it is not. Waits for submitted work.
     ///
     /// # Errors
     /// [`RenderError::Device`] where the GPU fails.
     pub fn gpu_time(&mut self) -> Result<Option<Duration>, RenderError> {
-        match &mut self.tracer {
-            Tracer::Gpu(job) => job.gpu_time(),
-            Tracer::Cpu(_) => Ok(None),
-        }
+        self.gpu_job().map_or(Ok(None), GpuJob::gpu_time)
     }
+}
+
+/// Kernel of a picture in WGSL, for reading; as a software adapter gets it if `software`, else as a GPU gets it.
+///
+/// # Errors
+/// [`RenderError::Settings`] where settings are out of range.
+pub fn kernel_wgsl(scene: &Scene, settings: &Settings, software: bool) -> Result<String, RenderError> {
+    settings.check(scene)?;
+    Ok(KernelSource::for_adapter(&RenderInput::new(scene, settings), software).code)
 }
 
 /// Counts the rays and field evaluations of one sample of every pixel, on the CPU.

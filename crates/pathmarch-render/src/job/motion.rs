@@ -12,12 +12,14 @@
 //! **Cost.** For each run the scene is read and prepared, a few milliseconds for small scenes, and its film read back. The
 //! kernel is compiled once as long as only numbers change.
 
-use super::{Job, Renderer};
+use super::tracer::Tracer;
+use super::{BackendInfo, Renderer};
 use crate::error::RenderError;
 use crate::output::film::Film;
 use crate::sampling::sobol::{hash, scramble_reversed};
 use crate::settings::Settings;
-use pathmarch_scene::{Animation, Moment, Scene, SceneError};
+use pathmarch_scene::{Animation, Moment, Scene};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Samples in a row that share a moment: halves what moments cost; more would show as single pictures where samples are few.
 const RUN: u32 = 2;
@@ -51,71 +53,76 @@ impl Shutter {
     }
 }
 
-/// Why a picture of a moving scene could not be rendered.
-#[derive(Debug, thiserror::Error)]
-pub enum MotionError {
-    /// The text is no scene at some moment.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// It could not be rendered.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-}
-
-/// A picture of a moving scene that is being rendered.
-pub struct MovingJob {
+/// Picture of a moving scene that is being rendered.
+pub(super) struct MotionBlur {
+    renderer: Renderer,
+    animation: Arc<Mutex<Animation>>,
     settings: Settings,
     shutter: Shutter,
     film: Film,
-    run: Option<(Job, u32)>,
+    /// Tracer of the present run, and its number of samples.
+    run: Option<(Tracer, u32)>,
+    backend: Option<BackendInfo>,
 }
 
-impl MovingJob {
-    /// Begins a picture; nothing is rendered yet.
-    pub fn new(settings: &Settings, shutter: Shutter) -> Self {
+impl MotionBlur {
+    /// Starts a picture; renders nothing yet.
+    pub(super) fn new(
+        renderer: Renderer,
+        animation: Arc<Mutex<Animation>>,
+        settings: &Settings,
+        shutter: Shutter,
+    ) -> Self {
         let [width, height] = settings.size;
-        Self { settings: settings.clone(), shutter, film: Film::new(width, height), run: None }
+        let film = Film::new(width, height);
+        Self { renderer, animation, settings: settings.clone(), shutter, film, run: None, backend: None }
     }
 
-    /// Samples of every pixel that are done or on their way, with a fraction for one that is begun.
-    pub fn samples_done(&self) -> f64 {
-        f64::from(self.film.samples) + self.run.as_ref().map_or(0.0, |(job, _)| job.samples_done())
+    /// Backend of the last run.
+    pub(super) fn backend(&self) -> Option<&BackendInfo> {
+        self.backend.as_ref()
     }
 
-    /// Does a slice of the work, as [`Job::advance`].
-    ///
-    /// # Errors
-    /// [`MotionError`] where the text is no scene at the moment of a sample, and as [`Renderer::start`].
-    pub fn advance(&mut self, renderer: &mut Renderer, animation: &mut Animation) -> Result<(), MotionError> {
+    pub(super) fn samples_done(&self) -> f64 {
+        f64::from(self.film.samples) + self.run.as_ref().map_or(0.0, |(tracer, _)| tracer.samples_done())
+    }
+
+    pub(super) fn advance(&mut self) -> Result<(), RenderError> {
         if self.film.samples >= self.settings.samples {
             return Ok(());
         }
-        let (mut job, samples) = match self.run.take() {
+        let (mut tracer, samples) = match self.run.take() {
             Some(run) => run,
-            None => {
-                let first = self.settings.first_sample + self.film.samples;
-                let samples = (RUN - first % RUN).min(self.settings.samples - self.film.samples);
-                let scene = animation.at(self.shutter.moment(self.settings.seed, first))?;
-                let settings = Settings { first_sample: first, samples, ..self.settings.clone() };
-                (renderer.start(&scene, &settings)?, samples)
-            }
+            None => self.start_run()?,
         };
-        job.advance(samples)?;
-        if job.samples_done() < f64::from(samples) {
-            self.run = Some((job, samples));
-        } else {
-            self.film.add(&job.film()?).map_err(|error| RenderError::Settings(error.to_string()))?;
+        tracer.advance(samples)?;
+        if tracer.samples_done() < f64::from(samples) {
+            self.run = Some((tracer, samples));
+            return Ok(());
         }
-        Ok(())
+        self.add(&mut tracer)
     }
 
-    /// The picture so far: of the runs that are done, and what is done of one that is begun.
-    ///
-    /// # Errors
-    /// As [`Job::film`].
-    pub fn film(&mut self) -> Result<Film, MotionError> {
-        if let Some((mut job, _)) = self.run.take() {
-            self.film.add(&job.film()?).map_err(|error| RenderError::Settings(error.to_string()))?;
+    /// Starts the run of the next sample, at its moment.
+    fn start_run(&mut self) -> Result<(Tracer, u32), RenderError> {
+        let first = self.settings.first_sample + self.film.samples;
+        let samples = (RUN - first % RUN).min(self.settings.samples - self.film.samples);
+        let moment = self.shutter.moment(self.settings.seed, first);
+        let scene = self.animation.lock().unwrap_or_else(PoisonError::into_inner).at(moment)?;
+        let settings = Settings { first_sample: first, samples, ..self.settings.clone() };
+        let (tracer, backend) = self.renderer.trace(&scene, &settings)?;
+        self.backend = Some(backend);
+        Ok((tracer, samples))
+    }
+
+    fn add(&mut self, tracer: &mut Tracer) -> Result<(), RenderError> {
+        self.film.add(&tracer.film()?).map_err(|error| RenderError::Settings(error.to_string()))
+    }
+
+    /// Picture so far: of the runs that are done, and of a run that is begun.
+    pub(super) fn film(&mut self) -> Result<Film, RenderError> {
+        if let Some((mut tracer, _)) = self.run.take() {
+            self.add(&mut tracer)?;
         }
         Ok(self.film.clone())
     }

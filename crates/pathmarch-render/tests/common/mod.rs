@@ -72,7 +72,7 @@ fn lend_both(test: impl FnOnce(&mut [Renderer; 2])) {
 }
 
 /// Tests of one backend, twice: on the CPU and on the GPU.
-pub fn on_each_backend(name: &str, test: fn(&mut Renderer)) -> [Test; 2] {
+pub fn on_each_backend(name: &str, test: fn(&Renderer)) -> [Test; 2] {
     let on_gpu = move || {
         lend_gpu(|mut gpu| {
             test(&mut gpu);
@@ -111,7 +111,7 @@ pub fn with_gpu(name: &str, test: fn()) -> [Test; 1] {
     [Test::requiring(name, &GPU, test)]
 }
 
-pub fn render(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Film {
+pub fn render(renderer: &Renderer, scene: &Scene, settings: &Settings) -> Film {
     let film = renderer.render(scene, settings).expect("renders");
     assert_eq!(film.non_finite(), 0, "every sample is finite");
     film

@@ -15,7 +15,7 @@ const KEPT: usize = 24;
 
 /// A scene's kernel as text, and the numbers of its field. Scenes of one structure have the same text.
 pub(crate) struct KernelSource {
-    pub(super) code: String,
+    pub(crate) code: String,
     pub(super) parameters: Vec<[f32; 4]>,
     pub(super) data: SceneData,
     pub(crate) bindings: Bindings,
@@ -30,7 +30,7 @@ impl KernelSource {
     }
 
     /// Kernel for a software adapter or for a real GPU.
-    pub(super) fn for_adapter(input: &RenderInput, software: bool) -> Self {
+    pub(crate) fn for_adapter(input: &RenderInput, software: bool) -> Self {
         let program = program(input);
         let trusted = input.scene.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
         let bindings = Bindings::new(input, &program, software);
