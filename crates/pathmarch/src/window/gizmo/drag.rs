@@ -4,9 +4,9 @@
 //! nothing drifts; only whole turns of a ring are counted as they come. Where the ray is almost parallel to the axis or the
 //! plane, or meets it behind the camera, there is no result and the node stays as it is.
 
-use super::placement::Placed;
 use super::shape::{Axis, Gizmo, Part, SIZE};
-use crate::window::projection::{Projection, Ray};
+use super::transform::Placed;
+use crate::window::camera::projection::{Projection, Ray};
 use egui::{Pos2, Vec2};
 use glam::{DQuat, DVec3};
 use std::f64::consts::{PI, TAU};

@@ -10,23 +10,23 @@
 
 mod drag;
 mod draw;
-mod placement;
 mod shape;
 #[cfg(test)]
 mod tests;
+mod transform;
 
-use super::open::Handles;
-use super::projection::Projection;
+use crate::window::camera::projection::Projection;
+use crate::window::open_scene::view_state::Handles;
 use drag::Drag;
 use egui::{Pos2, Rect};
 use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Camera;
 use pathmarch_render::pathmarch_scene::document::{Document, ItemKind, Path, Value, key};
-use placement::{Placed, given, own_placement, placement_around, tidy};
 use shape::{Gizmo, Part};
+use transform::{Placed, given, own_placement, placement_around, tidy};
 
 /// The node that handles act on: a shape, an operator, a light; of an object, its only shape.
-pub(super) fn handled(document: &Document, selection: &Path) -> Option<Path> {
+pub(crate) fn handled(document: &Document, selection: &Path) -> Option<Path> {
     let item = document.item(selection)?;
     match item.kind {
         kind if kind.is_solid() || kind == ItemKind::Point => Some(selection.clone()),
@@ -40,28 +40,28 @@ const LIGHT_AT: &str = "at";
 
 /// The handles of the selected node, from frame to frame.
 #[derive(Default)]
-pub(super) struct Handle {
+pub(crate) struct Handle {
     /// The node and the handle that is held.
     held: Option<(Path, Drag)>,
 }
 
 /// The pointer over the picture.
 #[derive(Clone, Copy)]
-pub(super) struct Pointer {
-    pub(super) position: Pos2,
+pub(crate) struct Pointer {
+    pub(crate) position: Pos2,
     /// It may catch a handle.
-    pub(super) hovered: bool,
+    pub(crate) hovered: bool,
     /// Position of the press, in the frame in which the first button is pressed.
-    pub(super) pressed_at: Option<Pos2>,
+    pub(crate) pressed_at: Option<Pos2>,
     /// The first button is held.
-    pub(super) down: bool,
+    pub(crate) down: bool,
 }
 
 impl Handle {
     /// Draws the handles of the selected node into the picture. Returns whether the pointer belongs to them, and the values
     /// of the document that they change.
     #[allow(clippy::too_many_arguments, reason = "each is another thing, and there is one caller")]
-    pub(super) fn show(
+    pub(crate) fn show(
         &mut self,
         ui: &egui::Ui,
         picture: Rect,

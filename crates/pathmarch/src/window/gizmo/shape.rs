@@ -4,8 +4,8 @@
 //! come from the world. A handle that is seen from its end (an arrow) or from its edge (a square) fades away and cannot be
 //! caught, for there its axis or plane is almost parallel to the rays of the pointer.
 
-use super::super::open::Handles;
-use super::super::projection::Projection;
+use crate::window::camera::projection::Projection;
+use crate::window::open_scene::view_state::Handles;
 use egui::{Color32, Pos2, Vec2};
 use glam::DVec3;
 use std::f64::consts::TAU;

@@ -1,8 +1,8 @@
 //! Tests of catching and dragging handles.
 
 use super::drag::Drag;
-use super::placement::Placed;
 use super::shape::{Axis, Gizmo, OUTER, Part, SIZE};
+use super::transform::Placed;
 use super::*;
 use egui::Vec2;
 use glam::DQuat;

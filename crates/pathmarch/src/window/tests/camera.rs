@@ -1,13 +1,13 @@
 //! The picture: moving the camera, selecting, focusing.
 
 use super::*;
-use crate::window::viewpoint;
+use crate::window::camera::navigation;
 use pathmarch_render::pathmarch_scene::Camera;
 use pathmarch_render::pick;
 
 /// Where a point of the world is in the picture.
 pub(super) fn place(camera: &Camera, picture: Rect, point: [f32; 3]) -> Pos2 {
-    let axes = viewpoint::axes(camera);
+    let axes = navigation::axes(camera);
     let from = glam::Vec3::from(point) - glam::Vec3::from(camera.position);
     let scale = 0.5 * picture.height() / (0.5 * camera.fov.to_radians()).tan() / from.dot(axes.forward);
     picture.center() + Vec2::new(from.dot(axes.right), -from.dot(axes.up)) * scale
@@ -70,7 +70,7 @@ fn keys_fly() {
     let mut person = Person::at_scene();
     let at = free(&person);
     let (ahead, right, up) = {
-        let axes = viewpoint::axes(&person.open().view.camera);
+        let axes = navigation::axes(&person.open().view.camera);
         (axes.forward, axes.right, axes.up)
     };
     for (key, towards) in

@@ -1,7 +1,7 @@
 //! Saving, unsaved work, and files that others change.
 
 use super::*;
-use crate::window::dialogs::Dialog;
+use crate::window::app::dialog::Dialog;
 
 /// Makes a change that is not saved.
 fn change(person: &mut Person) -> String {

@@ -2,9 +2,9 @@
 //! the text byte for byte.
 
 use super::*;
-use crate::window::actions::ACTIONS;
-use crate::window::dialogs::Dialog;
-use crate::window::open::Resolution;
+use crate::window::app::actions::ACTIONS;
+use crate::window::app::dialog::Dialog;
+use crate::window::open_scene::view_state::Resolution;
 
 const FRAMES: usize = 2000;
 const SEED: u64 = 0x5eed;

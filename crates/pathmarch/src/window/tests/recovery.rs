@@ -1,7 +1,7 @@
 //! Work that was not saved when the program ended.
 
 use super::*;
-use crate::window::dialogs::Dialog;
+use crate::window::app::dialog::Dialog;
 
 fn left(person: &Person) -> usize {
     if let Some(Dialog::Recovered(left)) = &person.app().dialog { left.len() } else { 0 }

@@ -1,8 +1,8 @@
 //! Comparing, rendering to files, help, and windows of odd sizes.
 
 use super::*;
-use crate::window::actions::{ACTIONS, POINTER};
-use crate::window::dialogs::Dialog;
+use crate::window::app::actions::{ACTIONS, POINTER};
+use crate::window::app::dialog::Dialog;
 use pathmarch_render::{Mode, Renderer, Settings};
 
 #[test]
@@ -123,7 +123,8 @@ fn a_render_with_a_bad_name_does_not_start() {
 fn the_picture_that_is_shown_is_saved() {
     let mut person = Person::at_scene();
     // As large as it is rendered.
-    person.app_mut().open.as_mut().expect("open").view.resolution = crate::window::open::Resolution::Scene;
+    person.app_mut().open.as_mut().expect("open").view.resolution =
+        crate::window::open_scene::view_state::Resolution::Scene;
     person.wait(2);
     person.rest();
     person.ctrl(Key::E);

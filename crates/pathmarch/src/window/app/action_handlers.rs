@@ -1,0 +1,169 @@
+//! What menus and keys do.
+
+use super::App;
+use super::actions::Action;
+use super::dialog::{Dialog, RenderDialog};
+use super::requests::{After, For};
+use crate::window::camera::navigation;
+use crate::window::open_scene::view_state::{Handles, Kept};
+use egui::{ColorImage, Context, TextureOptions};
+use pathmarch_render::Mode;
+use pathmarch_render::pathmarch_scene::document::{Item, ItemKind, Path as NodePath};
+
+impl App {
+    /// Does what a menu or a key asks for.
+    pub(crate) fn act(&mut self, ctx: &Context, action: Action) {
+        let selection = self.open.as_ref().and_then(|open| open.view.selection.clone());
+        match action {
+            Action::New => self.unless_unsaved(After::New),
+            Action::Open => self.unless_unsaved(After::Open),
+            Action::Gallery => self.unless_unsaved(After::Gallery),
+            Action::Quit => self.ask_to_leave(),
+            Action::Save => drop(self.save(None)),
+            Action::SaveAs => self.choose_save(For::SaveAs),
+            Action::SavePicture => self.choose_picture(),
+            Action::Render => self.dialog = self.open.as_ref().and_then(RenderDialog::new).map(Dialog::Render),
+            Action::Undo | Action::Redo => self.travel(action == Action::Undo),
+            Action::Help => self.help = !self.help,
+            Action::Play => self.play_or_pause(ctx),
+            Action::NextFrame | Action::PreviousFrame => self.step_frame(action == Action::NextFrame),
+            Action::RestartGraphics => {
+                self.restart_graphics();
+            }
+            Action::Tree => self.preferences.left_open = !self.preferences.left_open,
+            Action::Inspector => self.preferences.right_open = !self.preferences.right_open,
+            Action::Source => self.preferences.show_source = !self.preferences.show_source,
+            Action::Plots => self.preferences.show_plots = !self.preferences.show_plots,
+            Action::Dark => {
+                let dark = ctx.theme() != egui::Theme::Dark;
+                self.preferences.dark = Some(dark);
+                ctx.set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
+            }
+            Action::Duplicate => {
+                if let Some(path) = selection {
+                    let copy = self.edit(|open| open.document.duplicate(&path));
+                    self.select(copy);
+                }
+            }
+            Action::Delete => self.delete(selection),
+            Action::Group => {
+                if let Some(path) = selection {
+                    let group = self.edit(|open| open.document.group(&[path], "union"));
+                    self.select(group);
+                }
+            }
+            Action::Ungroup => {
+                if let Some(path) = selection {
+                    let freed = self.edit(|open| open.document.ungroup(&path));
+                    self.select(freed.and_then(|paths| paths.into_iter().next()));
+                }
+            }
+            _ => self.act_on_view(ctx, action),
+        }
+    }
+
+    fn delete(&mut self, selection: Option<NodePath>) {
+        let Some(path) = selection else { return };
+        if self.edit(|open| open.document.remove(&path)).is_some()
+            && let Some(open) = &mut self.open
+        {
+            open.view.selection = None;
+        }
+    }
+
+    /// Selects, unless there is nothing to select.
+    pub(crate) fn select(&mut self, path: Option<NodePath>) {
+        if let (Some(open), Some(path)) = (&mut self.open, path) {
+            open.view.selection = Some(path);
+        }
+    }
+
+    fn travel(&mut self, back: bool) {
+        let Some(open) = &mut self.open else { return };
+        let label = if back { open.document.undo() } else { open.document.redo() };
+        if let Some(label) = label {
+            self.changed();
+            self.say(&format!("{}: {label}", if back { "Undone" } else { "Done again" }));
+        }
+    }
+
+    fn act_on_view(&mut self, ctx: &Context, action: Action) {
+        let Some(open) = &mut self.open else { return };
+        let view = &mut open.view;
+        match action {
+            Action::Deselect => (view.selection, view.focus_click) = (None, false),
+            Action::ResetCamera | Action::NextCamera => {
+                let Some(scene) = open.document.last_good() else { return };
+                let cameras = &scene.cameras;
+                let here = cameras.iter().position(|camera| camera.name == view.camera_name()).unwrap_or(0);
+                let next = if action == Action::NextCamera { (here + 1) % cameras.len() } else { here };
+                view.look_through(&cameras[next]);
+                if action == Action::NextCamera {
+                    let words = format!("Camera “{}”", cameras[next].name);
+                    self.say(&words);
+                }
+            }
+            Action::WriteCamera => self.write_camera(),
+            Action::FrameSelection => self.frame_selection(),
+            Action::FocusClick => view.focus_click = !view.focus_click,
+            Action::GizmoMove => view.handles = Handles::Move,
+            Action::GizmoTurn => view.handles = Handles::Turn,
+            Action::GizmoScale => view.handles = Handles::Scale,
+            Action::Preview => {
+                view.mode = if view.mode == Mode::Preview { Mode::Path } else { Mode::Preview };
+            }
+            Action::KeepForComparison => self.keep_for_comparison(ctx),
+            Action::Compare => match &mut view.kept {
+                Some(kept) => kept.shown = !kept.shown,
+                None => self.keep_for_comparison(ctx),
+            },
+            _ => {}
+        }
+    }
+
+    /// Makes the scene's camera the one that is shown.
+    pub(crate) fn write_camera(&mut self) {
+        let written = self.edit(|open| {
+            let name = open.view.camera_name().to_owned();
+            let is_it = |item: &&Item| item.kind == ItemKind::Camera && item.name.as_deref().unwrap_or("main") == name;
+            let path = open.document.outline().iter().find(is_it).map(|item| item.path.clone());
+            let camera = open.view.camera.clone();
+            open.document.write_camera(&camera, path.as_ref())?;
+            let scene = open.document.last_good().cloned();
+            if let Some(camera) = scene.iter().flat_map(|scene| &scene.cameras).find(|camera| camera.name == name) {
+                open.view.written(camera);
+            }
+            Ok(name)
+        });
+        if let Some(name) = written {
+            self.say(&format!("Camera “{name}” of the scene is now as shown."));
+        }
+    }
+
+    fn frame_selection(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        let Some(scene) = open.document.last_good().cloned() else { return };
+        let leaves = match &open.view.selection {
+            Some(path) => open.document.leaves_of(path),
+            None => (0..scene.field.leaves().len()).collect(),
+        };
+        let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf));
+        let bounds = boxes.filter(|bounds| bounds.is_finite()).reduce(|all, bounds| all.union(bounds));
+        let Some(bounds) = bounds else {
+            self.say("What is selected has no limited size.");
+            return;
+        };
+        let (min, max) = (glam::Vec3::from(bounds.min), glam::Vec3::from(bounds.max));
+        navigation::frame(&mut open.view.camera, (min + max) * 0.5, (max - min).length() * 0.5);
+        open.view.touch();
+    }
+
+    fn keep_for_comparison(&mut self, ctx: &Context) {
+        let (Some(open), Some(shown)) = (&mut self.open, self.live.picture()) else { return };
+        let image = ColorImage::from_rgba_premultiplied(shown.size.map(|side| side as usize), &shown.codes);
+        let texture = ctx.load_texture("kept picture", image, TextureOptions::LINEAR);
+        let label = format!("{}, {:.0} samples", open.view.mode.name(), shown.samples);
+        open.view.kept = Some(Kept { texture, label, split: 0.5, shown: true });
+        self.say("Kept for comparison: drag the line in the picture; B hides it.");
+    }
+}

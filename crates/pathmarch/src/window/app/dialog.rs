@@ -1,0 +1,119 @@
+//! State of the modal dialogs: which one is open, and the settings of a final render.
+
+use super::requests::After;
+use crate::frames::{self, Frames};
+use crate::window::background_render::Sequence;
+use crate::window::files::recovery::Recovered;
+use crate::window::open_scene::Open;
+use pathmarch_render::Settings;
+use pathmarch_render::image::ImageFormat;
+use std::path::{Path, PathBuf};
+
+/// A question.
+pub(crate) enum Dialog {
+    /// Unsaved work stands in the way.
+    Unsaved(After),
+    /// The file was changed by someone else while there were unsaved changes here.
+    Conflict,
+    /// What programs that ended without saving have left.
+    Recovered(Vec<Recovered>),
+    /// A final render is to be started.
+    Render(RenderDialog),
+    /// Renders are on their way, and the program is to end.
+    Busy,
+}
+
+/// Stands in the name of a file for the digits of a frame's number.
+const DIGITS: &str = "-####";
+
+/// Settings of a final render.
+pub(crate) struct RenderDialog {
+    pub(crate) output: String,
+    pub(crate) size: [u32; 2],
+    pub(crate) samples: u32,
+    pub(crate) bounces: u32,
+    pub(crate) layers: bool,
+    /// From where one looks now, not from where the scene's camera stands.
+    pub(crate) own_viewpoint: bool,
+    pub(crate) may_choose_viewpoint: bool,
+    /// First and last frame, where something moves, and whether these are rendered rather than the frame that is shown.
+    pub(crate) frames: Option<[u32; 2]>,
+    pub(crate) all_frames: bool,
+    pub(crate) skip_existing: bool,
+}
+
+impl RenderDialog {
+    pub(crate) fn new(open: &Open) -> Option<Self> {
+        let scene = open.document.last_good()?;
+        let settings = Settings::of(scene);
+        let path = open.path.clone().unwrap_or_else(|| PathBuf::from("picture.kdl"));
+        let output = std::path::absolute(path.with_extension("png")).unwrap_or(path);
+        Some(Self {
+            output: output.display().to_string(),
+            size: settings.size,
+            samples: open.view.mode.samples(settings.samples),
+            bounces: settings.bounces,
+            layers: false,
+            own_viewpoint: open.view.has_moved_away(),
+            may_choose_viewpoint: open.view.has_moved_away(),
+            frames: scene.animated.then_some([0, open.timeline.last]),
+            all_frames: false,
+            skip_existing: false,
+        })
+    }
+
+    /// As [`Self::new`], for all frames.
+    pub(crate) fn of_frames(open: &Open) -> Option<Self> {
+        let mut dialog = Self::new(open)?;
+        dialog.render_frames(true);
+        Some(dialog)
+    }
+
+    /// Renders frames, or the picture that is shown; the name of the file follows.
+    pub(crate) fn render_frames(&mut self, all: bool) {
+        self.all_frames = all;
+        let path = Path::new(&self.output);
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let named = match (all, stem.strip_suffix(DIGITS)) {
+            (true, None) if !stem.contains('#') => format!("{stem}{DIGITS}"),
+            (false, Some(without)) => without.to_owned(),
+            _ => return,
+        };
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        self.output = path.with_file_name(format!("{named}.{extension}")).display().to_string();
+    }
+
+    /// The frames to render, where it is not one picture.
+    pub(crate) fn sequence(&self) -> Option<Sequence> {
+        let [first, last] = self.frames.filter(|_| self.all_frames)?;
+        Some(Sequence { frames: Frames::from_to(first, last), skip_existing: self.skip_existing })
+    }
+
+    /// What is wrong with it, in words.
+    pub(crate) fn problem(&self) -> Option<String> {
+        let Some(sequence) = self.sequence() else { return self.format().err() };
+        self.format().err().or_else(|| frames::check_pattern(Path::new(&self.output), sequence.frames).err())
+    }
+
+    pub(crate) fn format(&self) -> Result<ImageFormat, String> {
+        ImageFormat::from_path(Path::new(&self.output)).map_err(|error| error.to_string())
+    }
+}
+
+/// What was answered.
+pub(crate) enum Answer {
+    None,
+    Close,
+    Save(After),
+    Drop(After),
+    KeepMine,
+    TakeTheirs,
+    SaveMineElsewhere,
+    Recover(usize),
+    Forget(usize),
+    Later,
+    Start,
+    Choose,
+    /// Without the renders.
+    Leave,
+}

@@ -1,0 +1,90 @@
+//! The live picture: orders to the renderer, and its pictures on their way to the screen.
+
+use super::App;
+use crate::window::open_scene::Open;
+use egui::{ColorImage, Context, TextureOptions};
+use pathmarch_render::Settings;
+use pathmarch_render::live::Order;
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::tonemap::Display;
+use std::sync::Arc;
+use std::time::Duration;
+
+impl App {
+    /// Brings a new picture to the screen.
+    pub(super) fn take_picture(&mut self, ctx: &Context) {
+        let (Some(open), Some(shown)) = (&mut self.open, self.live.picture()) else { return };
+        let is_other_scene = self.first_order.is_none_or(|first| shown.order < first);
+        if is_other_scene || open.view.picture.as_ref().is_some_and(|(_, serial, _)| *serial == shown.serial) {
+            return;
+        }
+        let size = shown.size.map(|side| side as usize);
+        let image = ColorImage::from_rgba_premultiplied(size, &shown.codes);
+        match &mut open.view.picture {
+            Some((texture, serial, old)) => {
+                texture.set(image, TextureOptions::LINEAR);
+                (*serial, *old) = (shown.serial, shown.size);
+            }
+            slot => {
+                let texture = ctx.load_texture("picture", image, TextureOptions::LINEAR);
+                *slot = Some((texture, shown.serial, shown.size));
+            }
+        }
+        self.plots.picture(&shown, self.live.status().samples_per_second);
+    }
+
+    /// Tells the renderer what to show, if that has changed.
+    pub(super) fn order(&mut self, ctx: &Context) {
+        let Some(open) = &mut self.open else { return };
+        let Some(scene) = open.document.last_good().cloned() else { return };
+        let moving = open.view.moving();
+        if open.view.room.contains(&0) {
+            return;
+        }
+        let order = Order {
+            settings: Self::settings(open, &scene),
+            display: Self::display(open, &scene),
+            scene,
+            moving: moving.is_some(),
+            frame_time: Duration::from_secs_f32(1.0 / self.preferences.frame_rate.clamp(1.0, 240.0)),
+        };
+        let same = self.ordered.as_ref().is_some_and(|old| {
+            Arc::ptr_eq(&old.scene, &order.scene)
+                && old.settings == order.settings
+                && old.display == order.display
+                && old.moving == order.moving
+                && old.frame_time == order.frame_time
+        });
+        if !same {
+            let number = self.live.show(order.clone());
+            self.first_order.get_or_insert(number);
+            self.ordered = Some(order);
+        }
+        if let Some(left) = moving {
+            ctx.request_repaint_after(left + Duration::from_millis(5));
+        }
+    }
+
+    /// Another scene comes: no picture of the one before is shown for it.
+    pub(crate) fn forget_picture(&mut self) {
+        (self.ordered, self.first_order) = (None, None);
+    }
+
+    /// What is rendered live.
+    pub(crate) fn settings(open: &Open, scene: &Scene) -> Settings {
+        let asked = Settings::of(scene);
+        let mode = open.view.mode;
+        Settings {
+            size: open.view.size(scene),
+            samples: mode.samples(asked.samples),
+            viewpoint: Some(open.view.camera.clone()),
+            mode,
+            ..asked
+        }
+    }
+
+    pub(crate) fn display(open: &Open, scene: &Scene) -> Display {
+        let display = Display { tonemap: scene.render.tonemap, exposure_stops: open.view.camera.exposure };
+        open.view.mode.display(display)
+    }
+}

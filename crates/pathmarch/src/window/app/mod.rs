@@ -1,0 +1,335 @@
+//! Everything a person sees and does, without window or graphics device: tests drive it as they are.
+
+mod action_handlers;
+pub(crate) mod actions;
+pub(crate) mod dialog;
+mod dialog_handlers;
+mod file_handlers;
+mod live_picture;
+pub(crate) mod performance;
+mod playback_handlers;
+pub(crate) mod requests;
+mod timings;
+pub(crate) mod toasts;
+
+use super::background_render::Export;
+use super::file_dialog::Chooser;
+use super::files::preferences::Preferences;
+use super::files::recovery::{Recovery, left_behind};
+use super::gallery::Gallery;
+use super::gizmo::Handle;
+use super::open_scene::{Open, Reload};
+use super::waker::Waker;
+use dialog::Dialog;
+use egui::{Context, Ui};
+use pathmarch_cli::AppDirs;
+use pathmarch_render::Backend;
+use pathmarch_render::live::{Live, Order};
+use pathmarch_render::pathmarch_scene::document::EditError;
+use performance::Plots;
+use requests::{After, For};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use toasts::Toast;
+
+/// What the window is started with.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The scene to open; the gallery without one.
+    pub scene: Option<PathBuf>,
+    /// What to render on.
+    pub backend: Backend,
+    /// Part of the name of the adapter.
+    pub adapter: Option<String>,
+    /// Whether to say on standard error how long things took.
+    pub timings: bool,
+}
+
+/// The program as a person sees it.
+pub(crate) struct App {
+    pub(crate) options: Options,
+    pub(crate) waker: Waker,
+    pub(crate) live: Live,
+    pub(crate) open: Option<Open>,
+    pub(crate) gallery: Gallery,
+    pub(crate) preferences: Preferences,
+    pub(crate) recovery: Recovery,
+    pub(crate) chooser: Option<(Chooser, For)>,
+    pub(crate) dialog: Option<Dialog>,
+    pub(crate) exports: Vec<Export>,
+    pub(crate) toasts: Vec<Toast>,
+    pub(crate) plots: Plots,
+    pub(crate) handle: Handle,
+    pub(crate) help: bool,
+    /// Changes between two presses of the pointer, or from the keyboard in one widget, are one step of undoing.
+    pub(crate) gesture: u64,
+    focus: Option<egui::Id>,
+    /// When the text of the scene was last typed in, seconds.
+    pub(crate) typed_at: f64,
+    /// Text was being typed at the end of the last frame.
+    typing: bool,
+    ordered: Option<Order>,
+    /// The first order of the scene that is open; earlier pictures are of another.
+    first_order: Option<u64>,
+    started: Instant,
+    milestones: Vec<&'static str>,
+    /// How long frames of the window took, milliseconds; kept only if asked for.
+    frames: Vec<f64>,
+    leaving: bool,
+    lose_window_device: bool,
+}
+
+impl App {
+    pub(crate) fn new(ctx: &Context, options: Options, waker: Waker) -> Self {
+        Self::in_places(ctx, options, waker, AppDirs::of_user())
+    }
+
+    /// As [`Self::new`], with directories of its own for what it keeps.
+    pub(crate) fn in_places(ctx: &Context, options: Options, waker: Waker, places: Option<AppDirs>) -> Self {
+        let started = Instant::now();
+        let wake = waker.clone();
+        let live = Live::new(options.backend, options.adapter.clone(), move || wake());
+        let preferences =
+            places.as_ref().map_or_else(Preferences::default, |places| Preferences::load_from(&places.preferences));
+        let kept_in = places.map_or_else(|| std::env::temp_dir().join("pathmarch-recovery"), |places| places.recovery);
+        let recovery = Recovery::new(&kept_in);
+        ctx.set_theme(match preferences.dark {
+            Some(true) => egui::ThemePreference::Dark,
+            Some(false) => egui::ThemePreference::Light,
+            None => egui::ThemePreference::System,
+        });
+        ctx.set_zoom_factor(preferences.scale);
+        // A cursor that blinks draws the window twice a second for ever.
+        ctx.all_styles_mut(|style| style.visuals.text_cursor.blink = false);
+        let mut app = Self {
+            live,
+            open: None,
+            gallery: Gallery::default(),
+            preferences,
+            recovery,
+            chooser: None,
+            dialog: None,
+            exports: Vec::new(),
+            toasts: Vec::new(),
+            plots: Plots::default(),
+            handle: Handle::default(),
+            help: false,
+            gesture: 0,
+            typed_at: 0.0,
+            focus: None,
+            typing: false,
+            ordered: None,
+            first_order: None,
+            started,
+            milestones: Vec::new(),
+            frames: Vec::new(),
+            leaving: false,
+            lose_window_device: false,
+            waker,
+            options,
+        };
+        let left = left_behind(&kept_in);
+        if !left.is_empty() {
+            app.dialog = Some(Dialog::Recovered(left));
+        }
+        for problem in [app.recovery.problem(), app.preferences.notice().map(str::to_owned)].into_iter().flatten() {
+            app.complain(&problem);
+        }
+        if let Some(path) = app.options.scene.clone() {
+            app.open_file(&path);
+        }
+        app
+    }
+
+    /// What the window's title says.
+    pub(crate) fn title(&self) -> String {
+        match &self.open {
+            Some(open) => {
+                let changed = if open.has_unsaved_work() { "• " } else { "" };
+                format!("{changed}{} - pathmarch", open.name())
+            }
+            None => "pathmarch".to_owned(),
+        }
+    }
+
+    /// Everything of one frame.
+    pub(crate) fn ui(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.poll(&ctx);
+        self.keep_time(&ctx);
+        let blocked = self.dialog.is_some() || self.chooser.is_some();
+        let focus = ctx.memory(|memory| memory.focused());
+        let (pressed, down) = ctx.input(|input| (input.pointer.any_pressed(), input.pointer.any_down()));
+        if pressed || focus != self.focus && !down {
+            self.gesture += 1;
+        }
+        self.focus = focus;
+        let typed = self.typing;
+        if !blocked {
+            if let Some(action) = actions::pressed(&ctx, self.open.is_some(), typed) {
+                self.act(&ctx, action);
+            }
+            self.take_dropped(&ctx);
+        }
+        self.menu_bar(ui);
+        self.status_bar(ui);
+        if self.open.is_some() {
+            self.timeline_panel(ui);
+            if self.preferences.show_plots {
+                self.plots_panel(ui);
+            }
+            if self.preferences.show_source {
+                self.source_panel(ui);
+            }
+            self.mistakes_panel(ui);
+            if self.preferences.left_open {
+                self.tree_panel(ui);
+            }
+            if self.preferences.right_open {
+                self.inspector_panel(ui);
+            }
+            self.viewport(ui);
+        } else {
+            self.gallery_page(ui);
+        }
+        self.help_window(&ctx);
+        self.dialogs(&ctx);
+        self.choosing(&ctx);
+        self.show_toasts(&ctx);
+        self.order(&ctx);
+        // Ctrl with plus and minus changes it.
+        self.preferences.scale = ctx.zoom_factor();
+        self.save_preferences();
+        self.typing = ctx.text_edit_focused();
+    }
+
+    /// What cannot be remembered is not worth a word each time.
+    fn save_preferences(&mut self) {
+        let _ = self.preferences.save();
+    }
+
+    /// Takes on what happened elsewhere: pictures, files, renders.
+    fn poll(&mut self, ctx: &Context) {
+        self.take_picture(ctx);
+        let reload = self.open.as_mut().and_then(Open::reload);
+        match reload {
+            Some(Reload::Taken) => {
+                self.changed();
+                if let Some(open) = &mut self.open {
+                    open.view.selection = None;
+                }
+                self.say("The file has changed: this is what it says now.");
+            }
+            Some(Reload::Conflict) => self.dialog = Some(Dialog::Conflict),
+            Some(Reload::Same) => {
+                if matches!(self.dialog, Some(Dialog::Conflict)) {
+                    self.dialog = None;
+                }
+                self.changed();
+            }
+            Some(Reload::Unreadable(why)) => self.complain(&why),
+            None => {}
+        }
+        if self.open.as_mut().is_some_and(|open| open.follow_parts(&self.waker)) {
+            self.changed();
+            self.say("A file that the scene includes has changed.");
+        }
+        let mut said = Vec::new();
+        self.exports.retain(|export| match export.finished() {
+            Some(result) => {
+                said.push(result);
+                false
+            }
+            None => true,
+        });
+        for result in said {
+            match result {
+                Ok(words) => self.say(&words),
+                Err(words) => self.complain(&words),
+            }
+        }
+        if !self.exports.is_empty() {
+            ctx.request_repaint_after(Duration::from_millis(200));
+        }
+    }
+
+    /// The document was changed: everything that depends on it follows.
+    pub(crate) fn changed(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        if let Some(scene) = open.document.last_good().cloned() {
+            open.view.follow(&scene);
+        }
+        if open.view.selection.as_ref().is_some_and(|path| open.document.item(path).is_none()) {
+            open.view.selection = None;
+        }
+        open.view.touch();
+        if open.has_unsaved_work() {
+            self.recovery.keep(open.path.as_deref(), open.document.text(), open.disk());
+        } else {
+            self.recovery.clear();
+        }
+    }
+
+    /// Makes a change of the document; says why where it is refused.
+    pub(crate) fn edit<T>(&mut self, edit: impl FnOnce(&mut Open) -> Result<T, EditError>) -> Option<T> {
+        let open = self.open.as_mut()?;
+        let before = open.document.revision();
+        let result = edit(open);
+        let has_changed = open.document.revision() != before;
+        if has_changed {
+            self.changed();
+        }
+        match result {
+            Ok(value) => Some(value),
+            Err(error) => {
+                self.complain(&error.to_string());
+                None
+            }
+        }
+    }
+
+    // The end.
+
+    pub(crate) fn ask_to_leave(&mut self) {
+        if self.exports.is_empty() {
+            self.unless_unsaved(After::Leave);
+        } else {
+            self.dialog = Some(Dialog::Busy);
+        }
+    }
+    /// Nothing is in the way of the end.
+    pub(crate) fn end(&mut self) {
+        self.leaving = true;
+    }
+    pub(crate) fn wants_to_leave(&self) -> bool {
+        self.leaving
+    }
+    /// Writes what is not saved to the recovery file now.
+    pub(crate) fn keep_safe(&mut self) {
+        self.recovery.flush();
+    }
+    /// Where what is not saved is kept, as the end of a sentence.
+    pub(crate) fn where_kept(&self) -> String {
+        let unsaved = self.open.as_ref().is_some_and(Open::has_unsaved_work);
+        if unsaved { "; your changes are kept and will be offered at the next start".to_owned() } else { String::new() }
+    }
+    /// The window is closed in order.
+    pub(crate) fn leave(&mut self) {
+        if self.leaving {
+            self.recovery.clear();
+        } else {
+            self.recovery.flush();
+        }
+        self.save_preferences();
+        self.report_frames();
+    }
+    /// Opens both graphics devices anew.
+    pub(crate) fn restart_graphics(&mut self) {
+        self.lose_window_device = true;
+        self.live.lose_device();
+    }
+    /// Whether the window's graphics device is to be opened anew.
+    pub(crate) fn take_lose_device(&mut self) -> bool {
+        std::mem::take(&mut self.lose_window_device)
+    }
+}

@@ -1,0 +1,63 @@
+//! Playback of an animation: plays, pauses and steps through frames.
+//!
+//! The document is read as of another moment, its text stays as it is. Frames are shown when their time has come: where
+//! pictures take longer than a frame, some are left out, so that what moves keeps its speed.
+
+use super::App;
+use egui::Context;
+use pathmarch_render::pathmarch_scene::Moment;
+use std::time::Duration;
+
+impl App {
+    /// Begins to play, or stops.
+    pub(crate) fn play_or_pause(&mut self, ctx: &Context) {
+        let Some(open) = &mut self.open else { return };
+        if !open.document.last_good().is_some_and(|scene| scene.animated) {
+            self.say("Nothing in this scene depends on the time: write a formula with t, as in rotate 0 \"90*t\" 0.");
+            return;
+        }
+        open.timeline.playing = match open.timeline.playing {
+            Some(_) => None,
+            None => Some((ctx.input(|input| input.time), open.document.moment().frame)),
+        };
+    }
+
+    /// Shows the next frame, or the one before, and plays no longer.
+    pub(crate) fn step_frame(&mut self, forwards: bool) {
+        let Some(open) = &mut self.open else { return };
+        let Some(scene) = open.document.last_good().filter(|scene| scene.animated) else { return };
+        let (fps, count) = (scene.render.fps, open.timeline.last + 1);
+        let frame = open.document.moment().frame;
+        open.timeline.playing = None;
+        self.look_at((if forwards { frame + 1 } else { frame + count - 1 }) % count, fps);
+    }
+
+    /// While it plays, goes to the frame that is due.
+    pub(crate) fn keep_time(&mut self, ctx: &Context) {
+        let Some(open) = &mut self.open else { return };
+        let Some(scene) = open.document.last_good() else { return };
+        let fps = scene.render.fps;
+        if !scene.animated {
+            open.timeline.playing = None;
+        }
+        let Some((frame, left)) = open.timeline.due(ctx.input(|input| input.time), fps) else { return };
+        ctx.request_repaint_after(Duration::from_secs_f64(left));
+        self.look_at(frame, fps);
+    }
+
+    /// Shows a frame. A viewpoint of one's own stays.
+    pub(crate) fn look_at(&mut self, frame: u32, fps: f32) {
+        let Some(open) = &mut self.open else { return };
+        let moment = Moment::of_frame(frame, fps);
+        if moment == open.document.moment() {
+            return;
+        }
+        open.document.set_moment(moment);
+        if let Some(scene) = open.document.last_good().cloned()
+            && !open.view.has_moved_away()
+        {
+            open.view.follow(&scene);
+        }
+        open.view.touch();
+    }
+}

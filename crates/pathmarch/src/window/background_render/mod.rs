@@ -1,0 +1,331 @@
+//! The final picture, rendered in the background while the window goes on.
+//!
+//! The file is what `pathmarch render` writes for the same scene and settings on the same adapter: both go through
+//! [`crate::picture`].
+
+use crate::frames::{self, Frames};
+use crate::picture::{Exposure, Rendered};
+use crate::window::files::atomic_file::check_writable;
+use pathmarch_render::aov::Layer;
+use pathmarch_render::film::Film;
+use pathmarch_render::image::ImageFormat;
+use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
+use pathmarch_render::tonemap::Display;
+use pathmarch_render::{Backend, MotionError, Renderer, Settings, Shutter};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+/// What to render, and where to.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// Size, samples and limits.
+    pub settings: Settings,
+    /// How PNG and JPEG show radiance.
+    pub display: Display,
+    /// Further layers; OpenEXR only.
+    pub layers: Vec<Layer>,
+    /// The file; its name says the format.
+    pub output: PathBuf,
+    /// What to render on.
+    pub backend: Backend,
+    /// Part of the name of the GPU adapter.
+    pub adapter: Option<String>,
+    /// The frames to render, where it is not one picture: `#` in the file's name are the digits of their numbers.
+    pub frames: Option<Sequence>,
+}
+
+/// Frames to render, each to a file.
+#[derive(Clone, Copy, Debug)]
+pub struct Sequence {
+    /// Which.
+    pub frames: Frames,
+    /// Whether those whose files are there are left as they are.
+    pub skip_existing: bool,
+}
+
+impl Sequence {
+    /// The file of the first frame.
+    pub fn file(&self, pattern: &Path) -> PathBuf {
+        frames::file(pattern, self.frames.numbers().next().unwrap_or(0))
+    }
+}
+
+/// How far an [`Export`] is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// Samples of each pixel done, with a fraction for one that is begun.
+    pub samples: f64,
+    /// Samples of each pixel asked for, of all frames.
+    pub of: f64,
+    /// Time since the first sample was begun, seconds.
+    pub seconds: f64,
+    /// Time that is left, seconds, as far as it can be told.
+    pub remaining: Option<f64>,
+    /// All samples are there, and layers and file are being made.
+    pub writing: bool,
+}
+
+const GO_ON: u8 = 0;
+const STOP_AND_KEEP: u8 = 1;
+const CANCEL: u8 = 2;
+
+#[derive(Default)]
+struct State {
+    samples: f64,
+    started: Option<Instant>,
+    writing: bool,
+    outcome: Option<Result<String, String>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    wish: AtomicU8,
+    state: Mutex<State>,
+}
+
+impl Shared {
+    /// The contents of the lock, also after a panic: every value is whole at any time.
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn wish(&self) -> u8 {
+        self.wish.load(Ordering::SeqCst)
+    }
+}
+
+/// A picture on its way to a file. Dropping it cancels it; a file that is being written by then is finished.
+pub struct Export {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+    of: f64,
+    output: PathBuf,
+}
+
+impl Export {
+    /// Begins. `wake` is called, on another thread, when there is progress and when it is finished.
+    pub fn start(task: Task, wake: impl Fn() + Send + 'static) -> Self {
+        let shared = Arc::<Shared>::default();
+        let count = task.frames.as_ref().map_or(1, |sequence| sequence.frames.numbers().count());
+        let (of, output) = (f64::from(task.settings.samples) * count as f64, task.output.clone());
+        let of_thread = shared.clone();
+        let thread = std::thread::Builder::new().name("export".to_owned()).spawn(move || {
+            let outcome = catch_unwind(AssertUnwindSafe(|| work(&task, &of_thread, &wake))).unwrap_or_else(|_| {
+                Err(format!("{}: not written: the renderer failed in a way it should not", task.output.display()))
+            });
+            of_thread.state().outcome = Some(outcome);
+            wake();
+        });
+        let thread = match thread {
+            Ok(thread) => Some(thread),
+            Err(error) => {
+                shared.state().outcome = Some(Err(format!("{}: not written: {error}", output.display())));
+                None
+            }
+        };
+        Self { shared, thread, of, output }
+    }
+
+    /// The file that is to be written.
+    pub fn output(&self) -> &Path {
+        &self.output
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Progress {
+        let state = self.shared.state();
+        let seconds = state.started.map_or(0.0, |started| started.elapsed().as_secs_f64());
+        let left = self.of - state.samples;
+        // The first samples also wait for the machine to warm up; a guess from nothing helps nobody.
+        let remaining = (state.samples > 0.0 && seconds > 0.0).then(|| (left * seconds / state.samples).max(0.0));
+        Progress { samples: state.samples, of: self.of, seconds, remaining, writing: state.writing }
+    }
+
+    /// Ends it without a file, unless it is being written already.
+    pub fn cancel(&self) {
+        self.shared.wish.store(CANCEL, Ordering::SeqCst);
+    }
+
+    /// Ends it early with what is done; at least one sample will be.
+    pub fn stop_and_keep(&self) {
+        // What was cancelled stays so.
+        let _ = self.shared.wish.compare_exchange(GO_ON, STOP_AND_KEEP, Ordering::SeqCst, Ordering::SeqCst);
+    }
+
+    /// How it ended, in one sentence, once it has.
+    pub fn finished(&self) -> Option<Result<String, String>> {
+        self.shared.state().outcome.clone()
+    }
+}
+
+impl Drop for Export {
+    fn drop(&mut self) {
+        self.cancel();
+        let writing = {
+            let state = self.shared.state();
+            state.writing && state.outcome.is_none()
+        };
+        if writing && let Some(thread) = self.thread.take() {
+            // Its outcome has nobody to be told.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Says now what would otherwise be said after an hour of rendering.
+///
+/// # Errors
+/// In words: a name of no known format, layers in a format without, a file that cannot be written.
+pub fn check_output(output: &Path, layers: &[Layer]) -> Result<(), String> {
+    let format = ImageFormat::from_path(output).map_err(|error| error.to_string())?;
+    if !layers.is_empty() && format != ImageFormat::Exr {
+        return Err(format!(
+            "{}: cannot hold layers, only OpenEXR can; let its name end in .exr, or leave the layers out",
+            output.display()
+        ));
+    }
+    check_writable(output).map_err(|error| error.to_string())
+}
+
+/// Writes a film that is at hand, as an [`Export`] would; returns a sentence.
+///
+/// # Errors
+/// In words.
+pub fn save_film(rendered: &Rendered, output: &Path, display: &Display, layers: &[Layer]) -> Result<String, String> {
+    check_output(output, layers)?;
+    rendered.write(output, display, layers)?;
+    Ok(format!("wrote {}: {}", output.display(), samples_of(rendered.film, rendered.settings)))
+}
+
+/// "16 of 64 samples", and a warning where some are missing.
+fn samples_of(film: &Film, settings: &Settings) -> String {
+    let mut text = if film.samples == settings.samples {
+        format!("{} samples", film.samples)
+    } else {
+        format!("{} of {} samples", film.samples, settings.samples)
+    };
+    if film.non_finite() > 0 {
+        text += &format!("; {} that were not finite were left out", film.non_finite());
+    }
+    text
+}
+
+/// The thread.
+fn work(task: &Task, shared: &Shared, wake: &impl Fn()) -> Result<String, String> {
+    let renderer = Renderer::open(task.backend, task.adapter.as_deref()).map_err(|error| error.to_string())?;
+    let animation = Animation::new(task.scene.source_name.as_str(), task.scene.source_text.as_str());
+    let mut worker = Worker { task, shared, wake, renderer, animation };
+    shared.state().started = Some(Instant::now());
+    let sentence = match &task.frames {
+        None => worker.still()?,
+        Some(sequence) => worker.frames(sequence)?,
+    };
+    let notice = worker.renderer.notice();
+    Ok(sentence + &notice.map(|notice| format!("; {notice}; rendered on the CPU")).unwrap_or_default())
+}
+
+/// Renders pictures one after the other.
+struct Worker<'a, W> {
+    task: &'a Task,
+    shared: &'a Shared,
+    wake: &'a W,
+    renderer: Renderer,
+    animation: Animation,
+}
+
+impl<W: Fn()> Worker<'_, W> {
+    fn still(&mut self) -> Result<String, String> {
+        let (task, started) = (self.task, Instant::now());
+        let written = self.picture(&task.scene, &task.display, &task.output, 0.0, true)?;
+        Ok(match written {
+            Some(sentence) => format!("{sentence} in {:.1} s", started.elapsed().as_secs_f64()),
+            None => format!("cancelled; {} was not written", task.output.display()),
+        })
+    }
+
+    fn frames(&mut self, sequence: &Sequence) -> Result<String, String> {
+        let (task, started) = (self.task, Instant::now());
+        let fps = task.scene.render.fps;
+        let (mut wrote, mut were_there) = (0, 0);
+        for (index, frame) in sequence.frames.numbers().enumerate() {
+            if self.shared.wish() != GO_ON {
+                break;
+            }
+            let output = frames::file(&task.output, frame);
+            if sequence.skip_existing && output.exists() {
+                were_there += 1;
+                continue;
+            }
+            let in_frame = |error: String| format!("frame {frame}: {error}; what was written before it stays");
+            let scene = self.animation.at(Moment::of_frame(frame, fps)).map_err(|error| in_frame(error.to_string()))?;
+            let exposure_stops = task.settings.camera_of(&scene).exposure;
+            let display = Display { exposure_stops, ..task.display };
+            let before = f64::from(task.settings.samples) * index as f64;
+            let written = self.picture(&scene, &display, &output, before, false).map_err(in_frame)?;
+            wrote += u32::from(written.is_some());
+        }
+        let files = if wrote == 1 { "1 frame".to_owned() } else { format!("{wrote} frames") };
+        let begun = if self.shared.wish() == GO_ON { "wrote" } else { "stopped; wrote" };
+        let there = if were_there > 0 { format!(", {were_there} were there") } else { String::new() };
+        let seconds = started.elapsed().as_secs_f64();
+        Ok(format!("{begun} {files} to {} in {seconds:.1} s{there}", task.output.display()))
+    }
+
+    /// Renders and writes one picture; what was written, or nothing where it was cancelled. `before` is the number of samples of the
+    /// pictures before; a picture that is cut short is written only if it `may_be_short`.
+    fn picture(
+        &mut self,
+        scene: &Scene,
+        display: &Display,
+        output: &Path,
+        before: f64,
+        may_be_short: bool,
+    ) -> Result<Option<String>, String> {
+        let (task, shared) = (self.task, self.shared);
+        check_output(output, &task.layers)?;
+        let fail = |error: MotionError| error.to_string();
+        let mut exposure = Exposure::start(&mut self.renderer, scene, &task.settings, Shutter::of(scene))
+            .map_err(|error| error.to_string())?;
+        let stop = |done: f64| match shared.wish() {
+            GO_ON => false,
+            STOP_AND_KEEP if may_be_short => done >= 1.0,
+            _ => true,
+        };
+        let progress = |done| {
+            shared.state().samples = before + done;
+            (self.wake)();
+        };
+        exposure
+            .accumulate(&mut self.renderer, &mut self.animation, task.settings.samples, stop, progress)
+            .map_err(fail)?;
+        let is_cancelled = || shared.wish() == CANCEL || !may_be_short && shared.wish() != GO_ON;
+        if is_cancelled() {
+            return Ok(None);
+        }
+        let film = exposure.film().map_err(fail)?;
+        {
+            // From here on a drop waits; before, it does not, and nothing is written.
+            let mut state = shared.state();
+            if is_cancelled() {
+                return Ok(None);
+            }
+            state.writing = true;
+            state.samples = before + f64::from(film.samples);
+        }
+        (self.wake)();
+        let (backend, adapter) = (self.renderer.backend_name(), self.renderer.adapter_name());
+        let rendered = Rendered { scene, settings: &task.settings, film: &film, backend, adapter };
+        let sentence = save_film(&rendered, output, display, &task.layers);
+        shared.state().writing = false;
+        sentence.map(Some)
+    }
+}
+
+#[cfg(test)]
+mod tests;

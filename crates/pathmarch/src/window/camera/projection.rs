@@ -1,0 +1,98 @@
+//! Points of the world to points of the window, and back to rays.
+
+use super::navigation::{Axes, axes};
+use egui::{Pos2, Rect, Vec2};
+use glam::DVec3;
+use pathmarch_render::pathmarch_scene::Camera;
+
+/// Nearer than this to the plane of the camera, metres, nothing is in the picture.
+const NEAR: f64 = 1e-4;
+
+/// A camera and the part of the window that shows its picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Projection {
+    /// Position of the camera in the world, metres.
+    pub(crate) position: DVec3,
+    /// Unit vectors of the camera in the world.
+    pub(crate) right: DVec3,
+    pub(crate) up: DVec3,
+    pub(crate) forward: DVec3,
+    /// Points of the window for a height of 1 m at a depth of 1 m.
+    pub(crate) scale: f64,
+    middle: Pos2,
+}
+
+/// A ray from the camera through a point of the window, in the world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ray {
+    pub(crate) origin: DVec3,
+    /// Its component along the camera's axis is 1, so that the parameter of a point is its depth.
+    pub(crate) direction: DVec3,
+}
+
+impl Projection {
+    pub(crate) fn new(camera: &Camera, picture: Rect) -> Self {
+        let Axes { right, up, forward } = axes(camera);
+        Self {
+            position: DVec3::from_array(camera.position.map(f64::from)),
+            right: right.as_dvec3(),
+            up: up.as_dvec3(),
+            forward: forward.as_dvec3(),
+            scale: 0.5 * f64::from(picture.height()) / (0.5 * f64::from(camera.fov).to_radians()).tan(),
+            middle: picture.center(),
+        }
+    }
+
+    /// Depth of a point along the camera's axis, metres; none for a point that is not before the camera.
+    pub(crate) fn depth(&self, point: DVec3) -> Option<f64> {
+        let depth = (point - self.position).dot(self.forward);
+        (depth > NEAR).then_some(depth)
+    }
+
+    /// Point of the window that shows a point of the world; none for a point that is not before the camera.
+    pub(crate) fn place(&self, point: DVec3) -> Option<Pos2> {
+        let scale = self.scale / self.depth(point)?;
+        let from = point - self.position;
+        let place = Vec2::new((from.dot(self.right) * scale) as f32, (-from.dot(self.up) * scale) as f32);
+        place.is_finite().then(|| self.middle + place)
+    }
+
+    /// Ray through a point of the window.
+    pub(crate) fn ray(&self, at: Pos2) -> Ray {
+        let [x, y] = [at.x - self.middle.x, self.middle.y - at.y].map(|side| f64::from(side) / self.scale);
+        Ray { origin: self.position, direction: self.forward + self.right * x + self.up * y }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ray_through_the_place_of_a_point_meets_it() {
+        let camera = Camera {
+            name: "main".to_owned(),
+            position: [3.0, 2.0, -1.0],
+            target: [0.0, 0.5, 0.0],
+            up: [0.0, 1.0, 0.0],
+            fov: 50.0,
+            lens_radius: 0.0,
+            focus: None,
+            exposure: 0.0,
+        };
+        let picture = Rect::from_min_max(Pos2::new(20.0, 10.0), Pos2::new(660.0, 370.0));
+        let projection = Projection::new(&camera, picture);
+        let target = DVec3::new(0.0, 0.5, 0.0);
+        assert!(projection.place(target).expect("before it").distance(picture.center()) < 1e-3);
+        let point = DVec3::new(-0.4, 1.1, 0.7);
+        let ray = projection.ray(projection.place(point).expect("before it"));
+        let depth = projection.depth(point).expect("before it");
+        assert!((ray.origin + ray.direction * depth).distance(point) < 1e-5);
+        // A tangent of half the field of view above the middle is the upper edge.
+        let height = (25_f64).to_radians().tan() * depth;
+        let edge = projection.position + projection.forward * depth + projection.up * height;
+        assert!((projection.place(edge).expect("before it").y - picture.min.y).abs() < 1e-3);
+        let behind = projection.position - projection.forward;
+        assert_eq!((projection.place(behind), projection.place(projection.position)), (None, None));
+    }
+}

@@ -1,0 +1,190 @@
+//! Modal dialogs: unsaved work, a file changed by others, recovered work, the settings of a final render.
+
+use crate::window::app::App;
+use crate::window::app::dialog::{Answer, Dialog, RenderDialog};
+use crate::window::app::requests::After;
+use crate::window::files::recovery::Recovered;
+use crate::window::files::relative_time::age;
+use crate::window::open_scene::playback::LAST_FRAME;
+use egui::{Context, Id, Modal, RichText, Ui};
+use pathmarch_render::image::ImageFormat;
+use pathmarch_render::pathmarch_scene::limits;
+use std::time::SystemTime;
+
+impl App {
+    pub(crate) fn dialogs(&mut self, ctx: &Context) {
+        let Some(dialog) = &mut self.dialog else { return };
+        if self.chooser.is_some() {
+            return;
+        }
+        let mut answer = Answer::None;
+        let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
+            ui.set_max_width(520.0);
+            match dialog {
+                Dialog::Unsaved(after) => unsaved(ui, after, &mut answer),
+                Dialog::Conflict => {
+                    let theirs = self.open.as_ref().and_then(|open| open.conflict.as_ref());
+                    conflict(ui, theirs.and_then(|theirs| theirs.as_ref().err()), &mut answer);
+                }
+                Dialog::Recovered(left) => recovered(ui, left, &mut answer),
+                Dialog::Render(render) => render_settings(ui, render, &mut answer),
+                Dialog::Busy => busy(ui, &mut answer),
+            }
+        });
+        if matches!(answer, Answer::None) && modal.should_close() && !matches!(dialog, Dialog::Conflict) {
+            answer = Answer::Close;
+        }
+        self.answer_dialog(answer);
+    }
+}
+
+fn unsaved(ui: &mut Ui, after: &After, answer: &mut Answer) {
+    ui.heading("Save the changes?");
+    ui.label("The scene has changes that are in no file yet.");
+    ui.add_space(8.0);
+    ui.horizontal(|ui| {
+        if ui.button(RichText::new("Save").strong()).clicked() {
+            *answer = Answer::Save(after.clone());
+        }
+        if ui.button("Discard them").clicked() {
+            *answer = Answer::Drop(after.clone());
+        }
+        if ui.button("Cancel").clicked() {
+            *answer = Answer::Close;
+        }
+    });
+}
+
+fn busy(ui: &mut Ui, answer: &mut Answer) {
+    ui.heading("A render is not finished");
+    ui.label("It would end without a file.");
+    ui.add_space(8.0);
+    ui.horizontal(|ui| {
+        if ui.button(RichText::new("Stay").strong()).clicked() {
+            *answer = Answer::Close;
+        }
+        if ui.button("Cancel it and quit").clicked() {
+            *answer = Answer::Leave;
+        }
+    });
+}
+
+/// Asks which of two versions is to stay. `unreadable` says why there is nothing to be had of the file's.
+fn conflict(ui: &mut Ui, unreadable: Option<&String>, answer: &mut Answer) {
+    match unreadable {
+        None => {
+            ui.heading("The file has changed as well");
+            ui.label("Someone else has changed the file while there were unsaved changes here. Both are still there.");
+        }
+        Some(why) => {
+            ui.heading("The file cannot be read any more");
+            ui.label(format!("There are unsaved changes here, and of the file: {why}. Your version is still there."));
+        }
+    }
+    ui.add_space(8.0);
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Keep mine").on_hover_text("The file stays as it is until you save.").clicked() {
+            *answer = Answer::KeepMine;
+        }
+        if unreadable.is_none() && ui.button("Take the file's").on_hover_text("Undo brings yours back.").clicked() {
+            *answer = Answer::TakeTheirs;
+        }
+        if ui.button("Save mine as…").on_hover_text("Leaves the file as it is.").clicked() {
+            *answer = Answer::SaveMineElsewhere;
+        }
+    });
+}
+
+fn recovered(ui: &mut Ui, left: &[Recovered], answer: &mut Answer) {
+    ui.heading("Unsaved work was found");
+    ui.label("The program ended without saving it.");
+    ui.add_space(6.0);
+    for (index, one) in left.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let name = one.scene_path.as_ref().map_or("an unsaved scene".to_owned(), |path| path.display().to_string());
+            ui.label(format!("{name}, {}", age(one.saved_at, SystemTime::now())));
+            if ui.button(RichText::new("Open").strong()).clicked() {
+                *answer = Answer::Recover(index);
+            }
+            if ui.button("Discard").clicked() {
+                *answer = Answer::Forget(index);
+            }
+        });
+    }
+    ui.add_space(6.0);
+    if ui.button("Ask again next time").clicked() {
+        *answer = Answer::Later;
+    }
+}
+
+fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) {
+    ui.heading("Render to a file");
+    egui::Grid::new("render").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
+        let label = ui.label("file");
+        ui.horizontal(|ui| {
+            ui.add(egui::TextEdit::singleline(&mut render.output).desired_width(300.0)).labelled_by(label.id);
+            if ui.button("Choose…").on_hover_text("Choose folder and name.").clicked() {
+                *answer = Answer::Choose;
+            }
+        });
+        ui.end_row();
+        let label = ui.label("size");
+        ui.horizontal(|ui| {
+            for side in &mut render.size {
+                ui.add(egui::DragValue::new(side).range(limits::SIDE.0..=limits::SIDE.1)).labelled_by(label.id);
+            }
+        });
+        ui.end_row();
+        let label = ui.label("samples");
+        ui.add(egui::DragValue::new(&mut render.samples).range(limits::SAMPLES.0..=limits::SAMPLES.1))
+            .labelled_by(label.id);
+        ui.end_row();
+        let label = ui.label("bounces");
+        ui.add(egui::DragValue::new(&mut render.bounces).range(limits::BOUNCES.0..=limits::BOUNCES.1))
+            .labelled_by(label.id);
+        ui.end_row();
+        if render.may_choose_viewpoint {
+            let label = ui.label("seen from");
+            ui.horizontal(|ui| {
+                ui.radio_value(&mut render.own_viewpoint, true, "here").labelled_by(label.id);
+                ui.radio_value(&mut render.own_viewpoint, false, "the scene's camera").labelled_by(label.id);
+            });
+            ui.end_row();
+        }
+        if let Some([mut first, mut last]) = render.frames {
+            let label = ui.label("frames");
+            ui.horizontal(|ui| {
+                let mut all = render.all_frames;
+                if ui.checkbox(&mut all, "from").labelled_by(label.id).changed() {
+                    render.render_frames(all);
+                }
+                ui.add_enabled_ui(all, |ui| {
+                    ui.add(egui::DragValue::new(&mut first).range(0..=last)).labelled_by(label.id);
+                    ui.label("to");
+                    ui.add(egui::DragValue::new(&mut last).range(first..=LAST_FRAME)).labelled_by(label.id);
+                    ui.checkbox(&mut render.skip_existing, "skip those that are there");
+                });
+            });
+            render.frames = Some([first, last]);
+            ui.end_row();
+        }
+        if matches!(render.format(), Ok(ImageFormat::Exr)) {
+            let label = ui.label("layers");
+            ui.checkbox(&mut render.layers, "albedo, normal, depth, ids").labelled_by(label.id);
+            ui.end_row();
+        }
+    });
+    let problem = render.problem();
+    if let Some(why) = &problem {
+        ui.colored_label(ui.visuals().error_fg_color, why);
+    }
+    ui.add_space(8.0);
+    ui.horizontal(|ui| {
+        if ui.add_enabled(problem.is_none(), egui::Button::new(RichText::new("Start").strong())).clicked() {
+            *answer = Answer::Start;
+        }
+        if ui.button("Cancel").clicked() {
+            *answer = Answer::Close;
+        }
+    });
+}

@@ -1,0 +1,15 @@
+//! Panels and windows around the picture, and the picture itself: each draws a part of [`App`](super::app::App).
+
+mod diagnostics;
+mod dialogs;
+mod gallery_page;
+mod help;
+mod inspector;
+mod menu_bar;
+mod plots;
+mod scene_tree;
+mod source_editor;
+mod status_bar;
+mod timeline;
+mod toasts;
+mod viewport;

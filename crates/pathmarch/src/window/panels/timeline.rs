@@ -1,0 +1,42 @@
+//! The timeline: frame slider, play button, and the dialog that renders all frames.
+
+use crate::window::app::App;
+use crate::window::app::dialog::{Dialog, RenderDialog};
+use crate::window::open_scene::playback::LAST_FRAME;
+use egui::{DragValue, Slider, SliderClamping, Ui};
+
+impl App {
+    /// The frames, where there is more than one to be seen.
+    pub(crate) fn timeline_panel(&mut self, ui: &mut Ui) {
+        let Some(open) = &mut self.open else { return };
+        let Some(scene) = open.document.last_good().filter(|scene| scene.animated) else { return };
+        let (fps, moment, plays) = (scene.render.fps, open.document.moment(), open.timeline.is_playing());
+        let (mut frame, mut last) = (moment.frame, open.timeline.last);
+        let (mut toggled, mut rendered) = (false, false);
+        egui::Panel::bottom("timeline").show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let words = if plays { "Pause" } else { "Play" };
+                toggled = ui.button(words).on_hover_text("Space; comma and full stop go frame by frame.").clicked();
+                ui.monospace(format!("{:7.3} s", moment.seconds));
+                let label = ui.label("Frame");
+                ui.spacing_mut().slider_width = (ui.available_width() - 420.0).max(80.0);
+                ui.add(Slider::new(&mut frame, 0..=last).clamping(SliderClamping::Always)).labelled_by(label.id);
+                let label = ui.label("Last frame").on_hover_text("Playing goes on with frame 0 after it.");
+                ui.add(DragValue::new(&mut last).range(1..=LAST_FRAME)).labelled_by(label.id);
+                ui.weak(format!("{fps} a second"));
+                rendered = ui.button("Render frames…").on_hover_text("Each to a file, in the background.").clicked();
+            });
+        });
+        open.timeline.last = last;
+        if toggled {
+            let ctx = ui.ctx().clone();
+            self.play_or_pause(&ctx);
+        } else if frame != moment.frame {
+            open.timeline.playing = None;
+            self.look_at(frame.min(last), fps);
+        }
+        if rendered {
+            self.dialog = self.open.as_ref().and_then(RenderDialog::of_frames).map(Dialog::Render);
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! The picture, and what the pointer and the keys do in it.
+
+use crate::window::app::App;
+use crate::window::camera::navigation;
+use crate::window::camera::projection::Projection;
+use crate::window::gizmo::Pointer;
+use crate::window::open_scene::Open;
+use crate::window::open_scene::view_state::Kept;
+use egui::{Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+use glam::DVec3;
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::{Picked, clearance, pick};
+use std::f32::consts::PI;
+
+/// Points on both sides of the comparison's line where it is caught.
+const CATCH: f32 = 7.0;
+
+/// What the pointer asks of the picture, to be done once nothing is borrowed.
+enum Ask {
+    Select(Option<Picked>),
+    Look(Picked),
+    Focus(Option<Picked>),
+}
+
+impl App {
+    pub(crate) fn viewport(&mut self, ui: &mut Ui) {
+        egui::CentralPanel::no_frame().frame(egui::Frame::NONE).show(ui, |ui| self.picture(ui));
+    }
+
+    fn picture(&mut self, ui: &mut Ui) {
+        let room = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(room, Sense::click_and_drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
+        let Some(open) = &mut self.open else { return };
+        let Some(scene) = open.document.last_good().cloned() else {
+            surround(ui, room, Rect::from_center_size(room.center(), Vec2::ZERO));
+            let words = "This scene has mistakes, and there is no picture yet.\nThey are listed below; correct the text, here or in any editor.";
+            ui.painter().text(
+                room.center(),
+                Align2::CENTER_CENTER,
+                words,
+                FontId::proportional(16.0),
+                ui.visuals().text_color(),
+            );
+            return;
+        };
+        let pixels_per_point = ui.ctx().pixels_per_point();
+        let inner = room.shrink(6.0);
+        open.view.room = [inner.width(), inner.height()].map(|side| (side * pixels_per_point).max(1.0) as u32);
+        let (width, height) = scene.render.size;
+        let fit = (inner.width() / width as f32).min(inner.height() / height as f32);
+        let picture = Rect::from_center_size(room.center(), Vec2::new(width as f32, height as f32) * fit);
+        surround(ui, room, picture);
+        match &open.view.picture {
+            Some((texture, ..)) => {
+                let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+                ui.painter().image(texture.id(), picture, uv, Color32::WHITE);
+            }
+            None => {
+                ui.painter().rect_filled(picture, 0.0, Color32::BLACK);
+                ui.put(Rect::from_center_size(picture.center(), Vec2::splat(32.0)), egui::Spinner::new());
+            }
+        }
+        outline(ui, picture, open, &scene);
+        let comparing = compare(ui, picture, open, &response);
+        let handled = self.handles(ui, picture, &response);
+        if !comparing && !handled {
+            self.pointer(ui, picture, &scene, &response);
+        }
+        self.fly(ui, &scene, &response);
+        let Some(open) = &self.open else { return };
+        if open.view.focus_click && response.hovered() {
+            ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
+        }
+    }
+
+    /// The handles of what is selected; says whether the pointer is theirs.
+    fn handles(&mut self, ui: &Ui, picture: Rect, response: &Response) -> bool {
+        let Some(open) = &mut self.open else { return false };
+        let Some(selection) = open.view.selection.clone() else { return false };
+        if open.document.scene().is_err() {
+            return false;
+        }
+        let pointer = ui.input(|input| {
+            let position = input.pointer.latest_pos()?;
+            let plain = !input.modifiers.alt && !input.modifiers.shift;
+            let pressed = input.pointer.primary_pressed();
+            // What is dragged across the handles is not theirs.
+            let free = pressed || !input.pointer.any_down();
+            Some(Pointer {
+                position,
+                hovered: response.contains_pointer() && plain && free,
+                // On a slow machine the pointer has moved on within the frame.
+                pressed_at: input.pointer.press_origin().filter(|_| pressed),
+                down: input.pointer.primary_down(),
+            })
+        });
+        let (camera, kind) = (open.view.camera.clone(), open.view.handles);
+        let (taken, changes) = self.handle.show(ui, picture, &camera, &open.document, &selection, kind, pointer);
+        let gesture = self.gesture;
+        for (path, key, value) in changes {
+            self.edit(|open| open.document.set(&path, key, value, Some(gesture)));
+        }
+        taken
+    }
+
+    /// What dragging, clicking and the wheel do.
+    fn pointer(&mut self, ui: &Ui, picture: Rect, scene: &Scene, response: &Response) {
+        let Some(open) = &mut self.open else { return };
+        let (scroll, zoom, modifiers) =
+            ui.input(|input| (input.smooth_scroll_delta.y, input.zoom_delta(), input.modifiers));
+        let camera = &mut open.view.camera;
+        let before = camera.clone();
+        let delta = response.drag_delta() / picture.height().max(1.0);
+        let pans = response.dragged_by(PointerButton::Middle)
+            || response.dragged_by(PointerButton::Primary) && modifiers.shift;
+        if pans {
+            navigation::pan(camera, delta.x, delta.y);
+        } else if response.dragged_by(PointerButton::Primary) {
+            navigation::orbit(camera, -delta.x * PI, -delta.y * PI);
+        } else if response.dragged_by(PointerButton::Secondary) {
+            let angle = camera.fov.to_radians();
+            navigation::look(camera, -delta.x * angle, -delta.y * angle);
+        }
+        if response.contains_pointer() {
+            let factor = (-scroll * 0.002).exp() / zoom;
+            if factor != 1.0 {
+                navigation::dolly(camera, factor);
+            }
+        }
+        if *camera != before {
+            open.view.touch();
+        }
+        let Some(at) = response.interact_pointer_pos() else { return };
+        let asks = response.clicked() || response.double_clicked();
+        if !asks {
+            return;
+        }
+        let picked = pick_at(open, scene, picture, at);
+        let focuses = modifiers.alt || open.view.focus_click;
+        let ask = match picked {
+            picked if focuses => Ask::Focus(picked),
+            Some(picked) if response.double_clicked() => Ask::Look(picked),
+            picked => Ask::Select(picked),
+        };
+        self.answer(ask);
+    }
+
+    fn answer(&mut self, ask: Ask) {
+        let Some(open) = &mut self.open else { return };
+        let view = &mut open.view;
+        match ask {
+            Ask::Select(None) => view.selection = None,
+            Ask::Select(Some(picked)) => view.selection = open.document.path_of_leaf(picked.leaf),
+            Ask::Look(picked) => {
+                navigation::aim(&mut view.camera, picked.position.into());
+                // What is looked at is sharp, as with a camera that focuses in the middle.
+                if view.camera.focus.is_some() {
+                    view.camera.focus = Some(picked.distance);
+                }
+                view.touch();
+            }
+            Ask::Focus(picked) => {
+                view.focus_click = false;
+                let Some(picked) = picked else { return self.say("There is nothing to focus on.") };
+                view.camera.focus = Some(picked.depth);
+                view.touch();
+                let sharp = if view.camera.lens_radius > 0.0 {
+                    String::new()
+                } else {
+                    "; with a lens radius of 0 everything is sharp".to_owned()
+                };
+                self.say(&format!("Sharp at {:.3} m{sharp}.", picked.depth));
+            }
+        }
+    }
+
+    /// Flies while keys are held.
+    fn fly(&mut self, ui: &Ui, scene: &Scene, response: &Response) {
+        if ui.ctx().text_edit_focused() || !(response.contains_pointer() || response.has_focus()) {
+            return;
+        }
+        let Some(open) = &mut self.open else { return };
+        let (towards, seconds) = ui.input(|input| {
+            let along = |more: Key, less: Key| f32::from(input.key_down(more)) - f32::from(input.key_down(less));
+            let fast = if input.modifiers.shift { 4.0 } else { 1.0 };
+            let towards = glam::Vec3::new(along(Key::D, Key::A), along(Key::E, Key::Q), along(Key::W, Key::S)) * fast;
+            (if input.modifiers.command { glam::Vec3::ZERO } else { towards }, input.stable_dt.min(0.1))
+        });
+        if towards != glam::Vec3::ZERO {
+            let clearance = clearance(scene, open.view.camera.position);
+            let clearance = if clearance.is_finite() { clearance } else { 1.0 };
+            navigation::fly(&mut open.view.camera, towards, seconds, clearance);
+            open.view.touch();
+            ui.ctx().request_repaint();
+        }
+    }
+}
+
+/// Fills what the picture leaves of its room: no pixel is drawn twice, which software adapters would feel.
+fn surround(ui: &Ui, room: Rect, picture: Rect) {
+    let fill = if ui.visuals().dark_mode { Color32::from_gray(18) } else { Color32::from_gray(150) };
+    let (x, y) = (
+        [room.min.x, picture.min.x, picture.max.x, room.max.x],
+        [room.min.y, picture.min.y, picture.max.y, room.max.y],
+    );
+    for [x0, y0, x1, y1] in
+        [[x[0], y[0], x[3], y[1]], [x[0], y[2], x[3], y[3]], [x[0], y[1], x[1], y[2]], [x[2], y[1], x[3], y[2]]]
+    {
+        ui.painter().rect_filled(Rect::from_min_max(Pos2::new(x0, y0), Pos2::new(x1, y1)), 0.0, fill);
+    }
+}
+
+/// The box around what is selected.
+fn outline(ui: &Ui, picture: Rect, open: &Open, scene: &Scene) {
+    let Some(selection) = &open.view.selection else { return };
+    let leaves = open.document.leaves_of(selection);
+    let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf)).filter(|bounds| bounds.is_finite());
+    let Some(bounds) = boxes.reduce(|all, bounds| all.union(bounds)) else { return };
+    let projection = Projection::new(&open.view.camera, picture);
+    let painter = ui.painter_at(picture);
+    let corner = |k: usize| {
+        DVec3::from_array(std::array::from_fn(|axis| {
+            f64::from(if k >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] })
+        }))
+    };
+    for a in 0..8 {
+        for b in [1, 2, 4].map(|bit| a | bit).into_iter().filter(|&b| b != a) {
+            if let (Some(from), Some(to)) = (projection.place(corner(a)), projection.place(corner(b))) {
+                painter.line_segment([from, to], Stroke::new(2.5, Color32::from_black_alpha(110)));
+                painter.line_segment([from, to], Stroke::new(1.0, Color32::from_rgb(255, 190, 90)));
+            }
+        }
+    }
+}
+
+/// What is seen at a place of the window.
+fn pick_at(open: &Open, scene: &Scene, picture: Rect, at: Pos2) -> Option<Picked> {
+    let settings = App::settings(open, scene);
+    let place = (at - picture.min) / picture.size();
+    let inside = (0.0..1.0).contains(&place.x) && (0.0..1.0).contains(&place.y);
+    let [width, height] = settings.size.map(|side| side as f32);
+    if inside { pick(scene, &settings, [place.x * width, place.y * height]) } else { None }
+}
+
+/// The kept picture left of its line; says whether the pointer moves the line.
+fn compare(ui: &Ui, picture: Rect, open: &mut Open, response: &Response) -> bool {
+    let Some(Kept { texture, label, split, shown: true }) = &mut open.view.kept else { return false };
+    let x = egui::lerp(picture.x_range(), *split);
+    let left = Rect::from_min_max(picture.min, Pos2::new(x, picture.max.y));
+    let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(*split, 1.0));
+    let painter = ui.painter_at(picture);
+    painter.image(texture.id(), left, uv, Color32::WHITE);
+    painter.vline(x, picture.y_range(), Stroke::new(2.0, Color32::WHITE));
+    let note = |at: Pos2, anchor: Align2, words: &str| {
+        let font = FontId::proportional(13.0);
+        painter.text(at + Vec2::new(1.0, 1.0), anchor, words, font.clone(), Color32::BLACK);
+        painter.text(at, anchor, words, font, Color32::WHITE);
+    };
+    note(Pos2::new(x - 8.0, picture.min.y + 6.0), Align2::RIGHT_TOP, &format!("kept: {label}"));
+    note(Pos2::new(x + 8.0, picture.min.y + 6.0), Align2::LEFT_TOP, "now");
+    let near = |at: Option<Pos2>| at.is_some_and(|at| (at.x - x).abs() < CATCH && picture.contains(at));
+    let (pressed_at, down) = ui.input(|input| (input.pointer.press_origin(), input.pointer.primary_down()));
+    let id = response.id.with("comparison");
+    let mut holds = ui.data(|data| data.get_temp::<bool>(id)).unwrap_or(false);
+    if !down {
+        holds = false;
+    } else if response.drag_started() && near(pressed_at) {
+        holds = true;
+    }
+    ui.data_mut(|data| data.insert_temp(id, holds));
+    if holds && let Some(at) = ui.input(|input| input.pointer.latest_pos()) {
+        *split = ((at.x - picture.min.x) / picture.width()).clamp(0.0, 1.0);
+    }
+    let hovers = near(response.hover_pos());
+    if holds || hovers {
+        ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+    }
+    holds || hovers && down
+}
