@@ -36,7 +36,7 @@ pub fn run(options: Options, drawing: Drawing) -> Result<u8, Failure> {
         let _ = proxy.send_event(Wake);
     });
     let ctx = egui::Context::default();
-    let mut shell = Shell {
+    let mut handler = WindowHandler {
         app: App::new(&ctx, options, waker),
         ctx,
         window: None,
@@ -48,12 +48,12 @@ pub fn run(options: Options, drawing: Drawing) -> Result<u8, Failure> {
         repaint_at: None,
         failure: None,
     };
-    event_loop.run_app(&mut shell).map_err(|error| Failure::Other(format!("the window failed: {error}")))?;
-    shell.app.leave();
-    shell.failure.map_or(Ok(DONE), Err)
+    event_loop.run_app(&mut handler).map_err(|error| Failure::Other(format!("the window failed: {error}")))?;
+    handler.app.shut_down();
+    handler.failure.map_or(Ok(DONE), Err)
 }
 
-struct Shell {
+struct WindowHandler {
     app: App,
     ctx: egui::Context,
     window: Option<(Arc<Window>, egui_winit::State, String)>,
@@ -67,7 +67,7 @@ struct Shell {
     failure: Option<Failure>,
 }
 
-impl Shell {
+impl WindowHandler {
     fn open_window(&mut self, event_loop: &ActiveEventLoop) -> Result<(), String> {
         let title = self.app.title();
         let attributes = Window::default_attributes()
@@ -90,7 +90,7 @@ impl Shell {
         self.painter = None;
         let painter = Painter::new(self.drawing, window, event_loop.owned_display_handle(), &self.textures)?;
         state.set_max_texture_side(painter.max_texture_side());
-        self.app.milestone("window on", &painter.adapter);
+        self.app.log_milestone("window on", &painter.adapter);
         self.painter = Some(painter);
         window.request_redraw();
         Ok(())
@@ -100,9 +100,9 @@ impl Shell {
     fn painter_failed(&mut self, event_loop: &ActiveEventLoop, why: String) {
         self.painter = None;
         self.failures += 1;
-        self.app.keep_safe();
+        self.app.flush_recovery();
         if self.failures > RETRIES {
-            let kept = self.app.where_kept();
+            let kept = self.app.recovery_note();
             self.failure = Some(Failure::Other(format!(
                 "the window cannot be drawn: {why}; try `--drawing cpu`, or use `pathmarch render`, which works without a \
                  window{kept}"
@@ -127,7 +127,7 @@ impl Shell {
         let app = &mut self.app;
         let output = self.ctx.run_ui(input, |ui| app.ui(ui));
         state.handle_platform_output(window, output.platform_output);
-        if app.take_lose_device()
+        if app.take_device_reset()
             && let Some(painter) = &self.painter
         {
             painter.lose_device();
@@ -145,24 +145,24 @@ impl Shell {
         let painted = match &mut self.painter {
             Some(painter) => painter.paint(window, &primitives, changes, output.pixels_per_point, &mut self.textures),
             None => {
-                self.textures.take(&mut changes);
+                self.textures.apply_all(&mut changes);
                 Ok(())
             }
         };
         match painted {
             Ok(()) => {
                 self.failures = 0;
-                self.app.painted(begun.elapsed());
+                self.app.frame_drawn(begun.elapsed());
             }
             Err(PaintError::Lost(why)) => self.painter_failed(event_loop, why),
         }
-        if self.app.wants_to_leave() {
+        if self.app.should_quit() {
             event_loop.exit();
         }
     }
 }
 
-impl ApplicationHandler<Wake> for Shell {
+impl ApplicationHandler<Wake> for WindowHandler {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if self.window.is_some() {
             return;
@@ -191,7 +191,7 @@ impl ApplicationHandler<Wake> for Shell {
         match event {
             WindowEvent::RedrawRequested => return self.frame(event_loop),
             WindowEvent::CloseRequested => {
-                self.app.ask_to_leave();
+                self.app.request_quit();
                 window.request_redraw();
             }
             _ => {

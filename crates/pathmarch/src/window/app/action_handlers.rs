@@ -3,27 +3,27 @@
 use super::App;
 use super::actions::Action;
 use super::dialog::{Dialog, RenderDialog};
-use super::requests::{After, For};
+use super::requests::{FileRequest, PendingAction};
 use crate::window::camera::navigation;
-use crate::window::open_scene::view_state::{Handles, Kept};
+use crate::window::open_scene::view_state::{ComparisonPicture, GizmoMode};
 use egui::{ColorImage, Context, TextureOptions};
 use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_scene::document::{Item, ItemKind, Path as NodePath};
 
 impl App {
     /// Does what a menu or a key asks for.
-    pub(crate) fn act(&mut self, ctx: &Context, action: Action) {
+    pub(crate) fn run_action(&mut self, ctx: &Context, action: Action) {
         let selection = self.open.as_ref().and_then(|open| open.view.selection.clone());
         match action {
-            Action::New => self.unless_unsaved(After::New),
-            Action::Open => self.unless_unsaved(After::Open),
-            Action::Gallery => self.unless_unsaved(After::Gallery),
-            Action::Quit => self.ask_to_leave(),
+            Action::New => self.guard_unsaved(PendingAction::New),
+            Action::Open => self.guard_unsaved(PendingAction::Open),
+            Action::Gallery => self.guard_unsaved(PendingAction::Gallery),
+            Action::Quit => self.request_quit(),
             Action::Save => drop(self.save(None)),
-            Action::SaveAs => self.choose_save(For::SaveAs),
-            Action::SavePicture => self.choose_picture(),
+            Action::SaveAs => self.choose_save_path(FileRequest::SaveAs),
+            Action::SavePicture => self.choose_picture_path(),
             Action::Render => self.dialog = self.open.as_ref().and_then(RenderDialog::new).map(Dialog::Render),
-            Action::Undo | Action::Redo => self.travel(action == Action::Undo),
+            Action::Undo | Action::Redo => self.undo_or_redo(action == Action::Undo),
             Action::Help => self.help = !self.help,
             Action::Play => self.play_or_pause(ctx),
             Action::NextFrame | Action::PreviousFrame => self.step_frame(action == Action::NextFrame),
@@ -58,7 +58,7 @@ impl App {
                     self.select(freed.and_then(|paths| paths.into_iter().next()));
                 }
             }
-            _ => self.act_on_view(ctx, action),
+            _ => self.run_view_action(ctx, action),
         }
     }
 
@@ -78,16 +78,16 @@ impl App {
         }
     }
 
-    fn travel(&mut self, back: bool) {
+    fn undo_or_redo(&mut self, back: bool) {
         let Some(open) = &mut self.open else { return };
         let label = if back { open.document.undo() } else { open.document.redo() };
         if let Some(label) = label {
-            self.changed();
-            self.say(&format!("{}: {label}", if back { "Undone" } else { "Done again" }));
+            self.document_changed();
+            self.show_message(&format!("{}: {label}", if back { "Undone" } else { "Done again" }));
         }
     }
 
-    fn act_on_view(&mut self, ctx: &Context, action: Action) {
+    fn run_view_action(&mut self, ctx: &Context, action: Action) {
         let Some(open) = &mut self.open else { return };
         let view = &mut open.view;
         match action {
@@ -97,23 +97,23 @@ impl App {
                 let cameras = &scene.cameras;
                 let here = cameras.iter().position(|camera| camera.name == view.camera_name()).unwrap_or(0);
                 let next = if action == Action::NextCamera { (here + 1) % cameras.len() } else { here };
-                view.look_through(&cameras[next]);
+                view.use_camera(&cameras[next]);
                 if action == Action::NextCamera {
                     let words = format!("Camera “{}”", cameras[next].name);
-                    self.say(&words);
+                    self.show_message(&words);
                 }
             }
             Action::WriteCamera => self.write_camera(),
             Action::FrameSelection => self.frame_selection(),
             Action::FocusClick => view.focus_click = !view.focus_click,
-            Action::GizmoMove => view.handles = Handles::Move,
-            Action::GizmoTurn => view.handles = Handles::Turn,
-            Action::GizmoScale => view.handles = Handles::Scale,
+            Action::GizmoMove => view.gizmo_mode = GizmoMode::Move,
+            Action::GizmoRotate => view.gizmo_mode = GizmoMode::Rotate,
+            Action::GizmoScale => view.gizmo_mode = GizmoMode::Scale,
             Action::Preview => {
                 view.mode = if view.mode == Mode::Preview { Mode::Path } else { Mode::Preview };
             }
             Action::KeepForComparison => self.keep_for_comparison(ctx),
-            Action::Compare => match &mut view.kept {
+            Action::Compare => match &mut view.comparison {
                 Some(kept) => kept.shown = !kept.shown,
                 None => self.keep_for_comparison(ctx),
             },
@@ -131,12 +131,12 @@ impl App {
             open.document.write_camera(&camera, path.as_ref())?;
             let scene = open.document.last_good().cloned();
             if let Some(camera) = scene.iter().flat_map(|scene| &scene.cameras).find(|camera| camera.name == name) {
-                open.view.written(camera);
+                open.view.set_scene_camera(camera);
             }
             Ok(name)
         });
         if let Some(name) = written {
-            self.say(&format!("Camera “{name}” of the scene is now as shown."));
+            self.show_message(&format!("Camera “{name}” of the scene is now as shown."));
         }
     }
 
@@ -150,12 +150,12 @@ impl App {
         let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf));
         let bounds = boxes.filter(|bounds| bounds.is_finite()).reduce(|all, bounds| all.union(bounds));
         let Some(bounds) = bounds else {
-            self.say("What is selected has no limited size.");
+            self.show_message("What is selected has no limited size.");
             return;
         };
         let (min, max) = (glam::Vec3::from(bounds.min), glam::Vec3::from(bounds.max));
         navigation::frame(&mut open.view.camera, (min + max) * 0.5, (max - min).length() * 0.5);
-        open.view.touch();
+        open.view.mark_moving();
     }
 
     fn keep_for_comparison(&mut self, ctx: &Context) {
@@ -163,7 +163,7 @@ impl App {
         let image = ColorImage::from_rgba_premultiplied(shown.size.map(|side| side as usize), &shown.codes);
         let texture = ctx.load_texture("kept picture", image, TextureOptions::LINEAR);
         let label = format!("{}, {:.0} samples", open.view.mode.name(), shown.samples);
-        open.view.kept = Some(Kept { texture, label, split: 0.5, shown: true });
-        self.say("Kept for comparison: drag the line in the picture; B hides it.");
+        open.view.comparison = Some(ComparisonPicture { texture, label, split: 0.5, shown: true });
+        self.show_message("Kept for comparison: drag the line in the picture; B hides it.");
     }
 }

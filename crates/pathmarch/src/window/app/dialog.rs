@@ -1,10 +1,10 @@
 //! State of the modal dialogs: which one is open, and the settings of a final render.
 
-use super::requests::After;
+use super::requests::PendingAction;
 use crate::frames::{self, Frames};
-use crate::window::background_render::Sequence;
-use crate::window::files::recovery::Recovered;
-use crate::window::open_scene::Open;
+use crate::window::background_render::FrameSequence;
+use crate::window::files::recovery::RecoveredWork;
+use crate::window::open_scene::OpenScene;
 use pathmarch_render::Settings;
 use pathmarch_render::image::ImageFormat;
 use std::path::{Path, PathBuf};
@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 /// A question.
 pub(crate) enum Dialog {
     /// Unsaved work stands in the way.
-    Unsaved(After),
+    Unsaved(PendingAction),
     /// The file was changed by someone else while there were unsaved changes here.
     Conflict,
     /// What programs that ended without saving have left.
-    Recovered(Vec<Recovered>),
+    Recovered(Vec<RecoveredWork>),
     /// A final render is to be started.
     Render(RenderDialog),
     /// Renders are on their way, and the program is to end.
@@ -43,7 +43,7 @@ pub(crate) struct RenderDialog {
 }
 
 impl RenderDialog {
-    pub(crate) fn new(open: &Open) -> Option<Self> {
+    pub(crate) fn new(open: &OpenScene) -> Option<Self> {
         let scene = open.document.last_good()?;
         let settings = Settings::of(scene);
         let path = open.path.clone().unwrap_or_else(|| PathBuf::from("picture.kdl"));
@@ -54,16 +54,16 @@ impl RenderDialog {
             samples: open.view.mode.samples(settings.samples),
             bounces: settings.bounces,
             layers: false,
-            own_viewpoint: open.view.has_moved_away(),
-            may_choose_viewpoint: open.view.has_moved_away(),
-            frames: scene.animated.then_some([0, open.timeline.last]),
+            own_viewpoint: open.view.is_camera_modified(),
+            may_choose_viewpoint: open.view.is_camera_modified(),
+            frames: scene.animated.then_some([0, open.playback.last]),
             all_frames: false,
             skip_existing: false,
         })
     }
 
     /// As [`Self::new`], for all frames.
-    pub(crate) fn of_frames(open: &Open) -> Option<Self> {
+    pub(crate) fn of_frames(open: &OpenScene) -> Option<Self> {
         let mut dialog = Self::new(open)?;
         dialog.render_frames(true);
         Some(dialog)
@@ -84,9 +84,9 @@ impl RenderDialog {
     }
 
     /// The frames to render, where it is not one picture.
-    pub(crate) fn sequence(&self) -> Option<Sequence> {
+    pub(crate) fn sequence(&self) -> Option<FrameSequence> {
         let [first, last] = self.frames.filter(|_| self.all_frames)?;
-        Some(Sequence { frames: Frames::from_to(first, last), skip_existing: self.skip_existing })
+        Some(FrameSequence { frames: Frames::from_to(first, last), skip_existing: self.skip_existing })
     }
 
     /// What is wrong with it, in words.
@@ -104,16 +104,16 @@ impl RenderDialog {
 pub(crate) enum Answer {
     None,
     Close,
-    Save(After),
-    Drop(After),
+    Save(PendingAction),
+    Discard(PendingAction),
     KeepMine,
     TakeTheirs,
-    SaveMineElsewhere,
+    SaveMineAs,
     Recover(usize),
-    Forget(usize),
-    Later,
-    Start,
-    Choose,
+    DiscardRecovered(usize),
+    AskLater,
+    StartRender,
+    ChooseOutput,
     /// Without the renders.
-    Leave,
+    CancelRendersAndQuit,
 }

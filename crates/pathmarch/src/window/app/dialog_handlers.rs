@@ -3,12 +3,12 @@
 use super::App;
 use super::dialog::{Answer, Dialog};
 use super::file_handlers::reason;
-use super::requests::{For, purpose};
+use super::requests::{FileRequest, file_dialog_options};
 use crate::picture::Rendered;
-use crate::window::background_render::{self, Export, Task};
-use crate::window::file_dialog::Chooser;
-use crate::window::files::recovery::Recovered;
-use crate::window::open_scene::Open;
+use crate::window::background_render::{self, BackgroundRender, RenderRequest};
+use crate::window::file_dialog::FileDialog;
+use crate::window::files::recovery::RecoveredWork;
+use crate::window::open_scene::OpenScene;
 use pathmarch_render::Settings;
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
@@ -19,16 +19,16 @@ impl App {
     pub(crate) fn answer_dialog(&mut self, answer: Answer) {
         match answer {
             Answer::None => {}
-            Answer::Close | Answer::Later => self.dialog = None,
+            Answer::Close | Answer::AskLater => self.dialog = None,
             Answer::Save(after) => {
                 self.dialog = None;
                 if self.save(Some(after.clone())) {
-                    self.proceed(after);
+                    self.run_pending(after);
                 }
             }
-            Answer::Drop(after) => {
+            Answer::Discard(after) => {
                 self.dialog = None;
-                self.proceed(after);
+                self.run_pending(after);
             }
             Answer::KeepMine => {
                 self.dialog = None;
@@ -36,27 +36,30 @@ impl App {
                     open.keep_mine();
                 }
                 // What is kept for after a crash is based on the other version from now on.
-                self.changed();
-                self.say("Your version stays; the file keeps the other one until you save.");
+                self.document_changed();
+                self.show_message("Your version stays; the file keeps the other one until you save.");
             }
             Answer::TakeTheirs => {
                 self.dialog = None;
                 if let Some(open) = &mut self.open
                     && let Some(Ok(text)) = open.conflict.take()
                 {
-                    open.take_from_disk(text);
-                    self.changed();
-                    self.say("This is what the file says now; undo brings your version back.");
+                    open.reload_from_disk(text);
+                    self.document_changed();
+                    self.show_message("This is what the file says now; undo brings your version back.");
                 }
             }
-            Answer::SaveMineElsewhere => {
+            Answer::SaveMineAs => {
                 self.dialog = None;
-                let purpose = purpose("Save your version as", &["kdl"]);
-                let name = self.open.as_ref().map_or_else(String::new, Open::name);
+                let options = file_dialog_options("Save your version as", &["kdl"]);
+                let name = self.open.as_ref().map_or_else(String::new, OpenScene::file_name);
                 let name = format!("{}-mine.kdl", name.trim_end_matches(".kdl"));
-                self.chooser = Some((self.with_places(Chooser::save(&self.directory(), &name, purpose)), For::SaveAs));
+                self.file_dialog = Some((
+                    self.with_bookmarks(FileDialog::save(&self.directory(), &name, options)),
+                    FileRequest::SaveAs,
+                ));
             }
-            Answer::Recover(index) | Answer::Forget(index) => {
+            Answer::Recover(index) | Answer::DiscardRecovered(index) => {
                 let Some(Dialog::Recovered(left)) = &mut self.dialog else { return };
                 let one = left.remove(index);
                 let others = !left.is_empty();
@@ -65,7 +68,7 @@ impl App {
                     self.dialog = None;
                     self.recover(one);
                     if others {
-                        self.say("What else was found is offered at the next start.");
+                        self.show_message("What else was found is offered at the next start.");
                     }
                     return;
                 }
@@ -75,42 +78,43 @@ impl App {
                 if matches!(answer, Answer::Recover(_)) {
                     self.recover(one);
                 } else if let Err(why) = one.discard() {
-                    self.complain(&why);
+                    self.show_error(&why);
                 }
             }
-            Answer::Leave => {
+            Answer::CancelRendersAndQuit => {
                 self.dialog = None;
-                self.exports.clear();
-                self.ask_to_leave();
+                self.renders.clear();
+                self.request_quit();
             }
-            Answer::Start => self.start_render(),
-            Answer::Choose => {
+            Answer::StartRender => self.start_render(),
+            Answer::ChooseOutput => {
                 let Some(Dialog::Render(render)) = &self.dialog else { return };
-                let purpose = purpose("Render to", &["png", "exr", "jpg"]);
+                let options = file_dialog_options("Render to", &["png", "exr", "jpg"]);
                 let path = PathBuf::from(&render.output);
                 let folder = path.parent().filter(|folder| folder.is_dir()).map(Path::to_owned);
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 let folder = folder.unwrap_or_else(|| self.directory());
-                self.chooser = Some((self.with_places(Chooser::save(&folder, &name, purpose)), For::Render));
+                self.file_dialog =
+                    Some((self.with_bookmarks(FileDialog::save(&folder, &name, options)), FileRequest::Render));
             }
         }
     }
 
     /// Opens what a program that ended without saving has left, as unsaved changes of its file. Asks where the file is no
     /// longer the version that the work is based on.
-    fn recover(&mut self, one: Recovered) {
+    fn recover(&mut self, one: RecoveredWork) {
         let text = match &one.text {
             Ok(text) => text.clone(),
-            Err(why) => return self.complain(why),
+            Err(why) => return self.show_error(why),
         };
         let mut open = match one.scene_path.clone() {
             Some(path) => {
                 let theirs = read_text(&path).map_err(|error| reason(&error));
                 let is_based_on = theirs.as_ref().is_ok_and(|theirs| one.is_based_on(theirs));
-                Open::recovered(path, text, theirs, is_based_on)
+                OpenScene::recovered(path, text, theirs, is_based_on)
             }
             None => {
-                let mut open = Open::new("scene.kdl", String::new(), None);
+                let mut open = OpenScene::new("scene.kdl", String::new(), None);
                 open.document.replace_text(text, "Recovery", None);
                 open
             }
@@ -118,18 +122,18 @@ impl App {
         open.watch(&self.waker);
         let (must_decide, is_unsaved) = (open.conflict.is_some(), open.has_unsaved_work());
         self.show_scene(open);
-        self.changed();
+        self.document_changed();
         self.recovery.flush();
         if let Err(why) = one.discard() {
-            self.complain(&why);
+            self.show_error(&why);
         }
         if must_decide {
             self.dialog = Some(Dialog::Conflict);
-            self.say("Recovered, but its file is not what it was.");
+            self.show_message("Recovered, but its file is not what it was.");
         } else if is_unsaved {
-            self.say("Recovered. Save it to keep it.");
+            self.show_message("Recovered. Save it to keep it.");
         } else {
-            self.say("Recovered: its file holds all of it.");
+            self.show_message("Recovered: its file holds all of it.");
         }
     }
 
@@ -156,12 +160,12 @@ impl App {
         let output = PathBuf::from(&render.output);
         let first = render.sequence().map_or(output.clone(), |sequence| sequence.file(&output));
         if let Err(why) = background_render::check_output(&first, &layers) {
-            self.complain(&why);
+            self.show_error(&why);
             return;
         }
         let frames = render.sequence();
-        let task = Task { scene, settings, display, layers, output, backend, adapter, frames };
-        self.exports.push(Export::start(task, move || wake()));
+        let task = RenderRequest { scene, settings, display, layers, output, backend, adapter, frames };
+        self.renders.push(BackgroundRender::start(task, move || wake()));
         self.dialog = None;
     }
 
@@ -182,8 +186,8 @@ impl App {
             background_render::save_film(&rendered, path, &display, &layers)
         });
         match result {
-            Ok(words) => self.say(&words),
-            Err(why) => self.complain(&format!("The picture was not saved: {why}.")),
+            Ok(words) => self.show_message(&words),
+            Err(why) => self.show_error(&format!("The picture was not saved: {why}.")),
         }
     }
 }

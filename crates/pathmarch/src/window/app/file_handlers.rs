@@ -2,11 +2,11 @@
 
 use super::App;
 use super::dialog::Dialog;
-use super::performance::Plots;
-use super::requests::{After, For, purpose};
-use crate::window::file_dialog::{Choice, Chooser};
+use super::performance::PerformanceHistory;
+use super::requests::{FileRequest, PendingAction, file_dialog_options};
+use crate::window::file_dialog::{Choice, FileDialog};
 use crate::window::files::atomic_file::write_atomically;
-use crate::window::open_scene::Open;
+use crate::window::open_scene::OpenScene;
 use egui::Context;
 use pathmarch_render::pathmarch_scene::SceneError;
 use pathmarch_render::pathmarch_scene::scene::read_text;
@@ -40,32 +40,33 @@ pub(crate) fn reason(error: &SceneError) -> String {
 
 impl App {
     /// Does it, or asks first what is to become of unsaved work.
-    pub(crate) fn unless_unsaved(&mut self, after: After) {
-        if self.open.as_ref().is_some_and(Open::has_unsaved_work) {
+    pub(crate) fn guard_unsaved(&mut self, after: PendingAction) {
+        if self.open.as_ref().is_some_and(OpenScene::has_unsaved_work) {
             self.dialog = Some(Dialog::Unsaved(after));
         } else {
-            self.proceed(after);
+            self.run_pending(after);
         }
     }
 
-    pub(crate) fn proceed(&mut self, after: After) {
+    pub(crate) fn run_pending(&mut self, after: PendingAction) {
         match after {
-            After::Leave => self.end(),
-            After::New => self.show_scene(Open::new("scene.kdl", NEW_SCENE.to_owned(), None)),
-            After::Open => {
-                let purpose = purpose("Open a scene", &["kdl"]);
-                self.chooser = Some((self.with_places(Chooser::open(&self.directory(), purpose)), For::Open));
+            PendingAction::Quit => self.confirm_quit(),
+            PendingAction::New => self.show_scene(OpenScene::new("scene.kdl", NEW_SCENE.to_owned(), None)),
+            PendingAction::Open => {
+                let options = file_dialog_options("Open a scene", &["kdl"]);
+                self.file_dialog =
+                    Some((self.with_bookmarks(FileDialog::open(&self.directory(), options)), FileRequest::Open));
             }
-            After::Gallery => {
+            PendingAction::Gallery => {
                 self.recovery.clear();
                 self.open = None;
             }
-            After::Example(index) => {
+            PendingAction::Example(index) => {
                 if let Some((name, text)) = self.gallery.scene(index) {
-                    self.show_scene(Open::new(&name, text, None));
+                    self.show_scene(OpenScene::new(&name, text, None));
                 }
             }
-            After::OpenFile(path) => self.open_file(&path),
+            PendingAction::OpenFile(path) => self.open_file(&path),
         }
     }
 
@@ -77,10 +78,10 @@ impl App {
         open.or_else(recent).or_else(|| std::env::current_dir().ok()).unwrap_or_else(|| PathBuf::from("."))
     }
 
-    /// A chooser that offers the folders of what was open before.
-    pub(crate) fn with_places(&self, chooser: Chooser) -> Chooser {
+    /// A file_dialog that offers the folders of what was open before.
+    pub(crate) fn with_bookmarks(&self, file_dialog: FileDialog) -> FileDialog {
         let folder = self.open.as_ref().and_then(|open| open.path.as_deref()?.parent());
-        chooser.with_places(folder, &self.preferences.recent)
+        file_dialog.with_bookmarks(folder, &self.preferences.recent)
     }
 
     /// Opens a scene file; says why where it cannot be read.
@@ -89,7 +90,7 @@ impl App {
         match read_text(&path) {
             Ok(text) => {
                 self.preferences.opened(&path);
-                let mut open = Open::new(&path.display().to_string(), text, Some(path));
+                let mut open = OpenScene::new(&path.display().to_string(), text, Some(path));
                 open.watch(&self.waker);
                 self.show_scene(open);
             }
@@ -101,31 +102,31 @@ impl App {
                     SceneError::Unreadable { help, .. } => format!("{}. {help}", reason(&error)),
                     other => other.to_string(),
                 };
-                self.complain(&format!("{} cannot be opened: {why}", path.display()));
+                self.show_error(&format!("{} cannot be opened: {why}", path.display()));
             }
         }
     }
 
-    pub(crate) fn show_scene(&mut self, open: Open) {
+    pub(crate) fn show_scene(&mut self, open: OpenScene) {
         self.recovery.clear();
         self.open = Some(open);
-        self.forget_picture();
-        self.plots = Plots::default();
-        self.milestone("scene read", "");
-        if self.open.as_ref().is_some_and(Open::has_unsaved_work) {
-            self.changed();
+        self.discard_picture();
+        self.performance = PerformanceHistory::default();
+        self.log_milestone("scene read", "");
+        if self.open.as_ref().is_some_and(OpenScene::has_unsaved_work) {
+            self.document_changed();
         }
     }
 
     /// Writes the scene to its file, or asks for one; says whether it is written.
-    pub(crate) fn save(&mut self, then: Option<After>) -> bool {
+    pub(crate) fn save(&mut self, then: Option<PendingAction>) -> bool {
         let Some(path) = self.open.as_ref().and_then(|open| open.path.clone()) else {
-            self.choose_save(then.map_or(For::SaveAs, For::SaveThen));
+            self.choose_save_path(then.map_or(FileRequest::SaveAs, FileRequest::SaveThen));
             return false;
         };
         // What another program has just written is not replaced unseen, even where the watch has not reported it yet.
         let now = read_text(&path).ok();
-        if self.open.as_mut().zip(now).is_some_and(|(open, now)| open.is_overtaken(&now)) {
+        if self.open.as_mut().zip(now).is_some_and(|(open, now)| open.is_newer_on_disk(&now)) {
             self.dialog = Some(Dialog::Conflict);
             return false;
         }
@@ -135,7 +136,7 @@ impl App {
     fn save_to(&mut self, path: &Path) -> bool {
         let Some(open) = &mut self.open else { return false };
         if let Err(error) = write_atomically(path, open.document.text().as_bytes()) {
-            self.complain(&format!("Not saved: {error} The scene is still here, and kept for recovery."));
+            self.show_error(&format!("Not saved: {error} The scene is still here, and kept for recovery."));
             self.recovery.flush();
             return false;
         }
@@ -143,38 +144,39 @@ impl App {
         if let Ok(absolute) = std::path::absolute(&path) {
             path = absolute;
         }
-        if open.saved(&path) {
+        if open.mark_saved_to(&path) {
             open.watch(&self.waker);
         }
         self.preferences.opened(&path);
         self.recovery.clear();
-        self.say(&format!("Saved {}.", path.display()));
+        self.show_message(&format!("Saved {}.", path.display()));
         true
     }
 
-    pub(crate) fn choose_save(&mut self, what: For) {
+    pub(crate) fn choose_save_path(&mut self, what: FileRequest) {
         let name = self.open.as_ref().and_then(|open| open.path.clone());
         let name = name.as_deref().and_then(Path::file_name).map_or("scene.kdl".into(), |name| name.to_string_lossy());
-        let purpose = purpose("Save the scene", &["kdl"]);
-        self.chooser = Some((self.with_places(Chooser::save(&self.directory(), &name, purpose)), what));
+        let options = file_dialog_options("Save the scene", &["kdl"]);
+        self.file_dialog = Some((self.with_bookmarks(FileDialog::save(&self.directory(), &name, options)), what));
     }
 
-    pub(crate) fn choose_picture(&mut self) {
-        let purpose = purpose("Save the picture as it is shown", &["png", "exr", "jpg"]);
-        let name = self.picture_name();
-        self.chooser = Some((self.with_places(Chooser::save(&self.directory(), &name, purpose)), For::Picture));
+    pub(crate) fn choose_picture_path(&mut self) {
+        let options = file_dialog_options("Save the picture as it is shown", &["png", "exr", "jpg"]);
+        let name = self.picture_file_name();
+        self.file_dialog =
+            Some((self.with_bookmarks(FileDialog::save(&self.directory(), &name, options)), FileRequest::Picture));
     }
 
     /// What a picture of the open scene is called.
-    pub(crate) fn picture_name(&self) -> String {
+    pub(crate) fn picture_file_name(&self) -> String {
         let stem = self.open.as_ref().and_then(|open| open.path.as_deref()?.file_stem().map(|stem| stem.to_owned()));
         format!("{}.png", stem.map_or("picture".into(), |stem| stem.to_string_lossy().into_owned()))
     }
 
-    pub(crate) fn choosing(&mut self, ctx: &Context) {
-        let Some((chooser, _)) = &mut self.chooser else { return };
-        let Some(choice) = chooser.show(ctx) else { return };
-        let Some((_, what)) = self.chooser.take() else { return };
+    pub(crate) fn show_file_dialog(&mut self, ctx: &Context) {
+        let Some((file_dialog, _)) = &mut self.file_dialog else { return };
+        let Some(choice) = file_dialog.show(ctx) else { return };
+        let Some((_, what)) = self.file_dialog.take() else { return };
         let Choice::Chosen(path) = choice else {
             if self.open.as_ref().is_some_and(|open| open.conflict.is_some()) {
                 // It was to be saved elsewhere, and now is not.
@@ -183,15 +185,15 @@ impl App {
             return;
         };
         match what {
-            For::Open => self.open_file(&path),
-            For::SaveAs => drop(self.save_to(&path)),
-            For::SaveThen(after) => {
+            FileRequest::Open => self.open_file(&path),
+            FileRequest::SaveAs => drop(self.save_to(&path)),
+            FileRequest::SaveThen(after) => {
                 if self.save_to(&path) {
-                    self.proceed(after);
+                    self.run_pending(after);
                 }
             }
-            For::Picture => self.save_picture(&path),
-            For::Render => {
+            FileRequest::Picture => self.save_picture(&path),
+            FileRequest::Render => {
                 if let Some(Dialog::Render(dialog)) = &mut self.dialog {
                     dialog.output = path.display().to_string();
                 }
@@ -199,10 +201,10 @@ impl App {
         }
     }
 
-    pub(crate) fn take_dropped(&mut self, ctx: &Context) {
+    pub(crate) fn open_dropped_file(&mut self, ctx: &Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
-            self.unless_unsaved(After::OpenFile(path));
+            self.guard_unsaved(PendingAction::OpenFile(path));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The live picture: orders to the renderer, and its pictures on their way to the screen.
 
 use super::App;
-use crate::window::open_scene::Open;
+use crate::window::open_scene::OpenScene;
 use egui::{ColorImage, Context, TextureOptions};
 use pathmarch_render::Settings;
 use pathmarch_render::live::Order;
@@ -12,7 +12,7 @@ use std::time::Duration;
 
 impl App {
     /// Brings a new picture to the screen.
-    pub(super) fn take_picture(&mut self, ctx: &Context) {
+    pub(super) fn upload_picture(&mut self, ctx: &Context) {
         let (Some(open), Some(shown)) = (&mut self.open, self.live.picture()) else { return };
         let is_other_scene = self.first_order.is_none_or(|first| shown.order < first);
         if is_other_scene || open.view.picture.as_ref().is_some_and(|(_, serial, _)| *serial == shown.serial) {
@@ -30,15 +30,15 @@ impl App {
                 *slot = Some((texture, shown.serial, shown.size));
             }
         }
-        self.plots.picture(&shown, self.live.status().samples_per_second);
+        self.performance.picture(&shown, self.live.status().samples_per_second);
     }
 
     /// Tells the renderer what to show, if that has changed.
-    pub(super) fn order(&mut self, ctx: &Context) {
+    pub(super) fn order_picture(&mut self, ctx: &Context) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else { return };
-        let moving = open.view.moving();
-        if open.view.room.contains(&0) {
+        let moving = open.view.time_until_still();
+        if open.view.available_pixels.contains(&0) {
             return;
         }
         let order = Order {
@@ -66,16 +66,16 @@ impl App {
     }
 
     /// Another scene comes: no picture of the one before is shown for it.
-    pub(crate) fn forget_picture(&mut self) {
+    pub(crate) fn discard_picture(&mut self) {
         (self.ordered, self.first_order) = (None, None);
     }
 
     /// What is rendered live.
-    pub(crate) fn settings(open: &Open, scene: &Scene) -> Settings {
+    pub(crate) fn settings(open: &OpenScene, scene: &Scene) -> Settings {
         let asked = Settings::of(scene);
         let mode = open.view.mode;
         Settings {
-            size: open.view.size(scene),
+            size: open.view.picture_size(scene),
             samples: mode.samples(asked.samples),
             viewpoint: Some(open.view.camera.clone()),
             mode,
@@ -83,7 +83,7 @@ impl App {
         }
     }
 
-    pub(crate) fn display(open: &Open, scene: &Scene) -> Display {
+    pub(crate) fn display(open: &OpenScene, scene: &Scene) -> Display {
         let display = Display { tonemap: scene.render.tonemap, exposure_stops: open.view.camera.exposure };
         open.view.mode.display(display)
     }

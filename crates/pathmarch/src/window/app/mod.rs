@@ -12,13 +12,13 @@ pub(crate) mod requests;
 mod timings;
 pub(crate) mod toasts;
 
-use super::background_render::Export;
-use super::file_dialog::Chooser;
+use super::background_render::BackgroundRender;
+use super::file_dialog::FileDialog;
 use super::files::preferences::Preferences;
-use super::files::recovery::{Recovery, left_behind};
+use super::files::recovery::{Recovery, find_abandoned_work};
 use super::gallery::Gallery;
-use super::gizmo::Handle;
-use super::open_scene::{Open, Reload};
+use super::gizmo::GizmoState;
+use super::open_scene::{FileChange, OpenScene};
 use super::waker::Waker;
 use dialog::Dialog;
 use egui::{Context, Ui};
@@ -26,8 +26,8 @@ use pathmarch_cli::AppDirs;
 use pathmarch_render::Backend;
 use pathmarch_render::live::{Live, Order};
 use pathmarch_render::pathmarch_scene::document::EditError;
-use performance::Plots;
-use requests::{After, For};
+use performance::PerformanceHistory;
+use requests::{FileRequest, PendingAction};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use toasts::Toast;
@@ -50,22 +50,22 @@ pub(crate) struct App {
     pub(crate) options: Options,
     pub(crate) waker: Waker,
     pub(crate) live: Live,
-    pub(crate) open: Option<Open>,
+    pub(crate) open: Option<OpenScene>,
     pub(crate) gallery: Gallery,
     pub(crate) preferences: Preferences,
     pub(crate) recovery: Recovery,
-    pub(crate) chooser: Option<(Chooser, For)>,
+    pub(crate) file_dialog: Option<(FileDialog, FileRequest)>,
     pub(crate) dialog: Option<Dialog>,
-    pub(crate) exports: Vec<Export>,
+    pub(crate) renders: Vec<BackgroundRender>,
     pub(crate) toasts: Vec<Toast>,
-    pub(crate) plots: Plots,
-    pub(crate) handle: Handle,
+    pub(crate) performance: PerformanceHistory,
+    pub(crate) gizmo: GizmoState,
     pub(crate) help: bool,
     /// Changes between two presses of the pointer, or from the keyboard in one widget, are one step of undoing.
-    pub(crate) gesture: u64,
+    pub(crate) undo_group: u64,
     focus: Option<egui::Id>,
     /// When the text of the scene was last typed in, seconds.
-    pub(crate) typed_at: f64,
+    pub(crate) last_typed_at: f64,
     /// Text was being typed at the end of the last frame.
     typing: bool,
     ordered: Option<Order>,
@@ -74,25 +74,25 @@ pub(crate) struct App {
     started: Instant,
     milestones: Vec<&'static str>,
     /// How long frames of the window took, milliseconds; kept only if asked for.
-    frames: Vec<f64>,
-    leaving: bool,
-    lose_window_device: bool,
+    frame_times: Vec<f64>,
+    quitting: bool,
+    reset_window_device: bool,
 }
 
 impl App {
     pub(crate) fn new(ctx: &Context, options: Options, waker: Waker) -> Self {
-        Self::in_places(ctx, options, waker, AppDirs::of_user())
+        Self::with_dirs(ctx, options, waker, AppDirs::of_user())
     }
 
     /// As [`Self::new`], with directories of its own for what it keeps.
-    pub(crate) fn in_places(ctx: &Context, options: Options, waker: Waker, places: Option<AppDirs>) -> Self {
+    pub(crate) fn with_dirs(ctx: &Context, options: Options, waker: Waker, dirs: Option<AppDirs>) -> Self {
         let started = Instant::now();
         let wake = waker.clone();
         let live = Live::new(options.backend, options.adapter.clone(), move || wake());
         let preferences =
-            places.as_ref().map_or_else(Preferences::default, |places| Preferences::load_from(&places.preferences));
-        let kept_in = places.map_or_else(|| std::env::temp_dir().join("pathmarch-recovery"), |places| places.recovery);
-        let recovery = Recovery::new(&kept_in);
+            dirs.as_ref().map_or_else(Preferences::default, |dirs| Preferences::load_from(&dirs.preferences));
+        let recovery_dir = dirs.map_or_else(|| std::env::temp_dir().join("pathmarch-recovery"), |dirs| dirs.recovery);
+        let recovery = Recovery::new(&recovery_dir);
         ctx.set_theme(match preferences.dark {
             Some(true) => egui::ThemePreference::Dark,
             Some(false) => egui::ThemePreference::Light,
@@ -107,33 +107,33 @@ impl App {
             gallery: Gallery::default(),
             preferences,
             recovery,
-            chooser: None,
+            file_dialog: None,
             dialog: None,
-            exports: Vec::new(),
+            renders: Vec::new(),
             toasts: Vec::new(),
-            plots: Plots::default(),
-            handle: Handle::default(),
+            performance: PerformanceHistory::default(),
+            gizmo: GizmoState::default(),
             help: false,
-            gesture: 0,
-            typed_at: 0.0,
+            undo_group: 0,
+            last_typed_at: 0.0,
             focus: None,
             typing: false,
             ordered: None,
             first_order: None,
             started,
             milestones: Vec::new(),
-            frames: Vec::new(),
-            leaving: false,
-            lose_window_device: false,
+            frame_times: Vec::new(),
+            quitting: false,
+            reset_window_device: false,
             waker,
             options,
         };
-        let left = left_behind(&kept_in);
+        let left = find_abandoned_work(&recovery_dir);
         if !left.is_empty() {
             app.dialog = Some(Dialog::Recovered(left));
         }
         for problem in [app.recovery.problem(), app.preferences.notice().map(str::to_owned)].into_iter().flatten() {
-            app.complain(&problem);
+            app.show_error(&problem);
         }
         if let Some(path) = app.options.scene.clone() {
             app.open_file(&path);
@@ -146,7 +146,7 @@ impl App {
         match &self.open {
             Some(open) => {
                 let changed = if open.has_unsaved_work() { "• " } else { "" };
-                format!("{changed}{} - pathmarch", open.name())
+                format!("{changed}{} - pathmarch", open.file_name())
             }
             None => "pathmarch".to_owned(),
         }
@@ -155,21 +155,21 @@ impl App {
     /// Everything of one frame.
     pub(crate) fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        self.poll(&ctx);
-        self.keep_time(&ctx);
-        let blocked = self.dialog.is_some() || self.chooser.is_some();
+        self.poll_background(&ctx);
+        self.advance_playback(&ctx);
+        let blocked = self.dialog.is_some() || self.file_dialog.is_some();
         let focus = ctx.memory(|memory| memory.focused());
         let (pressed, down) = ctx.input(|input| (input.pointer.any_pressed(), input.pointer.any_down()));
         if pressed || focus != self.focus && !down {
-            self.gesture += 1;
+            self.undo_group += 1;
         }
         self.focus = focus;
         let typed = self.typing;
         if !blocked {
             if let Some(action) = actions::pressed(&ctx, self.open.is_some(), typed) {
-                self.act(&ctx, action);
+                self.run_action(&ctx, action);
             }
-            self.take_dropped(&ctx);
+            self.open_dropped_file(&ctx);
         }
         self.menu_bar(ui);
         self.status_bar(ui);
@@ -181,7 +181,7 @@ impl App {
             if self.preferences.show_source {
                 self.source_panel(ui);
             }
-            self.mistakes_panel(ui);
+            self.diagnostics_panel(ui);
             if self.preferences.left_open {
                 self.tree_panel(ui);
             }
@@ -193,10 +193,10 @@ impl App {
             self.gallery_page(ui);
         }
         self.help_window(&ctx);
-        self.dialogs(&ctx);
-        self.choosing(&ctx);
+        self.show_dialog(&ctx);
+        self.show_file_dialog(&ctx);
         self.show_toasts(&ctx);
-        self.order(&ctx);
+        self.order_picture(&ctx);
         // Ctrl with plus and minus changes it.
         self.preferences.scale = ctx.zoom_factor();
         self.save_preferences();
@@ -209,33 +209,33 @@ impl App {
     }
 
     /// Takes on what happened elsewhere: pictures, files, renders.
-    fn poll(&mut self, ctx: &Context) {
-        self.take_picture(ctx);
-        let reload = self.open.as_mut().and_then(Open::reload);
+    fn poll_background(&mut self, ctx: &Context) {
+        self.upload_picture(ctx);
+        let reload = self.open.as_mut().and_then(OpenScene::poll_file);
         match reload {
-            Some(Reload::Taken) => {
-                self.changed();
+            Some(FileChange::Reloaded) => {
+                self.document_changed();
                 if let Some(open) = &mut self.open {
                     open.view.selection = None;
                 }
-                self.say("The file has changed: this is what it says now.");
+                self.show_message("The file has changed: this is what it says now.");
             }
-            Some(Reload::Conflict) => self.dialog = Some(Dialog::Conflict),
-            Some(Reload::Same) => {
+            Some(FileChange::Conflict) => self.dialog = Some(Dialog::Conflict),
+            Some(FileChange::InSync) => {
                 if matches!(self.dialog, Some(Dialog::Conflict)) {
                     self.dialog = None;
                 }
-                self.changed();
+                self.document_changed();
             }
-            Some(Reload::Unreadable(why)) => self.complain(&why),
+            Some(FileChange::Unreadable(why)) => self.show_error(&why),
             None => {}
         }
-        if self.open.as_mut().is_some_and(|open| open.follow_parts(&self.waker)) {
-            self.changed();
-            self.say("A file that the scene includes has changed.");
+        if self.open.as_mut().is_some_and(|open| open.poll_includes(&self.waker)) {
+            self.document_changed();
+            self.show_message("A file that the scene includes has changed.");
         }
         let mut said = Vec::new();
-        self.exports.retain(|export| match export.finished() {
+        self.renders.retain(|export| match export.finished() {
             Some(result) => {
                 said.push(result);
                 false
@@ -244,45 +244,45 @@ impl App {
         });
         for result in said {
             match result {
-                Ok(words) => self.say(&words),
-                Err(words) => self.complain(&words),
+                Ok(words) => self.show_message(&words),
+                Err(words) => self.show_error(&words),
             }
         }
-        if !self.exports.is_empty() {
+        if !self.renders.is_empty() {
             ctx.request_repaint_after(Duration::from_millis(200));
         }
     }
 
     /// The document was changed: everything that depends on it follows.
-    pub(crate) fn changed(&mut self) {
+    pub(crate) fn document_changed(&mut self) {
         let Some(open) = &mut self.open else { return };
         if let Some(scene) = open.document.last_good().cloned() {
-            open.view.follow(&scene);
+            open.view.sync_camera(&scene);
         }
         if open.view.selection.as_ref().is_some_and(|path| open.document.item(path).is_none()) {
             open.view.selection = None;
         }
-        open.view.touch();
+        open.view.mark_moving();
         if open.has_unsaved_work() {
-            self.recovery.keep(open.path.as_deref(), open.document.text(), open.disk());
+            self.recovery.keep(open.path.as_deref(), open.document.text(), open.base_text());
         } else {
             self.recovery.clear();
         }
     }
 
     /// Makes a change of the document; says why where it is refused.
-    pub(crate) fn edit<T>(&mut self, edit: impl FnOnce(&mut Open) -> Result<T, EditError>) -> Option<T> {
+    pub(crate) fn edit<T>(&mut self, edit: impl FnOnce(&mut OpenScene) -> Result<T, EditError>) -> Option<T> {
         let open = self.open.as_mut()?;
         let before = open.document.revision();
         let result = edit(open);
         let has_changed = open.document.revision() != before;
         if has_changed {
-            self.changed();
+            self.document_changed();
         }
         match result {
             Ok(value) => Some(value),
             Err(error) => {
-                self.complain(&error.to_string());
+                self.show_error(&error.to_string());
                 None
             }
         }
@@ -290,46 +290,46 @@ impl App {
 
     // The end.
 
-    pub(crate) fn ask_to_leave(&mut self) {
-        if self.exports.is_empty() {
-            self.unless_unsaved(After::Leave);
+    pub(crate) fn request_quit(&mut self) {
+        if self.renders.is_empty() {
+            self.guard_unsaved(PendingAction::Quit);
         } else {
             self.dialog = Some(Dialog::Busy);
         }
     }
     /// Nothing is in the way of the end.
-    pub(crate) fn end(&mut self) {
-        self.leaving = true;
+    pub(crate) fn confirm_quit(&mut self) {
+        self.quitting = true;
     }
-    pub(crate) fn wants_to_leave(&self) -> bool {
-        self.leaving
+    pub(crate) fn should_quit(&self) -> bool {
+        self.quitting
     }
     /// Writes what is not saved to the recovery file now.
-    pub(crate) fn keep_safe(&mut self) {
+    pub(crate) fn flush_recovery(&mut self) {
         self.recovery.flush();
     }
     /// Where what is not saved is kept, as the end of a sentence.
-    pub(crate) fn where_kept(&self) -> String {
-        let unsaved = self.open.as_ref().is_some_and(Open::has_unsaved_work);
+    pub(crate) fn recovery_note(&self) -> String {
+        let unsaved = self.open.as_ref().is_some_and(OpenScene::has_unsaved_work);
         if unsaved { "; your changes are kept and will be offered at the next start".to_owned() } else { String::new() }
     }
     /// The window is closed in order.
-    pub(crate) fn leave(&mut self) {
-        if self.leaving {
+    pub(crate) fn shut_down(&mut self) {
+        if self.quitting {
             self.recovery.clear();
         } else {
             self.recovery.flush();
         }
         self.save_preferences();
-        self.report_frames();
+        self.report_frame_times();
     }
     /// Opens both graphics devices anew.
     pub(crate) fn restart_graphics(&mut self) {
-        self.lose_window_device = true;
+        self.reset_window_device = true;
         self.live.lose_device();
     }
     /// Whether the window's graphics device is to be opened anew.
-    pub(crate) fn take_lose_device(&mut self) -> bool {
-        std::mem::take(&mut self.lose_window_device)
+    pub(crate) fn take_device_reset(&mut self) -> bool {
+        std::mem::take(&mut self.reset_window_device)
     }
 }

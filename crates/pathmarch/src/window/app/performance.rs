@@ -9,13 +9,13 @@ const REMEMBERED: usize = 240;
 
 /// What the plots show.
 #[derive(Default)]
-pub(crate) struct Plots {
+pub(crate) struct PerformanceHistory {
     /// Milliseconds since the picture before, and samples of the whole picture each second.
     pub(crate) history: VecDeque<(f64, f64)>,
     last: Option<Instant>,
 }
 
-impl Plots {
+impl PerformanceHistory {
     pub(crate) fn picture(&mut self, shown: &Shown, samples_per_second: f64) {
         if let Some(last) = self.last {
             let milliseconds = shown.at.duration_since(last).as_secs_f64() * 1e3;

@@ -13,10 +13,12 @@ impl App {
     pub(crate) fn play_or_pause(&mut self, ctx: &Context) {
         let Some(open) = &mut self.open else { return };
         if !open.document.last_good().is_some_and(|scene| scene.animated) {
-            self.say("Nothing in this scene depends on the time: write a formula with t, as in rotate 0 \"90*t\" 0.");
+            self.show_message(
+                "Nothing in this scene depends on the time: write a formula with t, as in rotate 0 \"90*t\" 0.",
+            );
             return;
         }
-        open.timeline.playing = match open.timeline.playing {
+        open.playback.playing = match open.playback.playing {
             Some(_) => None,
             None => Some((ctx.input(|input| input.time), open.document.moment().frame)),
         };
@@ -26,27 +28,27 @@ impl App {
     pub(crate) fn step_frame(&mut self, forwards: bool) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().filter(|scene| scene.animated) else { return };
-        let (fps, count) = (scene.render.fps, open.timeline.last + 1);
+        let (fps, count) = (scene.render.fps, open.playback.last + 1);
         let frame = open.document.moment().frame;
-        open.timeline.playing = None;
-        self.look_at((if forwards { frame + 1 } else { frame + count - 1 }) % count, fps);
+        open.playback.playing = None;
+        self.show_frame((if forwards { frame + 1 } else { frame + count - 1 }) % count, fps);
     }
 
     /// While it plays, goes to the frame that is due.
-    pub(crate) fn keep_time(&mut self, ctx: &Context) {
+    pub(crate) fn advance_playback(&mut self, ctx: &Context) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good() else { return };
         let fps = scene.render.fps;
         if !scene.animated {
-            open.timeline.playing = None;
+            open.playback.playing = None;
         }
-        let Some((frame, left)) = open.timeline.due(ctx.input(|input| input.time), fps) else { return };
+        let Some((frame, left)) = open.playback.due(ctx.input(|input| input.time), fps) else { return };
         ctx.request_repaint_after(Duration::from_secs_f64(left));
-        self.look_at(frame, fps);
+        self.show_frame(frame, fps);
     }
 
     /// Shows a frame. A viewpoint of one's own stays.
-    pub(crate) fn look_at(&mut self, frame: u32, fps: f32) {
+    pub(crate) fn show_frame(&mut self, frame: u32, fps: f32) {
         let Some(open) = &mut self.open else { return };
         let moment = Moment::of_frame(frame, fps);
         if moment == open.document.moment() {
@@ -54,10 +56,10 @@ impl App {
         }
         open.document.set_moment(moment);
         if let Some(scene) = open.document.last_good().cloned()
-            && !open.view.has_moved_away()
+            && !open.view.is_camera_modified()
         {
-            open.view.follow(&scene);
+            open.view.sync_camera(&scene);
         }
-        open.view.touch();
+        open.view.mark_moving();
     }
 }

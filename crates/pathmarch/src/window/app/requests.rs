@@ -1,15 +1,15 @@
 //! Requests that wait for an answer: for a file, or for what becomes of unsaved work.
 
-use crate::window::file_dialog::Purpose;
+use crate::window::file_dialog::FileDialogOptions;
 use std::path::PathBuf;
 
 /// What a file is chosen for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum For {
+pub(crate) enum FileRequest {
     Open,
     SaveAs,
     /// The scene is to be saved, and then this done.
-    SaveThen(After),
+    SaveThen(PendingAction),
     /// The picture as it is shown.
     Picture,
     /// The output of the render dialog.
@@ -18,8 +18,8 @@ pub(crate) enum For {
 
 /// What was asked for when unsaved work stood in its way.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum After {
-    Leave,
+pub(crate) enum PendingAction {
+    Quit,
     New,
     Open,
     /// This file, of the recent ones or dragged into the window.
@@ -30,6 +30,6 @@ pub(crate) enum After {
 }
 
 /// What a file is chosen for.
-pub(crate) fn purpose(title: &str, extensions: &[&'static str]) -> Purpose {
-    Purpose { title: title.to_owned(), extensions: extensions.to_vec() }
+pub(crate) fn file_dialog_options(title: &str, extensions: &[&'static str]) -> FileDialogOptions {
+    FileDialogOptions { title: title.to_owned(), extensions: extensions.to_vec() }
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 /// Messages stay for so long; in tests until they are closed, for no test may depend on how fast it runs.
 const MESSAGE_SECONDS: f32 = if cfg!(test) { 1e5 } else { 4.0 };
 /// Complaints stay longer, for there is more to read.
-const COMPLAINT_SECONDS: f32 = if cfg!(test) { 1e5 } else { 10.0 };
+const ERROR_SECONDS: f32 = if cfg!(test) { 1e5 } else { 10.0 };
 
 /// A message that goes away by itself.
 pub(crate) struct Toast {
@@ -16,11 +16,11 @@ pub(crate) struct Toast {
 }
 
 impl App {
-    pub(crate) fn say(&mut self, text: &str) {
+    pub(crate) fn show_message(&mut self, text: &str) {
         self.toast(text, false, MESSAGE_SECONDS);
     }
-    pub(crate) fn complain(&mut self, text: &str) {
-        self.toast(text, true, COMPLAINT_SECONDS);
+    pub(crate) fn show_error(&mut self, text: &str) {
+        self.toast(text, true, ERROR_SECONDS);
     }
     fn toast(&mut self, text: &str, is_error: bool, seconds: f32) {
         let until = Instant::now() + Duration::from_secs_f32(seconds);

@@ -21,7 +21,7 @@ use std::time::Instant;
 
 /// What to render, and where to.
 #[derive(Clone, Debug)]
-pub struct Task {
+pub struct RenderRequest {
     /// The scene.
     pub scene: Arc<Scene>,
     /// Size, samples and limits.
@@ -37,26 +37,26 @@ pub struct Task {
     /// Part of the name of the GPU adapter.
     pub adapter: Option<String>,
     /// The frames to render, where it is not one picture: `#` in the file's name are the digits of their numbers.
-    pub frames: Option<Sequence>,
+    pub frames: Option<FrameSequence>,
 }
 
 /// Frames to render, each to a file.
 #[derive(Clone, Copy, Debug)]
-pub struct Sequence {
+pub struct FrameSequence {
     /// Which.
     pub frames: Frames,
     /// Whether those whose files are there are left as they are.
     pub skip_existing: bool,
 }
 
-impl Sequence {
+impl FrameSequence {
     /// The file of the first frame.
     pub fn file(&self, pattern: &Path) -> PathBuf {
         frames::file(pattern, self.frames.numbers().next().unwrap_or(0))
     }
 }
 
-/// How far an [`Export`] is.
+/// How far an [`BackgroundRender`] is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// Samples of each pixel done, with a fraction for one that is begun.
@@ -71,7 +71,7 @@ pub struct Progress {
     pub writing: bool,
 }
 
-const GO_ON: u8 = 0;
+const CONTINUE: u8 = 0;
 const STOP_AND_KEEP: u8 = 1;
 const CANCEL: u8 = 2;
 
@@ -85,7 +85,7 @@ struct State {
 
 #[derive(Default)]
 struct Shared {
-    wish: AtomicU8,
+    command: AtomicU8,
     state: Mutex<State>,
 }
 
@@ -95,31 +95,31 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn wish(&self) -> u8 {
-        self.wish.load(Ordering::SeqCst)
+    fn command(&self) -> u8 {
+        self.command.load(Ordering::SeqCst)
     }
 }
 
 /// A picture on its way to a file. Dropping it cancels it; a file that is being written by then is finished.
-pub struct Export {
+pub struct BackgroundRender {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
     of: f64,
     output: PathBuf,
 }
 
-impl Export {
+impl BackgroundRender {
     /// Begins. `wake` is called, on another thread, when there is progress and when it is finished.
-    pub fn start(task: Task, wake: impl Fn() + Send + 'static) -> Self {
+    pub fn start(task: RenderRequest, wake: impl Fn() + Send + 'static) -> Self {
         let shared = Arc::<Shared>::default();
         let count = task.frames.as_ref().map_or(1, |sequence| sequence.frames.numbers().count());
         let (of, output) = (f64::from(task.settings.samples) * count as f64, task.output.clone());
-        let of_thread = shared.clone();
-        let thread = std::thread::Builder::new().name("export".to_owned()).spawn(move || {
-            let outcome = catch_unwind(AssertUnwindSafe(|| work(&task, &of_thread, &wake))).unwrap_or_else(|_| {
+        let thread_shared = shared.clone();
+        let thread = std::thread::Builder::new().name("render".to_owned()).spawn(move || {
+            let outcome = catch_unwind(AssertUnwindSafe(|| work(&task, &thread_shared, &wake))).unwrap_or_else(|_| {
                 Err(format!("{}: not written: the renderer failed in a way it should not", task.output.display()))
             });
-            of_thread.state().outcome = Some(outcome);
+            thread_shared.state().outcome = Some(outcome);
             wake();
         });
         let thread = match thread {
@@ -149,13 +149,13 @@ impl Export {
 
     /// Ends it without a file, unless it is being written already.
     pub fn cancel(&self) {
-        self.shared.wish.store(CANCEL, Ordering::SeqCst);
+        self.shared.command.store(CANCEL, Ordering::SeqCst);
     }
 
     /// Ends it early with what is done; at least one sample will be.
     pub fn stop_and_keep(&self) {
         // What was cancelled stays so.
-        let _ = self.shared.wish.compare_exchange(GO_ON, STOP_AND_KEEP, Ordering::SeqCst, Ordering::SeqCst);
+        let _ = self.shared.command.compare_exchange(CONTINUE, STOP_AND_KEEP, Ordering::SeqCst, Ordering::SeqCst);
     }
 
     /// How it ended, in one sentence, once it has.
@@ -164,7 +164,7 @@ impl Export {
     }
 }
 
-impl Drop for Export {
+impl Drop for BackgroundRender {
     fn drop(&mut self) {
         self.cancel();
         let writing = {
@@ -193,7 +193,7 @@ pub fn check_output(output: &Path, layers: &[Layer]) -> Result<(), String> {
     check_writable(output).map_err(|error| error.to_string())
 }
 
-/// Writes a film that is at hand, as an [`Export`] would; returns a sentence.
+/// Writes a film that is at hand, as an [`BackgroundRender`] would; returns a sentence.
 ///
 /// # Errors
 /// In words.
@@ -217,7 +217,7 @@ fn samples_of(film: &Film, settings: &Settings) -> String {
 }
 
 /// The thread.
-fn work(task: &Task, shared: &Shared, wake: &impl Fn()) -> Result<String, String> {
+fn work(task: &RenderRequest, shared: &Shared, wake: &impl Fn()) -> Result<String, String> {
     let renderer = Renderer::open(task.backend, task.adapter.as_deref()).map_err(|error| error.to_string())?;
     let animation = Animation::new(task.scene.source_name.as_str(), task.scene.source_text.as_str());
     let mut worker = Worker { task, shared, wake, renderer, animation };
@@ -232,7 +232,7 @@ fn work(task: &Task, shared: &Shared, wake: &impl Fn()) -> Result<String, String
 
 /// Renders pictures one after the other.
 struct Worker<'a, W> {
-    task: &'a Task,
+    task: &'a RenderRequest,
     shared: &'a Shared,
     wake: &'a W,
     renderer: Renderer,
@@ -249,17 +249,17 @@ impl<W: Fn()> Worker<'_, W> {
         })
     }
 
-    fn frames(&mut self, sequence: &Sequence) -> Result<String, String> {
+    fn frames(&mut self, sequence: &FrameSequence) -> Result<String, String> {
         let (task, started) = (self.task, Instant::now());
         let fps = task.scene.render.fps;
-        let (mut wrote, mut were_there) = (0, 0);
+        let (mut wrote, mut skipped) = (0, 0);
         for (index, frame) in sequence.frames.numbers().enumerate() {
-            if self.shared.wish() != GO_ON {
+            if self.shared.command() != CONTINUE {
                 break;
             }
             let output = frames::file(&task.output, frame);
             if sequence.skip_existing && output.exists() {
-                were_there += 1;
+                skipped += 1;
                 continue;
             }
             let in_frame = |error: String| format!("frame {frame}: {error}; what was written before it stays");
@@ -271,30 +271,30 @@ impl<W: Fn()> Worker<'_, W> {
             wrote += u32::from(written.is_some());
         }
         let files = if wrote == 1 { "1 frame".to_owned() } else { format!("{wrote} frames") };
-        let begun = if self.shared.wish() == GO_ON { "wrote" } else { "stopped; wrote" };
-        let there = if were_there > 0 { format!(", {were_there} were there") } else { String::new() };
+        let begun = if self.shared.command() == CONTINUE { "wrote" } else { "stopped; wrote" };
+        let there = if skipped > 0 { format!(", {skipped} were there") } else { String::new() };
         let seconds = started.elapsed().as_secs_f64();
         Ok(format!("{begun} {files} to {} in {seconds:.1} s{there}", task.output.display()))
     }
 
     /// Renders and writes one picture; what was written, or nothing where it was cancelled. `before` is the number of samples of the
-    /// pictures before; a picture that is cut short is written only if it `may_be_short`.
+    /// pictures before; a picture that is cut short is written only if it `may_be_partial`.
     fn picture(
         &mut self,
         scene: &Scene,
         display: &Display,
         output: &Path,
         before: f64,
-        may_be_short: bool,
+        may_be_partial: bool,
     ) -> Result<Option<String>, String> {
         let (task, shared) = (self.task, self.shared);
         check_output(output, &task.layers)?;
         let fail = |error: MotionError| error.to_string();
         let mut exposure = Exposure::start(&mut self.renderer, scene, &task.settings, Shutter::of(scene))
             .map_err(|error| error.to_string())?;
-        let stop = |done: f64| match shared.wish() {
-            GO_ON => false,
-            STOP_AND_KEEP if may_be_short => done >= 1.0,
+        let stop = |done: f64| match shared.command() {
+            CONTINUE => false,
+            STOP_AND_KEEP if may_be_partial => done >= 1.0,
             _ => true,
         };
         let progress = |done| {
@@ -304,7 +304,7 @@ impl<W: Fn()> Worker<'_, W> {
         exposure
             .accumulate(&mut self.renderer, &mut self.animation, task.settings.samples, stop, progress)
             .map_err(fail)?;
-        let is_cancelled = || shared.wish() == CANCEL || !may_be_short && shared.wish() != GO_ON;
+        let is_cancelled = || shared.command() == CANCEL || !may_be_partial && shared.command() != CONTINUE;
         if is_cancelled() {
             return Ok(None);
         }

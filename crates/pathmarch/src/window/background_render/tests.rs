@@ -11,12 +11,12 @@ fn scene_path() -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "../../scenes/thesis/diffuse-sphere.kdl"].iter().collect()
 }
 
-fn task(output: PathBuf) -> Task {
+fn task(output: PathBuf) -> RenderRequest {
     let scene = Scene::load(scene_path()).expect("a scene");
     let settings = Settings { size: [48, 27], samples: 3, seed: 5, ..Settings::of(&scene) };
     let display = Display { tonemap: scene.render.tonemap, exposure_stops: settings.camera_of(&scene).exposure };
     let layers = Vec::new();
-    Task {
+    RenderRequest {
         scene: Arc::new(scene),
         settings,
         display,
@@ -39,7 +39,7 @@ fn same(one: &Path, two: &Path) -> bool {
 }
 
 /// Waits for the end.
-fn end(export: &Export, woken: &std::sync::mpsc::Receiver<()>) -> Result<String, String> {
+fn end(export: &BackgroundRender, woken: &std::sync::mpsc::Receiver<()>) -> Result<String, String> {
     loop {
         if let Some(outcome) = export.finished() {
             return outcome;
@@ -48,9 +48,9 @@ fn end(export: &Export, woken: &std::sync::mpsc::Receiver<()>) -> Result<String,
     }
 }
 
-fn run(task: Task) -> Result<String, String> {
+fn run(task: RenderRequest) -> Result<String, String> {
     let (sender, woken) = channel();
-    let export = Export::start(task, move || sender.send(()).unwrap_or_default());
+    let export = BackgroundRender::start(task, move || sender.send(()).unwrap_or_default());
     end(&export, &woken)
 }
 
@@ -117,7 +117,7 @@ fn a_cancelled_one_leaves_nothing() {
     let mut task = task(directory.path().join("a.png"));
     task.settings.samples = 1_000_000;
     let (sender, woken) = channel();
-    let export = Export::start(task.clone(), move || sender.send(()).unwrap_or_default());
+    let export = BackgroundRender::start(task.clone(), move || sender.send(()).unwrap_or_default());
     woken.recv_timeout(patience()).expect("progress");
     let progress = export.progress();
     assert!(progress.samples > 0.0 && progress.of == 1_000_000.0 && progress.remaining.is_some(), "{progress:?}");
@@ -127,7 +127,7 @@ fn a_cancelled_one_leaves_nothing() {
     // Dropping one is cancelling it.
     let alive = Arc::new(());
     let weak = Arc::downgrade(&alive);
-    drop(Export::start(task, move || {
+    drop(BackgroundRender::start(task, move || {
         let _ = &alive;
     }));
     let began = Instant::now();
@@ -144,7 +144,7 @@ fn one_that_is_stopped_early_keeps_what_is_done() {
     let mut task = task(directory.path().join("a.exr"));
     task.settings.samples = 1_000_000;
     let (sender, woken) = channel();
-    let export = Export::start(task, move || sender.send(()).unwrap_or_default());
+    let export = BackgroundRender::start(task, move || sender.send(()).unwrap_or_default());
     export.stop_and_keep();
     let sentence = end(&export, &woken).expect("written");
     assert!(sentence.contains("of 1000000 samples"), "{sentence}");
@@ -174,14 +174,14 @@ fn what_cannot_be_written_is_said_at_once() {
 }
 
 /// A scene that moves, and the frames of it that are rendered.
-fn sequence(directory: &Path, radius: &str, first: u32, last: u32) -> Task {
+fn sequence(directory: &Path, radius: &str, first: u32, last: u32) -> RenderRequest {
     let text = format!(
         "pathmarch 1\ncamera {{ position 0 0 4; target 0 0 0 }}\nrender {{ size 24 16; samples 2; bounces 1; shutter 0.5 }}\n\
          sky 1\nobject \"ball\" {{ sphere \"{radius}\" {{ at \"t\" 0 0 }} }}"
     );
     let scene = Scene::parse("scene.kdl", &text).expect("a scene");
-    let frames = Some(Sequence { frames: Frames::from_to(first, last), skip_existing: true });
-    Task {
+    let frames = Some(FrameSequence { frames: Frames::from_to(first, last), skip_existing: true });
+    RenderRequest {
         settings: Settings::of(&scene),
         scene: Arc::new(scene),
         output: directory.join("a-##.exr"),

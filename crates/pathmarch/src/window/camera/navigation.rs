@@ -90,7 +90,7 @@ pub(crate) fn frame(camera: &mut Camera, centre: Vec3, radius: f32) {
 }
 
 /// Looks at a point from the same place; the distance that is in focus goes with the target where none is set.
-pub(crate) fn aim(camera: &mut Camera, point: Vec3) {
+pub(crate) fn look_at(camera: &mut Camera, point: Vec3) {
     let position = Vec3::from(camera.position);
     let direction = (point - position).normalize_or(axes(camera).forward);
     let up = Vec3::from(camera.up).normalize_or(Vec3::Y);

@@ -50,15 +50,15 @@ impl Projection {
     }
 
     /// Point of the window that shows a point of the world; none for a point that is not before the camera.
-    pub(crate) fn place(&self, point: DVec3) -> Option<Pos2> {
+    pub(crate) fn project(&self, point: DVec3) -> Option<Pos2> {
         let scale = self.scale / self.depth(point)?;
         let from = point - self.position;
-        let place = Vec2::new((from.dot(self.right) * scale) as f32, (-from.dot(self.up) * scale) as f32);
-        place.is_finite().then(|| self.middle + place)
+        let offset = Vec2::new((from.dot(self.right) * scale) as f32, (-from.dot(self.up) * scale) as f32);
+        offset.is_finite().then(|| self.middle + offset)
     }
 
     /// Ray through a point of the window.
-    pub(crate) fn ray(&self, at: Pos2) -> Ray {
+    pub(crate) fn ray_through(&self, at: Pos2) -> Ray {
         let [x, y] = [at.x - self.middle.x, self.middle.y - at.y].map(|side| f64::from(side) / self.scale);
         Ray { origin: self.position, direction: self.forward + self.right * x + self.up * y }
     }
@@ -83,16 +83,16 @@ mod tests {
         let picture = Rect::from_min_max(Pos2::new(20.0, 10.0), Pos2::new(660.0, 370.0));
         let projection = Projection::new(&camera, picture);
         let target = DVec3::new(0.0, 0.5, 0.0);
-        assert!(projection.place(target).expect("before it").distance(picture.center()) < 1e-3);
+        assert!(projection.project(target).expect("before it").distance(picture.center()) < 1e-3);
         let point = DVec3::new(-0.4, 1.1, 0.7);
-        let ray = projection.ray(projection.place(point).expect("before it"));
+        let ray = projection.ray_through(projection.project(point).expect("before it"));
         let depth = projection.depth(point).expect("before it");
         assert!((ray.origin + ray.direction * depth).distance(point) < 1e-5);
         // A tangent of half the field of view above the middle is the upper edge.
         let height = (25_f64).to_radians().tan() * depth;
         let edge = projection.position + projection.forward * depth + projection.up * height;
-        assert!((projection.place(edge).expect("before it").y - picture.min.y).abs() < 1e-3);
+        assert!((projection.project(edge).expect("before it").y - picture.min.y).abs() < 1e-3);
         let behind = projection.position - projection.forward;
-        assert_eq!((projection.place(behind), projection.place(projection.position)), (None, None));
+        assert_eq!((projection.project(behind), projection.project(projection.position)), (None, None));
     }
 }

@@ -11,7 +11,7 @@ use std::time::SystemTime;
 pub struct Entry {
     /// Its name.
     pub name: OsString,
-    /// Its name as shown; a directory's ends in a slash.
+    /// Its name as visible; a directory's ends in a slash.
     pub label: String,
     /// Whether it, or what it is a link to, is a directory.
     pub is_directory: bool,
@@ -83,7 +83,7 @@ pub fn with_extension(name: &OsStr, extensions: &[&str]) -> OsString {
     name
 }
 
-/// The path that is meant by what is typed while a directory is shown; `~` is the home directory.
+/// The path that is meant by what is typed while a directory is visible; `~` is the home directory.
 pub fn resolve(directory: &Path, typed: &str) -> PathBuf {
     let typed = typed.trim();
     let home = || directories::BaseDirs::new().map(|system| system.home_dir().to_owned());

@@ -1,6 +1,6 @@
 //! Choosing a file, in a window of our own: the system's dialogs need a desktop portal, which is not on every machine.
 //!
-//! **Use.** While a [`Chooser`] exists it is shown each frame, before anything else looks at the keyboard: it takes Escape,
+//! **Use.** While a [`FileDialog`] exists it is visible each frame, before anything else looks at the keyboard: it takes Escape,
 //! and while no text field has the focus also the arrows, Enter and Backspace. It is done when it returns a [`Choice`].
 //!
 //! **Cost.** A directory is listed once, when it is entered; rows out of sight are not drawn.
@@ -15,14 +15,14 @@ use std::path::{Path, PathBuf};
 
 /// What a file is chosen for.
 #[derive(Clone, Debug)]
-pub struct Purpose {
+pub struct FileDialogOptions {
     /// The title of the window.
     pub title: String,
-    /// The extensions of the files that are shown; those of all files where empty. The first is added to a name without.
+    /// The extensions of the files that are visible; those of all files where empty. The first is added to a name without.
     pub extensions: Vec<&'static str>,
 }
 
-/// How a [`Chooser`] ends.
+/// How a [`FileDialog`] ends.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
     /// With this file; to be replaced, if it is to be saved and is there.
@@ -32,20 +32,20 @@ pub enum Choice {
 }
 
 /// A window for choosing a file.
-pub struct Chooser {
-    purpose: Purpose,
+pub struct FileDialog {
+    options: FileDialogOptions,
     /// The name to save under; none when choosing what to open.
-    name: Option<Typed>,
+    name: Option<TypedName>,
     directory: PathBuf,
     /// The text in the path field.
     path: String,
     entries: Vec<Entry>,
-    /// Indices of the entries that are shown.
-    shown: Vec<usize>,
-    /// Index into `shown`.
+    /// Indices of the entries that are visible.
+    visible: Vec<usize>,
+    /// Index into `visible`.
     selected: Option<usize>,
     all_files: bool,
-    places: Vec<(String, PathBuf)>,
+    bookmarks: Vec<(String, PathBuf)>,
     error: Option<String>,
     /// The file to be replaced, while that is asked.
     replace: Option<PathBuf>,
@@ -53,65 +53,65 @@ pub struct Chooser {
     /// A row has the keyboard's focus.
     row_focused: bool,
     /// The selected row is to be scrolled into sight.
-    reveal: bool,
+    scroll_to_selection: bool,
     /// The first frame is still to come.
-    fresh: bool,
+    is_first_frame: bool,
 }
 
 /// A file name in a text field, which may stand for one that is not Unicode.
 #[derive(Default)]
-struct Typed {
+struct TypedName {
     text: String,
-    stands_for: Option<(String, OsString)>,
+    original: Option<(String, OsString)>,
 }
 
-impl Typed {
+impl TypedName {
     fn of(name: &OsStr) -> Self {
         let text = name.to_string_lossy().into_owned();
-        Self { stands_for: Some((text.clone(), name.to_owned())), text }
+        Self { original: Some((text.clone(), name.to_owned())), text }
     }
 
     fn name(&self) -> OsString {
-        match &self.stands_for {
+        match &self.original {
             Some((text, name)) if *text == self.text => name.clone(),
             _ => self.text.trim().into(),
         }
     }
 }
 
-impl Chooser {
+impl FileDialog {
     /// Chooses a file that is there.
-    pub fn open(start_directory: &Path, purpose: Purpose) -> Self {
-        Self::new(start_directory, purpose, None)
+    pub fn open(start_directory: &Path, options: FileDialogOptions) -> Self {
+        Self::new(start_directory, options, None)
     }
 
     /// Chooses a name to save under.
-    pub fn save(start_directory: &Path, suggested_name: &str, purpose: Purpose) -> Self {
-        Self::new(start_directory, purpose, Some(Typed { text: suggested_name.to_owned(), stands_for: None }))
+    pub fn save(start_directory: &Path, suggested_name: &str, options: FileDialogOptions) -> Self {
+        Self::new(start_directory, options, Some(TypedName { text: suggested_name.to_owned(), original: None }))
     }
 
-    fn new(start_directory: &Path, purpose: Purpose, name: Option<Typed>) -> Self {
+    fn new(start_directory: &Path, options: FileDialogOptions, name: Option<TypedName>) -> Self {
         let mut this = Self {
-            purpose,
+            options,
             name,
             directory: PathBuf::new(),
             path: String::new(),
             entries: Vec::new(),
-            shown: Vec::new(),
+            visible: Vec::new(),
             selected: None,
             all_files: false,
-            places: Vec::new(),
+            bookmarks: Vec::new(),
             error: None,
             replace: None,
             choice: None,
             row_focused: false,
-            reveal: false,
-            fresh: true,
+            scroll_to_selection: false,
+            is_first_frame: true,
         };
         let home = directories::BaseDirs::new().map(|system| system.home_dir().to_owned());
         let current = std::env::current_dir().ok();
         let start = std::path::absolute(start_directory).unwrap_or_else(|_| start_directory.to_owned());
-        // The nearest directory that can be shown; why it is another than the one asked for stays to be read.
+        // The nearest directory that can be visible; why it is another than the one asked for stays to be read.
         for directory in start.ancestors().chain(current.as_deref()).chain(home.as_deref()) {
             let error = this.error.take();
             if this.enter(directory) {
@@ -120,31 +120,31 @@ impl Chooser {
             }
             this.error = error.or(this.error.take());
         }
-        this.add_place("Home", home.as_deref());
-        this.add_place("Current directory", current.as_deref());
+        this.add_bookmark("Home", home.as_deref());
+        this.add_bookmark("Current directory", current.as_deref());
         this
     }
 
-    /// Offers more places: that of the open file, and others, the most useful first.
-    pub fn with_places(mut self, scene_directory: Option<&Path>, recent: &[PathBuf]) -> Self {
-        self.add_place("Scene's directory", scene_directory);
+    /// Offers more bookmarks: that of the open file, and others, the most useful first.
+    pub fn with_bookmarks(mut self, scene_directory: Option<&Path>, recent: &[PathBuf]) -> Self {
+        self.add_bookmark("Scene's directory", scene_directory);
         for directory in recent {
             let name = directory.file_name().map_or(directory.to_string_lossy(), OsStr::to_string_lossy);
-            self.add_place(&name, Some(directory));
+            self.add_bookmark(&name, Some(directory));
         }
         self
     }
 
-    fn add_place(&mut self, name: &str, directory: Option<&Path>) {
+    fn add_bookmark(&mut self, name: &str, directory: Option<&Path>) {
         if let Some(directory) = directory.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()))
             && !directory.as_os_str().is_empty()
-            && !self.places.iter().any(|(_, place)| *place == directory)
+            && !self.bookmarks.iter().any(|(_, place)| *place == directory)
         {
-            self.places.push((name.to_owned(), directory));
+            self.bookmarks.push((name.to_owned(), directory));
         }
     }
 
-    /// The directory that is shown.
+    /// The directory that is visible.
     #[cfg(test)]
     fn directory(&self) -> &Path {
         &self.directory
@@ -152,23 +152,23 @@ impl Chooser {
 
     /// Shows the window. With a choice it is done.
     pub fn show(&mut self, ctx: &Context) -> Option<Choice> {
-        self.take_keys(ctx);
+        self.handle_keys(ctx);
         let mut open = true;
         let screen = ctx.content_rect();
         let size = egui::vec2(720.0, 460.0).min(screen.size() * 0.9);
-        egui::Window::new(&self.purpose.title)
-            .id(Id::unique("chooser"))
+        egui::Window::new(&self.options.title)
+            .id(Id::unique("file dialog"))
             .open(&mut open)
             .collapsible(false)
             .default_size(size)
             .default_pos(screen.center() - size / 2.0)
             .show(ctx, |ui| {
-                Panel::top("chooser path").show(ui, |ui| self.path_row(ui));
-                Panel::bottom("chooser actions").show(ui, |ui| self.actions(ui));
-                Panel::left("chooser places").default_size(150.0).show(ui, |ui| self.place_list(ui));
+                Panel::top("file dialog path").show(ui, |ui| self.path_row(ui));
+                Panel::bottom("file dialog actions").show(ui, |ui| self.actions(ui));
+                Panel::left("file dialog bookmarks").default_size(150.0).show(ui, |ui| self.bookmark_list(ui));
                 egui::CentralPanel::default().show(ui, |ui| self.file_list(ui));
             });
-        self.fresh = false;
+        self.is_first_frame = false;
         if !open {
             self.choice = Some(Choice::Cancelled);
         }
@@ -176,7 +176,7 @@ impl Chooser {
     }
 
     /// What the keyboard does to the list.
-    fn take_keys(&mut self, ctx: &Context) {
+    fn handle_keys(&mut self, ctx: &Context) {
         let pressed = |key| ctx.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         if pressed(Key::Escape) {
             if self.replace.take().is_none() {
@@ -188,7 +188,7 @@ impl Chooser {
         if self.replace.is_some() || focused.is_some() && !self.row_focused {
             return;
         }
-        let last = self.shown.len().saturating_sub(1);
+        let last = self.visible.len().saturating_sub(1);
         let moved = [
             (Key::ArrowDown, self.selected.map_or(0, |at| (at + 1).min(last))),
             (Key::ArrowUp, self.selected.map_or(last, |at| at.saturating_sub(1))),
@@ -198,9 +198,9 @@ impl Chooser {
             (Key::End, last),
         ];
         for (key, to) in moved {
-            if pressed(key) && !self.shown.is_empty() {
+            if pressed(key) && !self.visible.is_empty() {
                 self.select(to);
-                self.reveal = true;
+                self.scroll_to_selection = true;
                 // From here on the selection moves, not the focus.
                 focused.inspect(|id| ctx.memory_mut(|memory| memory.surrender_focus(*id)));
             }
@@ -209,7 +209,7 @@ impl Chooser {
             self.accept();
         }
         if pressed(Key::Backspace) {
-            self.up();
+            self.enter_parent();
         }
     }
 
@@ -217,7 +217,7 @@ impl Chooser {
     fn enter(&mut self, directory: &Path) -> bool {
         match listing::read(directory) {
             Ok(entries) => {
-                self.take_entries(directory.to_owned(), entries);
+                self.set_entries(directory.to_owned(), entries);
                 self.path = self.directory.to_string_lossy().into_owned();
                 true
             }
@@ -228,7 +228,7 @@ impl Chooser {
         }
     }
 
-    fn take_entries(&mut self, directory: PathBuf, entries: Vec<Entry>) {
+    fn set_entries(&mut self, directory: PathBuf, entries: Vec<Entry>) {
         self.directory = directory;
         self.entries = entries;
         self.error = None;
@@ -237,22 +237,22 @@ impl Chooser {
     }
 
     fn filter(&mut self) {
-        let extensions = if self.all_files { &[][..] } else { &self.purpose.extensions };
+        let extensions = if self.all_files { &[][..] } else { &self.options.extensions };
         let fits = |entry: &Entry| entry.is_directory || listing::has_extension(&entry.name, extensions);
-        self.shown = (0..self.entries.len()).filter(|index| fits(&self.entries[*index])).collect();
+        self.visible = (0..self.entries.len()).filter(|index| fits(&self.entries[*index])).collect();
         self.selected = None;
-        self.reveal = false;
+        self.scroll_to_selection = false;
     }
 
-    fn up(&mut self) {
+    fn enter_parent(&mut self) {
         let from = self.directory.clone();
         if let Some(parent) = from.parent()
             && self.enter(parent)
         {
             // Where one came from is where one goes on.
             let is_it = |index: &usize| Some(self.entries[*index].name.as_os_str()) == from.file_name();
-            self.selected = self.shown.iter().position(is_it);
-            self.reveal = true;
+            self.selected = self.visible.iter().position(is_it);
+            self.scroll_to_selection = true;
         }
     }
 
@@ -260,16 +260,16 @@ impl Chooser {
         self.selected = Some(row);
         self.error = None;
         self.replace = None;
-        if let Some(entry) = self.shown.get(row).map(|index| &self.entries[*index])
+        if let Some(entry) = self.visible.get(row).map(|index| &self.entries[*index])
             && !entry.is_directory
             && self.name.is_some()
         {
-            self.name = Some(Typed::of(&entry.name));
+            self.name = Some(TypedName::of(&entry.name));
         }
     }
 
     /// Takes what the path field says.
-    fn go(&mut self) {
+    fn open_typed_path(&mut self) {
         if self.path == self.directory.to_string_lossy() {
             return;
         }
@@ -282,7 +282,7 @@ impl Chooser {
             (None, ..) => self.choose(path),
             (Some(_), Some(parent), Some(name)) => {
                 if self.enter(parent) {
-                    self.name = Some(Typed::of(name));
+                    self.name = Some(TypedName::of(name));
                     self.accept();
                 }
             }
@@ -292,7 +292,7 @@ impl Chooser {
 
     /// Takes what is selected, or the name to save under.
     fn accept(&mut self) {
-        let selected = self.selected.and_then(|row| self.entries.get(*self.shown.get(row)?));
+        let selected = self.selected.and_then(|row| self.entries.get(*self.visible.get(row)?));
         match (&self.name, selected) {
             (_, Some(entry)) if entry.is_directory => {
                 let directory = self.directory.join(&entry.name);
@@ -332,7 +332,7 @@ impl Chooser {
             return;
         }
         let (Some(parent), Some(name)) = (path.parent(), path.file_name()) else { return };
-        let path = parent.join(listing::with_extension(name, &self.purpose.extensions));
+        let path = parent.join(listing::with_extension(name, &self.options.extensions));
         if !parent.is_dir() {
             self.error = Some(format!("{} is not a directory; create it first", parent.display()));
         } else if path.is_dir() {

@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable;
 use std::fs;
 
 struct State {
-    chooser: Chooser,
+    dialog: FileDialog,
     choice: Option<Choice>,
 }
 
@@ -21,17 +21,17 @@ fn directory() -> tempfile::TempDir {
     directory
 }
 
-fn scenes() -> Purpose {
-    Purpose { title: "Choose a scene".to_owned(), extensions: vec!["kdl"] }
+fn scenes() -> FileDialogOptions {
+    FileDialogOptions { title: "Choose a scene".to_owned(), extensions: vec!["kdl"] }
 }
 
-fn harness(chooser: Chooser) -> Harness<'static, State> {
+fn harness(dialog: FileDialog) -> Harness<'static, State> {
     let show = |ui: &mut Ui, state: &mut State| {
         if state.choice.is_none() {
-            state.choice = state.chooser.show(ui.ctx());
+            state.choice = state.dialog.show(ui.ctx());
         }
     };
-    let state = State { chooser, choice: None };
+    let state = State { dialog, choice: None };
     let mut harness = Harness::builder()
         .with_size([900.0, 600.0])
         // Short enough for double clicks.
@@ -71,11 +71,11 @@ fn chosen(path: PathBuf) -> Option<Choice> {
 #[test]
 fn a_file_is_opened_by_the_mouse() {
     let directory = directory();
-    let mut harness = harness(Chooser::open(directory.path(), scenes()));
-    for (label, shown) in
+    let mut harness = harness(FileDialog::open(directory.path(), scenes()));
+    for (label, visible) in
         [("sub/", true), ("a.kdl", true), ("b.KDL", true), ("c.txt", false), (".d.kdl", false), ("Home", true)]
     {
-        assert_eq!(harness.query_by_label(label).is_some(), shown, "{label}");
+        assert_eq!(harness.query_by_label(label).is_some(), visible, "{label}");
     }
     press(&mut harness, "All files");
     assert!(harness.query_by_label("c.txt").is_some());
@@ -88,7 +88,7 @@ fn a_file_is_opened_by_the_mouse() {
 #[test]
 fn a_double_click_opens() {
     let directory = directory();
-    let mut harness = harness(Chooser::open(directory.path(), scenes()));
+    let mut harness = harness(FileDialog::open(directory.path(), scenes()));
     for label in ["sub/", "e.kdl"] {
         harness.get_by_label(label).click();
         harness.get_by_label(label).click();
@@ -101,12 +101,12 @@ fn a_double_click_opens() {
 #[test]
 fn a_file_is_opened_by_the_keyboard() {
     let directory = directory();
-    let mut harness = harness(Chooser::open(directory.path(), scenes()));
+    let mut harness = harness(FileDialog::open(directory.path(), scenes()));
     key(&mut harness, Key::ArrowDown);
     key(&mut harness, Key::Enter);
-    assert_eq!(harness.state().chooser.directory(), directory.path().join("sub"));
+    assert_eq!(harness.state().dialog.directory(), directory.path().join("sub"));
     key(&mut harness, Key::Backspace);
-    assert_eq!(harness.state().chooser.directory(), directory.path());
+    assert_eq!(harness.state().dialog.directory(), directory.path());
     // It is where it came from.
     key(&mut harness, Key::ArrowDown);
     key(&mut harness, Key::ArrowDown);
@@ -118,10 +118,10 @@ fn a_file_is_opened_by_the_keyboard() {
 #[test]
 fn it_is_cancelled() {
     let directory = directory();
-    let mut by_key = harness(Chooser::open(directory.path(), scenes()));
+    let mut by_key = harness(FileDialog::open(directory.path(), scenes()));
     key(&mut by_key, Key::Escape);
     assert_eq!(by_key.state().choice, Some(Choice::Cancelled));
-    let mut by_button = harness(Chooser::save(directory.path(), "x", scenes()));
+    let mut by_button = harness(FileDialog::save(directory.path(), "x", scenes()));
     press(&mut by_button, "Cancel");
     assert_eq!(by_button.state().choice, Some(Choice::Cancelled));
 }
@@ -129,11 +129,11 @@ fn it_is_cancelled() {
 #[test]
 fn a_path_is_typed() {
     let directory = directory();
-    let mut harness = harness(Chooser::open(directory.path(), scenes()));
+    let mut harness = harness(FileDialog::open(directory.path(), scenes()));
     fill(&mut harness, "Path", "nowhere/x.kdl");
     key(&mut harness, Key::Enter);
     assert!(harness.query_by_label_contains("nowhere/x.kdl is not there").is_some());
-    // A directory is shown while its path is being typed.
+    // A directory is visible while its path is being typed.
     fill(&mut harness, "Path", &format!("{}/sub/", directory.path().display()));
     assert!(harness.query_by_label("e.kdl").is_some() && harness.query_by_label_contains("not there").is_none());
     fill(&mut harness, "Path", &directory.path().to_string_lossy());
@@ -147,7 +147,7 @@ fn a_path_is_typed() {
 #[test]
 fn a_name_to_save_under_gets_its_extension() {
     let directory = directory();
-    let mut harness = harness(Chooser::save(directory.path(), "untitled", scenes()));
+    let mut harness = harness(FileDialog::save(directory.path(), "untitled", scenes()));
     harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Name").type_text("-2");
     harness.run();
     key(&mut harness, Key::Enter);
@@ -159,7 +159,7 @@ fn a_name_to_save_under_gets_its_extension() {
 #[test]
 fn replacing_is_asked_for() {
     let directory = directory();
-    let mut harness = harness(Chooser::save(directory.path(), "a", scenes()));
+    let mut harness = harness(FileDialog::save(directory.path(), "a", scenes()));
     press(&mut harness, "Save");
     assert!(harness.query_by_label_contains("Replace it?").is_some());
     key(&mut harness, Key::Escape);
@@ -177,9 +177,9 @@ fn replacing_is_asked_for() {
 #[test]
 fn names_to_save_under_may_be_paths() {
     let directory = directory();
-    let mut harness = harness(Chooser::save(directory.path(), "sub", scenes()));
+    let mut harness = harness(FileDialog::save(directory.path(), "sub", scenes()));
     press(&mut harness, "Save");
-    assert_eq!(harness.state().chooser.directory(), directory.path().join("sub"));
+    assert_eq!(harness.state().dialog.directory(), directory.path().join("sub"));
     fill(&mut harness, "Name", "no/x");
     key(&mut harness, Key::Enter);
     assert!(harness.query_by_label_contains("create it first").is_some());
@@ -194,9 +194,9 @@ fn places_lead_there_and_errors_are_shown() {
     let directory = directory();
     let gone = directory.path().join("gone");
     let sub = directory.path().join("sub");
-    let chooser = Chooser::open(&gone.join("deeper"), scenes()).with_places(Some(&sub), &[sub.clone(), gone]);
-    assert_eq!(chooser.directory(), directory.path(), "the nearest directory that is there");
-    let mut harness = harness(chooser);
+    let dialog = FileDialog::open(&gone.join("deeper"), scenes()).with_bookmarks(Some(&sub), &[sub.clone(), gone]);
+    assert_eq!(dialog.directory(), directory.path(), "the nearest directory that is there");
+    let mut harness = harness(dialog);
     assert!(harness.query_by_label_contains("is not there").is_some());
     press(&mut harness, "Scene's directory");
     assert!(harness.query_by_label("e.kdl").is_some());
@@ -216,11 +216,11 @@ fn odd_names_are_chosen_as_they_are() {
     if fs::write(&odd, "old").is_err() {
         return; // Some file systems hold only Unicode.
     }
-    let mut opening = harness(Chooser::open(directory.path(), scenes()));
+    let mut opening = harness(FileDialog::open(directory.path(), scenes()));
     key(&mut opening, Key::ArrowDown);
     key(&mut opening, Key::Enter);
     assert_eq!(opening.state().choice, chosen(odd.clone()));
-    let mut saving = harness(Chooser::save(directory.path(), "", scenes()));
+    let mut saving = harness(FileDialog::save(directory.path(), "", scenes()));
     press(&mut saving, "\u{fffd}\u{fffd}.kdl");
     press(&mut saving, "Save");
     press(&mut saving, "Replace");
@@ -233,7 +233,7 @@ fn large_directories_are_scrolled_by_the_keyboard() {
     for number in 0..500 {
         fs::write(directory.path().join(format!("{number:03}.kdl")), "").expect("written");
     }
-    let mut harness = harness(Chooser::open(directory.path(), scenes()));
+    let mut harness = harness(FileDialog::open(directory.path(), scenes()));
     assert!(harness.query_by_label("499.kdl").is_none(), "rows out of sight are not drawn");
     key(&mut harness, Key::End);
     assert!(harness.query_by_label("499.kdl").is_some());

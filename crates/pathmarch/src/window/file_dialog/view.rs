@@ -1,16 +1,16 @@
 //! What the window for choosing a file shows.
 
 use super::listing::{self, Entry};
-use super::{Choice, Chooser};
-use crate::window::files::relative_time::age;
+use super::{Choice, FileDialog};
+use crate::window::files::relative_time::relative_time;
 use egui::{Align, Align2, Button, Key, Layout, Sense, TextEdit, TextStyle, Ui};
 use std::time::SystemTime;
 
-impl Chooser {
+impl FileDialog {
     pub(super) fn path_row(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             if ui.add_enabled(self.directory.parent().is_some(), Button::new("Up")).clicked() {
-                self.up();
+                self.enter_parent();
             }
             let label = ui.label("Path");
             let field = ui.add(TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY)).labelled_by(label.id);
@@ -18,21 +18,21 @@ impl Chooser {
                 // Whoever types a path sees where it leads; a wrong one is not an error before it is finished.
                 let directory = listing::resolve(&self.directory, &self.path);
                 if let Ok(entries) = listing::read(&directory) {
-                    self.take_entries(directory, entries);
+                    self.set_entries(directory, entries);
                 }
             }
             if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
-                self.go();
+                self.open_typed_path();
             }
         });
         ui.add_space(2.0);
     }
 
-    pub(super) fn place_list(&mut self, ui: &mut Ui) {
+    pub(super) fn bookmark_list(&mut self, ui: &mut Ui) {
         let mut to = None;
-        egui::ScrollArea::vertical().id_salt("places").show(ui, |ui| {
+        egui::ScrollArea::vertical().id_salt("bookmarks").show(ui, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
-                for (name, directory) in &self.places {
+                for (name, directory) in &self.bookmarks {
                     let button = Button::selectable(*directory == self.directory, name).truncate();
                     if ui.add(button).on_hover_text(directory.to_string_lossy()).clicked() {
                         to = Some(directory.clone());
@@ -46,13 +46,13 @@ impl Chooser {
     }
 
     pub(super) fn file_list(&mut self, ui: &mut Ui) {
-        if self.shown.is_empty() {
+        if self.visible.is_empty() {
             ui.weak("Nothing to choose here");
         }
         let height = ui.text_style_height(&TextStyle::Button) + 4.0;
         let step = height + ui.spacing().item_spacing.y;
         let mut area = egui::ScrollArea::vertical().id_salt("files").auto_shrink(false);
-        if std::mem::take(&mut self.reveal)
+        if std::mem::take(&mut self.scroll_to_selection)
             && let Some(selected) = self.selected
         {
             // In the middle, and at the ends as far as it goes.
@@ -60,10 +60,10 @@ impl Chooser {
         }
         self.row_focused = false;
         let now = SystemTime::now();
-        area.show_rows(ui, height, self.shown.len(), |ui, rows| {
+        area.show_rows(ui, height, self.visible.len(), |ui, rows| {
             for row in rows {
                 // Whoever opens a directory has another list before this one is through.
-                let Some(entry) = self.shown.get(row).and_then(|index| self.entries.get(*index)) else { break };
+                let Some(entry) = self.visible.get(row).and_then(|index| self.entries.get(*index)) else { break };
                 let response = show_entry(ui, entry, self.selected == Some(row), height, now);
                 self.row_focused |= response.has_focus();
                 if response.double_clicked() {
@@ -101,7 +101,7 @@ impl Chooser {
                 let label = ui.label("Name");
                 let edit = TextEdit::singleline(&mut name.text).desired_width(f32::INFINITY);
                 let field = ui.add(edit).labelled_by(label.id);
-                if self.fresh {
+                if self.is_first_frame {
                     field.request_focus();
                 }
                 if field.changed() {
@@ -116,7 +116,7 @@ impl Chooser {
             }
         }
         ui.horizontal(|ui| {
-            if !self.purpose.extensions.is_empty() && ui.checkbox(&mut self.all_files, "All files").changed() {
+            if !self.options.extensions.is_empty() && ui.checkbox(&mut self.all_files, "All files").changed() {
                 self.filter();
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -146,7 +146,7 @@ fn show_entry(ui: &mut Ui, entry: &Entry, selected: bool, height: f32, now: Syst
     let inner = rect.shrink2(egui::vec2(4.0, 0.0));
     let colour = if selected { style.text_color() } else { ui.visuals().weak_text_color() };
     let font = TextStyle::Body.resolve(ui.style());
-    let time = entry.modified.map(|modified| age(modified, now)).unwrap_or_default();
+    let time = entry.modified.map(|modified| relative_time(modified, now)).unwrap_or_default();
     ui.painter().text(inner.right_center(), Align2::RIGHT_CENTER, time, font.clone(), colour);
     let size = entry.size.map(listing::size_text).unwrap_or_default();
     ui.painter().text(inner.right_center() - egui::vec2(95.0, 0.0), Align2::RIGHT_CENTER, size, font, colour);

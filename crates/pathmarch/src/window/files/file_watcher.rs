@@ -30,7 +30,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const POLL: [Duration; 2] = [Duration::from_millis(300), Duration::from_secs(2)];
 
 /// A file that is watched. Dropping it ends that, without waiting for a slow disk.
-pub struct Watch {
+pub struct FileWatcher {
     shared: Arc<Shared>,
     sender: Sender<Message>,
 }
@@ -51,9 +51,9 @@ struct Shared {
 struct State {
     /// What is known of the file: its content, or why there is none; nothing before the first look.
     known: Option<Result<String, String>>,
-    news: Option<Result<String, String>>,
+    change: Option<Result<String, String>>,
     /// How often the caller has said what is known; what was read before is of no account.
-    told: u64,
+    revision: u64,
 }
 
 impl Shared {
@@ -67,7 +67,7 @@ impl Shared {
     }
 }
 
-impl Watch {
+impl FileWatcher {
     /// Follows a file. Changes count from its content now; [`known`](Self::known) says what it should be instead.
     /// `wake` is called, on another thread, when there is a change to be had.
     pub fn new(path: &Path, wake: impl Fn() + Send + 'static) -> Self {
@@ -86,30 +86,30 @@ impl Watch {
         });
         if let Err(error) = thread {
             let message = format!("{}: is not watched for changes: {error}", shared.path.display());
-            shared.state().news = Some(Err(message));
+            shared.state().change = Some(Err(message));
         }
         Self { shared, sender }
     }
 
     /// The file's new text, once after each change; or, in one sentence, why it cannot be read any more.
-    pub fn changed(&mut self) -> Option<Result<String, String>> {
-        self.shared.state().news.take()
+    pub fn take_change(&mut self) -> Option<Result<String, String>> {
+        self.shared.state().change.take()
     }
 
     /// Says that the file's content is this, as far as the caller knows, who has just read or written it; whatever
     /// differs from it is a change.
-    pub fn known(&mut self, text: &str) {
+    pub fn set_known(&mut self, text: &str) {
         let mut state = self.shared.state();
         state.known = Some(Ok(text.to_owned()));
-        state.news = None;
-        state.told += 1;
+        state.change = None;
+        state.revision += 1;
         drop(state);
         // Without a thread nothing follows.
         let _ = self.sender.send(Message::Look);
     }
 }
 
-impl Drop for Watch {
+impl Drop for FileWatcher {
     fn drop(&mut self) {
         self.shared.stopped.store(true, Ordering::SeqCst);
         let _ = self.sender.send(Message::Stop);
@@ -118,7 +118,7 @@ impl Drop for Watch {
 
 /// A watcher of all directories that matter, if the system has one.
 fn watcher(path: &Path, sender: Sender<Message>) -> Option<RecommendedWatcher> {
-    // Whatever happened, also an overflow of events, is a reason to look; without a listener nobody has to be told.
+    // Whatever happened, also an overflow of events, is a reason to look; without a listener nobody has to be revision.
     let mut watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
         if !event.is_ok_and(|event| event.kind.is_access()) {
             let _ = sender.send(Message::Look);
@@ -159,23 +159,23 @@ fn follow(shared: &Shared, receiver: &Receiver<Message>, poll: Duration, wake: i
 struct Found {
     content: Result<String, String>,
     stamp: Stamp,
-    /// [`State::told`] before it was read.
-    told: u64,
+    /// [`State::revision`] before it was read.
+    revision: u64,
 }
 
 /// Notes what the file holds; whether that is a change.
 fn publish(shared: &Shared, found: Found) -> bool {
     let mut state = shared.state();
     // Whoever tells what is known has another look taken.
-    if state.told != found.told || state.known.as_ref() == Some(&found.content) {
+    if state.revision != found.revision || state.known.as_ref() == Some(&found.content) {
         return false;
     }
-    let news = state.known.is_some() || found.content.is_err();
-    if news {
-        state.news = Some(found.content.clone());
+    let change = state.known.is_some() || found.content.is_err();
+    if change {
+        state.change = Some(found.content.clone());
     }
     state.known = Some(found.content);
-    news
+    change
 }
 
 /// Waits until the file stands still, and reads it; nothing when it is time to stop.
@@ -194,7 +194,7 @@ fn settle(shared: &Shared, receiver: &Receiver<Message>) -> Option<Found> {
         if shared.stopped() {
             return None;
         }
-        let told = shared.state().told;
+        let revision = shared.state().revision;
         let content = read(&shared.path);
         let after = Stamp::of(&shared.path);
         let waited = began.elapsed();
@@ -202,7 +202,7 @@ fn settle(shared: &Shared, receiver: &Receiver<Message>) -> Option<Found> {
         // Empty and missing files are usually on the way to being something else.
         let whole = content.as_ref().is_ok_and(|text| !text.is_empty()) || waited > GRACE || may_be_empty(shared);
         if still && whole {
-            return Some(Found { content, stamp: after, told });
+            return Some(Found { content, stamp: after, revision });
         }
     }
 }
@@ -259,7 +259,7 @@ mod tests {
     struct Watched {
         directory: tempfile::TempDir,
         path: PathBuf,
-        watch: Watch,
+        watch: FileWatcher,
         woken: Receiver<()>,
     }
 
@@ -269,8 +269,8 @@ mod tests {
         let path = directory.path().join("a.kdl");
         fs::write(&path, "old").expect("written");
         let (sender, woken) = channel();
-        let mut watch = Watch::with(&path, move || sender.send(()).unwrap_or_default(), events);
-        watch.known("old");
+        let mut watch = FileWatcher::with(&path, move || sender.send(()).unwrap_or_default(), events);
+        watch.set_known("old");
         Watched { directory, path, watch, woken }
     }
 
@@ -278,8 +278,8 @@ mod tests {
         fn next(&mut self) -> Result<String, String> {
             loop {
                 self.woken.recv_timeout(patience()).expect("a change");
-                if let Some(news) = self.watch.changed() {
-                    return news;
+                if let Some(change) = self.watch.take_change() {
+                    return change;
                 }
             }
         }
@@ -317,7 +317,7 @@ mod tests {
             fs::remove_file(&file.path).expect("removed");
             fs::write(&file.path, "again").expect("written");
             file.until("again");
-            assert_eq!(file.watch.changed(), None, "once for each change");
+            assert_eq!(file.watch.take_change(), None, "once for each change");
         }
     }
 
@@ -352,11 +352,11 @@ mod tests {
     fn what_is_known_is_no_change() {
         let mut file = watched(true);
         fs::write(&file.path, "own").expect("written");
-        file.watch.known("own");
+        file.watch.set_known("own");
         fs::write(&file.path, "of others").expect("written");
         assert_eq!(file.next().as_deref(), Ok("of others"));
         // Known to be something that it is not: that is a change.
-        file.watch.known("lost");
+        file.watch.set_known("lost");
         assert_eq!(file.next().as_deref(), Ok("of others"));
     }
 
@@ -370,11 +370,11 @@ mod tests {
         let link = file.directory.path().join("link.kdl");
         std::os::unix::fs::symlink(&real, &link).expect("linked");
         let (sender, woken) = channel();
-        let mut watch = Watch::new(&link, move || sender.send(()).unwrap_or_default());
-        watch.known("old");
+        let mut watch = FileWatcher::new(&link, move || sender.send(()).unwrap_or_default());
+        watch.set_known("old");
         fs::write(&real, "new").expect("written");
         woken.recv_timeout(patience()).expect("a change");
-        assert_eq!(watch.changed(), Some(Ok("new".to_owned())));
+        assert_eq!(watch.take_change(), Some(Ok("new".to_owned())));
     }
 
     #[test]
@@ -382,12 +382,12 @@ mod tests {
         let directory = tempfile::tempdir().expect("a directory");
         let path = directory.path().join("later.kdl");
         let (sender, woken) = channel();
-        let mut watch = Watch::new(&path, move || sender.send(()).unwrap_or_default());
+        let mut watch = FileWatcher::new(&path, move || sender.send(()).unwrap_or_default());
         woken.recv_timeout(patience()).expect("a change");
-        assert!(watch.changed().expect("news").is_err());
+        assert!(watch.take_change().expect("change").is_err());
         fs::write(&path, "here").expect("written");
         woken.recv_timeout(patience()).expect("a change");
-        assert_eq!(watch.changed(), Some(Ok("here".to_owned())));
+        assert_eq!(watch.take_change(), Some(Ok("here".to_owned())));
     }
 
     #[test]
@@ -395,7 +395,7 @@ mod tests {
         let directory = tempfile::tempdir().expect("a directory");
         let alive = Arc::new(());
         let weak: Weak<()> = Arc::downgrade(&alive);
-        let watch = Watch::new(&directory.path().join("a.kdl"), move || {
+        let watch = FileWatcher::new(&directory.path().join("a.kdl"), move || {
             let _ = &alive;
         });
         drop(watch);

@@ -7,9 +7,9 @@ const HOUR: u64 = 60 * MINUTE;
 const DAY: u64 = 24 * HOUR;
 
 /// "just now", "5 min ago", "3 h ago", "12 days ago"; beyond a month the date, as in "2025-03-12" (UTC).
-pub fn age(of: SystemTime, now: SystemTime) -> String {
+pub fn relative_time(time: SystemTime, now: SystemTime) -> String {
     // What is in the future by a clock that is set wrongly is new.
-    let seconds = now.duration_since(of).unwrap_or_default().as_secs();
+    let seconds = now.duration_since(time).unwrap_or_default().as_secs();
     match seconds {
         0..MINUTE => "just now".to_owned(),
         MINUTE..HOUR => format!("{} min ago", seconds / MINUTE),
@@ -17,7 +17,7 @@ pub fn age(of: SystemTime, now: SystemTime) -> String {
         _ => match seconds / DAY {
             1 => "1 day ago".to_owned(),
             days @ 2..=30 => format!("{days} days ago"),
-            _ => date(of),
+            _ => date(time),
         },
     }
 }
@@ -25,8 +25,8 @@ pub fn age(of: SystemTime, now: SystemTime) -> String {
 /// The date in UTC, as in "2025-03-12"; nothing before 1970.
 ///
 /// Source: `civil_from_days` of Howard Hinnant, "chrono-Compatible Low-Level Date Algorithms", 2013, for days since 1970.
-fn date(of: SystemTime) -> String {
-    let Ok(since) = of.duration_since(UNIX_EPOCH) else { return String::new() };
+fn date(time: SystemTime) -> String {
+    let Ok(since) = time.duration_since(UNIX_EPOCH) else { return String::new() };
     let days = since.as_secs() / DAY + 719_468;
     let (era, day_of_era) = (days / 146_097, days % 146_097);
     let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
@@ -56,10 +56,10 @@ mod tests {
             (30 * DAY, "30 days ago"),
             (100 * DAY, "2026-10-07"),
         ] {
-            assert_eq!(age(now - Duration::from_secs(seconds), now), words);
+            assert_eq!(relative_time(now - Duration::from_secs(seconds), now), words);
         }
-        assert_eq!(age(now + Duration::from_secs(99), now), "just now");
-        assert_eq!(age(UNIX_EPOCH - Duration::from_secs(1), now), "");
+        assert_eq!(relative_time(now + Duration::from_secs(99), now), "just now");
+        assert_eq!(relative_time(UNIX_EPOCH - Duration::from_secs(1), now), "");
     }
 
     #[test]

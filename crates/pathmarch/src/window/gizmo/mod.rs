@@ -1,6 +1,6 @@
-//! Handles in the picture that move, turn and scale the selected node.
+//! GizmoMode in the picture that move, turn and scale the selected node.
 //!
-//! **Idea.** Handles have a constant size on the screen and are drawn by egui. What the pointer does to one is found by
+//! **Idea.** GizmoMode have a constant size on the screen and are drawn by egui. What the pointer does to one is found by
 //! intersecting the ray through the pointer with the axis or the plane of the handle in the world ([`drag`]). Placements of
 //! the scene language are relative to the operators around a node, so that the result goes through the inverse of those
 //! ([`placement`]).
@@ -16,17 +16,17 @@ mod tests;
 mod transform;
 
 use crate::window::camera::projection::Projection;
-use crate::window::open_scene::view_state::Handles;
+use crate::window::open_scene::view_state::GizmoMode;
 use drag::Drag;
 use egui::{Pos2, Rect};
 use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Camera;
 use pathmarch_render::pathmarch_scene::document::{Document, ItemKind, Path, Value, key};
-use shape::{Gizmo, Part};
-use transform::{Placed, given, own_placement, placement_around, tidy};
+use shape::{Gizmo, Handle};
+use transform::{Transform, local_transform, parent_transform, present_value, round_to};
 
 /// The node that handles act on: a shape, an operator, a light; of an object, its only shape.
-pub(crate) fn handled(document: &Document, selection: &Path) -> Option<Path> {
+pub(crate) fn target_node(document: &Document, selection: &Path) -> Option<Path> {
     let item = document.item(selection)?;
     match item.kind {
         kind if kind.is_solid() || kind == ItemKind::Point => Some(selection.clone()),
@@ -40,7 +40,7 @@ const LIGHT_AT: &str = "at";
 
 /// The handles of the selected node, from frame to frame.
 #[derive(Default)]
-pub(crate) struct Handle {
+pub(crate) struct GizmoState {
     /// The node and the handle that is held.
     held: Option<(Path, Drag)>,
 }
@@ -57,7 +57,7 @@ pub(crate) struct Pointer {
     pub(crate) down: bool,
 }
 
-impl Handle {
+impl GizmoState {
     /// Draws the handles of the selected node into the picture. Returns whether the pointer belongs to them, and the values
     /// of the document that they change.
     #[allow(clippy::too_many_arguments, reason = "each is another thing, and there is one caller")]
@@ -68,26 +68,26 @@ impl Handle {
         camera: &Camera,
         document: &Document,
         selection: &Path,
-        kind: Handles,
+        kind: GizmoMode,
         pointer: Option<Pointer>,
     ) -> (bool, Vec<(Path, &'static str, Value)>) {
-        let Some(path) = handled(document, selection) else {
+        let Some(path) = target_node(document, selection) else {
             self.held = None;
             return (false, Vec::new());
         };
         let is_light = document.item(&path).is_some_and(|item| item.kind == ItemKind::Point);
-        let kind = if is_light { Handles::Move } else { kind };
-        let outer = placement_around(document, &path);
-        let mut own = own_placement(document, &path);
-        if is_light && let Some(Value::Triple(at)) = given(document, &path, LIGHT_AT) {
-            own.at = at.map(f64::from).into();
+        let kind = if is_light { GizmoMode::Move } else { kind };
+        let outer = parent_transform(document, &path);
+        let mut own = local_transform(document, &path);
+        if is_light && let Some(Value::Triple(at)) = present_value(document, &path, LIGHT_AT) {
+            own.translation = at.map(f64::from).into();
         }
-        let world = outer.around(own);
+        let world = outer.then_local(own);
         let projection = Projection::new(camera, picture);
-        let (parts, gizmo) = (Part::of(kind), Gizmo::new(projection, world.at));
+        let (handles, gizmo) = (Handle::of(kind), Gizmo::new(projection, world.translation));
         let snapping = ui.input(|input| input.modifiers.command);
 
-        let hovered = self.follow(parts, gizmo.as_ref(), &path, world, pointer);
+        let hovered = self.follow(handles, gizmo.as_ref(), &path, world, pointer);
         let moved = match (&mut self.held, pointer) {
             (Some((_, drag)), Some(pointer)) => drag.to(&projection, pointer.position, snapping),
             _ => None,
@@ -95,7 +95,7 @@ impl Handle {
         let changes = moved.map(|new| change(path, kind, is_light, outer, world, new));
         let drag = self.held.as_ref().map(|(_, drag)| drag);
         if let Some(gizmo) = &gizmo {
-            draw::draw(&ui.painter_at(picture), gizmo, parts, hovered, drag);
+            draw::draw(&ui.painter_at(picture), gizmo, handles, hovered, drag);
         }
         (drag.is_some() || hovered.is_some(), changes.into_iter().collect())
     }
@@ -103,47 +103,47 @@ impl Handle {
     /// Catches a handle and lets go of it; returns the one under the pointer.
     fn follow(
         &mut self,
-        parts: &[Part],
+        handles: &[Handle],
         gizmo: Option<&Gizmo>,
         path: &Path,
-        world: Placed,
+        world: Transform,
         pointer: Option<Pointer>,
-    ) -> Option<Part> {
+    ) -> Option<Handle> {
         let Some(pointer) = pointer else {
             self.held = None;
             return None;
         };
         // The selection and the kind of handles may change in the middle.
-        let goes_on = |(of, drag): &(Path, Drag)| pointer.down && of == path && parts.contains(&drag.part);
+        let goes_on = |(of, drag): &(Path, Drag)| pointer.down && of == path && handles.contains(&drag.handle);
         self.held = self.held.take().filter(goes_on);
         let gizmo = gizmo.filter(|_| self.held.is_none() && pointer.hovered)?;
         let at = pointer.pressed_at.unwrap_or(pointer.position);
-        let part = gizmo.pick(parts, at)?;
+        let handle = gizmo.pick(handles, at)?;
         if pointer.pressed_at.is_some() && pointer.down {
-            self.held = Drag::begin(gizmo, part, world, at).map(|drag| (path.clone(), drag));
+            self.held = Drag::begin(gizmo, handle, world, at).map(|drag| (path.clone(), drag));
         }
-        Some(part)
+        Some(handle)
     }
 }
 
 /// The value of the document that brings a node to a new placement in the world.
 fn change(
     path: Path,
-    kind: Handles,
+    kind: GizmoMode,
     is_light: bool,
-    outer: Placed,
-    world: Placed,
-    new: Placed,
+    outer: Transform,
+    world: Transform,
+    new: Transform,
 ) -> (Path, &'static str, Value) {
-    let inner = outer.inside(new);
+    let inner = outer.to_local(new);
     match kind {
-        Handles::Move => {
+        GizmoMode::Move => {
             let step = 1e-4 * world.scale.max(1e-3);
-            let DVec3 { x, y, z } = inner.at;
-            let at = Value::Triple([x, y, z].map(|v| tidy(v, step.min(1e-3))));
+            let DVec3 { x, y, z } = inner.translation;
+            let at = Value::Triple([x, y, z].map(|v| round_to(v, step.min(1e-3))));
             (path, if is_light { LIGHT_AT } else { key::AT }, at)
         }
-        Handles::Turn => (path, key::ROTATE, Value::Triple(inner.degrees())),
-        Handles::Scale => (path, key::SCALE, Value::Number(tidy(inner.scale, 1e-4).max(1e-4))),
+        GizmoMode::Rotate => (path, key::ROTATE, Value::Triple(inner.degrees())),
+        GizmoMode::Scale => (path, key::SCALE, Value::Number(round_to(inner.scale, 1e-4).max(1e-4))),
     }
 }

@@ -5,7 +5,7 @@
 //! caught, for there its axis or plane is almost parallel to the rays of the pointer.
 
 use crate::window::camera::projection::Projection;
-use crate::window::open_scene::view_state::Handles;
+use crate::window::open_scene::view_state::GizmoMode;
 use egui::{Color32, Pos2, Vec2};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -15,24 +15,24 @@ pub(super) const SIZE: f64 = 75.0;
 /// Width of lines, points.
 pub(super) const STROKE: f64 = 4.0;
 /// Radius of the disc in the middle, points.
-pub(super) const DISC: f64 = 0.2 * SIZE;
+pub(super) const DISC_RADIUS: f64 = 0.2 * SIZE;
 /// Radius of the ring around everything, points.
-pub(super) const OUTER: f64 = SIZE + STROKE + 5.0;
+pub(super) const OUTER_RADIUS: f64 = SIZE + STROKE + 5.0;
 /// An arrow from its start to its end, points from the middle.
-const ARROW: [f64; 2] = [DISC + 0.5 * STROKE, SIZE - 2.0 * STROKE];
+const ARROW: [f64; 2] = [DISC_RADIUS + 0.5 * STROKE, SIZE - 2.0 * STROKE];
 /// Distance of a square's middle along both of its axes, and half its side, points.
 const SQUARE: [f64; 2] = [0.5 * SIZE, 0.5 * (0.1 * SIZE + 2.0 * STROKE)];
 /// A handle is caught this far from its line, points.
-const CATCH: f32 = 5.0;
-/// Handles whose distances from the pointer differ by less than this, points, count as equally near.
-const EQUAL: f32 = 2.0;
+const PICK_DISTANCE: f32 = 5.0;
+/// GizmoMode whose distances from the pointer differ by less than this, points, count as equally near.
+const PICK_TOLERANCE: f32 = 2.0;
 /// Segments of a ring.
 const SEGMENTS: u32 = 64;
 /// Cosine of the angle between an arrow and the view at which it begins to fade, and at which it is gone.
 const ARROW_FADE: [f64; 2] = [0.95, 0.99];
 /// Cosine of the angle between a square's normal and the view at which it is gone, and above which it is whole.
 const SQUARE_FADE: [f64; 2] = [0.14, 0.3];
-/// Part of a ring's radius by which what is drawn of it reaches behind its middle: all of it, seen from the front.
+/// Handle of a ring's radius by which what is drawn of it reaches behind its middle: all of it, seen from the front.
 const RING_BACK: f64 = 0.1;
 
 /// An axis of the world.
@@ -72,11 +72,11 @@ impl Axis {
 
 /// One handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum Handle {
     /// Moves along an axis.
     Arrow(Axis),
     /// Moves in the plane across an axis.
-    Square(Axis),
+    PlaneSquare(Axis),
     /// Moves in the plane of the picture.
     Disc,
     /// Turns about an axis.
@@ -87,28 +87,28 @@ pub(super) enum Part {
     ScaleRing,
 }
 
-impl Part {
+impl Handle {
     /// The handles of a kind.
-    pub(super) fn of(kind: Handles) -> &'static [Self] {
+    pub(super) fn of(kind: GizmoMode) -> &'static [Self] {
         use Axis::{X, Y, Z};
         match kind {
-            Handles::Move => &[
+            GizmoMode::Move => &[
                 Self::Arrow(X),
                 Self::Arrow(Y),
                 Self::Arrow(Z),
-                Self::Square(X),
-                Self::Square(Y),
-                Self::Square(Z),
+                Self::PlaneSquare(X),
+                Self::PlaneSquare(Y),
+                Self::PlaneSquare(Z),
                 Self::Disc,
             ],
-            Handles::Turn => &[Self::Ring(X), Self::Ring(Y), Self::Ring(Z), Self::ViewRing],
-            Handles::Scale => &[Self::ScaleRing],
+            GizmoMode::Rotate => &[Self::Ring(X), Self::Ring(Y), Self::Ring(Z), Self::ViewRing],
+            GizmoMode::Scale => &[Self::ScaleRing],
         }
     }
 
     pub(super) fn colour(self) -> Color32 {
         match self {
-            Self::Arrow(axis) | Self::Square(axis) | Self::Ring(axis) => axis.colour(),
+            Self::Arrow(axis) | Self::PlaneSquare(axis) | Self::Ring(axis) => axis.colour(),
             Self::Disc | Self::ViewRing | Self::ScaleRing => Color32::WHITE,
         }
     }
@@ -123,36 +123,36 @@ pub(super) struct Gizmo {
     /// The middle, in the window.
     pub(super) middle: Pos2,
     /// Metres of the world for a point of the window, at the depth of the middle.
-    pub(super) metres: f64,
+    pub(super) metres_per_point: f64,
     /// Unit vector from the middle to the camera.
-    pub(super) towards: DVec3,
+    pub(super) to_camera: DVec3,
 }
 
 impl Gizmo {
     /// None where the middle is not before the camera.
     pub(super) fn new(projection: Projection, origin: DVec3) -> Option<Self> {
         let depth = projection.depth(origin)?;
-        let middle = projection.place(origin)?;
-        let towards = (projection.position - origin).normalize_or_zero();
-        Some(Self { projection, origin, middle, metres: depth / projection.scale, towards })
+        let middle = projection.project(origin)?;
+        let to_camera = (projection.position - origin).normalize_or_zero();
+        Some(Self { projection, origin, middle, metres_per_point: depth / projection.scale, to_camera })
     }
 
     /// Opacity of a handle; one of 0 is neither drawn nor caught.
-    pub(super) fn opacity(&self, part: Part) -> f64 {
+    pub(super) fn opacity(&self, handle: Handle) -> f64 {
         let faded = |value: f64, [gone, whole]: [f64; 2]| ((value - gone) / (whole - gone)).clamp(0.0, 1.0);
-        match part {
-            Part::Arrow(axis) => {
+        match handle {
+            Handle::Arrow(axis) => {
                 let [begins, gone] = ARROW_FADE;
-                faded(axis.unit().dot(self.towards).abs(), [gone, begins])
+                faded(axis.unit().dot(self.to_camera).abs(), [gone, begins])
             }
-            Part::Square(axis) => faded(axis.unit().dot(self.towards).abs(), SQUARE_FADE),
+            Handle::PlaneSquare(axis) => faded(axis.unit().dot(self.to_camera).abs(), SQUARE_FADE),
             _ => 1.0,
         }
     }
 
     /// A point of the world beside the middle, by points of the window along a unit vector.
     fn at(&self, direction: DVec3, points: f64) -> DVec3 {
-        self.origin + direction * (points * self.metres)
+        self.origin + direction * (points * self.metres_per_point)
     }
 
     /// Start and end of an arrow.
@@ -165,7 +165,7 @@ impl Gizmo {
         let [u, v] = axis.others();
         let [middle, half] = SQUARE;
         [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
-            .map(|[a, b]| self.origin + (u * (middle + a * half) + v * (middle + b * half)) * self.metres)
+            .map(|[a, b]| self.origin + (u * (middle + a * half) + v * (middle + b * half)) * self.metres_per_point)
     }
 
     /// Segments of a ring; of those behind its middle only where `whole` or seen from the front.
@@ -176,24 +176,24 @@ impl Gizmo {
             u * cos + v * sin
         };
         let segments = (0..SEGMENTS).map(|k| [out(k), out(k + 1)]);
-        let seen = segments.filter(|[a, b]| whole || (*a + *b).dot(self.towards) * 0.5 > -RING_BACK);
+        let seen = segments.filter(|[a, b]| whole || (*a + *b).dot(self.to_camera) * 0.5 > -RING_BACK);
         seen.map(|ends| ends.map(|out| self.at(out, SIZE))).collect()
     }
 
     /// The handle under a point of the window: the nearest within a few points, and of those that are equally near the
     /// one in front.
-    pub(super) fn pick(&self, parts: &[Part], at: Pos2) -> Option<Part> {
-        let visible = parts.iter().filter(|part| self.opacity(**part) > 0.0);
-        let near = visible.filter_map(|part| Some((*part, self.distance(*part, at)?)));
-        let caught: Vec<_> = near.filter(|(_, near)| near.distance <= CATCH).collect();
+    pub(super) fn pick(&self, handles: &[Handle], at: Pos2) -> Option<Handle> {
+        let visible = handles.iter().filter(|handle| self.opacity(**handle) > 0.0);
+        let near = visible.filter_map(|handle| Some((*handle, self.distance(*handle, at)?)));
+        let caught: Vec<_> = near.filter(|(_, near)| near.distance <= PICK_DISTANCE).collect();
         let least = caught.iter().map(|(_, near)| near.distance).fold(f32::INFINITY, f32::min);
-        let nearest = caught.into_iter().filter(|(_, near)| near.distance <= least + EQUAL);
-        nearest.min_by(|(_, a), (_, b)| a.depth.total_cmp(&b.depth)).map(|(part, _)| part)
+        let nearest = caught.into_iter().filter(|(_, near)| near.distance <= least + PICK_TOLERANCE);
+        nearest.min_by(|(_, a), (_, b)| a.depth.total_cmp(&b.depth)).map(|(handle, _)| handle)
     }
 
     /// How near a handle comes to a point of the window; none where nothing of it is before the camera.
-    fn distance(&self, part: Part, at: Pos2) -> Option<Near> {
-        let depth = self.metres * self.projection.scale;
+    fn distance(&self, handle: Handle, at: Pos2) -> Option<Near> {
+        let depth = self.metres_per_point * self.projection.scale;
         let from_middle = at.distance(self.middle);
         let round = |distance: f32| Some(Near { distance: distance.max(0.0), depth });
         let line = |segments: &[[DVec3; 2]]| {
@@ -201,16 +201,18 @@ impl Gizmo {
             let nearest = near.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
             Some(Near { distance: (nearest.distance - 0.5 * STROKE as f32).max(0.0), ..nearest })
         };
-        match part {
-            Part::Disc => round(from_middle - DISC as f32),
-            Part::ViewRing | Part::ScaleRing => round((from_middle - OUTER as f32).abs() - 0.5 * STROKE as f32),
-            Part::Arrow(axis) => line(&[self.arrow(axis)]),
-            Part::Ring(axis) => line(&self.ring(axis, false)),
-            Part::Square(axis) => {
+        match handle {
+            Handle::Disc => round(from_middle - DISC_RADIUS as f32),
+            Handle::ViewRing | Handle::ScaleRing => {
+                round((from_middle - OUTER_RADIUS as f32).abs() - 0.5 * STROKE as f32)
+            }
+            Handle::Arrow(axis) => line(&[self.arrow(axis)]),
+            Handle::Ring(axis) => line(&self.ring(axis, false)),
+            Handle::PlaneSquare(axis) => {
                 let corners = self.square(axis);
                 let edges: [_; 4] = std::array::from_fn(|k| [corners[k], corners[(k + 1) % 4]]);
                 let near = line(&edges)?;
-                let places = corners.map(|corner| self.projection.place(corner));
+                let places = corners.map(|corner| self.projection.project(corner));
                 let inside =
                     places.iter().all(Option::is_some) && is_inside(&places.map(Option::unwrap_or_default), at);
                 Some(if inside { Near { distance: 0.0, ..near } } else { near })
@@ -220,7 +222,7 @@ impl Gizmo {
 
     /// How near a segment comes in the window; none where an end of it is not before the camera.
     fn distance_to_segment(&self, ends: [DVec3; 2], at: Pos2) -> Option<Near> {
-        let [Some(a), Some(b)] = ends.map(|end| self.projection.place(end)) else { return None };
+        let [Some(a), Some(b)] = ends.map(|end| self.projection.project(end)) else { return None };
         let [Some(depth_a), Some(depth_b)] = ends.map(|end| self.projection.depth(end)) else { return None };
         let along = b - a;
         let share = ((at - a).dot(along) / along.length_sq().max(1e-12)).clamp(0.0, 1.0);

@@ -5,75 +5,79 @@ use pathmarch_render::pathmarch_scene::document::{Document, Path, Value, key};
 
 /// Placement of a node: uniform scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Placed {
+pub(super) struct Transform {
     pub(super) scale: f64,
-    pub(super) turn: DQuat,
-    pub(super) at: DVec3,
+    pub(super) rotation: DQuat,
+    pub(super) translation: DVec3,
 }
 
-impl Placed {
+impl Transform {
     /// At the origin, not turned, of its own size.
-    pub(super) const IDENTITY: Self = Self { scale: 1.0, turn: DQuat::IDENTITY, at: DVec3::ZERO };
+    pub(super) const IDENTITY: Self = Self { scale: 1.0, rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
 
     /// World placement of `inner`, which is relative to this one.
-    pub(super) fn around(self, inner: Self) -> Self {
+    pub(super) fn then_local(self, inner: Self) -> Self {
         Self {
             scale: self.scale * inner.scale,
-            turn: self.turn * inner.turn,
-            at: self.at + self.turn * (self.scale * inner.at),
+            rotation: self.rotation * inner.rotation,
+            translation: self.translation + self.rotation * (self.scale * inner.translation),
         }
     }
 
     /// Placement relative to this one of what has the placement `world` in the world.
-    pub(super) fn inside(self, world: Self) -> Self {
-        let back = self.turn.inverse();
-        Self { scale: world.scale / self.scale, turn: back * world.turn, at: back * (world.at - self.at) / self.scale }
+    pub(super) fn to_local(self, world: Self) -> Self {
+        let back = self.rotation.inverse();
+        Self {
+            scale: world.scale / self.scale,
+            rotation: back * world.rotation,
+            translation: back * (world.translation - self.translation) / self.scale,
+        }
     }
 
     /// Degrees about the fixed x, then y, then z axis.
     pub(super) fn degrees(self) -> [f32; 3] {
-        let (z, y, x) = self.turn.to_euler(EulerRot::ZYX);
-        [x, y, z].map(|angle| tidy(angle.to_degrees(), 1e-3))
+        let (z, y, x) = self.rotation.to_euler(EulerRot::ZYX);
+        [x, y, z].map(|angle| round_to(angle.to_degrees(), 1e-3))
     }
 }
 
 /// Rounds to a multiple of `step`.
-pub(super) fn tidy(value: f64, step: f64) -> f32 {
+pub(super) fn round_to(value: f64, step: f64) -> f32 {
     let value = (value / step).round() * step;
     // Not -0, and not 0.30000000000000004.
     (value + 0.0) as f32
 }
 
 /// Present value of a key of a node.
-pub(super) fn given(document: &Document, path: &Path, key: &str) -> Option<Value> {
+pub(super) fn present_value(document: &Document, path: &Path, key: &str) -> Option<Value> {
     document.control(path, key).map(|control| control.present)
 }
 
 /// Placement that a node itself gives, relative to the operators around it.
-pub(super) fn own_placement(document: &Document, path: &Path) -> Placed {
-    let mut placed = Placed::IDENTITY;
-    if let Some(Value::Triple(at)) = given(document, path, key::AT) {
-        placed.at = at.map(f64::from).into();
+pub(super) fn local_transform(document: &Document, path: &Path) -> Transform {
+    let mut transform = Transform::IDENTITY;
+    if let Some(Value::Triple(at)) = present_value(document, path, key::AT) {
+        transform.translation = at.map(f64::from).into();
     }
-    if let Some(Value::Triple(turn)) = given(document, path, key::ROTATE) {
+    if let Some(Value::Triple(turn)) = present_value(document, path, key::ROTATE) {
         let [x, y, z] = turn.map(|angle| f64::from(angle).to_radians());
-        placed.turn = DQuat::from_euler(EulerRot::ZYX, z, y, x);
+        transform.rotation = DQuat::from_euler(EulerRot::ZYX, z, y, x);
     }
-    if let Some(Value::Number(scale)) = given(document, path, key::SCALE) {
-        placed.scale = f64::from(scale);
+    if let Some(Value::Number(scale)) = present_value(document, path, key::SCALE) {
+        transform.scale = f64::from(scale);
     }
-    placed
+    transform
 }
 
 /// Placement of the operators around a node, from the outside in.
-pub(super) fn placement_around(document: &Document, path: &Path) -> Placed {
+pub(super) fn parent_transform(document: &Document, path: &Path) -> Transform {
     let mut ancestors = Vec::new();
     let mut at = path.parent();
     while let Some(path) = at {
         at = path.parent();
         ancestors.push(path);
     }
-    ancestors.iter().rev().fold(Placed::IDENTITY, |outer, path| outer.around(own_placement(document, path)))
+    ancestors.iter().rev().fold(Transform::IDENTITY, |outer, path| outer.then_local(local_transform(document, path)))
 }
 
 #[cfg(test)]
@@ -82,27 +86,27 @@ mod tests {
 
     #[test]
     fn what_goes_through_an_operator_comes_back() {
-        let outer = Placed {
+        let outer = Transform {
             scale: 2.0,
-            turn: DQuat::from_euler(EulerRot::ZYX, 0.3, -0.7, 1.1),
-            at: DVec3::new(1.0, 2.0, 3.0),
+            rotation: DQuat::from_euler(EulerRot::ZYX, 0.3, -0.7, 1.1),
+            translation: DVec3::new(1.0, 2.0, 3.0),
         };
-        let inner = Placed {
+        let inner = Transform {
             scale: 0.5,
-            turn: DQuat::from_euler(EulerRot::ZYX, -1.3, 0.2, 0.4),
-            at: DVec3::new(-4.0, 0.0, 1.0),
+            rotation: DQuat::from_euler(EulerRot::ZYX, -1.3, 0.2, 0.4),
+            translation: DVec3::new(-4.0, 0.0, 1.0),
         };
-        let back = outer.inside(outer.around(inner));
-        assert!(back.at.distance(inner.at) < 1e-12 && (back.scale - inner.scale).abs() < 1e-12);
-        assert!(back.turn.dot(inner.turn).abs() > 1.0 - 1e-12);
+        let back = outer.to_local(outer.then_local(inner));
+        assert!(back.translation.distance(inner.translation) < 1e-12 && (back.scale - inner.scale).abs() < 1e-12);
+        assert!(back.rotation.dot(inner.rotation).abs() > 1.0 - 1e-12);
     }
 
     #[test]
     fn degrees_turn_about_fixed_axes() {
         let [x, y, z] = [20.0_f64, -35.0, 70.0].map(f64::to_radians);
         let turn = DQuat::from_rotation_z(z) * DQuat::from_rotation_y(y) * DQuat::from_rotation_x(x);
-        assert_eq!(Placed { turn, ..Placed::IDENTITY }.degrees(), [20.0, -35.0, 70.0]);
-        assert_eq!(tidy(-1e-9, 1e-3).to_bits(), 0.0_f32.to_bits());
+        assert_eq!(Transform { rotation: turn, ..Transform::IDENTITY }.degrees(), [20.0, -35.0, 70.0]);
+        assert_eq!(round_to(-1e-9, 1e-3).to_bits(), 0.0_f32.to_bits());
     }
 
     #[test]
@@ -113,12 +117,12 @@ mod tests {
         let document = Document::new("test.kdl", text);
         let scene = document.scene().expect("a scene");
         let path = document.path_of_leaf(0).expect("the sphere");
-        let world = placement_around(&document, &path).around(own_placement(&document, &path));
+        let world = parent_transform(&document, &path).then_local(local_transform(&document, &path));
         let leaf = &scene.field.leaves()[0];
-        assert!(world.at.as_vec3().distance(leaf.pose.at.into()) < 1e-5, "{world:?} {leaf:?}");
+        assert!(world.translation.as_vec3().distance(leaf.pose.at.into()) < 1e-5, "{world:?} {leaf:?}");
         assert!((world.scale as f32 - leaf.pose.scale).abs() < 1e-6);
         for (axis, expected) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().zip(leaf.pose.axes) {
-            assert!((world.turn * axis).as_vec3().distance(expected.into()) < 1e-5);
+            assert!((world.rotation * axis).as_vec3().distance(expected.into()) < 1e-5);
         }
     }
 }

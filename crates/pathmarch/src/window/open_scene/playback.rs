@@ -1,14 +1,14 @@
 //! Playback of an animation: which frame is due at which time.
 
 /// How time goes on.
-pub(crate) struct Timeline {
+pub(crate) struct Playback {
     /// The last frame; playing goes on with frame 0.
     pub(crate) last: u32,
     /// Since when it plays, seconds, and with which frame it began.
     pub(crate) playing: Option<(f64, u32)>,
 }
 
-impl Default for Timeline {
+impl Default for Playback {
     fn default() -> Self {
         Self { last: 119, playing: None }
     }
@@ -17,7 +17,7 @@ impl Default for Timeline {
 /// The largest number of a frame.
 pub(crate) const LAST_FRAME: u32 = 999_999;
 
-impl Timeline {
+impl Playback {
     pub(crate) fn is_playing(&self) -> bool {
         self.playing.is_some()
     }
@@ -37,13 +37,13 @@ mod tests {
 
     #[test]
     fn frames_are_due_when_their_time_has_come() {
-        let timeline = Timeline { last: 9, playing: Some((100.0, 4)) };
-        assert_eq!(timeline.due(100.0, 25.0).map(|(frame, _)| frame), Some(4));
-        let (frame, left) = timeline.due(100.05, 25.0).expect("it plays");
+        let playback = Playback { last: 9, playing: Some((100.0, 4)) };
+        assert_eq!(playback.due(100.0, 25.0).map(|(frame, _)| frame), Some(4));
+        let (frame, left) = playback.due(100.05, 25.0).expect("it plays");
         assert!(frame == 5 && (left - 0.03).abs() < 1e-9, "{frame} {left}");
         // After frame 9 comes frame 0.
-        assert_eq!(timeline.due(100.21, 25.0).map(|(frame, _)| frame), Some(9));
-        assert_eq!(timeline.due(100.25, 25.0).map(|(frame, _)| frame), Some(0));
-        assert_eq!(Timeline::default().due(5.0, 25.0), None);
+        assert_eq!(playback.due(100.21, 25.0).map(|(frame, _)| frame), Some(9));
+        assert_eq!(playback.due(100.25, 25.0).map(|(frame, _)| frame), Some(0));
+        assert_eq!(Playback::default().due(5.0, 25.0), None);
     }
 }

@@ -1,4 +1,4 @@
-//! View of the open scene: camera, selection, mode and size of the picture.
+//! ViewState of the open scene: camera, selection, mode and size of the picture.
 
 use egui::TextureHandle;
 use pathmarch_render::Mode;
@@ -7,23 +7,23 @@ use pathmarch_render::pathmarch_scene::{Camera, Scene};
 use std::time::{Duration, Instant};
 
 /// A live picture has at most this many pixels: those of a screen of 3840 by 2160.
-const MOST_PIXELS: f64 = 3840.0 * 2160.0;
+const MAX_PIXELS: f64 = 3840.0 * 2160.0;
 
 /// For so long after the last movement the picture counts as moving.
 const STILL_AFTER: Duration = Duration::from_millis(160);
 
 /// Which handles the picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Handles {
+pub(crate) enum GizmoMode {
     Move,
-    Turn,
+    Rotate,
     Scale,
 }
 
 /// How large the picture is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Resolution {
-    /// As large as there is room.
+    /// As large as there is available_pixels.
     Fit,
     /// Half of that.
     Half,
@@ -44,7 +44,7 @@ impl Resolution {
 }
 
 /// A picture that was kept to compare others with.
-pub(crate) struct Kept {
+pub(crate) struct ComparisonPicture {
     pub(crate) texture: TextureHandle,
     pub(crate) label: String,
     /// Where the line stands, 0 to 1 from the left.
@@ -53,27 +53,27 @@ pub(crate) struct Kept {
 }
 
 /// How a scene is looked at.
-pub(crate) struct View {
+pub(crate) struct ViewState {
     /// Where it is seen from: at first as the scene says.
     pub(crate) camera: Camera,
     /// The scene's camera that it comes from, as it was then.
-    followed: Option<Camera>,
+    scene_camera: Option<Camera>,
     pub(crate) selection: Option<NodePath>,
     pub(crate) mode: Mode,
     pub(crate) resolution: Resolution,
-    pub(crate) handles: Handles,
+    pub(crate) gizmo_mode: GizmoMode,
     /// The next click sets the focus.
     pub(crate) focus_click: bool,
-    pub(crate) kept: Option<Kept>,
+    pub(crate) comparison: Option<ComparisonPicture>,
     /// When something last moved.
-    moved: Option<Instant>,
+    last_moved: Option<Instant>,
     /// Pixels that there are for the picture.
-    pub(crate) room: [u32; 2],
+    pub(crate) available_pixels: [u32; 2],
     /// The picture on the screen, its number and size.
     pub(crate) picture: Option<(TextureHandle, u64, [u32; 2])>,
 }
 
-impl Default for View {
+impl Default for ViewState {
     fn default() -> Self {
         let camera = Camera {
             name: "main".to_owned(),
@@ -87,80 +87,80 @@ impl Default for View {
         };
         Self {
             camera,
-            followed: None,
+            scene_camera: None,
             selection: None,
             mode: Mode::Path,
             resolution: Resolution::Fit,
-            handles: Handles::Move,
+            gizmo_mode: GizmoMode::Move,
             focus_click: false,
-            kept: None,
-            moved: None,
-            room: [0; 2],
+            comparison: None,
+            last_moved: None,
+            available_pixels: [0; 2],
             picture: None,
         }
     }
 }
 
-impl View {
+impl ViewState {
     /// Takes on changes of the scene's camera; one's own movements stay otherwise.
-    pub(crate) fn follow(&mut self, scene: &Scene) {
-        let name = self.followed.as_ref().map(|followed| followed.name.as_str());
+    pub(crate) fn sync_camera(&mut self, scene: &Scene) {
+        let name = self.scene_camera.as_ref().map(|scene_camera| scene_camera.name.as_str());
         let camera = scene.cameras.iter().find(|camera| Some(camera.name.as_str()) == name);
         let camera = camera.unwrap_or(&scene.cameras[0]);
-        if self.followed.as_ref() != Some(camera) {
-            self.look_through(camera);
+        if self.scene_camera.as_ref() != Some(camera) {
+            self.use_camera(camera);
         }
     }
 
     /// Looks through a camera of the scene.
-    pub(crate) fn look_through(&mut self, camera: &Camera) {
+    pub(crate) fn use_camera(&mut self, camera: &Camera) {
         self.camera = camera.clone();
-        self.followed = Some(camera.clone());
-        self.touch();
+        self.scene_camera = Some(camera.clone());
+        self.mark_moving();
     }
 
     /// Whether it is not where the scene's camera is.
-    pub(crate) fn has_moved_away(&self) -> bool {
-        self.followed.as_ref().is_some_and(|followed| *followed != self.camera)
+    pub(crate) fn is_camera_modified(&self) -> bool {
+        self.scene_camera.as_ref().is_some_and(|scene_camera| *scene_camera != self.camera)
     }
 
     /// The name of the scene's camera that it comes from.
     pub(crate) fn camera_name(&self) -> &str {
-        self.followed.as_ref().map_or("main", |followed| &followed.name)
+        self.scene_camera.as_ref().map_or("main", |scene_camera| &scene_camera.name)
     }
 
     /// Says that the camera is now as the scene has it.
-    pub(crate) fn written(&mut self, camera: &Camera) {
-        self.followed = Some(camera.clone());
+    pub(crate) fn set_scene_camera(&mut self, camera: &Camera) {
+        self.scene_camera = Some(camera.clone());
         self.camera = camera.clone();
     }
 
     /// Something moves.
-    pub(crate) fn touch(&mut self) {
-        self.moved = Some(Instant::now());
+    pub(crate) fn mark_moving(&mut self) {
+        self.last_moved = Some(Instant::now());
     }
 
     /// Whether something moves, and if so for how long it still counts as moving.
-    pub(crate) fn moving(&mut self) -> Option<Duration> {
-        let left = STILL_AFTER.checked_sub(self.moved?.elapsed());
+    pub(crate) fn time_until_still(&mut self) -> Option<Duration> {
+        let left = STILL_AFTER.checked_sub(self.last_moved?.elapsed());
         if left.is_none() {
-            self.moved = None;
+            self.last_moved = None;
         }
         left
     }
 
     /// The size of the picture, pixels.
-    pub(crate) fn size(&self, scene: &Scene) -> [u32; 2] {
+    pub(crate) fn picture_size(&self, scene: &Scene) -> [u32; 2] {
         let (width, height) = scene.render.size;
-        let [room_x, room_y] = self.room.map(|side| f64::from(side.max(1)));
-        let fit = (room_x / f64::from(width)).min(room_y / f64::from(height));
+        let [available_x, available_y] = self.available_pixels.map(|side| f64::from(side.max(1)));
+        let fit = (available_x / f64::from(width)).min(available_y / f64::from(height));
         let factor = match self.resolution {
             Resolution::Fit => fit,
             Resolution::Half => 0.5 * fit,
             Resolution::Scene => 1.0,
         };
         // More than a screen shows is for files.
-        let most = (MOST_PIXELS / (f64::from(width) * f64::from(height))).sqrt();
+        let most = (MAX_PIXELS / (f64::from(width) * f64::from(height))).sqrt();
         let factor = factor.min(most);
         [width, height].map(|side| ((f64::from(side) * factor).round() as u32).clamp(1, 16_384))
     }

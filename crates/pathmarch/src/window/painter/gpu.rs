@@ -36,7 +36,7 @@ impl GpuPainter {
         window: &Arc<Window>,
         display: OwnedDisplayHandle,
         textures: &Textures,
-        take_software: bool,
+        accept_software: bool,
     ) -> Result<(Self, String), OpenError> {
         let mut descriptor = wgpu::InstanceDescriptor::new_with_display_handle(Box::new(display));
         descriptor.flags = wgpu::InstanceFlags::empty();
@@ -49,7 +49,7 @@ impl GpuPainter {
         }))
         .map_err(|error| error.to_string())?;
         let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        if is_software && !take_software {
+        if is_software && !accept_software {
             return Err(OpenError(format!("{} is software", adapter.get_info().name)));
         }
         let limits = wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits());

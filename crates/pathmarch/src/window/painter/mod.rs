@@ -25,7 +25,7 @@ pub(super) struct Textures(HashMap<TextureId, ImageDelta>);
 
 impl Textures {
     /// Takes changes on that nobody paints.
-    pub(super) fn take(&mut self, changes: &mut TexturesDelta) {
+    pub(super) fn apply_all(&mut self, changes: &mut TexturesDelta) {
         self.set(changes);
         self.free(changes);
     }
@@ -101,8 +101,8 @@ impl Painter {
             let kind = Kind::Software(SoftwarePainter::new(window, display)?);
             Ok::<_, String>(Self { kind, adapter: "the processor".to_owned() })
         };
-        let gpu = |display, take_software| {
-            let (painter, adapter) = GpuPainter::new(window, display, textures, take_software)?;
+        let gpu = |display, accept_software| {
+            let (painter, adapter) = GpuPainter::new(window, display, textures, accept_software)?;
             Ok::<_, OpenError>(Self { kind: Kind::Gpu(Box::new(painter)), adapter })
         };
         match drawing {

@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 
 impl App {
     /// What is wrong with the text, line by line.
-    pub(crate) fn mistakes_panel(&mut self, ui: &mut Ui) {
+    pub(crate) fn diagnostics_panel(&mut self, ui: &mut Ui) {
         let Some(open) = &self.open else { return };
         let error = match open.document.scene() {
             Err(error) => error,

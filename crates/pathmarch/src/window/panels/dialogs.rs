@@ -2,9 +2,9 @@
 
 use crate::window::app::App;
 use crate::window::app::dialog::{Answer, Dialog, RenderDialog};
-use crate::window::app::requests::After;
-use crate::window::files::recovery::Recovered;
-use crate::window::files::relative_time::age;
+use crate::window::app::requests::PendingAction;
+use crate::window::files::recovery::RecoveredWork;
+use crate::window::files::relative_time::relative_time;
 use crate::window::open_scene::playback::LAST_FRAME;
 use egui::{Context, Id, Modal, RichText, Ui};
 use pathmarch_render::image::ImageFormat;
@@ -12,9 +12,9 @@ use pathmarch_render::pathmarch_scene::limits;
 use std::time::SystemTime;
 
 impl App {
-    pub(crate) fn dialogs(&mut self, ctx: &Context) {
+    pub(crate) fn show_dialog(&mut self, ctx: &Context) {
         let Some(dialog) = &mut self.dialog else { return };
-        if self.chooser.is_some() {
+        if self.file_dialog.is_some() {
             return;
         }
         let mut answer = Answer::None;
@@ -38,7 +38,7 @@ impl App {
     }
 }
 
-fn unsaved(ui: &mut Ui, after: &After, answer: &mut Answer) {
+fn unsaved(ui: &mut Ui, after: &PendingAction, answer: &mut Answer) {
     ui.heading("Save the changes?");
     ui.label("The scene has changes that are in no file yet.");
     ui.add_space(8.0);
@@ -47,7 +47,7 @@ fn unsaved(ui: &mut Ui, after: &After, answer: &mut Answer) {
             *answer = Answer::Save(after.clone());
         }
         if ui.button("Discard them").clicked() {
-            *answer = Answer::Drop(after.clone());
+            *answer = Answer::Discard(after.clone());
         }
         if ui.button("Cancel").clicked() {
             *answer = Answer::Close;
@@ -64,7 +64,7 @@ fn busy(ui: &mut Ui, answer: &mut Answer) {
             *answer = Answer::Close;
         }
         if ui.button("Cancel it and quit").clicked() {
-            *answer = Answer::Leave;
+            *answer = Answer::CancelRendersAndQuit;
         }
     });
 }
@@ -90,30 +90,30 @@ fn conflict(ui: &mut Ui, unreadable: Option<&String>, answer: &mut Answer) {
             *answer = Answer::TakeTheirs;
         }
         if ui.button("Save mine as…").on_hover_text("Leaves the file as it is.").clicked() {
-            *answer = Answer::SaveMineElsewhere;
+            *answer = Answer::SaveMineAs;
         }
     });
 }
 
-fn recovered(ui: &mut Ui, left: &[Recovered], answer: &mut Answer) {
+fn recovered(ui: &mut Ui, left: &[RecoveredWork], answer: &mut Answer) {
     ui.heading("Unsaved work was found");
     ui.label("The program ended without saving it.");
     ui.add_space(6.0);
     for (index, one) in left.iter().enumerate() {
         ui.horizontal(|ui| {
             let name = one.scene_path.as_ref().map_or("an unsaved scene".to_owned(), |path| path.display().to_string());
-            ui.label(format!("{name}, {}", age(one.saved_at, SystemTime::now())));
+            ui.label(format!("{name}, {}", relative_time(one.saved_at, SystemTime::now())));
             if ui.button(RichText::new("Open").strong()).clicked() {
                 *answer = Answer::Recover(index);
             }
             if ui.button("Discard").clicked() {
-                *answer = Answer::Forget(index);
+                *answer = Answer::DiscardRecovered(index);
             }
         });
     }
     ui.add_space(6.0);
     if ui.button("Ask again next time").clicked() {
-        *answer = Answer::Later;
+        *answer = Answer::AskLater;
     }
 }
 
@@ -124,7 +124,7 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
         ui.horizontal(|ui| {
             ui.add(egui::TextEdit::singleline(&mut render.output).desired_width(300.0)).labelled_by(label.id);
             if ui.button("Choose…").on_hover_text("Choose folder and name.").clicked() {
-                *answer = Answer::Choose;
+                *answer = Answer::ChooseOutput;
             }
         });
         ui.end_row();
@@ -181,7 +181,7 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
     ui.add_space(8.0);
     ui.horizontal(|ui| {
         if ui.add_enabled(problem.is_none(), egui::Button::new(RichText::new("Start").strong())).clicked() {
-            *answer = Answer::Start;
+            *answer = Answer::StartRender;
         }
         if ui.button("Cancel").clicked() {
             *answer = Answer::Close;

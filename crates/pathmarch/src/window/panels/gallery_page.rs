@@ -1,7 +1,7 @@
 //! The first page: the gallery of example scenes.
 
 use crate::window::app::App;
-use crate::window::app::requests::After;
+use crate::window::app::requests::PendingAction;
 use crate::window::gallery::CARD;
 use egui::{Image, RichText, TextureHandle, Ui, Vec2};
 use pathmarch_gallery::{EXAMPLES, Example};
@@ -21,16 +21,16 @@ impl App {
                         let width = 250.0;
                         ui.add_space((ui.available_width() - width).max(0.0) * 0.5);
                         if ui.button("New scene").on_hover_text("A ball on a floor.").clicked() {
-                            chosen = Some(After::New);
+                            chosen = Some(PendingAction::New);
                         }
                         if ui.button("Open a file…").on_hover_text("A .kdl file.").clicked() {
-                            chosen = Some(After::Open);
+                            chosen = Some(PendingAction::Open);
                         }
                         if let Some(path) = self.preferences.recent.first() {
                             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                             let words = path.display().to_string();
                             if ui.button(format!("Go on with {name}")).on_hover_text(words).clicked() {
-                                chosen = Some(After::OpenFile(path.clone()));
+                                chosen = Some(PendingAction::OpenFile(path.clone()));
                             }
                         }
                     });
@@ -44,7 +44,7 @@ impl App {
                         for (column, example) in examples.iter().enumerate() {
                             let index = row * columns + column;
                             if card(ui, example, self.gallery.textures.get(index)) {
-                                chosen = Some(After::Example(index));
+                                chosen = Some(PendingAction::Example(index));
                             }
                         }
                     });
@@ -53,7 +53,7 @@ impl App {
             });
         });
         if let Some(after) = chosen {
-            self.proceed(after);
+            self.run_pending(after);
         }
     }
 }

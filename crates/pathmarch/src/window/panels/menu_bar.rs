@@ -2,21 +2,21 @@
 
 use crate::window::app::App;
 use crate::window::app::actions::{ACTIONS, Action, Entry, Menu};
-use crate::window::app::requests::After;
-use crate::window::open_scene::view_state::Handles;
+use crate::window::app::requests::PendingAction;
+use crate::window::open_scene::view_state::GizmoMode;
 use egui::Ui;
 use pathmarch_render::Mode;
 
 impl App {
     pub(crate) fn menu_bar(&mut self, ui: &mut Ui) {
-        let mut asked = None;
+        let mut requested = None;
         egui::Panel::top("menus").show(ui, |ui| {
             egui::MenuBar::new().ui(ui, |ui| {
                 for menu in Menu::ALL {
                     ui.menu_button(menu.name(), |ui| {
                         for entry in ACTIONS.iter().filter(|entry| entry.menu == menu) {
                             if self.menu_entry(ui, entry) {
-                                asked = Some(entry.action);
+                                requested = Some(entry.action);
                             }
                             if entry.action == Action::Open {
                                 self.recent_menu(ui);
@@ -26,13 +26,13 @@ impl App {
                 }
                 if self.open.is_some() {
                     ui.separator();
-                    asked = asked.or(self.tools(ui));
+                    requested = requested.or(self.toolbar(ui));
                 }
             });
         });
-        if let Some(action) = asked {
+        if let Some(action) = requested {
             let ctx = ui.ctx().clone();
-            self.act(&ctx, action);
+            self.run_action(&ctx, action);
         }
     }
 
@@ -71,7 +71,7 @@ impl App {
                 for path in recent {
                     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                     if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
-                        self.unless_unsaved(After::OpenFile(path));
+                        self.guard_unsaved(PendingAction::OpenFile(path));
                         ui.close();
                     }
                 }
@@ -80,40 +80,40 @@ impl App {
     }
 
     /// Buttons for what is done all the time.
-    fn tools(&mut self, ui: &mut Ui) -> Option<Action> {
+    fn toolbar(&mut self, ui: &mut Ui) -> Option<Action> {
         let open = self.open.as_mut()?;
-        let mut asked = None;
+        let mut requested = None;
         for (handles, name, action) in [
-            (Handles::Move, "Move", Action::GizmoMove),
-            (Handles::Turn, "Turn", Action::GizmoTurn),
-            (Handles::Scale, "Scale", Action::GizmoScale),
+            (GizmoMode::Move, "Move", Action::GizmoMove),
+            (GizmoMode::Rotate, "Turn", Action::GizmoRotate),
+            (GizmoMode::Scale, "Scale", Action::GizmoScale),
         ] {
             let doc = ACTIONS.iter().find(|entry| entry.action == action).map_or("", |entry| entry.doc);
-            if ui.selectable_label(open.view.handles == handles, name).on_hover_text(doc).clicked() {
-                asked = Some(action);
+            if ui.selectable_label(open.view.gizmo_mode == handles, name).on_hover_text(doc).clicked() {
+                requested = Some(action);
             }
         }
         ui.separator();
         let previews = open.view.mode == Mode::Preview;
         if ui.selectable_label(previews, "Preview").on_hover_text(Mode::Preview.doc()).clicked() {
-            asked = Some(Action::Preview);
+            requested = Some(Action::Preview);
         }
-        let compares = open.view.kept.as_ref().is_some_and(|kept| kept.shown);
+        let compares = open.view.comparison.as_ref().is_some_and(|kept| kept.shown);
         if ui
             .selectable_label(compares, "Compare")
             .on_hover_text("Keep this picture and compare later ones with it.")
             .clicked()
         {
-            asked = Some(Action::Compare);
+            requested = Some(Action::Compare);
         }
         ui.separator();
         let unsaved = open.has_unsaved_work();
         if ui.add_enabled(unsaved, egui::Button::new("Save")).on_hover_text("Write the scene to its file.").clicked() {
-            asked = Some(Action::Save);
+            requested = Some(Action::Save);
         }
         if ui.button("Render…").on_hover_text("Render with all samples to a file, in the background.").clicked() {
-            asked = Some(Action::Render);
+            requested = Some(Action::Render);
         }
-        asked
+        requested
     }
 }

@@ -1,4 +1,4 @@
-//! Plots of frame times and sample rates.
+//! PerformanceHistory of frame times and sample rates.
 
 use crate::window::app::App;
 use egui::Ui;
@@ -9,10 +9,10 @@ impl App {
         egui::Panel::bottom("plots").resizable(true).default_size(130.0).show(ui, |ui| {
             let plot = |ui: &mut Ui, name: &str, unit: &str, width: f32, value: fn(&(f64, f64)) -> f64| {
                 ui.vertical(|ui| {
-                    let last = self.plots.history.back().map_or(0.0, value);
+                    let last = self.performance.history.back().map_or(0.0, value);
                     ui.label(format!("{name}: {last:.2} {unit}"));
                     let points: PlotPoints =
-                        self.plots.history.iter().enumerate().map(|(k, both)| [k as f64, value(both)]).collect();
+                        self.performance.history.iter().enumerate().map(|(k, both)| [k as f64, value(both)]).collect();
                     Plot::new(name)
                         .width(width)
                         .include_y(0.0)

@@ -17,13 +17,13 @@ struct Row<'a> {
     depth: usize,
     item: &'a Item,
     /// Whether its children are shown; none where it has none.
-    is_open: Option<bool>,
+    is_expanded: Option<bool>,
 }
 
-/// What a person asks of the tree.
-enum Ask {
+/// What a person actions of the tree.
+enum TreeAction {
     Select(Path),
-    Open(Path, bool),
+    Expand(Path, bool),
     Add(Option<Path>, Addition),
     Rename(Path, String),
     Duplicate(Path),
@@ -38,25 +38,25 @@ impl App {
         let most = (0.27 * ui.ctx().content_rect().width()).clamp(100.0, 480.0);
         let panel = egui::Panel::left("tree").default_size(235.0_f32.min(most)).min_size(100.0).max_size(most);
         panel.show(ui, |ui| {
-            let mut asks = Vec::new();
+            let mut actions = Vec::new();
             ui.horizontal(|ui| {
                 ui.heading("Scene");
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.menu_button("Add…", |ui| self.add_menu(ui, None, &mut asks))
+                    ui.menu_button("Add…", |ui| self.add_menu(ui, None, &mut actions))
                         .response
                         .on_hover_text("Add an object, a material, a light or a camera.");
                 });
             });
             ui.separator();
-            self.rows(ui, &mut asks);
-            for ask in asks {
-                self.do_ask(ask);
+            self.rows(ui, &mut actions);
+            for action in actions {
+                self.apply_action(action);
             }
         });
     }
 
     /// What may be added to a node, or to the scene.
-    fn add_menu(&self, ui: &mut Ui, parent: Option<&Path>, asks: &mut Vec<Ask>) {
+    fn add_menu(&self, ui: &mut Ui, parent: Option<&Path>, actions: &mut Vec<TreeAction>) {
         let Some(open) = &self.open else { return };
         let mut groups: BTreeMap<Group, Vec<Addition>> = BTreeMap::new();
         for addition in open.document.additions(parent) {
@@ -67,7 +67,7 @@ impl App {
                 egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
                     for addition in additions {
                         if ui.button(addition.name).on_hover_text(addition.doc).clicked() {
-                            asks.push(Ask::Add(parent.cloned(), addition));
+                            actions.push(TreeAction::Add(parent.cloned(), addition));
                             ui.close();
                         }
                     }
@@ -76,12 +76,12 @@ impl App {
         }
     }
 
-    fn rows(&self, ui: &mut Ui, asks: &mut Vec<Ask>) {
+    fn rows(&self, ui: &mut Ui, actions: &mut Vec<TreeAction>) {
         let Some(open) = &self.open else { return };
         let mut rows = Vec::new();
         let id = ui.scope_id();
         for item in open.document.outline() {
-            gather(&open.folded, item, 0, &mut rows);
+            gather(&open.collapsed, item, 0, &mut rows);
         }
         let selection = open.view.selection.clone();
         let height = ui.spacing().interact_size.y;
@@ -97,36 +97,36 @@ impl App {
         }
         let shown = area.show_rows(ui, height, rows.len(), |ui, range| {
             for row in &rows[range] {
-                self.row(ui, id, row, selection.as_ref() == Some(&row.item.path), asks);
+                self.row(ui, id, row, selection.as_ref() == Some(&row.item.path), actions);
             }
         });
         let top = shown.state.clamped_offset().y;
         ui.data_mut(|data| data.insert_temp(id.with("sight"), (top, top + shown.inner_rect.height())));
     }
 
-    fn row(&self, ui: &mut Ui, id: egui::Id, row: &Row<'_>, selected: bool, asks: &mut Vec<Ask>) {
-        let Row { depth, item, is_open } = row;
+    fn row(&self, ui: &mut Ui, id: egui::Id, row: &Row<'_>, selected: bool, actions: &mut Vec<TreeAction>) {
+        let Row { depth, item, is_expanded } = row;
         let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
         let indent = 4.0 + INDENT * *depth as f32;
         let row_id = id.with(("row", &item.path));
-        if let Some(is_open) = is_open {
+        if let Some(is_expanded) = is_expanded {
             let arrow = Rect::from_min_size(rect.min + Vec2::new(indent, 0.0), Vec2::new(INDENT, size.y));
             let response = ui.interact(arrow, row_id.with("arrow"), Sense::click());
             let colour = ui.style().interact(&response).fg_stroke.color;
-            ui.painter().add(triangle(arrow.center(), *is_open, colour));
-            let what = if *is_open { "Close" } else { "Open" };
+            ui.painter().add(triangle(arrow.center(), *is_expanded, colour));
+            let what = if *is_expanded { "Close" } else { "Open" };
             response.widget_info(|| {
                 egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{what} {}", heading(item)))
             });
             if response.clicked() {
-                asks.push(Ask::Open(item.path.clone(), !is_open));
+                actions.push(TreeAction::Expand(item.path.clone(), !is_expanded));
             }
         }
         let body = Rect::from_min_max(rect.min + Vec2::new(indent + INDENT, 0.0), rect.max);
         let renaming = ui.data(|data| data.get_temp::<String>(row_id));
         if let Some(typed) = renaming {
-            rename(ui, body, row_id, item, typed, asks);
+            rename(ui, body, row_id, item, typed, actions);
             return;
         }
         let response = ui.interact(body, row_id.with("body"), Sense::click_and_drag());
@@ -144,25 +144,25 @@ impl App {
             painter.text(at, Align2::LEFT_CENTER, material, font, ui.visuals().weak_text_color());
         }
         if response.clicked() {
-            asks.push(Ask::Select(item.path.clone()));
+            actions.push(TreeAction::Select(item.path.clone()));
         }
         if response.double_clicked() {
             if item.name.is_some() {
                 let name = item.name.clone().unwrap_or_default();
                 ui.data_mut(|data| data.insert_temp(row_id, name));
-            } else if let Some(is_open) = is_open {
-                asks.push(Ask::Open(item.path.clone(), !is_open));
+            } else if let Some(is_expanded) = is_expanded {
+                actions.push(TreeAction::Expand(item.path.clone(), !is_expanded));
             }
         }
-        drag(ui, &response, item, asks);
-        response.context_menu(|ui| self.context_menu(ui, row_id, item, asks));
+        drag(ui, &response, item, actions);
+        response.context_menu(|ui| self.context_menu(ui, row_id, item, actions));
     }
 
-    fn context_menu(&self, ui: &mut Ui, row_id: egui::Id, item: &Item, asks: &mut Vec<Ask>) {
+    fn context_menu(&self, ui: &mut Ui, row_id: egui::Id, item: &Item, actions: &mut Vec<TreeAction>) {
         let path = &item.path;
-        asks.push(Ask::Select(path.clone()));
+        actions.push(TreeAction::Select(path.clone()));
         if item.kind.holds_shapes() {
-            ui.menu_button("Add…", |ui| self.add_menu(ui, Some(path), asks));
+            ui.menu_button("Add…", |ui| self.add_menu(ui, Some(path), actions));
         }
         let named = item.kind.is_named();
         if named && ui.button("Rename").clicked() {
@@ -171,7 +171,7 @@ impl App {
             ui.close();
         }
         if ui.button("Duplicate").clicked() {
-            asks.push(Ask::Duplicate(path.clone()));
+            actions.push(TreeAction::Duplicate(path.clone()));
             ui.close();
         }
         if item.kind.is_solid() {
@@ -179,29 +179,29 @@ impl App {
                 for operator in solids().filter(|solid| solid.is_operator()) {
                     let info = operator.info();
                     if ui.button(info.name).on_hover_text(info.doc).clicked() {
-                        asks.push(Ask::Group(path.clone(), info.name));
+                        actions.push(TreeAction::Group(path.clone(), info.name));
                         ui.close();
                     }
                 }
             });
         }
         if item.kind == ItemKind::Operator && ui.button("Ungroup").clicked() {
-            asks.push(Ask::Ungroup(path.clone()));
+            actions.push(TreeAction::Ungroup(path.clone()));
             ui.close();
         }
         let index = path.index();
         let first = usize::from(path.parent().is_none());
         if index > first && ui.button("Move up").clicked() {
-            asks.push(Ask::Move(path.clone(), path.parent(), index - 1));
+            actions.push(TreeAction::Move(path.clone(), path.parent(), index - 1));
             ui.close();
         }
         if index + 1 < self.siblings(path) && ui.button("Move down").clicked() {
-            asks.push(Ask::Move(path.clone(), path.parent(), index + 1));
+            actions.push(TreeAction::Move(path.clone(), path.parent(), index + 1));
             ui.close();
         }
         ui.separator();
         if ui.button("Delete").clicked() {
-            asks.push(Ask::Delete(path.clone()));
+            actions.push(TreeAction::Delete(path.clone()));
             ui.close();
         }
     }
@@ -215,36 +215,36 @@ impl App {
         }
     }
 
-    fn do_ask(&mut self, ask: Ask) {
-        match ask {
-            Ask::Select(path) => self.select(Some(path)),
-            Ask::Open(path, is_open) => {
+    fn apply_action(&mut self, action: TreeAction) {
+        match action {
+            TreeAction::Select(path) => self.select(Some(path)),
+            TreeAction::Expand(path, is_expanded) => {
                 if let Some(open) = &mut self.open {
-                    open.folded.retain(|folded| *folded != path);
-                    if !is_open {
-                        open.folded.push(path);
+                    open.collapsed.retain(|collapsed| *collapsed != path);
+                    if !is_expanded {
+                        open.collapsed.push(path);
                     }
                 }
             }
-            Ask::Add(parent, addition) => {
+            TreeAction::Add(parent, addition) => {
                 let path = self.edit(|open| open.document.add(parent.as_ref(), &addition));
                 self.select(path);
             }
-            Ask::Rename(path, name) => drop(self.edit(|open| open.document.rename(&path, &name))),
-            Ask::Duplicate(path) => {
+            TreeAction::Rename(path, name) => drop(self.edit(|open| open.document.rename(&path, &name))),
+            TreeAction::Duplicate(path) => {
                 let path = self.edit(|open| open.document.duplicate(&path));
                 self.select(path);
             }
-            Ask::Delete(path) => drop(self.edit(|open| open.document.remove(&path))),
-            Ask::Group(path, operator) => {
+            TreeAction::Delete(path) => drop(self.edit(|open| open.document.remove(&path))),
+            TreeAction::Group(path, operator) => {
                 let path = self.edit(|open| open.document.group(&[path], operator));
                 self.select(path);
             }
-            Ask::Ungroup(path) => {
+            TreeAction::Ungroup(path) => {
                 let paths = self.edit(|open| open.document.ungroup(&path));
                 self.select(paths.and_then(|paths| paths.into_iter().next()));
             }
-            Ask::Move(path, parent, index) => {
+            TreeAction::Move(path, parent, index) => {
                 let path = self.edit(|open| open.document.move_to(&path, parent.as_ref(), index));
                 self.select(path);
             }
@@ -253,9 +253,9 @@ impl App {
 }
 
 /// Points down where what is in a row is shown, else to the right.
-fn triangle(centre: Pos2, is_open: bool, colour: Color32) -> egui::Shape {
+fn triangle(centre: Pos2, is_expanded: bool, colour: Color32) -> egui::Shape {
     let points =
-        if is_open { [(-4.0, -2.5), (4.0, -2.5), (0.0, 3.5)] } else { [(-2.5, -4.0), (3.5, 0.0), (-2.5, 4.0)] };
+        if is_expanded { [(-4.0, -2.5), (4.0, -2.5), (0.0, 3.5)] } else { [(-2.5, -4.0), (3.5, 0.0), (-2.5, 4.0)] };
     let points = points.map(|(x, y)| centre + Vec2::new(x, y)).to_vec();
     egui::Shape::convex_polygon(points, colour, Stroke::NONE)
 }
@@ -271,20 +271,20 @@ fn label(item: &Item) -> String {
 }
 
 /// The rows of an item and of what is in it.
-fn gather<'a>(folded: &[Path], item: &'a Item, depth: usize, rows: &mut Vec<Row<'a>>) {
+fn gather<'a>(collapsed: &[Path], item: &'a Item, depth: usize, rows: &mut Vec<Row<'a>>) {
     if item.kind == ItemKind::Version {
         return;
     }
-    let is_open = (!item.children.is_empty()).then(|| !folded.contains(&item.path));
-    rows.push(Row { depth, item, is_open });
-    if is_open == Some(true) {
+    let is_expanded = (!item.children.is_empty()).then(|| !collapsed.contains(&item.path));
+    rows.push(Row { depth, item, is_expanded });
+    if is_expanded == Some(true) {
         for child in &item.children {
-            gather(folded, child, depth + 1, rows);
+            gather(collapsed, child, depth + 1, rows);
         }
     }
 }
 
-fn rename(ui: &mut Ui, body: Rect, row_id: egui::Id, item: &Item, mut typed: String, asks: &mut Vec<Ask>) {
+fn rename(ui: &mut Ui, body: Rect, row_id: egui::Id, item: &Item, mut typed: String, actions: &mut Vec<TreeAction>) {
     let edit = ui.put(body, egui::TextEdit::singleline(&mut typed).id(row_id.with("name")));
     edit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "New name"));
     if !edit.has_focus() && !edit.lost_focus() {
@@ -294,15 +294,15 @@ fn rename(ui: &mut Ui, body: Rect, row_id: egui::Id, item: &Item, mut typed: Str
         ui.data_mut(|data| data.remove_temp::<String>(row_id));
         let cancelled = ui.input(|input| input.key_pressed(egui::Key::Escape));
         if !cancelled && item.name.as_deref() != Some(typed.as_str()) {
-            asks.push(Ask::Rename(item.path.clone(), typed));
+            actions.push(TreeAction::Rename(item.path.clone(), typed));
         }
     } else {
         ui.data_mut(|data| data.insert_temp(row_id, typed));
     }
 }
 
-/// Rows are dragged to other places: between others, or into objects and operators.
-fn drag(ui: &Ui, response: &Response, item: &Item, asks: &mut Vec<Ask>) {
+/// Rows are dragged to other dirs: between others, or into objects and operators.
+fn drag(ui: &Ui, response: &Response, item: &Item, actions: &mut Vec<TreeAction>) {
     if response.drag_started() {
         response.dnd_set_drag_payload(item.path.clone());
     }
@@ -330,6 +330,6 @@ fn drag(ui: &Ui, response: &Response, item: &Item, asks: &mut Vec<Ask>) {
             let own = dragged.is_sibling_of(&item.path) && dragged.index() < before;
             (item.path.parent(), before - usize::from(own))
         };
-        asks.push(Ask::Move((*dragged).clone(), target.0, target.1));
+        actions.push(TreeAction::Move((*dragged).clone(), target.0, target.1));
     }
 }

@@ -42,13 +42,13 @@ impl App {
         });
         if changed {
             let now = ui.input(|input| input.time);
-            if now - self.typed_at > TYPING_PAUSE {
-                self.gesture += 1;
+            if now - self.last_typed_at > TYPING_PAUSE {
+                self.undo_group += 1;
             }
-            self.typed_at = now;
-            let gesture = self.gesture;
+            self.last_typed_at = now;
+            let undo_group = self.undo_group;
             self.edit(|open| {
-                open.document.replace_text(text, "Typing", Some(gesture));
+                open.document.replace_text(text, "Typing", Some(undo_group));
                 Ok(())
             });
         }

@@ -10,7 +10,7 @@ impl App {
         let mut cancelled = None;
         egui::Panel::bottom("status").show(ui, |ui| {
             ui.horizontal(|ui| {
-                for (index, export) in self.exports.iter().enumerate() {
+                for (index, export) in self.renders.iter().enumerate() {
                     let progress = export.progress();
                     let share = (progress.samples / progress.of.max(1.0)) as f32;
                     let left = progress.remaining.map_or(String::new(), |left| {
@@ -35,7 +35,7 @@ impl App {
                 self.renderer_status(ui);
             });
         });
-        if let Some(export) = cancelled.and_then(|index| self.exports.get(index)) {
+        if let Some(export) = cancelled.and_then(|index| self.renders.get(index)) {
             export.cancel();
         }
     }
@@ -75,7 +75,7 @@ impl App {
             ui.separator();
             ui.add(egui::Label::new(RichText::new(notice).color(ui.visuals().warn_fg_color)).truncate());
         }
-        if open.view.has_moved_away() {
+        if open.view.is_camera_modified() {
             ui.separator();
             ui.weak("own viewpoint")
                 .on_hover_text("Home goes back to the scene's camera, Ctrl+K writes this one to it.");

@@ -10,8 +10,8 @@ impl App {
     pub(crate) fn timeline_panel(&mut self, ui: &mut Ui) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().filter(|scene| scene.animated) else { return };
-        let (fps, moment, plays) = (scene.render.fps, open.document.moment(), open.timeline.is_playing());
-        let (mut frame, mut last) = (moment.frame, open.timeline.last);
+        let (fps, moment, plays) = (scene.render.fps, open.document.moment(), open.playback.is_playing());
+        let (mut frame, mut last) = (moment.frame, open.playback.last);
         let (mut toggled, mut rendered) = (false, false);
         egui::Panel::bottom("timeline").show(ui, |ui| {
             ui.horizontal(|ui| {
@@ -27,13 +27,13 @@ impl App {
                 rendered = ui.button("Render frames…").on_hover_text("Each to a file, in the background.").clicked();
             });
         });
-        open.timeline.last = last;
+        open.playback.last = last;
         if toggled {
             let ctx = ui.ctx().clone();
             self.play_or_pause(&ctx);
         } else if frame != moment.frame {
-            open.timeline.playing = None;
-            self.look_at(frame.min(last), fps);
+            open.playback.playing = None;
+            self.show_frame(frame.min(last), fps);
         }
         if rendered {
             self.dialog = self.open.as_ref().and_then(RenderDialog::of_frames).map(Dialog::Render);

@@ -4,8 +4,8 @@ use crate::window::app::App;
 use crate::window::camera::navigation;
 use crate::window::camera::projection::Projection;
 use crate::window::gizmo::Pointer;
-use crate::window::open_scene::Open;
-use crate::window::open_scene::view_state::Kept;
+use crate::window::open_scene::OpenScene;
+use crate::window::open_scene::view_state::ComparisonPicture;
 use egui::{Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Scene;
@@ -13,10 +13,10 @@ use pathmarch_render::{Picked, clearance, pick};
 use std::f32::consts::PI;
 
 /// Points on both sides of the comparison's line where it is caught.
-const CATCH: f32 = 7.0;
+const GRAB_DISTANCE: f32 = 7.0;
 
-/// What the pointer asks of the picture, to be done once nothing is borrowed.
-enum Ask {
+/// What the pointer clicked of the picture, to be done once nothing is borrowed.
+enum PickAction {
     Select(Option<Picked>),
     Look(Picked),
     Focus(Option<Picked>),
@@ -33,7 +33,7 @@ impl App {
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else {
-            surround(ui, room, Rect::from_center_size(room.center(), Vec2::ZERO));
+            fill_around(ui, room, Rect::from_center_size(room.center(), Vec2::ZERO));
             let words = "This scene has mistakes, and there is no picture yet.\nThey are listed below; correct the text, here or in any editor.";
             ui.painter().text(
                 room.center(),
@@ -46,11 +46,12 @@ impl App {
         };
         let pixels_per_point = ui.ctx().pixels_per_point();
         let inner = room.shrink(6.0);
-        open.view.room = [inner.width(), inner.height()].map(|side| (side * pixels_per_point).max(1.0) as u32);
+        open.view.available_pixels =
+            [inner.width(), inner.height()].map(|side| (side * pixels_per_point).max(1.0) as u32);
         let (width, height) = scene.render.size;
         let fit = (inner.width() / width as f32).min(inner.height() / height as f32);
         let picture = Rect::from_center_size(room.center(), Vec2::new(width as f32, height as f32) * fit);
-        surround(ui, room, picture);
+        fill_around(ui, room, picture);
         match &open.view.picture {
             Some((texture, ..)) => {
                 let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
@@ -95,11 +96,11 @@ impl App {
                 down: input.pointer.primary_down(),
             })
         });
-        let (camera, kind) = (open.view.camera.clone(), open.view.handles);
-        let (taken, changes) = self.handle.show(ui, picture, &camera, &open.document, &selection, kind, pointer);
-        let gesture = self.gesture;
+        let (camera, kind) = (open.view.camera.clone(), open.view.gizmo_mode);
+        let (taken, changes) = self.gizmo.show(ui, picture, &camera, &open.document, &selection, kind, pointer);
+        let undo_group = self.undo_group;
         for (path, key, value) in changes {
-            self.edit(|open| open.document.set(&path, key, value, Some(gesture)));
+            self.edit(|open| open.document.set(&path, key, value, Some(undo_group)));
         }
         taken
     }
@@ -129,48 +130,48 @@ impl App {
             }
         }
         if *camera != before {
-            open.view.touch();
+            open.view.mark_moving();
         }
         let Some(at) = response.interact_pointer_pos() else { return };
-        let asks = response.clicked() || response.double_clicked();
-        if !asks {
+        let clicked = response.clicked() || response.double_clicked();
+        if !clicked {
             return;
         }
         let picked = pick_at(open, scene, picture, at);
         let focuses = modifiers.alt || open.view.focus_click;
-        let ask = match picked {
-            picked if focuses => Ask::Focus(picked),
-            Some(picked) if response.double_clicked() => Ask::Look(picked),
-            picked => Ask::Select(picked),
+        let action = match picked {
+            picked if focuses => PickAction::Focus(picked),
+            Some(picked) if response.double_clicked() => PickAction::Look(picked),
+            picked => PickAction::Select(picked),
         };
-        self.answer(ask);
+        self.apply_pick(action);
     }
 
-    fn answer(&mut self, ask: Ask) {
+    fn apply_pick(&mut self, action: PickAction) {
         let Some(open) = &mut self.open else { return };
         let view = &mut open.view;
-        match ask {
-            Ask::Select(None) => view.selection = None,
-            Ask::Select(Some(picked)) => view.selection = open.document.path_of_leaf(picked.leaf),
-            Ask::Look(picked) => {
-                navigation::aim(&mut view.camera, picked.position.into());
+        match action {
+            PickAction::Select(None) => view.selection = None,
+            PickAction::Select(Some(picked)) => view.selection = open.document.path_of_leaf(picked.leaf),
+            PickAction::Look(picked) => {
+                navigation::look_at(&mut view.camera, picked.position.into());
                 // What is looked at is sharp, as with a camera that focuses in the middle.
                 if view.camera.focus.is_some() {
                     view.camera.focus = Some(picked.distance);
                 }
-                view.touch();
+                view.mark_moving();
             }
-            Ask::Focus(picked) => {
+            PickAction::Focus(picked) => {
                 view.focus_click = false;
-                let Some(picked) = picked else { return self.say("There is nothing to focus on.") };
+                let Some(picked) = picked else { return self.show_message("There is nothing to focus on.") };
                 view.camera.focus = Some(picked.depth);
-                view.touch();
+                view.mark_moving();
                 let sharp = if view.camera.lens_radius > 0.0 {
                     String::new()
                 } else {
                     "; with a lens radius of 0 everything is sharp".to_owned()
                 };
-                self.say(&format!("Sharp at {:.3} m{sharp}.", picked.depth));
+                self.show_message(&format!("Sharp at {:.3} m{sharp}.", picked.depth));
             }
         }
     }
@@ -191,14 +192,14 @@ impl App {
             let clearance = clearance(scene, open.view.camera.position);
             let clearance = if clearance.is_finite() { clearance } else { 1.0 };
             navigation::fly(&mut open.view.camera, towards, seconds, clearance);
-            open.view.touch();
+            open.view.mark_moving();
             ui.ctx().request_repaint();
         }
     }
 }
 
 /// Fills what the picture leaves of its room: no pixel is drawn twice, which software adapters would feel.
-fn surround(ui: &Ui, room: Rect, picture: Rect) {
+fn fill_around(ui: &Ui, room: Rect, picture: Rect) {
     let fill = if ui.visuals().dark_mode { Color32::from_gray(18) } else { Color32::from_gray(150) };
     let (x, y) = (
         [room.min.x, picture.min.x, picture.max.x, room.max.x],
@@ -212,7 +213,7 @@ fn surround(ui: &Ui, room: Rect, picture: Rect) {
 }
 
 /// The box around what is selected.
-fn outline(ui: &Ui, picture: Rect, open: &Open, scene: &Scene) {
+fn outline(ui: &Ui, picture: Rect, open: &OpenScene, scene: &Scene) {
     let Some(selection) = &open.view.selection else { return };
     let leaves = open.document.leaves_of(selection);
     let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf)).filter(|bounds| bounds.is_finite());
@@ -226,7 +227,7 @@ fn outline(ui: &Ui, picture: Rect, open: &Open, scene: &Scene) {
     };
     for a in 0..8 {
         for b in [1, 2, 4].map(|bit| a | bit).into_iter().filter(|&b| b != a) {
-            if let (Some(from), Some(to)) = (projection.place(corner(a)), projection.place(corner(b))) {
+            if let (Some(from), Some(to)) = (projection.project(corner(a)), projection.project(corner(b))) {
                 painter.line_segment([from, to], Stroke::new(2.5, Color32::from_black_alpha(110)));
                 painter.line_segment([from, to], Stroke::new(1.0, Color32::from_rgb(255, 190, 90)));
             }
@@ -235,7 +236,7 @@ fn outline(ui: &Ui, picture: Rect, open: &Open, scene: &Scene) {
 }
 
 /// What is seen at a place of the window.
-fn pick_at(open: &Open, scene: &Scene, picture: Rect, at: Pos2) -> Option<Picked> {
+fn pick_at(open: &OpenScene, scene: &Scene, picture: Rect, at: Pos2) -> Option<Picked> {
     let settings = App::settings(open, scene);
     let place = (at - picture.min) / picture.size();
     let inside = (0.0..1.0).contains(&place.x) && (0.0..1.0).contains(&place.y);
@@ -244,8 +245,10 @@ fn pick_at(open: &Open, scene: &Scene, picture: Rect, at: Pos2) -> Option<Picked
 }
 
 /// The kept picture left of its line; says whether the pointer moves the line.
-fn compare(ui: &Ui, picture: Rect, open: &mut Open, response: &Response) -> bool {
-    let Some(Kept { texture, label, split, shown: true }) = &mut open.view.kept else { return false };
+fn compare(ui: &Ui, picture: Rect, open: &mut OpenScene, response: &Response) -> bool {
+    let Some(ComparisonPicture { texture, label, split, shown: true }) = &mut open.view.comparison else {
+        return false;
+    };
     let x = egui::lerp(picture.x_range(), *split);
     let left = Rect::from_min_max(picture.min, Pos2::new(x, picture.max.y));
     let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(*split, 1.0));
@@ -259,7 +262,7 @@ fn compare(ui: &Ui, picture: Rect, open: &mut Open, response: &Response) -> bool
     };
     note(Pos2::new(x - 8.0, picture.min.y + 6.0), Align2::RIGHT_TOP, &format!("kept: {label}"));
     note(Pos2::new(x + 8.0, picture.min.y + 6.0), Align2::LEFT_TOP, "now");
-    let near = |at: Option<Pos2>| at.is_some_and(|at| (at.x - x).abs() < CATCH && picture.contains(at));
+    let near = |at: Option<Pos2>| at.is_some_and(|at| (at.x - x).abs() < GRAB_DISTANCE && picture.contains(at));
     let (pressed_at, down) = ui.input(|input| (input.pointer.press_origin(), input.pointer.primary_down()));
     let id = response.id.with("comparison");
     let mut holds = ui.data(|data| data.get_temp::<bool>(id)).unwrap_or(false);

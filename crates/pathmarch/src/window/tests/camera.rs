@@ -108,7 +108,7 @@ fn the_camera_is_written_to_the_scene_and_the_picture_keeps_its_size() {
     assert!(changed[0].1.starts_with("camera \"main\" {"), "{changed:?}");
     let written = person.scene().cameras[0].clone();
     assert!(glam::Vec3::from(written.position).distance(camera.position.into()) < 1e-3, "{written:?} for {camera:?}");
-    assert!(!person.open().view.has_moved_away());
+    assert!(!person.open().view.is_camera_modified());
     assert_eq!(person.scene().render.size, (64, 48));
     person.rest();
     assert_eq!(person.open().view.picture.as_ref().expect("a picture").2, size);

@@ -104,7 +104,7 @@ fn a_drag_of_a_slider_is_one_step() {
 fn numbers_typed_into_two_controls_are_two_steps() {
     let mut person = Person::at_scene();
     person.select("sphere");
-    let gesture = person.app().gesture;
+    let undo_group = person.app().undo_group;
     person.harness.get_by_role_and_label(Role::Slider, "radius").focus();
     person.wait(2);
     person.key(Key::ArrowRight);
@@ -112,7 +112,7 @@ fn numbers_typed_into_two_controls_are_two_steps() {
     person.harness.get_by_role_and_label(Role::Slider, "scale").focus();
     person.wait(2);
     person.key(Key::ArrowRight);
-    assert_ne!(person.app().gesture, gesture);
+    assert_ne!(person.app().undo_group, undo_group);
     assert_eq!(person.undo_all(), 2, "{}", person.text());
     assert_eq!(person.text(), SCENE);
 }

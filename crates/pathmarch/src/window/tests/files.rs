@@ -57,7 +57,7 @@ fn saving_under_another_name_goes_through_the_chooser() {
     let mut person = Person::at_scene();
     let changed = change(&mut person);
     person.ctrl_shift(Key::S);
-    assert!(person.app().chooser.is_some());
+    assert!(person.app().file_dialog.is_some());
     person.fill(Role::TextInput, "Name", "other");
     let other = person.file().with_file_name("other.kdl");
     assert_eq!(std::fs::read_to_string(&other).expect("read"), changed);
@@ -73,7 +73,7 @@ fn saving_under_another_name_goes_through_the_chooser() {
     assert!(person.has("Replace it?"));
     person.click("Keep it");
     person.key(Key::Escape);
-    assert!(person.app().chooser.is_none());
+    assert!(person.app().file_dialog.is_none());
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn a_scene_without_a_file_asks_for_one() {
     person.click("New scene");
     let text = person.text().to_owned();
     person.ctrl(Key::S);
-    assert!(person.app().chooser.is_some());
+    assert!(person.app().file_dialog.is_some());
     let directory = person.directory.path().display().to_string();
     person.fill(Role::TextInput, "Path", &format!("{directory}/"));
     person.fill(Role::TextInput, "Name", "mine.kdl");
@@ -110,17 +110,17 @@ fn unsaved_work_is_asked_about_on_leaving() {
     let mut person = Person::at_scene();
     let changed = change(&mut person);
     person.ctrl(Key::Q);
-    assert!(person.has("Save the changes?") && !person.app().wants_to_leave());
+    assert!(person.has("Save the changes?") && !person.app().should_quit());
     person.click("Cancel");
-    assert!(!person.app().wants_to_leave() && person.app().dialog.is_none());
+    assert!(!person.app().should_quit() && person.app().dialog.is_none());
     assert_eq!(person.text(), changed);
-    person.app_mut().ask_to_leave();
+    person.app_mut().request_quit();
     person.wait(2);
     person.key(Key::Escape);
-    assert!(!person.app().wants_to_leave() && person.app().dialog.is_none(), "Escape cancels");
+    assert!(!person.app().should_quit() && person.app().dialog.is_none(), "Escape cancels");
     person.ctrl(Key::Q);
     person.answer("Save");
-    assert!(person.app().wants_to_leave());
+    assert!(person.app().should_quit());
     assert_eq!(person.on_disk(), changed);
 }
 
@@ -130,14 +130,14 @@ fn unsaved_work_is_discarded_only_on_request() {
     change(&mut person);
     person.ctrl(Key::Q);
     person.click("Discard them");
-    assert!(person.app().wants_to_leave());
+    assert!(person.app().should_quit());
     assert_eq!(person.on_disk(), SCENE);
-    person.app_mut().leave();
+    person.app_mut().shut_down();
     let again = person.crash();
     assert!(again.app().dialog.is_none(), "what was discarded is not offered again");
     let mut saved = Person::at_scene();
     saved.ctrl(Key::Q);
-    assert!(saved.app().wants_to_leave(), "where nothing is unsaved nothing is asked");
+    assert!(saved.app().should_quit(), "where nothing is unsaved nothing is asked");
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn discarding_to_open_another_and_opening_none_loses_nothing() {
     let changed = change(&mut person);
     person.ctrl(Key::O);
     person.click("Discard them");
-    assert!(person.app().chooser.is_some());
+    assert!(person.app().file_dialog.is_some());
     person.key(Key::Escape);
     assert_eq!(person.text(), changed);
     let person = person.crash();
@@ -260,7 +260,7 @@ fn of_two_versions_both_are_kept() {
     person.wait(PAUSE);
     assert!(matches!(person.app().dialog, Some(Dialog::Conflict)), "without a name it is asked again");
     person.click("Save mine as…");
-    assert!(person.app().chooser.is_some());
+    assert!(person.app().file_dialog.is_some());
     let name = person.harness.get_by_role_and_label(Role::TextInput, "Name").value();
     assert_eq!(name.as_deref(), Some("scene-mine.kdl"));
     person.answer("Save");

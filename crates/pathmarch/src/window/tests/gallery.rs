@@ -85,7 +85,7 @@ fn another_scene_never_shows_the_picture_of_the_one_before() {
     let mut person = Person::at_scene();
     person.rest();
     let before = person.app().live.picture().expect("a picture").order;
-    person.app_mut().proceed(crate::window::app::requests::After::New);
+    person.app_mut().run_pending(crate::window::app::requests::PendingAction::New);
     person.harness.step();
     person.until("there is a picture", |person| person.open().view.picture.is_some());
     assert!(person.app().live.picture().expect("a picture").order > before);

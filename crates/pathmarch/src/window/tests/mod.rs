@@ -12,7 +12,7 @@ mod tree;
 mod views;
 
 use super::app::{App, Options};
-use super::open_scene::Open;
+use super::open_scene::OpenScene;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
 use egui_kittest::kittest::{By, Queryable};
@@ -74,7 +74,7 @@ object "floor" material="grey" { plane }
 struct Desk {
     app: Option<App>,
     options: Options,
-    places: AppDirs,
+    dirs: AppDirs,
 }
 
 /// A person at a program.
@@ -117,11 +117,11 @@ impl Start {
         let desk = Desk {
             app: None,
             options: Options { scene: self.scene, backend: Backend::Cpu, adapter: None, timings: false },
-            places: AppDirs { recovery: home.join("recovery"), references: home.join("references"), preferences: home },
+            dirs: AppDirs { recovery: home.join("recovery"), references: home.join("references"), preferences: home },
         };
         let frame = |ui: &mut egui::Ui, desk: &mut Desk| {
-            let Desk { app, options, places } = desk;
-            let start = || App::in_places(ui.ctx(), options.clone(), Arc::new(|| ()), Some(places.clone()));
+            let Desk { app, options, dirs } = desk;
+            let start = || App::with_dirs(ui.ctx(), options.clone(), Arc::new(|| ()), Some(dirs.clone()));
             app.get_or_insert_with(start).ui(ui);
         };
         let builder: HarnessBuilder<Desk> = Harness::builder()
@@ -149,7 +149,7 @@ impl Person {
     fn app_mut(&mut self) -> &mut App {
         self.harness.state_mut().app.as_mut().expect("it has started")
     }
-    fn open(&self) -> &Open {
+    fn open(&self) -> &OpenScene {
         self.app().open.as_ref().expect("a scene is open")
     }
     fn document(&self) -> &Document {

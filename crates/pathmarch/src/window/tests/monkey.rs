@@ -132,7 +132,7 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
 /// Keeps the monkey from files outside of its cage and from pictures that would fill the memory.
 fn hold(person: &mut Person, file: &Path) {
     let app = person.app_mut();
-    app.chooser = None;
+    app.file_dialog = None;
     if matches!(app.dialog, Some(Dialog::Render(_) | Dialog::Recovered(_))) {
         app.dialog = None;
     }
@@ -141,7 +141,7 @@ fn hold(person: &mut Person, file: &Path) {
     {
         open.view.resolution = Resolution::Fit;
     }
-    assert!(app.exports.is_empty());
+    assert!(app.renders.is_empty());
     if app.open.as_ref().is_none_or(|open| open.path.as_deref() != Some(file)) {
         app.open_file(file);
     }
@@ -157,7 +157,7 @@ fn whatever_is_done_nothing_panics_and_undo_returns_the_text() {
     for _ in 0..FRAMES {
         let size = person.harness.ctx.content_rect().size();
         act(&mut person, &mut random, size);
-        // Each event is a frame of its own; the monkey does not reach for the chooser in between.
+        // Each event is a frame of its own; the monkey does not reach for the file_dialog in between.
         person.harness.step();
         let was_another = person.app().open.as_ref().is_none_or(|open| open.path.as_ref() != Some(&file));
         hold(&mut person, &file);

@@ -84,11 +84,11 @@ fn frames_are_rendered_to_files_of_their_own() {
     assert!(person.has("Render to a file"));
     let pattern = person.file().with_file_name("scene-####.png");
     person.answer("Start");
-    assert_eq!(person.app().exports.len(), 1, "{:?}", person.messages());
+    assert_eq!(person.app().renders.len(), 1, "{:?}", person.messages());
     person.until("the first frames are there", |person| person.file().with_file_name("scene-0001.png").exists());
     assert!(person.has("Stop and keep") && !pattern.exists());
     person.click("Stop and keep");
-    person.until("it has stopped", |person| person.app().exports.is_empty());
+    person.until("it has stopped", |person| person.app().renders.is_empty());
     person.assert_said("stopped; wrote");
     assert!(!person.file().with_file_name("scene-0119.png").exists());
 }

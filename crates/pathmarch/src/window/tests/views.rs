@@ -10,9 +10,10 @@ fn a_kept_picture_is_compared_along_a_line_that_is_dragged() {
     let mut person = Person::at_scene();
     person.rest();
     person.ctrl(Key::B);
-    let split = |person: &Person| person.open().view.kept.as_ref().filter(|kept| kept.shown).map(|kept| kept.split);
+    let split =
+        |person: &Person| person.open().view.comparison.as_ref().filter(|kept| kept.shown).map(|kept| kept.split);
     assert_eq!(split(&person), Some(0.5));
-    person.assert_said("Kept for comparison");
+    person.assert_said("ComparisonPicture for comparison");
     let camera = person.open().view.camera.clone();
     person.drag(person.point(0.5, 0.1), person.point(0.25, 0.1), PointerButton::Primary, Modifiers::NONE);
     let moved = split(&person).expect("shown");
@@ -61,10 +62,10 @@ fn every_action_is_in_its_menu_and_harmless_without_a_scene() {
         person.key(Key::Escape);
         if entry.needs_scene {
             let ctx = person.harness.ctx.clone();
-            person.app_mut().act(&ctx, entry.action);
+            person.app_mut().run_action(&ctx, entry.action);
             person.wait(1);
             assert!(person.app().open.is_none());
-            person.app_mut().chooser = None;
+            person.app_mut().file_dialog = None;
             person.app_mut().dialog = None;
         }
     }
@@ -110,11 +111,11 @@ fn a_render_with_a_bad_name_does_not_start() {
     person.ctrl(Key::R);
     person.fill(Role::TextInput, "file", "/nowhere/at/all.png");
     person.click("Start");
-    assert!(person.app().exports.is_empty() && matches!(person.app().dialog, Some(Dialog::Render(_))));
+    assert!(person.app().renders.is_empty() && matches!(person.app().dialog, Some(Dialog::Render(_))));
     person.assert_said("is not there");
     person.fill(Role::TextInput, "file", "a.txt");
     person.click("Start");
-    assert!(person.app().exports.is_empty());
+    assert!(person.app().renders.is_empty());
     person.key(Key::Escape);
     assert!(person.app().dialog.is_none());
 }
@@ -165,7 +166,7 @@ fn windows_of_odd_sizes_and_scales_hold() {
     }
     let sharp = Start { scale: 2.0, ..Start::with(SCENE) }.go();
     assert_eq!(sharp.harness.ctx.pixels_per_point(), 2.0);
-    let [width, height] = sharp.open().view.size(sharp.scene());
+    let [width, height] = sharp.open().view.picture_size(sharp.scene());
     let points = sharp.picture().size();
     assert!((width as f32 - 2.0 * points.x).abs() <= 2.0 && (height as f32 - 2.0 * points.y).abs() <= 2.0);
 }
@@ -175,7 +176,7 @@ fn restarting_the_graphics_asks_for_a_new_device_once() {
     let mut person = Person::at_scene();
     person.rest();
     person.ctrl_shift(Key::F12);
-    assert!(person.app_mut().take_lose_device());
-    assert!(!person.app_mut().take_lose_device());
+    assert!(person.app_mut().take_device_reset());
+    assert!(!person.app_mut().take_device_reset());
     person.rest();
 }

@@ -1,4 +1,4 @@
-//! Work that is not saved survives a crash.
+//! UnsavedWork that is not saved survives a crash.
 //!
 //! **Idea.** Each window keeps the text it has not saved yet in one file of a directory of its own, and holds the lock of a
 //! second file beside it for as long as it lives. The system lets go of the lock however the program ends. What a later
@@ -46,7 +46,7 @@ pub struct Recovery {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
     /// What was last asked to be kept.
-    kept: Option<Work>,
+    kept: Option<UnsavedWork>,
     lock: Option<(File, PathBuf)>,
     file: PathBuf,
 }
@@ -59,7 +59,7 @@ struct Shared {
 
 #[derive(Default)]
 struct Inbox {
-    task: Option<Task>,
+    task: Option<DiskTask>,
     /// Something is being written.
     busy: bool,
     /// To be written without a pause.
@@ -68,9 +68,9 @@ struct Inbox {
     problem: Option<String>,
 }
 
-/// Work to keep.
+/// UnsavedWork to keep.
 #[derive(Clone, PartialEq)]
-struct Work {
+struct UnsavedWork {
     /// The file of the scene.
     scene_path: Option<PathBuf>,
     text: String,
@@ -79,8 +79,8 @@ struct Work {
 }
 
 /// What the thread is to do.
-enum Task {
-    Write(Work, SystemTime),
+enum DiskTask {
+    Write(UnsavedWork, SystemTime),
     Remove,
 }
 
@@ -110,7 +110,7 @@ impl Recovery {
         #[cfg(unix)]
         std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
         builder.create(directory)?;
-        sweep(directory);
+        remove_stale_locks(directory);
         let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
         for attempt in 0..100 {
             let name = format!("{time}-{}-{attempt}", std::process::id());
@@ -150,23 +150,23 @@ impl Recovery {
             self.clear();
             return;
         }
-        let is_same = |work: &Work| {
+        let is_same = |work: &UnsavedWork| {
             work.text == text && work.scene_path.as_deref() == scene_path && work.base.as_deref() == disk_text
         };
         if self.thread.is_none() || self.kept.as_ref().is_some_and(is_same) {
             return;
         }
         let scene_path = scene_path.map(Path::to_owned);
-        let work = Work { scene_path, text: text.to_owned(), base: disk_text.map(str::to_owned) };
+        let work = UnsavedWork { scene_path, text: text.to_owned(), base: disk_text.map(str::to_owned) };
         self.kept = Some(work.clone());
         let absolute = work.scene_path.map(|path| std::path::absolute(&path).unwrap_or(path));
-        self.send(Task::Write(Work { scene_path: absolute, ..work }, SystemTime::now()));
+        self.send(DiskTask::Write(UnsavedWork { scene_path: absolute, ..work }, SystemTime::now()));
     }
 
     /// Nothing is unsaved any more.
     pub fn clear(&mut self) {
         if self.kept.take().is_some() {
-            self.send(Task::Remove);
+            self.send(DiskTask::Remove);
         }
     }
 
@@ -184,7 +184,7 @@ impl Recovery {
         inbox.hurry = false;
     }
 
-    fn send(&self, task: Task) {
+    fn send(&self, task: DiskTask) {
         self.shared.inbox().task = Some(task);
         self.shared.changed.notify_all();
     }
@@ -214,7 +214,7 @@ fn work(shared: &Shared, file: &Path) {
         let pause = match (&inbox.task, written) {
             (None, _) if inbox.stop => return,
             (None, _) => None,
-            (Some(Task::Write(..)), Some(at)) if !inbox.stop && !inbox.hurry => {
+            (Some(DiskTask::Write(..)), Some(at)) if !inbox.stop && !inbox.hurry => {
                 Some(PAUSE.saturating_sub(at.elapsed()))
             }
             _ => Some(Duration::ZERO),
@@ -226,7 +226,7 @@ fn work(shared: &Shared, file: &Path) {
                 inbox.busy = true;
                 drop(inbox);
                 let result = match task {
-                    Some(Task::Write(work, at)) => {
+                    Some(DiskTask::Write(work, at)) => {
                         written = Some(Instant::now());
                         write(file, &work, at)
                     }
@@ -244,7 +244,7 @@ fn work(shared: &Shared, file: &Path) {
     }
 }
 
-fn write(file: &Path, Work { scene_path, text, base }: &Work, at: SystemTime) -> Result<(), String> {
+fn write(file: &Path, UnsavedWork { scene_path, text, base }: &UnsavedWork, at: SystemTime) -> Result<(), String> {
     let seconds = at.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
     let scene = scene_path.as_deref().map(|path| format!("// scene: {}\n", encode(path))).unwrap_or_default();
     let base = base.as_deref().map(|base| format!("// based on: {}\n", version(base))).unwrap_or_default();
@@ -270,9 +270,9 @@ fn remove(file: &Path) -> io::Result<()> {
     }
 }
 
-/// Work whose program is gone.
+/// UnsavedWork whose program is gone.
 #[derive(Debug)]
-pub struct Recovered {
+pub struct RecoveredWork {
     /// The file of the scene; none where it had none yet.
     pub scene_path: Option<PathBuf>,
     /// The text as it was; or why it cannot be had, in one sentence.
@@ -285,7 +285,7 @@ pub struct Recovered {
     pub file: PathBuf,
 }
 
-impl Recovered {
+impl RecoveredWork {
     /// Whether it is based on the version of the file with this text. Where the version is not known it is not.
     pub fn is_based_on(&self, text: &str) -> bool {
         self.base.as_deref().is_some_and(|base| base == version(text))
@@ -303,7 +303,7 @@ impl Recovered {
 }
 
 /// What programs that are gone left in a directory, the newest first. Damaged files are listed, too.
-pub fn left_behind(directory: &Path) -> Vec<Recovered> {
+pub fn find_abandoned_work(directory: &Path) -> Vec<RecoveredWork> {
     let Ok(entries) = fs::read_dir(directory) else { return Vec::new() };
     let mut found = Vec::new();
     for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
@@ -331,7 +331,7 @@ fn is_owned(lock: &Path) -> bool {
 }
 
 /// Removes the locks of programs that are gone and left nothing, a day old at least: a new one may not be held yet.
-fn sweep(directory: &Path) {
+fn remove_stale_locks(directory: &Path) {
     for path in fs::read_dir(directory).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path())) {
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         let Some(stem) = name.strip_suffix(LOCK).filter(|stem| stem.ends_with('.')) else { continue };
@@ -344,11 +344,11 @@ fn sweep(directory: &Path) {
     }
 }
 
-fn read(file: PathBuf) -> Recovered {
+fn read(file: PathBuf) -> RecoveredWork {
     let changed = fs::metadata(&file).and_then(|data| data.modified()).unwrap_or(UNIX_EPOCH);
     let damaged = |reason: &str| Err(format!("{}: {reason}; look at it with an editor", file.display()));
     let mut recovered =
-        Recovered { scene_path: None, text: Ok(String::new()), base: None, saved_at: changed, file: file.clone() };
+        RecoveredWork { scene_path: None, text: Ok(String::new()), base: None, saved_at: changed, file: file.clone() };
     let bytes = match fs::read(&file) {
         Ok(bytes) => bytes,
         Err(error) => {

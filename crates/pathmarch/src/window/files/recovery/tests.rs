@@ -25,7 +25,7 @@ fn texts_and_paths_come_back_byte_for_byte() {
             recovery.keep(path.as_deref(), text, None);
             let file = recovery.file().to_owned();
             crash(recovery);
-            let mut found = left_behind(directory.path());
+            let mut found = find_abandoned_work(directory.path());
             assert_eq!(found.len(), 1);
             let found = found.remove(0);
             assert_eq!((&found.scene_path, found.text.as_deref(), &found.file), (path, Ok(text), &file));
@@ -50,7 +50,7 @@ fn work_knows_which_version_of_the_file_it_is_based_on() {
         // The same text on another base is kept anew.
         recovery.keep(Some(path), "mine", then);
         crash(recovery);
-        left_behind(directory.path()).remove(0)
+        find_abandoned_work(directory.path()).remove(0)
     };
     for (base, then) in [("old", "old"), ("older", "old"), ("", "old")] {
         let found = left(Some(base), Some(then));
@@ -77,7 +77,7 @@ fn files_of_older_programs_open_without_a_version() {
             "{FIRST_LINE}\n// scene: /x.kdl\n// saved: 7\n// program: 0.1.0\n{line}// bytes: 4\n{LAST_LINE}\nabcd"
         );
         fs::write(&file, old).expect("written");
-        let found = left_behind(directory.path()).remove(0);
+        let found = find_abandoned_work(directory.path()).remove(0);
         assert_eq!(found.text.as_deref(), Ok("abcd"));
         assert!(!found.is_based_on("abcd") && !found.is_based_on(""), "{line}");
     }
@@ -111,7 +111,7 @@ fn the_last_of_many_changes_is_kept() {
         recovery.keep(None, &number.to_string(), None);
     }
     drop(recovery);
-    assert_eq!(left_behind(directory.path())[0].text.as_deref(), Ok("999"));
+    assert_eq!(find_abandoned_work(directory.path())[0].text.as_deref(), Ok("999"));
 }
 
 #[test]
@@ -123,9 +123,9 @@ fn the_work_of_a_running_window_is_not_listed() {
     one.flush();
     two.flush();
     assert_ne!(one.file(), two.file());
-    assert!(left_behind(directory.path()).is_empty());
+    assert!(find_abandoned_work(directory.path()).is_empty());
     drop(one);
-    let found = left_behind(directory.path());
+    let found = find_abandoned_work(directory.path());
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].text.as_deref(), Ok("one"));
 }
@@ -145,8 +145,8 @@ fn a_process_that_was_killed_leaves_its_work() {
         let path = entry.expect("an entry").path();
         fs::copy(&path, elsewhere.path().join(path.file_name().expect("a name"))).expect("copied");
     }
-    assert!(left_behind(directory.path()).is_empty());
-    let found = left_behind(elsewhere.path());
+    assert!(find_abandoned_work(directory.path()).is_empty());
+    let found = find_abandoned_work(elsewhere.path());
     assert_eq!(found[0].text.as_deref(), Ok("work"));
     drop(recovery);
 }
@@ -163,14 +163,14 @@ fn damaged_files_are_listed_and_stay() {
     let file = directory.path().join(format!("1-1-0.{KEPT}"));
     for content in contents {
         fs::write(&file, &content).expect("written");
-        let found = left_behind(directory.path());
+        let found = find_abandoned_work(directory.path());
         assert_eq!(found.len(), 1);
         let message = found[0].text.as_ref().expect_err("it is damaged");
         assert!(message.contains(KEPT), "{message}");
         assert!(file.exists());
     }
     fs::write(&file, whole).expect("written");
-    let found = left_behind(directory.path());
+    let found = find_abandoned_work(directory.path());
     assert_eq!(found[0].text.as_deref(), Ok("abcd"));
     assert_eq!(found[0].saved_at, UNIX_EPOCH + Duration::from_secs(7));
     assert_eq!(found[0].scene_path.as_deref(), Some(Path::new("/x.kdl")));
@@ -190,7 +190,7 @@ fn old_locks_without_work_are_swept_away() {
         file.set_modified(long_ago).expect("set");
     }
     fs::write(path("3-3-0.lock"), "").expect("written");
-    sweep(directory.path());
+    remove_stale_locks(directory.path());
     let left = ["1-1-0.lock", "2-2-0.lock", "2-2-0.unsaved.kdl", "3-3-0.lock"].map(|name| path(name).exists());
     assert_eq!(left, [false, true, true, true]);
     assert!(lock_of(running.file()).exists());
@@ -206,7 +206,7 @@ fn what_cannot_be_kept_is_said() {
     recovery.keep(None, "a", None);
     recovery.flush();
     recovery.clear();
-    assert!(left_behind(&in_the_way).is_empty());
+    assert!(find_abandoned_work(&in_the_way).is_empty());
 
     let mut recovery = Recovery::new(directory.path());
     assert_eq!(recovery.problem(), None);

@@ -14,7 +14,7 @@ use std::ops::Range;
 const GRID: i64 = 256;
 /// Corners further away than this, in pixels, are pulled nearer.
 const FARTHEST: f32 = 1e6;
-/// Fraction bits of a place in a texture.
+/// Fraction bits of a texel_position in a texture.
 const FRACTION: u32 = 16;
 
 /// What is drawn on, row by row.
@@ -55,25 +55,25 @@ impl Canvas<'_> {
     }
 
     fn triangle(&mut self, mut corners: [&Vertex; 3], pixels_per_point: f32, clip: &Clip, texture: &Texture) {
-        let place = |vertex: &Vertex| {
+        let texel_position = |vertex: &Vertex| {
             [vertex.pos.x, vertex.pos.y]
                 .map(|at| ((at * pixels_per_point).clamp(-FARTHEST, FARTHEST) * GRID as f32).round() as i64)
         };
-        let mut places = corners.map(place);
-        let mut area = twice_area(places);
+        let mut positions = corners.map(texel_position);
+        let mut area = twice_area(positions);
         if area < 0 {
             corners.swap(1, 2);
-            places.swap(1, 2);
+            positions.swap(1, 2);
             area = -area;
         }
-        let [a, b, c] = places;
+        let [a, b, c] = positions;
         let (top, bottom) = (a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1]));
         let rows = first_centre(top).max(clip.rows.start)..first_centre(bottom + 1).min(clip.rows.end);
         if area == 0 || rows.is_empty() {
             return;
         }
         let edges = [Edge::new(a, b), Edge::new(b, c), Edge::new(c, a)];
-        let paint = Paint::of(corners, places, area, texture);
+        let paint = Paint::of(corners, positions, area, texture);
         for row in rows {
             let mut span = clip.columns.clone();
             edges.iter().for_each(|edge| edge.cut(row, &mut span));
@@ -98,7 +98,7 @@ fn twice_area([a, b, c]: [[i64; 2]; 3]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// The first pixel whose centre is not before this place of the grid.
+/// The first pixel whose centre is not before this texel_position of the grid.
 fn first_centre(at: i64) -> i64 {
     (at - GRID / 2 + GRID - 1).div_euclid(GRID)
 }
@@ -169,63 +169,63 @@ impl Linear {
 /// What a triangle's pixels are made of.
 enum Paint<'a> {
     /// One colour.
-    Plain(u32),
+    Solid(u32),
     /// Colours between those of the corners.
-    Blend([Linear; 4]),
+    Gradient([Linear; 4]),
     /// A texture, times colours between those of the corners, unless they are all white.
-    Picture { texture: &'a Texture<'a>, place: [Linear; 2], tint: Tint },
+    Textured { texture: &'a Texture<'a>, texel_position: [Linear; 2], tint: Tint },
 }
 
 enum Tint {
     None,
     One(Color32),
-    Blend([Linear; 4]),
+    Gradient([Linear; 4]),
 }
 
 impl<'a> Paint<'a> {
-    fn of(corners: [&Vertex; 3], places: [[i64; 2]; 3], area: i64, texture: &'a Texture<'a>) -> Self {
+    fn of(corners: [&Vertex; 3], positions: [[i64; 2]; 3], area: i64, texture: &'a Texture<'a>) -> Self {
         let [a, b, c] = corners;
         let one_colour = a.color == b.color && b.color == c.color;
         let blend = |texel: Color32| {
             let colours = corners.map(|corner| times(corner.color, texel).to_array());
-            [0, 1, 2, 3].map(|k| Linear::new(colours.map(|colour| f32::from(colour[k])), places, area))
+            [0, 1, 2, 3].map(|k| Linear::new(colours.map(|colour| f32::from(colour[k])), positions, area))
         };
         if a.uv == b.uv && b.uv == c.uv {
             let texel = texture.at(a.uv.x, a.uv.y);
             return match one_colour {
-                true => Self::Plain(code(times(a.color, texel))),
-                false => Self::Blend(blend(texel)),
+                true => Self::Solid(code(times(a.color, texel))),
+                false => Self::Gradient(blend(texel)),
             };
         }
         let tint = match one_colour {
             true if a.color == Color32::WHITE => Tint::None,
             true => Tint::One(a.color),
-            false => Tint::Blend(blend(Color32::WHITE)),
+            false => Tint::Gradient(blend(Color32::WHITE)),
         };
         let [width, height] = texture.size.map(|side| side as f32);
-        let place = [
-            Linear::new(corners.map(|corner| corner.uv.x * width), places, area),
-            Linear::new(corners.map(|corner| corner.uv.y * height), places, area),
+        let texel_position = [
+            Linear::new(corners.map(|corner| corner.uv.x * width), positions, area),
+            Linear::new(corners.map(|corner| corner.uv.y * height), positions, area),
         ];
-        Self::Picture { texture, place, tint }
+        Self::Textured { texture, texel_position, tint }
     }
 
     /// Draws over neighbouring pixels of a row, beginning with this column.
     fn fill(&self, pixels: &mut [u32], column: i64, row: i64) {
         match self {
-            Self::Plain(colour) if colour >> 24 == 255 => pixels.fill(colour & 0xff_ff_ff),
-            Self::Plain(0) => {}
-            Self::Plain(colour) => pixels.iter_mut().for_each(|pixel| *pixel = over(*colour, *pixel)),
-            Self::Blend(channels) => {
+            Self::Solid(colour) if colour >> 24 == 255 => pixels.fill(colour & 0xff_ff_ff),
+            Self::Solid(0) => {}
+            Self::Solid(colour) => pixels.iter_mut().for_each(|pixel| *pixel = over(*colour, *pixel)),
+            Self::Gradient(channels) => {
                 let mut colours = Colours::new(channels, column, row);
                 pixels.iter_mut().for_each(|pixel| *pixel = over(code(colours.next()), *pixel));
             }
-            Self::Picture { texture, place, tint } => {
-                let texels = texture.row(place, column, row);
+            Self::Textured { texture, texel_position, tint } => {
+                let texels = texture.row(texel_position, column, row);
                 match tint {
                     Tint::None => texels.draw(pixels, |texel| texel),
                     Tint::One(colour) => texels.draw(pixels, |texel| times(texel, *colour)),
-                    Tint::Blend(channels) => {
+                    Tint::Gradient(channels) => {
                         let mut colours = Colours::new(channels, column, row);
                         texels.draw(pixels, |texel| times(texel, colours.next()));
                     }
@@ -273,7 +273,7 @@ impl<'a> Texture<'a> {
         whole.then_some(Self { pixels: &image.pixels, size: image.size, delta })
     }
 
-    /// The colour at a place given from 0 to 1.
+    /// The colour at a texel_position given from 0 to 1.
     fn at(&self, u: f32, v: f32) -> Color32 {
         let [width, height] = self.size.map(|side| side as f32);
         let texels = Texels {
@@ -284,12 +284,12 @@ impl<'a> Texture<'a> {
         texels.between(texels.now)
     }
 
-    /// The texels of neighbouring pixels of a row; `place` counts texels.
-    fn row(&self, place: &[Linear; 2], column: i64, row: i64) -> Texels<'_> {
-        let step = place.map(|axis| fixed(axis.right));
-        let magnified = place.iter().all(|axis| axis.right.abs().max(axis.down.abs()) <= 1.0);
+    /// The texels of neighbouring pixels of a row; `texel_position` counts texels.
+    fn row(&self, texel_position: &[Linear; 2], column: i64, row: i64) -> Texels<'_> {
+        let step = texel_position.map(|axis| fixed(axis.right));
+        let magnified = texel_position.iter().all(|axis| axis.right.abs().max(axis.down.abs()) <= 1.0);
         let filter = if magnified { self.delta.options.magnification } else { self.delta.options.minification };
-        let mut now = place.map(|axis| fixed(axis.at(column, row) - 0.5));
+        let mut now = texel_position.map(|axis| fixed(axis.at(column, row) - 0.5));
         if filter == TextureFilter::Nearest {
             now = now.map(|at| (at + (1 << (FRACTION - 1))) & !((1 << FRACTION) - 1));
         }
@@ -339,7 +339,7 @@ impl Texels<'_> {
         }
     }
 
-    /// The colour between the four texels around a place.
+    /// The colour between the four texels around a texel_position.
     fn between(&self, [x, y]: [i64; 2]) -> Color32 {
         let (column, row) = (x >> FRACTION, y >> FRACTION);
         let part = |at: i64| (at >> (FRACTION - 8)) as u32 & 255;
@@ -354,7 +354,7 @@ impl Texels<'_> {
     }
 }
 
-/// A place with [`FRACTION`] bits behind the point.
+/// A texel_position with [`FRACTION`] bits behind the point.
 fn fixed(at: f64) -> i64 {
     (at * f64::from(1 << FRACTION)).round() as i64
 }

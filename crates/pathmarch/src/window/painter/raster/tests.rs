@@ -66,7 +66,7 @@ fn a_frame_is_what_a_gpu_draws() {
             });
             let mut copy = frame.textures_delta.clone();
             gpu.handle_delta(&mut frame.textures_delta);
-            textures.take(&mut copy);
+            textures.apply_all(&mut copy);
             output = Some(frame);
         }
         let output = output.expect("a frame");

@@ -25,7 +25,7 @@ impl App {
                 .response
                 .on_hover_text("The cameras of the scene.");
             if let Some(camera) = chosen {
-                open.view.look_through(camera);
+                open.view.use_camera(camera);
             }
         });
         let before = open.view.camera.clone();
@@ -74,9 +74,9 @@ impl App {
         camera.lens_radius = camera.lens_radius.max(0.0);
         camera.exposure = camera.exposure.clamp(limits::EXPOSURE.min, limits::EXPOSURE.max);
         if *camera != before {
-            open.view.touch();
+            open.view.mark_moving();
         }
-        let (moved, mut write, mut back) = (open.view.has_moved_away(), false, false);
+        let (moved, mut write, mut back) = (open.view.is_camera_modified(), false, false);
         ui.horizontal(|ui| {
             ui.add_enabled_ui(moved, |ui| {
                 let words = "Make the scene's camera the one that is shown.";
@@ -85,7 +85,7 @@ impl App {
             });
         });
         if back && let Some(camera) = scene.cameras.iter().find(|camera| camera.name == open.view.camera_name()) {
-            open.view.look_through(camera);
+            open.view.use_camera(camera);
         }
         if write {
             self.write_camera();

@@ -82,9 +82,9 @@ impl App {
                 ui.end_row();
             }
         });
-        let gesture = self.gesture;
+        let undo_group = self.undo_group;
         if let Some((path, value)) = change {
-            self.edit(|open| open.document.set(path, key::VALUE, value, Some(gesture)));
+            self.edit(|open| open.document.set(path, key::VALUE, value, Some(undo_group)));
         }
         ui.separator();
     }
@@ -113,13 +113,13 @@ impl App {
                 ui.end_row();
             }
         });
-        let gesture = self.gesture;
+        let undo_group = self.undo_group;
         match change {
             Some((key::NAME, Change::Set(Value::Text(name)))) => {
                 self.edit(|open| open.document.rename(path, &name));
             }
             Some((key, Change::Set(value))) => {
-                self.edit(|open| open.document.set(path, key, value, Some(gesture)));
+                self.edit(|open| open.document.set(path, key, value, Some(undo_group)));
             }
             Some((key, Change::Reset)) => {
                 self.edit(|open| open.document.reset(path, key));
