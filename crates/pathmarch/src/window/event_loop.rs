@@ -1,4 +1,4 @@
-//! The event loop: events in, shapes out, and what to do when the graphics device fails.
+//! Event loop of the window (winit): input events, frames, and recovery from a lost graphics device.
 
 use super::app::{App, Options};
 use super::painter::{Drawing, PaintError, Painter, Textures};
@@ -11,28 +11,28 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
-/// Something outside of the window's thread wants a frame.
+/// Request for a frame from another thread.
 #[derive(Debug)]
 struct Wake;
 
-/// How long after a failure of the graphics device a new one is tried, and how often in a row.
+/// Delay before a failed graphics device is reopened, and maximum number of attempts in a row.
 const RETRY_AFTER: Duration = Duration::from_millis(500);
 const RETRIES: u32 = 20;
-/// Size of a new window, points.
+/// Initial window size, points.
 const SIZE: (f64, f64) = (1360.0, 860.0);
 
-/// Opens the window and returns when it is closed.
+/// Opens the window; returns when it is closed.
 pub fn run(options: Options, drawing: Drawing) -> Result<u8, Failure> {
     let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|error| {
         let error = error.to_string();
-        // The library says where in its source it was first.
+        // The error begins with a place in the library's source; drop it.
         let why = error.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map_or(&*error, |(_, why)| why);
         let why = why.trim_end_matches('.');
         Failure::Other(format!("no window can be opened: {why}; `pathmarch render` works without one"))
     })?;
     let proxy = event_loop.create_proxy();
     let waker = Arc::new(move || {
-        // The loop has ended only when the program ends.
+        // Fails only when the loop has ended, and then the program ends.
         let _ = proxy.send_event(Wake);
     });
     let ctx = egui::Context::default();
@@ -60,7 +60,7 @@ struct WindowHandler {
     drawing: Drawing,
     painter: Option<Painter>,
     textures: Textures,
-    /// When to try a new painter.
+    /// Time of the next attempt to open a painter.
     retry: Option<Instant>,
     failures: u32,
     repaint_at: Option<Instant>,
@@ -86,7 +86,7 @@ impl WindowHandler {
     fn open_painter(&mut self, event_loop: &ActiveEventLoop) -> Result<(), String> {
         self.retry = None;
         let Some((window, state, _)) = &mut self.window else { return Ok(()) };
-        // The old one goes first: a window has one surface.
+        // A window has one surface: drop the old painter first.
         self.painter = None;
         let painter = Painter::new(self.drawing, window, event_loop.owned_display_handle(), &self.textures)?;
         state.set_max_texture_side(painter.max_texture_side());
@@ -96,7 +96,7 @@ impl WindowHandler {
         Ok(())
     }
 
-    /// The graphics device of the window failed: tries again, and at last gives up with everything kept.
+    /// Handles a failure of the window's graphics device: schedules another attempt, or gives up with all work kept.
     fn painter_failed(&mut self, event_loop: &ActiveEventLoop, why: String) {
         self.painter = None;
         self.failures += 1;
@@ -118,7 +118,7 @@ impl WindowHandler {
         let Some((window, state, shown_title)) = &mut self.window else { return };
         let size = window.inner_size();
         if size.width == 0 || size.height == 0 {
-            // Nothing to draw on; what runs in the background goes on.
+            // Minimised: nothing to draw, but background work continues.
             self.repaint_at = Some(Instant::now() + Duration::from_millis(250));
             return;
         }
@@ -169,7 +169,7 @@ impl ApplicationHandler<Wake> for WindowHandler {
         }
         if let Err(why) = self.open_window(event_loop) {
             if self.window.is_some() {
-                // Without any adapter for the window there is no use in trying again and again.
+                // If there is no adapter at all, do not retry.
                 self.failures = RETRIES;
             }
             self.painter_failed(event_loop, why.clone());

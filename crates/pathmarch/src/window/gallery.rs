@@ -1,7 +1,6 @@
-//! The first page: example scenes to start from.
+//! Gallery of example scenes.
 //!
-//! Scenes and their pictures are part of the program, so that it needs no other file. A scene is opened as a copy without
-//! a file of its own: saving asks for one.
+//! Scenes and thumbnails are part of the program, which needs no other files. An example opens as an unsaved copy.
 
 use super::files::atomic_file::write_atomically;
 use egui::{ColorImage, TextureHandle, TextureOptions, Vec2};
@@ -9,26 +8,26 @@ use pathmarch_cli::AppDirs;
 use pathmarch_gallery::{ASSETS, EXAMPLES};
 use std::path::PathBuf;
 
-/// Points of an example's picture.
+/// Size of a thumbnail, points.
 pub(crate) const CARD: Vec2 = Vec2::new(240.0, 135.0);
 
 #[derive(Default)]
 pub(crate) struct Gallery {
-    /// Where the pictures that scenes need are.
+    /// Directory of the image files that scenes use.
     home: Option<PathBuf>,
-    /// Pictures of the examples, as far as they are unpacked.
+    /// Thumbnails decoded so far.
     pub(crate) textures: Vec<TextureHandle>,
 }
 
 impl Gallery {
-    /// The name and text of an example.
+    /// Name and text of an example.
     pub(crate) fn scene(&mut self, index: usize) -> Option<(String, String)> {
         let example = EXAMPLES.get(index)?;
         let home = self.home().join(example.file);
         Some((home.display().to_string(), example.text.to_owned()))
     }
 
-    /// Unpacks a few more pictures, so that the page is there at once.
+    /// Decodes a few more thumbnails, so that the page appears at once.
     pub(crate) fn unpack(&mut self, ctx: &egui::Context) {
         const AT_ONCE: usize = 3;
         let next = self.textures.len();
@@ -39,7 +38,7 @@ impl Gallery {
                 let size = [small.width() as usize, small.height() as usize];
                 ColorImage::from_rgba_unmultiplied(size, &small.to_rgba8())
             });
-            // The pictures are part of the program, and a test opens each.
+            // Thumbnails are part of the program, and a test opens each.
             let image = image.unwrap_or_else(|_| ColorImage::filled([2, 2], egui::Color32::BLACK));
             self.textures.push(ctx.load_texture(example.name, image, TextureOptions::LINEAR));
         }
@@ -48,7 +47,7 @@ impl Gallery {
         }
     }
 
-    /// The folder of the scenes where they are at hand, else one with what they need.
+    /// Source directory of the scenes if it exists, else a directory with their image files.
     fn home(&mut self) -> PathBuf {
         self.home.get_or_insert_with(find_home).clone()
     }
@@ -60,7 +59,7 @@ fn find_home() -> PathBuf {
         return sources.to_owned();
     }
     let home = AppDirs::of_user().map_or_else(std::env::temp_dir, |dirs| dirs.recovery).with_file_name("gallery");
-    // Without them a scene says which picture it misses.
+    // If this fails, the scene reports the missing image.
     if std::fs::create_dir_all(&home).is_ok() {
         for (name, bytes) in ASSETS {
             let path = home.join(name);
@@ -77,7 +76,7 @@ mod tests {
     use super::*;
     use pathmarch_render::pathmarch_scene::Scene;
 
-    /// Every example opens from the page: the files that it reads are found.
+    /// Every example opens: the files that it uses are found.
     #[test]
     fn every_example_opens() {
         let mut gallery = Gallery::default();

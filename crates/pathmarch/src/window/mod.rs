@@ -1,7 +1,7 @@
-//! The window: the scene path-traced while one moves through it and changes it.
+//! The window: a live path-traced view of a scene, with editing.
 //!
-//! `App` holds everything a person sees and does, and knows neither window nor graphics device, so that tests drive it
-//! without them. The event loop and the painter are the shell around it.
+//! [`app`] holds all state and runs without window or graphics device, so that tests can drive it. [`panels`] draw it;
+//! [`event_loop`] and [`painter`] connect it to the system.
 
 mod app;
 mod background_render;

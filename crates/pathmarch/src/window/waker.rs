@@ -1,4 +1,4 @@
-//! Wakes the window from other threads.
+//! Waker of the event loop, for other threads.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! What menus and keys do.
+//! Handlers of menu and shortcut actions.
 
 use super::App;
 use super::actions::Action;
@@ -11,7 +11,7 @@ use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_scene::document::{Item, ItemKind, Path as NodePath};
 
 impl App {
-    /// Does what a menu or a key asks for.
+    /// Runs an action.
     pub(crate) fn run_action(&mut self, ctx: &Context, action: Action) {
         let selection = self.open.as_ref().and_then(|open| open.view.selection.clone());
         match action {
@@ -71,7 +71,7 @@ impl App {
         }
     }
 
-    /// Selects, unless there is nothing to select.
+    /// Selects a node; `None` keeps the selection.
     pub(crate) fn select(&mut self, path: Option<NodePath>) {
         if let (Some(open), Some(path)) = (&mut self.open, path) {
             open.view.selection = Some(path);
@@ -121,7 +121,7 @@ impl App {
         }
     }
 
-    /// Makes the scene's camera the one that is shown.
+    /// Writes the current view to the scene's camera.
     pub(crate) fn write_camera(&mut self) {
         let written = self.edit(|open| {
             let name = open.view.camera_name().to_owned();

@@ -2,7 +2,7 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-/// Something a person can ask for.
+/// A command of the menus and shortcuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Action {
     New,
@@ -67,14 +67,14 @@ impl Menu {
     }
 }
 
-/// An action as menus and the help page show it.
+/// An action as the menus and the help window show it.
 pub(crate) struct Entry {
     pub(crate) action: Action,
     pub(crate) menu: Menu,
     pub(crate) name: &'static str,
     pub(crate) doc: &'static str,
     pub(crate) shortcut: Option<KeyboardShortcut>,
-    /// Whether it makes sense only while a scene is open.
+    /// Enabled only while a scene is open.
     pub(crate) needs_scene: bool,
 }
 
@@ -102,7 +102,7 @@ const fn always(entry: Entry) -> Entry {
     Entry { needs_scene: false, ..entry }
 }
 
-/// Every action, in the order of the menus.
+/// All actions, in menu order.
 #[rustfmt::skip]
 pub(crate) const ACTIONS: &[Entry] = &[
     always(entry(Action::New, Menu::File, "New scene", "Start from a ball on a floor.", ctrl(Key::N))),
@@ -143,7 +143,7 @@ pub(crate) const ACTIONS: &[Entry] = &[
     always(entry(Action::RestartGraphics, Menu::Help, "Restart graphics", "Open the graphics devices anew, where a driver misbehaves.", ctrl_shift(Key::F12))),
 ];
 
-/// What the mouse and the keys that are held do in the picture.
+/// Mouse and held-key controls of the viewport.
 pub(crate) const POINTER: &[(&str, &str)] = &[
     ("Click", "Select the shape that is pointed at."),
     ("Double click", "Look at the point that is clicked, and focus on it."),
@@ -156,14 +156,14 @@ pub(crate) const POINTER: &[(&str, &str)] = &[
     ("Alt and click", "Set the distance that is sharp."),
 ];
 
-/// The action of a shortcut pressed in this frame. Keys without Ctrl act only while no text is being typed.
-/// `typed` says whether text was being typed before this frame: Escape has taken the keyboard from it by now, and is its
-/// own. Menus and lists that are open have their keys for themselves, too.
+/// Returns the action whose shortcut was pressed in this frame. Shortcuts without Ctrl are ignored while a text field
+/// or a popup has the keyboard. `typed`: a text field had the focus before this frame; Escape has removed that focus by
+/// now, and belongs to the field.
 pub(crate) fn pressed(ctx: &egui::Context, has_scene: bool, typed: bool) -> Option<Action> {
     let typing = typed || ctx.text_edit_focused() || egui::Popup::is_any_open(ctx);
-    // A button that has the keyboard is pressed by the space bar.
+    // The space bar presses a focused button.
     let has_focus = ctx.memory(|memory| memory.focused().is_some());
-    // Longer chords first: Ctrl+Shift+Z is also Ctrl+Z to a test that ignores Shift.
+    // Test longer chords first: a test that ignores Shift takes Ctrl+Shift+Z for Ctrl+Z.
     let mut entries: Vec<&Entry> = ACTIONS.iter().filter(|entry| has_scene || !entry.needs_scene).collect();
     entries.sort_by_key(|entry| {
         entry.shortcut.map_or(0, |s| -(i32::from(s.modifiers.shift) + i32::from(s.modifiers.any())))

@@ -1,4 +1,4 @@
-//! State of the modal dialogs: which one is open, and the settings of a final render.
+//! State of the modal dialogs: which one is open, and the settings of the render dialog.
 
 use super::requests::PendingAction;
 use crate::frames::{self, Frames};
@@ -9,21 +9,21 @@ use pathmarch_render::Settings;
 use pathmarch_render::image::ImageFormat;
 use std::path::{Path, PathBuf};
 
-/// A question.
+/// The open modal dialog.
 pub(crate) enum Dialog {
-    /// Unsaved work stands in the way.
+    /// Unsaved work would be lost.
     Unsaved(PendingAction),
-    /// The file was changed by someone else while there were unsaved changes here.
+    /// Another program changed the file while there are unsaved changes here.
     Conflict,
-    /// What programs that ended without saving have left.
+    /// Unsaved work of crashed sessions was found.
     Recovered(Vec<RecoveredWork>),
-    /// A final render is to be started.
+    /// Settings of a final render.
     Render(RenderDialog),
-    /// Renders are on their way, and the program is to end.
+    /// Quit was requested while renders are running.
     Busy,
 }
 
-/// Stands in the name of a file for the digits of a frame's number.
+/// Placeholder for the digits of the frame number in a file name.
 const DIGITS: &str = "-####";
 
 /// Settings of a final render.
@@ -33,10 +33,10 @@ pub(crate) struct RenderDialog {
     pub(crate) samples: u32,
     pub(crate) bounces: u32,
     pub(crate) layers: bool,
-    /// From where one looks now, not from where the scene's camera stands.
+    /// Render from the current view, not from the scene's camera.
     pub(crate) own_viewpoint: bool,
     pub(crate) may_choose_viewpoint: bool,
-    /// First and last frame, where something moves, and whether these are rendered rather than the frame that is shown.
+    /// First and last frame of an animated scene; `all_frames` renders this range, otherwise only the frame shown.
     pub(crate) frames: Option<[u32; 2]>,
     pub(crate) all_frames: bool,
     pub(crate) skip_existing: bool,
@@ -62,14 +62,14 @@ impl RenderDialog {
         })
     }
 
-    /// As [`Self::new`], for all frames.
+    /// Creates the dialog as [`Self::new`] does, for all frames.
     pub(crate) fn of_frames(open: &OpenScene) -> Option<Self> {
         let mut dialog = Self::new(open)?;
         dialog.render_frames(true);
         Some(dialog)
     }
 
-    /// Renders frames, or the picture that is shown; the name of the file follows.
+    /// Switches between all frames and the frame shown; adapts the file name.
     pub(crate) fn render_frames(&mut self, all: bool) {
         self.all_frames = all;
         let path = Path::new(&self.output);
@@ -83,13 +83,13 @@ impl RenderDialog {
         self.output = path.with_file_name(format!("{named}.{extension}")).display().to_string();
     }
 
-    /// The frames to render, where it is not one picture.
+    /// Frames to render; `None` for a single picture.
     pub(crate) fn sequence(&self) -> Option<FrameSequence> {
         let [first, last] = self.frames.filter(|_| self.all_frames)?;
         Some(FrameSequence { frames: Frames::from_to(first, last), skip_existing: self.skip_existing })
     }
 
-    /// What is wrong with it, in words.
+    /// Problem with the settings, in words.
     pub(crate) fn problem(&self) -> Option<String> {
         let Some(sequence) = self.sequence() else { return self.format().err() };
         self.format().err().or_else(|| frames::check_pattern(Path::new(&self.output), sequence.frames).err())
@@ -100,7 +100,7 @@ impl RenderDialog {
     }
 }
 
-/// What was answered.
+/// Answer to a modal dialog.
 pub(crate) enum Answer {
     None,
     Close,
@@ -114,6 +114,6 @@ pub(crate) enum Answer {
     AskLater,
     StartRender,
     ChooseOutput,
-    /// Without the renders.
+    /// Cancel running renders and quit.
     CancelRendersAndQuit,
 }

@@ -1,4 +1,4 @@
-//! Answers to dialogs: recovers work, starts renders, saves pictures.
+//! Handlers of dialog answers: recover work, start renders, save pictures.
 
 use super::App;
 use super::dialog::{Answer, Dialog};
@@ -35,7 +35,7 @@ impl App {
                 if let Some(open) = &mut self.open {
                     open.keep_mine();
                 }
-                // What is kept for after a crash is based on the other version from now on.
+                // The recovery file is now based on the other version.
                 self.document_changed();
                 self.show_message("Your version stays; the file keeps the other one until you save.");
             }
@@ -64,7 +64,7 @@ impl App {
                 let one = left.remove(index);
                 let others = !left.is_empty();
                 if matches!(answer, Answer::Recover(_)) && one.text.is_ok() {
-                    // Another one would take the place of this one, which is not saved.
+                    // Opening a second one would replace this one before it is saved.
                     self.dialog = None;
                     self.recover(one);
                     if others {
@@ -100,8 +100,8 @@ impl App {
         }
     }
 
-    /// Opens what a program that ended without saving has left, as unsaved changes of its file. Asks where the file is no
-    /// longer the version that the work is based on.
+    /// Opens recovered work as unsaved changes of its file. Asks the user if the file is no longer the version that the
+    /// work is based on.
     fn recover(&mut self, one: RecoveredWork) {
         let text = match &one.text {
             Ok(text) => text.clone(),
@@ -169,7 +169,7 @@ impl App {
         self.dialog = None;
     }
 
-    /// Writes the picture as it is shown: what `render` gives for as many samples.
+    /// Saves the displayed picture; the file equals that of `pathmarch render` with as many samples.
     pub(crate) fn save_picture(&mut self, path: &Path) {
         let Some(open) = &self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else { return };

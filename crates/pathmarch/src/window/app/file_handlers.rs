@@ -1,4 +1,4 @@
-//! Opening, saving, and what comes first when unsaved work stands in the way.
+//! File commands: open and save scenes, and confirm before unsaved work is lost.
 
 use super::App;
 use super::dialog::Dialog;
@@ -12,7 +12,7 @@ use pathmarch_render::pathmarch_scene::SceneError;
 use pathmarch_render::pathmarch_scene::scene::read_text;
 use std::path::{Path, PathBuf};
 
-/// A ball on a floor: what a new scene is.
+/// Scene of the command *New*: a sphere on a floor.
 const NEW_SCENE: &str = r#"pathmarch 1
 
 camera "main" {
@@ -30,7 +30,7 @@ object "ball" material="red" { sphere 0.7 { at 0 0.7 0 } }
 object "floor" material="grey" { plane }
 "#;
 
-/// Why a file cannot be read, as a part of a sentence.
+/// Reason why a file cannot be read, as part of a sentence.
 pub(crate) fn reason(error: &SceneError) -> String {
     match error {
         SceneError::Unreadable { reason, .. } => reason.clone(),
@@ -39,7 +39,7 @@ pub(crate) fn reason(error: &SceneError) -> String {
 }
 
 impl App {
-    /// Does it, or asks first what is to become of unsaved work.
+    /// Runs the action; asks first if it would discard unsaved work.
     pub(crate) fn guard_unsaved(&mut self, after: PendingAction) {
         if self.open.as_ref().is_some_and(OpenScene::has_unsaved_work) {
             self.dialog = Some(Dialog::Unsaved(after));
@@ -70,7 +70,7 @@ impl App {
         }
     }
 
-    /// Where files are looked for first.
+    /// Directory where file dialogs start.
     pub(crate) fn directory(&self) -> PathBuf {
         let of = |path: &Path| path.parent().filter(|parent| parent.is_dir()).map(Path::to_owned);
         let open = self.open.as_ref().and_then(|open| of(open.path.as_deref()?));
@@ -78,13 +78,13 @@ impl App {
         open.or_else(recent).or_else(|| std::env::current_dir().ok()).unwrap_or_else(|| PathBuf::from("."))
     }
 
-    /// A file_dialog that offers the folders of what was open before.
+    /// Adds bookmarks for the directories of the scene and of recent files.
     pub(crate) fn with_bookmarks(&self, file_dialog: FileDialog) -> FileDialog {
         let folder = self.open.as_ref().and_then(|open| open.path.as_deref()?.parent());
         file_dialog.with_bookmarks(folder, &self.preferences.recent)
     }
 
-    /// Opens a scene file; says why where it cannot be read.
+    /// Opens a scene file, or shows why it cannot be read.
     pub(crate) fn open_file(&mut self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         match read_text(&path) {
@@ -118,13 +118,13 @@ impl App {
         }
     }
 
-    /// Writes the scene to its file, or asks for one; says whether it is written.
+    /// Saves the scene, or asks for a file name. Returns true if the scene was written.
     pub(crate) fn save(&mut self, then: Option<PendingAction>) -> bool {
         let Some(path) = self.open.as_ref().and_then(|open| open.path.clone()) else {
             self.choose_save_path(then.map_or(FileRequest::SaveAs, FileRequest::SaveThen));
             return false;
         };
-        // What another program has just written is not replaced unseen, even where the watch has not reported it yet.
+        // Do not overwrite what another program has just written, even if the file watcher has not reported it yet.
         let now = read_text(&path).ok();
         if self.open.as_mut().zip(now).is_some_and(|(open, now)| open.is_newer_on_disk(&now)) {
             self.dialog = Some(Dialog::Conflict);
@@ -167,7 +167,7 @@ impl App {
             Some((self.with_bookmarks(FileDialog::save(&self.directory(), &name, options)), FileRequest::Picture));
     }
 
-    /// What a picture of the open scene is called.
+    /// Suggested file name for a picture of the open scene.
     pub(crate) fn picture_file_name(&self) -> String {
         let stem = self.open.as_ref().and_then(|open| open.path.as_deref()?.file_stem().map(|stem| stem.to_owned()));
         format!("{}.png", stem.map_or("picture".into(), |stem| stem.to_string_lossy().into_owned()))
@@ -179,7 +179,7 @@ impl App {
         let Some((_, what)) = self.file_dialog.take() else { return };
         let Choice::Chosen(path) = choice else {
             if self.open.as_ref().is_some_and(|open| open.conflict.is_some()) {
-                // It was to be saved elsewhere, and now is not.
+                // The user cancelled *Save mine as*: the conflict is still unresolved.
                 self.dialog = Some(Dialog::Conflict);
             }
             return;

@@ -1,4 +1,4 @@
-//! The live picture: orders to the renderer, and its pictures on their way to the screen.
+//! Live picture: sends orders to the renderer and uploads its pictures.
 
 use super::App;
 use crate::window::open_scene::OpenScene;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 impl App {
-    /// Brings a new picture to the screen.
+    /// Uploads a new picture as a texture.
     pub(super) fn upload_picture(&mut self, ctx: &Context) {
         let (Some(open), Some(shown)) = (&mut self.open, self.live.picture()) else { return };
         let is_other_scene = self.first_order.is_none_or(|first| shown.order < first);
@@ -33,7 +33,7 @@ impl App {
         self.performance.picture(&shown, self.live.status().samples_per_second);
     }
 
-    /// Tells the renderer what to show, if that has changed.
+    /// Sends the renderer a new order if the scene or the view has changed.
     pub(super) fn order_picture(&mut self, ctx: &Context) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else { return };
@@ -65,12 +65,12 @@ impl App {
         }
     }
 
-    /// Another scene comes: no picture of the one before is shown for it.
+    /// Discards the picture of the previous scene.
     pub(crate) fn discard_picture(&mut self) {
         (self.ordered, self.first_order) = (None, None);
     }
 
-    /// What is rendered live.
+    /// Render settings of the live picture.
     pub(crate) fn settings(open: &OpenScene, scene: &Scene) -> Settings {
         let asked = Settings::of(scene);
         let mode = open.view.mode;

@@ -1,4 +1,4 @@
-//! Everything a person sees and does, without window or graphics device: tests drive it as they are.
+//! State of the application and its update for each frame, without window or graphics device: tests drive it as it is.
 
 mod action_handlers;
 pub(crate) mod actions;
@@ -32,20 +32,20 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use toasts::Toast;
 
-/// What the window is started with.
+/// Start-up options of the window.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The scene to open; the gallery without one.
+    /// Scene file to open; without one the window opens the gallery.
     pub scene: Option<PathBuf>,
-    /// What to render on.
+    /// Backend that renders the scene.
     pub backend: Backend,
-    /// Part of the name of the adapter.
+    /// Part of the GPU adapter's name.
     pub adapter: Option<String>,
-    /// Whether to say on standard error how long things took.
+    /// Print timings to standard error.
     pub timings: bool,
 }
 
-/// The program as a person sees it.
+/// The application: open scene, panels, dialogs and background work.
 pub(crate) struct App {
     pub(crate) options: Options,
     pub(crate) waker: Waker,
@@ -61,19 +61,20 @@ pub(crate) struct App {
     pub(crate) performance: PerformanceHistory,
     pub(crate) gizmo: GizmoState,
     pub(crate) help: bool,
-    /// Changes between two presses of the pointer, or from the keyboard in one widget, are one step of undoing.
+    /// Undo group of the current interaction. Edits between two pointer presses, or by the keyboard in one widget, form
+    /// one undo step.
     pub(crate) undo_group: u64,
     focus: Option<egui::Id>,
-    /// When the text of the scene was last typed in, seconds.
+    /// Time of the last edit in the source editor, seconds.
     pub(crate) last_typed_at: f64,
-    /// Text was being typed at the end of the last frame.
+    /// A text field had the keyboard focus at the end of the last frame.
     typing: bool,
     ordered: Option<Order>,
-    /// The first order of the scene that is open; earlier pictures are of another.
+    /// Number of the first order for the open scene. Pictures of earlier orders show another scene.
     first_order: Option<u64>,
     started: Instant,
     milestones: Vec<&'static str>,
-    /// How long frames of the window took, milliseconds; kept only if asked for.
+    /// Times of the window's frames, milliseconds; recorded only with `--timings`.
     frame_times: Vec<f64>,
     quitting: bool,
     reset_window_device: bool,
@@ -84,7 +85,7 @@ impl App {
         Self::with_dirs(ctx, options, waker, AppDirs::of_user())
     }
 
-    /// As [`Self::new`], with directories of its own for what it keeps.
+    /// Creates the application as [`Self::new`] does, with its own directories for preferences and recovery.
     pub(crate) fn with_dirs(ctx: &Context, options: Options, waker: Waker, dirs: Option<AppDirs>) -> Self {
         let started = Instant::now();
         let wake = waker.clone();
@@ -99,7 +100,7 @@ impl App {
             None => egui::ThemePreference::System,
         });
         ctx.set_zoom_factor(preferences.scale);
-        // A cursor that blinks draws the window twice a second for ever.
+        // A blinking cursor would redraw the window twice a second.
         ctx.all_styles_mut(|style| style.visuals.text_cursor.blink = false);
         let mut app = Self {
             live,
@@ -141,7 +142,7 @@ impl App {
         app
     }
 
-    /// What the window's title says.
+    /// Title of the window.
     pub(crate) fn title(&self) -> String {
         match &self.open {
             Some(open) => {
@@ -152,7 +153,7 @@ impl App {
         }
     }
 
-    /// Everything of one frame.
+    /// Runs one frame: background results, shortcuts, panels, dialogs, and the order for the next picture.
     pub(crate) fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.poll_background(&ctx);
@@ -197,18 +198,18 @@ impl App {
         self.show_file_dialog(&ctx);
         self.show_toasts(&ctx);
         self.order_picture(&ctx);
-        // Ctrl with plus and minus changes it.
+        // Ctrl with plus or minus changes the zoom factor.
         self.preferences.scale = ctx.zoom_factor();
         self.save_preferences();
         self.typing = ctx.text_edit_focused();
     }
 
-    /// What cannot be remembered is not worth a word each time.
+    /// Saves the preferences. A failure is not reported: it would appear in every frame.
     fn save_preferences(&mut self) {
         let _ = self.preferences.save();
     }
 
-    /// Takes on what happened elsewhere: pictures, files, renders.
+    /// Collects results of background work: pictures, file changes, finished renders.
     fn poll_background(&mut self, ctx: &Context) {
         self.upload_picture(ctx);
         let reload = self.open.as_mut().and_then(OpenScene::poll_file);
@@ -253,7 +254,7 @@ impl App {
         }
     }
 
-    /// The document was changed: everything that depends on it follows.
+    /// Updates everything that depends on the document, after an edit.
     pub(crate) fn document_changed(&mut self) {
         let Some(open) = &mut self.open else { return };
         if let Some(scene) = open.document.last_good().cloned() {
@@ -270,7 +271,7 @@ impl App {
         }
     }
 
-    /// Makes a change of the document; says why where it is refused.
+    /// Edits the document; shows the reason if the edit is refused.
     pub(crate) fn edit<T>(&mut self, edit: impl FnOnce(&mut OpenScene) -> Result<T, EditError>) -> Option<T> {
         let open = self.open.as_mut()?;
         let before = open.document.revision();
@@ -288,7 +289,7 @@ impl App {
         }
     }
 
-    // The end.
+    // Shutdown.
 
     pub(crate) fn request_quit(&mut self) {
         if self.renders.is_empty() {
@@ -297,23 +298,23 @@ impl App {
             self.dialog = Some(Dialog::Busy);
         }
     }
-    /// Nothing is in the way of the end.
+    /// Quits: nothing needs confirmation any more.
     pub(crate) fn confirm_quit(&mut self) {
         self.quitting = true;
     }
     pub(crate) fn should_quit(&self) -> bool {
         self.quitting
     }
-    /// Writes what is not saved to the recovery file now.
+    /// Writes unsaved work to the recovery file now.
     pub(crate) fn flush_recovery(&mut self) {
         self.recovery.flush();
     }
-    /// Where what is not saved is kept, as the end of a sentence.
+    /// End of a sentence: a note that unsaved changes are kept, if there are any.
     pub(crate) fn recovery_note(&self) -> String {
         let unsaved = self.open.as_ref().is_some_and(OpenScene::has_unsaved_work);
         if unsaved { "; your changes are kept and will be offered at the next start".to_owned() } else { String::new() }
     }
-    /// The window is closed in order.
+    /// Saves preferences and removes the recovery file, if the user quit properly.
     pub(crate) fn shut_down(&mut self) {
         if self.quitting {
             self.recovery.clear();
@@ -323,12 +324,12 @@ impl App {
         self.save_preferences();
         self.report_frame_times();
     }
-    /// Opens both graphics devices anew.
+    /// Reopens both graphics devices.
     pub(crate) fn restart_graphics(&mut self) {
         self.reset_window_device = true;
         self.live.lose_device();
     }
-    /// Whether the window's graphics device is to be opened anew.
+    /// Returns and clears the request to reopen the window's graphics device.
     pub(crate) fn take_device_reset(&mut self) -> bool {
         std::mem::take(&mut self.reset_window_device)
     }

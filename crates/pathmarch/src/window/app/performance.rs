@@ -4,13 +4,13 @@ use pathmarch_render::live::Shown;
 use std::collections::VecDeque;
 use std::time::Instant;
 
-/// Pictures that the plots remember.
+/// Number of pictures in the history.
 const REMEMBERED: usize = 240;
 
-/// What the plots show.
+/// Frame times and sample rates of recent pictures.
 #[derive(Default)]
 pub(crate) struct PerformanceHistory {
-    /// Milliseconds since the picture before, and samples of the whole picture each second.
+    /// Milliseconds since the previous picture, and samples of the whole picture per second.
     pub(crate) history: VecDeque<(f64, f64)>,
     last: Option<Instant>,
 }

@@ -1,7 +1,7 @@
-//! Playback of an animation: plays, pauses and steps through frames.
+//! Playback of an animation: play, pause, and step through frames.
 //!
-//! The document is read as of another moment, its text stays as it is. Frames are shown when their time has come: where
-//! pictures take longer than a frame, some are left out, so that what moves keeps its speed.
+//! The document is evaluated at another time; its text stays as it is. Playback keeps real time: if a picture takes
+//! longer than a frame, frames are skipped.
 
 use super::App;
 use egui::Context;
@@ -9,7 +9,7 @@ use pathmarch_render::pathmarch_scene::Moment;
 use std::time::Duration;
 
 impl App {
-    /// Begins to play, or stops.
+    /// Starts or stops playback.
     pub(crate) fn play_or_pause(&mut self, ctx: &Context) {
         let Some(open) = &mut self.open else { return };
         if !open.document.last_good().is_some_and(|scene| scene.animated) {
@@ -24,7 +24,7 @@ impl App {
         };
     }
 
-    /// Shows the next frame, or the one before, and plays no longer.
+    /// Stops playback and shows the next or the previous frame.
     pub(crate) fn step_frame(&mut self, forwards: bool) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().filter(|scene| scene.animated) else { return };
@@ -34,7 +34,7 @@ impl App {
         self.show_frame((if forwards { frame + 1 } else { frame + count - 1 }) % count, fps);
     }
 
-    /// While it plays, goes to the frame that is due.
+    /// Shows the frame that is due, during playback.
     pub(crate) fn advance_playback(&mut self, ctx: &Context) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good() else { return };
@@ -47,7 +47,7 @@ impl App {
         self.show_frame(frame, fps);
     }
 
-    /// Shows a frame. A viewpoint of one's own stays.
+    /// Shows a frame. A camera that the user has moved stays where it is.
     pub(crate) fn show_frame(&mut self, frame: u32, fps: f32) {
         let Some(open) = &mut self.open else { return };
         let moment = Moment::of_frame(frame, fps);

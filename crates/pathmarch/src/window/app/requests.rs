@@ -1,35 +1,35 @@
-//! Requests that wait for an answer: for a file, or for what becomes of unsaved work.
+//! Requests that wait for an answer: a file name, or a decision about unsaved work.
 
 use crate::window::file_dialog::FileDialogOptions;
 use std::path::PathBuf;
 
-/// What a file is chosen for.
+/// Purpose of the open file dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum FileRequest {
     Open,
     SaveAs,
-    /// The scene is to be saved, and then this done.
+    /// Save the scene, then run the action.
     SaveThen(PendingAction),
-    /// The picture as it is shown.
+    /// Save the picture as displayed.
     Picture,
-    /// The output of the render dialog.
+    /// Choose the output of the render dialog.
     Render,
 }
 
-/// What was asked for when unsaved work stood in its way.
+/// Action that waits for a decision about unsaved work.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum PendingAction {
     Quit,
     New,
     Open,
-    /// This file, of the recent ones or dragged into the window.
+    /// Open this file: a recent one, or one dropped onto the window.
     OpenFile(PathBuf),
     Gallery,
-    /// The scene of the gallery.
+    /// Open this example of the gallery.
     Example(usize),
 }
 
-/// What a file is chosen for.
+/// Title and extensions of a file dialog.
 pub(crate) fn file_dialog_options(title: &str, extensions: &[&'static str]) -> FileDialogOptions {
     FileDialogOptions { title: title.to_owned(), extensions: extensions.to_vec() }
 }

@@ -1,10 +1,10 @@
-//! Timings on standard error, for `view --timings`: milestones of the start, and times of frames.
+//! Timings on standard error, for `view --timings`: start-up milestones and frame times.
 
 use super::App;
 use std::time::Duration;
 
 impl App {
-    /// Says how long it took from the start to something that happens once.
+    /// Prints the time since start-up, once for each milestone.
     pub(crate) fn log_milestone(&mut self, what: &'static str, detail: &str) {
         if self.options.timings && !self.milestones.contains(&what) {
             self.milestones.push(what);
@@ -12,7 +12,7 @@ impl App {
         }
     }
 
-    /// A frame is on the screen, after this long.
+    /// Records the duration of a frame, and the milestones it reaches.
     pub(crate) fn frame_drawn(&mut self, took: Duration) {
         if !self.options.timings {
             return;
@@ -32,7 +32,7 @@ impl App {
         }
     }
 
-    /// Says how long frames of the window took.
+    /// Prints statistics of the frame times.
     pub(super) fn report_frame_times(&mut self) {
         self.frame_times.sort_by(f64::total_cmp);
         if let (Some(longest), count) = (self.frame_times.last(), self.frame_times.len()) {

@@ -1,14 +1,14 @@
-//! Toasts: messages that go away by themselves.
+//! Toasts: messages that disappear after a few seconds.
 
 use super::App;
 use std::time::{Duration, Instant};
 
-/// Messages stay for so long; in tests until they are closed, for no test may depend on how fast it runs.
+/// Duration of a message. In tests it stays until closed, so that no test depends on its own speed.
 const MESSAGE_SECONDS: f32 = if cfg!(test) { 1e5 } else { 4.0 };
-/// Complaints stay longer, for there is more to read.
+/// Duration of an error message: longer, as there is more to read.
 const ERROR_SECONDS: f32 = if cfg!(test) { 1e5 } else { 10.0 };
 
-/// A message that goes away by itself.
+/// A message with its end.
 pub(crate) struct Toast {
     pub(crate) text: String,
     pub(crate) is_error: bool,

@@ -1,7 +1,6 @@
-//! The final picture, rendered in the background while the window goes on.
+//! Final renders in the background, while the window stays usable.
 //!
-//! The file is what `pathmarch render` writes for the same scene and settings on the same adapter: both go through
-//! [`crate::picture`].
+//! The file equals that of `pathmarch render` for the same scene, settings and adapter: both use [`crate::picture`].
 
 use crate::frames::{self, Frames};
 use crate::picture::{Exposure, Rendered};
@@ -19,55 +18,56 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// What to render, and where to.
+/// Input of a background render.
 #[derive(Clone, Debug)]
 pub struct RenderRequest {
     /// The scene.
     pub scene: Arc<Scene>,
     /// Size, samples and limits.
     pub settings: Settings,
-    /// How PNG and JPEG show radiance.
+    /// Tone mapping and exposure of PNG and JPEG.
     pub display: Display,
-    /// Further layers; OpenEXR only.
+    /// Additional layers; OpenEXR only.
     pub layers: Vec<Layer>,
-    /// The file; its name says the format.
+    /// Output file; its extension selects the format.
     pub output: PathBuf,
-    /// What to render on.
+    /// Render backend.
     pub backend: Backend,
-    /// Part of the name of the GPU adapter.
+    /// Part of the GPU adapter's name.
     pub adapter: Option<String>,
-    /// The frames to render, where it is not one picture: `#` in the file's name are the digits of their numbers.
+    /// Frames of an animation; `None` renders one picture. `#` in the file name stands for the digits of the frame
+    /// number.
     pub frames: Option<FrameSequence>,
 }
 
-/// Frames to render, each to a file.
+/// Frames to render, one file each.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameSequence {
-    /// Which.
+    /// Range of frames.
     pub frames: Frames,
-    /// Whether those whose files are there are left as they are.
+    /// Skip frames whose file exists.
     pub skip_existing: bool,
 }
 
 impl FrameSequence {
-    /// The file of the first frame.
+    /// File of the first frame.
     pub fn file(&self, pattern: &Path) -> PathBuf {
         frames::file(pattern, self.frames.numbers().next().unwrap_or(0))
     }
 }
 
-/// How far an [`BackgroundRender`] is.
+/// Progress of a [`BackgroundRender`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Samples of each pixel done, with a fraction for one that is begun.
+    /// Samples per pixel done, including the fraction of the current one.
     pub samples: f64,
-    /// Samples of each pixel asked for, of all frames.
+    /// Samples per pixel in total, over all frames.
     pub of: f64,
-    /// Time since the first sample was begun, seconds.
+    /// Time since the first sample began, seconds.
     pub seconds: f64,
-    /// Time that is left, seconds, as far as it can be told.
+    /// Estimated time left, seconds; `None` before the first sample.
     pub remaining: Option<f64>,
-    /// All samples are there, and layers and file are being made.
+    /// All samples are done; layers and file are being written.
     pub writing: bool,
 }
 
@@ -90,7 +90,7 @@ struct Shared {
 }
 
 impl Shared {
-    /// The contents of the lock, also after a panic: every value is whole at any time.
+    /// Locks the state, even after a panic of the other thread: every value is complete at any time.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -100,7 +100,7 @@ impl Shared {
     }
 }
 
-/// A picture on its way to a file. Dropping it cancels it; a file that is being written by then is finished.
+/// A render in progress. Dropping it cancels it; a file that is being written is finished.
 pub struct BackgroundRender {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
@@ -109,7 +109,7 @@ pub struct BackgroundRender {
 }
 
 impl BackgroundRender {
-    /// Begins. `wake` is called, on another thread, when there is progress and when it is finished.
+    /// Starts a render. Calls `wake` on another thread on progress and at the end.
     pub fn start(task: RenderRequest, wake: impl Fn() + Send + 'static) -> Self {
         let shared = Arc::<Shared>::default();
         let count = task.frames.as_ref().map_or(1, |sequence| sequence.frames.numbers().count());
@@ -132,33 +132,33 @@ impl BackgroundRender {
         Self { shared, thread, of, output }
     }
 
-    /// The file that is to be written.
+    /// Output file.
     pub fn output(&self) -> &Path {
         &self.output
     }
 
-    /// How far it is.
+    /// Current progress.
     pub fn progress(&self) -> Progress {
         let state = self.shared.state();
         let seconds = state.started.map_or(0.0, |started| started.elapsed().as_secs_f64());
         let left = self.of - state.samples;
-        // The first samples also wait for the machine to warm up; a guess from nothing helps nobody.
+        // The first samples include warm-up; without samples there is no estimate.
         let remaining = (state.samples > 0.0 && seconds > 0.0).then(|| (left * seconds / state.samples).max(0.0));
         Progress { samples: state.samples, of: self.of, seconds, remaining, writing: state.writing }
     }
 
-    /// Ends it without a file, unless it is being written already.
+    /// Cancels the render without a file, unless it is being written already.
     pub fn cancel(&self) {
         self.shared.command.store(CANCEL, Ordering::SeqCst);
     }
 
-    /// Ends it early with what is done; at least one sample will be.
+    /// Stops the render and writes what is done, at least one sample.
     pub fn stop_and_keep(&self) {
-        // What was cancelled stays so.
+        // A cancelled render stays cancelled.
         let _ = self.shared.command.compare_exchange(CONTINUE, STOP_AND_KEEP, Ordering::SeqCst, Ordering::SeqCst);
     }
 
-    /// How it ended, in one sentence, once it has.
+    /// Result in one sentence, once the render has ended.
     pub fn finished(&self) -> Option<Result<String, String>> {
         self.shared.state().outcome.clone()
     }
@@ -172,16 +172,16 @@ impl Drop for BackgroundRender {
             state.writing && state.outcome.is_none()
         };
         if writing && let Some(thread) = self.thread.take() {
-            // Its outcome has nobody to be told.
+            // Nobody is left to report the result to.
             let _ = thread.join();
         }
     }
 }
 
-/// Says now what would otherwise be said after an hour of rendering.
+/// Checks the output before rendering, rather than after an hour.
 ///
 /// # Errors
-/// In words: a name of no known format, layers in a format without, a file that cannot be written.
+/// Fails with a message: unknown format, layers in a format without them, or a file that cannot be written.
 pub fn check_output(output: &Path, layers: &[Layer]) -> Result<(), String> {
     let format = ImageFormat::from_path(output).map_err(|error| error.to_string())?;
     if !layers.is_empty() && format != ImageFormat::Exr {
@@ -193,17 +193,17 @@ pub fn check_output(output: &Path, layers: &[Layer]) -> Result<(), String> {
     check_writable(output).map_err(|error| error.to_string())
 }
 
-/// Writes a film that is at hand, as an [`BackgroundRender`] would; returns a sentence.
+/// Writes an existing film as a [`BackgroundRender`] would; returns a sentence.
 ///
 /// # Errors
-/// In words.
+/// Fails with a message.
 pub fn save_film(rendered: &Rendered, output: &Path, display: &Display, layers: &[Layer]) -> Result<String, String> {
     check_output(output, layers)?;
     rendered.write(output, display, layers)?;
     Ok(format!("wrote {}: {}", output.display(), samples_of(rendered.film, rendered.settings)))
 }
 
-/// "16 of 64 samples", and a warning where some are missing.
+/// Number of samples, such as "16 of 64 samples", with a warning about non-finite ones.
 fn samples_of(film: &Film, settings: &Settings) -> String {
     let mut text = if film.samples == settings.samples {
         format!("{} samples", film.samples)
@@ -216,7 +216,7 @@ fn samples_of(film: &Film, settings: &Settings) -> String {
     text
 }
 
-/// The thread.
+/// Body of the thread.
 fn work(task: &RenderRequest, shared: &Shared, wake: &impl Fn()) -> Result<String, String> {
     let renderer = Renderer::open(task.backend, task.adapter.as_deref()).map_err(|error| error.to_string())?;
     let animation = Animation::new(task.scene.source_name.as_str(), task.scene.source_text.as_str());
@@ -277,8 +277,8 @@ impl<W: Fn()> Worker<'_, W> {
         Ok(format!("{begun} {files} to {} in {seconds:.1} s{there}", task.output.display()))
     }
 
-    /// Renders and writes one picture; what was written, or nothing where it was cancelled. `before` is the number of samples of the
-    /// pictures before; a picture that is cut short is written only if it `may_be_partial`.
+    /// Renders and writes one picture; returns a sentence, or `None` if it was cancelled. `before`: samples of the
+    /// previous pictures. A picture with fewer samples is written only if `may_be_partial`.
     fn picture(
         &mut self,
         scene: &Scene,
@@ -310,7 +310,7 @@ impl<W: Fn()> Worker<'_, W> {
         }
         let film = exposure.film().map_err(fail)?;
         {
-            // From here on a drop waits; before, it does not, and nothing is written.
+            // From here on a drop waits for the file; before, it cancels.
             let mut state = shared.state();
             if is_cancelled() {
                 return Ok(None);

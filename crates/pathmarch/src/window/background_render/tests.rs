@@ -1,4 +1,4 @@
-//! Tests of final pictures.
+//! Tests of background renders.
 
 use super::*;
 use crate::window::tests::patience;
@@ -28,8 +28,8 @@ fn task(output: PathBuf) -> RenderRequest {
     }
 }
 
-/// Whether two files hold the same picture, layers and provenance. The attributes of an OpenEXR file come in any order, so
-/// that headers are of the same length and not the same; all that follows is compared byte for byte.
+/// Compares picture, layers and provenance of two files. Attributes of an OpenEXR file come in any order, so only the
+/// length of the headers is compared; the rest must be equal byte for byte.
 fn same(one: &Path, two: &Path) -> bool {
     let bytes = [one, two].map(|path| std::fs::read(path).expect("written"));
     let loaded = [one, two].map(|path| image::load(path).expect("a picture"));
@@ -54,7 +54,7 @@ fn run(task: RenderRequest) -> Result<String, String> {
     end(&export, &woken)
 }
 
-/// The program's own command line: beside the tests' directory, and only there once it has been built.
+/// The `pathmarch` program, beside the directory of the tests; it exists only once it has been built.
 fn program() -> Option<PathBuf> {
     let tests = std::env::current_exe().ok()?;
     let program = tests.parent()?.parent()?.join(format!("pathmarch{}", std::env::consts::EXE_SUFFIX));
@@ -124,7 +124,7 @@ fn a_cancelled_one_leaves_nothing() {
     export.cancel();
     let sentence = end(&export, &woken).expect("that is no failure");
     assert!(sentence.contains("cancelled"), "{sentence}");
-    // Dropping one is cancelling it.
+    // Dropping a render cancels it.
     let alive = Arc::new(());
     let weak = Arc::downgrade(&alive);
     drop(BackgroundRender::start(task, move || {
@@ -173,7 +173,7 @@ fn what_cannot_be_written_is_said_at_once() {
     assert_eq!(directory.path().read_dir().expect("there").count(), 0);
 }
 
-/// A scene that moves, and the frames of it that are rendered.
+/// An animated scene, and the frames to render.
 fn sequence(directory: &Path, radius: &str, first: u32, last: u32) -> RenderRequest {
     let text = format!(
         "pathmarch 1\ncamera {{ position 0 0 4; target 0 0 0 }}\nrender {{ size 24 16; samples 2; bounces 1; shutter 0.5 }}\n\

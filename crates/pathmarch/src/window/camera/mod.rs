@@ -1,4 +1,4 @@
-//! The camera of the window: navigation, and projection of points of the world.
+//! Camera of the viewport: navigation and projection.
 
 pub(crate) mod navigation;
 pub(crate) mod projection;

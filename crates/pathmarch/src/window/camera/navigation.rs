@@ -1,17 +1,17 @@
-//! Moving the camera: around what it looks at, along the picture, towards what is pointed at, and by flying.
+//! Camera navigation: orbit, look, pan, dolly and fly.
 //!
-//! The camera is that of the scene language, so that it can be written to the scene as it is. Turns keep the horizon level
-//! as long as `up` is not reached.
+//! It changes a camera of the scene language, which can be written to the scene as it is. The horizon stays level up to
+//! the poles of `up`.
 
 use glam::{Quat, Vec3};
 use pathmarch_render::pathmarch_scene::Camera;
 
-/// The view stays this far from straight up and down, radians.
+/// Minimum angle between view direction and `up`, radians.
 const POLE: f32 = 0.02;
-/// Flying covers this share of the distance to the nearest surface in a second.
+/// Fly speed: share of the distance to the nearest surface, per second.
 const FLY_RATE: f32 = 1.2;
 
-/// The unit vectors of a camera in the world.
+/// Unit vectors of a camera in world space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axes {
     pub(crate) right: Vec3,
@@ -29,7 +29,7 @@ fn distance(camera: &Camera) -> f32 {
     Vec3::from(camera.position).distance(Vec3::from(camera.target)).max(1e-6)
 }
 
-/// A direction turned about the camera's `up` and its right, radians; not past the poles.
+/// Rotates a direction about the camera's up (`yaw`) and right (`pitch`) axes, radians; stops at the poles.
 fn turned(camera: &Camera, direction: Vec3, yaw: f32, pitch: f32) -> Vec3 {
     let up = Vec3::from(camera.up).normalize_or(Vec3::Y);
     let height = direction.angle_between(up);
@@ -38,28 +38,28 @@ fn turned(camera: &Camera, direction: Vec3, yaw: f32, pitch: f32) -> Vec3 {
     Quat::from_axis_angle(up, yaw) * Quat::from_axis_angle(right, pitch) * direction
 }
 
-/// Turns about the target, by radians to the left and upwards as seen from it.
+/// Orbits about the target by radians left and up, as seen from it.
 pub(crate) fn orbit(camera: &mut Camera, yaw: f32, pitch: f32) {
     let away = distance(camera);
     let forward = turned(camera, axes(camera).forward, yaw, pitch);
     camera.position = (Vec3::from(camera.target) - forward * away).into();
 }
 
-/// Looks elsewhere from where it stands, by radians to the left and upwards.
+/// Turns the view direction by radians left and up; the position stays.
 pub(crate) fn look(camera: &mut Camera, yaw: f32, pitch: f32) {
     let away = distance(camera);
     let forward = turned(camera, axes(camera).forward, yaw, pitch);
     camera.target = (Vec3::from(camera.position) + forward * away).into();
 }
 
-/// Moves everything seen by a share of the picture's height.
+/// Pans by a fraction of the picture's height.
 pub(crate) fn pan(camera: &mut Camera, x: f32, y: f32) {
     let Axes { right, up, .. } = axes(camera);
     let height = 2.0 * (0.5 * camera.fov.to_radians()).tan() * distance(camera);
     shift(camera, (up * y - right * x) * height);
 }
 
-/// Brings the target nearer by a factor.
+/// Scales the distance to the target.
 pub(crate) fn dolly(camera: &mut Camera, factor: f32) {
     let target = Vec3::from(camera.target);
     let away = (Vec3::from(camera.position) - target) * factor.clamp(0.05, 20.0);
@@ -73,15 +73,15 @@ fn shift(camera: &mut Camera, by: Vec3) {
     (camera.position, camera.target) = (moved(camera.position).into(), moved(camera.target).into());
 }
 
-/// Flies for some seconds: `towards` is right, up and forward, each -1 to 1; `clearance` is the distance to the nearest
-/// surface, which sets the speed, so that small things are passed slowly and empty space is crossed fast.
+/// Flies for `seconds`. `towards`: right, up and forward, each -1 to 1. `clearance`: distance to the nearest surface,
+/// which sets the speed, so that details are passed slowly and empty space is crossed fast.
 pub(crate) fn fly(camera: &mut Camera, towards: Vec3, seconds: f32, clearance: f32) {
     let Axes { right, up, forward } = axes(camera);
     let speed = FLY_RATE * clearance.abs().clamp(0.02, 1000.0);
     shift(camera, (right * towards.x + up * towards.y + forward * towards.z).clamp_length_max(4.0) * speed * seconds);
 }
 
-/// Looks at a ball from the same side, so that it fills the picture.
+/// Frames a sphere without changing the view direction.
 pub(crate) fn frame(camera: &mut Camera, centre: Vec3, radius: f32) {
     let forward = axes(camera).forward;
     let away = radius.max(1e-3) / (0.5 * camera.fov.to_radians()).sin() * 1.15;
@@ -89,7 +89,7 @@ pub(crate) fn frame(camera: &mut Camera, centre: Vec3, radius: f32) {
     camera.position = (centre - forward * away).into();
 }
 
-/// Looks at a point from the same place; the distance that is in focus goes with the target where none is set.
+/// Turns towards a point without moving. Without an explicit focus distance, the focus follows the target.
 pub(crate) fn look_at(camera: &mut Camera, point: Vec3) {
     let position = Vec3::from(camera.position);
     let direction = (point - position).normalize_or(axes(camera).forward);

@@ -1,32 +1,32 @@
-//! Points of the world to points of the window, and back to rays.
+//! Projection of world space to window points, and back to rays.
 
 use super::navigation::{Axes, axes};
 use egui::{Pos2, Rect, Vec2};
 use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Camera;
 
-/// Nearer than this to the plane of the camera, metres, nothing is in the picture.
+/// Near plane, metres.
 const NEAR: f64 = 1e-4;
 
-/// A camera and the part of the window that shows its picture.
+/// Perspective projection of a camera onto a rectangle of the window.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Projection {
-    /// Position of the camera in the world, metres.
+    /// Position of the camera in world space, metres.
     pub(crate) position: DVec3,
-    /// Unit vectors of the camera in the world.
+    /// Unit vectors of the camera in world space.
     pub(crate) right: DVec3,
     pub(crate) up: DVec3,
     pub(crate) forward: DVec3,
-    /// Points of the window for a height of 1 m at a depth of 1 m.
+    /// Window points per metre of height at a depth of 1 m.
     pub(crate) scale: f64,
     middle: Pos2,
 }
 
-/// A ray from the camera through a point of the window, in the world.
+/// A world-space ray from the camera through a window point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ray {
     pub(crate) origin: DVec3,
-    /// Its component along the camera's axis is 1, so that the parameter of a point is its depth.
+    /// Not normalised: its component along the camera's axis is 1, so that the ray parameter is the depth.
     pub(crate) direction: DVec3,
 }
 
@@ -43,13 +43,13 @@ impl Projection {
         }
     }
 
-    /// Depth of a point along the camera's axis, metres; none for a point that is not before the camera.
+    /// Depth of a point along the camera's axis, metres; `None` behind the near plane.
     pub(crate) fn depth(&self, point: DVec3) -> Option<f64> {
         let depth = (point - self.position).dot(self.forward);
         (depth > NEAR).then_some(depth)
     }
 
-    /// Point of the window that shows a point of the world; none for a point that is not before the camera.
+    /// Projects a world-space point to a window point; `None` behind the near plane.
     pub(crate) fn project(&self, point: DVec3) -> Option<Pos2> {
         let scale = self.scale / self.depth(point)?;
         let from = point - self.position;
@@ -57,7 +57,7 @@ impl Projection {
         offset.is_finite().then(|| self.middle + offset)
     }
 
-    /// Ray through a point of the window.
+    /// Ray through a window point.
     pub(crate) fn ray_through(&self, at: Pos2) -> Ray {
         let [x, y] = [at.x - self.middle.x, self.middle.y - at.y].map(|side| f64::from(side) / self.scale);
         Ray { origin: self.position, direction: self.forward + self.right * x + self.up * y }
@@ -88,7 +88,7 @@ mod tests {
         let ray = projection.ray_through(projection.project(point).expect("before it"));
         let depth = projection.depth(point).expect("before it");
         assert!((ray.origin + ray.direction * depth).distance(point) < 1e-5);
-        // A tangent of half the field of view above the middle is the upper edge.
+        // Half the field of view above the centre is the upper edge.
         let height = (25_f64).to_radians().tan() * depth;
         let edge = projection.position + projection.forward * depth + projection.up * height;
         assert!((projection.project(edge).expect("before it").y - picture.min.y).abs() < 1e-3);

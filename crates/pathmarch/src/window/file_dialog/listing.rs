@@ -1,4 +1,4 @@
-//! What is in a directory, and what is meant by a path that somebody types.
+//! Directory listings and typed paths.
 
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -6,25 +6,25 @@ use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 use std::time::SystemTime;
 
-/// A file or directory in a list.
+/// A file or directory of a listing.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// Its name.
+    /// File name.
     pub name: OsString,
-    /// Its name as visible; a directory's ends in a slash.
+    /// Displayed name; that of a directory ends in a slash.
     pub label: String,
-    /// Whether it, or what it is a link to, is a directory.
+    /// A directory, or a link to one.
     pub is_directory: bool,
-    /// A file's size, bytes.
+    /// Size of a file, bytes.
     pub size: Option<u64>,
-    /// When a file was changed.
+    /// Modification time of a file.
     pub modified: Option<SystemTime>,
 }
 
-/// What is in a directory and not hidden: directories first, then by name, upper and lower case alike.
+/// Lists a directory without hidden files: directories first, then by name, ignoring case.
 ///
 /// # Errors
-/// In one sentence.
+/// Fails with a message of one sentence.
 pub fn read(directory: &Path) -> Result<Vec<Entry>, String> {
     let entries = fs::read_dir(directory).map_err(|error| {
         let reason = match error.kind() {
@@ -45,14 +45,14 @@ fn describe(entry: &fs::DirEntry) -> Option<Entry> {
     if name.as_encoded_bytes().starts_with(b".") {
         return None;
     }
-    // Where a link leads nowhere, what is known of the link.
+    // For a broken link, use the metadata of the link itself.
     let data = fs::metadata(entry.path()).or_else(|_| entry.metadata()).ok();
     #[cfg(windows)]
     if data.as_ref().is_some_and(|data| std::os::windows::fs::MetadataExt::file_attributes(data) & 2 != 0) {
         return None;
     }
     let is_directory = data.as_ref().is_some_and(fs::Metadata::is_dir);
-    // A line break would make two lines of it.
+    // A line break in a name would split the row.
     let mut label = name.to_string_lossy().replace(char::is_control, "\u{fffd}");
     if is_directory {
         label.push('/');
@@ -63,13 +63,13 @@ fn describe(entry: &fs::DirEntry) -> Option<Entry> {
     Some(Entry { name, label, is_directory, size, modified })
 }
 
-/// Whether a name ends in one of these extensions, in upper or lower case; any name does where there are none.
+/// Returns true if the name has one of the extensions, ignoring case, or if there are none.
 pub fn has_extension(name: &OsStr, extensions: &[&str]) -> bool {
     let extension = Path::new(name).extension();
     extensions.is_empty() || extension.is_some_and(|found| extensions.iter().any(|one| found.eq_ignore_ascii_case(one)))
 }
 
-/// A name with the first of these extensions, unless it ends in one of them.
+/// Adds the first extension to a name that has none of them.
 pub fn with_extension(name: &OsStr, extensions: &[&str]) -> OsString {
     let mut name = name.to_owned();
     if !has_extension(&name, extensions)
@@ -83,7 +83,7 @@ pub fn with_extension(name: &OsStr, extensions: &[&str]) -> OsString {
     name
 }
 
-/// The path that is meant by what is typed while a directory is visible; `~` is the home directory.
+/// Resolves a typed path relative to `directory`; `~` is the home directory.
 pub fn resolve(directory: &Path, typed: &str) -> PathBuf {
     let typed = typed.trim();
     let home = || directories::BaseDirs::new().map(|system| system.home_dir().to_owned());
@@ -94,15 +94,15 @@ pub fn resolve(directory: &Path, typed: &str) -> PathBuf {
         _ => None,
     };
     let path = directory.join(path.unwrap_or_else(|| typed.into()));
-    // What comes after a link's name and two dots only the system knows.
+    // Only the system can resolve `..` after a symbolic link.
     match fs::canonicalize(&path) {
         Ok(real) if path.components().any(|part| part == Component::ParentDir) => real,
-        // Without dots and doubled separators.
+        // Removes `.` and doubled separators.
         _ => path.components().collect(),
     }
 }
 
-/// "340 B", "1.2 kB", "35 MB"
+/// Formats a size as "340 B", "1.2 kB" or "35 MB".
 pub fn size_text(bytes: u64) -> String {
     let mut size = bytes as f64;
     for unit in ["B", "kB", "MB", "GB"] {

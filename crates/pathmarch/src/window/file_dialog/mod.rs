@@ -1,9 +1,9 @@
-//! Choosing a file, in a window of our own: the system's dialogs need a desktop portal, which is not on every machine.
+//! File dialog of our own: native dialogs need a desktop portal, which not every machine has.
 //!
-//! **Use.** While a [`FileDialog`] exists it is visible each frame, before anything else looks at the keyboard: it takes Escape,
-//! and while no text field has the focus also the arrows, Enter and Backspace. It is done when it returns a [`Choice`].
+//! **Use.** Show a [`FileDialog`] each frame before anything else reads the keyboard: it handles Escape and, unless a
+//! text field has the focus, the arrow keys, Enter and Backspace. It is done when it returns a [`Choice`].
 //!
-//! **Cost.** A directory is listed once, when it is entered; rows out of sight are not drawn.
+//! **Cost.** A directory is listed once, when it is entered; only visible rows are drawn.
 
 mod listing;
 mod view;
@@ -13,52 +13,52 @@ use listing::Entry;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-/// What a file is chosen for.
+/// Options of a file dialog.
 #[derive(Clone, Debug)]
 pub struct FileDialogOptions {
-    /// The title of the window.
+    /// Window title.
     pub title: String,
-    /// The extensions of the files that are visible; those of all files where empty. The first is added to a name without.
+    /// Extensions of the files listed; empty for all files. The first one is added to names without an extension.
     pub extensions: Vec<&'static str>,
 }
 
-/// How a [`FileDialog`] ends.
+/// Result of a [`FileDialog`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// With this file; to be replaced, if it is to be saved and is there.
+    /// The chosen file; when saving, an existing file is to be replaced.
     Chosen(PathBuf),
-    /// Without.
+    /// The user cancelled.
     Cancelled,
 }
 
-/// A window for choosing a file.
+/// A file dialog.
 pub struct FileDialog {
     options: FileDialogOptions,
-    /// The name to save under; none when choosing what to open.
+    /// Name to save under; `None` when opening.
     name: Option<TypedName>,
     directory: PathBuf,
-    /// The text in the path field.
+    /// Text of the path field.
     path: String,
     entries: Vec<Entry>,
-    /// Indices of the entries that are visible.
+    /// Indices of the listed entries.
     visible: Vec<usize>,
     /// Index into `visible`.
     selected: Option<usize>,
     all_files: bool,
     bookmarks: Vec<(String, PathBuf)>,
     error: Option<String>,
-    /// The file to be replaced, while that is asked.
+    /// Existing file that the user is asked to replace.
     replace: Option<PathBuf>,
     choice: Option<Choice>,
-    /// A row has the keyboard's focus.
+    /// A row has the keyboard focus.
     row_focused: bool,
-    /// The selected row is to be scrolled into sight.
+    /// Scroll to the selected row in the next frame.
     scroll_to_selection: bool,
-    /// The first frame is still to come.
+    /// The dialog has not been drawn yet.
     is_first_frame: bool,
 }
 
-/// A file name in a text field, which may stand for one that is not Unicode.
+/// File name in a text field; keeps the original if that is not Unicode.
 #[derive(Default)]
 struct TypedName {
     text: String,
@@ -80,12 +80,12 @@ impl TypedName {
 }
 
 impl FileDialog {
-    /// Chooses a file that is there.
+    /// Creates a dialog that opens an existing file.
     pub fn open(start_directory: &Path, options: FileDialogOptions) -> Self {
         Self::new(start_directory, options, None)
     }
 
-    /// Chooses a name to save under.
+    /// Creates a dialog that saves under a name.
     pub fn save(start_directory: &Path, suggested_name: &str, options: FileDialogOptions) -> Self {
         Self::new(start_directory, options, Some(TypedName { text: suggested_name.to_owned(), original: None }))
     }
@@ -111,7 +111,7 @@ impl FileDialog {
         let home = directories::BaseDirs::new().map(|system| system.home_dir().to_owned());
         let current = std::env::current_dir().ok();
         let start = std::path::absolute(start_directory).unwrap_or_else(|_| start_directory.to_owned());
-        // The nearest directory that can be visible; why it is another than the one asked for stays to be read.
+        // Falls back to the nearest readable directory; the error for the requested one stays visible.
         for directory in start.ancestors().chain(current.as_deref()).chain(home.as_deref()) {
             let error = this.error.take();
             if this.enter(directory) {
@@ -125,7 +125,7 @@ impl FileDialog {
         this
     }
 
-    /// Offers more bookmarks: that of the open file, and others, the most useful first.
+    /// Adds bookmarks: the directory of the open file, then others, most useful first.
     pub fn with_bookmarks(mut self, scene_directory: Option<&Path>, recent: &[PathBuf]) -> Self {
         self.add_bookmark("Scene's directory", scene_directory);
         for directory in recent {
@@ -144,13 +144,13 @@ impl FileDialog {
         }
     }
 
-    /// The directory that is visible.
+    /// The listed directory.
     #[cfg(test)]
     fn directory(&self) -> &Path {
         &self.directory
     }
 
-    /// Shows the window. With a choice it is done.
+    /// Draws the dialog; returns the result once there is one.
     pub fn show(&mut self, ctx: &Context) -> Option<Choice> {
         self.handle_keys(ctx);
         let mut open = true;
@@ -175,7 +175,7 @@ impl FileDialog {
         self.choice.take()
     }
 
-    /// What the keyboard does to the list.
+    /// Handles the keys of the list.
     fn handle_keys(&mut self, ctx: &Context) {
         let pressed = |key| ctx.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         if pressed(Key::Escape) {
@@ -201,7 +201,7 @@ impl FileDialog {
             if pressed(key) && !self.visible.is_empty() {
                 self.select(to);
                 self.scroll_to_selection = true;
-                // From here on the selection moves, not the focus.
+                // From here on arrow keys move the selection, not the focus.
                 focused.inspect(|id| ctx.memory_mut(|memory| memory.surrender_focus(*id)));
             }
         }
@@ -213,7 +213,7 @@ impl FileDialog {
         }
     }
 
-    /// Shows another directory; where it cannot be read, says why and stays.
+    /// Enters a directory; if it cannot be read, shows the error and stays.
     fn enter(&mut self, directory: &Path) -> bool {
         match listing::read(directory) {
             Ok(entries) => {
@@ -249,7 +249,7 @@ impl FileDialog {
         if let Some(parent) = from.parent()
             && self.enter(parent)
         {
-            // Where one came from is where one goes on.
+            // Select the directory that we came from.
             let is_it = |index: &usize| Some(self.entries[*index].name.as_os_str()) == from.file_name();
             self.selected = self.visible.iter().position(is_it);
             self.scroll_to_selection = true;
@@ -268,7 +268,7 @@ impl FileDialog {
         }
     }
 
-    /// Takes what the path field says.
+    /// Opens the path of the path field.
     fn open_typed_path(&mut self) {
         if self.path == self.directory.to_string_lossy() {
             return;
@@ -290,7 +290,7 @@ impl FileDialog {
         }
     }
 
-    /// Takes what is selected, or the name to save under.
+    /// Accepts the selection, or the name to save under.
     fn accept(&mut self) {
         let selected = self.selected.and_then(|row| self.entries.get(*self.visible.get(row)?));
         match (&self.name, selected) {
@@ -310,7 +310,7 @@ impl FileDialog {
         }
     }
 
-    /// Chooses a file to open, if it is one.
+    /// Chooses a file to open, if it is a file.
     fn choose(&mut self, path: PathBuf) {
         if path.is_file() {
             self.choice = Some(Choice::Chosen(path));
@@ -319,7 +319,7 @@ impl FileDialog {
         }
     }
 
-    /// Chooses a name to save under, which may have directories in it.
+    /// Chooses a name to save under; it may contain directories.
     fn save_as(&mut self, name: &OsStr) {
         let path = match name.to_str() {
             Some(name) => listing::resolve(&self.directory, name),

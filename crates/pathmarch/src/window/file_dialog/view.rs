@@ -1,4 +1,4 @@
-//! What the window for choosing a file shows.
+//! User interface of the file dialog.
 
 use super::listing::{self, Entry};
 use super::{Choice, FileDialog};
@@ -15,7 +15,7 @@ impl FileDialog {
             let label = ui.label("Path");
             let field = ui.add(TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY)).labelled_by(label.id);
             if field.changed() && self.path.ends_with(std::path::is_separator) {
-                // Whoever types a path sees where it leads; a wrong one is not an error before it is finished.
+                // Show the directory while its path is typed; an incomplete path is not an error yet.
                 let directory = listing::resolve(&self.directory, &self.path);
                 if let Ok(entries) = listing::read(&directory) {
                     self.set_entries(directory, entries);
@@ -55,14 +55,14 @@ impl FileDialog {
         if std::mem::take(&mut self.scroll_to_selection)
             && let Some(selected) = self.selected
         {
-            // In the middle, and at the ends as far as it goes.
+            // Scroll the row to the middle.
             area = area.vertical_scroll_offset((selected as f32 * step - ui.available_height() / 2.0).max(0.0));
         }
         self.row_focused = false;
         let now = SystemTime::now();
         area.show_rows(ui, height, self.visible.len(), |ui, rows| {
             for row in rows {
-                // Whoever opens a directory has another list before this one is through.
+                // Opening a directory replaces the list while it is drawn.
                 let Some(entry) = self.visible.get(row).and_then(|index| self.entries.get(*index)) else { break };
                 let response = show_entry(ui, entry, self.selected == Some(row), height, now);
                 self.row_focused |= response.has_focus();
@@ -105,7 +105,7 @@ impl FileDialog {
                     field.request_focus();
                 }
                 if field.changed() {
-                    // The name counts from here on.
+                    // From here on the typed name counts.
                     self.selected = None;
                 }
                 field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
@@ -135,7 +135,7 @@ impl FileDialog {
     }
 }
 
-/// A row of the list: name, size and time.
+/// Draws a row: name, size and time.
 fn show_entry(ui: &mut Ui, entry: &Entry, selected: bool, height: f32, now: SystemTime) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(ui.available_width(), height), Sense::click());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, ui.is_enabled(), selected, &entry.label));

@@ -1,23 +1,23 @@
-//! Files that are written whole or not at all.
+//! Atomic file writes: a file is replaced as a whole or not at all.
 //!
-//! **Idea.** The bytes go to a temporary file in the directory of the target, reach the disk, and take the target's name in
-//! one step. Whoever reads sees the old file or the new one, also after a loss of power. A name that is a symbolic link
-//! stays one: what it leads to is replaced. The new file has the permissions of the old one and, where the system allows
-//! it, its owner. A file that may not be written stays as it is, though a rename would get around that.
+//! **Idea.** The bytes go to a temporary file in the target's directory, are flushed to disk, and then renamed over the
+//! target. Readers see the old file or the new one, even after a power failure. A symbolic link is kept: its target is
+//! replaced. The new file keeps the permissions and, where the system allows, the owner of the old one. A read-only
+//! file is not replaced, although a rename could do it.
 //!
 //! **Where we differ.** Other hard links to the file keep the old content, as with most editors.
 //!
-//! **Cost.** Two waits for the disk, of the file and of its directory.
+//! **Cost.** Two disk flushes, of the file and of its directory.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a file was not written. In every case the old file, if there is one, is as it was.
+/// Reason why a file was not written. The old file, if any, is unchanged.
 #[derive(Debug, Error)]
 pub enum SaveError {
-    /// There is no directory to write to.
+    /// The directory does not exist.
     #[error("{}: the directory {} is not there; create it, or save elsewhere", path.display(), directory.display())]
     MissingDirectory {
         /// The file.
@@ -25,19 +25,19 @@ pub enum SaveError {
         /// Its directory.
         directory: PathBuf,
     },
-    /// There is something else of this name.
+    /// The path is not a regular file.
     #[error("{}: is not a file; choose another name", path.display())]
     NotAFile {
-        /// What is there.
+        /// The path.
         path: PathBuf,
     },
-    /// The file itself may not be written.
+    /// The file is read-only.
     #[error("{}: is read-only; make it writable, or save under another name", path.display())]
     ReadOnly {
         /// The file.
         path: PathBuf,
     },
-    /// Its directory may not be written.
+    /// The directory is not writable.
     #[error("{}: may not be written, since no file can be made in {}; save elsewhere, or change the permissions of that directory", path.display(), directory.display())]
     Denied {
         /// The file.
@@ -45,51 +45,51 @@ pub enum SaveError {
         /// Its directory.
         directory: PathBuf,
     },
-    /// There is no room.
+    /// The disk is full.
     #[error("{}: there is no room on its disk; make some and save again, or save elsewhere", path.display())]
     Full {
         /// The file.
         path: PathBuf,
     },
-    /// Anything else.
+    /// Any other error.
     #[error("{}: cannot be written: {source}; save elsewhere", path.display())]
     Other {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
 }
 
-/// Replaces a file, or makes it.
+/// Writes a file, replacing an old one.
 ///
 /// # Errors
-/// [`SaveError`]; the old file is then untouched, and nothing else is left behind.
+/// Fails with [`SaveError`]; the old file is unchanged and no temporary file remains.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), SaveError> {
     write_with(path, |file| file.write_all(bytes))
 }
 
-/// Whether a file of this name could be written now, to say so before long work rather than after it.
+/// Checks that a file can be written, before long work rather than after it.
 ///
 /// # Errors
-/// What [`write_atomically`] would fail with.
+/// Fails as [`write_atomically`] would.
 pub fn check_writable(path: &Path) -> Result<(), SaveError> {
     let target = Target::of(path)?;
     tempfile::tempfile_in(&target.directory).map(drop).map_err(|error| target.explain(error))
 }
 
-/// As [`write_atomically`], with a function that writes the content.
+/// Writes atomically, with a function that produces the content.
 fn write_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), SaveError> {
     let target = Target::of(path)?;
     target.replace(write).map_err(|error| target.explain(error))
 }
 
-/// What is to be written.
+/// Target of a write.
 struct Target {
-    /// The file itself, where links lead.
+    /// The file itself, after following links.
     file: PathBuf,
     directory: PathBuf,
-    /// What is known of the file that is there.
+    /// Metadata of the existing file.
     old: Option<fs::Metadata>,
 }
 
@@ -134,7 +134,8 @@ impl Target {
         builder.prefix(&name).suffix(".part");
         #[cfg(unix)]
         if self.old.is_none() {
-            // As for any new file, the umask takes its share; otherwise private until it has the old permissions.
+            // A new file gets the default permissions (umask). A replacement stays private until it has the old
+            // permissions.
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
@@ -143,7 +144,7 @@ impl Target {
         if let Some(old) = &self.old {
             #[cfg(unix)]
             {
-                // Only few may give files away; what matters is that the group is kept where it can be.
+                // Usually only root can change the owner; keeping the group matters more.
                 use std::os::unix::fs::{MetadataExt, fchown};
                 let file = temporary.as_file();
                 let _ = fchown(file, None, Some(old.gid())).and_then(|()| fchown(file, Some(old.uid()), None));
@@ -152,7 +153,7 @@ impl Target {
         }
         temporary.as_file().sync_all()?;
         temporary.persist(&self.file).map_err(|error| error.error)?;
-        // The file is whole by now; that its name lasts, too, some systems cannot promise.
+        // The file is complete. Some systems cannot flush the directory entry.
         #[cfg(unix)]
         let _ = File::open(&self.directory).and_then(|directory| directory.sync_all());
         Ok(())
@@ -171,10 +172,10 @@ impl Target {
     }
 }
 
-/// Where a chain of symbolic links ends; nothing need be there.
+/// Follows a chain of symbolic links; the last target need not exist.
 fn follow_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
-    // As many as Linux follows.
+    // Same limit as Linux.
     for _ in 0..40 {
         match fs::symlink_metadata(&path) {
             Ok(found) if found.is_symlink() => {
@@ -258,7 +259,7 @@ mod tests {
         let path = directory.path().join("a.kdl");
         fs::write(&path, "old").expect("written");
         fs::set_permissions(directory.path(), fs::Permissions::from_mode(0o555)).expect("set");
-        // Whoever may do everything is not kept out by permissions; one place keeps even them out.
+        // Root ignores permissions; `/sys` refuses even root.
         let privileged = tempfile::tempfile_in(directory.path()).is_ok();
         let place = if privileged { Path::new("/sys/kernel/a.kdl") } else { &path };
         if place.parent().is_some_and(Path::is_dir) {

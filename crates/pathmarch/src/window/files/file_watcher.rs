@@ -1,13 +1,14 @@
-//! Following a file that another program edits.
+//! File watcher: detects changes of a file by other programs.
 //!
-//! **Idea.** Editors write in place, or write a new file and rename it over the old one, or remove it and write it again.
-//! What is watched is therefore the directory, and where the name is a link, that of the file it leads to. Any event there
-//! is only a reason to look: once it has been quiet for a moment and the file's size and time stand still, it is read, and
-//! its content compared with what is known of it. So half-written files are not seen, many writes make one change, and
-//! touching a file makes none.
+//! **Idea.** Editors write in place, or rename a new file over the old one, or delete the file and write it again. The
+//! watcher therefore watches the directory and, for a symbolic link, also that of its target. An event only triggers a
+//! check: once there is a quiet period and the file's size and time are stable, the file is read and compared with its
+//! known content. So half-written files are never reported, many writes make one change, and touching a file makes
+//! none.
 //!
-//! **Where the system cannot watch** (too many watches, some network drives) the file is looked at every 300 ms; where it
-//! can, still every two seconds, since changes made on other machines, and the loss of the directory, cause no events.
+//! **Fallback.** If the system cannot watch (too many watches, some network drives), the file is polled every 300 ms.
+//! Otherwise it is still polled every two seconds: changes made on other machines, and the loss of the directory, cause
+//! no events.
 //!
 //! **Cost.** A thread that sleeps.
 
@@ -20,23 +21,23 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long it has to be quiet before a file is read.
+/// Quiet period before a file is read.
 const QUIET: Duration = Duration::from_millis(30);
-/// How long a file may be empty or away in the middle of being saved.
+/// Time that a file may be empty or missing while it is being saved.
 const GRACE: Duration = Duration::from_millis(400);
-/// After this long of changing all the time, a file is read nevertheless.
+/// Maximum time to wait for a quiet period.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// How often to look where the system cannot watch, and where it can.
+/// Polling intervals: without and with events of the system.
 const POLL: [Duration; 2] = [Duration::from_millis(300), Duration::from_secs(2)];
 
-/// A file that is watched. Dropping it ends that, without waiting for a slow disk.
+/// Watcher of one file. Dropping it stops the thread without waiting for a slow disk.
 pub struct FileWatcher {
     shared: Arc<Shared>,
     sender: Sender<Message>,
 }
 
 enum Message {
-    /// Something happened in the directory.
+    /// An event in the directory: check the file.
     Look,
     Stop,
 }
@@ -49,15 +50,15 @@ struct Shared {
 
 #[derive(Default)]
 struct State {
-    /// What is known of the file: its content, or why there is none; nothing before the first look.
+    /// Known content of the file, or the reason why it cannot be read; `None` before the first check.
     known: Option<Result<String, String>>,
     change: Option<Result<String, String>>,
-    /// How often the caller has said what is known; what was read before is of no account.
+    /// Number of calls of [`FileWatcher::set_known`]. Content that was read before the last call is discarded.
     revision: u64,
 }
 
 impl Shared {
-    /// The contents of the lock, also after a panic: every value is whole at any time.
+    /// Locks the state, even after a panic of the other thread: every value is complete at any time.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -68,8 +69,8 @@ impl Shared {
 }
 
 impl FileWatcher {
-    /// Follows a file. Changes count from its content now; [`known`](Self::known) says what it should be instead.
-    /// `wake` is called, on another thread, when there is a change to be had.
+    /// Watches a file. Changes are relative to its current content, or to that of [`set_known`](Self::set_known). Calls
+    /// `wake` on another thread when there is a change.
     pub fn new(path: &Path, wake: impl Fn() + Send + 'static) -> Self {
         Self::with(path, wake, true)
     }
@@ -91,20 +92,19 @@ impl FileWatcher {
         Self { shared, sender }
     }
 
-    /// The file's new text, once after each change; or, in one sentence, why it cannot be read any more.
+    /// Takes the pending change: the new text, or why the file can no longer be read, in one sentence.
     pub fn take_change(&mut self) -> Option<Result<String, String>> {
         self.shared.state().change.take()
     }
 
-    /// Says that the file's content is this, as far as the caller knows, who has just read or written it; whatever
-    /// differs from it is a change.
+    /// Sets the known content, which the caller has just read or written. Any other content is a change.
     pub fn set_known(&mut self, text: &str) {
         let mut state = self.shared.state();
         state.known = Some(Ok(text.to_owned()));
         state.change = None;
         state.revision += 1;
         drop(state);
-        // Without a thread nothing follows.
+        // Without a thread nothing is watched.
         let _ = self.sender.send(Message::Look);
     }
 }
@@ -116,9 +116,9 @@ impl Drop for FileWatcher {
     }
 }
 
-/// A watcher of all directories that matter, if the system has one.
+/// Event source for all relevant directories, if the system has one.
 fn watcher(path: &Path, sender: Sender<Message>) -> Option<RecommendedWatcher> {
-    // Whatever happened, also an overflow of events, is a reason to look; without a listener nobody has to be revision.
+    // Every event triggers a check, even an overflow of the event queue.
     let mut watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
         if !event.is_ok_and(|event| event.kind.is_access()) {
             let _ = sender.send(Message::Look);
@@ -135,7 +135,7 @@ fn watcher(path: &Path, sender: Sender<Message>) -> Option<RecommendedWatcher> {
     Some(watcher)
 }
 
-/// The thread.
+/// Body of the watcher thread.
 fn follow(shared: &Shared, receiver: &Receiver<Message>, poll: Duration, wake: impl Fn()) {
     let mut seen: Option<Stamp> = None;
     loop {
@@ -155,18 +155,18 @@ fn follow(shared: &Shared, receiver: &Receiver<Message>, poll: Duration, wake: i
     }
 }
 
-/// A file that stands still.
+/// A file whose content is stable.
 struct Found {
     content: Result<String, String>,
     stamp: Stamp,
-    /// [`State::revision`] before it was read.
+    /// [`State::revision`] before the file was read.
     revision: u64,
 }
 
-/// Notes what the file holds; whether that is a change.
+/// Stores new content; returns true if it is a change.
 fn publish(shared: &Shared, found: Found) -> bool {
     let mut state = shared.state();
-    // Whoever tells what is known has another look taken.
+    // `set_known` has triggered another check.
     if state.revision != found.revision || state.known.as_ref() == Some(&found.content) {
         return false;
     }
@@ -178,12 +178,12 @@ fn publish(shared: &Shared, found: Found) -> bool {
     change
 }
 
-/// Waits until the file stands still, and reads it; nothing when it is time to stop.
+/// Waits until the file is stable and reads it; `None` to stop the thread.
 fn settle(shared: &Shared, receiver: &Receiver<Message>) -> Option<Found> {
     let began = Instant::now();
     loop {
         let before = Stamp::of(&shared.path);
-        // Quiet is when no event came for a while.
+        // Quiet: no event for a while.
         loop {
             match receiver.recv_timeout(QUIET) {
                 Ok(Message::Stop) | Err(RecvTimeoutError::Disconnected) => return None,
@@ -199,7 +199,7 @@ fn settle(shared: &Shared, receiver: &Receiver<Message>) -> Option<Found> {
         let after = Stamp::of(&shared.path);
         let waited = began.elapsed();
         let still = before == after || waited > PATIENCE;
-        // Empty and missing files are usually on the way to being something else.
+        // An empty or missing file is usually about to be written.
         let whole = content.as_ref().is_ok_and(|text| !text.is_empty()) || waited > GRACE || may_be_empty(shared);
         if still && whole {
             return Some(Found { content, stamp: after, revision });
@@ -207,7 +207,7 @@ fn settle(shared: &Shared, receiver: &Receiver<Message>) -> Option<Found> {
     }
 }
 
-/// Whether there is nothing to wait for in an empty or missing file.
+/// Returns true if an empty or missing file can be reported at once.
 fn may_be_empty(shared: &Shared) -> bool {
     match &shared.state().known {
         None => true,
@@ -216,7 +216,7 @@ fn may_be_empty(shared: &Shared) -> bool {
     }
 }
 
-/// What tells one state of a file from another without reading it.
+/// Fingerprint of a file's state, without reading it.
 #[derive(Clone, Copy, PartialEq)]
 struct Stamp(Option<(u64, Option<SystemTime>, u64)>);
 
@@ -236,7 +236,7 @@ fn read(path: &Path) -> Result<String, String> {
     let fail = |reason: &str| Err(format!("{}: {reason}; the picture stays as it was", path.display()));
     let mut bytes = Vec::new();
     let result = fs::metadata(path).and_then(|data| {
-        // A pipe would be waited for without end.
+        // Reading a pipe would block forever.
         if data.is_file() { File::open(path)?.read_to_end(&mut bytes) } else { Err(ErrorKind::InvalidInput.into()) }
     });
     match result {
@@ -263,7 +263,7 @@ mod tests {
         woken: Receiver<()>,
     }
 
-    /// A file that is watched by events, or by looking.
+    /// A file watched with events or by polling.
     fn watched(events: bool) -> Watched {
         let directory = tempfile::tempdir().expect("a directory");
         let path = directory.path().join("a.kdl");
@@ -284,7 +284,7 @@ mod tests {
             }
         }
 
-        /// Waits until this is the newest; what comes before does not matter.
+        /// Waits for this content, skipping earlier changes.
         fn until(&mut self, text: &str) {
             while self.next().as_deref() != Ok(text) {}
         }
@@ -339,7 +339,7 @@ mod tests {
             let emptied = Instant::now();
             fs::write(&file.path, "").expect("written");
             fs::write(&file.path, &text).expect("written");
-            // A file that is empty for longer than that is an empty file; on a busy machine the test is what was slow.
+            // A file that stays empty for longer counts as empty. On a busy machine the test itself may be that slow.
             if emptied.elapsed() < GRACE / 2 {
                 assert_eq!(file.next().as_deref(), Ok(&text[..]), "neither empty nor a part");
                 return;
@@ -355,7 +355,7 @@ mod tests {
         file.watch.set_known("own");
         fs::write(&file.path, "of others").expect("written");
         assert_eq!(file.next().as_deref(), Ok("of others"));
-        // Known to be something that it is not: that is a change.
+        // Known content that differs from the file: that is a change.
         file.watch.set_known("lost");
         assert_eq!(file.next().as_deref(), Ok("of others"));
     }

@@ -1,4 +1,4 @@
-//! Files: written as a whole, watched, recovered after a crash, remembered.
+//! Files of the window: atomic writes, file watching, crash recovery, preferences.
 
 pub(crate) mod atomic_file;
 pub(crate) mod file_watcher;

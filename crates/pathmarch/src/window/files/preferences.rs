@@ -1,15 +1,15 @@
-//! What the window remembers from one run to the next.
+//! Preferences that persist between runs.
 //!
-//! A JSON file in the user's directory for preferences ([`AppDirs`](pathmarch_cli::AppDirs)). Fields that are not known are ignored and absent ones
-//! have their defaults, so that older and newer versions share it. A file that cannot be understood is set aside as
-//! `preferences.json.bad` and replaced by the defaults: preferences never keep the program from starting.
+//! They are stored as JSON in the user's preferences directory ([`AppDirs`](pathmarch_cli::AppDirs)). Unknown fields
+//! are ignored and missing fields get defaults, so that older and newer versions can share the file. An unreadable file
+//! is renamed to `preferences.json.bad` and replaced by defaults: preferences never keep the program from starting.
 
 use super::atomic_file::{SaveError, write_atomically};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How many files are remembered.
+/// Maximum number of recent files.
 pub const RECENT: usize = 12;
 const FILE: &str = "preferences.json";
 
@@ -17,27 +17,27 @@ const FILE: &str = "preferences.json";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
-    /// Dark or light; as the system is where absent.
+    /// Dark theme; `None` follows the system.
     pub dark: Option<bool>,
-    /// Size of text and widgets; 1 is normal.
+    /// Zoom factor of text and widgets.
     pub scale: f32,
-    /// Pictures each second to aim at while something moves.
+    /// Target frame rate while the view moves, frames per second.
     pub frame_rate: f32,
-    /// The panel of tree and cameras on the left is open.
+    /// Show the scene tree.
     pub left_open: bool,
-    /// The panel of parameters on the right is open.
+    /// Show the inspector.
     pub right_open: bool,
-    /// The plots of convergence are shown.
+    /// Show the performance plots.
     pub show_plots: bool,
-    /// The scene's text is shown.
+    /// Show the source editor.
     pub show_source: bool,
-    /// The files opened last, the newest first. Names that are not Unicode are not remembered.
+    /// Recent files, newest first. Names that are not Unicode are not stored.
     #[serde(serialize_with = "unicode_only")]
     pub recent: Vec<PathBuf>,
-    /// Where they are kept, if anywhere.
+    /// File of the preferences; `None` if they are not stored.
     #[serde(skip)]
     file: Option<PathBuf>,
-    /// What the file holds.
+    /// Current content of the file.
     #[serde(skip)]
     saved: String,
     #[serde(skip)]
@@ -67,7 +67,7 @@ fn unicode_only<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok
 }
 
 impl Preferences {
-    /// Those kept in a directory, or the defaults.
+    /// Loads preferences from a directory; falls back to the defaults.
     pub fn load_from(directory: &Path) -> Self {
         let file = directory.join(FILE);
         let mut this = match fs::read(&file) {
@@ -82,22 +82,22 @@ impl Preferences {
             },
         };
         this.file = Some(file);
-        // Whatever is written there, the window can be used.
+        // Keep the window usable whatever the file contains.
         this.scale = this.scale.clamp(0.5, 4.0);
         this.frame_rate = this.frame_rate.clamp(1.0, 240.0);
         this.recent.truncate(RECENT);
         this
     }
 
-    /// What is to be said about the file, in one sentence.
+    /// Message about a problem with the file, in one sentence.
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref()
     }
 
-    /// Writes them where they changed.
+    /// Saves the preferences if they have changed.
     ///
     /// # Errors
-    /// [`SaveError`]
+    /// Fails with [`SaveError`].
     pub fn save(&mut self) -> Result<(), SaveError> {
         let Some(file) = &self.file else { return Ok(()) };
         let other = |source: std::io::Error| SaveError::Other { path: file.clone(), source };
@@ -113,7 +113,7 @@ impl Preferences {
         Ok(())
     }
 
-    /// Remembers that a file was opened.
+    /// Adds a file to the recent files.
     pub fn opened(&mut self, path: &Path) {
         let path = fs::canonicalize(path).or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_owned());
         self.recent.retain(|recent| *recent != path);
@@ -121,13 +121,13 @@ impl Preferences {
         self.recent.truncate(RECENT);
     }
 
-    /// Forgets a file, one that is gone for instance.
+    /// Removes a file from the recent files, e.g. one that was deleted.
     pub fn forget(&mut self, path: &Path) {
         self.recent.retain(|recent| recent != path);
     }
 }
 
-/// Keeps a file that cannot be understood from being overwritten; says what happened.
+/// Renames an unreadable file, so that it is not overwritten; returns a message.
 fn set_aside(file: &Path, reason: &str) -> String {
     let mut bad = file.as_os_str().to_owned();
     bad.push(".bad");

@@ -1,4 +1,4 @@
-//! How long ago something was, in words that need no time zone.
+//! Relative time, such as "5 min ago": needs no time zone.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -6,9 +6,10 @@ const MINUTE: u64 = 60;
 const HOUR: u64 = 60 * MINUTE;
 const DAY: u64 = 24 * HOUR;
 
-/// "just now", "5 min ago", "3 h ago", "12 days ago"; beyond a month the date, as in "2025-03-12" (UTC).
+/// Formats a time as "just now", "5 min ago", "3 h ago" or "12 days ago"; older than a month as a date, "2025-03-12"
+/// (UTC).
 pub fn relative_time(time: SystemTime, now: SystemTime) -> String {
-    // What is in the future by a clock that is set wrongly is new.
+    // A time in the future (a wrong clock) counts as now.
     let seconds = now.duration_since(time).unwrap_or_default().as_secs();
     match seconds {
         0..MINUTE => "just now".to_owned(),
@@ -22,7 +23,7 @@ pub fn relative_time(time: SystemTime, now: SystemTime) -> String {
     }
 }
 
-/// The date in UTC, as in "2025-03-12"; nothing before 1970.
+/// Date in UTC, as in "2025-03-12"; empty before 1970.
 ///
 /// Source: `civil_from_days` of Howard Hinnant, "chrono-Compatible Low-Level Date Algorithms", 2013, for days since 1970.
 fn date(time: SystemTime) -> String {

@@ -1,18 +1,18 @@
-//! GizmoMode as shapes of egui.
+//! Drawing of the handles as egui shapes.
 
 use super::drag::Drag;
 use super::shape::{Axis, DISC_RADIUS, Gizmo, Handle, OUTER_RADIUS, SIZE, STROKE};
 use egui::{Color32, Painter, Pos2, Shape, Stroke};
 use glam::DVec3;
 
-/// Opacity of handles that the pointer is not on.
+/// Opacity of a handle that the pointer is not on.
 const IDLE: f32 = 0.7;
-/// Length of an arrow's tip and half its width, points.
+/// Length and half width of an arrow tip, points.
 const TIP: [f32; 2] = [2.4 * STROKE as f32, 1.2 * STROKE as f32];
-/// Radians of a sector for each of its triangles.
+/// Angle covered by one triangle of a sector, radians.
 const SECTOR_STEP: f64 = 0.1;
 
-/// Draws the handles, those behind first; of handles that are held only that one.
+/// Draws all handles from back to front; during a drag, only the dragged one.
 pub(super) fn draw(painter: &Painter, gizmo: &Gizmo, handles: &[Handle], hovered: Option<Handle>, held: Option<&Drag>) {
     let mut handles: Vec<Handle> =
         handles.iter().copied().filter(|handle| held.is_none_or(|drag| drag.handle == *handle)).collect();
@@ -49,7 +49,7 @@ pub(super) fn draw(painter: &Painter, gizmo: &Gizmo, handles: &[Handle], hovered
     }
 }
 
-/// How far to_camera the camera a handle reaches, to draw those behind first.
+/// Sort key of a handle: its extent towards the camera.
 fn depth_order(gizmo: &Gizmo, handle: Handle) -> f64 {
     match handle {
         Handle::Arrow(axis) => axis.unit().dot(gizmo.to_camera),
@@ -61,7 +61,7 @@ fn depth_order(gizmo: &Gizmo, handle: Handle) -> f64 {
 fn arrow(painter: &Painter, gizmo: &Gizmo, axis: Axis, stroke: Stroke) {
     let [Some(start), Some(end)] = gizmo.arrow(axis).map(|end| gizmo.projection.project(end)) else { return };
     let along = (end - start).normalized();
-    // What is seen almost from its end is short.
+    // Shorten the tip of an arrow seen from its end.
     let [length, half] = [TIP[0].min((end - start).length()), TIP[1]];
     let (neck, side) = (end - along * length, along.rot90() * half);
     painter.line_segment([start, neck], stroke);
@@ -74,7 +74,7 @@ fn ring(painter: &Painter, gizmo: &Gizmo, axis: Axis, whole: bool, stroke: Strok
     let mut lines = Vec::new();
     for [from, to] in gizmo.ring(axis, whole) {
         let (Some(a), Some(b)) = (gizmo.projection.project(from), gizmo.projection.project(to)) else { continue };
-        // Segments that follow each other are one line, for its corners to be drawn once.
+        // Join consecutive segments to one line, so that its corners are drawn once.
         if last.is_none_or(|last| last.distance(from) > 1e-6 * gizmo.metres_per_point * SIZE) {
             lines.push(std::mem::replace(&mut line, vec![a]));
         }
@@ -82,7 +82,7 @@ fn ring(painter: &Painter, gizmo: &Gizmo, axis: Axis, whole: bool, stroke: Strok
         last = Some(to);
     }
     lines.push(line);
-    // What is seen of a ring may begin and end in the middle of the list.
+    // The visible part of a ring may begin in the middle of the list.
     if lines.len() > 2 && lines[1].first().zip(lines[lines.len() - 1].last()).is_some_and(|(a, b)| a.distance(*b) < 0.1)
     {
         let first = lines.remove(1);
@@ -98,12 +98,12 @@ fn ring(painter: &Painter, gizmo: &Gizmo, axis: Axis, whole: bool, stroke: Strok
     }
 }
 
-/// The handle of a ring's disc between where it was caught and where it is now.
+/// Draws the sector between the grabbed and the current angle of a ring.
 fn sector(painter: &Painter, gizmo: &Gizmo, [u, v]: [DVec3; 2], [first, turned]: [f64; 2], colour: Color32) {
     let point = |angle: f64| gizmo.projection.project(gizmo.origin + u * angle.cos() + v * angle.sin());
     let Some((from, to)) = point(first).zip(point(first + turned)) else { return };
     let fill = colour.gamma_multiply(0.25);
-    // More than a whole turn covers the whole disc.
+    // A full turn or more covers the whole disc.
     let shown = turned.clamp(-std::f64::consts::TAU, std::f64::consts::TAU);
     let steps = (shown.abs() / SECTOR_STEP).ceil().max(1.0) as u32;
     let rim: Vec<Option<Pos2>> = (0..=steps).map(|k| point(first + shown * f64::from(k) / f64::from(steps))).collect();

@@ -1,12 +1,11 @@
-//! GizmoMode in the picture that move, turn and scale the selected node.
+//! Gizmo: handles in the viewport that move, rotate and scale the selected node.
 //!
-//! **Idea.** GizmoMode have a constant size on the screen and are drawn by egui. What the pointer does to one is found by
-//! intersecting the ray through the pointer with the axis or the plane of the handle in the world ([`drag`]). Placements of
-//! the scene language are relative to the operators around a node, so that the result goes through the inverse of those
-//! ([`placement`]).
+//! **Idea.** Handles have a constant size on screen and are drawn by egui. A drag intersects the ray through the
+//! pointer with the axis or plane of the handle in world space ([`drag`]). Transforms in the scene language are
+//! relative to the parent operators, so the result is multiplied by their inverse ([`transform`]).
 //!
-//! **Where we differ.** Axes are those of the world, never those of the node. Angles grow while a ring is dragged round and
-//! round. A ring that is seen almost from its edge turns by the distance that the pointer goes along it.
+//! **Where we differ.** Axes are always those of world space. Angles accumulate over several turns of a ring. A ring
+//! seen nearly edge-on rotates by the distance that the pointer moves along it.
 
 mod drag;
 mod draw;
@@ -25,7 +24,7 @@ use pathmarch_render::pathmarch_scene::document::{Document, ItemKind, Path, Valu
 use shape::{Gizmo, Handle};
 use transform::{Transform, local_transform, parent_transform, present_value, round_to};
 
-/// The node that handles act on: a shape, an operator, a light; of an object, its only shape.
+/// Node that the gizmo changes: a shape, an operator or a light; for an object, its only shape.
 pub(crate) fn target_node(document: &Document, selection: &Path) -> Option<Path> {
     let item = document.item(selection)?;
     match item.kind {
@@ -35,31 +34,30 @@ pub(crate) fn target_node(document: &Document, selection: &Path) -> Option<Path>
     }
 }
 
-/// Key of the position of a light.
+/// Property key of a light's position.
 const LIGHT_AT: &str = "at";
 
-/// The handles of the selected node, from frame to frame.
+/// State of the gizmo between frames.
 #[derive(Default)]
 pub(crate) struct GizmoState {
-    /// The node and the handle that is held.
+    /// Node and drag in progress.
     held: Option<(Path, Drag)>,
 }
 
-/// The pointer over the picture.
+/// The pointer over the viewport.
 #[derive(Clone, Copy)]
 pub(crate) struct Pointer {
     pub(crate) position: Pos2,
-    /// It may catch a handle.
+    /// The pointer may grab a handle.
     pub(crate) hovered: bool,
-    /// Position of the press, in the frame in which the first button is pressed.
+    /// Position of the press, in the frame in which the primary button is pressed.
     pub(crate) pressed_at: Option<Pos2>,
-    /// The first button is held.
+    /// The primary button is down.
     pub(crate) down: bool,
 }
 
 impl GizmoState {
-    /// Draws the handles of the selected node into the picture. Returns whether the pointer belongs to them, and the values
-    /// of the document that they change.
+    /// Draws the gizmo of the selected node. Returns true if it uses the pointer, and the changed properties.
     #[allow(clippy::too_many_arguments, reason = "each is another thing, and there is one caller")]
     pub(crate) fn show(
         &mut self,
@@ -100,7 +98,7 @@ impl GizmoState {
         (drag.is_some() || hovered.is_some(), changes.into_iter().collect())
     }
 
-    /// Catches a handle and lets go of it; returns the one under the pointer.
+    /// Begins and ends drags; returns the handle under the pointer.
     fn follow(
         &mut self,
         handles: &[Handle],
@@ -113,7 +111,7 @@ impl GizmoState {
             self.held = None;
             return None;
         };
-        // The selection and the kind of handles may change in the middle.
+        // Selection and gizmo mode may change during a drag.
         let goes_on = |(of, drag): &(Path, Drag)| pointer.down && of == path && handles.contains(&drag.handle);
         self.held = self.held.take().filter(goes_on);
         let gizmo = gizmo.filter(|_| self.held.is_none() && pointer.hovered)?;
@@ -126,7 +124,7 @@ impl GizmoState {
     }
 }
 
-/// The value of the document that brings a node to a new placement in the world.
+/// Property value that gives a node its new world transform.
 fn change(
     path: Path,
     kind: GizmoMode,

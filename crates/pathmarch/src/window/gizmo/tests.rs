@@ -1,4 +1,4 @@
-//! Tests of catching and dragging handles.
+//! Tests of picking and dragging handles.
 
 use super::drag::Drag;
 use super::shape::{Axis, Gizmo, Handle, OUTER_RADIUS, SIZE};
@@ -24,7 +24,7 @@ fn seen_from(position: [f32; 3], target: [f32; 3], up: [f32; 3]) -> Projection {
     Projection::new(&camera, PICTURE)
 }
 
-/// From a corner, so that every axis and plane is seen.
+/// View from a corner, in which every axis and plane is visible.
 fn from_corner() -> Projection {
     seen_from([3.0, 2.5, 4.0], [0.1, 0.3, 0.0], [0.0, 1.0, 0.0])
 }
@@ -44,7 +44,7 @@ fn all_parts() -> Vec<Handle> {
         .collect()
 }
 
-/// A point of the world at which a handle can be caught.
+/// A world-space point at which a handle can be grabbed.
 fn grip(gizmo: &Gizmo, handle: Handle) -> DVec3 {
     let outer = gizmo.origin + gizmo.projection.right * (OUTER_RADIUS * gizmo.metres_per_point);
     match handle {
@@ -63,7 +63,7 @@ fn place(gizmo: &Gizmo, point: DVec3) -> Pos2 {
     gizmo.projection.project(point).expect("before the camera")
 }
 
-/// Drags a handle from where it can be caught through points of the world.
+/// Drags a handle through world-space points.
 #[track_caller]
 fn dragged(gizmo: &Gizmo, handle: Handle, through: &[DVec3], snapping: bool) -> Transform {
     let mut drag = Drag::begin(gizmo, handle, start(), place(gizmo, grip(gizmo, handle))).expect("caught");
@@ -98,7 +98,7 @@ fn arrows_squares_and_the_disc_move_by_what_the_pointer_moves() {
             let by = axis.unit() * metres;
             assert_moved(dragged(&gizmo, handle, &[grip(&gizmo, handle) + by], false), by);
         }
-        // Beside the arrow it follows the nearest point of its axis.
+        // Beside the arrow, it follows the closest point of its axis.
         let by = axis.unit() * 0.25;
         let [from, to] = [grip(&gizmo, handle), grip(&gizmo, handle) + by];
         let beside = axis.unit().cross(gizmo.to_camera).normalize() * 0.3;
@@ -112,7 +112,7 @@ fn arrows_squares_and_the_disc_move_by_what_the_pointer_moves() {
     assert_moved(dragged(&gizmo, Handle::Disc, &[grip(&gizmo, Handle::Disc) + by], false), by);
 }
 
-/// A point that goes round an axis through the node.
+/// A point that moves around an axis through the node.
 fn round(gizmo: &Gizmo, handle: Handle, axis: DVec3, degrees: f64) -> DVec3 {
     let turn = DQuat::from_axis_angle(axis, degrees.to_radians());
     gizmo.origin + turn * (grip(gizmo, handle) - gizmo.origin)
@@ -126,7 +126,7 @@ fn rings_turn_by_the_angle_that_the_pointer_goes_round() {
         for degrees in [25.0, -70.0] {
             assert_turned(dragged(&gizmo, handle, &[round(&gizmo, handle, axis, degrees)], false), axis, degrees);
         }
-        // Whole turns are counted.
+        // Full turns are counted.
         let through: Vec<_> = (1..=10).map(|k| round(&gizmo, handle, axis, 40.0 * f64::from(k))).collect();
         assert_turned(dragged(&gizmo, handle, &through, false), axis, 400.0);
         let mut drag = Drag::begin(&gizmo, handle, start(), place(&gizmo, grip(&gizmo, handle))).expect("caught");
@@ -149,7 +149,7 @@ fn a_ring_seen_from_its_edge_rolls_with_the_pointer() {
     let mut drag = Drag::begin(&gizmo, handle, start(), from).expect("caught");
     let new = drag.to(&projection, from + Vec2::new(SIZE as f32, 0.0), false).expect("a result");
     assert_turned(new, DVec3::Y, 1_f64.to_degrees());
-    // Across its line it does not turn.
+    // Movement across the line does not rotate.
     let new = drag.to(&projection, from + Vec2::new(0.0, 60.0), false).expect("a result");
     assert_turned(new, DVec3::Y, 0.0);
 }
@@ -189,7 +189,7 @@ fn with_ctrl_steps_are_round() {
 fn nothing_jumps_when_a_drag_starts() {
     let gizmo = gizmo(from_corner());
     for handle in all_parts() {
-        // Also where it is caught beside its line.
+        // The same for a grab beside the line.
         for off in [Vec2::ZERO, Vec2::new(4.0, -3.0), Vec2::new(-3.0, 4.0)] {
             let at = place(&gizmo, grip(&gizmo, handle)) + off;
             let mut drag = Drag::begin(&gizmo, handle, start(), at).expect("caught");
@@ -200,7 +200,7 @@ fn nothing_jumps_when_a_drag_starts() {
                 "{handle:?}: {new:?}"
             );
             assert!(new.rotation.angle_between(start().rotation) < 1e-2, "{handle:?}: {new:?}");
-            // Back where it was caught, it is where it was.
+            // Dragged back, it is where it was.
             let new = drag.to(&gizmo.projection, at, false).expect("a result");
             assert!(
                 new.translation.distance(start().translation) < 1e-9 && (new.scale - start().scale).abs() < 1e-9,
@@ -232,7 +232,7 @@ fn every_handle_is_caught_where_it_is_and_not_far_from_it() {
 fn of_handles_in_one_place_the_front_one_is_caught() {
     let at = start().translation.as_vec3();
     for (sign, front) in [(1.0, Axis::X), (-1.0, Axis::Y)] {
-        // Seen from here, x and y are one line.
+        // From this view, x and y are one line.
         let position = (at + glam::Vec3::new(4.0, -4.0, 0.0) * sign).to_array();
         let gizmo = gizmo(seen_from([position[0], position[1], position[2] + 0.3], at.to_array(), [0.0, 0.0, 1.0]));
         let [x, y] = [Axis::X, Axis::Y].map(|axis| place(&gizmo, grip(&gizmo, Handle::Arrow(axis))));
@@ -240,7 +240,7 @@ fn of_handles_in_one_place_the_front_one_is_caught() {
         let middle = gizmo.pick(Handle::of(GizmoMode::Move), x.lerp(y, 0.5));
         assert_eq!(middle, Some(Handle::Arrow(front)));
     }
-    // Behind its middle a ring is neither seen nor caught.
+    // The far half of a ring is neither drawn nor picked.
     let gizmo = gizmo(from_corner());
     let whole = gizmo.ring(Axis::Y, true);
     let behind = whole.iter().min_by(|a, b| {
@@ -266,7 +266,7 @@ fn what_is_seen_from_its_end_or_edge_is_not_caught() {
         assert_eq!(gizmo.pick(&[handle], grip), None, "{handle:?}");
     }
     assert_eq!(gizmo.pick(Handle::of(GizmoMode::Move), gizmo.middle), Some(Handle::Disc));
-    // And what comes to be seen so while it is held stays where it is.
+    // A handle that becomes hidden during a drag stays where it is.
     let side = super::tests::gizmo(from_corner());
     let mut drag =
         Drag::begin(&side, hidden[0], start(), place(&side, super::tests::grip(&side, hidden[0]))).expect("caught");
@@ -278,14 +278,14 @@ fn handles_behind_the_camera_are_neither_drawn_nor_caught() {
     let at = start().translation.as_vec3();
     let away = seen_from([at.x, at.y, at.z + 1.0], [at.x, at.y, at.z + 2.0], [0.0, 1.0, 0.0]);
     assert!(Gizmo::new(away, start().translation).is_none());
-    // Nor does one that is held follow the pointer when the camera has passed it.
+    // Nor does a dragged handle follow the pointer once the camera has passed it.
     let gizmo = gizmo(from_corner());
     for handle in all_parts() {
         let from = place(&gizmo, grip(&gizmo, handle));
         let mut drag = Drag::begin(&gizmo, handle, start(), from).expect("caught");
         assert_eq!(drag.to(&away, PICTURE.center() + Vec2::new(80.0, 30.0), false), None, "{handle:?}");
     }
-    // Parts that reach behind a camera with a wide view are left out, and the others are there.
+    // Handles that reach behind a wide-angle camera are left out; the others remain.
     let camera = Camera {
         name: "wide".to_owned(),
         position: [at.x, at.y + 0.5, at.z + 0.5],
@@ -314,7 +314,7 @@ fn a_pointer_catches_holds_and_lets_go() {
     let over = Pointer { position: at, hovered: true, pressed_at: None, down: false };
     assert_eq!(handle.follow(handles, Some(&gizmo), &path, start(), Some(over)), Some(Handle::Arrow(Axis::X)));
     assert!(handle.held.is_none());
-    // What happens within a frame counts from where the button was pressed.
+    // A press counts where it happened, even if the pointer moves on within the frame.
     let far = at + Vec2::splat(90.0);
     let press = Pointer { position: far, pressed_at: Some(at), down: true, ..over };
     handle.follow(handles, Some(&gizmo), &path, start(), Some(press));
@@ -325,10 +325,10 @@ fn a_pointer_catches_holds_and_lets_go() {
     assert_eq!(holds(&handle), Some(Handle::Arrow(Axis::X)));
     handle.follow(handles, Some(&gizmo), &path, start(), Some(Pointer { down: false, ..hold }));
     assert_eq!(holds(&handle), None);
-    // A button that is pressed elsewhere catches nothing on its way over a handle.
+    // A button that is pressed elsewhere grabs nothing on its way over a handle.
     handle.follow(handles, Some(&gizmo), &path, start(), Some(Pointer { position: at, ..hold }));
     assert_eq!(holds(&handle), None);
-    // Nothing is caught where nothing is before the camera.
+    // Nothing is grabbed when the node is behind the camera.
     let press = Pointer { position: at, ..press };
     assert_eq!(handle.follow(handles, None, &path, start(), Some(press)), None);
     assert_eq!(holds(&handle), None);

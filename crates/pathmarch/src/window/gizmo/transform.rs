@@ -1,9 +1,9 @@
-//! Placements of nodes in the world, and back to what the text of the scene says.
+//! Transforms of nodes: from the scene text to world space, and back.
 
 use glam::{DQuat, DVec3, EulerRot};
 use pathmarch_render::pathmarch_scene::document::{Document, Path, Value, key};
 
-/// Placement of a node: uniform scale, then rotation, then translation.
+/// Transform of a node: uniform scale, then rotation, then translation (metres).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Transform {
     pub(super) scale: f64,
@@ -12,10 +12,10 @@ pub(super) struct Transform {
 }
 
 impl Transform {
-    /// At the origin, not turned, of its own size.
+    /// The identity.
     pub(super) const IDENTITY: Self = Self { scale: 1.0, rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
 
-    /// World placement of `inner`, which is relative to this one.
+    /// World transform of `inner`, which is relative to this one.
     pub(super) fn then_local(self, inner: Self) -> Self {
         Self {
             scale: self.scale * inner.scale,
@@ -24,7 +24,7 @@ impl Transform {
         }
     }
 
-    /// Placement relative to this one of what has the placement `world` in the world.
+    /// Transform relative to this one of a node with world transform `world`.
     pub(super) fn to_local(self, world: Self) -> Self {
         let back = self.rotation.inverse();
         Self {
@@ -34,7 +34,7 @@ impl Transform {
         }
     }
 
-    /// Degrees about the fixed x, then y, then z axis.
+    /// Rotation as degrees about the fixed x, then y, then z axis.
     pub(super) fn degrees(self) -> [f32; 3] {
         let (z, y, x) = self.rotation.to_euler(EulerRot::ZYX);
         [x, y, z].map(|angle| round_to(angle.to_degrees(), 1e-3))
@@ -44,16 +44,16 @@ impl Transform {
 /// Rounds to a multiple of `step`.
 pub(super) fn round_to(value: f64, step: f64) -> f32 {
     let value = (value / step).round() * step;
-    // Not -0, and not 0.30000000000000004.
+    // Avoids -0 and 0.30000000000000004.
     (value + 0.0) as f32
 }
 
-/// Present value of a key of a node.
+/// Present value of a property.
 pub(super) fn present_value(document: &Document, path: &Path, key: &str) -> Option<Value> {
     document.control(path, key).map(|control| control.present)
 }
 
-/// Placement that a node itself gives, relative to the operators around it.
+/// Transform that the node itself gives, relative to its parent.
 pub(super) fn local_transform(document: &Document, path: &Path) -> Transform {
     let mut transform = Transform::IDENTITY;
     if let Some(Value::Triple(at)) = present_value(document, path, key::AT) {
@@ -69,7 +69,7 @@ pub(super) fn local_transform(document: &Document, path: &Path) -> Transform {
     transform
 }
 
-/// Placement of the operators around a node, from the outside in.
+/// Combined transform of all ancestors.
 pub(super) fn parent_transform(document: &Document, path: &Path) -> Transform {
     let mut ancestors = Vec::new();
     let mut at = path.parent();

@@ -1,4 +1,4 @@
-//! The scene that is open: its text, its file, and how it is looked at.
+//! The open scene: document, file on disk, and view.
 
 pub(crate) mod playback;
 pub(crate) mod view_state;
@@ -10,43 +10,43 @@ use playback::Playback;
 use std::path::{Path, PathBuf};
 use view_state::ViewState;
 
-/// The most included files that are followed: each has a thread.
+/// Maximum number of included files that are watched: each watcher is a thread.
 const MAX_INCLUDES: usize = 32;
 
-/// A scene, its file, and how it is looked at.
+/// A scene with its file and view.
 pub(crate) struct OpenScene {
     pub(crate) document: Document,
-    /// Its file; none before it is saved for the first time.
+    /// File of the scene; `None` until it is saved for the first time.
     pub(crate) path: Option<PathBuf>,
-    /// The version of the file that the document is based on: what the file held when it was last read or written, or when
-    /// somebody decided between it and the document. None where it is not known or there is no file.
+    /// Text of the file that the document is based on: as last read or written, or as the user chose in a conflict.
+    /// `None` if unknown or if there is no file.
     base: Option<String>,
     watcher: Option<FileWatcher>,
-    /// The files that the scene includes.
+    /// Included files with their watchers.
     includes: Vec<(PathBuf, FileWatcher)>,
-    /// The other version, where someone else has changed the file while there were unsaved changes here: what the file
-    /// holds now, or why it cannot be read.
+    /// Unresolved conflict: another program changed the file while there are unsaved changes here. The text on disk, or
+    /// the reason why it cannot be read.
     pub(crate) conflict: Option<Result<String, String>>,
     pub(crate) view: ViewState,
     pub(crate) playback: Playback,
-    /// Nodes whose children the tree does not show.
+    /// Nodes that are collapsed in the scene tree.
     pub(crate) collapsed: Vec<NodePath>,
 }
 
-/// What became of a change of the file.
+/// Result of a change of the file on disk.
 pub(crate) enum FileChange {
-    /// The document is now what the file says.
+    /// The document was reloaded.
     Reloaded,
-    /// Both have changed: somebody must decide.
+    /// Both the file and the document have changed: the user must choose.
     Conflict,
-    /// Both are the same now: nothing is unsaved, and there is nothing to decide.
+    /// File and document are equal again.
     InSync,
-    /// The file can no longer be read, and why.
+    /// The file can no longer be read; the reason.
     Unreadable(String),
 }
 
 impl OpenScene {
-    /// A scene of this text. `name` says where pictures of the sky are looked for; `path` is its file, where it has one.
+    /// Creates a scene from text. Image files are resolved relative to `name`; `path` is its file, if it has one.
     pub(crate) fn new(name: &str, text: String, path: Option<PathBuf>) -> Self {
         let base = path.is_some().then(|| text.clone());
         let document = Document::new(name, text);
@@ -67,22 +67,22 @@ impl OpenScene {
         }
     }
 
-    /// Work that was not saved when the program ended, as unsaved changes of its file. `on_disk` is what the file holds now,
-    /// or why it cannot be read; unless the work `is_based_on` that, somebody must decide between the two.
+    /// Opens recovered work as unsaved changes of its file. `on_disk`: the current text of the file, or the reason why
+    /// it cannot be read. Unless `is_based_on` holds, this is a conflict.
     pub(crate) fn recovered(path: PathBuf, work: String, on_disk: Result<String, String>, is_based_on: bool) -> Self {
         let name = path.display().to_string();
         let mut this = Self::new(&name, on_disk.clone().unwrap_or_default(), Some(path));
         let is_same = on_disk.as_ref() == Ok(&work);
         this.document.replace_text(work, "Recovery", None);
         if !is_based_on && !is_same {
-            // Which version the work is based on is not known, and stays so until somebody decides.
+            // The base version stays unknown until the user resolves the conflict.
             (this.base, this.conflict) = (None, Some(on_disk));
         }
         this
     }
 
-    /// Notes that the file holds something that nobody here has seen; returns whether somebody must decide. To be asked
-    /// before the file is replaced.
+    /// Checks whether another program has changed the file, before it is overwritten; `now` is its text. Records a
+    /// conflict and returns true if so.
     pub(crate) fn is_newer_on_disk(&mut self, now: &str) -> bool {
         let known = self.base.as_deref() == Some(now) || now == self.document.text();
         if !known {
@@ -91,37 +91,37 @@ impl OpenScene {
         !known
     }
 
-    /// Follows changes of the file by others.
+    /// Watches the file for changes by other programs.
     pub(crate) fn watch(&mut self, waker: &Waker) {
         let waker = waker.clone();
         self.watcher = self.path.as_deref().map(|path| FileWatcher::new(path, move || waker()));
         self.sync_watcher();
     }
 
-    /// What was read or written here is no change by others.
+    /// Tells the watcher the text that this program has read or written.
     fn sync_watcher(&mut self) {
         if let (Some(watch), Some(base)) = (&mut self.watcher, &self.base) {
             watch.set_known(base);
         }
     }
 
-    /// What the title says.
+    /// File name for the window title.
     pub(crate) fn file_name(&self) -> String {
         let name = self.path.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         name.unwrap_or_else(|| "unsaved scene".to_owned())
     }
 
-    /// Whether something would be lost with it.
+    /// Returns true if closing would lose changes.
     pub(crate) fn has_unsaved_work(&self) -> bool {
         !self.document.is_saved()
     }
 
-    /// What the file held when it was last read or written.
+    /// Text of the file that the document is based on, if known.
     pub(crate) fn base_text(&self) -> Option<&str> {
         self.base.as_deref()
     }
 
-    /// Takes on what became of the file, if anything did.
+    /// Applies a change of the file on disk, if there is one.
     pub(crate) fn poll_file(&mut self) -> Option<FileChange> {
         let text = match self.watcher.as_mut()?.take_change()? {
             Ok(text) => text,
@@ -131,7 +131,7 @@ impl OpenScene {
             return None;
         }
         if text == self.document.text() {
-            // The same change on both sides.
+            // Both sides have made the same change.
             (self.base, self.conflict) = (Some(text), None);
             self.document.mark_saved();
             return Some(FileChange::InSync);
@@ -144,7 +144,7 @@ impl OpenScene {
         Some(FileChange::Reloaded)
     }
 
-    /// Follows the files that the scene includes, and reads them again where one has changed; says whether one has.
+    /// Watches the included files and reloads the document if one has changed. Returns true if so.
     pub(crate) fn poll_includes(&mut self, waker: &Waker) -> bool {
         let includes = match (self.document.last_good(), &self.path) {
             (Some(scene), Some(_)) => &scene.includes[..],
@@ -160,27 +160,27 @@ impl OpenScene {
         }
         let change: Vec<_> = self.includes.iter_mut().filter_map(|(_, watch)| watch.take_change()).collect();
         if !change.is_empty() {
-            // One that can no longer be read is revision as a mistake of the scene.
+            // An included file that cannot be read becomes an error of the scene.
             self.document.refresh();
         }
         !change.is_empty()
     }
 
-    /// Makes the document what the file says. What was here can be had again by undoing.
+    /// Replaces the document by the text on disk; undo brings the old text back.
     pub(crate) fn reload_from_disk(&mut self, text: String) {
         self.document.replace_text(text.clone(), "Change of the file", None);
         self.document.mark_saved();
         (self.base, self.conflict) = (Some(text), None);
     }
 
-    /// Keeps what is here; the file stays as it is until the next save.
+    /// Resolves a conflict in favour of the document; the file stays as it is until the next save.
     pub(crate) fn keep_mine(&mut self) {
         if let Some(on_disk) = self.conflict.take() {
             self.base = on_disk.ok();
         }
     }
 
-    /// The document has been written to this file.
+    /// Records that the document was written to `path`. Returns true if that is a new path.
     pub(crate) fn mark_saved_to(&mut self, path: &Path) -> bool {
         self.base = Some(self.document.text().to_owned());
         self.conflict = None;

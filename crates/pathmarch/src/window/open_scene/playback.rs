@@ -1,10 +1,10 @@
-//! Playback of an animation: which frame is due at which time.
+//! Playback state of an animated scene.
 
-/// How time goes on.
+/// State of playback.
 pub(crate) struct Playback {
-    /// The last frame; playing goes on with frame 0.
+    /// Last frame; playback continues with frame 0.
     pub(crate) last: u32,
-    /// Since when it plays, seconds, and with which frame it began.
+    /// Start time of playback, seconds, and first frame played.
     pub(crate) playing: Option<(f64, u32)>,
 }
 
@@ -14,7 +14,7 @@ impl Default for Playback {
     }
 }
 
-/// The largest number of a frame.
+/// Largest frame number.
 pub(crate) const LAST_FRAME: u32 = 999_999;
 
 impl Playback {
@@ -22,7 +22,7 @@ impl Playback {
         self.playing.is_some()
     }
 
-    /// The frame that is to be shown at this time, and seconds until the next one is, while it plays.
+    /// Frame that is due at time `now` (seconds), and seconds until the next one; `None` while paused.
     pub(crate) fn due(&self, now: f64, fps: f32) -> Option<(u32, f64)> {
         let (since, first) = self.playing?;
         let frames = (now - since).max(0.0) * f64::from(fps);
@@ -41,7 +41,7 @@ mod tests {
         assert_eq!(playback.due(100.0, 25.0).map(|(frame, _)| frame), Some(4));
         let (frame, left) = playback.due(100.05, 25.0).expect("it plays");
         assert!(frame == 5 && (left - 0.03).abs() < 1e-9, "{frame} {left}");
-        // After frame 9 comes frame 0.
+        // Frame 0 follows frame 9.
         assert_eq!(playback.due(100.21, 25.0).map(|(frame, _)| frame), Some(9));
         assert_eq!(playback.due(100.25, 25.0).map(|(frame, _)| frame), Some(0));
         assert_eq!(Playback::default().due(5.0, 25.0), None);

@@ -1,4 +1,4 @@
-//! ViewState of the open scene: camera, selection, mode and size of the picture.
+//! View of the open scene: camera, selection, mode and resolution.
 
 use egui::TextureHandle;
 use pathmarch_render::Mode;
@@ -6,13 +6,13 @@ use pathmarch_render::pathmarch_scene::document::Path as NodePath;
 use pathmarch_render::pathmarch_scene::{Camera, Scene};
 use std::time::{Duration, Instant};
 
-/// A live picture has at most this many pixels: those of a screen of 3840 by 2160.
+/// Maximum number of pixels of the live picture: those of a 3840 x 2160 screen.
 const MAX_PIXELS: f64 = 3840.0 * 2160.0;
 
-/// For so long after the last movement the picture counts as moving.
+/// Time after the last movement until the view counts as still.
 const STILL_AFTER: Duration = Duration::from_millis(160);
 
-/// Which handles the picture shows.
+/// Tool of the gizmo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum GizmoMode {
     Move,
@@ -20,14 +20,14 @@ pub(crate) enum GizmoMode {
     Scale,
 }
 
-/// How large the picture is.
+/// Resolution of the live picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Resolution {
-    /// As large as there is available_pixels.
+    /// Fit to the viewport.
     Fit,
-    /// Half of that.
+    /// Half of `Fit` on each side.
     Half,
-    /// As the scene says.
+    /// Size given by the scene.
     Scene,
 }
 
@@ -43,33 +43,33 @@ impl Resolution {
     }
 }
 
-/// A picture that was kept to compare others with.
+/// A stored picture for comparison.
 pub(crate) struct ComparisonPicture {
     pub(crate) texture: TextureHandle,
     pub(crate) label: String,
-    /// Where the line stands, 0 to 1 from the left.
+    /// Position of the dividing line, 0 (left) to 1 (right).
     pub(crate) split: f32,
     pub(crate) shown: bool,
 }
 
-/// How a scene is looked at.
+/// View of a scene.
 pub(crate) struct ViewState {
-    /// Where it is seen from: at first as the scene says.
+    /// Current camera; starts as the scene's.
     pub(crate) camera: Camera,
-    /// The scene's camera that it comes from, as it was then.
+    /// The scene's camera that the view started from, as it was then.
     scene_camera: Option<Camera>,
     pub(crate) selection: Option<NodePath>,
     pub(crate) mode: Mode,
     pub(crate) resolution: Resolution,
     pub(crate) gizmo_mode: GizmoMode,
-    /// The next click sets the focus.
+    /// The next click sets the focus distance.
     pub(crate) focus_click: bool,
     pub(crate) comparison: Option<ComparisonPicture>,
-    /// When something last moved.
+    /// Time of the last movement.
     last_moved: Option<Instant>,
-    /// Pixels that there are for the picture.
+    /// Size of the viewport, pixels.
     pub(crate) available_pixels: [u32; 2],
-    /// The picture on the screen, its number and size.
+    /// The displayed picture: texture, serial number, size in pixels.
     pub(crate) picture: Option<(TextureHandle, u64, [u32; 2])>,
 }
 
@@ -102,7 +102,7 @@ impl Default for ViewState {
 }
 
 impl ViewState {
-    /// Takes on changes of the scene's camera; one's own movements stay otherwise.
+    /// Adopts changes of the scene's camera. Otherwise the user's own camera movement is kept.
     pub(crate) fn sync_camera(&mut self, scene: &Scene) {
         let name = self.scene_camera.as_ref().map(|scene_camera| scene_camera.name.as_str());
         let camera = scene.cameras.iter().find(|camera| Some(camera.name.as_str()) == name);
@@ -112,35 +112,35 @@ impl ViewState {
         }
     }
 
-    /// Looks through a camera of the scene.
+    /// Switches to a camera of the scene.
     pub(crate) fn use_camera(&mut self, camera: &Camera) {
         self.camera = camera.clone();
         self.scene_camera = Some(camera.clone());
         self.mark_moving();
     }
 
-    /// Whether it is not where the scene's camera is.
+    /// Returns true if the view differs from the scene's camera.
     pub(crate) fn is_camera_modified(&self) -> bool {
         self.scene_camera.as_ref().is_some_and(|scene_camera| *scene_camera != self.camera)
     }
 
-    /// The name of the scene's camera that it comes from.
+    /// Name of the scene's camera that the view started from.
     pub(crate) fn camera_name(&self) -> &str {
         self.scene_camera.as_ref().map_or("main", |scene_camera| &scene_camera.name)
     }
 
-    /// Says that the camera is now as the scene has it.
+    /// Records that the view was written to the scene's camera.
     pub(crate) fn set_scene_camera(&mut self, camera: &Camera) {
         self.scene_camera = Some(camera.clone());
         self.camera = camera.clone();
     }
 
-    /// Something moves.
+    /// Marks the view as moving.
     pub(crate) fn mark_moving(&mut self) {
         self.last_moved = Some(Instant::now());
     }
 
-    /// Whether something moves, and if so for how long it still counts as moving.
+    /// Time until the view counts as still; `None` if it does already.
     pub(crate) fn time_until_still(&mut self) -> Option<Duration> {
         let left = STILL_AFTER.checked_sub(self.last_moved?.elapsed());
         if left.is_none() {
@@ -149,7 +149,7 @@ impl ViewState {
         left
     }
 
-    /// The size of the picture, pixels.
+    /// Size of the live picture, pixels.
     pub(crate) fn picture_size(&self, scene: &Scene) -> [u32; 2] {
         let (width, height) = scene.render.size;
         let [available_x, available_y] = self.available_pixels.map(|side| f64::from(side.max(1)));
@@ -159,7 +159,7 @@ impl ViewState {
             Resolution::Half => 0.5 * fit,
             Resolution::Scene => 1.0,
         };
-        // More than a screen shows is for files.
+        // Higher resolutions are for final renders.
         let most = (MAX_PIXELS / (f64::from(width) * f64::from(height))).sqrt();
         let factor = factor.min(most);
         [width, height].map(|side| ((f64::from(side) * factor).round() as u32).clamp(1, 16_384))

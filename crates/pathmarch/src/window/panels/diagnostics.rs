@@ -1,10 +1,10 @@
-//! Mistakes and warnings of the scene, line by line.
+//! Diagnostics: errors and warnings of the scene, with their lines.
 
 use crate::window::app::App;
 use egui::{RichText, Ui};
 
 impl App {
-    /// What is wrong with the text, line by line.
+    /// Lists the errors of the scene text, or its warnings while the source is shown.
     pub(crate) fn diagnostics_panel(&mut self, ui: &mut Ui) {
         let Some(open) = &self.open else { return };
         let error = match open.document.scene() {
@@ -28,7 +28,7 @@ impl App {
             } else {
                 format!("{} ({})", mistake.message, mistake.label)
             };
-            // A place in a file that the scene includes is told in words: the text here is another.
+            // Errors in an included file name that file: the text shown here is another.
             let source = &mistake.source_code;
             if source.name() == open.document.name() {
                 lines.push((mistake.span.offset(), words, mistake.help.clone()));
@@ -69,7 +69,7 @@ impl App {
     }
 }
 
-/// The line of a text that holds a byte.
+/// Line of the text that contains a byte offset, trimmed.
 fn line_at(text: &str, offset: usize) -> &str {
     let offset = (0..=offset.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
     let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);

@@ -1,4 +1,4 @@
-//! Modal dialogs: unsaved work, a file changed by others, recovered work, the settings of a final render.
+//! Modal dialogs: unsaved work, file conflict, recovered work, render settings.
 
 use crate::window::app::App;
 use crate::window::app::dialog::{Answer, Dialog, RenderDialog};
@@ -69,7 +69,7 @@ fn busy(ui: &mut Ui, answer: &mut Answer) {
     });
 }
 
-/// Asks which of two versions is to stay. `unreadable` says why there is nothing to be had of the file's.
+/// Asks which of two versions to keep. `unreadable`: the reason if the version on disk cannot be read.
 fn conflict(ui: &mut Ui, unreadable: Option<&String>, answer: &mut Answer) {
     match unreadable {
         None => {

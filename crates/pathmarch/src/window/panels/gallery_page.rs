@@ -1,4 +1,4 @@
-//! The first page: the gallery of example scenes.
+//! Start page: the gallery of example scenes.
 
 use crate::window::app::App;
 use crate::window::app::requests::PendingAction;
@@ -58,7 +58,7 @@ impl App {
     }
 }
 
-/// An example's picture, name and line; whether it was chosen.
+/// Draws a card with picture, name and description; returns true if it was clicked.
 fn card(ui: &mut Ui, example: &'static Example, picture: Option<&TextureHandle>) -> bool {
     let size = Vec2::new(CARD.x + 12.0, CARD.y + 48.0);
     let card = ui.allocate_ui(size, |ui| {

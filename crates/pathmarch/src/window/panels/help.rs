@@ -1,4 +1,4 @@
-//! The help window: mouse, keys and actions.
+//! Help window: mouse, keyboard and all actions.
 
 use crate::window::app::App;
 use crate::window::app::actions::{ACTIONS, Menu, POINTER};

@@ -1,4 +1,4 @@
-//! The menu bar and the toolbar beside it.
+//! Menu bar and toolbar.
 
 use crate::window::app::App;
 use crate::window::app::actions::{ACTIONS, Action, Entry, Menu};
@@ -36,7 +36,7 @@ impl App {
         }
     }
 
-    /// An entry of a menu; whether it was chosen.
+    /// Draws a menu entry; returns true if it was clicked.
     fn menu_entry(&self, ui: &mut Ui, entry: &Entry) -> bool {
         let document = self.open.as_ref().map(|open| &open.document);
         let mut name = entry.name.to_owned();
@@ -79,7 +79,7 @@ impl App {
         });
     }
 
-    /// Buttons for what is done all the time.
+    /// Toolbar: gizmo mode, preview, comparison, save and render.
     fn toolbar(&mut self, ui: &mut Ui) -> Option<Action> {
         let open = self.open.as_mut()?;
         let mut requested = None;

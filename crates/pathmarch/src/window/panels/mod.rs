@@ -1,4 +1,4 @@
-//! Panels and windows around the picture, and the picture itself: each draws a part of [`App`](super::app::App).
+//! Panels, viewport and windows: each file draws one part of [`App`](super::app::App).
 
 mod diagnostics;
 mod dialogs;

@@ -1,4 +1,4 @@
-//! PerformanceHistory of frame times and sample rates.
+//! Plots of frame time and sample rate.
 
 use crate::window::app::App;
 use egui::Ui;

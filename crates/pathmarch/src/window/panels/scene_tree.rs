@@ -1,6 +1,6 @@
-//! The scene as a tree: select, rename, add, remove, move.
+//! Scene tree (outliner): select, rename, add, delete and reorder nodes.
 //!
-//! Only the rows that are in sight are built, so that ten thousand objects cost no more than ten.
+//! Only visible rows are built: ten thousand objects cost no more than ten.
 
 use super::inspector::heading;
 use crate::window::app::App;
@@ -9,18 +9,18 @@ use pathmarch_render::pathmarch_field::registry::solids;
 use pathmarch_render::pathmarch_scene::document::{Addition, Group, Item, ItemKind, Path};
 use std::collections::BTreeMap;
 
-/// Points of a level.
+/// Indentation of a level, points.
 const INDENT: f32 = 16.0;
 
-/// A row in sight.
+/// A visible row.
 struct Row<'a> {
     depth: usize,
     item: &'a Item,
-    /// Whether its children are shown; none where it has none.
+    /// Expanded or collapsed; `None` for a node without children.
     is_expanded: Option<bool>,
 }
 
-/// What a person actions of the tree.
+/// A change that the user requests in the tree.
 enum TreeAction {
     Select(Path),
     Expand(Path, bool),
@@ -55,7 +55,7 @@ impl App {
         });
     }
 
-    /// What may be added to a node, or to the scene.
+    /// Menu of nodes that can be added to a node, or to the scene.
     fn add_menu(&self, ui: &mut Ui, parent: Option<&Path>, actions: &mut Vec<TreeAction>) {
         let Some(open) = &self.open else { return };
         let mut groups: BTreeMap<Group, Vec<Addition>> = BTreeMap::new();
@@ -206,7 +206,7 @@ impl App {
         }
     }
 
-    /// How many nodes stand beside a node, and itself.
+    /// Number of siblings of a node, itself included.
     fn siblings(&self, path: &Path) -> usize {
         let Some(open) = &self.open else { return 0 };
         match path.parent() {
@@ -252,7 +252,7 @@ impl App {
     }
 }
 
-/// Points down where what is in a row is shown, else to the right.
+/// Disclosure triangle: down if expanded, else right.
 fn triangle(centre: Pos2, is_expanded: bool, colour: Color32) -> egui::Shape {
     let points =
         if is_expanded { [(-4.0, -2.5), (4.0, -2.5), (0.0, 3.5)] } else { [(-2.5, -4.0), (3.5, 0.0), (-2.5, 4.0)] };
@@ -260,7 +260,7 @@ fn triangle(centre: Pos2, is_expanded: bool, colour: Color32) -> egui::Shape {
     egui::Shape::convex_polygon(points, colour, Stroke::NONE)
 }
 
-/// What a row says.
+/// Label of a row.
 fn label(item: &Item) -> String {
     match (&item.name, item.kind) {
         (Some(name), ItemKind::Camera) => format!("camera {name}"),
@@ -270,7 +270,7 @@ fn label(item: &Item) -> String {
     }
 }
 
-/// The rows of an item and of what is in it.
+/// Collects the rows of an item and of its visible children.
 fn gather<'a>(collapsed: &[Path], item: &'a Item, depth: usize, rows: &mut Vec<Row<'a>>) {
     if item.kind == ItemKind::Version {
         return;
@@ -301,7 +301,7 @@ fn rename(ui: &mut Ui, body: Rect, row_id: egui::Id, item: &Item, mut typed: Str
     }
 }
 
-/// Rows are dragged to other dirs: between others, or into objects and operators.
+/// Drags a row to another place: between rows, or into an object or operator.
 fn drag(ui: &Ui, response: &Response, item: &Item, actions: &mut Vec<TreeAction>) {
     if response.drag_started() {
         response.dnd_set_drag_payload(item.path.clone());
@@ -326,7 +326,7 @@ fn drag(ui: &Ui, response: &Response, item: &Item, actions: &mut Vec<TreeAction>
             (Some(item.path.clone()), usize::MAX)
         } else {
             let before = item.path.index() + usize::from(height >= 0.5);
-            // Its own place does not count once it is gone.
+            // Removing the dragged row shifts the rows after it.
             let own = dragged.is_sibling_of(&item.path) && dragged.index() < before;
             (item.path.parent(), before - usize::from(own))
         };

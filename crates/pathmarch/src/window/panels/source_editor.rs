@@ -1,13 +1,13 @@
-//! The editor of the scene's text.
+//! Source editor: the text of the scene.
 
 use crate::window::app::App;
 use egui::{RichText, Ui};
 
-/// Typing after such a pause is a new step of undo, seconds.
+/// A pause in typing that begins a new undo step, seconds.
 const TYPING_PAUSE: f64 = 1.0;
 
 impl App {
-    /// The text itself.
+    /// Draws the editor with line numbers.
     pub(crate) fn source_panel(&mut self, ui: &mut Ui) {
         let Some(open) = &self.open else { return };
         let mut text = open.document.text().to_owned();
@@ -25,7 +25,7 @@ impl App {
                     let count = text.split('\n').count();
                     let numbers: Vec<String> = (1..=count).map(|line| format!("{line:>4}")).collect();
                     ui.add(egui::Label::new(RichText::new(numbers.join("\n")).monospace().weak()).selectable(false));
-                    // Lines stay whole, so that they are beside their numbers.
+                    // Do not wrap lines, so that they stay beside their numbers.
                     let mut layout = |ui: &Ui, text: &dyn egui::TextBuffer, _: f32| {
                         let font = egui::TextStyle::Monospace.resolve(ui.style());
                         let colour = ui.visuals().widgets.inactive.text_color();

@@ -1,4 +1,4 @@
-//! The status bar: progress of renders, and what the live picture is rendered on.
+//! Status bar: progress of renders, samples, backend and adapter.
 
 use crate::window::app::App;
 use egui::{RichText, Ui};

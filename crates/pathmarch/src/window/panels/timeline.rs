@@ -1,4 +1,4 @@
-//! The timeline: frame slider, play button, and the dialog that renders all frames.
+//! Timeline: play button, frame slider, and the button that renders all frames.
 
 use crate::window::app::App;
 use crate::window::app::dialog::{Dialog, RenderDialog};
@@ -6,7 +6,7 @@ use crate::window::open_scene::playback::LAST_FRAME;
 use egui::{DragValue, Slider, SliderClamping, Ui};
 
 impl App {
-    /// The frames, where there is more than one to be seen.
+    /// Draws the timeline of an animated scene.
     pub(crate) fn timeline_panel(&mut self, ui: &mut Ui) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().filter(|scene| scene.animated) else { return };

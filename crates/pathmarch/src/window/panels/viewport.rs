@@ -1,4 +1,4 @@
-//! The picture, and what the pointer and the keys do in it.
+//! Viewport: the live picture, with mouse and keyboard controls.
 
 use crate::window::app::App;
 use crate::window::camera::navigation;
@@ -12,10 +12,10 @@ use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Picked, clearance, pick};
 use std::f32::consts::PI;
 
-/// Points on both sides of the comparison's line where it is caught.
+/// Distance from the comparison line at which the pointer grabs it, points.
 const GRAB_DISTANCE: f32 = 7.0;
 
-/// What the pointer clicked of the picture, to be done once nothing is borrowed.
+/// Action of a click, run after all borrows have ended.
 enum PickAction {
     Select(Option<Picked>),
     Look(Picked),
@@ -75,7 +75,7 @@ impl App {
         }
     }
 
-    /// The handles of what is selected; says whether the pointer is theirs.
+    /// Draws the gizmo of the selection and applies its changes. Returns true if it uses the pointer.
     fn handles(&mut self, ui: &Ui, picture: Rect, response: &Response) -> bool {
         let Some(open) = &mut self.open else { return false };
         let Some(selection) = open.view.selection.clone() else { return false };
@@ -86,12 +86,12 @@ impl App {
             let position = input.pointer.latest_pos()?;
             let plain = !input.modifiers.alt && !input.modifiers.shift;
             let pressed = input.pointer.primary_pressed();
-            // What is dragged across the handles is not theirs.
+            // A drag that began elsewhere does not grab a handle.
             let free = pressed || !input.pointer.any_down();
             Some(Pointer {
                 position,
                 hovered: response.contains_pointer() && plain && free,
-                // On a slow machine the pointer has moved on within the frame.
+                // On a slow machine the pointer has already moved on within the frame.
                 pressed_at: input.pointer.press_origin().filter(|_| pressed),
                 down: input.pointer.primary_down(),
             })
@@ -105,7 +105,7 @@ impl App {
         taken
     }
 
-    /// What dragging, clicking and the wheel do.
+    /// Applies drags, clicks and the wheel to camera and selection.
     fn pointer(&mut self, ui: &Ui, picture: Rect, scene: &Scene, response: &Response) {
         let Some(open) = &mut self.open else { return };
         let (scroll, zoom, modifiers) =
@@ -155,7 +155,7 @@ impl App {
             PickAction::Select(Some(picked)) => view.selection = open.document.path_of_leaf(picked.leaf),
             PickAction::Look(picked) => {
                 navigation::look_at(&mut view.camera, picked.position.into());
-                // What is looked at is sharp, as with a camera that focuses in the middle.
+                // Focus on the new target, like a camera with centre autofocus.
                 if view.camera.focus.is_some() {
                     view.camera.focus = Some(picked.distance);
                 }
@@ -198,7 +198,7 @@ impl App {
     }
 }
 
-/// Fills what the picture leaves of its room: no pixel is drawn twice, which software adapters would feel.
+/// Fills the area around the picture. No pixel is drawn twice, as that is slow on software adapters.
 fn fill_around(ui: &Ui, room: Rect, picture: Rect) {
     let fill = if ui.visuals().dark_mode { Color32::from_gray(18) } else { Color32::from_gray(150) };
     let (x, y) = (
@@ -212,7 +212,7 @@ fn fill_around(ui: &Ui, room: Rect, picture: Rect) {
     }
 }
 
-/// The box around what is selected.
+/// Draws the bounding box of the selection.
 fn outline(ui: &Ui, picture: Rect, open: &OpenScene, scene: &Scene) {
     let Some(selection) = &open.view.selection else { return };
     let leaves = open.document.leaves_of(selection);
@@ -235,7 +235,7 @@ fn outline(ui: &Ui, picture: Rect, open: &OpenScene, scene: &Scene) {
     }
 }
 
-/// What is seen at a place of the window.
+/// Picks the surface at a point of the window.
 fn pick_at(open: &OpenScene, scene: &Scene, picture: Rect, at: Pos2) -> Option<Picked> {
     let settings = App::settings(open, scene);
     let place = (at - picture.min) / picture.size();
@@ -244,7 +244,7 @@ fn pick_at(open: &OpenScene, scene: &Scene, picture: Rect, at: Pos2) -> Option<P
     if inside { pick(scene, &settings, [place.x * width, place.y * height]) } else { None }
 }
 
-/// The kept picture left of its line; says whether the pointer moves the line.
+/// Draws the stored picture left of the comparison line. Returns true if the pointer drags the line.
 fn compare(ui: &Ui, picture: Rect, open: &mut OpenScene, response: &Response) -> bool {
     let Some(ComparisonPicture { texture, label, split, shown: true }) = &mut open.view.comparison else {
         return false;

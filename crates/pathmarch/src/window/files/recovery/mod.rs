@@ -1,10 +1,10 @@
-//! UnsavedWork that is not saved survives a crash.
+//! Crash recovery of unsaved work.
 //!
-//! **Idea.** Each window keeps the text it has not saved yet in one file of a directory of its own, and holds the lock of a
-//! second file beside it for as long as it lives. The system lets go of the lock however the program ends. What a later
-//! window finds there without an owner is work left behind.
+//! **Idea.** Each window stores its unsaved text in a file of its own, and locks a second file beside it while it runs.
+//! The system releases the lock however the program ends. A later window takes files without a locked partner as
+//! abandoned work.
 //!
-//! **Format.** The scene itself behind a header of comments, so that any editor reads it and `pathmarch check` does, too:
+//! **Format.** The scene text after a header of comments, so that any editor and `pathmarch check` can read it:
 //!
 //! ```text
 //! // pathmarch: work that was not saved
@@ -16,12 +16,12 @@
 //! // text:
 //! ```
 //!
-//! Everything after the last line is the text, byte for byte. In the path, `%` and what would end or garble the line are
-//! percent-encoded; the line is absent for a scene that has no file yet. The time is in seconds since 1970. The work is
-//! based on the version of the file with this SHA-256 hash; a file that now holds something else was changed by another
-//! program. The line is absent where that version is not known, as in files of older programs.
+//! Everything after the last header line is the text, byte for byte. In the path, `%` and characters that would end or
+//! garble the line are percent-encoded; a scene without a file has no such line. The time is in seconds since 1970. The
+//! work is based on the version of the file with this SHA-256 hash: if the file's hash differs, another program has
+//! changed it. The line is missing if that version is unknown, as in files of older programs.
 //!
-//! **Cost.** A thread that sleeps; a file is written at most once a second, and only if the text changed.
+//! **Cost.** A sleeping thread; it writes at most once a second, and only if the text has changed.
 
 use crate::window::files::atomic_file::write_atomically;
 use sha2::{Digest, Sha256};
@@ -33,19 +33,19 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// The least time between two writes.
+/// Minimum time between two writes.
 const PAUSE: Duration = Duration::from_secs(1);
 const FIRST_LINE: &str = "// pathmarch: work that was not saved";
 const LAST_LINE: &str = "// text:";
-/// What the names of the files end in; the lock's has [`LOCK`] in its place.
+/// Suffix of recovery files; the lock file has [`LOCK`] instead.
 const KEPT: &str = "unsaved.kdl";
 const LOCK: &str = "lock";
 
-/// The keeper of one window's unsaved work. Dropping it writes what is left to write, and leaves it there.
+/// Recovery file of one window. Dropping it writes pending work and keeps the file.
 pub struct Recovery {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
-    /// What was last asked to be kept.
+    /// Work that was last passed to [`Self::keep`].
     kept: Option<UnsavedWork>,
     lock: Option<(File, PathBuf)>,
     file: PathBuf,
@@ -60,40 +60,40 @@ struct Shared {
 #[derive(Default)]
 struct Inbox {
     task: Option<DiskTask>,
-    /// Something is being written.
+    /// The thread is writing.
     busy: bool,
-    /// To be written without a pause.
+    /// Write without delay.
     hurry: bool,
     stop: bool,
     problem: Option<String>,
 }
 
-/// UnsavedWork to keep.
+/// Work to store.
 #[derive(Clone, PartialEq)]
 struct UnsavedWork {
-    /// The file of the scene.
+    /// File of the scene.
     scene_path: Option<PathBuf>,
     text: String,
-    /// Text of the version of the file that the work is based on.
+    /// Text of the file version that the work is based on.
     base: Option<String>,
 }
 
-/// What the thread is to do.
+/// Task of the thread.
 enum DiskTask {
     Write(UnsavedWork, SystemTime),
     Remove,
 }
 
 impl Shared {
-    /// The contents of the lock, also after a panic: every value is whole at any time.
+    /// Locks the inbox, even after a panic of the other thread: every value is complete at any time.
     fn inbox(&self) -> MutexGuard<'_, Inbox> {
         self.inbox.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Recovery {
-    /// A keeper in a directory, which is made where it is not there. Where that fails nothing is kept, and
-    /// [`problem`](Self::problem) says why.
+    /// Creates a recovery file in a directory, which is created if necessary. If that fails, nothing is stored, and
+    /// [`problem`](Self::problem) returns the reason.
     pub fn new(directory: &Path) -> Self {
         let shared = Arc::<Shared>::default();
         let mut this = Self { shared, thread: None, kept: None, lock: None, file: PathBuf::new() };
@@ -120,7 +120,7 @@ impl Recovery {
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
                 Err(error) => return Err(error),
             };
-            // Where a file system has no locks, other windows see this one's work as left behind; nothing is lost.
+            // On a file system without locks, other windows take this work for abandoned; nothing is lost.
             let _ = lock.try_lock();
             self.lock = Some((lock, lock_path));
             self.file = directory.join(format!("{name}.{KEPT}"));
@@ -132,19 +132,19 @@ impl Recovery {
         Err(io::ErrorKind::AlreadyExists.into())
     }
 
-    /// Why work is not kept, in one sentence.
+    /// Reason why work is not stored, in one sentence.
     pub fn problem(&self) -> Option<String> {
         self.shared.inbox().problem.clone()
     }
 
-    /// The file that this window's work is kept in while there is any.
+    /// Path of the recovery file; the file exists only while there is unsaved work.
     #[cfg(test)]
     pub fn file(&self) -> &Path {
         &self.file
     }
 
-    /// Keeps this text of a scene, where it is not what the disk holds; `disk_text` is the version of the file that it is
-    /// based on, where that is known. To be called as often as one likes: it only compares, and notes what changed.
+    /// Stores the text of a scene unless it equals `disk_text`, the file version that it is based on (if known). Cheap
+    /// to call often: it only compares, and queues what has changed.
     pub fn keep(&mut self, scene_path: Option<&Path>, text: &str, disk_text: Option<&str>) {
         if disk_text == Some(text) {
             self.clear();
@@ -163,7 +163,7 @@ impl Recovery {
         self.send(DiskTask::Write(UnsavedWork { scene_path: absolute, ..work }, SystemTime::now()));
     }
 
-    /// Nothing is unsaved any more.
+    /// Removes the recovery file: nothing is unsaved.
     pub fn clear(&mut self) {
         if self.kept.take().is_some() {
             self.send(DiskTask::Remove);
@@ -195,18 +195,18 @@ impl Drop for Recovery {
         self.shared.inbox().stop = true;
         self.shared.changed.notify_all();
         if let Some(thread) = self.thread.take() {
-            // A panic there has nothing more to say here.
+            // A panic of the thread needs no second report.
             let _ = thread.join();
         }
         if let Some((lock, path)) = self.lock.take() {
             drop(lock);
-            // A lock that stays is found to have no owner.
+            // A leftover lock file is harmless: nobody holds the lock.
             let _ = fs::remove_file(path);
         }
     }
 }
 
-/// The thread: does the newest task, with pauses between those that write.
+/// Body of the thread: runs the newest task, with pauses between writes.
 fn work(shared: &Shared, file: &Path) {
     let mut written: Option<Instant> = None;
     let mut inbox = shared.inbox();
@@ -255,14 +255,14 @@ fn write(file: &Path, UnsavedWork { scene_path, text, base }: &UnsavedWork, at: 
     write_atomically(file, (header + text).as_bytes()).map_err(|error| error.to_string())
 }
 
-/// Names a version of a file by its content.
+/// Hash that identifies a version of a file.
 fn version(text: &str) -> String {
     let hash = Sha256::digest(text.as_bytes());
     let digits: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
     format!("sha256 {digits}")
 }
 
-/// Removes a file that may be gone already.
+/// Removes a file, which may be gone already.
 fn remove(file: &Path) -> io::Result<()> {
     match fs::remove_file(file) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -270,31 +270,31 @@ fn remove(file: &Path) -> io::Result<()> {
     }
 }
 
-/// UnsavedWork whose program is gone.
+/// Unsaved work of a program that has ended.
 #[derive(Debug)]
 pub struct RecoveredWork {
-    /// The file of the scene; none where it had none yet.
+    /// File of the scene; `None` if it was never saved.
     pub scene_path: Option<PathBuf>,
-    /// The text as it was; or why it cannot be had, in one sentence.
+    /// The text, or the reason why it cannot be read, in one sentence.
     pub text: Result<String, String>,
-    /// The version of the file that it is based on, where that is known.
+    /// Version of the file that it is based on, if known.
     base: Option<String>,
-    /// When it was kept.
+    /// Time of the last write.
     pub saved_at: SystemTime,
-    /// The file that it is kept in.
+    /// Path of the recovery file.
     pub file: PathBuf,
 }
 
 impl RecoveredWork {
-    /// Whether it is based on the version of the file with this text. Where the version is not known it is not.
+    /// Returns true if the work is based on the file version with this text; false if the version is unknown.
     pub fn is_based_on(&self, text: &str) -> bool {
         self.base.as_deref().is_some_and(|base| base == version(text))
     }
 
-    /// Removes it for good.
+    /// Removes the recovery file for good.
     ///
     /// # Errors
-    /// In words, where the file cannot be removed.
+    /// Fails with a message if the file cannot be removed.
     pub fn discard(self) -> Result<(), String> {
         remove(&self.file).map_err(|error| format!("{}: cannot be removed: {error}", self.file.display()))?;
         let _ = remove(&lock_of(&self.file));
@@ -302,7 +302,7 @@ impl RecoveredWork {
     }
 }
 
-/// What programs that are gone left in a directory, the newest first. Damaged files are listed, too.
+/// Finds abandoned work in a directory, newest first. Damaged files are included.
 pub fn find_abandoned_work(directory: &Path) -> Vec<RecoveredWork> {
     let Ok(entries) = fs::read_dir(directory) else { return Vec::new() };
     let mut found = Vec::new();
@@ -324,13 +324,13 @@ fn lock_of(kept: &Path) -> PathBuf {
     kept.with_file_name(format!("{}{LOCK}", name.strip_suffix(KEPT).unwrap_or(name)))
 }
 
-/// Whether a program that runs holds this lock.
+/// Returns true if a running program holds this lock.
 fn is_owned(lock: &Path) -> bool {
     let Ok(lock) = OpenOptions::new().write(true).open(lock) else { return false };
     matches!(lock.try_lock(), Err(TryLockError::WouldBlock))
 }
 
-/// Removes the locks of programs that are gone and left nothing, a day old at least: a new one may not be held yet.
+/// Removes lock files without work that are at least a day old: a newer one may not be locked yet.
 fn remove_stale_locks(directory: &Path) {
     for path in fs::read_dir(directory).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path())) {
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
@@ -338,7 +338,7 @@ fn remove_stale_locks(directory: &Path) {
         let changed = fs::metadata(&path).and_then(|data| data.modified());
         let old = changed.is_ok_and(|at| at.elapsed().is_ok_and(|age| age > Duration::from_secs(24 * 60 * 60)));
         if old && !path.with_file_name(format!("{stem}{KEPT}")).exists() && !is_owned(&path) {
-            // It does no harm where it is.
+            // A leftover file is harmless.
             let _ = fs::remove_file(path);
         }
     }
@@ -390,10 +390,10 @@ fn read(file: PathBuf) -> RecoveredWork {
     recovered
 }
 
-/// A path in one line of text.
+/// Encodes a path as one line of text.
 fn encode(path: &Path) -> String {
     let mut line = String::new();
-    // On systems whose paths are not bytes, what is not Unicode in them is lost; nobody names files so.
+    // On systems whose paths are not bytes, parts that are not Unicode are lost; such names are rare.
     for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
         for character in chunk.valid().chars() {
             if character == '%' || character.is_control() || matches!(character, '\u{2028}' | '\u{2029}') {
@@ -408,7 +408,7 @@ fn encode(path: &Path) -> String {
     line
 }
 
-/// The path that [`encode`] wrote.
+/// Decodes a path written by [`encode`].
 fn decode(line: &str) -> PathBuf {
     let mut bytes = Vec::new();
     let mut rest = line.as_bytes();

@@ -1,23 +1,23 @@
-//! Draws egui's triangles on the processor.
+//! Software rasterizer for egui's triangles.
 //!
-//! Pixels are `0x00RRGGBB`, and blending is egui's: of codes, premultiplied by alpha (`epaint::Color32`). Corners lie on a
-//! grid of 1/256 of a pixel, and a pixel belongs to a triangle by its centre and the top-left rule, as on a GPU: triangles
-//! that share an edge leave no gap and draw no pixel twice. Textures are clamped to their edge, which is all that the
-//! window uses.
+//! Pixels are `0x00RRGGBB`. Blending is egui's: of sRGB-encoded values, premultiplied by alpha (`epaint::Color32`).
+//! Vertices are snapped to 1/256 of a pixel, and pixels are covered by centre and top-left rule, as on a GPU: triangles
+//! that share an edge leave no gap and draw no pixel twice. Textures are clamped to their edge; the window uses no
+//! other mode.
 
 use crate::window::painter::Textures;
 use egui::epaint::{ImageData, ImageDelta, Primitive, Vertex};
 use egui::{ClippedPrimitive, Color32, Rect, TextureFilter};
 use std::ops::Range;
 
-/// Steps of the grid to a pixel.
+/// Subpixel steps per pixel.
 const GRID: i64 = 256;
-/// Corners further away than this, in pixels, are pulled nearer.
+/// Vertices are clamped to this distance, pixels.
 const FARTHEST: f32 = 1e6;
-/// Fraction bits of a texel_position in a texture.
+/// Fraction bits of a fixed-point texture coordinate.
 const FRACTION: u32 = 16;
 
-/// What is drawn on, row by row.
+/// Pixel buffer, row by row.
 pub(super) struct Canvas<'a> {
     pub(super) pixels: &'a mut [u32],
     pub(super) width: usize,
@@ -28,7 +28,7 @@ impl Canvas<'_> {
         self.pixels.len() / self.width.max(1)
     }
 
-    /// Draws the shapes of a frame over what is there.
+    /// Draws the meshes of a frame.
     pub(super) fn paint(&mut self, primitives: &[ClippedPrimitive], pixels_per_point: f32, textures: &Textures) {
         for ClippedPrimitive { clip_rect, primitive } in primitives {
             let Primitive::Mesh(mesh) = primitive else { continue };
@@ -87,27 +87,27 @@ impl Canvas<'_> {
     }
 }
 
-/// Pixels that may be drawn on.
+/// Clip rectangle, pixels.
 struct Clip {
     columns: Range<i64>,
     rows: Range<i64>,
 }
 
-/// Twice the area of a triangle; negative if its corners go round against the clock.
+/// Twice the signed area of a triangle; negative if its vertices are counter-clockwise.
 fn twice_area([a, b, c]: [[i64; 2]; 3]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// The first pixel whose centre is not before this texel_position of the grid.
+/// First pixel whose centre is at or after a subpixel position.
 fn first_centre(at: i64) -> i64 {
     (at - GRID / 2 + GRID - 1).div_euclid(GRID)
 }
 
-/// An edge, with the inside of its triangle on the right hand.
+/// A directed edge; the inside of the triangle is on its right.
 struct Edge {
     from: [i64; 2],
     along: [i64; 2],
-    /// One less than nothing where centres on the edge are the neighbour's.
+    /// Top-left rule: -1 if pixel centres on the edge belong to the neighbour.
     bias: i64,
 }
 
@@ -118,7 +118,7 @@ impl Edge {
         Self { from, along, bias: if is_top_or_left { 0 } else { -1 } }
     }
 
-    /// Takes the pixels of this row away that are not inside.
+    /// Restricts a row's span to the inside of the edge.
     fn cut(&self, row: i64, span: &mut Range<i64>) {
         let [dx, dy] = self.along;
         let reach = dx * (row * GRID + GRID / 2 - self.from[1]) + self.bias;
@@ -140,7 +140,7 @@ impl Edge {
     }
 }
 
-/// A value that is linear over the screen: at the centre of pixel (0, 0), and its change to the right and down.
+/// Attribute that is linear in screen space: its value at the centre of pixel (0, 0), and its derivatives.
 #[derive(Clone, Copy)]
 struct Linear {
     origin: f64,
@@ -166,13 +166,13 @@ impl Linear {
     }
 }
 
-/// What a triangle's pixels are made of.
+/// Shading of a triangle.
 enum Paint<'a> {
     /// One colour.
     Solid(u32),
-    /// Colours between those of the corners.
+    /// Interpolated vertex colours.
     Gradient([Linear; 4]),
-    /// A texture, times colours between those of the corners, unless they are all white.
+    /// A texture, multiplied by a tint.
     Textured { texture: &'a Texture<'a>, texel_position: [Linear; 2], tint: Tint },
 }
 
@@ -210,7 +210,7 @@ impl<'a> Paint<'a> {
         Self::Textured { texture, texel_position, tint }
     }
 
-    /// Draws over neighbouring pixels of a row, beginning with this column.
+    /// Draws a span of pixels that begins at `column`.
     fn fill(&self, pixels: &mut [u32], column: i64, row: i64) {
         match self {
             Self::Solid(colour) if colour >> 24 == 255 => pixels.fill(colour & 0xff_ff_ff),
@@ -235,7 +235,7 @@ impl<'a> Paint<'a> {
     }
 }
 
-/// Colours of neighbouring pixels of a row.
+/// Iterator over the colours of a span.
 struct Colours {
     now: [f32; 4],
     step: [f32; 4],
@@ -244,7 +244,7 @@ struct Colours {
 impl Colours {
     fn new(channels: &[Linear; 4], column: i64, row: i64) -> Self {
         Self {
-            // Half a code more, so that cutting off rounds.
+            // Half a step more, so that truncation rounds.
             now: channels.map(|channel| channel.at(column, row) as f32 + 0.5),
             step: channels.map(|channel| channel.right as f32),
         }
@@ -266,14 +266,14 @@ struct Texture<'a> {
 }
 
 impl<'a> Texture<'a> {
-    /// None for a texture without pixels.
+    /// `None` for a texture without pixels.
     fn new(delta: &'a ImageDelta) -> Option<Self> {
         let ImageData::Color(image) = &delta.image;
         let whole = image.pixels.len() == image.size[0] * image.size[1] && !image.pixels.is_empty();
         whole.then_some(Self { pixels: &image.pixels, size: image.size, delta })
     }
 
-    /// The colour at a texel_position given from 0 to 1.
+    /// Bilinear sample at texture coordinates from 0 to 1.
     fn at(&self, u: f32, v: f32) -> Color32 {
         let [width, height] = self.size.map(|side| side as f32);
         let texels = Texels {
@@ -284,7 +284,7 @@ impl<'a> Texture<'a> {
         texels.between(texels.now)
     }
 
-    /// The texels of neighbouring pixels of a row; `texel_position` counts texels.
+    /// Texels along a span; `texel_position` is in texels.
     fn row(&self, texel_position: &[Linear; 2], column: i64, row: i64) -> Texels<'_> {
         let step = texel_position.map(|axis| fixed(axis.right));
         let magnified = texel_position.iter().all(|axis| axis.right.abs().max(axis.down.abs()) <= 1.0);
@@ -303,7 +303,7 @@ impl<'a> Texture<'a> {
     }
 }
 
-/// Places in a texture that lie along a row of the screen: centres of texels are whole.
+/// Texture positions along a span; centres of texels are integers.
 struct Texels<'a> {
     texture: &'a Texture<'a>,
     now: [i64; 2],
@@ -314,7 +314,7 @@ impl Texels<'_> {
     fn draw(&self, pixels: &mut [u32], mut tint: impl FnMut(Color32) -> Color32) {
         let [x, y] = self.now;
         let whole = 1 << FRACTION;
-        // A texel for each pixel, but for roundings: nothing is between.
+        // Fast path: one texel per pixel, up to rounding.
         let near = |at: i64| (at + whole / 2).rem_euclid(whole).abs_diff(whole / 2) <= whole as u64 / 512;
         let drift = (self.step[0] - whole).unsigned_abs() * pixels.len() as u64;
         let first = (x + whole / 2) >> FRACTION;
@@ -339,7 +339,7 @@ impl Texels<'_> {
         }
     }
 
-    /// The colour between the four texels around a texel_position.
+    /// Bilinear interpolation of four texels.
     fn between(&self, [x, y]: [i64; 2]) -> Color32 {
         let (column, row) = (x >> FRACTION, y >> FRACTION);
         let part = |at: i64| (at >> (FRACTION - 8)) as u32 & 255;
@@ -354,21 +354,21 @@ impl Texels<'_> {
     }
 }
 
-/// A texel_position with [`FRACTION`] bits behind the point.
+/// Converts to fixed point with [`FRACTION`] bits.
 fn fixed(at: f64) -> i64 {
     (at * f64::from(1 << FRACTION)).round() as i64
 }
 
-/// Every other byte of a word.
+/// Mask of every other byte.
 const BYTES: u32 = 0x00_ff_00_ff;
 
-/// Between two colours, channel by channel, `part` of 256 on the way.
+/// Interpolates two colours per channel; `part` is the weight of `b`, of 256.
 fn mix(a: u32, b: u32, part: u32) -> u32 {
     let two = |a: u32, b: u32| ((a & BYTES) * (256 - part) + (b & BYTES) * part + 0x80_00_80) >> 8 & BYTES;
     two(a, b) | two(a >> 8, b >> 8) << 8
 }
 
-/// The product of two colours, channel by channel.
+/// Product of two colours per channel.
 fn times(a: Color32, b: Color32) -> Color32 {
     if b == Color32::WHITE {
         return a;
@@ -381,13 +381,13 @@ fn times(a: Color32, b: Color32) -> Color32 {
     Color32::from_rgba_premultiplied(r, g, b, a)
 }
 
-/// A colour as `0xAARRGGBB`.
+/// Packs a colour as `0xAARRGGBB`.
 fn code(colour: Color32) -> u32 {
     let [r, g, b, a] = colour.to_array();
     u32::from_be_bytes([a, r, g, b])
 }
 
-/// A colour, premultiplied by its alpha, over a pixel. Colours brighter than their alpha add light, up to white.
+/// Blends a premultiplied colour over a pixel. Colours brighter than their alpha add light, up to white.
 fn over(colour: u32, pixel: u32) -> u32 {
     let rest = 255 - (colour >> 24);
     let two = |colour: u32, pixel: u32| {

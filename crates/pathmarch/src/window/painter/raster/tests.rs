@@ -18,7 +18,7 @@ fn ui(ui: &mut egui::Ui, picture: &egui::TextureHandle) {
     egui::Frame::popup(ui.style()).corner_radius(9.0).show(ui, |ui| ui.label("A shadow lies under this."));
     let origin = ui.cursor().min;
     let painter = ui.painter();
-    // Larger, as it is, smaller, and turned; tinted, and in part.
+    // Images larger, equal and smaller than their textures, rotated, tinted and cropped.
     let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     for (at, size, tint) in [
         (vec2(0.3, 5.6), vec2(150.0, 90.0), Color32::WHITE),
@@ -42,7 +42,7 @@ fn ui(ui: &mut egui::Ui, picture: &egui::TextureHandle) {
     painter.circle(origin + vec2(300.0, 110.0), 20.0, Color32::from_rgb_additive(60, 60, 160), (3.0, Color32::YELLOW));
 }
 
-/// The same frame, drawn here and by a GPU: text, feathered edges, shadows, pictures of all sizes.
+/// The same frame drawn here and by a GPU: text, feathered edges, shadows, images of all sizes.
 #[test]
 #[ignore = "draws with a GPU adapter: run it with --include-ignored"]
 fn a_frame_is_what_a_gpu_draws() {
@@ -125,7 +125,7 @@ proptest! {
             let next = angles.get(k + 1).copied().unwrap_or(angles[0] + std::f32::consts::TAU);
             next - angles[k]
         };
-        // A fan around a point within, far larger than the canvas.
+        // A fan around a point inside, far larger than the canvas.
         prop_assume!((0..angles.len()).all(|k| gap(k) < 3.0));
         let mut mesh = Mesh::default();
         let colour = Color32::from_rgba_premultiplied(100, 50, 20, 128);
@@ -144,7 +144,7 @@ proptest! {
         prop_assert!(pixels.iter().all(|pixel| *pixel == once));
     }
 
-    /// Whatever is drawn, nothing panics, and nothing outside of the clip changes.
+    /// No input panics, and no pixel outside of the clip rectangle changes.
     #[test]
     fn any_triangle_is_drawn(corners in prop::collection::vec((any::<f32>(), any::<f32>(), any::<[f32; 2]>(), any::<[u8; 4]>()), 3)) {
         let mut mesh = Mesh::default();

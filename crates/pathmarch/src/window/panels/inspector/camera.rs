@@ -1,11 +1,11 @@
-//! Controls of the camera.
+//! Camera controls.
 
 use crate::window::app::App;
 use egui::{ComboBox, DragValue, Slider, SliderClamping, Ui};
 use pathmarch_render::pathmarch_scene::limits;
 
 impl App {
-    /// Where the picture is seen from: one's own viewpoint until it is written to the scene.
+    /// Controls of the view: it starts as the scene's camera and stays separate until it is written to the scene.
     pub(super) fn camera_controls(&mut self, ui: &mut Ui) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else { return };
@@ -59,7 +59,7 @@ impl App {
             });
             ui.end_row();
         });
-        // What is typed may be no finite number.
+        // A typed value can be infinite or NaN.
         for (value, before) in [
             (&mut camera.fov, before.fov),
             (&mut camera.lens_radius, before.lens_radius),

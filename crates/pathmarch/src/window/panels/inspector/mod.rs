@@ -1,5 +1,5 @@
-//! The controls of what is selected. They are made of what the document says of a node: nothing here knows a shape or a
-//! material.
+//! Inspector: properties of the selection. Controls are generated from the document; no shape or material is known
+//! here.
 
 mod camera;
 mod picture;
@@ -10,12 +10,12 @@ use egui::Ui;
 use pathmarch_render::pathmarch_scene::document::{Control, Item, ItemKind, Path, Value, key};
 use widgets::{Change, row};
 
-/// Points of a window that has room for controls and a picture.
+/// Smallest window width with room for inspector and picture, points.
 const LEAST_WINDOW: f32 = 640.0;
 
 impl App {
     pub(crate) fn inspector_panel(&mut self, ui: &mut Ui) {
-        // Controls need their width; where that would leave nothing for the picture, they wait for a larger window.
+        // A narrow window leaves the space to the picture.
         if ui.ctx().content_rect().width() < LEAST_WINDOW {
             return;
         }
@@ -47,7 +47,7 @@ impl App {
             }
         });
         self.controls_of(ui, &item.path);
-        // Of what it is made, at hand; where it does not say, of what it stands in.
+        // Show the material of the object, or the inherited one.
         if item.kind == ItemKind::Object || item.kind.is_solid() {
             let Some(open) = &self.open else { return };
             let up = |path: &Path| path.parent();
@@ -59,7 +59,7 @@ impl App {
         }
     }
 
-    /// The parameters of the file: what it is made to be changed by.
+    /// Controls of the scene's declared parameters.
     fn parameter_controls(&mut self, ui: &mut Ui) {
         let Some(open) = &self.open else { return };
         let params = open.document.outline().iter().filter(|item| item.kind == ItemKind::Param);
@@ -89,7 +89,7 @@ impl App {
         ui.separator();
     }
 
-    /// The controls of the material that something is made of.
+    /// Controls of the material that the selection uses.
     fn linked_material(&mut self, ui: &mut Ui, material: &str) {
         let Some(open) = &self.open else { return };
         let is_it = |item: &&Item| item.kind == ItemKind::Material && item.name.as_deref() == Some(material);
@@ -100,7 +100,7 @@ impl App {
             .show(ui, |ui| self.controls_of(ui, &path));
     }
 
-    /// Every control of a node.
+    /// All controls of a node.
     fn controls_of(&mut self, ui: &mut Ui, path: &Path) {
         let Some(open) = &self.open else { return };
         let controls = open.document.controls(path);
@@ -129,7 +129,7 @@ impl App {
     }
 }
 
-/// What a node is called.
+/// Heading of a node: kind and name.
 pub(crate) fn heading(item: &Item) -> String {
     match &item.name {
         Some(name) => format!("{} “{name}”", item.word),

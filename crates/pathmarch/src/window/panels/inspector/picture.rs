@@ -1,4 +1,4 @@
-//! Controls of the live picture, of the render settings and of the sky.
+//! Controls of viewport, render settings and sky.
 
 use crate::window::app::App;
 use crate::window::open_scene::view_state::Resolution;
@@ -7,7 +7,7 @@ use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_scene::document::ItemKind;
 
 impl App {
-    /// What is shown, and how well.
+    /// Mode and resolution of the viewport, render settings, background.
     pub(super) fn picture_controls(&mut self, ui: &mut Ui) {
         let Some(open) = &mut self.open else { return };
         ui.heading("Picture");
@@ -56,7 +56,7 @@ impl App {
         }
     }
 
-    /// Offers to write a node that the scene does not have.
+    /// Offers to add a node that the scene lacks.
     fn missing(&mut self, ui: &mut Ui, word: &str) {
         let Some(open) = &self.open else { return };
         let additions = open.document.additions(None);

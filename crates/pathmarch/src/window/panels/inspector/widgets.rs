@@ -1,15 +1,15 @@
-//! Widgets for the values of a node, by the kind of each control.
+//! Widgets for node properties, one for each kind of control.
 
 use egui::{ComboBox, DragValue, Response, RichText, Slider, SliderClamping, TextEdit, Ui};
 use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, Path, Value};
 
-/// A change that a control asks for.
+/// A change that a control requests.
 pub(super) enum Change {
     Set(Value),
     Reset,
 }
 
-/// One control: its name, its value, and a way back to the default.
+/// One row: label, value, and a button that resets to the default.
 pub(super) fn row(ui: &mut Ui, path: &Path, control: &Control) -> Option<Change> {
     let words = if control.given { RichText::new(&*control.label) } else { RichText::new(&*control.label).weak() };
     let label = ui.label(words).on_hover_text(tooltip(control));
@@ -59,7 +59,7 @@ fn tooltip(control: &Control) -> String {
     words
 }
 
-/// The numbers of a value as texts.
+/// Components of a numeric value as texts.
 fn numbers_of(value: &Value) -> Option<Vec<String>> {
     let texts = |numbers: &[f32]| numbers.iter().map(f32::to_string).collect();
     match value {
@@ -70,7 +70,7 @@ fn numbers_of(value: &Value) -> Option<Vec<String>> {
     }
 }
 
-/// Formulas as texts, and what they are worth.
+/// Text fields of formulas, with their current value below.
 fn formulas(ui: &mut Ui, path: &Path, control: &Control, texts: &[String], label: &Response) -> Option<Value> {
     let mut new = None;
     ui.vertical(|ui| {
@@ -90,7 +90,7 @@ fn formulas(ui: &mut Ui, path: &Path, control: &Control, texts: &[String], label
     new
 }
 
-/// The widget of a control; the value it was changed to.
+/// Widget of a control; returns the new value if it changed.
 fn widget(ui: &mut Ui, path: &Path, control: &Control, label: &Response) -> Option<Value> {
     match (&control.kind, &control.value) {
         (ControlKind::Number(range), Value::Number(value)) => {
@@ -137,7 +137,7 @@ fn widget(ui: &mut Ui, path: &Path, control: &Control, label: &Response) -> Opti
             changed.then_some(Value::Size(value))
         }
         (ControlKind::Text | ControlKind::Picture, Value::Text(value)) => text(ui, path, control.key, value, label),
-        // A value that does not fit its control: the text has a mistake there.
+        // The value does not match its control: the scene text contains an error here.
         _ => {
             ui.weak("see the text");
             None
@@ -164,7 +164,7 @@ fn triple(ui: &mut Ui, value: &mut [f32; 3], unit: &str, label: &Response) -> bo
     changed
 }
 
-/// A colour to 1, or a radiance as a colour and its strength.
+/// Colour picker; a radiance above 1 gets an extra field for its strength.
 fn colour(ui: &mut Ui, value: [f32; 3], max: f32, label: &Response) -> Option<[f32; 3]> {
     let strength = value.iter().fold(0.0_f32, |largest, v| largest.max(*v));
     let bounded = max <= 1.0;
@@ -211,7 +211,7 @@ fn choose(
     chosen
 }
 
-/// A text that counts once it is left or Enter is pressed.
+/// Text field that applies its text on Enter or when it loses the focus.
 fn text(ui: &mut Ui, path: &Path, key: &str, value: &str, label: &Response) -> Option<Value> {
     let id = ui.scope_id().with(("text", path, key));
     let mut typed = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| value.to_owned());
