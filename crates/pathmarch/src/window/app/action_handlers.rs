@@ -83,7 +83,7 @@ impl App {
         let label = if back { open.document.undo() } else { open.document.redo() };
         if let Some(label) = label {
             self.document_changed();
-            self.show_message(&format!("{}: {label}", if back { "Undone" } else { "Done again" }));
+            self.show_message(&format!("{}: {label}", if back { "Undone" } else { "Redone" }));
         }
     }
 
@@ -136,7 +136,7 @@ impl App {
             Ok(name)
         });
         if let Some(name) = written {
-            self.show_message(&format!("Camera “{name}” of the scene is now as shown."));
+            self.show_message(&format!("Camera “{name}” now has this view."));
         }
     }
 
@@ -150,7 +150,7 @@ impl App {
         let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf));
         let bounds = boxes.filter(|bounds| bounds.is_finite()).reduce(|all, bounds| all.union(bounds));
         let Some(bounds) = bounds else {
-            self.show_message("What is selected has no limited size.");
+            self.show_message("The selection has no finite bounds.");
             return;
         };
         let (min, max) = (glam::Vec3::from(bounds.min), glam::Vec3::from(bounds.max));
@@ -164,6 +164,6 @@ impl App {
         let texture = ctx.load_texture("kept picture", image, TextureOptions::LINEAR);
         let label = format!("{}, {:.0} samples", open.view.mode.name(), shown.samples);
         open.view.comparison = Some(ComparisonPicture { texture, label, split: 0.5, shown: true });
-        self.show_message("Kept for comparison: drag the line in the picture; B hides it.");
+        self.show_message("Stored for comparison: drag the line to compare, press B to hide it.");
     }
 }

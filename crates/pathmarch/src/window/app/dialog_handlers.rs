@@ -37,7 +37,7 @@ impl App {
                 }
                 // The recovery file is now based on the other version.
                 self.document_changed();
-                self.show_message("Your version stays; the file keeps the other one until you save.");
+                self.show_message("Kept your version. The file is unchanged until you save.");
             }
             Answer::TakeTheirs => {
                 self.dialog = None;
@@ -46,7 +46,7 @@ impl App {
                 {
                     open.reload_from_disk(text);
                     self.document_changed();
-                    self.show_message("This is what the file says now; undo brings your version back.");
+                    self.show_message("Loaded the file's version. Undo brings yours back.");
                 }
             }
             Answer::SaveMineAs => {
@@ -68,7 +68,7 @@ impl App {
                     self.dialog = None;
                     self.recover(one);
                     if others {
-                        self.show_message("What else was found is offered at the next start.");
+                        self.show_message("The other recovered scenes will be offered at the next start.");
                     }
                     return;
                 }
@@ -129,11 +129,11 @@ impl App {
         }
         if must_decide {
             self.dialog = Some(Dialog::Conflict);
-            self.show_message("Recovered, but its file is not what it was.");
+            self.show_message("Recovered, but its file has changed since.");
         } else if is_unsaved {
             self.show_message("Recovered. Save it to keep it.");
         } else {
-            self.show_message("Recovered: its file holds all of it.");
+            self.show_message("Recovered; its file is already up to date.");
         }
     }
 

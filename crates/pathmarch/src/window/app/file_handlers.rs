@@ -136,7 +136,7 @@ impl App {
     fn save_to(&mut self, path: &Path) -> bool {
         let Some(open) = &mut self.open else { return false };
         if let Err(error) = write_atomically(path, open.document.text().as_bytes()) {
-            self.show_error(&format!("Not saved: {error} The scene is still here, and kept for recovery."));
+            self.show_error(&format!("Not saved: {error}. Your changes are still open, and in the recovery file."));
             self.recovery.flush();
             return false;
         }
@@ -161,7 +161,7 @@ impl App {
     }
 
     pub(crate) fn choose_picture_path(&mut self) {
-        let options = file_dialog_options("Save the picture as it is shown", &["png", "exr", "jpg"]);
+        let options = file_dialog_options("Save the displayed picture", &["png", "exr", "jpg"]);
         let name = self.picture_file_name();
         self.file_dialog =
             Some((self.with_bookmarks(FileDialog::save(&self.directory(), &name, options)), FileRequest::Picture));

@@ -219,7 +219,7 @@ impl App {
                 if let Some(open) = &mut self.open {
                     open.view.selection = None;
                 }
-                self.show_message("The file has changed: this is what it says now.");
+                self.show_message("The file has changed on disk and was reloaded.");
             }
             Some(FileChange::Conflict) => self.dialog = Some(Dialog::Conflict),
             Some(FileChange::InSync) => {
@@ -233,7 +233,7 @@ impl App {
         }
         if self.open.as_mut().is_some_and(|open| open.poll_includes(&self.waker)) {
             self.document_changed();
-            self.show_message("A file that the scene includes has changed.");
+            self.show_message("An included file has changed and was reloaded.");
         }
         let mut said = Vec::new();
         self.renders.retain(|export| match export.finished() {

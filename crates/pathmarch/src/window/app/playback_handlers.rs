@@ -13,9 +13,7 @@ impl App {
     pub(crate) fn play_or_pause(&mut self, ctx: &Context) {
         let Some(open) = &mut self.open else { return };
         if !open.document.last_good().is_some_and(|scene| scene.animated) {
-            self.show_message(
-                "Nothing in this scene depends on the time: write a formula with t, as in rotate 0 \"90*t\" 0.",
-            );
+            self.show_message("This scene is not animated: use a formula of t, such as rotate 0 \"90*t\" 0.");
             return;
         }
         open.playback.playing = match open.playback.playing {

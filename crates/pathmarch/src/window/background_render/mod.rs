@@ -117,7 +117,7 @@ impl BackgroundRender {
         let thread_shared = shared.clone();
         let thread = std::thread::Builder::new().name("render".to_owned()).spawn(move || {
             let outcome = catch_unwind(AssertUnwindSafe(|| work(&task, &thread_shared, &wake))).unwrap_or_else(|_| {
-                Err(format!("{}: not written: the renderer failed in a way it should not", task.output.display()))
+                Err(format!("{}: not written: the renderer panicked, which is a bug", task.output.display()))
             });
             thread_shared.state().outcome = Some(outcome);
             wake();
@@ -186,7 +186,7 @@ pub fn check_output(output: &Path, layers: &[Layer]) -> Result<(), String> {
     let format = ImageFormat::from_path(output).map_err(|error| error.to_string())?;
     if !layers.is_empty() && format != ImageFormat::Exr {
         return Err(format!(
-            "{}: cannot hold layers, only OpenEXR can; let its name end in .exr, or leave the layers out",
+            "{}: only OpenEXR can store layers; use the extension .exr, or turn layers off",
             output.display()
         ));
     }
@@ -211,7 +211,7 @@ fn samples_of(film: &Film, settings: &Settings) -> String {
         format!("{} of {} samples", film.samples, settings.samples)
     };
     if film.non_finite() > 0 {
-        text += &format!("; {} that were not finite were left out", film.non_finite());
+        text += &format!("; {} non-finite ones were discarded", film.non_finite());
     }
     text
 }
@@ -262,7 +262,7 @@ impl<W: Fn()> Worker<'_, W> {
                 skipped += 1;
                 continue;
             }
-            let in_frame = |error: String| format!("frame {frame}: {error}; what was written before it stays");
+            let in_frame = |error: String| format!("frame {frame}: {error}; frames written before it are kept");
             let scene = self.animation.at(Moment::of_frame(frame, fps)).map_err(|error| in_frame(error.to_string()))?;
             let exposure_stops = task.settings.camera_of(&scene).exposure;
             let display = Display { exposure_stops, ..task.display };
@@ -272,7 +272,7 @@ impl<W: Fn()> Worker<'_, W> {
         }
         let files = if wrote == 1 { "1 frame".to_owned() } else { format!("{wrote} frames") };
         let begun = if self.shared.command() == CONTINUE { "wrote" } else { "stopped; wrote" };
-        let there = if skipped > 0 { format!(", {skipped} were there") } else { String::new() };
+        let there = if skipped > 0 { format!(", {skipped} existed already") } else { String::new() };
         let seconds = started.elapsed().as_secs_f64();
         Ok(format!("{begun} {files} to {} in {seconds:.1} s{there}", task.output.display()))
     }

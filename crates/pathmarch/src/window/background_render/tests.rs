@@ -156,7 +156,7 @@ fn one_that_is_stopped_early_keeps_what_is_done() {
 fn what_cannot_be_written_is_said_at_once() {
     let directory = tempfile::tempdir().expect("a directory");
     for (name, layers, words) in [
-        ("no/a.png", &[][..], "no is not there"),
+        ("no/a.png", &[][..], "no does not exist"),
         ("a.gif", &[], ".png"),
         ("a.png", &Layer::ALL, ".exr"),
         ("", &[], "ends in"),
@@ -198,7 +198,7 @@ fn frames_are_those_of_the_command_line_and_what_is_there_stays() {
     let scene = directory.path().join("scene.kdl");
     std::fs::write(&scene, &task.scene.source_text).expect("written");
     let sentence = run(task).expect("written");
-    assert!(sentence.starts_with("wrote 2 frames") && sentence.ends_with("1 were there"), "{sentence}");
+    assert!(sentence.starts_with("wrote 2 frames") && sentence.ends_with("1 existed already"), "{sentence}");
     let file = |name: &str| directory.path().join(name);
     assert_eq!(std::fs::read_to_string(file("a-03.exr")).expect("there"), "mine");
     let Some(program) = program() else { return };
@@ -217,6 +217,6 @@ fn frames_are_those_of_the_command_line_and_what_is_there_stays() {
 fn a_frame_with_a_mistake_says_so_and_keeps_those_before() {
     let directory = tempfile::tempdir().expect("a directory");
     let error = run(sequence(directory.path(), "0.5 - frame/4", 0, 9)).expect_err("a radius of zero");
-    assert!(error.starts_with("frame 2: ") && error.ends_with("what was written before it stays"), "{error}");
+    assert!(error.starts_with("frame 2: ") && error.ends_with("frames written before it are kept"), "{error}");
     assert!(directory.path().join("a-01.exr").exists() && !directory.path().join("a-02.exr").exists());
 }

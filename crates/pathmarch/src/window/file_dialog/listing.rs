@@ -28,8 +28,8 @@ pub struct Entry {
 pub fn read(directory: &Path) -> Result<Vec<Entry>, String> {
     let entries = fs::read_dir(directory).map_err(|error| {
         let reason = match error.kind() {
-            ErrorKind::NotFound => "is not there".to_owned(),
-            ErrorKind::PermissionDenied => "may not be looked into".to_owned(),
+            ErrorKind::NotFound => "does not exist".to_owned(),
+            ErrorKind::PermissionDenied => "cannot be opened: permission denied".to_owned(),
             ErrorKind::NotADirectory => "is not a directory".to_owned(),
             _ => format!("cannot be listed: {error}"),
         };

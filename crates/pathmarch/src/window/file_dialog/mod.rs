@@ -127,7 +127,7 @@ impl FileDialog {
 
     /// Adds bookmarks: the directory of the open file, then others, most useful first.
     pub fn with_bookmarks(mut self, scene_directory: Option<&Path>, recent: &[PathBuf]) -> Self {
-        self.add_bookmark("Scene's directory", scene_directory);
+        self.add_bookmark("Scene directory", scene_directory);
         for directory in recent {
             let name = directory.file_name().map_or(directory.to_string_lossy(), OsStr::to_string_lossy);
             self.add_bookmark(&name, Some(directory));
@@ -286,7 +286,7 @@ impl FileDialog {
                     self.accept();
                 }
             }
-            _ => self.error = Some(format!("{} is not the name of a file", path.display())),
+            _ => self.error = Some(format!("{} is not a file name", path.display())),
         }
     }
 
@@ -315,7 +315,7 @@ impl FileDialog {
         if path.is_file() {
             self.choice = Some(Choice::Chosen(path));
         } else {
-            self.error = Some(format!("{} is not there, or is not a file", path.display()));
+            self.error = Some(format!("{} does not exist or is not a file", path.display()));
         }
     }
 

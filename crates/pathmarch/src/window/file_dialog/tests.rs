@@ -132,10 +132,10 @@ fn a_path_is_typed() {
     let mut harness = harness(FileDialog::open(directory.path(), scenes()));
     fill(&mut harness, "Path", "nowhere/x.kdl");
     key(&mut harness, Key::Enter);
-    assert!(harness.query_by_label_contains("nowhere/x.kdl is not there").is_some());
+    assert!(harness.query_by_label_contains("nowhere/x.kdl does not exist").is_some());
     // A directory is visible while its path is being typed.
     fill(&mut harness, "Path", &format!("{}/sub/", directory.path().display()));
-    assert!(harness.query_by_label("e.kdl").is_some() && harness.query_by_label_contains("not there").is_none());
+    assert!(harness.query_by_label("e.kdl").is_some() && harness.query_by_label_contains("does not exist").is_none());
     fill(&mut harness, "Path", &directory.path().to_string_lossy());
     key(&mut harness, Key::Enter);
     assert!(harness.query_by_label("a.kdl").is_some());
@@ -165,7 +165,7 @@ fn replacing_is_asked_for() {
     key(&mut harness, Key::Escape);
     assert_eq!(harness.state().choice, None, "only the question is gone");
     press(&mut harness, "Save");
-    press(&mut harness, "Keep it");
+    press(&mut harness, "Do not replace");
     assert_eq!(harness.state().choice, None);
     press(&mut harness, "b.KDL");
     press(&mut harness, "Save");
@@ -197,11 +197,11 @@ fn places_lead_there_and_errors_are_shown() {
     let dialog = FileDialog::open(&gone.join("deeper"), scenes()).with_bookmarks(Some(&sub), &[sub.clone(), gone]);
     assert_eq!(dialog.directory(), directory.path(), "the nearest directory that is there");
     let mut harness = harness(dialog);
-    assert!(harness.query_by_label_contains("is not there").is_some());
-    press(&mut harness, "Scene's directory");
+    assert!(harness.query_by_label_contains("does not exist").is_some());
+    press(&mut harness, "Scene directory");
     assert!(harness.query_by_label("e.kdl").is_some());
     press(&mut harness, "gone");
-    assert!(harness.query_by_label_contains("gone is not there").is_some());
+    assert!(harness.query_by_label_contains("gone does not exist").is_some());
     assert!(harness.query_by_label("e.kdl").is_some(), "and it stays where it was");
     press(&mut harness, "Up");
     assert!(harness.query_by_label("a.kdl").is_some());

@@ -47,7 +47,7 @@ impl FileDialog {
 
     pub(super) fn file_list(&mut self, ui: &mut Ui) {
         if self.visible.is_empty() {
-            ui.weak("Nothing to choose here");
+            ui.weak("No matching files");
         }
         let height = ui.text_style_height(&TextStyle::Button) + 4.0;
         let step = height + ui.spacing().item_spacing.y;
@@ -85,12 +85,12 @@ impl FileDialog {
         }
         if let Some(path) = &self.replace {
             let path = path.clone();
-            ui.label(format!("{} is there already. Replace it?", path.file_name().unwrap_or_default().display()));
+            ui.label(format!("{} already exists. Replace it?", path.file_name().unwrap_or_default().display()));
             ui.horizontal(|ui| {
                 if ui.button("Replace").clicked() {
                     self.choice = Some(Choice::Chosen(path));
                 }
-                if ui.button("Keep it").clicked() {
+                if ui.button("Do not replace").clicked() {
                     self.replace = None;
                 }
             });

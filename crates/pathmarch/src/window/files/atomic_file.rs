@@ -18,7 +18,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum SaveError {
     /// The directory does not exist.
-    #[error("{}: the directory {} is not there; create it, or save elsewhere", path.display(), directory.display())]
+    #[error("{}: the directory {} does not exist; create it, or save elsewhere", path.display(), directory.display())]
     MissingDirectory {
         /// The file.
         path: PathBuf,
@@ -38,7 +38,7 @@ pub enum SaveError {
         path: PathBuf,
     },
     /// The directory is not writable.
-    #[error("{}: may not be written, since no file can be made in {}; save elsewhere, or change the permissions of that directory", path.display(), directory.display())]
+    #[error("{}: permission denied, no file can be created in {}; save elsewhere, or change the permissions of that directory", path.display(), directory.display())]
     Denied {
         /// The file.
         path: PathBuf,
@@ -46,7 +46,7 @@ pub enum SaveError {
         directory: PathBuf,
     },
     /// The disk is full.
-    #[error("{}: there is no room on its disk; make some and save again, or save elsewhere", path.display())]
+    #[error("{}: the disk is full; free some space, or save elsewhere", path.display())]
     Full {
         /// The file.
         path: PathBuf,
@@ -185,7 +185,7 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
             _ => return Ok(path),
         }
     }
-    Err(io::Error::other("its links lead in a circle"))
+    Err(io::Error::other("its symbolic links form a loop"))
 }
 
 #[cfg(test)]
@@ -218,10 +218,10 @@ mod tests {
         let path = directory.path().join("a.kdl");
         write_atomically(&path, b"old").expect("written");
         for (kind, words) in [
-            (ErrorKind::StorageFull, "no room"),
-            (ErrorKind::QuotaExceeded, "no room"),
-            (ErrorKind::ReadOnlyFilesystem, "no file can be made"),
-            (ErrorKind::PermissionDenied, "no file can be made"),
+            (ErrorKind::StorageFull, "disk is full"),
+            (ErrorKind::QuotaExceeded, "disk is full"),
+            (ErrorKind::ReadOnlyFilesystem, "no file can be created"),
+            (ErrorKind::PermissionDenied, "no file can be created"),
             (ErrorKind::BrokenPipe, "cannot be written"),
         ] {
             let failing = |file: &mut File| file.write_all(b"ne").and(Err(kind.into()));

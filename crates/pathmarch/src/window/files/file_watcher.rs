@@ -233,19 +233,19 @@ impl Stamp {
 }
 
 fn read(path: &Path) -> Result<String, String> {
-    let fail = |reason: &str| Err(format!("{}: {reason}; the picture stays as it was", path.display()));
+    let fail = |reason: &str| Err(format!("{}: {reason}; the last picture is kept", path.display()));
     let mut bytes = Vec::new();
     let result = fs::metadata(path).and_then(|data| {
         // Reading a pipe would block forever.
         if data.is_file() { File::open(path)?.read_to_end(&mut bytes) } else { Err(ErrorKind::InvalidInput.into()) }
     });
     match result {
-        Ok(_) => String::from_utf8(bytes).or_else(|_| fail("is not UTF-8 text any more")),
+        Ok(_) => String::from_utf8(bytes).or_else(|_| fail("is no longer UTF-8 text")),
         Err(error) => match error.kind() {
             ErrorKind::NotFound | ErrorKind::NotADirectory => fail("was deleted, renamed or moved"),
-            ErrorKind::InvalidInput => fail("is not a file any more"),
-            ErrorKind::PermissionDenied => fail("may not be read any more"),
-            _ => fail(&format!("cannot be read any more: {error}")),
+            ErrorKind::InvalidInput => fail("is no longer a file"),
+            ErrorKind::PermissionDenied => fail("can no longer be read: permission denied"),
+            _ => fail(&format!("can no longer be read: {error}")),
         },
     }
 }

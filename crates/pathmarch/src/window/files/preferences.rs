@@ -77,7 +77,7 @@ impl Preferences {
             },
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Self::default(),
             Err(error) => Self {
-                notice: Some(format!("{}: cannot be read: {error}; the defaults apply", file.display())),
+                notice: Some(format!("{}: cannot be read: {error}; using the defaults", file.display())),
                 ..Self::default()
             },
         };
@@ -132,13 +132,11 @@ fn set_aside(file: &Path, reason: &str) -> String {
     let mut bad = file.as_os_str().to_owned();
     bad.push(".bad");
     match fs::rename(file, &bad) {
-        Ok(()) => format!(
-            "{}: cannot be understood: {reason}; it is now {}, and the defaults apply",
-            file.display(),
-            bad.display()
-        ),
+        Ok(()) => {
+            format!("{}: is not valid: {reason}; renamed to {}, using the defaults", file.display(), bad.display())
+        }
         Err(error) => {
-            format!("{}: cannot be understood: {reason}; nor set aside: {error}; the defaults apply", file.display())
+            format!("{}: is not valid: {reason}; cannot be renamed: {error}; using the defaults", file.display())
         }
     }
 }

@@ -36,9 +36,9 @@ impl Resolution {
 
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Fit => "Fit the window",
-            Self::Half => "Half of it",
-            Self::Scene => "As rendered",
+            Self::Fit => "Fit window",
+            Self::Half => "Half size",
+            Self::Scene => "Scene size",
         }
     }
 }

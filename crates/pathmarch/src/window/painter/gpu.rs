@@ -50,7 +50,7 @@ impl GpuPainter {
         .map_err(|error| error.to_string())?;
         let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         if is_software && !accept_software {
-            return Err(OpenError(format!("{} is software", adapter.get_info().name)));
+            return Err(OpenError(format!("{} is a software adapter", adapter.get_info().name)));
         }
         let limits = wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits());
         let limit = limits.max_texture_dimension_2d;

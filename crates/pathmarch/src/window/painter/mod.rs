@@ -99,7 +99,7 @@ impl Painter {
     ) -> Result<Self, String> {
         let software = |display| {
             let kind = Kind::Software(SoftwarePainter::new(window, display)?);
-            Ok::<_, String>(Self { kind, adapter: "the processor".to_owned() })
+            Ok::<_, String>(Self { kind, adapter: "CPU".to_owned() })
         };
         let gpu = |display, accept_software| {
             let (painter, adapter) = GpuPainter::new(window, display, textures, accept_software)?;

@@ -42,10 +42,10 @@ impl App {
             lines.push((0, error.to_string(), None));
         }
         egui::Panel::bottom("mistakes").resizable(true).default_size(130.0).max_size(360.0).show(ui, |ui| {
-            let title = if lines.len() == 1 { "1 mistake".to_owned() } else { format!("{} mistakes", lines.len()) };
+            let title = if lines.len() == 1 { "1 error".to_owned() } else { format!("{} errors", lines.len()) };
             ui.horizontal(|ui| {
                 ui.colored_label(ui.visuals().error_fg_color, RichText::new(title).strong());
-                ui.weak("The picture is of the text as it was before them.");
+                ui.weak("The picture shows the last version without errors.");
             });
             egui::ScrollArea::vertical().show(ui, |ui| {
                 for (offset, message, help) in &lines {

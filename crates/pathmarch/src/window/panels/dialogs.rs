@@ -39,14 +39,14 @@ impl App {
 }
 
 fn unsaved(ui: &mut Ui, after: &PendingAction, answer: &mut Answer) {
-    ui.heading("Save the changes?");
-    ui.label("The scene has changes that are in no file yet.");
+    ui.heading("Save changes?");
+    ui.label("The scene has unsaved changes.");
     ui.add_space(8.0);
     ui.horizontal(|ui| {
         if ui.button(RichText::new("Save").strong()).clicked() {
             *answer = Answer::Save(after.clone());
         }
-        if ui.button("Discard them").clicked() {
+        if ui.button("Discard").clicked() {
             *answer = Answer::Discard(after.clone());
         }
         if ui.button("Cancel").clicked() {
@@ -56,14 +56,14 @@ fn unsaved(ui: &mut Ui, after: &PendingAction, answer: &mut Answer) {
 }
 
 fn busy(ui: &mut Ui, answer: &mut Answer) {
-    ui.heading("A render is not finished");
-    ui.label("It would end without a file.");
+    ui.heading("A render is still running");
+    ui.label("Quitting cancels it; no file is written.");
     ui.add_space(8.0);
     ui.horizontal(|ui| {
-        if ui.button(RichText::new("Stay").strong()).clicked() {
+        if ui.button(RichText::new("Keep rendering").strong()).clicked() {
             *answer = Answer::Close;
         }
-        if ui.button("Cancel it and quit").clicked() {
+        if ui.button("Cancel render and quit").clicked() {
             *answer = Answer::CancelRendersAndQuit;
         }
     });
@@ -73,30 +73,34 @@ fn busy(ui: &mut Ui, answer: &mut Answer) {
 fn conflict(ui: &mut Ui, unreadable: Option<&String>, answer: &mut Answer) {
     match unreadable {
         None => {
-            ui.heading("The file has changed as well");
-            ui.label("Someone else has changed the file while there were unsaved changes here. Both are still there.");
+            ui.heading("The file has changed on disk");
+            ui.label(
+                "Another program has changed the file, and you have unsaved changes. Both versions are still there.",
+            );
         }
         Some(why) => {
-            ui.heading("The file cannot be read any more");
-            ui.label(format!("There are unsaved changes here, and of the file: {why}. Your version is still there."));
+            ui.heading("The file can no longer be read");
+            ui.label(format!("Reason: {why}. Your unsaved changes are still open."));
         }
     }
     ui.add_space(8.0);
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Keep mine").on_hover_text("The file stays as it is until you save.").clicked() {
+        if ui.button("Keep mine").on_hover_text("The file is unchanged until you save.").clicked() {
             *answer = Answer::KeepMine;
         }
-        if unreadable.is_none() && ui.button("Take the file's").on_hover_text("Undo brings yours back.").clicked() {
+        if unreadable.is_none()
+            && ui.button("Reload from disk").on_hover_text("Undo brings your version back.").clicked()
+        {
             *answer = Answer::TakeTheirs;
         }
-        if ui.button("Save mine as…").on_hover_text("Leaves the file as it is.").clicked() {
+        if ui.button("Save mine as…").on_hover_text("Save your version to another file.").clicked() {
             *answer = Answer::SaveMineAs;
         }
     });
 }
 
 fn recovered(ui: &mut Ui, left: &[RecoveredWork], answer: &mut Answer) {
-    ui.heading("Unsaved work was found");
+    ui.heading("Unsaved work found");
     ui.label("The program ended without saving it.");
     ui.add_space(6.0);
     for (index, one) in left.iter().enumerate() {
@@ -112,18 +116,18 @@ fn recovered(ui: &mut Ui, left: &[RecoveredWork], answer: &mut Answer) {
         });
     }
     ui.add_space(6.0);
-    if ui.button("Ask again next time").clicked() {
+    if ui.button("Decide later").clicked() {
         *answer = Answer::AskLater;
     }
 }
 
 fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) {
-    ui.heading("Render to a file");
+    ui.heading("Render to file");
     egui::Grid::new("render").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
         let label = ui.label("file");
         ui.horizontal(|ui| {
             ui.add(egui::TextEdit::singleline(&mut render.output).desired_width(300.0)).labelled_by(label.id);
-            if ui.button("Choose…").on_hover_text("Choose folder and name.").clicked() {
+            if ui.button("Choose…").on_hover_text("Choose directory and file name.").clicked() {
                 *answer = Answer::ChooseOutput;
             }
         });
@@ -144,10 +148,10 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
             .labelled_by(label.id);
         ui.end_row();
         if render.may_choose_viewpoint {
-            let label = ui.label("seen from");
+            let label = ui.label("camera");
             ui.horizontal(|ui| {
-                ui.radio_value(&mut render.own_viewpoint, true, "here").labelled_by(label.id);
-                ui.radio_value(&mut render.own_viewpoint, false, "the scene's camera").labelled_by(label.id);
+                ui.radio_value(&mut render.own_viewpoint, true, "current view").labelled_by(label.id);
+                ui.radio_value(&mut render.own_viewpoint, false, "scene camera").labelled_by(label.id);
             });
             ui.end_row();
         }
@@ -162,7 +166,7 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
                     ui.add(egui::DragValue::new(&mut first).range(0..=last)).labelled_by(label.id);
                     ui.label("to");
                     ui.add(egui::DragValue::new(&mut last).range(first..=LAST_FRAME)).labelled_by(label.id);
-                    ui.checkbox(&mut render.skip_existing, "skip those that are there");
+                    ui.checkbox(&mut render.skip_existing, "skip existing");
                 });
             });
             render.frames = Some([first, last]);

@@ -15,21 +15,21 @@ impl App {
                 ui.add_space(14.0);
                 ui.vertical_centered(|ui| {
                     ui.label(RichText::new("pathmarch").size(34.0).strong());
-                    ui.label("Distance fields, path-traced. Choose a scene to start from.");
+                    ui.label("A path tracer for distance fields. Choose a scene to start with.");
                     ui.add_space(8.0);
                     ui.horizontal(|ui| {
                         let width = 250.0;
                         ui.add_space((ui.available_width() - width).max(0.0) * 0.5);
-                        if ui.button("New scene").on_hover_text("A ball on a floor.").clicked() {
+                        if ui.button("New scene").on_hover_text("A sphere on a floor.").clicked() {
                             chosen = Some(PendingAction::New);
                         }
-                        if ui.button("Open a file…").on_hover_text("A .kdl file.").clicked() {
+                        if ui.button("Open file…").on_hover_text("Open a .kdl scene file.").clicked() {
                             chosen = Some(PendingAction::Open);
                         }
                         if let Some(path) = self.preferences.recent.first() {
                             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                             let words = path.display().to_string();
-                            if ui.button(format!("Go on with {name}")).on_hover_text(words).clicked() {
+                            if ui.button(format!("Continue with {name}")).on_hover_text(words).clicked() {
                                 chosen = Some(PendingAction::OpenFile(path.clone()));
                             }
                         }

@@ -85,7 +85,7 @@ impl App {
         let mut requested = None;
         for (handles, name, action) in [
             (GizmoMode::Move, "Move", Action::GizmoMove),
-            (GizmoMode::Rotate, "Turn", Action::GizmoRotate),
+            (GizmoMode::Rotate, "Rotate", Action::GizmoRotate),
             (GizmoMode::Scale, "Scale", Action::GizmoScale),
         ] {
             let doc = ACTIONS.iter().find(|entry| entry.action == action).map_or("", |entry| entry.doc);
@@ -101,14 +101,14 @@ impl App {
         let compares = open.view.comparison.as_ref().is_some_and(|kept| kept.shown);
         if ui
             .selectable_label(compares, "Compare")
-            .on_hover_text("Keep this picture and compare later ones with it.")
+            .on_hover_text("Store this picture and compare later ones with it.")
             .clicked()
         {
             requested = Some(Action::Compare);
         }
         ui.separator();
         let unsaved = open.has_unsaved_work();
-        if ui.add_enabled(unsaved, egui::Button::new("Save")).on_hover_text("Write the scene to its file.").clicked() {
+        if ui.add_enabled(unsaved, egui::Button::new("Save")).on_hover_text("Save the scene to its file.").clicked() {
             requested = Some(Action::Save);
         }
         if ui.button("Render…").on_hover_text("Render with all samples to a file, in the background.").clicked() {

@@ -26,8 +26,8 @@ impl App {
             };
             ui.horizontal_top(|ui| {
                 let width = 0.5 * ui.available_width() - 12.0;
-                plot(ui, "time between pictures", "ms", width, |both| both.0);
-                plot(ui, "samples of the whole picture", "/s", width, |both| both.1);
+                plot(ui, "frame time", "ms", width, |both| both.0);
+                plot(ui, "sample rate", "/s", width, |both| both.1);
             });
         });
     }

@@ -115,7 +115,7 @@ impl App {
             let response = ui.interact(arrow, row_id.with("arrow"), Sense::click());
             let colour = ui.style().interact(&response).fg_stroke.color;
             ui.painter().add(triangle(arrow.center(), *is_expanded, colour));
-            let what = if *is_expanded { "Close" } else { "Open" };
+            let what = if *is_expanded { "Collapse" } else { "Expand" };
             response.widget_info(|| {
                 egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{what} {}", heading(item)))
             });

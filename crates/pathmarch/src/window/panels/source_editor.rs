@@ -17,7 +17,7 @@ impl App {
             ui.horizontal(|ui| {
                 ui.strong("Source");
                 if let Some(line) = line {
-                    ui.weak(format!("the selection is in line {line}"));
+                    ui.weak(format!("selection: line {line}"));
                 }
             });
             egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {

@@ -27,7 +27,11 @@ impl App {
                     if ui.small_button("Cancel").on_hover_text("Stop this render; no file is written.").clicked() {
                         cancelled = Some(index);
                     }
-                    if ui.small_button("Stop and keep").on_hover_text("Write what is done so far.").clicked() {
+                    if ui
+                        .small_button("Stop and keep")
+                        .on_hover_text("Stop, and write the samples done so far.")
+                        .clicked()
+                    {
                         export.stop_and_keep();
                     }
                     ui.separator();
@@ -42,12 +46,12 @@ impl App {
 
     fn renderer_status(&self, ui: &mut Ui) {
         let Some(open) = &self.open else {
-            ui.weak("Choose a scene, or drag a .kdl file into the window. F1 shows keys and mouse.");
+            ui.weak("Choose a scene, or drop a .kdl file onto the window. Press F1 for help.");
             return;
         };
         let status = self.live.status();
         let Some((_, _, [width, height])) = &open.view.picture else {
-            ui.label(status.error.as_deref().unwrap_or("The first picture is on its way."));
+            ui.label(status.error.as_deref().unwrap_or("Waiting for the first picture."));
             return;
         };
         let target = open.document.last_good().map_or(0, |scene| open.view.mode.samples(scene.render.samples));
@@ -60,7 +64,7 @@ impl App {
                 ui.weak(format!("{:.2}/s", status.samples_per_second));
             }
         } else {
-            ui.monospace("sharpening");
+            ui.monospace("refining");
         }
         ui.separator();
         ui.label(format!("{} ({})", status.backend, status.adapter));
@@ -77,8 +81,8 @@ impl App {
         }
         if open.view.is_camera_modified() {
             ui.separator();
-            ui.weak("own viewpoint")
-                .on_hover_text("Home goes back to the scene's camera, Ctrl+K writes this one to it.");
+            ui.weak("modified view")
+                .on_hover_text("Home returns to the scene's camera; Ctrl+K applies this view to it.");
         }
     }
 }

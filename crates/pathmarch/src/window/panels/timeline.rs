@@ -16,15 +16,18 @@ impl App {
         egui::Panel::bottom("timeline").show(ui, |ui| {
             ui.horizontal(|ui| {
                 let words = if plays { "Pause" } else { "Play" };
-                toggled = ui.button(words).on_hover_text("Space; comma and full stop go frame by frame.").clicked();
+                toggled = ui.button(words).on_hover_text("Space. Comma and full stop step through frames.").clicked();
                 ui.monospace(format!("{:7.3} s", moment.seconds));
                 let label = ui.label("Frame");
                 ui.spacing_mut().slider_width = (ui.available_width() - 420.0).max(80.0);
                 ui.add(Slider::new(&mut frame, 0..=last).clamping(SliderClamping::Always)).labelled_by(label.id);
-                let label = ui.label("Last frame").on_hover_text("Playing goes on with frame 0 after it.");
+                let label = ui.label("Last frame").on_hover_text("Playback continues with frame 0.");
                 ui.add(DragValue::new(&mut last).range(1..=LAST_FRAME)).labelled_by(label.id);
-                ui.weak(format!("{fps} a second"));
-                rendered = ui.button("Render frames…").on_hover_text("Each to a file, in the background.").clicked();
+                ui.weak(format!("{fps} fps"));
+                rendered = ui
+                    .button("Render frames…")
+                    .on_hover_text("Render each frame to a file, in the background.")
+                    .clicked();
             });
         });
         open.playback.last = last;

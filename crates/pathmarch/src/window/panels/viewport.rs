@@ -30,11 +30,11 @@ impl App {
     fn picture(&mut self, ui: &mut Ui) {
         let room = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(room, Sense::click_and_drag());
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Viewport"));
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else {
             fill_around(ui, room, Rect::from_center_size(room.center(), Vec2::ZERO));
-            let words = "This scene has mistakes, and there is no picture yet.\nThey are listed below; correct the text, here or in any editor.";
+            let words = "This scene has errors, so there is no picture yet.\nThey are listed below. Fix the text here or in any editor.";
             ui.painter().text(
                 room.center(),
                 Align2::CENTER_CENTER,
@@ -169,9 +169,9 @@ impl App {
                 let sharp = if view.camera.lens_radius > 0.0 {
                     String::new()
                 } else {
-                    "; with a lens radius of 0 everything is sharp".to_owned()
+                    "; everything is sharp while the lens radius is 0".to_owned()
                 };
-                self.show_message(&format!("Sharp at {:.3} m{sharp}.", picked.depth));
+                self.show_message(&format!("Focus distance: {:.3} m{sharp}.", picked.depth));
             }
         }
     }
@@ -260,7 +260,7 @@ fn compare(ui: &Ui, picture: Rect, open: &mut OpenScene, response: &Response) ->
         painter.text(at + Vec2::new(1.0, 1.0), anchor, words, font.clone(), Color32::BLACK);
         painter.text(at, anchor, words, font, Color32::WHITE);
     };
-    note(Pos2::new(x - 8.0, picture.min.y + 6.0), Align2::RIGHT_TOP, &format!("kept: {label}"));
+    note(Pos2::new(x - 8.0, picture.min.y + 6.0), Align2::RIGHT_TOP, &format!("stored: {label}"));
     note(Pos2::new(x + 8.0, picture.min.y + 6.0), Align2::LEFT_TOP, "now");
     let near = |at: Option<Pos2>| at.is_some_and(|at| (at.x - x).abs() < GRAB_DISTANCE && picture.contains(at));
     let (pressed_at, down) = ui.input(|input| (input.pointer.press_origin(), input.pointer.primary_down()));

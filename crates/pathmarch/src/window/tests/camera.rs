@@ -35,11 +35,11 @@ fn dragging_and_the_wheel_move_the_camera_and_home_resets_it() {
     assert_ne!(person.open().view.camera.position, start.position);
     assert_eq!(person.open().view.camera.target, start.target, "around what it looks at");
     assert!((position(&person).distance(target(&person)) - away).abs() < 1e-3);
-    person.until("it is said", |person| person.has("own viewpoint"));
+    person.until("it is said", |person| person.has("modified view"));
     person.hover(from);
     person.key(Key::Home);
     assert_eq!(person.open().view.camera, start);
-    assert!(!person.has("own viewpoint"));
+    assert!(!person.has("modified view"));
     person.drag(from, from + by, PointerButton::Secondary, Modifiers::NONE);
     assert_eq!(person.open().view.camera.position, start.position, "it looks around");
     assert_ne!(person.open().view.camera.target, start.target);
@@ -161,7 +161,7 @@ fn alt_and_click_or_the_key_set_the_focus() {
     let focus = person.open().view.camera.focus.expect("set");
     assert!((focus - depth).abs() < 1e-3, "{focus} for {depth}");
     assert_eq!(person.selected(), None, "and selects nothing");
-    person.assert_said("Sharp at");
+    person.assert_said("Focus distance");
     person.key(Key::Home);
     person.key(Key::X);
     assert!(person.open().view.focus_click);
@@ -188,7 +188,7 @@ fn a_double_click_looks_there_and_f_frames_what_is_selected() {
     assert!(target(&person).distance(glam::Vec3::new(0.0, 0.7, 0.0)) < 1e-3);
     person.select("plane");
     person.key(Key::F);
-    person.assert_said("no limited size");
+    person.assert_said("no finite bounds");
 }
 
 #[test]

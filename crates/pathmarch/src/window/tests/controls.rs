@@ -305,14 +305,14 @@ fn a_mistake_keeps_the_last_good_picture_and_shows_its_line() {
     person.harness.event(egui::Event::Text("object \"x\" { sfere }\n".to_owned()));
     person.wait(3);
     assert!(person.document().scene().is_err());
-    assert!(person.has("1 mistake"));
+    assert!(person.has("1 error"));
     let line = SCENE.lines().count() + 1;
     assert!(person.has(&format!("line {line}, column 14")), "{:?}", person.harness);
     assert!(person.has("object \"x\" { sfere }"));
     assert!(Arc::ptr_eq(person.document().last_good().expect("a scene"), &good));
     assert!(person.open().view.picture.is_some());
     person.undo_all();
-    assert!(!person.has("1 mistake"));
+    assert!(!person.has("1 error"));
 }
 
 #[test]

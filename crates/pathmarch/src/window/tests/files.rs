@@ -71,7 +71,7 @@ fn saving_under_another_name_goes_through_the_chooser() {
     person.ctrl_shift(Key::S);
     person.fill(Role::TextInput, "Name", "scene");
     assert!(person.has("Replace it?"));
-    person.click("Keep it");
+    person.click("Do not replace");
     person.key(Key::Escape);
     assert!(person.app().file_dialog.is_none());
 }
@@ -110,7 +110,7 @@ fn unsaved_work_is_asked_about_on_leaving() {
     let mut person = Person::at_scene();
     let changed = change(&mut person);
     person.ctrl(Key::Q);
-    assert!(person.has("Save the changes?") && !person.app().should_quit());
+    assert!(person.has("Save changes?") && !person.app().should_quit());
     person.click("Cancel");
     assert!(!person.app().should_quit() && person.app().dialog.is_none());
     assert_eq!(person.text(), changed);
@@ -129,7 +129,7 @@ fn unsaved_work_is_discarded_only_on_request() {
     let mut person = Person::at_scene();
     change(&mut person);
     person.ctrl(Key::Q);
-    person.click("Discard them");
+    person.click("Discard");
     assert!(person.app().should_quit());
     assert_eq!(person.on_disk(), SCENE);
     person.app_mut().shut_down();
@@ -145,7 +145,7 @@ fn discarding_to_open_another_and_opening_none_loses_nothing() {
     let mut person = Person::at_scene();
     let changed = change(&mut person);
     person.ctrl(Key::O);
-    person.click("Discard them");
+    person.click("Discard");
     assert!(person.app().file_dialog.is_some());
     person.key(Key::Escape);
     assert_eq!(person.text(), changed);
@@ -198,14 +198,14 @@ fn a_mistake_on_disk_keeps_the_picture_until_it_is_corrected() {
     person.rest();
     let good = person.document().last_good().expect("a scene").clone();
     std::fs::write(person.file(), SCENE.replace("sphere 0.7", "sphere -0.7")).expect("written");
-    person.until("the mistake shows", |person| person.has("1 mistake"));
+    person.until("the mistake shows", |person| person.has("1 error"));
     let line = 1 + SCENE[..SCENE.find("object \"ball\"").expect("there")].matches('\n').count();
     assert!(person.has(&format!("line {line}, ")));
     assert!(person.has("sphere -0.7"), "the line itself");
     assert!(Arc::ptr_eq(person.document().last_good().expect("a scene"), &good));
     assert!(person.open().view.picture.is_some());
     std::fs::write(person.file(), SCENE).expect("written");
-    person.until("it is corrected", |person| !person.has("1 mistake"));
+    person.until("it is corrected", |person| !person.has("1 error"));
     assert_eq!(person.text(), SCENE);
     std::fs::remove_file(person.file()).expect("removed");
     person.until("it is said", |person| person.messages().iter().any(|message| message.contains("scene.kdl")));
@@ -224,7 +224,7 @@ fn conflict() -> (Person, String, String) {
     std::fs::write(person.file(), &theirs).expect("written");
     person.until("it is asked", |person| matches!(person.app().dialog, Some(Dialog::Conflict)));
     person.wait(2);
-    assert!(person.has("The file has changed as well"));
+    assert!(person.has("The file has changed on disk"));
     person.key(Key::Escape);
     assert!(matches!(person.app().dialog, Some(Dialog::Conflict)), "that must be answered");
     assert_eq!(person.text(), mine);
@@ -244,7 +244,7 @@ fn of_two_versions_mine_is_kept() {
 #[test]
 fn of_two_versions_that_of_the_file_is_taken() {
     let (mut person, mine, theirs) = conflict();
-    person.click("Take the file's");
+    person.click("Reload from disk");
     assert_eq!((person.text(), person.on_disk()), (theirs.as_str(), theirs.clone()));
     assert!(!person.open().has_unsaved_work());
     person.ctrl(Key::Z);

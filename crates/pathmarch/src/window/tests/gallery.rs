@@ -26,18 +26,18 @@ fn every_example_is_shown_and_opens_by_a_click() {
 #[test]
 fn the_page_offers_a_new_scene_a_file_and_the_last_one() {
     let mut person = Start::new().go();
-    assert!(!person.has("Go on with"));
+    assert!(!person.has("Continue with"));
     person.click("New scene");
     assert!(person.document().scene().is_ok());
     person.ctrl_shift(Key::G);
     std::fs::write(person.file(), SCENE).expect("written");
-    person.click("Open a file…");
+    person.click("Open file…");
     let path = person.file();
     person.fill(Role::TextInput, "Path", &path.display().to_string());
     assert_eq!(person.text(), SCENE);
     assert_eq!(person.app().title(), "scene.kdl - pathmarch");
     person.ctrl_shift(Key::G);
-    person.click("Go on with scene.kdl");
+    person.click("Continue with scene.kdl");
     assert_eq!(person.text(), SCENE);
 }
 
@@ -76,7 +76,7 @@ fn a_file_that_is_dropped_opens() {
     person.select("sphere");
     person.type_number("radius", "0.9");
     drop_file(&mut person, &path);
-    person.click("Discard them");
+    person.click("Discard");
     assert_eq!(person.text(), SCENE);
 }
 

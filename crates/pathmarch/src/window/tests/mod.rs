@@ -340,7 +340,7 @@ impl Person {
 
     /// Where the picture is.
     fn picture(&self) -> Rect {
-        let room = self.harness.get_by_role_and_label(Role::Image, "Picture").rect();
+        let room = self.harness.get_by_role_and_label(Role::Image, "Viewport").rect();
         let (width, height) = self.scene().render.size;
         let inner = room.shrink(6.0);
         let fit = (inner.width() / width as f32).min(inner.height() / height as f32);

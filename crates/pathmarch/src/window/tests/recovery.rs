@@ -15,7 +15,7 @@ fn work_left_behind_is_offered_and_opened() {
     let changed = person.text().to_owned();
     let mut person = person.crash();
     assert_eq!(left(&person), 1);
-    assert!(person.has("Unsaved work was found") && person.has("scene.kdl, just now"));
+    assert!(person.has("Unsaved work found") && person.has("scene.kdl, just now"));
     person.answer("Open");
     assert_eq!(person.text(), changed);
     assert_eq!(person.on_disk(), SCENE);
@@ -38,7 +38,7 @@ fn work_left_behind_can_wait_or_be_discarded() {
     person.select("sphere");
     person.type_number("radius", "0.85");
     let mut person = person.crash();
-    person.click("Ask again next time");
+    person.click("Decide later");
     assert!(person.app().dialog.is_none());
     let mut person = person.crash();
     assert_eq!(left(&person), 1);
@@ -57,7 +57,7 @@ fn of_several_works_none_takes_the_place_of_another() {
     let directory = first.directory.clone();
     drop(first);
     let mut second = Start { directory: directory.clone(), ..Start::new() }.go();
-    second.click("Ask again next time");
+    second.click("Decide later");
     second.click("New scene");
     second.select("ball");
     second.key(Key::Delete);
@@ -128,7 +128,7 @@ fn work_does_not_replace_what_another_program_wrote_before_the_crash() {
     for _ in 0..2 {
         person = person.crash();
         person.answer("Open");
-        assert!(is_asked(&person) && person.has("The file has changed as well"), "{:?}", person.messages());
+        assert!(is_asked(&person) && person.has("The file has changed on disk"), "{:?}", person.messages());
         assert_eq!((person.text(), person.on_disk()), (mine.as_str(), theirs()));
         person.ctrl(Key::S);
         assert_eq!(person.on_disk(), theirs(), "not before it is answered");
@@ -150,7 +150,7 @@ fn work_does_not_replace_what_another_program_wrote_after_the_crash() {
     std::fs::write(file, theirs()).expect("written");
     let mut person = start_again(&directory);
     assert!(is_asked(&person));
-    person.click("Take the file's");
+    person.click("Reload from disk");
     assert_eq!((person.text(), person.on_disk()), (theirs().as_str(), theirs()));
     assert!(!person.open().has_unsaved_work());
     person.ctrl(Key::Z);
@@ -177,8 +177,8 @@ fn work_whose_file_is_gone_or_no_text_is_asked_about() {
         let (directory, file, mine) = crash_with_work();
         spoil(&file);
         let mut person = start_again(&directory);
-        assert!(is_asked(&person) && person.has("The file cannot be read any more") && person.has(why), "{why}");
-        assert!(!person.has("Take the file's"), "there is none to take");
+        assert!(is_asked(&person) && person.has("The file can no longer be read") && person.has(why), "{why}");
+        assert!(!person.has("Reload from disk"), "there is none to take");
         assert_eq!((person.text(), person.app().title().as_str()), (mine.as_str(), "• scene.kdl - pathmarch"));
         person.ctrl(Key::S);
         assert!(is_asked(&person), "that must be answered");

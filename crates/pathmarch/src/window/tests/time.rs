@@ -63,9 +63,9 @@ fn a_moment_with_a_mistake_keeps_the_picture_and_says_so() {
     let text = MOVING.replace("sphere 0.4", "sphere \"0.4 - 0.2*t\"");
     let mut person = Start::with(&text).go();
     person.type_number("Frame", "72");
-    assert!(person.has("1 mistake"), "a negative radius after 2 s");
+    assert!(person.has("1 error"), "a negative radius after 2 s");
     person.type_number("Frame", "24");
-    assert!(!person.has("1 mistake") && person.frame() == 24);
+    assert!(!person.has("1 error") && person.frame() == 24);
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn what_does_not_move_has_no_timeline() {
     let mut person = Person::at_scene();
     assert!(!person.has("Last frame"));
     person.key(Key::Space);
-    person.assert_said("Nothing in this scene depends on the time");
+    person.assert_said("This scene is not animated");
     assert_eq!(person.frame(), 0);
 }
 
@@ -81,7 +81,7 @@ fn what_does_not_move_has_no_timeline() {
 fn frames_are_rendered_to_files_of_their_own() {
     let mut person = Start::with(MOVING).go();
     person.click("Render frames…");
-    assert!(person.has("Render to a file"));
+    assert!(person.has("Render to file"));
     let pattern = person.file().with_file_name("scene-####.png");
     person.answer("Start");
     assert_eq!(person.app().renders.len(), 1, "{:?}", person.messages());

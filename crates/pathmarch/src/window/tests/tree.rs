@@ -30,16 +30,16 @@ fn everything_is_listed_and_selected_by_a_click() {
     assert_eq!(person.selected().as_deref(), Some("box"));
     person.key(Key::Escape);
     assert_eq!(person.selected(), None);
-    assert!(person.has("Nothing is selected"));
+    assert!(person.has("Nothing selected"));
 }
 
 #[test]
 fn rows_are_folded() {
     let mut person = Person::at_scene();
     assert!(person.harness.query_by_role_and_label(Role::TreeItem, "box").is_some());
-    person.click("Close subtract");
+    person.click("Collapse subtract");
     assert!(person.harness.query_by_role_and_label(Role::TreeItem, "box").is_none());
-    person.click("Open subtract");
+    person.click("Expand subtract");
     assert!(person.harness.query_by_role_and_label(Role::TreeItem, "box").is_some());
 }
 

@@ -13,7 +13,7 @@ fn a_kept_picture_is_compared_along_a_line_that_is_dragged() {
     let split =
         |person: &Person| person.open().view.comparison.as_ref().filter(|kept| kept.shown).map(|kept| kept.split);
     assert_eq!(split(&person), Some(0.5));
-    person.assert_said("ComparisonPicture for comparison");
+    person.assert_said("Stored for comparison");
     let camera = person.open().view.camera.clone();
     person.drag(person.point(0.5, 0.1), person.point(0.25, 0.1), PointerButton::Primary, Modifiers::NONE);
     let moved = split(&person).expect("shown");
@@ -91,7 +91,7 @@ fn a_final_render_is_that_of_the_renderer() {
     let mut person = Person::at_scene();
     person.rest();
     person.ctrl(Key::R);
-    assert!(person.has("Render to a file"));
+    assert!(person.has("Render to file"));
     let output = person.file().with_file_name("final.exr");
     person.fill(Role::TextInput, "file", &output.display().to_string());
     person.click("Start");
@@ -112,7 +112,7 @@ fn a_render_with_a_bad_name_does_not_start() {
     person.fill(Role::TextInput, "file", "/nowhere/at/all.png");
     person.click("Start");
     assert!(person.app().renders.is_empty() && matches!(person.app().dialog, Some(Dialog::Render(_))));
-    person.assert_said("is not there");
+    person.assert_said("does not exist");
     person.fill(Role::TextInput, "file", "a.txt");
     person.click("Start");
     assert!(person.app().renders.is_empty());

@@ -99,7 +99,7 @@ impl Recovery {
         let mut this = Self { shared, thread: None, kept: None, lock: None, file: PathBuf::new() };
         if let Err(error) = this.start(directory) {
             this.shared.inbox().problem =
-                Some(format!("unsaved work is not kept for after a crash: {}: {error}", directory.display()));
+                Some(format!("crash recovery is not available: {}: {error}", directory.display()));
         }
         this
     }
@@ -234,8 +234,7 @@ fn work(shared: &Shared, file: &Path) {
                 };
                 let mut inbox = shared.inbox();
                 inbox.busy = false;
-                inbox.problem =
-                    result.err().map(|error| format!("unsaved work could not be kept for after a crash: {error}"));
+                inbox.problem = result.err().map(|error| format!("crash recovery failed: {error}"));
                 shared.changed.notify_all();
                 inbox
             }
@@ -346,7 +345,7 @@ fn remove_stale_locks(directory: &Path) {
 
 fn read(file: PathBuf) -> RecoveredWork {
     let changed = fs::metadata(&file).and_then(|data| data.modified()).unwrap_or(UNIX_EPOCH);
-    let damaged = |reason: &str| Err(format!("{}: {reason}; look at it with an editor", file.display()));
+    let damaged = |reason: &str| Err(format!("{}: {reason}; open it in an editor", file.display()));
     let mut recovered =
         RecoveredWork { scene_path: None, text: Ok(String::new()), base: None, saved_at: changed, file: file.clone() };
     let bytes = match fs::read(&file) {
@@ -361,19 +360,19 @@ fn read(file: PathBuf) -> RecoveredWork {
     let mut lines = 0;
     recovered.text = loop {
         let Some(end) = rest.iter().position(|&byte| byte == b'\n') else {
-            break damaged("has no header of pathmarch, or only a part of it");
+            break damaged("the header is missing or incomplete");
         };
         let line = String::from_utf8_lossy(&rest[..end]).into_owned();
         rest = &rest[end + 1..];
         lines += 1;
         if lines == 1 && line != FIRST_LINE || !line.starts_with("// ") {
-            break damaged("has no header of pathmarch, or a damaged one");
+            break damaged("the header is missing or damaged");
         }
         if line == LAST_LINE {
             break match String::from_utf8(rest.to_owned()) {
                 Ok(text) if length.is_none_or(|length| length == text.len()) => Ok(text),
-                Ok(_) => damaged("was cut short or changed"),
-                Err(_) => damaged("holds something that is not text"),
+                Ok(_) => damaged("the text was truncated or changed"),
+                Err(_) => damaged("the text is not UTF-8"),
             };
         }
         match line[3..].split_once(": ") {

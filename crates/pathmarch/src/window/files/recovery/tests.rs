@@ -214,5 +214,5 @@ fn what_cannot_be_kept_is_said() {
     recovery.keep(None, "a", None);
     recovery.flush();
     let message = recovery.problem().expect("a problem");
-    assert!(message.contains("could not be kept"), "{message}");
+    assert!(message.contains("crash recovery failed"), "{message}");
 }

@@ -35,16 +35,16 @@ impl App {
             ui.add(Slider::new(&mut camera.fov, 5.0..=120.0).suffix("°").clamping(SliderClamping::Never))
                 .labelled_by(label.id);
             ui.end_row();
-            let label = ui.label("exposure").on_hover_text("Stops; for the screen and PNG, never for EXR.");
+            let label = ui.label("exposure").on_hover_text("In stops; affects the display, PNG and JPEG, never EXR.");
             ui.add(Slider::new(&mut camera.exposure, -6.0..=6.0).suffix(" EV").clamping(SliderClamping::Never))
                 .labelled_by(label.id);
             ui.end_row();
-            let label = ui.label("lens radius").on_hover_text("Metres; 0 is a pinhole, for which everything is sharp.");
+            let label =
+                ui.label("lens radius").on_hover_text("In metres; 0 is a pinhole camera, without depth of field.");
             let lens = Slider::new(&mut camera.lens_radius, 0.0..=0.5).suffix(" m").logarithmic(true);
             ui.add(lens.smallest_positive(1e-3).clamping(SliderClamping::Never)).labelled_by(label.id);
             ui.end_row();
-            let label =
-                ui.label("focus").on_hover_text("Distance that is sharp; that of the target where none is set.");
+            let label = ui.label("focus distance").on_hover_text("Distance in focus; by default that of the target.");
             ui.horizontal(|ui| {
                 let mut distance = camera
                     .focus
@@ -54,8 +54,7 @@ impl App {
                 if ui.add(value).labelled_by(label.id).changed() {
                     camera.focus = Some(distance);
                 }
-                ui.toggle_value(&mut open.view.focus_click, "by click")
-                    .on_hover_text("Then click what should be sharp.");
+                ui.toggle_value(&mut open.view.focus_click, "pick").on_hover_text("Click a surface to focus on it.");
             });
             ui.end_row();
         });
@@ -79,9 +78,9 @@ impl App {
         let (moved, mut write, mut back) = (open.view.is_camera_modified(), false, false);
         ui.horizontal(|ui| {
             ui.add_enabled_ui(moved, |ui| {
-                let words = "Make the scene's camera the one that is shown.";
-                write = ui.button("Write to the scene").on_hover_text(words).clicked();
-                back = ui.button("Reset").on_hover_text("Back to the camera of the scene.").clicked();
+                let words = "Set the scene's camera to the current view.";
+                write = ui.button("Apply view to camera").on_hover_text(words).clicked();
+                back = ui.button("Reset").on_hover_text("Return to the scene's camera.").clicked();
             });
         });
         if back && let Some(camera) = scene.cameras.iter().find(|camera| camera.name == open.view.camera_name()) {

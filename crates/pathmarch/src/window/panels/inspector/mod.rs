@@ -36,7 +36,7 @@ impl App {
         let Some(open) = &self.open else { return };
         let Some(item) = open.view.selection.as_ref().and_then(|path| open.document.item(path)).cloned() else {
             ui.add_space(6.0);
-            ui.weak("Nothing is selected. Click something in the picture or in the tree.");
+            ui.weak("Nothing selected. Click a shape in the viewport or a row in the scene tree.");
             return;
         };
         ui.add_space(4.0);

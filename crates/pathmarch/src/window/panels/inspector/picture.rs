@@ -10,9 +10,9 @@ impl App {
     /// Mode and resolution of the viewport, render settings, background.
     pub(super) fn picture_controls(&mut self, ui: &mut Ui) {
         let Some(open) = &mut self.open else { return };
-        ui.heading("Picture");
+        ui.heading("Viewport");
         egui::Grid::new("picture").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
-            let label = ui.label("show").on_hover_text("Light, a quick look, or what the renderer knows.");
+            let label = ui.label("mode").on_hover_text("Path-traced light, quick preview, or a data layer.");
             ComboBox::from_id_salt("mode")
                 .selected_text(open.view.mode.name())
                 .show_ui(ui, |ui| {
@@ -24,7 +24,7 @@ impl App {
                 .labelled_by(label.id);
             ui.end_row();
             let label =
-                ui.label("size here").on_hover_text("Of the picture in the window. Files have the size of the scene.");
+                ui.label("resolution").on_hover_text("Resolution of the viewport. Renders have the scene's size.");
             ComboBox::from_id_salt("resolution")
                 .selected_text(open.view.resolution.name())
                 .show_ui(ui, |ui| {
@@ -35,8 +35,9 @@ impl App {
                 .response
                 .labelled_by(label.id);
             ui.end_row();
-            let label =
-                ui.label("frame rate").on_hover_text("While something moves, the picture is as large as fits it.");
+            let label = ui
+                .label("target frame rate")
+                .on_hover_text("While the view moves, the resolution adapts to this rate.");
             let rate = Slider::new(&mut self.preferences.frame_rate, 5.0..=120.0).suffix(" /s").integer();
             ui.add(rate).labelled_by(label.id);
             ui.end_row();

@@ -18,14 +18,14 @@ pub(super) fn row(ui: &mut Ui, path: &Path, control: &Control) -> Option<Change>
     let numbers = numbers_of(&control.value);
     if numbers.is_some() {
         label.context_menu(|ui| {
-            if ui.button("Write a formula").clicked() {
+            if ui.button("Use a formula").clicked() {
                 ui.data_mut(|data| data.insert_temp(typing, true));
             }
         });
     }
     ui.horizontal(|ui| {
         if control.value == Value::None && !matches!(control.kind, ControlKind::Material(_)) {
-            let button = ui.button("set").labelled_by(label.id).on_hover_text(format!("Give it a {}.", control.label));
+            let button = ui.button("set").labelled_by(label.id).on_hover_text(format!("Set {}.", control.label));
             if button.clicked() {
                 change = Some(Change::Set(control.initial.clone()));
             }
@@ -42,7 +42,7 @@ pub(super) fn row(ui: &mut Ui, path: &Path, control: &Control) -> Option<Change>
             change = Some(Change::Set(value));
         }
         if control.given && !control.required {
-            let back = ui.small_button("×").on_hover_text(format!("{}: back to the default.", control.label));
+            let back = ui.small_button("×").on_hover_text(format!("Reset {} to the default.", control.label));
             if back.clicked() {
                 change = Some(Change::Reset);
             }
@@ -116,7 +116,7 @@ fn widget(ui: &mut Ui, path: &Path, control: &Control, label: &Response) -> Opti
             choose(ui, control.key, path, value, names, label).map(Value::Text)
         }
         (ControlKind::Material(names), value) => {
-            let of_parent = "as what it stands in".to_owned();
+            let of_parent = "inherited".to_owned();
             let shown = if let Value::Text(name) = value { name.as_str() } else { "" };
             let names = names.iter().map(|name| (name.clone(), name.clone()));
             let names = std::iter::once((String::new(), of_parent)).chain(names);
@@ -139,7 +139,7 @@ fn widget(ui: &mut Ui, path: &Path, control: &Control, label: &Response) -> Opti
         (ControlKind::Text | ControlKind::Picture, Value::Text(value)) => text(ui, path, control.key, value, label),
         // The value does not match its control: the scene text contains an error here.
         _ => {
-            ui.weak("see the text");
+            ui.weak("see the source");
             None
         }
     }
@@ -175,7 +175,7 @@ fn colour(ui: &mut Ui, value: [f32; 3], max: f32, label: &Response) -> Option<[f
     if !bounded {
         let mut wanted = strength;
         let drag = DragValue::new(&mut wanted).speed(0.02 * strength.max(0.05)).range(0.0..=1e9).max_decimals(4);
-        if ui.add(drag).on_hover_text("The largest of red, green and blue.").labelled_by(label.id).changed() {
+        if ui.add(drag).on_hover_text("Strength: the largest of red, green and blue.").labelled_by(label.id).changed() {
             let colour = if strength > 0.0 { value.map(|v| v / strength) } else { [1.0; 3] };
             new = Some(colour.map(|v| v * wanted));
         }
