@@ -1,4 +1,4 @@
-//! From samples to a picture file: what the command line and the window share, so that both write the same.
+//! Rendering to a picture file, shared by command line and window, so that both write the same.
 
 use pathmarch_render::aov::{self, Layer};
 use pathmarch_render::film::Film;
@@ -8,19 +8,19 @@ use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Job, Mode, MotionError, MovingJob, RenderError, Renderer, Settings, Shutter, scene_hash};
 use std::path::Path;
 
-/// A picture being rendered, with the shutter open for a moment or for longer.
-pub enum Exposure {
-    /// Of one moment.
+/// A render in progress, with or without motion blur.
+pub enum RenderTask {
+    /// The scene at one time.
     Still(Box<Job>),
-    /// Of the time that the shutter is open.
+    /// The scene over the time that the shutter is open.
     Moving(Box<MovingJob>),
 }
 
-impl Exposure {
-    /// Begins a picture. What traces no paths shows the moment at which the shutter opens.
+impl RenderTask {
+    /// Starts a render. Modes other than `path` show the time at which the shutter opens.
     ///
     /// # Errors
-    /// Those of [`Renderer::start`].
+    /// Fails as [`Renderer::start`] does.
     pub fn start(
         renderer: &mut Renderer,
         scene: &Scene,
@@ -33,11 +33,11 @@ impl Exposure {
         Ok(Self::Still(Box::new(renderer.start(scene, settings)?)))
     }
 
-    /// Renders until there are as many `samples` as asked for, or `stop` says so; tells how far it is after each slice.
-    /// Both are given the samples done. The animation is that of the scene.
+    /// Renders until all `samples` are done or `stop` returns true; calls `progress` after each slice. Both get the
+    /// number of samples done. `animation` belongs to the scene.
     ///
     /// # Errors
-    /// Those of [`Job::advance`] and [`MovingJob::advance`].
+    /// Fails as [`Job::advance`] and [`MovingJob::advance`] do.
     pub fn accumulate(
         &mut self,
         renderer: &mut Renderer,
@@ -63,10 +63,10 @@ impl Exposure {
         }
     }
 
-    /// The picture so far.
+    /// Picture so far.
     ///
     /// # Errors
-    /// Those of [`Job::film`].
+    /// Fails as [`Job::film`] does.
     pub fn film(&mut self) -> Result<Film, MotionError> {
         match self {
             Self::Still(job) => Ok(job.film()?),
@@ -75,25 +75,25 @@ impl Exposure {
     }
 }
 
-/// A film, and what it shows.
+/// A film with everything its file records.
 pub struct Rendered<'a> {
-    /// The scene it is of.
+    /// Scene of the film.
     pub scene: &'a Scene,
-    /// What it was rendered with.
+    /// Settings of the film.
     pub settings: &'a Settings,
-    /// The samples.
+    /// Samples.
     pub film: &'a Film,
-    /// The name of the backend.
+    /// Name of the backend.
     pub backend: String,
-    /// The name of the adapter.
+    /// Name of the adapter.
     pub adapter: String,
 }
 
 impl Rendered<'_> {
-    /// Writes the picture in the format that the name of the file asks for, with these layers and where it comes from.
+    /// Writes the picture with layers and provenance; the file extension selects the format.
     ///
     /// # Errors
-    /// In words: what [`image::save_with`] and [`aov::render`] fail with.
+    /// Fails with a message if [`image::save_with`] or [`aov::render`] fail.
     pub fn write(&self, output: &Path, display: &Display, layers: &[Layer]) -> Result<(), String> {
         let mut channels = Vec::new();
         if !layers.is_empty() {

@@ -74,7 +74,7 @@ fn frames_are_rendered_one_after_the_other() {
     std::fs::write(directory.path().join("f-003.exr"), "mine").expect("written");
     let output = run(&["--frames", "3-4", "-o", "f-###.exr", "--skip-existing"]);
     assert!(
-        stderr(&output).contains("wrote 1 frame to f-###.exr") && stderr(&output).contains("1 were there"),
+        stderr(&output).contains("wrote 1 frame to f-###.exr") && stderr(&output).contains("1 existed already"),
         "{}",
         stderr(&output)
     );

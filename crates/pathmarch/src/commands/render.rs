@@ -1,8 +1,8 @@
-//! `pathmarch render`: a scene to a picture.
+//! `pathmarch render`: renders a scene to a picture.
 
 use super::{listed, progress_bar};
-use crate::frames::{self, Frames};
-use crate::picture::{Exposure, Rendered};
+use crate::frames::{self, FrameRange};
+use crate::picture::{RenderTask, Rendered};
 use pathmarch_cli::{
     BackendArgument, DONE, Failure, INTERRUPTED, check_directory, numbers, print_report, watch_interrupts,
 };
@@ -18,106 +18,107 @@ use std::time::Instant;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The scene file
+    /// Scene file
     scene: PathBuf,
-    /// The picture to write: .png, .jpg or .exr [default: the scene's name, .png, in this directory]
+    /// Picture to write: .png, .jpg or .exr [default: name of the scene with .png, in the current directory]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Size in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = numbers::size, allow_hyphen_values = true)]
     size: Option<[u32; 2]>,
-    /// What the picture shows [default: path]
+    /// Quantity to render [default: path]
     ///
-    /// path: light as it is.
-    /// preview: a quick look without noise: direct light, soft shadows, ambient occlusion, one reflection.
-    /// albedo: the colour of the material; of a lamp, its radiance clipped to 1.
-    /// normal: where the surface faces in the world: red x, green y, blue z, from -1 to 1.
-    /// depth: distance along the camera's axis: white near, grey at the target, black far away.
-    /// object-id, material-id: a colour for each object, or for each material.
-    /// steps: evaluations of the field by the camera's ray: blue few, red 256; black where none.
-    /// violations: where the field changes faster than its Lipschitz constant allows: grey not, green to red where it does.
+    /// path: path-traced light.
+    /// preview: noise-free preview: direct light, soft shadows, ambient occlusion, one reflection.
+    /// albedo: base colour of the material; for a light source, its radiance clipped to 1.
+    /// normal: world-space normal: red x, green y, blue z, from -1 to 1.
+    /// depth: distance along the camera's axis: white near, grey at the target, black far.
+    /// object-id, material-id: one colour for each object, or for each material.
+    /// steps: field evaluations of the camera ray: blue few, red 256; black none.
+    /// violations: places where the field exceeds its Lipschitz constant: grey none, green to red more.
     /// variance: relative standard error of the path-traced pixel: blue 0.1 %, green 3 %, red 100 %.
-    /// Exposure and tone curve act on path and preview only.
-    #[arg(long, value_name = "NAME", value_parser = one_of(Mode::ALL, Mode::name), verbatim_doc_comment)]
+    /// RenderTask and tone mapping affect only path and preview.
+    #[arg(long, value_name = "NAME", value_parser = named_value(Mode::ALL, Mode::name), verbatim_doc_comment)]
     mode: Option<Mode>,
-    /// Samples for each pixel [default: the scene's; 16 in modes that trace no paths]
+    /// Samples per pixel [default: the scene's; 16 in modes that trace no paths]
     #[arg(long, value_name = "N", value_parser = numbers::whole(limits::SAMPLES), allow_hyphen_values = true)]
     samples: Option<u32>,
-    /// Stop after this many seconds, at most 86400, whatever is done by then; at least one sample is
+    /// Stop after this many seconds, at most 86400, but not before the first sample is done
     #[arg(long, value_name = "N", value_parser = numbers::seconds, allow_hyphen_values = true)]
     seconds: Option<f64>,
-    /// Index of the first sample; ranges rendered apart add up to the whole
+    /// Index of the first sample; sample ranges rendered separately add up to the whole
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = numbers::whole((0, 2_000_000_000)), allow_hyphen_values = true)]
     first_sample: u32,
-    /// Scattering events after the first hit; 0 is emitted and direct light only [default: the scene's]
+    /// Scattering events after the first hit; 0 renders emitted and direct light only [default: the scene's]
     #[arg(long, value_name = "N", value_parser = numbers::whole(limits::BOUNCES), allow_hyphen_values = true)]
     bounces: Option<u32>,
-    /// Pictures of different seeds have independent noise
+    /// Random seed; pictures with different seeds have independent noise
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = numbers::whole((0, u32::MAX)), allow_hyphen_values = true)]
     seed: u32,
-    /// Which of the scene's cameras [default: the first]
+    /// Camera of the scene, by name [default: the first]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
-    /// How PNG and JPEG show radiance: agx, neutral or srgb [default: the scene's]
-    #[arg(long, value_name = "NAME", value_parser = one_of(Tonemap::ALL, Tonemap::name))]
+    /// Tone mapping of PNG and JPEG: agx, neutral or srgb [default: the scene's]
+    #[arg(long, value_name = "NAME", value_parser = named_value(Tonemap::ALL, Tonemap::name))]
     tonemap: Option<Tonemap>,
-    /// Random numbers: sobol, or independent to compare with [default: the scene's]
-    #[arg(long, value_name = "NAME", value_parser = one_of(Sampler::ALL, Sampler::name))]
+    /// Sampler: sobol, or independent for comparison [default: the scene's]
+    #[arg(long, value_name = "NAME", value_parser = named_value(Sampler::ALL, Sampler::name))]
     sampler: Option<Sampler>,
-    /// Light through clear glass: traced, or fast, which is free of noise and biased [default: the scene's]
-    #[arg(long, value_name = "NAME", value_parser = one_of(Caustics::ALL, Caustics::name))]
+    /// Caustics through clear glass: traced, or fast (noise-free but biased) [default: the scene's]
+    #[arg(long, value_name = "NAME", value_parser = named_value(Caustics::ALL, Caustics::name))]
     caustics: Option<Caustics>,
-    /// Largest radiance of a contribution of light that bounced, against fireflies; darkens [default: the scene's]
+    /// Clamp the radiance of indirect light to this: fewer fireflies, but darker [default: the scene's]
     #[arg(long, value_name = "RADIANCE", value_parser = numbers::number(limits::CLAMP), allow_hyphen_values = true)]
     clamp: Option<f32>,
-    /// Paths that share a ray of the camera, 1 to 8 [default: what makes the picture converge soonest]
+    /// Paths per camera ray, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = numbers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     splitting: Option<u32>,
-    /// How near to a surface a ray ends, in pixels as seen: smaller shows finer detail, and costs steps [default: the scene's]
+    /// Hit distance of a ray, in pixels: smaller shows finer detail and needs more steps [default: the scene's]
     #[arg(long, value_name = "PIXELS", value_parser = numbers::number(limits::DETAIL), allow_hyphen_values = true)]
     detail: Option<f32>,
-    /// Stops of exposure for PNG and JPEG, -100 to 100 [default: the camera's]
+    /// RenderTask of PNG and JPEG in stops, -100 to 100 [default: the camera's]
     #[arg(long, value_name = "EV", value_parser = numbers::number(limits::EXPOSURE), allow_hyphen_values = true)]
     exposure: Option<f32>,
-    /// Write layers beside R, G and B, without noise; .exr only [default: all; or a list, such as albedo,normal]
+    /// Write noise-free layers beside R, G and B; .exr only [default: all; or a list such as albedo,normal]
     ///
-    /// albedo.R .G .B: the material's colour, or a lamp's radiance clipped to 1; mean over the pixel.
-    /// normal.X .Y .Z: in the world, towards the camera; mean over the pixel, of length one.
-    /// depth.Z: metres along the camera's view axis; infinite where nothing is.
-    /// position.X .Y .Z: in the world, metres.
-    /// objectId.X, materialId.X: integers, 1 for the first in the scene, 0 where nothing is.
-    /// sampleCount.X: integer, the samples in the pixel's mean.
-    /// Depth, position and the ids are those at the pixel's centre.
+    /// albedo.R .G .B: base colour, or a light source's radiance clipped to 1; pixel mean.
+    /// normal.X .Y .Z: world-space normal facing the camera; normalised pixel mean.
+    /// depth.Z: metres along the camera's axis; infinite for the background.
+    /// position.X .Y .Z: world-space position, metres.
+    /// objectId.X, materialId.X: integers from 1 in scene order, 0 for the background.
+    /// sampleCount.X: integer, number of samples of the pixel.
+    /// Depth, position and ids are those at the pixel's centre.
     #[arg(long, value_name = "LAYERS", num_args = 0..=1, default_missing_value = "all", value_parser = parse_layers, verbatim_doc_comment)]
     aov: Option<Layers>,
-    /// Frames of an animation: one, a range such as 1-120, or every second of it, 1-120x2
+    /// FrameRange of an animation: one (7), a range (1-120), or every second frame (1-120x2)
     ///
-    /// Formulas of the scene know the number as frame, and frame/fps as t. The name of the file has # where the digits of
-    /// the number go: -o out/frame-####.png. Frames that are written stay when the program is interrupted.
+    /// Formulas of the scene read the frame number as frame, and frame/fps as t. In the file name, # stands for the
+    /// digits
+    /// of the frame number: -o out/frame-####.png. FrameRange already written are kept if the program is interrupted.
     #[arg(long, value_name = "RANGE", value_parser = frames::parse, allow_hyphen_values = true, verbatim_doc_comment)]
-    frames: Option<Frames>,
-    /// Leave out frames whose file is there, to go on after an interrupt
+    frames: Option<FrameRange>,
+    /// Skip frames whose file exists, to continue after an interruption
     #[arg(long, requires = "frames")]
     skip_existing: bool,
-    /// Frames in a second [default: the scene's]
+    /// FrameRange per second [default: the scene's]
     #[arg(long, value_name = "N", value_parser = numbers::number(limits::FPS), allow_hyphen_values = true)]
     fps: Option<f32>,
-    /// The moment of the picture: seconds since frame 0
-    #[arg(long, value_name = "SECONDS", conflicts_with = "frames", value_parser = parse_moment, allow_hyphen_values = true)]
+    /// Time of the picture: seconds since frame 0
+    #[arg(long, value_name = "SECONDS", conflicts_with = "frames", value_parser = parse_time, allow_hyphen_values = true)]
     time: Option<f64>,
-    /// For which part of a frame's time the shutter is open, 0 to 1: motion blur [default: the scene's]
+    /// Fraction of the frame time that the shutter is open, 0 to 1: motion blur [default: the scene's]
     #[arg(long, value_name = "PART", value_parser = numbers::number(limits::SHUTTER), allow_hyphen_values = true)]
     shutter: Option<f32>,
-    /// What to render on
+    /// Render backend
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendArgument,
-    /// The GPU adapter whose name contains this
+    /// GPU adapter, by a part of its name
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
 }
 
-/// One of a setting's names.
-fn one_of<T: Copy, const N: usize>(
+/// Parser for a setting with a fixed set of names.
+fn named_value<T: Copy, const N: usize>(
     all: [T; N],
     name: fn(T) -> &'static str,
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
@@ -129,15 +130,15 @@ fn one_of<T: Copy, const N: usize>(
     }
 }
 
-/// The last moment of an animation, seconds.
-const LAST_MOMENT: f64 = 1e9;
+/// Largest time of an animation, seconds.
+const MAX_TIME: f64 = 1e9;
 
-fn parse_moment(text: &str) -> Result<f64, String> {
-    let seconds = text.trim().parse().ok().filter(|seconds: &f64| (0.0..=LAST_MOMENT).contains(seconds));
-    seconds.ok_or_else(|| format!("must be a number of seconds from 0 to {LAST_MOMENT}"))
+fn parse_time(text: &str) -> Result<f64, String> {
+    let seconds = text.trim().parse().ok().filter(|seconds: &f64| (0.0..=MAX_TIME).contains(seconds));
+    seconds.ok_or_else(|| format!("must be a number of seconds from 0 to {MAX_TIME}"))
 }
 
-/// `--aov`
+/// Layers of `--aov`.
 #[derive(Clone)]
 struct Layers(Vec<Layer>);
 
@@ -149,7 +150,7 @@ fn parse_layers(text: &str) -> Result<Layers, String> {
     for name in text.split(',') {
         let layer = Layer::from_name(name.trim()).ok_or_else(|| {
             let names = Layer::ALL.map(Layer::name).join(", ");
-            format!("there is no layer \"{name}\"; there are {names}, and all; the scene comes before --aov")
+            format!("unknown layer \"{name}\"; expected {names} or all; the scene comes before --aov")
         })?;
         if !layers.contains(&layer) {
             layers.push(layer);
@@ -206,7 +207,7 @@ impl Arguments {
         let format = ImageFormat::from_path(&output).map_err(|error| Failure::Usage(error.to_string()))?;
         if self.aov.is_some() && format != ImageFormat::Exr {
             return Err(Failure::Usage(format!(
-                "--aov: {} cannot hold layers, only OpenEXR can; write to -o {}",
+                "--aov: {} cannot store layers, only OpenEXR can; use -o {}",
                 output.display(),
                 output.with_extension("exr").display()
             )));
@@ -235,26 +236,25 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let interrupted = watch_interrupts()?;
     let mut renderer =
         Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
-    let mut exposure =
-        Exposure::start(&mut renderer, &scene, &settings, arguments.shutter(&scene, fps)).map_err(of_renderer)?;
-    tell_what_is_rendered(arguments, &renderer, &settings);
+    let mut task =
+        RenderTask::start(&mut renderer, &scene, &settings, arguments.shutter(&scene, fps)).map_err(render_failure)?;
+    print_settings(arguments, &renderer, &settings);
     let started = Instant::now();
-    // Thousandths of a sample, so that a sample that takes long is seen to move.
+    // In units of 1/1000 sample, so that slow samples show progress.
     let bar = progress_bar(u64::from(settings.samples) * 1000);
-    let over = |done: f64| is_over(arguments, &interrupted, started, done);
-    exposure
-        .accumulate(&mut renderer, &mut animation, settings.samples, over, |done| {
-            bar.set_position((done * 1000.0) as u64);
-            let rate = done / started.elapsed().as_secs_f64().max(1e-9);
-            bar.set_message(format!("{}/{} samples, {rate:.2} samples/s", done as u32, settings.samples));
-        })
-        .map_err(of_motion)?;
+    let stop = |done: f64| should_stop(arguments, &interrupted, started, done);
+    task.accumulate(&mut renderer, &mut animation, settings.samples, stop, |done| {
+        bar.set_position((done * 1000.0) as u64);
+        let rate = done / started.elapsed().as_secs_f64().max(1e-9);
+        bar.set_message(format!("{}/{} samples, {rate:.2} samples/s", done as u32, settings.samples));
+    })
+    .map_err(motion_failure)?;
     bar.finish_and_clear();
-    let film = exposure.film().map_err(of_motion)?;
+    let film = task.film().map_err(motion_failure)?;
     let seconds = started.elapsed().as_secs_f64();
     write(arguments, &renderer, &scene, &settings, &film, &output)?;
     if film.non_finite() > 0 {
-        eprintln!("warning: {} samples were not finite and were left out", film.non_finite());
+        eprintln!("warning: {} non-finite samples were discarded", film.non_finite());
     }
     let cut_short = film.samples < settings.samples && interrupted.load(Ordering::SeqCst);
     eprintln!(
@@ -268,10 +268,10 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(if cut_short { INTERRUPTED } else { DONE })
 }
 
-/// Renders frames one after the other. Each is written once it is whole.
+/// Renders frames one after the other; a frame is written once it is complete.
 fn run_frames(
     arguments: &Arguments,
-    frames: Frames,
+    frames: FrameRange,
     fps: f32,
     pattern: &Path,
     animation: &mut Animation,
@@ -281,7 +281,7 @@ fn run_frames(
     let left: Vec<u32> = all.iter().copied().filter(|frame| !there(frame)).collect();
     let skipped = all.len() - left.len();
     let Some(&first) = left.first() else {
-        eprintln!("all {} frames are there already", all.len());
+        eprintln!("all {} frames exist already", all.len());
         return Ok(DONE);
     };
     let interrupted = watch_interrupts()?;
@@ -289,7 +289,7 @@ fn run_frames(
         Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
     let began = Instant::now();
     let bar = progress_bar(left.len() as u64 * 1000);
-    let mut left_out = 0;
+    let mut non_finite = 0;
     let mut warned: Vec<String> = Vec::new();
     for (index, &frame) in left.iter().enumerate() {
         let scene = animation.at(Moment::of_frame(frame, fps)).map_err(|error| in_frame(frame, error.into()))?;
@@ -298,52 +298,52 @@ fn run_frames(
         }
         warned.extend(scene.warnings.iter().map(|warning| warning.message.clone()));
         let settings = arguments.settings(&scene)?;
-        let exposure = Exposure::start(&mut renderer, &scene, &settings, arguments.shutter(&scene, fps));
-        let mut exposure = exposure.map_err(|error| in_frame(frame, of_renderer(error)))?;
+        let task = RenderTask::start(&mut renderer, &scene, &settings, arguments.shutter(&scene, fps));
+        let mut task = task.map_err(|error| in_frame(frame, render_failure(error)))?;
         if frame == first {
-            tell_what_is_rendered(arguments, &renderer, &settings);
+            print_settings(arguments, &renderer, &settings);
         }
         let started = Instant::now();
-        let over = |done: f64| is_over(arguments, &interrupted, started, done);
-        let told = exposure.accumulate(&mut renderer, animation, settings.samples, over, |done| {
+        let stop = |done: f64| should_stop(arguments, &interrupted, started, done);
+        let result = task.accumulate(&mut renderer, animation, settings.samples, stop, |done| {
             let share = done / f64::from(settings.samples);
             bar.set_position(((index as f64 + share) * 1000.0) as u64);
             let (number, count) = (index + 1, left.len());
             bar.set_message(format!("frame {frame} ({number}/{count}), {}/{} samples", done as u32, settings.samples));
         });
-        told.map_err(|error| in_frame(frame, of_motion(error)))?;
-        // What is half done is not written: its file would be taken for the frame.
+        result.map_err(|error| in_frame(frame, motion_failure(error)))?;
+        // An incomplete frame is not written: its file would count as done.
         if interrupted.load(Ordering::SeqCst) {
             bar.finish_and_clear();
-            let (wrote, more) = (counted(index), left.len() - index);
-            eprintln!("interrupted: wrote {wrote}, {more} are left; go on with --skip-existing");
+            let (wrote, more) = (frame_count(index), left.len() - index);
+            eprintln!("interrupted: wrote {wrote}, {more} left; continue with --skip-existing");
             return Ok(INTERRUPTED);
         }
-        let film = exposure.film().map_err(|error| in_frame(frame, of_motion(error)))?;
+        let film = task.film().map_err(|error| in_frame(frame, motion_failure(error)))?;
         let output = frames::file(pattern, frame);
         let wrote = write(arguments, &renderer, &scene, &settings, &film, &output);
         wrote.map_err(|failure| in_frame(frame, failure))?;
-        left_out += film.non_finite();
+        non_finite += film.non_finite();
     }
     bar.finish_and_clear();
-    if left_out > 0 {
-        eprintln!("warning: {left_out} samples were not finite and were left out");
+    if non_finite > 0 {
+        eprintln!("warning: {non_finite} non-finite samples were discarded");
     }
-    let there = if skipped > 0 { format!(", {skipped} were there") } else { String::new() };
-    let (wrote, seconds) = (counted(left.len()), began.elapsed().as_secs_f64());
+    let there = if skipped > 0 { format!(", {skipped} existed already") } else { String::new() };
+    let (wrote, seconds) = (frame_count(left.len()), began.elapsed().as_secs_f64());
     eprintln!("wrote {wrote} to {} in {seconds:.1} s{there}", pattern.display());
     Ok(DONE)
 }
 
-fn counted(frames: usize) -> String {
+fn frame_count(frames: usize) -> String {
     if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") }
 }
 
-/// A failure that says in which frame.
+/// Adds the frame number to a failure.
 fn in_frame(frame: u32, failure: Failure) -> Failure {
     match failure {
         Failure::Scene(error) => {
-            eprintln!("frame {frame} cannot be rendered; what was written before it stays");
+            eprintln!("frame {frame} cannot be rendered; frames written before it are kept");
             Failure::Scene(error)
         }
         Failure::Interrupted => Failure::Interrupted,
@@ -352,13 +352,13 @@ fn in_frame(frame: u32, failure: Failure) -> Failure {
     }
 }
 
-/// Whether a picture has to end as it is.
-fn is_over(arguments: &Arguments, interrupted: &AtomicBool, started: Instant, done: f64) -> bool {
+/// Returns true if a picture has to stop early.
+fn should_stop(arguments: &Arguments, interrupted: &AtomicBool, started: Instant, done: f64) -> bool {
     let late = arguments.seconds.is_some_and(|seconds| started.elapsed().as_secs_f64() >= seconds);
     interrupted.load(Ordering::SeqCst) || late && done >= 1.0
 }
 
-fn tell_what_is_rendered(arguments: &Arguments, renderer: &Renderer, settings: &Settings) {
+fn print_settings(arguments: &Arguments, renderer: &Renderer, settings: &Settings) {
     if let Some(notice) = renderer.notice() {
         eprintln!("note: {notice}; rendering on the CPU");
     }
@@ -391,21 +391,21 @@ fn write(
     rendered.write(output, &display, layers).map_err(Failure::Other)
 }
 
-fn of_renderer(error: RenderError) -> Failure {
+fn render_failure(error: RenderError) -> Failure {
     match error {
         RenderError::Settings(message) => Failure::Usage(message),
         other => Failure::other(other),
     }
 }
 
-fn of_motion(error: MotionError) -> Failure {
+fn motion_failure(error: MotionError) -> Failure {
     match error {
         MotionError::Scene(error) => error.into(),
-        MotionError::Render(error) => of_renderer(error),
+        MotionError::Render(error) => render_failure(error),
     }
 }
 
-/// What is rendered, in words.
+/// Description of the render settings.
 fn described(settings: &Settings) -> String {
     let Settings { samples, bounces, mode, .. } = settings;
     match mode {

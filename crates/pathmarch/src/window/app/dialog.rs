@@ -1,7 +1,7 @@
 //! State of the modal dialogs: which one is open, and the settings of the render dialog.
 
 use super::requests::PendingAction;
-use crate::frames::{self, Frames};
+use crate::frames::{self, FrameRange};
 use crate::window::background_render::FrameSequence;
 use crate::window::files::recovery::RecoveredWork;
 use crate::window::open_scene::OpenScene;
@@ -83,10 +83,10 @@ impl RenderDialog {
         self.output = path.with_file_name(format!("{named}.{extension}")).display().to_string();
     }
 
-    /// Frames to render; `None` for a single picture.
+    /// FrameRange to render; `None` for a single picture.
     pub(crate) fn sequence(&self) -> Option<FrameSequence> {
         let [first, last] = self.frames.filter(|_| self.all_frames)?;
-        Some(FrameSequence { frames: Frames::from_to(first, last), skip_existing: self.skip_existing })
+        Some(FrameSequence { frames: FrameRange::from_to(first, last), skip_existing: self.skip_existing })
     }
 
     /// Problem with the settings, in words.

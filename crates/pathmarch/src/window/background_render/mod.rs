@@ -2,8 +2,8 @@
 //!
 //! The file equals that of `pathmarch render` for the same scene, settings and adapter: both use [`crate::picture`].
 
-use crate::frames::{self, Frames};
-use crate::picture::{Exposure, Rendered};
+use crate::frames::{self, FrameRange};
+use crate::picture::{RenderTask, Rendered};
 use crate::window::files::atomic_file::check_writable;
 use pathmarch_render::aov::Layer;
 use pathmarch_render::film::Film;
@@ -35,16 +35,16 @@ pub struct RenderRequest {
     pub backend: Backend,
     /// Part of the GPU adapter's name.
     pub adapter: Option<String>,
-    /// Frames of an animation; `None` renders one picture. `#` in the file name stands for the digits of the frame
+    /// FrameRange of an animation; `None` renders one picture. `#` in the file name stands for the digits of the frame
     /// number.
     pub frames: Option<FrameSequence>,
 }
 
-/// Frames to render, one file each.
+/// FrameRange to render, one file each.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameSequence {
     /// Range of frames.
-    pub frames: Frames,
+    pub frames: FrameRange,
     /// Skip frames whose file exists.
     pub skip_existing: bool,
 }
@@ -290,7 +290,7 @@ impl<W: Fn()> Worker<'_, W> {
         let (task, shared) = (self.task, self.shared);
         check_output(output, &task.layers)?;
         let fail = |error: MotionError| error.to_string();
-        let mut exposure = Exposure::start(&mut self.renderer, scene, &task.settings, Shutter::of(scene))
+        let mut render_task = RenderTask::start(&mut self.renderer, scene, &task.settings, Shutter::of(scene))
             .map_err(|error| error.to_string())?;
         let stop = |done: f64| match shared.command() {
             CONTINUE => false,
@@ -301,14 +301,14 @@ impl<W: Fn()> Worker<'_, W> {
             shared.state().samples = before + done;
             (self.wake)();
         };
-        exposure
+        render_task
             .accumulate(&mut self.renderer, &mut self.animation, task.settings.samples, stop, progress)
             .map_err(fail)?;
         let is_cancelled = || shared.command() == CANCEL || !may_be_partial && shared.command() != CONTINUE;
         if is_cancelled() {
             return Ok(None);
         }
-        let film = exposure.film().map_err(fail)?;
+        let film = render_task.film().map_err(fail)?;
         {
             // From here on a drop waits for the file; before, it cancels.
             let mut state = shared.state();

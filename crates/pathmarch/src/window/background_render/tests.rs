@@ -180,7 +180,7 @@ fn sequence(directory: &Path, radius: &str, first: u32, last: u32) -> RenderRequ
          sky 1\nobject \"ball\" {{ sphere \"{radius}\" {{ at \"t\" 0 0 }} }}"
     );
     let scene = Scene::parse("scene.kdl", &text).expect("a scene");
-    let frames = Some(FrameSequence { frames: Frames::from_to(first, last), skip_existing: true });
+    let frames = Some(FrameSequence { frames: FrameRange::from_to(first, last), skip_existing: true });
     RenderRequest {
         settings: Settings::of(&scene),
         scene: Arc::new(scene),
