@@ -129,8 +129,8 @@ fn wrong_arguments_of_bench_are_told() {
     std::fs::write(directory.path().join("bad.kdl"), "pathmarch 1\nspere").expect("written");
     for (arguments, code_expected, told) in [
         (&["cornel-box"][..], 2, "did you mean cornell-box?"),
-        (&["nothing/like.kdl"], 2, "no such file or folder"),
-        (&["empty"], 2, "no scenes (.kdl) in it"),
+        (&["nothing/like.kdl"], 2, "no such file, directory"),
+        (&["empty"], 2, "contains no scenes (.kdl)"),
         (&["bad.kdl"], 2, "spere"),
         (&["--json", "missing/a.json"], 1, "no directory missing"),
         (&["--error", "0"], 2, "above 0"),
@@ -225,7 +225,7 @@ fn wrong_arguments_of_study_are_told() {
         (&["study"][..], 2, "--output"),
         (&["study", "speed", "-o", "page"], 2, "accumulation"),
         (&["study", "-o", "missing/page"], 1, "missing/page"),
-        (&["study", "-o", "file"], 1, "name a directory"),
+        (&["study", "-o", "file"], 1, "name an output directory"),
         (&["study", "-o", "page", "--samples", "1"], 2, "1"),
     ] {
         let output = measure(arguments, directory.path());

@@ -1,10 +1,10 @@
-//! What the thesis's program, Cycles and pathmarch have: Table 5.8 of the thesis, as of this version.
+//! Features of the thesis's program, Cycles and pathmarch: Table 5.8 of the thesis, for this version.
 
 use super::Study;
 use super::table::Table;
 use pathmarch_cli::Failure;
 
-/// What; the thesis's program as published; Cycles 3.4 to 4.5, as Blender drives it; pathmarch.
+/// Columns: feature; the thesis's published program; Cycles 3.4 to 4.5 in Blender; pathmarch.
 static ROWS: &[[&str; 4]] = &[
     ["solids by distance functions", "yes", "no: meshes", "sixteen, and profiles to extrude and revolve"],
     [
@@ -32,7 +32,7 @@ static ROWS: &[[&str; 4]] = &[
     ["denoising", "no", "yes", "no"],
     ["reuse of samples when the camera moves", "no", "no", "no"],
     ["fog, subsurface scattering", "no", "yes", "no"],
-    ["scenes as files", "no: the shader's source", "yes", "yes, text, with every mistake told at its place"],
+    ["scenes as files", "no: the shader's source", "yes", "yes, text, with an error message for every mistake"],
     ["live view", "yes", "yes", "yes, with editing"],
     ["without a GPU", "software OpenGL", "yes", "yes"],
 ];

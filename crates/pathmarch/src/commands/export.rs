@@ -1,7 +1,7 @@
 //! `pathmarch export`: exports objects of a scene as a triangle mesh.
 
 use super::{listed, progress_bar};
-use pathmarch_cli::{DONE, Failure, INTERRUPTED, check_directory, numbers, print_report, watch_interrupts};
+use pathmarch_cli::{DONE, Failure, INTERRUPTED, catch_interrupts, check_directory, print_report, value_parsers};
 use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
 use pathmarch_render::pathmarch_field::mesh::{Fineness, MeshError};
 use pathmarch_render::pathmarch_field::{Aabb, Field};
@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(long = "object", value_name = "NAME")]
     objects: Vec<String>,
     /// Number of cells along the longest side
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = numbers::whole((1, 100_000)), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = value_parsers::whole((1, 100_000)), allow_hyphen_values = true)]
     resolution: u32,
     /// Size of a cell, metres, instead of a resolution
     #[arg(long, value_name = "METRES", value_parser = parse_cell, allow_hyphen_values = true, conflicts_with = "resolution")]
@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         print_report(warning);
     }
     let objects = arguments.solids(&scene)?;
-    let interrupted = watch_interrupts()?;
+    let interrupted = catch_interrupts()?;
     let fineness = arguments.cell.map_or(Fineness::Resolution(arguments.resolution), Fineness::Cell);
     eprintln!(
         "{}: {}, {}",

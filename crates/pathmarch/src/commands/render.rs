@@ -4,7 +4,7 @@ use super::{listed, progress_bar};
 use crate::frames::{self, FrameRange};
 use crate::picture::{RenderTask, Rendered};
 use pathmarch_cli::{
-    BackendArgument, DONE, Failure, INTERRUPTED, check_directory, numbers, print_report, watch_interrupts,
+    BackendArgument, DONE, Failure, INTERRUPTED, catch_interrupts, check_directory, print_report, value_parsers,
 };
 use pathmarch_render::aov::Layer;
 use pathmarch_render::film::Film;
@@ -24,7 +24,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Size in pixels [default: the scene's]
-    #[arg(long, value_name = "WxH", value_parser = numbers::size, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", value_parser = value_parsers::size, allow_hyphen_values = true)]
     size: Option<[u32; 2]>,
     /// Quantity to render [default: path]
     ///
@@ -41,19 +41,19 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = named_value(Mode::ALL, Mode::name), verbatim_doc_comment)]
     mode: Option<Mode>,
     /// Samples per pixel [default: the scene's; 16 in modes that trace no paths]
-    #[arg(long, value_name = "N", value_parser = numbers::whole(limits::SAMPLES), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole(limits::SAMPLES), allow_hyphen_values = true)]
     samples: Option<u32>,
     /// Stop after this many seconds, at most 86400, but not before the first sample is done
-    #[arg(long, value_name = "N", value_parser = numbers::seconds, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = value_parsers::seconds, allow_hyphen_values = true)]
     seconds: Option<f64>,
     /// Index of the first sample; sample ranges rendered separately add up to the whole
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = numbers::whole((0, 2_000_000_000)), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = value_parsers::whole((0, 2_000_000_000)), allow_hyphen_values = true)]
     first_sample: u32,
     /// Scattering events after the first hit; 0 renders emitted and direct light only [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = numbers::whole(limits::BOUNCES), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole(limits::BOUNCES), allow_hyphen_values = true)]
     bounces: Option<u32>,
     /// Random seed; pictures with different seeds have independent noise
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = numbers::whole((0, u32::MAX)), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = value_parsers::whole((0, u32::MAX)), allow_hyphen_values = true)]
     seed: u32,
     /// Camera of the scene, by name [default: the first]
     #[arg(long, value_name = "NAME")]
@@ -68,16 +68,16 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = named_value(Caustics::ALL, Caustics::name))]
     caustics: Option<Caustics>,
     /// Clamp the radiance of indirect light to this: fewer fireflies, but darker [default: the scene's]
-    #[arg(long, value_name = "RADIANCE", value_parser = numbers::number(limits::CLAMP), allow_hyphen_values = true)]
+    #[arg(long, value_name = "RADIANCE", value_parser = value_parsers::number(limits::CLAMP), allow_hyphen_values = true)]
     clamp: Option<f32>,
     /// Paths per camera ray, 1 to 8 [default: chosen for the fastest convergence]
-    #[arg(long, value_name = "N", value_parser = numbers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     splitting: Option<u32>,
     /// Hit distance of a ray, in pixels: smaller shows finer detail and needs more steps [default: the scene's]
-    #[arg(long, value_name = "PIXELS", value_parser = numbers::number(limits::DETAIL), allow_hyphen_values = true)]
+    #[arg(long, value_name = "PIXELS", value_parser = value_parsers::number(limits::DETAIL), allow_hyphen_values = true)]
     detail: Option<f32>,
     /// RenderTask of PNG and JPEG in stops, -100 to 100 [default: the camera's]
-    #[arg(long, value_name = "EV", value_parser = numbers::number(limits::EXPOSURE), allow_hyphen_values = true)]
+    #[arg(long, value_name = "EV", value_parser = value_parsers::number(limits::EXPOSURE), allow_hyphen_values = true)]
     exposure: Option<f32>,
     /// Write noise-free layers beside R, G and B; .exr only [default: all; or a list such as albedo,normal]
     ///
@@ -101,13 +101,13 @@ pub struct Arguments {
     #[arg(long, requires = "frames")]
     skip_existing: bool,
     /// FrameRange per second [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = numbers::number(limits::FPS), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = value_parsers::number(limits::FPS), allow_hyphen_values = true)]
     fps: Option<f32>,
     /// Time of the picture: seconds since frame 0
     #[arg(long, value_name = "SECONDS", conflicts_with = "frames", value_parser = parse_time, allow_hyphen_values = true)]
     time: Option<f64>,
     /// Fraction of the frame time that the shutter is open, 0 to 1: motion blur [default: the scene's]
-    #[arg(long, value_name = "PART", value_parser = numbers::number(limits::SHUTTER), allow_hyphen_values = true)]
+    #[arg(long, value_name = "PART", value_parser = value_parsers::number(limits::SHUTTER), allow_hyphen_values = true)]
     shutter: Option<f32>,
     /// Render backend
     #[arg(long, value_enum, default_value = "auto")]
@@ -233,7 +233,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         print_report(warning);
     }
     let settings = arguments.settings(&scene)?;
-    let interrupted = watch_interrupts()?;
+    let interrupted = catch_interrupts()?;
     let mut renderer =
         Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
     let mut task =
@@ -284,7 +284,7 @@ fn run_frames(
         eprintln!("all {} frames exist already", all.len());
         return Ok(DONE);
     };
-    let interrupted = watch_interrupts()?;
+    let interrupted = catch_interrupts()?;
     let mut renderer =
         Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
     let began = Instant::now();

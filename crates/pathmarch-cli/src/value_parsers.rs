@@ -1,12 +1,12 @@
-//! Numbers on the command line: what is allowed, and what is said of anything else.
+//! Value parsers for numbers on the command line, with their error messages.
 //!
-//! Their ranges are those of the scene language ([`pathmarch_render::pathmarch_scene::limits`]) wherever an option overrides
-//! a setting of the scene. Options that take numbers also take words with a hyphen as their value, so that `--seed -1` is
-//! told what a seed may be and not that there is no option `-1`.
+//! Options that override a setting of the scene use the ranges of the scene language
+//! ([`pathmarch_render::pathmarch_scene::limits`]). Numeric options accept values with a hyphen, so that the error for
+//! `--seed -1` names the range of a seed instead of an unknown option `-1`.
 
 use pathmarch_render::pathmarch_scene::limits::Range;
 
-/// Parses a whole number from `least` to `most`.
+/// Parses an integer from `least` to `most`.
 pub fn whole((least, most): (u32, u32)) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync {
     move |text| {
         let number = text.trim().parse().ok().filter(|number| (least..=most).contains(number));
@@ -14,7 +14,7 @@ pub fn whole((least, most): (u32, u32)) -> impl Fn(&str) -> Result<u32, String> 
     }
 }
 
-/// Parses a number of a range; none that is not finite.
+/// Parses a finite number within a range.
 pub fn number(range: Range) -> impl Fn(&str) -> Result<f32, String> + Clone + Send + Sync {
     move |text| {
         let number = text.trim().parse().ok().filter(|number| range.accepts(*number));
@@ -23,7 +23,7 @@ pub fn number(range: Range) -> impl Fn(&str) -> Result<f32, String> + Clone + Se
     }
 }
 
-/// Parses a number of seconds above 0, at most a day.
+/// Parses a positive number of seconds, at most a day.
 pub fn seconds(text: &str) -> Result<f64, String> {
     const DAY: f64 = 86_400.0;
     let seconds = text.trim().parse().ok().filter(|seconds: &f64| *seconds > 0.0 && *seconds <= DAY);
@@ -37,7 +37,7 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
         let text = text.trim();
         let digits = text.strip_prefix(['-', '+']).unwrap_or(text);
         let is_whole = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
-        // A number that no integer holds is a number still.
+        // A number that overflows an integer is still a number.
         is_whole.then(|| text.parse().ok().filter(|side| (SIDE.0..=SIDE.1).contains(side)))
     };
     let sides = text.split_once(['x', 'X', '×']).and_then(|(width, height)| side(width).zip(side(height)));
