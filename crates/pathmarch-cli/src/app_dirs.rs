@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_directory_can_stand_for_all() {
+    fn one_directory_can_replace_all() {
         let dirs = AppDirs::with_home(Some("/somewhere/own".into())).expect("directories");
         assert_eq!(dirs.preferences, PathBuf::from("/somewhere/own"));
         assert_eq!(dirs.recovery, PathBuf::from("/somewhere/own").join("recovery"));

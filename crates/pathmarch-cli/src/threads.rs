@@ -42,7 +42,7 @@ mod tests {
     use super::chosen;
 
     #[test]
-    fn fewer_threads_may_be_asked_for_but_not_more() {
+    fn fewer_threads_can_be_requested_but_not_more() {
         for (asked, expected) in [
             (None, 8),
             (Some(""), 8),

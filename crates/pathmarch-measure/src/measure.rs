@@ -298,7 +298,7 @@ mod tests {
 
     /// Pictures with independent noise around a known truth: the estimates hold within the accuracy of 10,000 pixels.
     #[test]
-    fn a_references_noise_is_known_and_taken_off() {
+    fn the_noise_of_a_reference_is_estimated_and_subtracted() {
         let mut state = 1u64;
         let mut noisy = |deviation: f32| {
             Picture::from_fn(100, 100, |_, _| {

@@ -1,4 +1,5 @@
-//! `bench` and `study` from end to end, at tiny sizes. What they measure differs from run to run; what is tried is its form.
+//! End-to-end tests of `bench` and `study` at tiny sizes. Measurements vary from run to run; the tests check their
+//! form.
 
 use pathmarch_render::image::{self, Provenance};
 use pathmarch_render::pathmarch_scene::{Scene, Tonemap};
@@ -8,7 +9,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs the program in a directory, where it also keeps what is its own.
+/// Runs the program in a directory that also contains its caches.
 fn measure(arguments: &[&str], directory: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_pathmarch-measure"))
         .args(arguments)
@@ -66,11 +67,11 @@ fn figures_are_printed_and_kept() {
             assert!(number(&entry["peak_mib"]) > 1.0);
         }
     }
-    // Spheres and planes are not marched, the union is.
+    // Spheres and planes are not sphere-traced; the union is.
     assert_eq!(entries[0]["evaluations_per_pixel"], 0.0);
     assert!(entries[1]["steps_per_marched_ray"].as_f64().expect("a number") > 1.0);
 
-    // The figures again, beside themselves.
+    // Compare the results with themselves.
     let output = bench(&["--from", "a.json", "--compare", "a.json"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert!(stdout(&output).contains("1.000  geometric mean"), "{}", stdout(&output));
@@ -91,13 +92,13 @@ fn errors_are_measured_against_references_that_are_kept() {
     assert!(first["samples"].as_u64().expect("a number") >= 1);
     assert_eq!(first["bounces"], 8, "the scene's own");
     assert!(first["reference_relmse"].as_f64().expect("known") > 0.0);
-    // Both halves are in the cache, and used again.
+    // Both halves are cached and used again.
     let kept = directory.path().join("home/references");
     assert_eq!(kept.read_dir().expect("made").count(), 2);
     assert_eq!(code(&bench(&[])), 0);
     assert_eq!(quality()["reference_samples"], first["reference_samples"]);
 
-    // A file of one's own, whose noise is not known.
+    // A reference file of the user, with unknown noise.
     std::fs::create_dir(directory.path().join("own")).expect("made");
     let text = include_str!("../../../scenes/benchmarks/cornell-box.kdl");
     let scene = Scene::parse("cornell.kdl", text).expect("a scene");
@@ -114,7 +115,7 @@ fn errors_are_measured_against_references_that_are_kept() {
     let output = bench(&["--references", "own"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert_eq!((&quality()["reference_samples"], &quality()["reference_relmse"]), (&3.into(), &Value::Null));
-    // One of another size is refused, and the scene left out.
+    // A reference of another size is rejected, and the scene skipped.
     render_own([8, 8]);
     let output = bench(&["--references", "own"]);
     assert_eq!(code(&output), 1);
@@ -122,7 +123,7 @@ fn errors_are_measured_against_references_that_are_kept() {
 }
 
 #[test]
-fn wrong_arguments_of_bench_are_told() {
+fn wrong_arguments_of_bench_are_reported() {
     let directory = tempfile::tempdir().expect("a directory");
     std::fs::create_dir(directory.path().join("empty")).expect("made");
     std::fs::write(directory.path().join("not.json"), "{}").expect("written");
@@ -146,7 +147,7 @@ fn wrong_arguments_of_bench_are_told() {
     }
 }
 
-/// A scene that takes too long is left out, and the others are measured.
+/// Scenes that take too long are skipped; the others are measured.
 #[test]
 fn what_takes_too_long_is_left_out() {
     let directory = tempfile::tempdir().expect("a directory");
@@ -196,7 +197,7 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
         }
     }
     assert!(text.contains("on CPU (") && text.contains("pathmarch-measure study -o page --quick"), "{text}");
-    // Whatever the page shows is there, and every row of a table has as many cells as its head.
+    // All files of the page exist, and all rows of a table have as many cells as its header.
     let shown: Vec<_> = text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
     let files: Vec<_> = shown.into_iter().filter(|target| !target.starts_with("http")).collect();
     assert!(files.len() > 30, "{files:?}");
@@ -210,7 +211,7 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
         cells = count;
     }
 
-    // A part alone replaces its own files, and the others stay on the page.
+    // A part replaces only its own files; the others stay on the page.
     let output = measure(&[&["study", "features", "-o", "page"], &QUICK[..]].concat(), directory.path());
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let again = std::fs::read_to_string(page.join("README.md")).expect("written");
@@ -218,7 +219,7 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
 }
 
 #[test]
-fn wrong_arguments_of_study_are_told() {
+fn wrong_arguments_of_study_are_reported() {
     let directory = tempfile::tempdir().expect("a directory");
     std::fs::write(directory.path().join("file"), "mine").expect("written");
     for (arguments, code_expected, told) in [
@@ -235,7 +236,7 @@ fn wrong_arguments_of_study_are_told() {
     assert_eq!(std::fs::read_to_string(directory.path().join("file")).expect("text"), "mine");
 }
 
-/// Every option that takes a number, a command in which it stands, and what is said of a number that it cannot be.
+/// Options that take numbers, each with a command and the expected error.
 const NUMBERS: &[(&[&str], &str, &str)] = &[
     (&["bench", "a.kdl"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
     (&["bench", "a.kdl"], "--error-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),

@@ -113,7 +113,7 @@ mod tests {
     use pathmarch_render::pathmarch_scene::Scene;
 
     #[test]
-    fn what_is_generated_is_a_scene() {
+    fn generated_scenes_are_valid() {
         for (generated, leaves) in ALL.iter().zip([100, 1000, 10_000, 68]) {
             let scene = Scene::parse(generated.name, &generated.text()).expect("a valid scene");
             assert_eq!(scene.field.leaves().len(), leaves, "{}", generated.name);

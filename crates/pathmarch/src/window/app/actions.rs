@@ -191,7 +191,7 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
-    fn every_action_stands_once_with_a_shortcut_of_its_own() {
+    fn every_action_is_listed_once_with_a_unique_shortcut() {
         let actions: HashSet<_> = ACTIONS.iter().map(|entry| entry.action).collect();
         assert_eq!(actions.len(), ACTIONS.len());
         let shortcuts: Vec<_> = ACTIONS.iter().filter_map(|entry| entry.shortcut).collect();

@@ -62,7 +62,7 @@ fn program() -> Option<PathBuf> {
 }
 
 #[test]
-fn the_file_is_that_of_the_command_line() {
+fn the_file_equals_that_of_the_command_line() {
     let directory = tempfile::tempdir().expect("a directory");
     let Some(program) = program() else {
         eprintln!("not compared: the program is not built; `cargo test` builds it for the tests of the command line");
@@ -90,7 +90,7 @@ fn the_file_is_that_of_the_command_line() {
 }
 
 #[test]
-fn a_film_at_hand_is_the_same_file() {
+fn an_existing_film_gives_the_same_file() {
     let directory = tempfile::tempdir().expect("a directory");
     for name in ["a.png", "a.exr"] {
         let task = task(directory.path().join(name));
@@ -112,7 +112,7 @@ fn a_film_at_hand_is_the_same_file() {
 }
 
 #[test]
-fn a_cancelled_one_leaves_nothing() {
+fn a_cancelled_render_writes_nothing() {
     let directory = tempfile::tempdir().expect("a directory");
     let mut task = task(directory.path().join("a.png"));
     task.settings.samples = 1_000_000;
@@ -139,7 +139,7 @@ fn a_cancelled_one_leaves_nothing() {
 }
 
 #[test]
-fn one_that_is_stopped_early_keeps_what_is_done() {
+fn a_stopped_render_writes_its_samples() {
     let directory = tempfile::tempdir().expect("a directory");
     let mut task = task(directory.path().join("a.exr"));
     task.settings.samples = 1_000_000;
@@ -153,7 +153,7 @@ fn one_that_is_stopped_early_keeps_what_is_done() {
 }
 
 #[test]
-fn what_cannot_be_written_is_said_at_once() {
+fn an_unwritable_output_is_reported_at_once() {
     let directory = tempfile::tempdir().expect("a directory");
     for (name, layers, words) in [
         ("no/a.png", &[][..], "no does not exist"),
@@ -191,7 +191,7 @@ fn sequence(directory: &Path, radius: &str, first: u32, last: u32) -> RenderRequ
 }
 
 #[test]
-fn frames_are_those_of_the_command_line_and_what_is_there_stays() {
+fn frames_equal_those_of_the_command_line_and_existing_ones_stay() {
     let directory = tempfile::tempdir().expect("a directory");
     std::fs::write(directory.path().join("a-03.exr"), "mine").expect("written");
     let task = sequence(directory.path(), "0.5", 2, 4);
@@ -214,7 +214,7 @@ fn frames_are_those_of_the_command_line_and_what_is_there_stays() {
 }
 
 #[test]
-fn a_frame_with_a_mistake_says_so_and_keeps_those_before() {
+fn a_frame_with_an_error_is_reported_and_earlier_ones_are_kept() {
     let directory = tempfile::tempdir().expect("a directory");
     let error = run(sequence(directory.path(), "0.5 - frame/4", 0, 9)).expect_err("a radius of zero");
     assert!(error.starts_with("frame 2: ") && error.ends_with("frames written before it are kept"), "{error}");

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ray_through_the_place_of_a_point_meets_it() {
+    fn a_ray_through_a_projected_point_hits_it() {
         let camera = Camera {
             name: "main".to_owned(),
             position: [3.0, 2.0, -1.0],

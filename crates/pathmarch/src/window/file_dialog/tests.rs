@@ -1,4 +1,4 @@
-//! Tests of choosing files, by what a person sees and presses.
+//! Tests of the file dialog as a user sees it.
 
 use super::*;
 use egui::Ui;
@@ -53,7 +53,7 @@ fn key(harness: &mut Harness<'static, State>, key: Key) {
     harness.run();
 }
 
-/// Puts a text into a field in place of what is there.
+/// Replaces the text of a field.
 fn fill(harness: &mut Harness<'static, State>, label: &str, text: &str) {
     let field = harness.get_by_role_and_label(egui::accesskit::Role::TextInput, label);
     field.focus();
@@ -92,7 +92,7 @@ fn a_double_click_opens() {
     for label in ["sub/", "e.kdl"] {
         harness.get_by_label(label).click();
         harness.get_by_label(label).click();
-        // Long enough for the next click to be a first one.
+        // Long enough for the next click to be a single one.
         harness.run_steps(60);
     }
     assert_eq!(harness.state().choice, chosen(directory.path().join("sub/e.kdl")));
@@ -107,7 +107,7 @@ fn a_file_is_opened_by_the_keyboard() {
     assert_eq!(harness.state().dialog.directory(), directory.path().join("sub"));
     key(&mut harness, Key::Backspace);
     assert_eq!(harness.state().dialog.directory(), directory.path());
-    // It is where it came from.
+    // The directory that we came from is selected.
     key(&mut harness, Key::ArrowDown);
     key(&mut harness, Key::ArrowDown);
     key(&mut harness, Key::ArrowDown);
@@ -133,7 +133,7 @@ fn a_path_is_typed() {
     fill(&mut harness, "Path", "nowhere/x.kdl");
     key(&mut harness, Key::Enter);
     assert!(harness.query_by_label_contains("nowhere/x.kdl does not exist").is_some());
-    // A directory is visible while its path is being typed.
+    // A directory is listed while its path is typed.
     fill(&mut harness, "Path", &format!("{}/sub/", directory.path().display()));
     assert!(harness.query_by_label("e.kdl").is_some() && harness.query_by_label_contains("does not exist").is_none());
     fill(&mut harness, "Path", &directory.path().to_string_lossy());
@@ -157,7 +157,7 @@ fn a_name_to_save_under_gets_its_extension() {
 }
 
 #[test]
-fn replacing_is_asked_for() {
+fn replacing_needs_a_confirmation() {
     let directory = directory();
     let mut harness = harness(FileDialog::save(directory.path(), "a", scenes()));
     press(&mut harness, "Save");
@@ -190,7 +190,7 @@ fn names_to_save_under_may_be_paths() {
 }
 
 #[test]
-fn places_lead_there_and_errors_are_shown() {
+fn bookmarks_work_and_errors_are_shown() {
     let directory = directory();
     let gone = directory.path().join("gone");
     let sub = directory.path().join("sub");

@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_is_said() {
+    fn unwritable_targets_are_reported() {
         let directory = tempfile::tempdir().expect("a directory");
         let missing = directory.path().join("no").join("a.kdl");
         assert!(matches!(write_atomically(&missing, b""), Err(SaveError::MissingDirectory { .. })));
@@ -253,7 +253,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_read_only_directory_is_said() {
+    fn a_read_only_directory_is_reported() {
         use std::os::unix::fs::PermissionsExt;
         let directory = tempfile::tempdir().expect("a directory");
         let path = directory.path().join("a.kdl");

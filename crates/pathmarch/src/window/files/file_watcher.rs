@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn every_way_to_save_is_seen() {
+    fn every_way_to_save_is_noticed() {
         for events in [true, false] {
             let mut file = watched(events);
             fs::write(&file.path, "in place").expect("written");
@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_of_half_the_size_is_not_seen() {
+    fn a_half_written_file_is_not_reported() {
         let text = "0123456789".repeat(10_000);
         let began = Instant::now();
         loop {
@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_known_is_no_change() {
+    fn known_content_is_no_change() {
         let mut file = watched(true);
         fs::write(&file.path, "own").expect("written");
         file.watch.set_known("own");
@@ -378,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_file_is_said_and_awaited() {
+    fn a_missing_file_is_reported_and_awaited() {
         let directory = tempfile::tempdir().expect("a directory");
         let path = directory.path().join("later.kdl");
         let (sender, woken) = channel();

@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn they_come_back() {
+    fn preferences_are_saved_and_loaded() {
         let directory = tempfile::tempdir().expect("a directory");
         let home = directory.path().join("not/made/yet");
         let mut first = Preferences::load_from(&home);
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn they_are_written_only_when_changed() {
+    fn preferences_are_written_only_when_changed() {
         let directory = tempfile::tempdir().expect("a directory");
         let mut preferences = Preferences::load_from(directory.path());
         preferences.save().expect("saved");
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_the_file_holds_they_load() {
+    fn preferences_load_whatever_the_file_contains() {
         let directory = tempfile::tempdir().expect("a directory");
         let file = directory.path().join(FILE);
         for bad in [&b"{"[..], b"", b"\xff", b"[1]", b"{\"scale\": null}", b"{\"recent\": 3}", b"{\"dark\": \"yes\"}"] {
@@ -218,7 +218,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_name_that_is_not_unicode_does_no_harm() {
+    fn names_that_are_not_unicode_are_skipped() {
         use std::os::unix::ffi::OsStringExt;
         let directory = tempfile::tempdir().expect("a directory");
         let mut preferences = Preferences::load_from(directory.path());

@@ -168,7 +168,7 @@ fn the_ring_of_scale_scales_by_the_distance_from_the_middle() {
 }
 
 #[test]
-fn with_ctrl_steps_are_round() {
+fn ctrl_snaps_to_round_steps() {
     let gizmo = gizmo(from_corner());
     let handle = Handle::Arrow(Axis::Y);
     assert_moved(dragged(&gizmo, handle, &[grip(&gizmo, handle) + DVec3::Y * 0.37], true), DVec3::Y * 0.4);
@@ -211,7 +211,7 @@ fn nothing_jumps_when_a_drag_starts() {
 }
 
 #[test]
-fn every_handle_is_caught_where_it_is_and_not_far_from_it() {
+fn every_handle_is_picked_where_it_is_and_not_far_from_it() {
     let gizmo = gizmo(from_corner());
     for kind in [GizmoMode::Move, GizmoMode::Rotate, GizmoMode::Scale] {
         for handle in Handle::of(kind) {
@@ -229,7 +229,7 @@ fn every_handle_is_caught_where_it_is_and_not_far_from_it() {
 }
 
 #[test]
-fn of_handles_in_one_place_the_front_one_is_caught() {
+fn of_overlapping_handles_the_front_one_is_picked() {
     let at = start().translation.as_vec3();
     for (sign, front) in [(1.0, Axis::X), (-1.0, Axis::Y)] {
         // From this view, x and y are one line.
@@ -253,7 +253,7 @@ fn of_handles_in_one_place_the_front_one_is_caught() {
 }
 
 #[test]
-fn what_is_seen_from_its_end_or_edge_is_not_caught() {
+fn handles_seen_end_on_or_edge_on_are_not_picked() {
     let at = start().translation.as_vec3();
     let projection = seen_from([at.x, at.y, at.z + 5.0], at.to_array(), [0.0, 1.0, 0.0]);
     let gizmo = gizmo(projection);
@@ -274,7 +274,7 @@ fn what_is_seen_from_its_end_or_edge_is_not_caught() {
 }
 
 #[test]
-fn handles_behind_the_camera_are_neither_drawn_nor_caught() {
+fn handles_behind_the_camera_are_neither_drawn_nor_picked() {
     let at = start().translation.as_vec3();
     let away = seen_from([at.x, at.y, at.z + 1.0], [at.x, at.y, at.z + 2.0], [0.0, 1.0, 0.0]);
     assert!(Gizmo::new(away, start().translation).is_none());
@@ -303,7 +303,7 @@ fn handles_behind_the_camera_are_neither_drawn_nor_caught() {
 }
 
 #[test]
-fn a_pointer_catches_holds_and_lets_go() {
+fn the_pointer_grabs_drags_and_releases_a_handle() {
     let document =
         Document::new("a.kdl", "pathmarch 1\ncamera { position 0 0 5; target 0 0 0 }\nobject \"a\" { sphere }");
     let path = document.path_of_leaf(0).expect("the sphere");

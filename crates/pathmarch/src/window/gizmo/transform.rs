@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_goes_through_an_operator_comes_back() {
+    fn world_and_local_transforms_are_inverse() {
         let outer = Transform {
             scale: 2.0,
             rotation: DQuat::from_euler(EulerRot::ZYX, 0.3, -0.7, 1.1),

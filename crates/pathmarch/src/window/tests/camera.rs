@@ -1,11 +1,11 @@
-//! The picture: moving the camera, selecting, focusing.
+//! Viewport: camera movement, selection, focus.
 
 use super::*;
 use crate::window::camera::navigation;
 use pathmarch_render::pathmarch_scene::Camera;
 use pathmarch_render::pick;
 
-/// Where a point of the world is in the picture.
+/// Window point of a world-space point.
 pub(super) fn place(camera: &Camera, picture: Rect, point: [f32; 3]) -> Pos2 {
     let axes = navigation::axes(camera);
     let from = glam::Vec3::from(point) - glam::Vec3::from(camera.position);
@@ -20,7 +20,7 @@ fn target(person: &Person) -> glam::Vec3 {
     person.open().view.camera.target.into()
 }
 
-/// A place of the picture where nothing is that could be caught.
+/// A point of the viewport without handles.
 fn free(person: &Person) -> Pos2 {
     person.point(0.2, 0.2)
 }
@@ -89,7 +89,7 @@ fn keys_fly() {
         assert_eq!(position(&person), after, "released");
         person.key(Key::Home);
     }
-    // Not while a text is being typed, nor with Ctrl.
+    // Not while text is typed, nor with Ctrl.
     person.ctrl(Key::D);
     assert_eq!(person.open().view.camera.position, [0.0, 1.2, 4.5]);
 }
@@ -172,7 +172,7 @@ fn alt_and_click_or_the_key_set_the_focus() {
 }
 
 #[test]
-fn a_double_click_looks_there_and_f_frames_what_is_selected() {
+fn a_double_click_aims_the_camera_and_f_frames_the_selection() {
     let mut person = Person::at_scene();
     let at = person.point(0.3, 0.9);
     person.hover(at);
@@ -192,7 +192,7 @@ fn a_double_click_looks_there_and_f_frames_what_is_selected() {
 }
 
 #[test]
-fn numbers_of_the_camera_that_are_not_finite_are_not_taken() {
+fn non_finite_camera_values_are_rejected() {
     let mut person = Person::at_scene();
     let camera = person.open().view.camera.clone();
     for label in ["field of view", "exposure", "lens radius"] {

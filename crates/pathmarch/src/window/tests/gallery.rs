@@ -1,11 +1,11 @@
-//! The first page, and files that are dragged into the window.
+//! Gallery page, and files dropped onto the window.
 
 use super::*;
 use pathmarch_gallery::EXAMPLES;
 
 #[test]
 fn every_example_is_shown_and_opens_by_a_click() {
-    // High enough that every card is in sight.
+    // Tall enough that every card is visible.
     let mut person = Start::new().size(1000.0, 6000.0).go();
     person.wait(EXAMPLES.len());
     for example in EXAMPLES {
@@ -72,7 +72,7 @@ fn a_file_that_is_dropped_opens() {
     std::fs::write(&picture, b"\x89PNG\xff").expect("written");
     drop_file(&mut person, &picture);
     person.assert_said("not UTF-8");
-    // Unsaved work is asked about first.
+    // Unsaved work needs a decision first.
     person.select("sphere");
     person.type_number("radius", "0.9");
     drop_file(&mut person, &path);

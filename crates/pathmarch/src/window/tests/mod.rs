@@ -1,4 +1,4 @@
-//! Tests of the window, by what a person sees and presses: everything but the window itself and its graphics device.
+//! Tests of the window as a user sees it: everything but the system window and its graphics device.
 
 mod camera;
 mod controls;
@@ -25,15 +25,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How long to wait for anything, unless `PATHMARCH_TEST_PATIENCE` gives another number of seconds: longer than it takes on
-/// a machine that is busy with much else.
+/// Default timeout, seconds, generous for busy machines; `PATHMARCH_TEST_PATIENCE` overrides it.
 const PATIENCE: u64 = 900;
-/// Time between frames: long enough that clicks with a pause between them are no double clicks.
+/// Time per frame: two clicks with a pause between them are no double click.
 const FRAME: f32 = 0.05;
-/// Frames after which a click is not the second of two.
+/// Frames that separate two single clicks.
 const PAUSE: usize = 8;
 
-/// How long to wait for anything.
+/// Timeout of any wait.
 pub(in crate::window) fn patience() -> Duration {
     let seconds = std::env::var("PATHMARCH_TEST_PATIENCE").ok().and_then(|seconds| seconds.parse().ok());
     Duration::from_secs(seconds.unwrap_or(PATIENCE))
@@ -42,7 +41,7 @@ pub(in crate::window) fn patience() -> Duration {
 /// Ctrl, as the system reports it.
 const CTRL: Modifiers = Modifiers { ctrl: true, command: true, ..Modifiers::NONE };
 
-/// A scene of few pixels and samples, with comments and an order of its own.
+/// A scene with few pixels and samples, with comments and an order of its own.
 const SCENE: &str = r#"// A scene to test with.
 pathmarch 1
 
@@ -70,21 +69,21 @@ object "carved" material="grey" {
 object "floor" material="grey" { plane }
 "#;
 
-/// A program as it is started, before its first frame.
+/// The application before its first frame.
 struct Desk {
     app: Option<App>,
     options: Options,
     dirs: AppDirs,
 }
 
-/// A person at a program.
+/// A simulated user.
 struct Person {
     harness: Harness<'static, Desk>,
-    /// Holds the scene and what the program keeps; removed at the end.
+    /// Contains the scene, preferences and recovery files; removed at the end.
     directory: Arc<tempfile::TempDir>,
 }
 
-/// How a program is started.
+/// Start-up options.
 struct Start {
     directory: Arc<tempfile::TempDir>,
     scene: Option<PathBuf>,
@@ -138,7 +137,7 @@ impl Start {
 }
 
 impl Person {
-    /// At the test scene.
+    /// Opens the test scene.
     fn at_scene() -> Self {
         Start::with(SCENE).go()
     }
@@ -161,7 +160,7 @@ impl Person {
     fn scene(&self) -> &Scene {
         self.document().scene().expect("a scene")
     }
-    /// Where the scene's file is, or would be.
+    /// File of the scene, which may not exist yet.
     fn file(&self) -> PathBuf {
         self.directory.path().join("scene.kdl")
     }
@@ -177,7 +176,7 @@ impl Person {
         assert!(messages.iter().any(|message| message.contains(words)), "no “{words}” in {messages:?}");
     }
 
-    /// Everything that is in the scene.
+    /// All items of the scene.
     fn items(&self) -> Vec<Item> {
         fn all(items: &[Item], into: &mut Vec<Item>) {
             for item in items {
@@ -189,7 +188,7 @@ impl Person {
         all(self.document().outline(), &mut found);
         found
     }
-    /// The node of this title.
+    /// Node with this title.
     #[track_caller]
     fn path(&self, title: &str) -> NodePath {
         let items = self.items();
@@ -209,12 +208,12 @@ impl Person {
         self.wait(2);
     }
 
-    /// Lets frames go by.
+    /// Runs some frames.
     fn wait(&mut self, frames: usize) {
         self.harness.run_steps(frames);
     }
 
-    /// Waits in real time until something holds.
+    /// Waits in real time until a condition holds.
     #[track_caller]
     fn until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
         let start = Instant::now();
@@ -228,17 +227,17 @@ impl Person {
         }
     }
 
-    /// Waits until the whole picture is there with all its samples.
+    /// Waits until the whole picture has all its samples.
     #[track_caller]
     fn rest(&mut self) {
         self.until("the picture is done", Self::is_at_rest);
     }
 
-    /// Whether the picture on the screen is that of what is open, whole and with all its samples.
+    /// Returns true if the picture shows the open scene at full size with all samples.
     fn is_at_rest(&self) -> bool {
         let (app, open) = (self.app(), self.open());
         let Some(scene) = open.document.last_good() else { return false };
-        // The answer comes after everything ordered before, with the samples that there are.
+        // The answer comes after all earlier orders, with the samples so far.
         let Ok(Ok((_, settings))) = app.live.film().recv() else { return false };
         let shown = open.view.picture.as_ref().map(|(_, serial, _)| *serial);
         settings == App::settings(open, scene)
@@ -260,19 +259,19 @@ impl Person {
         self.harness.get_by_role_and_label(role, label).click();
         self.wait(PAUSE);
     }
-    /// Opens a menu and chooses an entry, whose text starts so.
+    /// Opens a menu and clicks the entry whose label starts with `entry`.
     #[track_caller]
     fn menu(&mut self, menu: &str, entry: &str) {
         self.click_role(Role::Button, menu);
         let starts = |node: &egui_kittest::kittest::AccessKitNode<'_>| {
             node.role() == Role::Button && node.label().is_some_and(|label| label.starts_with(entry))
         };
-        // The last one: entries of menus are above everything else.
+        // The last match: menus are above everything else.
         let node = self.harness.query_all_by(starts).last().unwrap_or_else(|| panic!("no {entry} in {menu}"));
         node.click();
         self.wait(PAUSE);
     }
-    /// Chooses an entry of the context menu of a row of the tree.
+    /// Clicks entries of a row's context menu in the scene tree.
     #[track_caller]
     fn context(&mut self, row: &str, entries: &[&str]) {
         self.harness.get_by_role_and_label(Role::TreeItem, row).click_secondary();
@@ -295,27 +294,27 @@ impl Person {
         self.harness.key_press_modifiers(CTRL | Modifiers::SHIFT, key);
         self.wait(2);
     }
-    /// Puts a text into a field in place of what is there, and leaves it with Enter.
+    /// Replaces the text of a field and presses Enter.
     #[track_caller]
     fn fill(&mut self, role: Role, label: &str, text: &str) {
         self.field(role, label).focus();
         self.wait(2);
         self.retype(text);
     }
-    /// The first widget of this label: that of the selection comes before that of its material.
+    /// First widget with this label: the selection's controls come before those of its material.
     #[track_caller]
     fn field<'a>(&'a self, role: Role, label: &'a str) -> Node<'a> {
         let node = self.harness.query_all(By::new().role(role).label(label)).next();
         node.unwrap_or_else(|| panic!("no {role:?} {label}"))
     }
-    /// Presses the last button of this label: dialogs are above everything else.
+    /// Presses the last button with this label: dialogs are above everything else.
     #[track_caller]
     fn answer(&mut self, label: &str) {
         let button = self.harness.query_all_by_role_and_label(Role::Button, label).last();
         button.unwrap_or_else(|| panic!("no {label}")).click();
         self.wait(PAUSE);
     }
-    /// Puts a text into the field that has the keyboard.
+    /// Replaces the text of the focused field and presses Enter.
     fn retype(&mut self, text: &str) {
         self.ctrl(Key::A);
         self.harness.event(egui::Event::Text(text.to_owned()));
@@ -338,7 +337,7 @@ impl Person {
         self.retype(text);
     }
 
-    /// Where the picture is.
+    /// Rectangle of the picture.
     fn picture(&self) -> Rect {
         let room = self.harness.get_by_role_and_label(Role::Image, "Viewport").rect();
         let (width, height) = self.scene().render.size;
@@ -365,7 +364,7 @@ impl Person {
         self.harness.event(egui::Event::ModifiersChanged(Modifiers::NONE));
         self.wait(PAUSE);
     }
-    /// Drags in steps, so that each is a frame.
+    /// Drags in steps of one frame each.
     fn drag(&mut self, from: Pos2, to: Pos2, button: PointerButton, modifiers: Modifiers) {
         self.hover(from);
         self.harness.event(egui::Event::ModifiersChanged(modifiers));
@@ -378,7 +377,7 @@ impl Person {
         self.wait(PAUSE);
     }
 
-    /// Undoes everything; how many steps that were.
+    /// Undoes everything; returns the number of steps.
     fn undo_all(&mut self) -> usize {
         let mut steps = 0;
         while self.document().can_undo().is_some() {
@@ -389,7 +388,7 @@ impl Person {
         steps
     }
 
-    /// The program ends as in a crash, and a new one starts.
+    /// Ends the program as a crash does, and starts a new one.
     fn crash(self) -> Self {
         let directory = self.directory.clone();
         drop(self);
@@ -397,13 +396,13 @@ impl Person {
     }
 }
 
-/// The lines that two texts do not share.
+/// Lines that differ between two texts.
 fn changed_lines<'a>(before: &'a str, after: &'a str) -> Vec<(&'a str, &'a str)> {
     assert_eq!(before.lines().count(), after.lines().count(), "{after}");
     before.lines().zip(after.lines()).filter(|(a, b)| a != b).collect()
 }
 
-/// Writes a file as an editor does that replaces it.
+/// Replaces a file as an editor does.
 fn replace_file(path: &Path, text: &str) {
     let new = path.with_extension("new");
     std::fs::write(&new, text).expect("written");

@@ -1,4 +1,4 @@
-//! Comparing, rendering to files, help, and windows of odd sizes.
+//! Comparison, final renders, help, and unusual window sizes.
 
 use super::*;
 use crate::window::app::actions::{ACTIONS, POINTER};
@@ -6,7 +6,7 @@ use crate::window::app::dialog::Dialog;
 use pathmarch_render::{Mode, Renderer, Settings};
 
 #[test]
-fn a_kept_picture_is_compared_along_a_line_that_is_dragged() {
+fn a_stored_picture_is_compared_along_a_dragged_line() {
     let mut person = Person::at_scene();
     person.rest();
     person.ctrl(Key::B);
@@ -121,9 +121,9 @@ fn a_render_with_a_bad_name_does_not_start() {
 }
 
 #[test]
-fn the_picture_that_is_shown_is_saved() {
+fn the_displayed_picture_is_saved() {
     let mut person = Person::at_scene();
-    // As large as it is rendered.
+    // At the size of the final render.
     person.app_mut().open.as_mut().expect("open").view.resolution =
         crate::window::open_scene::view_state::Resolution::Scene;
     person.wait(2);

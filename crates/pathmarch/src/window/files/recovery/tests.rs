@@ -1,4 +1,4 @@
-//! Tests of keeping work and of finding it again.
+//! Tests of crash recovery.
 
 use super::*;
 
@@ -6,7 +6,7 @@ fn directory() -> tempfile::TempDir {
     tempfile::tempdir().expect("a directory")
 }
 
-/// As after a crash: the work is there, and its lock has no owner.
+/// Simulates a crash: the work remains, and nobody holds its lock.
 fn crash(mut recovery: Recovery) {
     recovery.flush();
     drop(recovery);
@@ -36,7 +36,7 @@ fn texts_and_paths_come_back_byte_for_byte() {
     }
 }
 
-/// As `printf old | sha256sum` prints it.
+/// Output of `printf old | sha256sum`.
 const HASH_OF_OLD: &str = "cba06b5736faf67e54b07b561eae94395e774c517a7d910a54369e1263ccfbd4";
 
 #[test]
@@ -47,7 +47,7 @@ fn work_knows_which_version_of_the_file_it_is_based_on() {
         let mut recovery = Recovery::new(directory.path());
         recovery.keep(Some(path), "mine", base);
         recovery.flush();
-        // The same text on another base is kept anew.
+        // The same text with another base is stored again.
         recovery.keep(Some(path), "mine", then);
         crash(recovery);
         find_abandoned_work(directory.path()).remove(0)
@@ -59,7 +59,7 @@ fn work_knows_which_version_of_the_file_it_is_based_on() {
         assert!(text.contains(&format!("// based on: sha256 {HASH_OF_OLD}\n")), "{text}");
         found.discard().expect("removed");
     }
-    // An empty file is a version, too; an unknown one is none.
+    // An empty file is a version, too; an unknown version is none.
     let found = left(Some(""), Some(""));
     assert!(found.is_based_on(""));
     found.discard().expect("removed");
@@ -139,7 +139,7 @@ fn a_process_that_was_killed_leaves_its_work() {
         recovery.flush();
         recovery
     };
-    // A copy stands for the files that a killed process leaves: the lock is there, and nobody holds it.
+    // A copy simulates the files that a killed process leaves: the lock file exists, and nobody holds the lock.
     let elsewhere = tempfile::tempdir().expect("a directory");
     for entry in fs::read_dir(directory.path()).expect("there") {
         let path = entry.expect("an entry").path();
@@ -177,7 +177,7 @@ fn damaged_files_are_listed_and_stay() {
 }
 
 #[test]
-fn old_locks_without_work_are_swept_away() {
+fn old_locks_without_work_are_removed() {
     let directory = directory();
     let running = Recovery::new(directory.path());
     let path = |name: &str| directory.path().join(name);
@@ -197,7 +197,7 @@ fn old_locks_without_work_are_swept_away() {
 }
 
 #[test]
-fn what_cannot_be_kept_is_said() {
+fn a_failure_to_store_work_is_reported() {
     let directory = directory();
     let in_the_way = directory.path().join("file");
     fs::write(&in_the_way, "").expect("written");
