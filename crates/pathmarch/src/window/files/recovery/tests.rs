@@ -1,6 +1,10 @@
 //! Tests of crash recovery.
 
+use super::abandoned::lock_of;
+use super::format::{FIRST_LINE, LAST_LINE};
 use super::*;
+#[cfg(unix)]
+use std::ffi::OsString;
 
 fn directory() -> tempfile::TempDir {
     tempfile::tempdir().expect("a directory")
