@@ -312,12 +312,12 @@ mod tests {
         let reference = Reference::from_halves(&noisy(0.1), &noisy(0.1), 8).expect("of one size");
         let truth = Picture::from_fn(100, 100, |_, _| [1.0; 3]);
         let of_reference = relmse(&reference.picture, &truth).expect("of one size");
-        let told = reference.noise.expect("known");
-        assert!((told / of_reference - 1.0).abs() < 0.05, "{told} for {of_reference}");
+        let message = reference.noise.expect("known");
+        assert!((message / of_reference - 1.0).abs() < 0.05, "{message} for {of_reference}");
         let measured = noisy(0.05);
         let error = relmse(&measured, &truth).expect("of one size");
-        let told = reference.error_of(&measured).expect("of one size");
-        assert!((told / error - 1.0).abs() < 0.1, "{told} for {error}");
+        let message = reference.error_of(&measured).expect("of one size");
+        assert!((message / error - 1.0).abs() < 0.1, "{message} for {error}");
         assert_eq!(reference.samples, Some(16));
         assert!(reference.mean_difference(&measured).abs() < 1e-3);
     }

@@ -128,7 +128,7 @@ fn wrong_arguments_of_bench_are_reported() {
     std::fs::create_dir(directory.path().join("empty")).expect("made");
     std::fs::write(directory.path().join("not.json"), "{}").expect("written");
     std::fs::write(directory.path().join("bad.kdl"), "pathmarch 1\nspere").expect("written");
-    for (arguments, code_expected, told) in [
+    for (arguments, code_expected, message) in [
         (&["cornel-box"][..], 2, "did you mean cornell-box?"),
         (&["nothing/like.kdl"], 2, "no such file, directory"),
         (&["empty"], 2, "contains no scenes (.kdl)"),
@@ -143,7 +143,7 @@ fn wrong_arguments_of_bench_are_reported() {
     ] {
         let output = measure(&[&SMALL[..], arguments].concat(), directory.path());
         assert_eq!(code(&output), code_expected, "{arguments:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(told), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{arguments:?}: {}", stderr(&output));
     }
 }
 
@@ -222,7 +222,7 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
 fn wrong_arguments_of_study_are_reported() {
     let directory = tempfile::tempdir().expect("a directory");
     std::fs::write(directory.path().join("file"), "mine").expect("written");
-    for (arguments, code_expected, told) in [
+    for (arguments, code_expected, message) in [
         (&["study"][..], 2, "--output"),
         (&["study", "speed", "-o", "page"], 2, "accumulation"),
         (&["study", "-o", "missing/page"], 1, "missing/page"),
@@ -231,7 +231,7 @@ fn wrong_arguments_of_study_are_reported() {
     ] {
         let output = measure(arguments, directory.path());
         assert_eq!(code(&output), code_expected, "{arguments:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(told), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{arguments:?}: {}", stderr(&output));
     }
     assert_eq!(std::fs::read_to_string(directory.path().join("file")).expect("text"), "mine");
 }
@@ -259,9 +259,9 @@ fn numbers_that_an_option_cannot_be_are_refused_with_what_it_can_be() {
     for (command, option, words) in NUMBERS {
         for value in ["nan", "-inf", "inf", "-1e9", "1e99", "one", ""] {
             let output = measure(&[*command, &[*option, value]].concat(), directory.path());
-            let told = stderr(&output);
-            assert_eq!(code(&output), 2, "{option} {value}: {told}");
-            assert!(told.contains(words), "{option} {value}: {told}");
+            let message = stderr(&output);
+            assert_eq!(code(&output), 2, "{option} {value}: {message}");
+            assert!(message.contains(words), "{option} {value}: {message}");
         }
     }
 }

@@ -85,10 +85,10 @@ fn frames_are_rendered_one_after_the_other() {
     // An error in a later frame names the frame; earlier frames are kept.
     let output = run(&["--frames", "9-12", "-o", "g#.png"]);
     assert_eq!(code(&output), 2);
-    let told = stderr(&output);
+    let message = stderr(&output);
     assert!(
-        told.contains("frame 11 cannot be rendered") && told.contains("is -0.05") && told.contains("frame 11"),
-        "{told}"
+        message.contains("frame 11 cannot be rendered") && message.contains("is -0.05") && message.contains("frame 11"),
+        "{message}"
     );
     assert!(there("g9.png") && there("g10.png") && !there("g11.png"));
     for wrong in [
@@ -383,10 +383,13 @@ fn numbers_that_an_option_cannot_be_are_refused_with_what_it_can_be() {
     for (command, option, words) in NUMBERS {
         for value in ["nan", "-inf", "inf", "-1e9", "1e999", "-1e999", "one", ""] {
             let output = pathmarch(&[*command, &[*option, value]].concat(), directory.path());
-            let told = stderr(&output);
-            assert_eq!(code(&output), 2, "{option} {value}: {told}");
-            assert!(told.contains(&format!("invalid value '{value}' for '{option} <")), "{option} {value}: {told}");
-            assert!(told.contains(words), "{option} {value}: {told}");
+            let message = stderr(&output);
+            assert_eq!(code(&output), 2, "{option} {value}: {message}");
+            assert!(
+                message.contains(&format!("invalid value '{value}' for '{option} <")),
+                "{option} {value}: {message}"
+            );
+            assert!(message.contains(words), "{option} {value}: {message}");
         }
     }
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 0, "nothing is written");
@@ -409,10 +412,10 @@ fn what_is_just_past_a_range_is_refused_as_well() {
         ("--detail", "0.0009", "must be a number from 0.001 to 10"),
     ] {
         let output = pathmarch(&["render", "a.kdl", option, value], directory.path());
-        let told = stderr(&output);
-        assert_eq!(code(&output), 2, "{told}");
-        assert!(told.starts_with(&format!("error: invalid value '{value}' for '{option} <")), "{told}");
-        assert!(told.contains(words) && !told.contains("unexpected argument"), "{told}");
+        let message = stderr(&output);
+        assert_eq!(code(&output), 2, "{message}");
+        assert!(message.starts_with(&format!("error: invalid value '{value}' for '{option} <")), "{message}");
+        assert!(message.contains(words) && !message.contains("unexpected argument"), "{message}");
     }
     // The limits of a range are valid, and a value may begin with a hyphen.
     let scene = scene("diffuse-sphere.kdl");
@@ -467,10 +470,14 @@ fn more_threads_than_cores_are_not_started() {
             .env("RAYON_NUM_THREADS", asked)
             .output()
             .expect("the program starts");
-        let told = stderr(&output);
-        assert_eq!(code(&output), 0, "{told}");
-        assert!(told.contains(&format!("on CPU {threads}")), "{asked}: {told}");
-        assert_eq!(told.contains(&format!("note: RAYON_NUM_THREADS asks for {asked} threads")), is_noted, "{told}");
+        let message = stderr(&output);
+        assert_eq!(code(&output), 0, "{message}");
+        assert!(message.contains(&format!("on CPU {threads}")), "{asked}: {message}");
+        assert_eq!(
+            message.contains(&format!("note: RAYON_NUM_THREADS asks for {asked} threads")),
+            is_noted,
+            "{message}"
+        );
         assert!(directory.path().join(&name).metadata().expect("written").len() > 100);
     }
 }
@@ -517,8 +524,11 @@ fn without_a_window_view_says_what_to_do() {
     for arguments in [&[][..], &["view"], &["view", "scene.kdl", "--timings", "--drawing", "cpu"]] {
         let output = pathmarch(arguments, directory.path());
         assert_eq!(code(&output), 2, "{arguments:?}");
-        let told = stderr(&output);
-        assert!(told.contains("without a window") && told.contains("--no-default-features"), "{arguments:?}: {told}");
-        assert_eq!(told.contains("Commands:"), arguments.is_empty(), "{arguments:?}: {told}");
+        let message = stderr(&output);
+        assert!(
+            message.contains("without a window") && message.contains("--no-default-features"),
+            "{arguments:?}: {message}"
+        );
+        assert_eq!(message.contains("Commands:"), arguments.is_empty(), "{arguments:?}: {message}");
     }
 }

@@ -231,8 +231,8 @@ impl SceneBench<'_> {
         for renderer in renderers {
             interrupt.check()?;
             if renderer.backend_name() == "CPU" && cpu_seconds > arguments.limit {
-                let told = format!("one sample takes about {cpu_seconds:.0} s, above --limit");
-                self.log(&format!("not on {}: {told}; choose a smaller --size", measure::backend_label(renderer)));
+                let message = format!("one sample takes about {cpu_seconds:.0} s, above --limit");
+                self.log(&format!("not on {}: {message}; choose a smaller --size", measure::backend_label(renderer)));
                 continue;
             }
             match measure::start(renderer, scene, &settings) {

@@ -137,9 +137,9 @@ impl Results {
     /// Prints the ratios of these results to an earlier run; below 1 is less than before.
     pub fn print_ratios(&self, before: &Results) {
         if (before.size, before.bounces) != (self.size, self.bounces) {
-            let told =
+            let description =
                 |results: &Results| format!("{}x{} and {} bounces", results.size[0], results.size[1], results.bounces);
-            println!("\nwarning: different settings: {} before, {} now", told(before), told(self));
+            println!("\nwarning: different settings: {} before, {} now", description(before), description(self));
         }
         println!(
             "\nnow / before: {:<12} {:>9} {:>10} {:>8} {:>10}  backend",

@@ -60,7 +60,7 @@ pub fn save(directory: &Path, name: &str, plot: &impl Plot) -> Result<(), Failur
     std::fs::write(&path, png).map_err(|error| Failure::Other(format!("{}: {error}", path.display())))
 }
 
-/// Common style of all charts; holds the scale factor.
+/// Common style of all charts and their scale factor.
 #[derive(Clone, Copy)]
 struct Style(u32);
 
@@ -170,9 +170,9 @@ impl Plot for Lines {
     }
 
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, factor: u32) -> Result<(), String> {
-        let told = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
+        let message = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
         let points = || self.lines.iter().flat_map(|line| line.points.iter());
-        area.fill(&WHITE).map_err(told)?;
+        area.fill(&WHITE).map_err(message)?;
         let style = Style(factor);
         let mut chart = style
             .chart(area, &self.title, 74)
@@ -180,28 +180,28 @@ impl Plot for Lines {
                 around(points().map(|point| point.0), 1.15).log_scale().base(2.0),
                 decades(points().map(|point| point.1)).log_scale(),
             )
-            .map_err(told)?;
+            .map_err(message)?;
         let mut mesh = chart.configure_mesh();
         style.mesh(&mut mesh, &self.x);
-        mesh.y_desc(&self.y).y_label_formatter(&label).draw().map_err(told)?;
+        mesh.y_desc(&self.y).y_label_formatter(&label).draw().map_err(message)?;
         let mut colours = COLOURS.iter().cycle();
         for line in &self.lines {
             let colour = if line.is_guide { GREY } else { *colours.next().unwrap_or(&BLACK) };
             let stroke = colour.stroke_width(if line.is_guide { factor } else { 2 * factor });
             chart
                 .draw_series(LineSeries::new(line.points.iter().copied(), stroke))
-                .map_err(told)?
+                .map_err(message)?
                 .label(&line.name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 18 * factor as i32, y)], stroke));
             if !line.is_guide {
                 let mark = |point: &(f64, f64)| Circle::new(*point, 3 * factor, colour.filled());
-                chart.draw_series(line.points.iter().map(mark)).map_err(told)?;
+                chart.draw_series(line.points.iter().map(mark)).map_err(message)?;
             }
         }
         let mut legend = chart.configure_series_labels();
         style.legend(&mut legend, self.legend.clone(), 26);
-        legend.draw().map_err(told)?;
-        area.present().map_err(told)
+        legend.draw().map_err(message)?;
+        area.present().map_err(message)
     }
 }
 
@@ -226,20 +226,20 @@ impl Plot for Bars {
     }
 
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, factor: u32) -> Result<(), String> {
-        let told = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
+        let message = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
         let values = || self.series.iter().flat_map(|(_, values)| values.iter().flatten().copied());
         let range = decades(values());
         let (least, groups) = (range.start, self.groups.len());
-        area.fill(&WHITE).map_err(told)?;
+        area.fill(&WHITE).map_err(message)?;
         let style = Style(factor);
         let mut chart = style
             .chart(area, &self.title, 180)
             .build_cartesian_2d(range.log_scale(), 0.0..groups as f64 + f64::from(LEGEND_HEIGHT))
-            .map_err(told)?;
+            .map_err(message)?;
         // Plotters places labels at grid lines; draw the names beside the middle of their groups instead.
         let mut mesh = chart.configure_mesh();
         style.mesh(&mut mesh, &self.x);
-        mesh.disable_y_mesh().y_labels(0).draw().map_err(told)?;
+        mesh.disable_y_mesh().y_labels(0).draw().map_err(message)?;
         let thickness = 0.8 / self.series.len().max(1) as f64;
         for (index, ((name, values), colour)) in self.series.iter().zip(COLOURS.iter().cycle()).enumerate() {
             let colour = if index + 1 == self.series.len() { &GREY } else { colour };
@@ -248,7 +248,7 @@ impl Plot for Bars {
                 Some(Rectangle::new([(least, top - thickness), ((*value)?, top)], colour.filled()))
             });
             let swatch = 10 * factor as i32;
-            chart.draw_series(bars).map_err(told)?.label(name).legend(move |(x, y)| {
+            chart.draw_series(bars).map_err(message)?.label(name).legend(move |(x, y)| {
                 Rectangle::new([(x, y - swatch / 2), (x + swatch, y + swatch / 2)], colour.filled())
             });
         }
@@ -259,11 +259,11 @@ impl Plot for Bars {
                 plotters::style::text_anchor::VPos::Center,
             );
             let text = style.text(13).color(&BLACK).pos(anchor);
-            area.draw_text(name, &text, (x - 8 * factor as i32, y)).map_err(told)?;
+            area.draw_text(name, &text, (x - 8 * factor as i32, y)).map_err(message)?;
         }
         let mut legend = chart.configure_series_labels();
         style.legend(&mut legend, SeriesLabelPosition::UpperRight, 20);
-        legend.draw().map_err(told)?;
-        area.present().map_err(told)
+        legend.draw().map_err(message)?;
+        area.present().map_err(message)
     }
 }

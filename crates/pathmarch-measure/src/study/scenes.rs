@@ -110,8 +110,8 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
          thesis calls four bounces. Its program was timed at 1280x720 on 2 cores of a 2.5 GHz Xeon with Mesa's software \
          OpenGL, after two edits that only make it faster (a constant scene, an unrolled loop over it; as published the \
          first scene takes 41.8 s), on scenes laid out after its figures; the published times are those of a frame on a \
-         Radeon R9 390. What our time of a sample holds that its frame does not: light through all hits, and rays that are \
-         not lost.\n\n{}\n![Times of all scenes](scenes.png)\n\n{conditions}",
+         Radeon R9 390. Unlike those frames, our samples include light through all hits, and no rays are \
+         lost.\n\n{}\n![Times of all scenes](scenes.png)\n\n{conditions}",
         shown.markdown()
     ))
 }

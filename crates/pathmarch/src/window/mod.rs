@@ -1,6 +1,6 @@
 //! The window: a live path-traced view of a scene, with editing.
 //!
-//! [`app`] holds all state and runs without window or graphics device, so that tests can drive it. [`panels`] draw it;
+//! [`app`] contains all state and runs without window or graphics device, so that tests can drive it. [`panels`] draw it;
 //! [`event_loop`] and [`painter`] connect it to the system.
 
 mod app;

@@ -318,7 +318,7 @@ fn a_save_that_fails_is_said_and_loses_nothing() {
     }
     let image = person.image();
     person.key("s", &["Control_L"]);
-    person.until("something is said", |person| person.image().differs_from(&image) > 1_000);
+    person.until("a message appears", |person| person.image().differs_from(&image) > 1_000);
     assert_eq!(person.title(), "• scene.kdl - pathmarch", "it is not saved");
     assert_eq!(fs::read_to_string(&file).expect("read"), SCENE, "the old file is whole");
     // With free space, saving works.

@@ -1,4 +1,4 @@
-//! What can be done from menus and keys: one table, from which the menus, the shortcuts and the help page are made.
+//! Table of actions, from which menus, shortcuts and the help window are generated.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 

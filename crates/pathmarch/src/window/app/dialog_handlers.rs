@@ -119,7 +119,7 @@ impl App {
                 open
             }
         };
-        open.watch(&self.waker);
+        open.start_watching(&self.waker);
         let (must_decide, is_unsaved) = (open.conflict.is_some(), open.has_unsaved_work());
         self.show_scene(open);
         self.document_changed();

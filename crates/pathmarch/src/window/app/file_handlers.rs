@@ -91,7 +91,7 @@ impl App {
             Ok(text) => {
                 self.preferences.opened(&path);
                 let mut open = OpenScene::new(&path.display().to_string(), text, Some(path));
-                open.watch(&self.waker);
+                open.start_watching(&self.waker);
                 self.show_scene(open);
             }
             Err(error) => {
@@ -145,7 +145,7 @@ impl App {
             path = absolute;
         }
         if open.mark_saved_to(&path) {
-            open.watch(&self.waker);
+            open.start_watching(&self.waker);
         }
         self.preferences.opened(&path);
         self.recovery.clear();

@@ -35,7 +35,7 @@ pub struct RenderRequest {
     pub backend: Backend,
     /// Part of the GPU adapter's name.
     pub adapter: Option<String>,
-    /// FrameRange of an animation; `None` renders one picture. `#` in the file name stands for the digits of the frame
+    /// Frame range of an animation; `None` renders one picture. `#` in the file name stands for the digits of the frame
     /// number.
     pub frames: Option<FrameSequence>,
 }

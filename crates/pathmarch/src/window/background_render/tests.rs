@@ -1,7 +1,7 @@
 //! Tests of background renders.
 
 use super::*;
-use crate::window::tests::patience;
+use crate::window::tests::timeout;
 use pathmarch_render::image;
 use std::process::Command;
 use std::sync::mpsc::channel;
@@ -44,7 +44,7 @@ fn end(export: &BackgroundRender, woken: &std::sync::mpsc::Receiver<()>) -> Resu
         if let Some(outcome) = export.finished() {
             return outcome;
         }
-        woken.recv_timeout(patience()).expect("it says when it is finished");
+        woken.recv_timeout(timeout()).expect("it says when it is finished");
     }
 }
 
@@ -118,7 +118,7 @@ fn a_cancelled_render_writes_nothing() {
     task.settings.samples = 1_000_000;
     let (sender, woken) = channel();
     let export = BackgroundRender::start(task.clone(), move || sender.send(()).unwrap_or_default());
-    woken.recv_timeout(patience()).expect("progress");
+    woken.recv_timeout(timeout()).expect("progress");
     let progress = export.progress();
     assert!(progress.samples > 0.0 && progress.of == 1_000_000.0 && progress.remaining.is_some(), "{progress:?}");
     export.cancel();
@@ -132,7 +132,7 @@ fn a_cancelled_render_writes_nothing() {
     }));
     let began = Instant::now();
     while weak.upgrade().is_some() {
-        assert!(began.elapsed() < patience(), "it goes on");
+        assert!(began.elapsed() < timeout(), "it goes on");
         std::thread::sleep(Duration::from_millis(5));
     }
     assert_eq!(directory.path().read_dir().expect("there").count(), 0);

@@ -22,13 +22,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
 /// Quiet period before a file is read.
-const QUIET: Duration = Duration::from_millis(30);
+const QUIET_PERIOD: Duration = Duration::from_millis(30);
 /// Time that a file may be empty or missing while it is being saved.
-const GRACE: Duration = Duration::from_millis(400);
+const MISSING_PERIOD: Duration = Duration::from_millis(400);
 /// Maximum time to wait for a quiet period.
-const PATIENCE: Duration = Duration::from_secs(1);
+const MAX_WAIT: Duration = Duration::from_secs(1);
 /// Polling intervals: without and with events of the system.
-const POLL: [Duration; 2] = [Duration::from_millis(300), Duration::from_secs(2)];
+const POLL_INTERVALS: [Duration; 2] = [Duration::from_millis(300), Duration::from_secs(2)];
 
 /// Watcher of one file. Dropping it stops the thread without waiting for a slow disk.
 pub struct FileWatcher {
@@ -83,7 +83,7 @@ impl FileWatcher {
         let thread = std::thread::Builder::new().name("watch".to_owned()).spawn(move || {
             let (shared, sender) = watched;
             let watcher = if events { watcher(&shared.path, sender) } else { None };
-            follow(&shared, &receiver, POLL[usize::from(watcher.is_some())], wake);
+            follow(&shared, &receiver, POLL_INTERVALS[usize::from(watcher.is_some())], wake);
         });
         if let Err(error) = thread {
             let message = format!("{}: is not watched for changes: {error}", shared.path.display());
@@ -185,9 +185,9 @@ fn settle(shared: &Shared, receiver: &Receiver<Message>) -> Option<Found> {
         let before = Stamp::of(&shared.path);
         // Quiet: no event for a while.
         loop {
-            match receiver.recv_timeout(QUIET) {
+            match receiver.recv_timeout(QUIET_PERIOD) {
                 Ok(Message::Stop) | Err(RecvTimeoutError::Disconnected) => return None,
-                Ok(Message::Look) if began.elapsed() < PATIENCE => {}
+                Ok(Message::Look) if began.elapsed() < MAX_WAIT => {}
                 Ok(Message::Look) | Err(RecvTimeoutError::Timeout) => break,
             }
         }
@@ -198,9 +198,10 @@ fn settle(shared: &Shared, receiver: &Receiver<Message>) -> Option<Found> {
         let content = read(&shared.path);
         let after = Stamp::of(&shared.path);
         let waited = began.elapsed();
-        let still = before == after || waited > PATIENCE;
+        let still = before == after || waited > MAX_WAIT;
         // An empty or missing file is usually about to be written.
-        let whole = content.as_ref().is_ok_and(|text| !text.is_empty()) || waited > GRACE || may_be_empty(shared);
+        let whole =
+            content.as_ref().is_ok_and(|text| !text.is_empty()) || waited > MISSING_PERIOD || may_be_empty(shared);
         if still && whole {
             return Some(Found { content, stamp: after, revision });
         }
@@ -253,13 +254,13 @@ fn read(path: &Path) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::tests::patience;
+    use crate::window::tests::timeout;
     use std::sync::Weak;
 
     struct Watched {
         directory: tempfile::TempDir,
         path: PathBuf,
-        watch: FileWatcher,
+        watcher: FileWatcher,
         woken: Receiver<()>,
     }
 
@@ -269,16 +270,16 @@ mod tests {
         let path = directory.path().join("a.kdl");
         fs::write(&path, "old").expect("written");
         let (sender, woken) = channel();
-        let mut watch = FileWatcher::with(&path, move || sender.send(()).unwrap_or_default(), events);
-        watch.set_known("old");
-        Watched { directory, path, watch, woken }
+        let mut watcher = FileWatcher::with(&path, move || sender.send(()).unwrap_or_default(), events);
+        watcher.set_known("old");
+        Watched { directory, path, watcher, woken }
     }
 
     impl Watched {
         fn next(&mut self) -> Result<String, String> {
             loop {
-                self.woken.recv_timeout(patience()).expect("a change");
-                if let Some(change) = self.watch.take_change() {
+                self.woken.recv_timeout(timeout()).expect("a change");
+                if let Some(change) = self.watcher.take_change() {
                     return change;
                 }
             }
@@ -317,7 +318,7 @@ mod tests {
             fs::remove_file(&file.path).expect("removed");
             fs::write(&file.path, "again").expect("written");
             file.until("again");
-            assert_eq!(file.watch.take_change(), None, "once for each change");
+            assert_eq!(file.watcher.take_change(), None, "once for each change");
         }
     }
 
@@ -340,11 +341,11 @@ mod tests {
             fs::write(&file.path, "").expect("written");
             fs::write(&file.path, &text).expect("written");
             // A file that stays empty for longer counts as empty. On a busy machine the test itself may be that slow.
-            if emptied.elapsed() < GRACE / 2 {
+            if emptied.elapsed() < MISSING_PERIOD / 2 {
                 assert_eq!(file.next().as_deref(), Ok(&text[..]), "neither empty nor a part");
                 return;
             }
-            assert!(began.elapsed() < patience(), "no file was written fast enough");
+            assert!(began.elapsed() < timeout(), "no file was written fast enough");
         }
     }
 
@@ -352,11 +353,11 @@ mod tests {
     fn known_content_is_no_change() {
         let mut file = watched(true);
         fs::write(&file.path, "own").expect("written");
-        file.watch.set_known("own");
+        file.watcher.set_known("own");
         fs::write(&file.path, "of others").expect("written");
         assert_eq!(file.next().as_deref(), Ok("of others"));
         // Known content that differs from the file: that is a change.
-        file.watch.set_known("lost");
+        file.watcher.set_known("lost");
         assert_eq!(file.next().as_deref(), Ok("of others"));
     }
 
@@ -370,11 +371,11 @@ mod tests {
         let link = file.directory.path().join("link.kdl");
         std::os::unix::fs::symlink(&real, &link).expect("linked");
         let (sender, woken) = channel();
-        let mut watch = FileWatcher::new(&link, move || sender.send(()).unwrap_or_default());
-        watch.set_known("old");
+        let mut watcher = FileWatcher::new(&link, move || sender.send(()).unwrap_or_default());
+        watcher.set_known("old");
         fs::write(&real, "new").expect("written");
-        woken.recv_timeout(patience()).expect("a change");
-        assert_eq!(watch.take_change(), Some(Ok("new".to_owned())));
+        woken.recv_timeout(timeout()).expect("a change");
+        assert_eq!(watcher.take_change(), Some(Ok("new".to_owned())));
     }
 
     #[test]
@@ -382,12 +383,12 @@ mod tests {
         let directory = tempfile::tempdir().expect("a directory");
         let path = directory.path().join("later.kdl");
         let (sender, woken) = channel();
-        let mut watch = FileWatcher::new(&path, move || sender.send(()).unwrap_or_default());
-        woken.recv_timeout(patience()).expect("a change");
-        assert!(watch.take_change().expect("change").is_err());
+        let mut watcher = FileWatcher::new(&path, move || sender.send(()).unwrap_or_default());
+        woken.recv_timeout(timeout()).expect("a change");
+        assert!(watcher.take_change().expect("change").is_err());
         fs::write(&path, "here").expect("written");
-        woken.recv_timeout(patience()).expect("a change");
-        assert_eq!(watch.take_change(), Some(Ok("here".to_owned())));
+        woken.recv_timeout(timeout()).expect("a change");
+        assert_eq!(watcher.take_change(), Some(Ok("here".to_owned())));
     }
 
     #[test]
@@ -395,13 +396,13 @@ mod tests {
         let directory = tempfile::tempdir().expect("a directory");
         let alive = Arc::new(());
         let weak: Weak<()> = Arc::downgrade(&alive);
-        let watch = FileWatcher::new(&directory.path().join("a.kdl"), move || {
+        let watcher = FileWatcher::new(&directory.path().join("a.kdl"), move || {
             let _ = &alive;
         });
-        drop(watch);
+        drop(watcher);
         let began = Instant::now();
         while weak.upgrade().is_some() {
-            assert!(began.elapsed() < patience(), "the thread lives on");
+            assert!(began.elapsed() < timeout(), "the thread lives on");
             std::thread::sleep(Duration::from_millis(5));
         }
     }

@@ -68,7 +68,7 @@ impl OpenScene {
     }
 
     /// Opens recovered work as unsaved changes of its file. `on_disk`: the current text of the file, or the reason why
-    /// it cannot be read. Unless `is_based_on` holds, this is a conflict.
+    /// it cannot be read. Unless `is_based_on` is true, this is a conflict.
     pub(crate) fn recovered(path: PathBuf, work: String, on_disk: Result<String, String>, is_based_on: bool) -> Self {
         let name = path.display().to_string();
         let mut this = Self::new(&name, on_disk.clone().unwrap_or_default(), Some(path));
@@ -92,7 +92,7 @@ impl OpenScene {
     }
 
     /// Watches the file for changes by other programs.
-    pub(crate) fn watch(&mut self, waker: &Waker) {
+    pub(crate) fn start_watching(&mut self, waker: &Waker) {
         let waker = waker.clone();
         self.watcher = self.path.as_deref().map(|path| FileWatcher::new(path, move || waker()));
         self.sync_watcher();
@@ -100,8 +100,8 @@ impl OpenScene {
 
     /// Tells the watcher the text that this program has read or written.
     fn sync_watcher(&mut self) {
-        if let (Some(watch), Some(base)) = (&mut self.watcher, &self.base) {
-            watch.set_known(base);
+        if let (Some(watcher), Some(base)) = (&mut self.watcher, &self.base) {
+            watcher.set_known(base);
         }
     }
 
@@ -158,7 +158,7 @@ impl OpenScene {
             };
             self.includes = includes.iter().map(watched).collect();
         }
-        let change: Vec<_> = self.includes.iter_mut().filter_map(|(_, watch)| watch.take_change()).collect();
+        let change: Vec<_> = self.includes.iter_mut().filter_map(|(_, watcher)| watcher.take_change()).collect();
         if !change.is_empty() {
             // An included file that cannot be read becomes an error of the scene.
             self.document.refresh();

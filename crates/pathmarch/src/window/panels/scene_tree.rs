@@ -313,8 +313,8 @@ fn drag(ui: &Ui, response: &Response, item: &Item, actions: &mut Vec<TreeAction>
     }
     let rect = response.rect;
     let height = (pointer.y - rect.min.y) / rect.height();
-    let holds = item.kind.holds_shapes() && dragged.parent().is_some();
-    let into = holds && (0.25..0.75).contains(&height);
+    let accepts = item.kind.holds_shapes() && dragged.parent().is_some();
+    let into = accepts && (0.25..0.75).contains(&height);
     let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);
     if into {
         ui.painter().rect_stroke(rect, 3.0, stroke, egui::StrokeKind::Inside);

@@ -28,15 +28,15 @@ impl App {
     }
 
     fn picture(&mut self, ui: &mut Ui) {
-        let room = ui.available_rect_before_wrap();
-        let response = ui.allocate_rect(room, Sense::click_and_drag());
+        let area = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(area, Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Viewport"));
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else {
-            fill_around(ui, room, Rect::from_center_size(room.center(), Vec2::ZERO));
+            fill_around(ui, area, Rect::from_center_size(area.center(), Vec2::ZERO));
             let words = "This scene has errors, so there is no picture yet.\nThey are listed below. Fix the text here or in any editor.";
             ui.painter().text(
-                room.center(),
+                area.center(),
                 Align2::CENTER_CENTER,
                 words,
                 FontId::proportional(16.0),
@@ -45,13 +45,13 @@ impl App {
             return;
         };
         let pixels_per_point = ui.ctx().pixels_per_point();
-        let inner = room.shrink(6.0);
+        let inner = area.shrink(6.0);
         open.view.available_pixels =
             [inner.width(), inner.height()].map(|side| (side * pixels_per_point).max(1.0) as u32);
         let (width, height) = scene.render.size;
         let fit = (inner.width() / width as f32).min(inner.height() / height as f32);
-        let picture = Rect::from_center_size(room.center(), Vec2::new(width as f32, height as f32) * fit);
-        fill_around(ui, room, picture);
+        let picture = Rect::from_center_size(area.center(), Vec2::new(width as f32, height as f32) * fit);
+        fill_around(ui, area, picture);
         match &open.view.picture {
             Some((texture, ..)) => {
                 let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
@@ -199,11 +199,11 @@ impl App {
 }
 
 /// Fills the area around the picture. No pixel is drawn twice, as that is slow on software adapters.
-fn fill_around(ui: &Ui, room: Rect, picture: Rect) {
+fn fill_around(ui: &Ui, area: Rect, picture: Rect) {
     let fill = if ui.visuals().dark_mode { Color32::from_gray(18) } else { Color32::from_gray(150) };
     let (x, y) = (
-        [room.min.x, picture.min.x, picture.max.x, room.max.x],
-        [room.min.y, picture.min.y, picture.max.y, room.max.y],
+        [area.min.x, picture.min.x, picture.max.x, area.max.x],
+        [area.min.y, picture.min.y, picture.max.y, area.max.y],
     );
     for [x0, y0, x1, y1] in
         [[x[0], y[0], x[3], y[1]], [x[0], y[2], x[3], y[3]], [x[0], y[1], x[1], y[2]], [x[2], y[1], x[3], y[2]]]
@@ -265,19 +265,19 @@ fn compare(ui: &Ui, picture: Rect, open: &mut OpenScene, response: &Response) ->
     let near = |at: Option<Pos2>| at.is_some_and(|at| (at.x - x).abs() < GRAB_DISTANCE && picture.contains(at));
     let (pressed_at, down) = ui.input(|input| (input.pointer.press_origin(), input.pointer.primary_down()));
     let id = response.id.with("comparison");
-    let mut holds = ui.data(|data| data.get_temp::<bool>(id)).unwrap_or(false);
+    let mut dragging = ui.data(|data| data.get_temp::<bool>(id)).unwrap_or(false);
     if !down {
-        holds = false;
+        dragging = false;
     } else if response.drag_started() && near(pressed_at) {
-        holds = true;
+        dragging = true;
     }
-    ui.data_mut(|data| data.insert_temp(id, holds));
-    if holds && let Some(at) = ui.input(|input| input.pointer.latest_pos()) {
+    ui.data_mut(|data| data.insert_temp(id, dragging));
+    if dragging && let Some(at) = ui.input(|input| input.pointer.latest_pos()) {
         *split = ((at.x - picture.min.x) / picture.width()).clamp(0.0, 1.0);
     }
-    let hovers = near(response.hover_pos());
-    if holds || hovers {
+    let hovering = near(response.hover_pos());
+    if dragging || hovering {
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
     }
-    holds || hovers && down
+    dragging || hovering && down
 }

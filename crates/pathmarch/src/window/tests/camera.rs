@@ -35,7 +35,7 @@ fn dragging_and_the_wheel_move_the_camera_and_home_resets_it() {
     assert_ne!(person.open().view.camera.position, start.position);
     assert_eq!(person.open().view.camera.target, start.target, "around what it looks at");
     assert!((position(&person).distance(target(&person)) - away).abs() < 1e-3);
-    person.until("it is said", |person| person.has("modified view"));
+    person.until("the message appears", |person| person.has("modified view"));
     person.hover(from);
     person.key(Key::Home);
     assert_eq!(person.open().view.camera, start);

@@ -208,7 +208,7 @@ fn an_error_on_disk_keeps_the_picture_until_it_is_fixed() {
     person.until("it is corrected", |person| !person.has("1 error"));
     assert_eq!(person.text(), SCENE);
     std::fs::remove_file(person.file()).expect("removed");
-    person.until("it is said", |person| person.messages().iter().any(|message| message.contains("scene.kdl")));
+    person.until("the message appears", |person| person.messages().iter().any(|message| message.contains("scene.kdl")));
     assert_eq!(person.text(), SCENE, "what is open stays");
     person.select("sphere");
     person.type_number("radius", "0.85");

@@ -26,16 +26,16 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Default timeout, seconds, generous for busy machines; `PATHMARCH_TEST_PATIENCE` overrides it.
-const PATIENCE: u64 = 900;
+const DEFAULT_TIMEOUT: u64 = 900;
 /// Time per frame: two clicks with a pause between them are no double click.
 const FRAME: f32 = 0.05;
 /// Frames that separate two single clicks.
 const PAUSE: usize = 8;
 
 /// Timeout of any wait.
-pub(in crate::window) fn patience() -> Duration {
+pub(in crate::window) fn timeout() -> Duration {
     let seconds = std::env::var("PATHMARCH_TEST_PATIENCE").ok().and_then(|seconds| seconds.parse().ok());
-    Duration::from_secs(seconds.unwrap_or(PATIENCE))
+    Duration::from_secs(seconds.unwrap_or(DEFAULT_TIMEOUT))
 }
 
 /// Ctrl, as the system reports it.
@@ -222,7 +222,7 @@ impl Person {
             if holds(self) {
                 return;
             }
-            assert!(start.elapsed() < patience(), "waited in vain until {what}; {:?}", self.messages());
+            assert!(start.elapsed() < timeout(), "waited in vain until {what}; {:?}", self.messages());
             std::thread::sleep(Duration::from_millis(4));
         }
     }

@@ -25,7 +25,7 @@ fn everything_is_listed_and_selected_by_a_click() {
     }
     person.click_role(Role::TreeItem, "material “red”");
     assert_eq!(person.selected().as_deref(), Some("red"));
-    assert!(person.has("line 14"), "the controls say where it stands");
+    assert!(person.has("line 14"), "the inspector shows its line");
     person.click_role(Role::TreeItem, "box");
     assert_eq!(person.selected().as_deref(), Some("box"));
     person.key(Key::Escape);

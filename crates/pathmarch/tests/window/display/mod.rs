@@ -15,7 +15,7 @@ use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 /// Default timeout, seconds, generous for busy machines; `PATHMARCH_TEST_PATIENCE` overrides it.
-const PATIENCE: u64 = 900;
+const DEFAULT_TIMEOUT: u64 = 900;
 /// Interval between screenshots.
 const PAUSE: Duration = Duration::from_millis(25);
 /// Interval between keys, as of a fast typist.
@@ -56,9 +56,9 @@ pub fn with_display(name: &str, test: fn()) -> [Test; 1] {
 }
 
 /// Timeout of any wait.
-fn patience() -> Duration {
+fn timeout() -> Duration {
     let seconds = std::env::var("PATHMARCH_TEST_PATIENCE").ok().and_then(|seconds| seconds.parse().ok());
-    Duration::from_secs(seconds.unwrap_or(PATIENCE))
+    Duration::from_secs(seconds.unwrap_or(DEFAULT_TIMEOUT))
 }
 
 /// A virtual display; stops when dropped.
@@ -118,7 +118,7 @@ impl Screen {
                 assert!(printed.contains("no window can be opened"), "{printed}");
                 missing(DISPLAY.variable, printed);
             }
-            assert!(start.elapsed() < patience(), "no window: {}", person.printed());
+            assert!(start.elapsed() < timeout(), "no window: {}", person.printed());
             std::thread::sleep(PAUSE);
         }
         person.learn_keys();
@@ -311,7 +311,7 @@ impl Person {
             if let Some(status) = self.program.try_wait().expect("it can be waited for") {
                 return status;
             }
-            assert!(start.elapsed() < patience(), "it does not end: {}", self.printed());
+            assert!(start.elapsed() < timeout(), "it does not end: {}", self.printed());
             std::thread::sleep(PAUSE);
         }
     }
@@ -337,12 +337,7 @@ impl Person {
     pub fn until(&self, what: &str, holds: impl Fn(&Self) -> bool) {
         let start = Instant::now();
         while !holds(self) {
-            assert!(
-                start.elapsed() < patience(),
-                "waited in vain until {what}: {:?}\n{}",
-                self.title(),
-                self.printed()
-            );
+            assert!(start.elapsed() < timeout(), "waited in vain until {what}: {:?}\n{}", self.title(), self.printed());
             std::thread::sleep(PAUSE);
         }
     }
@@ -354,7 +349,7 @@ impl Person {
         let mut last = self.image();
         let mut since = Instant::now();
         while since.elapsed() < Duration::from_millis(600) {
-            assert!(start.elapsed() < patience(), "it never stands still");
+            assert!(start.elapsed() < timeout(), "the picture never becomes stable");
             std::thread::sleep(Duration::from_millis(100));
             let now = self.image();
             // A cursor may blink.
