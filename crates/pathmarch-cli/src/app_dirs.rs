@@ -1,28 +1,28 @@
-//! Directories of the program's own files.
+//! Directories for preferences, recovery files and references.
 //!
-//! Those that the system has for this, or, where the environment variable `PATHMARCH_HOME` is set, that one
-//! directory for everything: for tests, and for an installation that is carried around.
+//! They are the system's standard directories, or subdirectories of the one that the environment variable
+//! `PATHMARCH_HOME` names, for tests and portable installations.
 
 use directories::ProjectDirs;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// The environment variable that names the one directory for everything.
+/// Environment variable that names one directory for everything.
 pub const HOME_VARIABLE: &str = "PATHMARCH_HOME";
 
-/// The program's own directories; none need exist.
+/// Directories of the program; they need not exist.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AppDirs {
-    /// For preferences.
+    /// Preferences.
     pub preferences: PathBuf,
-    /// For work that is not saved.
+    /// Recovery files of unsaved work.
     pub recovery: PathBuf,
-    /// For converged pictures that others are measured against; they can be made again.
+    /// Converged reference pictures; they can be rendered again.
     pub references: PathBuf,
 }
 
 impl AppDirs {
-    /// Directories of this user; `None` where the user has no home directory.
+    /// Directories of the current user; `None` if there is no home directory.
     pub fn of_user() -> Option<Self> {
         Self::with_home(std::env::var_os(HOME_VARIABLE))
     }
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_directory_can_stand_for_all() {
+    fn one_directory_can_replace_all() {
         let dirs = AppDirs::with_home(Some("/somewhere/own".into())).expect("directories");
         assert_eq!(dirs.preferences, PathBuf::from("/somewhere/own"));
         assert_eq!(dirs.recovery, PathBuf::from("/somewhere/own").join("recovery"));

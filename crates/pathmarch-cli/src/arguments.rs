@@ -1,19 +1,19 @@
-//! Arguments that several commands take.
+//! Arguments shared by several commands.
 
 use crate::Failure;
 use clap::ValueEnum;
 use pathmarch_render::Backend;
 use std::path::Path;
 
-/// `--backend`
+/// Values of `--backend`.
 #[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub enum BackendArgument {
-    /// The GPU where one works, else the CPU
+    /// GPU if one works, otherwise the CPU
     #[default]
     Auto,
-    /// The GPU, or fail
+    /// GPU only
     Gpu,
-    /// The CPU
+    /// CPU
     Cpu,
 }
 
@@ -27,14 +27,14 @@ impl From<BackendArgument> for Backend {
     }
 }
 
-/// Checks that the directory of an output file exists: better said now than after an hour of work.
+/// Checks that the directory of an output file exists, before long work rather than after it.
 ///
 /// # Errors
-/// If it does not.
+/// Fails if it does not exist.
 pub fn check_directory(output: &Path) -> Result<(), Failure> {
     let directory = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !directory.is_dir() {
-        return Err(Failure::Other(format!("there is no directory {}; make it first", directory.display())));
+        return Err(Failure::Other(format!("there is no directory {}; create it first", directory.display())));
     }
     Ok(())
 }

@@ -1,37 +1,37 @@
-//! How a program starts and ends.
+//! Start and end of a program: exit codes, failures, checks at start-up.
 
 use crate::threads;
 use pathmarch_render::pathmarch_scene::SceneError;
 use std::process::ExitCode;
 
-/// Done.
+/// Success.
 pub const DONE: u8 = 0;
-/// Something failed: a device, a file, a limit given to `compare`.
+/// Failure of a device, a file, or a limit given to `compare`.
 pub const FAILED: u8 = 1;
-/// A mistake in a scene or on the command line.
+/// Error in a scene or on the command line.
 pub const USAGE: u8 = 2;
 /// Interrupted by Ctrl-C.
 pub const INTERRUPTED: u8 = 130;
 
-/// Why a command ends early.
+/// Reason why a command ends early.
 #[derive(Debug)]
 pub enum Failure {
-    /// A scene with mistakes; prints each with its place.
+    /// A scene with errors; prints each with its place.
     Scene(Box<SceneError>),
-    /// A mistake on the command line.
+    /// An error on the command line.
     Usage(String),
     /// Ctrl-C.
     Interrupted,
-    /// Anything else.
+    /// Any other failure.
     Other(String),
 }
 
 impl Failure {
-    /// A failure of the world, not of the user.
+    /// Creates a failure that is not a usage error.
     pub fn other(error: impl ToString) -> Self {
         Self::Other(error.to_string())
     }
-    /// The process's exit code.
+    /// Exit code of the process.
     pub fn code(&self) -> u8 {
         match self {
             Self::Scene(_) | Self::Usage(_) => USAGE,
@@ -39,7 +39,7 @@ impl Failure {
             Self::Other(_) => FAILED,
         }
     }
-    /// Prints it to standard error.
+    /// Prints the failure to standard error.
     pub fn print(&self) {
         match self {
             Self::Scene(error) => print_report(&**error),
@@ -55,7 +55,13 @@ impl From<SceneError> for Failure {
     }
 }
 
-/// Prints every mistake of a scene, or one warning, its place underlined.
+/// Ends the program quietly when a pipe that it prints to is closed, as in `pathmarch shapes | head`. Not for programs with a
+/// window, which would end with it.
+pub fn end_on_closed_pipe() {
+    sigpipe::reset();
+}
+
+/// Prints every error of a scene, or one warning, with the source underlined.
 pub fn print_report(report: &dyn miette::Diagnostic) {
     let mut text = String::new();
     match miette::GraphicalReportHandler::new().render_report(&mut text, report) {
@@ -64,10 +70,9 @@ pub fn print_report(report: &dyn miette::Diagnostic) {
     }
 }
 
-/// Runs a program from its first line to its exit code: checks the processor, quiets drivers,
-/// starts the threads, prints a failure.
+/// Runs a program and returns its exit code: checks the CPU, silences drivers, starts the threads, prints a failure.
 pub fn run(program: impl FnOnce() -> Result<u8, Failure>) -> ExitCode {
-    if let Err(missing) = processor_has_what_we_were_built_for() {
+    if let Err(missing) = check_cpu_features() {
         eprintln!("pathmarch: {missing}");
         return ExitCode::from(FAILED);
     }
@@ -84,8 +89,8 @@ pub fn run(program: impl FnOnce() -> Result<u8, Failure>) -> ExitCode {
     }
 }
 
-/// Mesa's device-select layer complains on standard error where there is no desktop session; nothing is lost without it
-/// there, since it asks the desktop which GPU to prefer.
+/// Silences Mesa's device-select layer, which prints errors without a desktop session. It only asks the desktop for the
+/// preferred GPU, so nothing is lost.
 fn quiet_drivers() {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
         // SAFETY: this is the start of `main`; no other thread runs.
@@ -93,8 +98,8 @@ fn quiet_drivers() {
     }
 }
 
-/// Checks that this processor has the instructions that this program was built to use; the error says what to do.
-fn processor_has_what_we_were_built_for() -> Result<(), String> {
+/// Checks that this CPU has the instructions that the program was built for; the error says what to do.
+fn check_cpu_features() -> Result<(), String> {
     #[cfg(target_arch = "x86_64")]
     {
         let features = [
@@ -106,7 +111,7 @@ fn processor_has_what_we_were_built_for() -> Result<(), String> {
         for (name, built_for, present) in features {
             if built_for && !present {
                 return Err(format!(
-                    "this program was built for a processor with {name}, which this one lacks; build it on this machine"
+                    "this program was built for a CPU with {name}, which this one lacks; build it on this machine"
                 ));
             }
         }

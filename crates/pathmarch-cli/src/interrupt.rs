@@ -1,14 +1,14 @@
-//! Ctrl-C.
+//! Handling of Ctrl-C.
 
 use crate::{Failure, INTERRUPTED};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Returns a flag that Ctrl-C raises; a second Ctrl-C ends the program at once.
+/// Returns a flag that Ctrl-C sets; a second Ctrl-C ends the program at once.
 ///
 /// # Errors
-/// If the system refuses a handler of signals, or one was set before.
-pub fn watch_interrupts() -> Result<Arc<AtomicBool>, Failure> {
+/// Fails if the system refuses a signal handler, or if one is already set.
+pub fn catch_interrupts() -> Result<Arc<AtomicBool>, Failure> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = flag.clone();
     ctrlc::set_handler(move || {

@@ -1,16 +1,16 @@
-//! Shared code of the programs `pathmarch` and `pathmarch-measure`: how they start and end, arguments that both take,
-//! Ctrl-C, and their own directories.
+//! Code shared by the programs `pathmarch` and `pathmarch-measure`: start and exit, common arguments, Ctrl-C,
+//! directories.
 //!
-//! A library for these programs alone. It changes with them; other programs use `pathmarch-render`.
+//! This library is for these two programs and changes with them; other programs use `pathmarch-render`.
 
 mod app_dirs;
 mod arguments;
 mod exit;
 mod interrupt;
-pub mod numbers;
 mod threads;
+pub mod value_parsers;
 
 pub use app_dirs::{AppDirs, HOME_VARIABLE};
 pub use arguments::{BackendArgument, check_directory};
-pub use exit::{DONE, FAILED, Failure, INTERRUPTED, USAGE, print_report, run};
-pub use interrupt::watch_interrupts;
+pub use exit::{DONE, FAILED, Failure, INTERRUPTED, USAGE, end_on_closed_pipe, print_report, run};
+pub use interrupt::catch_interrupts;

@@ -1,28 +1,29 @@
-//! The threads that work is shared out to.
+//! Thread pool of the program.
 //!
-//! **Idea.** One pool for the whole program, made before anything computes. It has a thread for each core that the program
-//! may use. The variable `RAYON_NUM_THREADS` may ask for fewer, as in every program that uses rayon, and never for more: a
-//! core that runs several of these threads computes nothing sooner, and thousands of them take minutes to start.
+//! **Idea.** One rayon pool, created before any computation, with one thread per available core. The variable
+//! `RAYON_NUM_THREADS` can ask for fewer threads, as in every program that uses rayon, but not for more: several
+//! threads on a core are no faster, and thousands of them take minutes to start.
 
 use rayon::ThreadPoolBuilder;
 
 const VARIABLE: &str = "RAYON_NUM_THREADS";
 
-/// Starts the threads. To be called before anything else that uses them. Returns a note for people where more threads were
-/// asked for than there are cores.
+/// Starts the threads; call this before anything else uses rayon. Returns a note if more threads were requested than
+/// there are cores.
 pub fn start() -> Option<String> {
     let asked = std::env::var(VARIABLE).ok();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let (threads, note) = chosen(asked.as_deref(), cores);
-    // It fails only where there is a pool already, or where no thread can be started; then rayon computes where it is called.
+    // Fails only if a pool exists already or no thread can be started; rayon then runs on the calling thread.
     let _ = ThreadPoolBuilder::new().num_threads(threads).build_global();
     note
 }
 
-/// Number of threads, and a note where it is not what was asked for. As in rayon, 0 and what is no number ask for the default.
+/// Number of threads, and a note if it differs from the request. As in rayon, 0 and invalid numbers request the
+/// default.
 fn chosen(asked: Option<&str>, cores: usize) -> (usize, Option<String>) {
     let asked = asked.map(str::trim).filter(|asked| !asked.is_empty());
-    // A number that no integer holds asks for more than there are.
+    // A number that overflows an integer requests too many threads.
     let is_huge = |asked: &str| asked.parse::<usize>().is_err() && asked.bytes().all(|byte| byte.is_ascii_digit());
     match asked.map(|asked| (asked, asked.parse::<usize>())) {
         Some((_, Ok(threads @ 1..))) if threads <= cores => (threads, None),
@@ -33,7 +34,7 @@ fn chosen(asked: Option<&str>, cores: usize) -> (usize, Option<String>) {
 }
 
 fn note(asked: &str, cores: usize) -> String {
-    format!("{VARIABLE} asks for {asked} threads; {cores} are used, one for each core")
+    format!("{VARIABLE} asks for {asked} threads; using {cores}, one for each core")
 }
 
 #[cfg(test)]
@@ -41,7 +42,7 @@ mod tests {
     use super::chosen;
 
     #[test]
-    fn fewer_threads_may_be_asked_for_but_not_more() {
+    fn fewer_threads_can_be_requested_but_not_more() {
         for (asked, expected) in [
             (None, 8),
             (Some(""), 8),
@@ -56,7 +57,7 @@ mod tests {
         for asked in ["9", "100000", "99999999999999999999999"] {
             let (threads, note) = chosen(Some(asked), 8);
             let note = note.expect("a note");
-            assert!(threads == 8 && note.contains(asked) && note.contains("8 are used"), "{note}");
+            assert!(threads == 8 && note.contains(asked) && note.contains("using 8"), "{note}");
         }
     }
 }

@@ -1,6 +1,6 @@
-//! `pathmarch-measure`: what pathmarch costs and how good its pictures are, for those who develop it.
+//! `pathmarch-measure`: measures speed, memory and error of pathmarch, for its developers.
 //!
-//! A program of its own, so that `pathmarch` carries neither plots nor tables.
+//! A separate program, so that `pathmarch` contains neither plots nor tables.
 
 mod bench;
 mod measure;
@@ -9,9 +9,9 @@ mod study;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Measures pathmarch: times, errors, memory, and the evaluation of the thesis.
+/// Measures pathmarch: time, error, memory, and the evaluation of the thesis.
 ///
-/// Exit codes: 0 done, 1 failed, 2 bad scene or usage, 130 interrupted.
+/// Exit codes: 0 success, 1 failure, 2 error in scene or usage, 130 interrupted.
 #[derive(Parser)]
 #[command(version, propagate_version = true)]
 struct Arguments {
@@ -21,13 +21,14 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Measure how long a sample of a picture takes, and what quality costs, for each scene and backend.
+    /// Measure time per sample and error, for each scene and backend.
     Bench(bench::Arguments),
     /// Repeat the evaluation of the thesis: tables, plots and pictures.
     Study(study::Arguments),
 }
 
 fn main() -> ExitCode {
+    pathmarch_cli::end_on_closed_pipe();
     pathmarch_cli::run(|| match Arguments::parse().command {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),

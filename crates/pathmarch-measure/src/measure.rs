@@ -1,15 +1,15 @@
-//! What `bench` and `study` measure alike: the time of a sample, and how far a picture is from the converged one.
+//! Measurements shared by `bench` and `study`: time per sample, and error against a converged reference.
 //!
-//! **Idea.** The error of a picture is its relMSE against a reference, and the reference has noise of its own. It is
-//! rendered as two halves of equally many samples with seeds of their own; the reference is their mean, and the relMSE of
-//! one half against that mean estimates the relMSE of the mean itself, because the mean's variance is a fourth of the
-//! variance of the difference of the halves. Errors of independent pictures add up, so that what is left after
-//! subtracting it is the error of the measured picture, which has yet another seed.
+//! **Idea.** The error of a picture is its relMSE against a reference, which has noise of its own. The reference is the
+//! mean of two halves with equally many samples and different seeds. The relMSE of one half against that mean estimates
+//! the relMSE of the mean itself, as the mean's variance is a fourth of the variance of the difference of the halves.
+//! Errors of independent pictures add up, so subtracting this estimate leaves the error of the measured picture, which
+//! has yet another seed.
 //!
-//! **Source.** relMSE: [`pathmarch_render::metrics`]. Two independent halves as an estimate of variance: Rousselle, Knaus,
-//! Zwicker, "Robust Denoising using Feature and Color Information", Pacific Graphics 2013, section 3.
+//! **Source.** relMSE: [`pathmarch_render::metrics`]. Variance from two independent halves: Rousselle, Knaus, Zwicker,
+//! "Robust Denoising using Feature and Color Information", Pacific Graphics 2013, section 3.
 //!
-//! **Cost.** A reference of four times the samples of what is measured has a fourth of its error or less.
+//! **Cost.** A reference with four times the samples of the measured picture has at most a fourth of its error.
 
 use pathmarch_cli::Failure;
 use pathmarch_render::image::{self, Picture, Provenance};
@@ -23,26 +23,27 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Samples of a picture whose end is a time.
-pub const ENDLESS: u32 = 1_000_000;
+/// Sample count of pictures that are limited by time.
+pub const MAX_SAMPLES: u32 = 1_000_000;
 
-/// Ctrl-C, asked for between slices of work.
+/// Ctrl-C, checked between slices of work.
 #[derive(Clone)]
-pub struct Watch(pub Arc<AtomicBool>);
+pub struct Interrupt(pub Arc<AtomicBool>);
 
-impl Watch {
-    /// Whether work has to end.
+impl Interrupt {
+    /// Fails if the user has pressed Ctrl-C.
     pub fn check(&self) -> Result<(), Failure> {
         if self.0.load(Ordering::SeqCst) { Err(Failure::Interrupted) } else { Ok(()) }
     }
 }
 
-/// A backend with its adapter, as it is named in results.
-pub fn described(renderer: &Renderer) -> String {
+/// Backend with its adapter, as named in results.
+pub fn backend_label(renderer: &Renderer) -> String {
     format!("{} ({})", renderer.backend().name, renderer.backend().adapter)
 }
 
-/// Backends to measure: without a choice every usable adapter and the CPU; `adapter` is part of an adapter's name.
+/// Opens the backends to measure: without a choice, every usable adapter and the CPU. `adapter` is part of an adapter's
+/// name.
 pub fn renderers(backend: Option<Backend>, adapter: Option<&str>) -> Result<Vec<Renderer>, Failure> {
     let open = |backend, adapter: Option<&str>| Renderer::open(backend, adapter).map_err(Failure::other);
     let mut renderers = Vec::new();
@@ -61,12 +62,12 @@ pub fn renderers(backend: Option<Backend>, adapter: Option<&str>) -> Result<Vec<
         renderers.push(open(Backend::Cpu, None)?);
     }
     if renderers.is_empty() {
-        return Err(Failure::Other("no GPU adapter is usable; `pathmarch devices` says why".to_owned()));
+        return Err(Failure::Other("no GPU adapter is usable; `pathmarch devices` lists the reasons".to_owned()));
     }
     Ok(renderers)
 }
 
-/// Begins a picture; settings out of range are a mistake of the user.
+/// Starts a picture; settings out of range are a usage error.
 pub fn start(renderer: &Renderer, scene: &Scene, settings: &Settings) -> Result<Job, Failure> {
     renderer.start(scene, settings).map_err(|error| match error {
         RenderError::Settings(message) => Failure::Usage(message),
@@ -74,34 +75,33 @@ pub fn start(renderer: &Renderer, scene: &Scene, settings: &Settings) -> Result<
     })
 }
 
-/// Renders until this many samples are done, the GPU's work included.
-pub fn until(job: &mut Job, samples: u32, watch: &Watch) -> Result<(), Failure> {
+/// Renders until `samples` are done, including the GPU's work.
+pub fn until(job: &mut Job, samples: u32, interrupt: &Interrupt) -> Result<(), Failure> {
     while job.samples_done() < f64::from(samples) {
-        watch.check()?;
+        interrupt.check()?;
         job.advance(samples).map_err(Failure::other)?;
     }
     job.wait().map_err(Failure::other)
 }
 
-/// Milliseconds for one sample of every pixel, round after round; the first sample warms up and does not count. Pictures
-/// take turns, so that a machine whose speed drifts treats all alike. Ends early once `seconds` are over and there are as
-/// many rounds as the range begins with.
-pub fn time_in_turn(
+/// Measures milliseconds per sample of every pixel; the first sample is warm-up. The pictures take turns in each round,
+/// so that drifting clock speeds affect all alike. Stops after `seconds`, but not before the minimum number of rounds.
+pub fn time_interleaved(
     jobs: &mut [Job],
     rounds: RangeInclusive<u32>,
     samples: u32,
     seconds: f64,
-    watch: &Watch,
+    interrupt: &Interrupt,
 ) -> Result<Vec<Times>, Failure> {
     let mut times = vec![Times(Vec::new()); jobs.len()];
     let began = Instant::now();
     for job in &mut *jobs {
-        until(job, 1, watch)?;
+        until(job, 1, interrupt)?;
     }
     for round in 0..*rounds.end() {
         for (job, times) in jobs.iter_mut().zip(&mut times) {
             let started = Instant::now();
-            until(job, 1 + (round + 1) * samples, watch)?;
+            until(job, 1 + (round + 1) * samples, interrupt)?;
             times.0.push(started.elapsed().as_secs_f64() * 1e3 / f64::from(samples));
         }
         if round + 1 >= *rounds.start() && began.elapsed().as_secs_f64() > seconds {
@@ -111,16 +111,16 @@ pub fn time_in_turn(
     Ok(times)
 }
 
-/// Milliseconds, of one or more rounds.
+/// Milliseconds per sample, one value per round.
 #[derive(Clone, Debug)]
 pub struct Times(Vec<f64>);
 
 impl Times {
-    /// How many.
+    /// Number of rounds.
     pub fn rounds(&self) -> u32 {
         self.0.len() as u32
     }
-    /// Median, least and most.
+    /// Median, minimum and maximum.
     pub fn spread(&self) -> [f64; 3] {
         let mut times = self.0.clone();
         times.sort_by(f64::total_cmp);
@@ -128,64 +128,64 @@ impl Times {
     }
 }
 
-/// How long to render.
+/// Budget of a picture.
 #[derive(Clone, Copy)]
-pub enum Effort {
-    /// So many samples.
+pub enum Budget {
+    /// Number of samples.
     Samples(u32),
-    /// The sample with which these seconds are over, and all before it.
+    /// Time in seconds; the sample in progress is finished.
     Seconds(f64),
 }
 
-/// A picture, its samples, and the seconds that they took without compilation.
-pub struct Taken {
-    /// The mean of the samples.
+/// A picture with its samples and render time.
+pub struct TimedPicture {
+    /// Mean of the samples.
     pub picture: Picture,
-    /// Samples of every pixel.
+    /// Samples per pixel.
     pub samples: u32,
-    /// Seconds.
+    /// Render time without compilation, seconds.
     pub seconds: f64,
 }
 
-/// Renders for so long.
-pub fn take(
+/// Renders a picture within a budget.
+pub fn render_for(
     renderer: &Renderer,
     scene: &Scene,
     settings: &Settings,
-    effort: Effort,
-    watch: &Watch,
-) -> Result<Taken, Failure> {
-    let most = match effort {
-        Effort::Samples(samples) => samples,
-        Effort::Seconds(_) => ENDLESS,
+    budget: Budget,
+    interrupt: &Interrupt,
+) -> Result<TimedPicture, Failure> {
+    let most = match budget {
+        Budget::Samples(samples) => samples,
+        Budget::Seconds(_) => MAX_SAMPLES,
     };
     let mut job = start(renderer, scene, &Settings { samples: most, ..settings.clone() })?;
     let started = Instant::now();
-    let late = |started: Instant| match effort {
-        Effort::Samples(_) => false,
-        Effort::Seconds(seconds) => started.elapsed().as_secs_f64() >= seconds,
+    let late = |started: Instant| match budget {
+        Budget::Samples(_) => false,
+        Budget::Seconds(seconds) => started.elapsed().as_secs_f64() >= seconds,
     };
     while job.samples_done() < f64::from(most) && !late(started) {
-        watch.check()?;
+        interrupt.check()?;
         job.advance(most).map_err(Failure::other)?;
     }
     let film = job.film().map_err(Failure::other)?;
-    Ok(Taken { picture: film.mean(), samples: film.samples, seconds: started.elapsed().as_secs_f64() })
+    Ok(TimedPicture { picture: film.mean(), samples: film.samples, seconds: started.elapsed().as_secs_f64() })
 }
 
-/// What pictures are measured against.
+/// Reference to compare with.
 pub struct Reference {
-    /// The picture.
+    /// The reference picture.
     pub picture: Picture,
-    /// Its samples, where they are known.
+    /// Samples per pixel, if known.
     pub samples: Option<u32>,
-    /// Its own relMSE, where it is known.
+    /// relMSE of the reference itself, if known.
     pub noise: Option<f64>,
 }
 
 impl Reference {
-    /// The mean of two pictures of equally many samples with independent noise.
-    pub fn of_halves(a: &Picture, b: &Picture, samples: u32) -> Result<Self, Failure> {
+    /// Averages two pictures with equally many samples and independent noise.
+    pub fn from_halves(a: &Picture, b: &Picture, samples: u32) -> Result<Self, Failure> {
         let mean = |(a, b): (&[f32; 3], &[f32; 3])| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
         let pixels = a.pixels.iter().zip(&b.pixels).map(mean).collect();
         let picture = Picture { width: a.width, height: a.height, pixels };
@@ -193,42 +193,44 @@ impl Reference {
         Ok(Self { picture, samples: Some(2 * samples), noise: Some(noise) })
     }
 
-    /// The relMSE of a picture of another seed, without the noise of the reference; zero or less where that hides it.
+    /// relMSE of a picture with another seed, minus the noise of the reference; zero or negative if smaller than that
+    /// noise.
     pub fn error_of(&self, picture: &Picture) -> Result<f64, Failure> {
         Ok(relmse(picture, &self.picture).map_err(Failure::other)? - self.noise.unwrap_or(0.0))
     }
 
-    /// The relative difference of the means over all pixels and channels: bias shows in it before it shows in relMSE.
+    /// Relative difference of the means over all pixels and channels: shows bias earlier than relMSE.
     pub fn mean_difference(&self, picture: &Picture) -> f64 {
         let sum = |picture: &Picture| picture.mean_colour().iter().sum::<f64>();
         sum(picture) / sum(&self.picture).max(1e-12) - 1.0
     }
 }
 
-/// The seeds of a reference's halves; what is measured has seed 0.
+/// Seeds of the two halves of a reference; measured pictures have seed 0.
 const SEEDS: [u32; 2] = [0x5eed_0001, 0x5eed_0002];
 
-/// References that are kept as files.
-pub struct References {
+/// ReferenceStore stored as files.
+pub struct ReferenceStore {
     folder: PathBuf,
-    /// Seconds for one that is not there.
+    /// Render time for a missing reference, seconds.
     seconds: f64,
 }
 
-impl References {
-    /// In a folder that is there.
+impl ReferenceStore {
+    /// Uses an existing directory.
     pub fn new(folder: PathBuf, seconds: f64) -> Self {
         Self { folder, seconds }
     }
 
-    /// That of a picture: the user's own file `NAME.exr`, or the halves that were kept, or new ones, which are kept.
+    /// Returns the reference of a scene: the user's file `NAME.exr`, or the stored halves, or newly rendered ones,
+    /// which are then stored.
     pub fn get(
         &self,
         name: &str,
         scene: &Scene,
         settings: &Settings,
         renderer: &Renderer,
-        watch: &Watch,
+        interrupt: &Interrupt,
     ) -> Result<Reference, Failure> {
         let own = self.folder.join(format!("{name}.exr"));
         if own.is_file() {
@@ -237,7 +239,7 @@ impl References {
             if size != settings.size {
                 let [width, height] = size;
                 let path = own.display();
-                return Err(Failure::Other(format!("{path} is of {width}x{height} pixels; choose --error-size so")));
+                return Err(Failure::Other(format!("{path} has {width}x{height} pixels; set --error-size to that")));
             }
             let samples = loaded.provenance.map(|provenance| provenance.samples);
             return Ok(Reference { picture: loaded.picture, samples, noise: None });
@@ -249,11 +251,11 @@ impl References {
         if let Some(kept) = kept(&files, settings.size)? {
             return Ok(kept);
         }
-        let mut effort = Effort::Seconds(self.seconds / 2.0);
+        let mut budget = Budget::Seconds(self.seconds / 2.0);
         let mut halves = Vec::new();
         for seed in SEEDS {
-            let half = take(renderer, scene, &Settings { seed, ..settings.clone() }, effort, watch)?;
-            effort = Effort::Samples(half.samples);
+            let half = render_for(renderer, scene, &Settings { seed, ..settings.clone() }, budget, interrupt)?;
+            budget = Budget::Samples(half.samples);
             halves.push(half);
         }
         for ((file, half), seed) in files.iter().zip(&halves).zip(SEEDS) {
@@ -271,11 +273,11 @@ impl References {
             let display = Display { tonemap: Tonemap::Srgb, exposure_stops: 0.0 };
             image::save(file, &half.picture, &display, &provenance).map_err(Failure::other)?;
         }
-        Reference::of_halves(&halves[0].picture, &halves[1].picture, halves[0].samples)
+        Reference::from_halves(&halves[0].picture, &halves[1].picture, halves[0].samples)
     }
 }
 
-/// The reference of two files, if they are there and belong together.
+/// Loads a reference from two files, if they exist and match.
 fn kept(files: &[PathBuf; 2], size: [u32; 2]) -> Result<Option<Reference>, Failure> {
     if !files.iter().all(|file| file.is_file()) {
         return Ok(None);
@@ -287,16 +289,16 @@ fn kept(files: &[PathBuf; 2], size: [u32; 2]) -> Result<Option<Reference>, Failu
     if samples(&a) == 0 || samples(&a) != samples(&b) || !fits(&a) || !fits(&b) {
         return Ok(None);
     }
-    Reference::of_halves(&a.picture, &b.picture, samples(&a)).map(Some)
+    Reference::from_halves(&a.picture, &b.picture, samples(&a)).map(Some)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Pictures of independent noise around one truth: the estimates hold to the accuracy of 10,000 pixels.
+    /// Pictures with independent noise around a known truth: the estimates hold within the accuracy of 10,000 pixels.
     #[test]
-    fn a_references_noise_is_known_and_taken_off() {
+    fn the_noise_of_a_reference_is_estimated_and_subtracted() {
         let mut state = 1u64;
         let mut noisy = |deviation: f32| {
             Picture::from_fn(100, 100, |_, _| {
@@ -307,15 +309,15 @@ mod tests {
                 })
             })
         };
-        let reference = Reference::of_halves(&noisy(0.1), &noisy(0.1), 8).expect("of one size");
+        let reference = Reference::from_halves(&noisy(0.1), &noisy(0.1), 8).expect("of one size");
         let truth = Picture::from_fn(100, 100, |_, _| [1.0; 3]);
         let of_reference = relmse(&reference.picture, &truth).expect("of one size");
-        let told = reference.noise.expect("known");
-        assert!((told / of_reference - 1.0).abs() < 0.05, "{told} for {of_reference}");
+        let message = reference.noise.expect("known");
+        assert!((message / of_reference - 1.0).abs() < 0.05, "{message} for {of_reference}");
         let measured = noisy(0.05);
         let error = relmse(&measured, &truth).expect("of one size");
-        let told = reference.error_of(&measured).expect("of one size");
-        assert!((told / error - 1.0).abs() < 0.1, "{told} for {error}");
+        let message = reference.error_of(&measured).expect("of one size");
+        assert!((message / error - 1.0).abs() < 0.1, "{message} for {error}");
         assert_eq!(reference.samples, Some(16));
         assert!(reference.mean_difference(&measured).abs() < 1e-3);
     }

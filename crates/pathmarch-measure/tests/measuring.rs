@@ -1,4 +1,5 @@
-//! `bench` and `study` from end to end, at tiny sizes. What they measure differs from run to run; what is tried is its form.
+//! End-to-end tests of `bench` and `study` at tiny sizes. Measurements vary from run to run; the tests check their
+//! form.
 
 use pathmarch_render::image::{self, Provenance};
 use pathmarch_render::pathmarch_scene::{Scene, Tonemap};
@@ -8,7 +9,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs the program in a directory, where it also keeps what is its own.
+/// Runs the program in a directory that also contains its caches.
 fn measure(arguments: &[&str], directory: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_pathmarch-measure"))
         .args(arguments)
@@ -66,11 +67,11 @@ fn figures_are_printed_and_kept() {
             assert!(number(&entry["peak_mib"]) > 1.0);
         }
     }
-    // Spheres and planes are not marched, the union is.
+    // Spheres and planes are not sphere-traced; the union is.
     assert_eq!(entries[0]["evaluations_per_pixel"], 0.0);
     assert!(entries[1]["steps_per_marched_ray"].as_f64().expect("a number") > 1.0);
 
-    // The figures again, beside themselves.
+    // Compare the results with themselves.
     let output = bench(&["--from", "a.json", "--compare", "a.json"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert!(stdout(&output).contains("1.000  geometric mean"), "{}", stdout(&output));
@@ -91,13 +92,13 @@ fn errors_are_measured_against_references_that_are_kept() {
     assert!(first["samples"].as_u64().expect("a number") >= 1);
     assert_eq!(first["bounces"], 8, "the scene's own");
     assert!(first["reference_relmse"].as_f64().expect("known") > 0.0);
-    // Both halves are in the cache, and used again.
+    // Both halves are cached and used again.
     let kept = directory.path().join("home/references");
     assert_eq!(kept.read_dir().expect("made").count(), 2);
     assert_eq!(code(&bench(&[])), 0);
     assert_eq!(quality()["reference_samples"], first["reference_samples"]);
 
-    // A file of one's own, whose noise is not known.
+    // A reference file of the user, with unknown noise.
     std::fs::create_dir(directory.path().join("own")).expect("made");
     let text = include_str!("../../../scenes/benchmarks/cornell-box.kdl");
     let scene = Scene::parse("cornell.kdl", text).expect("a scene");
@@ -114,7 +115,7 @@ fn errors_are_measured_against_references_that_are_kept() {
     let output = bench(&["--references", "own"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert_eq!((&quality()["reference_samples"], &quality()["reference_relmse"]), (&3.into(), &Value::Null));
-    // One of another size is refused, and the scene left out.
+    // A reference of another size is rejected, and the scene skipped.
     render_own([8, 8]);
     let output = bench(&["--references", "own"]);
     assert_eq!(code(&output), 1);
@@ -122,15 +123,15 @@ fn errors_are_measured_against_references_that_are_kept() {
 }
 
 #[test]
-fn wrong_arguments_of_bench_are_told() {
+fn wrong_arguments_of_bench_are_reported() {
     let directory = tempfile::tempdir().expect("a directory");
     std::fs::create_dir(directory.path().join("empty")).expect("made");
     std::fs::write(directory.path().join("not.json"), "{}").expect("written");
     std::fs::write(directory.path().join("bad.kdl"), "pathmarch 1\nspere").expect("written");
-    for (arguments, code_expected, told) in [
+    for (arguments, code_expected, message) in [
         (&["cornel-box"][..], 2, "did you mean cornell-box?"),
-        (&["nothing/like.kdl"], 2, "no such file or folder"),
-        (&["empty"], 2, "no scenes (.kdl) in it"),
+        (&["nothing/like.kdl"], 2, "no such file, directory"),
+        (&["empty"], 2, "contains no scenes (.kdl)"),
         (&["bad.kdl"], 2, "spere"),
         (&["--json", "missing/a.json"], 1, "no directory missing"),
         (&["--error", "0"], 2, "above 0"),
@@ -142,11 +143,11 @@ fn wrong_arguments_of_bench_are_told() {
     ] {
         let output = measure(&[&SMALL[..], arguments].concat(), directory.path());
         assert_eq!(code(&output), code_expected, "{arguments:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(told), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{arguments:?}: {}", stderr(&output));
     }
 }
 
-/// A scene that takes too long is left out, and the others are measured.
+/// Scenes that take too long are skipped; the others are measured.
 #[test]
 fn what_takes_too_long_is_left_out() {
     let directory = tempfile::tempdir().expect("a directory");
@@ -196,7 +197,7 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
         }
     }
     assert!(text.contains("on CPU (") && text.contains("pathmarch-measure study -o page --quick"), "{text}");
-    // Whatever the page shows is there, and every row of a table has as many cells as its head.
+    // All files of the page exist, and all rows of a table have as many cells as its header.
     let shown: Vec<_> = text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
     let files: Vec<_> = shown.into_iter().filter(|target| !target.starts_with("http")).collect();
     assert!(files.len() > 30, "{files:?}");
@@ -210,7 +211,7 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
         cells = count;
     }
 
-    // A part alone replaces its own files, and the others stay on the page.
+    // A part replaces only its own files; the others stay on the page.
     let output = measure(&[&["study", "features", "-o", "page"], &QUICK[..]].concat(), directory.path());
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let again = std::fs::read_to_string(page.join("README.md")).expect("written");
@@ -218,24 +219,24 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
 }
 
 #[test]
-fn wrong_arguments_of_study_are_told() {
+fn wrong_arguments_of_study_are_reported() {
     let directory = tempfile::tempdir().expect("a directory");
     std::fs::write(directory.path().join("file"), "mine").expect("written");
-    for (arguments, code_expected, told) in [
+    for (arguments, code_expected, message) in [
         (&["study"][..], 2, "--output"),
         (&["study", "speed", "-o", "page"], 2, "accumulation"),
         (&["study", "-o", "missing/page"], 1, "missing/page"),
-        (&["study", "-o", "file"], 1, "name a directory"),
+        (&["study", "-o", "file"], 1, "name an output directory"),
         (&["study", "-o", "page", "--samples", "1"], 2, "1"),
     ] {
         let output = measure(arguments, directory.path());
         assert_eq!(code(&output), code_expected, "{arguments:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(told), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{arguments:?}: {}", stderr(&output));
     }
     assert_eq!(std::fs::read_to_string(directory.path().join("file")).expect("text"), "mine");
 }
 
-/// Every option that takes a number, a command in which it stands, and what is said of a number that it cannot be.
+/// Options that take numbers, each with a command and the expected error.
 const NUMBERS: &[(&[&str], &str, &str)] = &[
     (&["bench", "a.kdl"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
     (&["bench", "a.kdl"], "--error-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
@@ -258,9 +259,9 @@ fn numbers_that_an_option_cannot_be_are_refused_with_what_it_can_be() {
     for (command, option, words) in NUMBERS {
         for value in ["nan", "-inf", "inf", "-1e9", "1e99", "one", ""] {
             let output = measure(&[*command, &[*option, value]].concat(), directory.path());
-            let told = stderr(&output);
-            assert_eq!(code(&output), 2, "{option} {value}: {told}");
-            assert!(told.contains(words), "{option} {value}: {told}");
+            let message = stderr(&output);
+            assert_eq!(code(&output), 2, "{option} {value}: {message}");
+            assert!(message.contains(words), "{option} {value}: {message}");
         }
     }
 }

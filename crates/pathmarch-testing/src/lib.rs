@@ -1,12 +1,12 @@
-//! A test harness for tests that need hardware: a GPU adapter, a display.
+//! Test harness for tests that need hardware: a GPU adapter or a display.
 //!
-//! Whether a machine has them is known only when the tests run, and the standard harness cannot ignore a test then: it
-//! would have to pass. Tests of this harness are reported as *ignored*, with the reason, and fail where an environment
-//! variable requires the hardware, as in CI. Arguments and output are those of `cargo test` (libtest-mimic); output of
-//! tests is not captured. `cargo nextest` lists such tests as ignored, too.
+//! Whether a machine has it is known only at run time, when the standard harness can no longer ignore a test. This
+//! harness reports such tests as *ignored*, with the reason, or as failed if an environment variable requires the
+//! hardware, as in CI. Arguments and output are those of `cargo test` (libtest-mimic); the output of tests is not
+//! captured. `cargo nextest` also lists them as ignored.
 //!
-//! A file ends with the list of its tests, [`tests!`]: a function that is missing there is dead code, which the compiler
-//! reports, and an attribute `#[test]`, which would do nothing, fails the test [`LISTED`].
+//! A test file ends with the list of its tests, [`tests!`]. A function missing from the list is dead code, which the
+//! compiler reports; an attribute `#[test]`, which would have no effect, fails the test [`LISTED`].
 
 use libtest_mimic::{Arguments, Completion, Failed, Trial};
 use std::any::Any;
@@ -14,15 +14,15 @@ use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 
-/// Something that not every machine has.
+/// Hardware that not every machine has.
 pub struct Requirement {
-    /// Environment variable that makes tests fail where it is missing.
+    /// Environment variable that makes tests fail without the hardware.
     pub variable: &'static str,
-    /// Reason why this machine does not have it, if so.
+    /// Reason why the hardware is missing; `None` if it is there.
     pub missing: fn() -> Option<String>,
 }
 
-/// One test.
+/// A test.
 pub struct Test {
     name: String,
     requirement: Option<&'static Requirement>,
@@ -30,12 +30,12 @@ pub struct Test {
 }
 
 impl Test {
-    /// A test that every machine can run.
+    /// Creates a test that runs on every machine.
     pub fn new(name: &str, run: impl FnOnce() + Send + 'static) -> Self {
         Self { name: name.to_owned(), requirement: None, run: Box::new(run) }
     }
 
-    /// A test that is ignored where something is missing.
+    /// Creates a test that is ignored if the hardware is missing.
     pub fn requiring(name: &str, requirement: &'static Requirement, run: impl FnOnce() + Send + 'static) -> Self {
         Self { requirement: Some(requirement), ..Self::new(name, run) }
     }
@@ -43,7 +43,7 @@ impl Test {
     fn trial(self, listing: bool) -> Trial {
         let Self { name, requirement, run } = self;
         let is_missing = |requirement: &Requirement| !is_set(requirement.variable) && (requirement.missing)().is_some();
-        // For programs that read the list and run each test by itself.
+        // For programs that list the tests and run each one separately.
         let ignored = listing && requirement.is_some_and(is_missing);
         let outcome = move || {
             if let Some(requirement) = requirement
@@ -68,7 +68,7 @@ fn is_set(variable: &str) -> bool {
     std::env::var_os(variable).is_some()
 }
 
-/// The reason why a test is ignored, on its way out of the test.
+/// Panic payload that marks a test as ignored, with the reason.
 struct Ignored(String);
 
 fn failure(payload: &(dyn Any + Send)) -> Failed {
@@ -76,16 +76,16 @@ fn failure(payload: &(dyn Any + Send)) -> Failed {
     text.or(payload.downcast_ref::<&str>().copied()).unwrap_or("it panicked").into()
 }
 
-/// Ends the test that calls it, on its own thread, as ignored.
+/// Ends the calling test as ignored; call it on the test's own thread.
 ///
 /// # Panics
 /// Always: this is how the test ends.
 pub fn ignore(reason: impl Display) -> ! {
-    // A reason of several lines would break the line of the test.
+    // A line break in the reason would break the line of the test.
     resume_unwind(Box::new(Ignored(reason.to_string().split_whitespace().collect::<Vec<_>>().join(" "))))
 }
 
-/// Ends the test that calls it as [`ignore`] does, or as failed where the environment variable is set.
+/// Ends the calling test as [`ignore`] does, or as failed if the environment variable is set.
 ///
 /// # Panics
 /// Always: this is how the test ends.
@@ -94,8 +94,8 @@ pub fn missing(variable: &str, reason: impl Display) -> ! {
     ignore(reason)
 }
 
-/// Lists the tests of a file by kind: each kind is a function `fn(name: &str, test) -> impl IntoIterator<Item = Test>`.
-/// The names of slow tests contain `slow`, which a quick run skips.
+/// Lists the tests of a file by kind. A kind is a function `fn(name: &str, test) -> impl IntoIterator<Item = Test>`.
+/// Slow tests get `slow` in their names, so that a quick run can skip them.
 ///
 /// ```
 /// use pathmarch_testing::{plain, tests};
@@ -122,7 +122,7 @@ macro_rules! tests {
     (@extend $tests:ident $kind:ident $speed:tt $($test:ident)*) => {
         $(
             let name = concat!(module_path!(), "::", $crate::tests!(@speed $speed), stringify!($test));
-            // The first part is the crate's.
+            // Remove the name of the crate.
             $tests.extend($kind(name.split_once("::").map_or(name, |(_, name)| name), $test));
         )*
     };
@@ -136,16 +136,15 @@ macro_rules! tests {
     };
 }
 
-/// The kind of tests that need nothing.
+/// Kind of tests that need no hardware.
 pub fn plain(name: &str, test: fn()) -> [Test; 1] {
     [Test::new(name, test)]
 }
 
-/// The test that no file contains a test which never runs.
+/// Name of the test that checks the lists of tests.
 pub const LISTED: &str = "every_test_is_listed";
 
-/// Runs the tests that the command line names, and ends the program. `sources` are the files and directories that
-/// contain them.
+/// Runs the tests selected on the command line, then exits. `sources` are the files and directories of the tests.
 pub fn run(sources: &[PathBuf], mut tests: Vec<Test>) -> ! {
     let arguments = Arguments::from_args();
     let (sources, names) = (sources.to_vec(), tests.iter().map(|test| test.name.clone()).collect::<Vec<_>>());
@@ -154,7 +153,7 @@ pub fn run(sources: &[PathBuf], mut tests: Vec<Test>) -> ! {
     libtest_mimic::run(&arguments, trials).exit()
 }
 
-/// Fails where a file has an attribute that does nothing here, or where a directory has a file without a test of its name.
+/// Fails if a file contains `#[test]`, or if a directory has a file without listed tests.
 fn check_listed(path: &Path, names: &[String]) {
     if !path.is_dir() {
         let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));

@@ -1,8 +1,8 @@
-//! An own window with a live picture: `cargo run --release --example live_window [SCENE]`. Drag to turn around what the
-//! camera looks at.
+//! A window of your own with a live picture: `cargo run --release --example live_window [SCENE]`. Drag to orbit.
 //!
-//! `Live` renders on a thread of its own and wakes the window when there is a new picture; the window copies it, enlarged
-//! while it is smaller than the window. Any toolkit that can show pixels will do as well as winit and softbuffer.
+//! `Live` renders on its own thread and wakes the window when there is a new picture. The window copies the picture and
+//! enlarges it while it is smaller than the window. Any toolkit that can show pixels works as well as winit and
+//! softbuffer.
 
 use glam::{Quat, Vec3};
 use pathmarch_render::live::{Live, Order};
@@ -20,10 +20,10 @@ use winit::event::{DeviceEvent, DeviceId, ElementState, MouseButton, WindowEvent
 use winit::event_loop::{ActiveEventLoop, EventLoop, OwnedDisplayHandle};
 use winit::window::{Window, WindowId};
 
-/// Radians that the camera turns for each pixel of the mouse.
+/// Orbit angle per pixel of mouse movement, radians.
 const TURN: f32 = 0.005;
 
-/// There is a new picture.
+/// Event: there is a new picture.
 #[derive(Debug)]
 struct NewPicture;
 
@@ -37,7 +37,7 @@ struct Viewer {
 }
 
 impl Viewer {
-    /// Tells the renderer what to show from now on.
+    /// Orders the renderer to show the current view.
     fn order(&mut self) {
         let Some(surface) = &self.surface else { return };
         let size = surface.window().inner_size();
@@ -59,7 +59,7 @@ impl Viewer {
         });
     }
 
-    /// Turns the camera around its target.
+    /// Orbits the camera around its target.
     fn turn(&mut self, [x, y]: [f32; 2]) {
         let target = Vec3::from(self.camera.target);
         let offset = Vec3::from(self.camera.position) - target;
@@ -157,7 +157,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let event_loop = EventLoop::<NewPicture>::with_user_event().build()?;
     let proxy = event_loop.create_proxy();
-    // The loop has ended only when the program ends.
+    // Fails only when the loop has ended, and then the program ends.
     let live = Live::new(Backend::Auto, None, move || drop(proxy.send_event(NewPicture)));
     let camera = scene.cameras[0].clone();
     let mut viewer = Viewer { scene: Arc::new(scene), camera, live, surface: None, dragging: false, failure: None };

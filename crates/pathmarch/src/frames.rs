@@ -1,21 +1,21 @@
-//! Frames of an animation: their numbers on the command line, and the names of their files.
+//! Frame ranges of `--frames`, and file names of frames.
 
 use std::path::{Path, PathBuf};
 
-/// The most frames of one command.
-const MOST: u32 = 1_000_000;
+/// Maximum number of frames of one command.
+const MAX_FRAMES: u32 = 1_000_000;
 
-/// `--frames`: first and last frame, and how many from one to the next.
+/// Frame range of `--frames`: first frame, last frame and step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frames {
+pub struct FrameRange {
     first: u32,
     last: u32,
     step: u32,
 }
 
-/// Parses `7`, `1-120`, or `1-120x2`.
-pub fn parse(text: &str) -> Result<Frames, String> {
-    let expected = || "expected the number of a frame, a range such as 1-120, or one with steps, 1-120x2".to_owned();
+/// Parses `7`, `1-120` or `1-120x2`.
+pub fn parse(text: &str) -> Result<FrameRange, String> {
+    let expected = || "expected a frame number, a range such as 1-120, or a range with a step, 1-120x2".to_owned();
     let number = |text: &str| {
         let text = text.trim();
         let is_whole = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
@@ -30,30 +30,30 @@ pub fn parse(text: &str) -> Result<Frames, String> {
         None => (number(range)?, number(range)?),
     };
     if first > last {
-        return Err(format!("frame {first} is behind frame {last}"));
+        return Err(format!("the first frame, {first}, is after the last, {last}"));
     }
     if step == 0 {
-        return Err("frames cannot be 0 apart".to_owned());
+        return Err("the step must be at least 1".to_owned());
     }
-    if (last - first) / step >= MOST {
-        return Err(format!("at most {MOST} frames"));
+    if (last - first) / step >= MAX_FRAMES {
+        return Err(format!("at most {MAX_FRAMES} frames"));
     }
-    Ok(Frames { first, last, step })
+    Ok(FrameRange { first, last, step })
 }
 
-impl Frames {
+impl FrameRange {
     #[cfg(feature = "window")]
-    /// All from the first to the last one; the last one alone where it is before the first.
+    /// All frames from `first` to `last`; only `last` if it is before `first`.
     pub fn from_to(first: u32, last: u32) -> Self {
         Self { first: first.min(last), last, step: 1 }
     }
-    /// Their numbers.
+    /// Frame numbers.
     pub fn numbers(self) -> impl Iterator<Item = u32> {
         (self.first..=self.last).step_by(self.step as usize)
     }
 }
 
-/// The name of a frame's file: that of `pattern` with the number of the frame in place of its last `#`s, padded with zeros.
+/// File name of a frame: replaces the last run of `#` in `pattern` by the frame number, padded with zeros.
 pub fn file(pattern: &Path, frame: u32) -> PathBuf {
     let name = pattern.file_name().unwrap_or_default().to_string_lossy();
     let Some(end) = name.rfind('#') else { return pattern.to_owned() };
@@ -62,18 +62,18 @@ pub fn file(pattern: &Path, frame: u32) -> PathBuf {
     pattern.with_file_name(format!("{}{frame:0digits$}{}", &name[..start], &name[end + 1..]))
 }
 
-/// Refuses a name that would be that of several frames.
+/// Rejects a file name that several frames would share.
 ///
 /// # Errors
-/// In words.
-pub fn check_pattern(pattern: &Path, frames: Frames) -> Result<(), String> {
+/// Fails with a message.
+pub fn check_pattern(pattern: &Path, frames: FrameRange) -> Result<(), String> {
     if frames.numbers().nth(1).is_none() || file(pattern, 0) != pattern {
         return Ok(());
     }
     let (stem, extension) = (pattern.file_stem().unwrap_or_default(), pattern.extension().unwrap_or_default());
     let name = format!("{}-####.{}", stem.to_string_lossy(), extension.to_string_lossy());
     Err(format!(
-        "{} would be the file of every frame; put # where the digits of its number go, as in {}",
+        "{} would be overwritten by every frame; put # in place of the frame number, as in {}",
         pattern.display(),
         pattern.with_file_name(name).display()
     ))
@@ -81,17 +81,17 @@ pub fn check_pattern(pattern: &Path, frames: Frames) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Frames, file, parse};
+    use super::{FrameRange, file, parse};
     use std::path::Path;
 
     #[test]
     fn ranges_are_parsed() {
-        assert_eq!(parse("4294967295"), Ok(Frames { first: u32::MAX, last: u32::MAX, step: 1 }));
+        assert_eq!(parse("4294967295"), Ok(FrameRange { first: u32::MAX, last: u32::MAX, step: 1 }));
         for huge in ["4294967296", "1-99999999999999999999", "0-9x99999999999"] {
             assert!(parse(huge).is_err_and(|words| words.contains("the last frame is 4294967295")), "{huge}");
         }
-        assert_eq!(parse("7"), Ok(Frames { first: 7, last: 7, step: 1 }));
-        assert_eq!(parse("1-120"), Ok(Frames { first: 1, last: 120, step: 1 }));
+        assert_eq!(parse("7"), Ok(FrameRange { first: 7, last: 7, step: 1 }));
+        assert_eq!(parse("1-120"), Ok(FrameRange { first: 1, last: 120, step: 1 }));
         assert_eq!(parse("0-9x4").unwrap().numbers().collect::<Vec<_>>(), [0, 4, 8]);
         for wrong in ["", "-", "a", "1-", "-3", "5-1", "1-9x0", "1x", "0-4294967295", "1-2-3", "1.5"] {
             assert!(parse(wrong).is_err(), "{wrong}");

@@ -1,7 +1,6 @@
-//! `pathmarch`: path-traced distance fields, in a window and from the command line.
+//! `pathmarch`: a path tracer for distance fields, with a window and a command line.
 //!
-//! No rendering logic: that is in the libraries below. Exit codes: 0 done, 1 failed, 2 bad scene or
-//! usage, 130 interrupted.
+//! Rendering is in the libraries. Exit codes: 0 success, 1 failure, 2 error in scene or usage, 130 interrupted.
 
 mod commands;
 mod frames;
@@ -9,15 +8,16 @@ mod picture;
 #[cfg(feature = "window")]
 mod window;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use commands::{check, compare, completions, devices, export, render, shapes, view};
+use pathmarch_cli::Failure;
 use std::process::ExitCode;
 
-/// A path tracer for distance fields: scenes as text, light that is right.
+/// A path tracer for signed distance fields.
 ///
-/// Without a command it opens a window with a gallery to start from.
+/// Without a command it opens a window with a gallery of example scenes.
 ///
-/// Exit codes: 0 done, 1 failed, 2 bad scene or usage, 130 interrupted.
+/// Exit codes: 0 success, 1 failure, 2 error in scene or usage, 130 interrupted.
 #[derive(Parser)]
 #[command(version, propagate_version = true)]
 struct Arguments {
@@ -27,39 +27,46 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Open a window: see a scene, move through it, change it.
+    /// Open a window to view and edit a scene.
     View(view::Arguments),
     /// Render a scene to a picture.
     Render(render::Arguments),
-    /// Make a mesh of a scene's objects: .stl, .ply, .obj or .glb.
+    /// Export objects of a scene as a mesh: .stl, .ply, .obj or .glb.
     Export(export::Arguments),
-    /// Read scenes and report every mistake in them.
+    /// Read scenes and report every error in them.
     Check(check::Arguments),
     /// Compare a picture with a reference.
     Compare(compare::Arguments),
-    /// List what this machine can render on.
+    /// List the devices that can render.
     Devices,
-    /// The reference of shapes and operators.
+    /// Reference of shapes and operators.
     Shapes(shapes::Arguments),
-    /// Print what completes this command line in a shell.
+    /// Print shell completions.
     Completions(completions::Arguments),
-    /// Print the pages for man.
+    /// Print the manual pages.
     Man,
 }
 
 fn main() -> ExitCode {
-    pathmarch_cli::run(|| {
-        let command = Arguments::parse().command.unwrap_or_else(|| Command::View(view::Arguments::default()));
-        match command {
-            Command::View(arguments) => view::run(arguments),
-            Command::Render(arguments) => render::run(&arguments),
-            Command::Export(arguments) => export::run(&arguments),
-            Command::Check(arguments) => check::run(&arguments),
-            Command::Compare(arguments) => compare::run(&arguments),
-            Command::Devices => devices::run(),
-            Command::Shapes(arguments) => shapes::run(&arguments),
-            Command::Completions(arguments) => completions::run(&arguments),
-            Command::Man => completions::run_man(),
-        }
+    pathmarch_cli::run(|| match Arguments::parse().command {
+        Some(command) => run(command),
+        None => view::run_without_command(Arguments::command()),
     })
+}
+
+fn run(command: Command) -> Result<u8, Failure> {
+    if !matches!(command, Command::View(_)) {
+        pathmarch_cli::end_on_closed_pipe();
+    }
+    match command {
+        Command::View(arguments) => view::run(arguments),
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
+        Command::Devices => devices::run(),
+        Command::Shapes(arguments) => shapes::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
+        Command::Man => completions::run_man(Arguments::command()),
+    }
 }

@@ -1,4 +1,4 @@
-//! The command line: what it prints, what it writes, and its exit codes.
+//! Tests of the command line: output, files and exit codes.
 
 mod program;
 
@@ -64,31 +64,31 @@ fn frames_are_rendered_one_after_the_other() {
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert!(there("f-001.exr") && there("f-003.exr") && there("f-005.exr") && !there("f-002.exr"));
     assert!(stderr(&output).contains("wrote 3 frames to f-###.exr"), "{}", stderr(&output));
-    // The frames differ; one rendered by itself is the same.
+    // Frames differ; a frame rendered alone is the same.
     let picture = |name: &str| load(&directory.path().join(name)).expect("a picture").picture.pixels;
     assert_ne!(picture("f-001.exr"), picture("f-003.exr"));
     let output = run(&["--time", "0.3", "-o", "at.exr"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert_eq!(picture("f-003.exr"), picture("at.exr"));
-    // What is there is not rendered again.
+    // Existing files are skipped.
     std::fs::write(directory.path().join("f-003.exr"), "mine").expect("written");
     let output = run(&["--frames", "3-4", "-o", "f-###.exr", "--skip-existing"]);
     assert!(
-        stderr(&output).contains("wrote 1 frame to f-###.exr") && stderr(&output).contains("1 were there"),
+        stderr(&output).contains("wrote 1 frame to f-###.exr") && stderr(&output).contains("1 existed already"),
         "{}",
         stderr(&output)
     );
     assert_eq!(std::fs::read_to_string(directory.path().join("f-003.exr")).expect("text"), "mine");
-    // By itself, a range has a name with digits.
+    // Without -o, a range gets a file name with digits.
     assert_eq!(code(&run(&["--frames", "7"])), 0);
     assert!(there("ball-0007.png"));
-    // A mistake in a later frame names it, and earlier ones stay.
+    // An error in a later frame names the frame; earlier frames are kept.
     let output = run(&["--frames", "9-12", "-o", "g#.png"]);
     assert_eq!(code(&output), 2);
-    let told = stderr(&output);
+    let message = stderr(&output);
     assert!(
-        told.contains("frame 11 cannot be rendered") && told.contains("is -0.05") && told.contains("frame 11"),
-        "{told}"
+        message.contains("frame 11 cannot be rendered") && message.contains("is -0.05") && message.contains("frame 11"),
+        "{message}"
     );
     assert!(there("g9.png") && there("g10.png") && !there("g11.png"));
     for wrong in [
@@ -118,10 +118,10 @@ fn a_picture_shows_what_its_mode_says() {
         assert_eq!(code(&output), 0, "{mode}: {}", stderr(&output));
         let loaded = load(&path).expect("written");
         let provenance = loaded.provenance.expect("our own");
-        // Modes without noise need no more samples than smooth edges do.
+        // Noise-free modes take only as many samples as smooth edges need.
         assert_eq!((provenance.mode.as_str(), provenance.samples), (mode, if samples.is_empty() { 16 } else { 2 }));
     }
-    // Neither exposure nor tone curve touches a view.
+    // Exposure and tone mapping do not affect data modes.
     for exposure in ["0", "5"] {
         let output = render("normal", &["-o", &format!("{exposure}.png"), "--exposure", exposure, "--samples", "1"]);
         assert_eq!(code(&output), 0, "{}", stderr(&output));
@@ -177,6 +177,34 @@ fn layers_are_written_beside_the_picture() {
         }
     }
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 0, "nothing is written");
+}
+
+/// A reader such as `head` closes the pipe early.
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_ends_the_program_quietly() {
+    use std::process::{Command, Stdio};
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let mut program = Command::new(env!("CARGO_BIN_EXE_pathmarch"));
+    program.arg("shapes").stdout(writer).stderr(Stdio::piped());
+    let output = program.output().expect("the program starts");
+    assert!(!output.status.success());
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
+
+#[test]
+fn the_kernel_of_a_scene_can_be_read() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("ball.kdl"), MOVING).expect("written");
+    let output = pathmarch(&["render", "ball.kdl", "--dump-wgsl", "ball.wgsl"], directory.path());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let code = std::fs::read_to_string(directory.path().join("ball.wgsl")).expect("written");
+    for part in ["// ---- integrator/path.wgsl ----", "struct Frame {", "const MAX_STEPS = ", "fn trace("] {
+        assert!(code.contains(part), "{part}");
+    }
+    let output = pathmarch(&["render", "ball.kdl", "--dump-wgsl", "no/such/ball.wgsl"], directory.path());
+    assert!(stderr(&output).contains("ball.wgsl: cannot be written"), "{}", stderr(&output));
 }
 
 #[test]
@@ -276,7 +304,7 @@ fn export_writes_meshes() {
         assert!((number(" m³") / (1.0 + std::f64::consts::PI / 6.0) - 1.0).abs() < 0.01, "{text}");
         assert!((number(" m² in") / (6.0 + std::f64::consts::PI) - 1.0).abs() < 0.01, "{text}");
     }
-    // All solids, cut; what is no solid is named.
+    // All solids, clipped; sheets are named and left out.
     let output = export(&["--bounds", "-1 -2.5 -1 3 1 1", "--cell", "0.1", "-o", "all.stl"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert!(stderr(&output).contains("left out") && stderr(&output).contains("\"card\""), "{}", stderr(&output));
@@ -310,7 +338,7 @@ fn what_cannot_be_exported_is_refused() {
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 1, "nothing is written");
 }
 
-/// Interrupts the program once it has printed its first line, which comes when interrupts are watched: that line, the others,
+/// Interrupts the program after its first line, which appears once Ctrl-C is handled. Returns that line, the others,
 /// and the exit code.
 #[cfg(unix)]
 fn interrupted(arguments: &[&str], directory: &Path) -> (String, Vec<String>, Option<i32>) {
@@ -355,7 +383,7 @@ fn an_interrupted_render_writes_what_is_done() {
     assert!(directory.path().join("solids.png").is_file());
 }
 
-/// Every option that takes a number, a command in which it stands, and what is said of a number that it cannot be.
+/// Options that take numbers, each with a command and the expected error.
 const NUMBERS: &[(&[&str], &str, &str)] = &[
     (&["render", "a.kdl"], "--exposure", "must be a number from -100 to 100"),
     (&["render", "a.kdl"], "--samples", "must be a whole number from 1 to 1000000"),
@@ -383,10 +411,13 @@ fn numbers_that_an_option_cannot_be_are_refused_with_what_it_can_be() {
     for (command, option, words) in NUMBERS {
         for value in ["nan", "-inf", "inf", "-1e9", "1e999", "-1e999", "one", ""] {
             let output = pathmarch(&[*command, &[*option, value]].concat(), directory.path());
-            let told = stderr(&output);
-            assert_eq!(code(&output), 2, "{option} {value}: {told}");
-            assert!(told.contains(&format!("invalid value '{value}' for '{option} <")), "{option} {value}: {told}");
-            assert!(told.contains(words), "{option} {value}: {told}");
+            let message = stderr(&output);
+            assert_eq!(code(&output), 2, "{option} {value}: {message}");
+            assert!(
+                message.contains(&format!("invalid value '{value}' for '{option} <")),
+                "{option} {value}: {message}"
+            );
+            assert!(message.contains(words), "{option} {value}: {message}");
         }
     }
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 0, "nothing is written");
@@ -409,12 +440,12 @@ fn what_is_just_past_a_range_is_refused_as_well() {
         ("--detail", "0.0009", "must be a number from 0.001 to 10"),
     ] {
         let output = pathmarch(&["render", "a.kdl", option, value], directory.path());
-        let told = stderr(&output);
-        assert_eq!(code(&output), 2, "{told}");
-        assert!(told.starts_with(&format!("error: invalid value '{value}' for '{option} <")), "{told}");
-        assert!(told.contains(words) && !told.contains("unexpected argument"), "{told}");
+        let message = stderr(&output);
+        assert_eq!(code(&output), 2, "{message}");
+        assert!(message.starts_with(&format!("error: invalid value '{value}' for '{option} <")), "{message}");
+        assert!(message.contains(words) && !message.contains("unexpected argument"), "{message}");
     }
-    // The ends of a range are in it, and a hyphen is no option.
+    // The limits of a range are valid, and a value may begin with a hyphen.
     let scene = scene("diffuse-sphere.kdl");
     let small = ["render", &scene, "--backend", "cpu", "--size", "8x4", "--samples", "1", "-o", "a.png"];
     for (option, value) in [("--exposure", "-100"), ("--exposure", "100"), ("--seed", "4294967295"), ("--fps", "1e-40")]
@@ -467,10 +498,14 @@ fn more_threads_than_cores_are_not_started() {
             .env("RAYON_NUM_THREADS", asked)
             .output()
             .expect("the program starts");
-        let told = stderr(&output);
-        assert_eq!(code(&output), 0, "{told}");
-        assert!(told.contains(&format!("on CPU {threads}")), "{asked}: {told}");
-        assert_eq!(told.contains(&format!("note: RAYON_NUM_THREADS asks for {asked} threads")), is_noted, "{told}");
+        let message = stderr(&output);
+        assert_eq!(code(&output), 0, "{message}");
+        assert!(message.contains(&format!("on CPU {threads}")), "{asked}: {message}");
+        assert_eq!(
+            message.contains(&format!("note: RAYON_NUM_THREADS asks for {asked} threads")),
+            is_noted,
+            "{message}"
+        );
         assert!(directory.path().join(&name).metadata().expect("written").len() > 100);
     }
 }
@@ -485,7 +520,7 @@ fn completions_and_man_pages_know_every_command() {
         assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));
         String::from_utf8_lossy(&output.stdout).into_owned()
     };
-    // The list above is that of the program.
+    // `COMMANDS` matches the program.
     let help = stdout(&["--help"]);
     let listed: Vec<_> = help.split("Commands:").nth(1).expect("commands").lines().skip(1).collect();
     let listed =
@@ -509,7 +544,7 @@ fn completions_and_man_pages_know_every_command() {
     assert!(stderr(&output).contains("bash"), "{}", stderr(&output));
 }
 
-/// Built without a window, the program says so instead of opening one.
+/// A program built without a window says so.
 #[cfg(not(feature = "window"))]
 #[test]
 fn without_a_window_view_says_what_to_do() {
@@ -517,8 +552,11 @@ fn without_a_window_view_says_what_to_do() {
     for arguments in [&[][..], &["view"], &["view", "scene.kdl", "--timings", "--drawing", "cpu"]] {
         let output = pathmarch(arguments, directory.path());
         assert_eq!(code(&output), 2, "{arguments:?}");
-        let told = stderr(&output);
-        assert!(told.contains("without a window") && told.contains("--no-default-features"), "{arguments:?}: {told}");
-        assert_eq!(told.contains("Commands:"), arguments.is_empty(), "{arguments:?}: {told}");
+        let message = stderr(&output);
+        assert!(
+            message.contains("without a window") && message.contains("--no-default-features"),
+            "{arguments:?}: {message}"
+        );
+        assert_eq!(message.contains("Commands:"), arguments.is_empty(), "{arguments:?}: {message}");
     }
 }

@@ -1,22 +1,22 @@
-//! Scenes to measure that nobody would write by hand: many shapes blended into one, and many lamps.
+//! Generated benchmark scenes: many shapes in one smooth union, and many light sources.
 
 use std::fmt::Write;
 
-/// A scene that is made on demand.
+/// A generated scene.
 pub struct Generated {
-    /// As it is asked for.
+    /// Name on the command line.
     pub name: &'static str,
     text: fn() -> String,
 }
 
 impl Generated {
-    /// The scene's text.
+    /// Text of the scene.
     pub fn text(&self) -> String {
         (self.text)()
     }
 }
 
-/// Every one: so many shapes of a grid in one smooth union, and 64 lamps over a floor with three solids.
+/// All generated scenes: grids of shapes in one smooth union, and 64 light sources over a floor with three solids.
 pub static ALL: [Generated; 4] = [
     Generated { name: "union-100", text: || union(5, 5, 4) },
     Generated { name: "union-1000", text: || union(10, 10, 10) },
@@ -24,10 +24,11 @@ pub static ALL: [Generated; 4] = [
     Generated { name: "lights-64", text: lights },
 ];
 
-/// Uniform numbers in 0..1 (splitmix64; Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
-struct Numbers(u64);
+/// Uniform random numbers in 0..1 (splitmix64; Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
+/// generators").
+struct SplitMix64(u64);
 
-impl Numbers {
+impl SplitMix64 {
     fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut word = self.0;
@@ -35,12 +36,12 @@ impl Numbers {
         word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((word ^ (word >> 31)) >> 40) as f32 / 16_777_216.0
     }
-    fn between(&mut self, least: f32, most: f32) -> f32 {
-        least + (most - least) * self.next()
+    fn between(&mut self, min: f32, max: f32) -> f32 {
+        min + (max - min) * self.next()
     }
 }
 
-/// Random shapes at the places of a grid one metre wide, each touching its neighbours here and there.
+/// Random shapes on a grid with a spacing of 1 m; some touch their neighbours.
 fn union(across: u32, up: u32, deep: u32) -> String {
     const SHAPES: [&str; 8] = [
         "sphere 0.45",
@@ -52,7 +53,7 @@ fn union(across: u32, up: u32, deep: u32) -> String {
         "octahedron 0.5",
         "rounded-box 0.7 0.5 0.6 0.1",
     ];
-    let mut numbers = Numbers(1);
+    let mut rng = SplitMix64(1);
     let [x, y, z] = [across, up, deep].map(|count| count as f32);
     let mut text = format!(
         "pathmarch 1\ncamera {{ position {:.3} {:.3} {:.3}; target 0 0 0; fov 40 }}\nsky 0.6 0.7 0.8\n\
@@ -64,10 +65,10 @@ fn union(across: u32, up: u32, deep: u32) -> String {
     );
     for index in 0..across * up * deep {
         let [i, j, k] = [index % across, index / across % up, index / (across * up)].map(|place| place as f32 + 0.5);
-        let mut jitter = || numbers.between(-0.1, 0.1);
+        let mut jitter = || rng.between(-0.1, 0.1);
         let at = [i - x / 2.0 + jitter(), j - y / 2.0 + jitter(), k - z / 2.0 + jitter()];
-        let rotate = [0; 3].map(|_| numbers.between(0.0, 360.0));
-        let shape = SHAPES[(numbers.next() * SHAPES.len() as f32) as usize];
+        let rotate = [0; 3].map(|_| rng.between(0.0, 360.0));
+        let shape = SHAPES[(rng.next() * SHAPES.len() as f32) as usize];
         writeln!(
             text,
             "        {shape} {{ at {:.4} {:.4} {:.4}; rotate {:.1} {:.1} {:.1} }}",
@@ -78,9 +79,9 @@ fn union(across: u32, up: u32, deep: u32) -> String {
     text + "    }\n}\n"
 }
 
-/// Small spheres of many colours that hang over a floor.
+/// Small spherical light sources of random colours above a floor.
 fn lights() -> String {
-    let mut numbers = Numbers(2);
+    let mut rng = SplitMix64(2);
     let mut text = String::from(
         "pathmarch 1\ncamera { position 0 3 9; target 0 0.8 0; fov 40 }\nmaterial \"white\" { diffuse 0.75 }\n\
          object \"floor\" material=\"white\" { plane }\n\
@@ -89,8 +90,8 @@ fn lights() -> String {
     );
     for index in 0..64 {
         let [x, z] = [index % 8, index / 8].map(|place| place as f32 - 3.5);
-        let colour = [0; 3].map(|_| numbers.between(5.0, 60.0));
-        let y = numbers.between(2.2, 3.0);
+        let colour = [0; 3].map(|_| rng.between(5.0, 60.0));
+        let y = rng.between(2.2, 3.0);
         writeln!(
             text,
             "material \"lamp {index}\" {{ emit {:.2} {:.2} {:.2} }}\n\
@@ -112,7 +113,7 @@ mod tests {
     use pathmarch_render::pathmarch_scene::Scene;
 
     #[test]
-    fn what_is_generated_is_a_scene() {
+    fn generated_scenes_are_valid() {
         for (generated, leaves) in ALL.iter().zip([100, 1000, 10_000, 68]) {
             let scene = Scene::parse(generated.name, &generated.text()).expect("a valid scene");
             assert_eq!(scene.field.leaves().len(), leaves, "{}", generated.name);

@@ -1,35 +1,35 @@
-//! How much memory a scene takes: the peak of a process of its own that renders one sample of it.
+//! Memory of a scene: peak of a separate process that renders one sample.
 //!
-//! A process that has measured other scenes keeps some of their memory, and so do drivers; only a new one shows what a user
-//! sees. Linux tells the peak in `/proc/self/status`; elsewhere there is no figure.
+//! A process that has measured other scenes keeps some of their memory, and so do drivers; only a new process shows
+//! what a user sees. Linux reports the peak in `/proc/self/status`; other systems have no figure.
 
 use super::{Arguments, scenes};
-use crate::measure::{self, Watch};
+use crate::measure::{self, Interrupt};
 use pathmarch_cli::{DONE, Failure};
 use pathmarch_render::{Renderer, Settings};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// Peak resident memory of this process, MiB.
-fn own_peak() -> Option<f64> {
+fn peak_of_this_process() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes / 1024.0)
 }
 
-/// Renders one sample and prints the peak: what the process of its own does.
-pub fn report(arguments: &Arguments, watch: &Watch) -> Result<u8, Failure> {
+/// Body of the separate process: renders one sample and prints the peak.
+pub fn report(arguments: &Arguments, interrupt: &Interrupt) -> Result<u8, Failure> {
     let backend = arguments.backend.map(Into::into);
     for renderer in measure::renderers(backend, arguments.adapter.as_deref())? {
         for chosen in scenes::chosen(&arguments.scenes)? {
             let settings = arguments.settings(&chosen.scene, 1);
             let mut job = measure::start(&renderer, &chosen.scene, &Settings { samples: 1, ..settings })?;
-            measure::until(&mut job, 1, watch)?;
+            measure::until(&mut job, 1, interrupt)?;
             job.film().map_err(Failure::other)?;
         }
     }
-    if let Some(peak) = own_peak() {
+    if let Some(peak) = peak_of_this_process() {
         println!("{peak}");
     }
     Ok(DONE)

@@ -1,124 +1,126 @@
-//! `pathmarch-measure bench`: what one sample of every pixel costs, and how far a picture is after a time, for each scene and backend.
+//! `pathmarch-measure bench`: time per sample and error after a given time, for each scene and backend.
 //!
-//! **How.** One scene at a time, so that others do not stand in memory; its backends take turns, round after round, and the
-//! median is reported, so that a machine whose speed drifts treats both alike. Compilation is timed apart. Rays and
-//! evaluations of the field are counted on the CPU, which follows the same paths as a GPU, in pictures of a fourth of the
-//! size each way. Memory is that of a process of its own ([`memory`]). Errors are measured against references that know
-//! their own noise ([`crate::measure`]); their pictures have the bounces that the scene asks for.
+//! **Method.** Scenes are measured one after the other, so that only one is in memory. The backends take turns in each
+//! round, so that drifting clock speeds affect all alike; the median is reported. Compilation is timed separately. Rays
+//! and field evaluations are counted on the CPU, which follows the same paths as a GPU, in pictures of a fourth of the
+//! width and height. Memory is that of a separate process ([`memory`]). Errors are measured against references with
+//! known noise ([`crate::measure`]), with the bounces of the scene.
 //!
-//! **Cost.** A scene takes `1 + rounds * samples` samples on each backend, and one more for its memory; with `--error S`
-//! `S` seconds on each backend, and four times as many once for its reference.
+//! **Cost.** `1 + rounds * samples` samples per scene and backend, and one more for its memory; with `--error S` also
+//! `S` seconds per backend, and four times as many once for the reference.
 
 mod generated;
 mod memory;
 mod report;
 mod scenes;
 
-use crate::measure::{self, Effort, References, Watch};
+use crate::measure::{self, Budget, Interrupt, ReferenceStore};
 use pathmarch_cli::{
-    AppDirs, BackendArgument, DONE, FAILED, Failure, INTERRUPTED, check_directory, numbers, watch_interrupts,
+    AppDirs, BackendArgument, DONE, FAILED, Failure, INTERRUPTED, catch_interrupts, check_directory, value_parsers,
 };
 use pathmarch_render::pathmarch_scene::{Scene, limits};
 use pathmarch_render::{Renderer, Settings, ray_stats};
 use report::{Entry, Quality, Results, Spread};
-use scenes::Chosen;
+use scenes::NamedScene;
 pub use scenes::built_in;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Rounds that a median needs, however long they take.
-const FEWEST_ROUNDS: u32 = 3;
-/// Seconds for a reference, in those of what is measured against it.
-const REFERENCE_EFFORT: f64 = 4.0;
+/// Minimum number of rounds, however long they take.
+const MIN_ROUNDS: u32 = 3;
+/// Render time of a reference, as a multiple of that of the measured picture.
+const REFERENCE_TIME_FACTOR: f64 = 4.0;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// What to measure [default: default]
+    /// Scenes to measure [default: default]
     ///
-    /// Scene files, folders of them, examples by their name in the gallery, scenes that are made on demand (union-100,
-    /// union-1000, union-10000, lights-64), or sets of scenes:
-    /// default: the thesis's, fractals, a repeated field, glass, a Cornell box, 64 lights, unions of 1,000 and 10,000 shapes.
-    /// thesis: all after the figures of the thesis.
-    /// quality: those on which other renderers were timed, for --error.
+    /// Scene files, directories, examples of the gallery by name, generated scenes (union-100, union-1000, union-10000,
+    /// lights-64), or sets of scenes:
+    /// default: the thesis's, fractals, a repeated field, glass, a Cornell box, 64 lights, unions of 1,000 and 10,000
+    /// shapes.
+    /// thesis: all scenes after the figures of the thesis.
+    /// quality: the scenes on which other renderers were timed, for --error.
     #[arg(verbatim_doc_comment)]
     scenes: Vec<PathBuf>,
     /// Size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = numbers::size, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = value_parsers::size, allow_hyphen_values = true)]
     size: [u32; 2],
-    /// Scattering events after the first hit, in what is timed
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = numbers::whole(limits::BOUNCES), allow_hyphen_values = true)]
+    /// Scattering events after the first hit, for timing
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = value_parsers::whole(limits::BOUNCES), allow_hyphen_values = true)]
     bounces: u32,
-    /// Rounds to measure
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = numbers::whole((1, 1000)), allow_hyphen_values = true)]
+    /// Number of rounds
+    #[arg(long, value_name = "N", default_value_t = 7, value_parser = value_parsers::whole((1, 1000)), allow_hyphen_values = true)]
     rounds: u32,
-    /// Samples in a round
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = numbers::whole((1, 1000)), allow_hyphen_values = true)]
+    /// Samples per round
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parsers::whole((1, 1000)), allow_hyphen_values = true)]
     samples: u32,
-    /// End the rounds of a scene after so many seconds, with three at least; leave out the CPU where a sample takes longer
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = numbers::seconds, allow_hyphen_values = true)]
+    /// Time limit of a scene, but at least three rounds; the CPU is skipped if one of its samples takes longer
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = value_parsers::seconds, allow_hyphen_values = true)]
     limit: f64,
-    /// Measure the error, too: relMSE after so many seconds, and seconds times relMSE, with the bounces of the scene
-    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
+    /// Also measure the error: relMSE after this time, and time x relMSE, with the bounces of the scene
+    #[arg(long, value_name = "SECONDS", value_parser = value_parsers::seconds, allow_hyphen_values = true)]
     error: Option<f64>,
     /// Size of the pictures whose error is measured
-    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = numbers::size, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = value_parsers::size, allow_hyphen_values = true)]
     error_size: [u32; 2],
-    /// Where references are kept: a file NAME.exr of your own for a scene, else they are made [default: the user's cache]
+    /// Directory of references: your own NAME.exr for a scene, otherwise rendered ones [default: the user's cache]
     ///
-    /// A reference takes four times the seconds of --error on the faster backend, with other random numbers than what is
-    /// measured. Its own noise is estimated from two halves, subtracted, and reported. That of a file of your own is not
-    /// known and taken for 0. Delete the files to have them made again, as after a change of how light is computed.
+    /// A reference takes four times the seconds of --error on the fastest backend, with other seeds than the measured
+    /// picture. Its own noise is estimated from two halves, subtracted, and reported. The noise of your own file is
+    /// unknown
+    /// and taken as 0. Delete the files to render them again, for example after a change of light transport.
     #[arg(long, value_name = "DIR", requires = "error", verbatim_doc_comment)]
     references: Option<PathBuf>,
-    /// Which backends to measure [default: every adapter, and the CPU]
+    /// Backends to measure [default: every adapter, and the CPU]
     #[arg(long, value_enum)]
     backend: Option<BackendArgument>,
-    /// The GPU adapter whose name contains this
+    /// GPU adapter, by a part of its name
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Write the figures to this file, too, as JSON
+    /// Also write the results to this file, as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Print ratios to the figures of an earlier run, a file of --json
+    /// Print ratios to the results of an earlier run, a file of --json
     #[arg(long, value_name = "FILE")]
     compare: Option<PathBuf>,
-    /// Measure nothing: show the figures of this file of --json
+    /// Measure nothing; print the results in this file of --json
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "json", "error", "references"])]
     from: Option<PathBuf>,
-    /// Print the memory that this process took for one sample
+    /// Print the memory that this process used for one sample
     #[arg(long, hide = true)]
     peak_memory: bool,
 }
 
 impl Arguments {
-    /// What is timed.
+    /// Settings of the timed pictures.
     fn settings(&self, scene: &Scene, samples: u32) -> Settings {
         Settings { size: self.size, bounces: self.bounces, samples, ..Settings::of(scene) }
     }
-    /// The size of the pictures whose rays are counted.
-    fn counted_size(&self) -> [u32; 2] {
+    /// Size of the pictures whose rays are counted.
+    fn ray_count_size(&self) -> [u32; 2] {
         self.size.map(|side| side.div_ceil(4))
     }
-    /// Where references are, and how long to work on those that are not.
-    fn kept_references(&self) -> Result<Option<References>, Failure> {
+    /// Directory of references, and render time of missing ones.
+    fn reference_store(&self) -> Result<Option<ReferenceStore>, Failure> {
         let Some(seconds) = self.error else { return Ok(None) };
         let folder = match &self.references {
             Some(folder) if folder.is_dir() => folder.clone(),
             Some(folder) => {
-                return Err(Failure::Usage(format!("there is no directory {}; make it first", folder.display())));
+                return Err(Failure::Usage(format!("there is no directory {}; create it first", folder.display())));
             }
             None => {
                 let dirs = AppDirs::of_user().ok_or_else(|| {
-                    Failure::Usage("there is no home directory to keep references in; give --references DIR".to_owned())
+                    Failure::Usage("there is no home directory for references; use --references DIR".to_owned())
                 })?;
                 let failed = |error| Failure::Other(format!("{}: {error}", dirs.references.display()));
                 std::fs::create_dir_all(&dirs.references).map_err(failed)?;
                 dirs.references
             }
         };
-        Ok(Some(References::new(folder, REFERENCE_EFFORT * seconds)))
+        Ok(Some(ReferenceStore::new(folder, REFERENCE_TIME_FACTOR * seconds)))
     }
-    /// What is said of all figures.
+    /// Header of the results.
     fn results(&self) -> Results {
         Results {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -143,22 +145,23 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         return Ok(DONE);
     }
-    let watch = Watch(watch_interrupts()?);
+    let interrupt = Interrupt(catch_interrupts()?);
     if arguments.peak_memory {
-        return memory::report(arguments, &watch);
+        return memory::report(arguments, &interrupt);
     }
     if let Some(path) = &arguments.json {
         check_directory(path)?;
     }
-    let references = arguments.kept_references()?;
+    let references = arguments.reference_store()?;
     let all = scenes::chosen(&arguments.scenes)?;
     let renderers = measure::renderers(arguments.backend.map(Into::into), arguments.adapter.as_deref())?;
     let mut results = arguments.results();
     results.print_head();
     let mut interrupted = false;
     for (index, chosen) in all.iter().enumerate() {
-        let stage = Stage { arguments, chosen, watch: &watch, place: format!("{}/{}", index + 1, all.len()) };
-        match stage.measure(&renderers, references.as_ref()) {
+        let bench =
+            SceneBench { arguments, chosen, interrupt: &interrupt, place: format!("{}/{}", index + 1, all.len()) };
+        match bench.measure(&renderers, references.as_ref()) {
             Ok(entries) => {
                 entries.iter().for_each(Entry::print);
                 results.entries.extend(entries);
@@ -181,7 +184,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     }
     Ok(match (interrupted, results.entries.is_empty()) {
         (true, _) => {
-            eprintln!("interrupted: the figures are those of the scenes before");
+            eprintln!("interrupted: results are those of the scenes before");
             INTERRUPTED
         }
         (false, true) => FAILED,
@@ -189,47 +192,47 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     })
 }
 
-/// A scene and how it is measured.
-struct Stage<'a> {
+/// A scene with its measurement settings.
+struct SceneBench<'a> {
     arguments: &'a Arguments,
-    chosen: &'a Chosen,
-    watch: &'a Watch,
-    /// Which of how many.
+    chosen: &'a NamedScene,
+    interrupt: &'a Interrupt,
+    /// Position in the list of scenes, such as "2/5".
     place: String,
 }
 
-impl Stage<'_> {
-    fn say(&self, what: &str) {
+impl SceneBench<'_> {
+    fn log(&self, what: &str) {
         eprintln!("[{}] {}: {what}", self.place, self.chosen.name);
     }
 
-    /// Pixels of what is timed for each of what is counted.
+    /// Ratio of the pixels timed to the pixels counted.
     fn enlarged(&self) -> f64 {
         let pixels = |size: [u32; 2]| size.map(f64::from).iter().product::<f64>();
-        pixels(self.arguments.size) / pixels(self.arguments.counted_size())
+        pixels(self.arguments.size) / pixels(self.arguments.ray_count_size())
     }
 
-    /// The figures of every backend that can render the scene.
-    fn measure(&self, renderers: &[Renderer], references: Option<&References>) -> Result<Vec<Entry>, Failure> {
-        let Self { arguments, chosen: Chosen { scene, .. }, watch, .. } = *self;
-        watch.check()?;
-        self.say("counting rays");
+    /// Measures the scene on every backend that can render it.
+    fn measure(&self, renderers: &[Renderer], references: Option<&ReferenceStore>) -> Result<Vec<Entry>, Failure> {
+        let Self { arguments, chosen: NamedScene { scene, .. }, interrupt, .. } = *self;
+        interrupt.check()?;
+        self.log("counting rays");
         let settings = arguments.settings(scene, 1 + arguments.rounds * arguments.samples);
-        let counted = Settings { size: arguments.counted_size(), ..settings.clone() };
-        // Else it is built at the first look at the field; it is no part of a sample.
+        let counted = Settings { size: arguments.ray_count_size(), ..settings.clone() };
+        // Build the index now, as it is not part of a sample; it would be built at first use.
         scene.field.build_shape_grids();
         let began = Instant::now();
         let ray_stats = ray_stats(scene, &counted).map_err(Failure::other)?;
-        // The CPU renders it in about as long as a sample of so many pixels takes.
+        // Estimated time of a CPU sample at full size, seconds.
         let cpu_seconds = began.elapsed().as_secs_f64() * self.enlarged();
-        let pixels = f64::from(arguments.counted_size().iter().product::<u32>());
+        let pixels = f64::from(arguments.ray_count_size().iter().product::<u32>());
 
         let (mut able, mut jobs) = (Vec::new(), Vec::new());
         for renderer in renderers {
-            watch.check()?;
+            interrupt.check()?;
             if renderer.backend().name == "CPU" && cpu_seconds > arguments.limit {
-                let told = format!("a sample takes about {cpu_seconds:.0} s, above --limit");
-                self.say(&format!("not on {}: {told}; choose a smaller --size", measure::described(renderer)));
+                let message = format!("one sample takes about {cpu_seconds:.0} s, above --limit");
+                self.log(&format!("not on {}: {message}; choose a smaller --size", measure::backend_label(renderer)));
                 continue;
             }
             match measure::start(renderer, scene, &settings) {
@@ -238,7 +241,7 @@ impl Stage<'_> {
                     jobs.push(job);
                 }
                 Err(failure) => {
-                    self.say(&format!("not on {}", measure::described(renderer)));
+                    self.log(&format!("not on {}", measure::backend_label(renderer)));
                     failure.print();
                 }
             }
@@ -248,15 +251,15 @@ impl Stage<'_> {
             job.measure_gpu_time().map_err(Failure::other)?;
         }
         let (rounds, samples) = (arguments.rounds, arguments.samples);
-        self.say(&format!("{rounds} rounds of {samples} samples"));
-        let times = measure::time_in_turn(&mut jobs, FEWEST_ROUNDS..=rounds, samples, arguments.limit, watch)?;
+        self.log(&format!("{rounds} rounds of {samples} samples"));
+        let times = measure::time_interleaved(&mut jobs, MIN_ROUNDS..=rounds, samples, arguments.limit, interrupt)?;
         let mut entries = Vec::new();
         for (((renderer, job), times), compile_ms) in able.iter().zip(&mut jobs).zip(&times).zip(compile_ms) {
             let [median, min, max] = times.spread();
             let gpu = job.gpu_time().map_err(Failure::other)?;
             entries.push(Entry {
                 scene: self.chosen.name.clone(),
-                backend: measure::described(renderer),
+                backend: measure::backend_label(renderer),
                 rounds: Some(times.rounds()),
                 ms_per_sample: Spread { median, min, max },
                 gpu_ms_per_sample: gpu.map(|time| time.as_secs_f64() * 1e3 / job.samples_done()),
@@ -269,11 +272,11 @@ impl Stage<'_> {
                 quality: None,
             });
         }
-        // Their pictures need not stand in memory while others are measured.
+        // Free these pictures before measuring the memory of others.
         drop(jobs);
         for (entry, renderer) in entries.iter_mut().zip(&able) {
-            watch.check()?;
-            self.say("memory");
+            interrupt.check()?;
+            self.log("memory");
             entry.peak_mib = memory::of_scene(arguments, &self.chosen.argument, renderer);
         }
         if let Some(references) = references {
@@ -282,23 +285,23 @@ impl Stage<'_> {
         Ok(entries)
     }
 
-    /// The errors of every backend, against the reference that the fastest renders.
+    /// Measures the error of every backend, against a reference that the fastest one renders.
     fn measure_errors(
         &self,
         renderers: &[&Renderer],
         entries: &mut [Entry],
-        references: &References,
+        references: &ReferenceStore,
     ) -> Result<(), Failure> {
-        let Self { arguments, chosen: Chosen { name, scene, .. }, watch, .. } = *self;
+        let Self { arguments, chosen: NamedScene { name, scene, .. }, interrupt, .. } = *self;
         let settings = Settings { size: arguments.error_size, ..Settings::of(scene) };
         let median = |index: &usize| entries[*index].ms_per_sample.median;
         let fastest = (0..entries.len()).min_by(|a, b| median(a).total_cmp(&median(b)));
         let (Some(fastest), Some(seconds)) = (fastest, arguments.error) else { return Ok(()) };
-        self.say("reference");
-        let reference = references.get(name, scene, &settings, renderers[fastest], watch)?;
+        self.log("reference");
+        let reference = references.get(name, scene, &settings, renderers[fastest], interrupt)?;
         for (renderer, entry) in renderers.iter().zip(entries) {
-            self.say(&format!("error after {seconds} s"));
-            let taken = measure::take(renderer, scene, &settings, Effort::Seconds(seconds), watch)?;
+            self.log(&format!("error after {seconds} s"));
+            let taken = measure::render_for(renderer, scene, &settings, Budget::Seconds(seconds), interrupt)?;
             let error = reference.error_of(&taken.picture)?;
             let relmse = Some(error).filter(|error| *error > 0.1 * reference.noise.unwrap_or(0.0));
             entry.quality = Some(Quality {

@@ -1,97 +1,97 @@
-//! Figures of a benchmark: as a table, as JSON, and beside those of another run.
+//! Benchmark results: table, JSON file, and comparison with another run.
 
 use pathmarch_cli::Failure;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Everything that was measured, and how.
+/// Results with their settings.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Results {
     /// Version of the program.
     pub version: String,
-    /// Of the timed pictures.
+    /// Size of the timed pictures, pixels.
     pub size: [u32; 2],
-    /// Of the timed pictures.
+    /// Bounces of the timed pictures.
     pub bounces: u32,
-    /// Times of each scene.
+    /// Rounds per scene.
     pub rounds: u32,
-    /// In each round.
+    /// Samples per round.
     pub samples: u32,
-    /// Of the pictures whose error is measured, where one is.
+    /// Size of the pictures whose error is measured, if any.
     #[serde(default)]
     pub error_size: Option<[u32; 2]>,
-    /// One for each scene and backend.
+    /// One entry for each scene and backend.
     pub entries: Vec<Entry>,
 }
 
-/// The figures of a scene on a backend.
+/// Results of a scene on a backend.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Entry {
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
     /// Backend and adapter.
     pub backend: String,
-    /// Rounds that there was time for.
+    /// Rounds within the time limit.
     #[serde(default)]
     pub rounds: Option<u32>,
-    /// Milliseconds on the wall for one sample of every pixel.
+    /// Wall-clock milliseconds per sample of every pixel.
     pub ms_per_sample: Spread,
-    /// Milliseconds on the GPU's own clock for it.
+    /// GPU milliseconds per sample of every pixel.
     #[serde(default)]
     pub gpu_ms_per_sample: Option<f64>,
-    /// Milliseconds until the first sample could begin.
+    /// Milliseconds until the first sample can begin.
     pub compile_ms: f64,
-    /// Rays of a sample of one pixel.
+    /// Rays per pixel and sample.
     pub rays_per_pixel: f64,
-    /// Evaluations of the marched field for each of them.
+    /// Field evaluations per ray.
     pub evaluations_per_ray: f64,
-    /// Evaluations for a sample of one pixel.
+    /// Field evaluations per pixel and sample.
     #[serde(default)]
     pub evaluations_per_pixel: Option<f64>,
-    /// Steps of a march: evaluations for each ray that came near what is marched.
+    /// Sphere-tracing steps: evaluations per ray that enters the sphere-traced field.
     #[serde(default)]
     pub steps_per_marched_ray: Option<f64>,
     /// Peak resident memory of a process that renders the scene, MiB.
     #[serde(default)]
     pub peak_mib: Option<f64>,
-    /// The error after a time.
+    /// Error after a given time.
     #[serde(default)]
     pub quality: Option<Quality>,
 }
 
-/// Of several rounds.
+/// Statistics over several rounds.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Spread {
-    /// The middle one.
+    /// Median.
     pub median: f64,
-    /// The least.
+    /// Minimum.
     pub min: f64,
-    /// The most.
+    /// Maximum.
     pub max: f64,
 }
 
-/// How far a picture was from the converged one after some time.
+/// Error of a picture after some time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Quality {
-    /// Seconds of rendering, without compilation.
+    /// Render time without compilation, seconds.
     pub seconds: f64,
-    /// Samples of each pixel in that time.
+    /// Samples per pixel in that time.
     pub samples: u32,
-    /// Scattering events after the first hit: the scene's own.
+    /// Scattering events after the first hit, as the scene sets them.
     pub bounces: u32,
-    /// relMSE, the reference's noise taken off; absent where that hides it.
+    /// relMSE minus the noise of the reference; absent if smaller than that noise.
     pub relmse: Option<f64>,
-    /// Seconds times relMSE: what a given quality costs, whatever the number of samples.
+    /// Seconds x relMSE: cost of a given quality, independent of the number of samples.
     pub seconds_relmse: Option<f64>,
-    /// The reference's own relMSE, where it is known.
+    /// relMSE of the reference itself, if known.
     pub reference_relmse: Option<f64>,
-    /// The reference's samples, where they are known.
+    /// Samples of the reference, if known.
     pub reference_samples: Option<u32>,
     /// Relative difference of the means of picture and reference.
     pub mean_difference: f64,
 }
 
-/// A number to about three digits, or a dash.
+/// Formats a number with about three digits, or as a dash.
 fn shown(value: Option<f64>) -> String {
     match value {
         None => "-".to_owned(),
@@ -102,7 +102,7 @@ fn shown(value: Option<f64>) -> String {
 }
 
 impl Results {
-    /// Reads the file of an earlier run.
+    /// Loads the results of an earlier run.
     pub fn load(path: &Path) -> Result<Self, Failure> {
         let text =
             std::fs::read_to_string(path).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
@@ -110,13 +110,13 @@ impl Results {
             .map_err(|error| Failure::Usage(format!("{} is not a file of `bench --json`: {error}", path.display())))
     }
 
-    /// Writes them as JSON.
+    /// Writes the results as JSON.
     pub fn save(&self, path: &Path) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(self).map_err(Failure::other)?;
         std::fs::write(path, text + "\n").map_err(|error| Failure::Other(format!("{}: {error}", path.display())))
     }
 
-    /// The lines above the table.
+    /// Prints the table's header.
     pub fn print_head(&self) {
         let [width, height] = self.size;
         println!("{width}x{height}, {} bounces, {} rounds of {} samples", self.bounces, self.rounds, self.samples);
@@ -134,15 +134,15 @@ impl Results {
         println!("  backend");
     }
 
-    /// The ratios of these figures to those of an earlier run: below 1 is less than then.
+    /// Prints the ratios of these results to an earlier run; below 1 is less than before.
     pub fn print_ratios(&self, before: &Results) {
         if (before.size, before.bounces) != (self.size, self.bounces) {
-            let told =
+            let description =
                 |results: &Results| format!("{}x{} and {} bounces", results.size[0], results.size[1], results.bounces);
-            println!("\nnot the same pictures: {} then, {} now", told(before), told(self));
+            println!("\nwarning: different settings: {} before, {} now", description(before), description(self));
         }
         println!(
-            "\nnow / then: {:<12} {:>9} {:>10} {:>8} {:>10}  backend",
+            "\nnow / before: {:<12} {:>9} {:>10} {:>8} {:>10}  backend",
             "scene", "ms/sample", "evals/px", "MiB", "s x relMSE"
         );
         let ratio = |now: Option<f64>, then: Option<f64>| match (now, then) {
@@ -153,7 +153,7 @@ impl Results {
         for now in &self.entries {
             let is_it = |then: &&Entry| then.scene == now.scene && then.backend == now.backend;
             let Some(then) = before.entries.iter().find(is_it) else {
-                println!("{:<24} not measured then, on {}", now.scene, now.backend);
+                println!("{:<24} not measured before, on {}", now.scene, now.backend);
                 continue;
             };
             let cost = |entry: &Entry| entry.quality.as_ref().and_then(|quality| quality.seconds_relmse);
@@ -176,7 +176,7 @@ impl Results {
 }
 
 impl Entry {
-    /// Its line of the table.
+    /// Prints the entry's row.
     pub fn print(&self) {
         let Spread { median, min, max } = self.ms_per_sample;
         print!(

@@ -1,21 +1,21 @@
-//! Which scenes to measure: files, folders of them, examples of the program, scenes that are made, or sets of these.
+//! Selection of scenes: files, directories, gallery examples, generated scenes, and sets of these.
 
 use super::generated;
 use pathmarch_cli::Failure;
 use pathmarch_render::pathmarch_scene::Scene;
 use std::path::{Path, PathBuf};
 
-/// A scene and its name.
-pub struct Chosen {
-    /// As results name it.
+/// A scene with its name.
+pub struct NamedScene {
+    /// Name in results.
     pub name: String,
-    /// As the command line names it, alone.
+    /// Command-line argument that selects only this scene.
     pub argument: PathBuf,
     /// The scene.
     pub scene: Scene,
 }
 
-/// Every example of the gallery: its file, and its text.
+/// File and text of every gallery example.
 fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {
     pathmarch_gallery::EXAMPLES.iter().map(|example| (example.file, example.text))
 }
@@ -32,11 +32,11 @@ static QUALITY: &[(&str, &str)] = &[
     ("benchmarks/closed-emitting-room.kdl", include_str!("../../../../scenes/benchmarks/closed-emitting-room.kdl")),
 ];
 
-/// What is measured beside the thesis's scenes where nothing is named.
-const BESIDE_THESIS: [&str; 8] =
+/// Scenes of the default set, beside those of the thesis.
+const DEFAULT_EXTRAS: [&str; 8] =
     ["mandelbulb", "mandelbox", "cubes", "cornell", "glass-still-life", "lights-64", "union-1000", "union-10000"];
 
-/// A set of scenes by its name.
+/// Names of a set of scenes.
 fn set(name: &str) -> Option<Vec<String>> {
     let thesis = || {
         let mut names: Vec<_> =
@@ -45,7 +45,7 @@ fn set(name: &str) -> Option<Vec<String>> {
         names
     };
     match name {
-        "default" => Some(thesis().into_iter().chain(BESIDE_THESIS.map(str::to_owned)).collect()),
+        "default" => Some(thesis().into_iter().chain(DEFAULT_EXTRAS.map(str::to_owned)).collect()),
         "thesis" => Some(thesis()),
         "quality" => Some(QUALITY.iter().map(|(file, _)| stem(Path::new(file))).collect()),
         _ => None,
@@ -56,7 +56,7 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The text of an example, or of a scene that is made.
+/// Text of an example or generated scene.
 pub fn built_in(name: &str) -> Option<String> {
     if let Some(made) = generated::ALL.iter().find(|made| made.name == name) {
         return Some(made.text());
@@ -65,8 +65,8 @@ pub fn built_in(name: &str) -> Option<String> {
     examples().chain(QUALITY.iter().copied()).find(is_it).map(|(_, text)| text.to_owned())
 }
 
-/// The scenes of these arguments, all read: mistakes are told before anything is measured.
-pub fn chosen(arguments: &[PathBuf]) -> Result<Vec<Chosen>, Failure> {
+/// Loads all scenes of the arguments; errors are reported before anything is measured.
+pub fn chosen(arguments: &[PathBuf]) -> Result<Vec<NamedScene>, Failure> {
     let default = [PathBuf::from("default")];
     let arguments = if arguments.is_empty() { &default[..] } else { arguments };
     let mut chosen = Vec::new();
@@ -74,10 +74,10 @@ pub fn chosen(arguments: &[PathBuf]) -> Result<Vec<Chosen>, Failure> {
         let name = argument.to_string_lossy().into_owned();
         if argument.is_dir() {
             for path in files(argument)? {
-                chosen.push(Chosen { name: stem(&path), scene: Scene::load(&path)?, argument: path });
+                chosen.push(NamedScene { name: stem(&path), scene: Scene::load(&path)?, argument: path });
             }
         } else if argument.exists() {
-            chosen.push(Chosen { name: stem(argument), scene: Scene::load(argument)?, argument: argument.clone() });
+            chosen.push(NamedScene { name: stem(argument), scene: Scene::load(argument)?, argument: argument.clone() });
         } else if let Some(names) = set(&name) {
             for name in names {
                 chosen.extend(read(&name).transpose()?);
@@ -89,10 +89,10 @@ pub fn chosen(arguments: &[PathBuf]) -> Result<Vec<Chosen>, Failure> {
     Ok(chosen)
 }
 
-fn read(name: &str) -> Option<Result<Chosen, Failure>> {
+fn read(name: &str) -> Option<Result<NamedScene, Failure>> {
     let text = built_in(name)?;
     let scene = Scene::parse(&format!("{name}.kdl"), &text);
-    Some(scene.map_err(Failure::from).map(|scene| Chosen { name: name.to_owned(), argument: name.into(), scene }))
+    Some(scene.map_err(Failure::from).map(|scene| NamedScene { name: name.to_owned(), argument: name.into(), scene }))
 }
 
 fn files(directory: &Path) -> Result<Vec<PathBuf>, Failure> {
@@ -105,7 +105,7 @@ fn files(directory: &Path) -> Result<Vec<PathBuf>, Failure> {
         }
     }
     if paths.is_empty() {
-        return Err(Failure::Usage(format!("{}: there are no scenes (.kdl) in it", directory.display())));
+        return Err(Failure::Usage(format!("{}: this directory contains no scenes (.kdl)", directory.display())));
     }
     paths.sort();
     Ok(paths)
@@ -118,8 +118,8 @@ fn unknown(name: &str) -> Failure {
     let meant = nearest.filter(|nearest| strsim::damerau_levenshtein(nearest, name) <= 3);
     let meant = meant.map(|nearest| format!("; did you mean {nearest}?")).unwrap_or_default();
     Failure::Usage(format!(
-        "{name}: there is no such file or folder, and no example of this name (the gallery's, union-100, union-1000, \
-         union-10000, lights-64), nor a set (default, thesis, quality){meant}"
+        "{name}: no such file, directory, example (of the gallery, union-100, union-1000, \
+         union-10000, lights-64) or set (default, thesis, quality){meant}"
     ))
 }
 

@@ -1,22 +1,22 @@
-//! How the error falls as samples accumulate: Figure 5.3 of the thesis.
+//! Error over the number of samples: Figure 5.3 of the thesis.
 //!
-//! relMSE against a converged picture whose own noise is known and taken off ([`crate::measure`]), once with the sampler
-//! of the program and once with independent random numbers, whose error falls as one over the samples.
+//! relMSE against a converged reference whose own noise is subtracted ([`crate::measure`]), with the Sobol' sampler and
+//! with independent random numbers, whose error falls as 1 / samples.
 
 use super::plot::{Line, Lines, SeriesLabelPosition, save};
 use super::table::Table;
 use super::{Study, example};
-use crate::measure::{Effort, Reference, start, take, until};
+use crate::measure::{Budget, Reference, render_for, start, until};
 use pathmarch_cli::Failure;
 use pathmarch_render::Settings;
 use pathmarch_render::image::Picture;
 use pathmarch_render::pathmarch_scene::{Sampler, Scene};
 
 const SCENES: [&str; 4] = ["diffuse-sphere", "three-spheres", "open-room", "emitting-spheres"];
-/// Of which the page shows pictures.
-const SHOWN: &str = "open-room";
+/// Scene whose pictures are shown.
+const PICTURED_SCENE: &str = "open-room";
 
-/// relMSE after 1, 2, 4, … samples, without points that the reference's noise hides.
+/// relMSE after 1, 2, 4, … samples, without points below the noise of the reference.
 fn errors(
     study: &mut Study,
     backend: usize,
@@ -28,7 +28,7 @@ fn errors(
     let mut errors = Vec::new();
     let mut samples = 1;
     while samples <= settings.samples {
-        until(&mut job, samples, &study.watch)?;
+        until(&mut job, samples, &study.interrupt)?;
         let picture: Picture = job.film().map_err(Failure::other)?.mean();
         let error = reference.error_of(&picture)?;
         if error > 0.1 * reference.noise.unwrap_or(0.0) {
@@ -39,7 +39,7 @@ fn errors(
     Ok(errors)
 }
 
-/// The exponent of the power of the samples that goes through the points best.
+/// Exponent of the power law fitted to the points.
 fn slope(points: &[(u32, f64)]) -> Option<f64> {
     let logarithms: Vec<_> = points.iter().map(|(samples, error)| (f64::from(*samples).ln(), error.ln())).collect();
     let count = logarithms.len() as f64;
@@ -54,24 +54,24 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     let samples = study.plan.samples;
     let mut table = Table::new(["scene", "sampler", "samples", "relMSE", "relMSE of the reference"]);
     let mut summary =
-        Table::new(["scene", "relMSE at 1 sample", "at the most", "falls as samples to the", "independent numbers"]);
+        Table::new(["scene", "relMSE at 1 sample", "relMSE at the last", "exponent, Sobol'", "exponent, independent"]);
     let mut lines = Vec::new();
     let mut highest: f64 = 0.0;
     for name in SCENES {
         let scene = example(name)?;
-        // Looked at after every sample: each has a ray of the camera of its own.
+        // The error is measured after every sample, so each one needs a camera ray of its own.
         let settings = Settings { size: study.plan.error_size, samples, splitting: Some(1), ..Settings::of(&scene) };
-        study.say(&format!("accumulation: {name}, which backend is faster"));
+        study.log(&format!("accumulation: {name}, comparing backends"));
         let times = study.time(&scene, settings.bounces, settings.size)?;
         let backend = Study::fastest(&times);
-        study.say(&format!("accumulation: {name}, reference of {} samples", 4 * samples));
+        study.log(&format!("accumulation: {name}, reference of {} samples", 4 * samples));
         let mut half = |seed| {
             let settings = Settings { seed, ..settings.clone() };
-            take(&mut study.renderers[backend], &scene, &settings, Effort::Samples(2 * samples), &study.watch)
+            render_for(&mut study.renderers[backend], &scene, &settings, Budget::Samples(2 * samples), &study.interrupt)
         };
         let (a, b) = (half(1)?, half(2)?);
-        let reference = Reference::of_halves(&a.picture, &b.picture, a.samples)?;
-        study.say(&format!("accumulation: {name}, up to {samples} samples"));
+        let reference = Reference::from_halves(&a.picture, &b.picture, a.samples)?;
+        study.log(&format!("accumulation: {name}, up to {samples} samples"));
         let mut slopes = Vec::new();
         for sampler in [Sampler::Sobol, Sampler::Independent] {
             let settings = Settings { sampler, ..settings.clone() };
@@ -111,7 +111,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     save(study.directory, "accumulation", &plot)?;
     table.save(study.directory, "accumulation")?;
 
-    let scene = example(SHOWN)?;
+    let scene = example(PICTURED_SCENE)?;
     let shown: Vec<_> = [1, 4, 16, 64].into_iter().filter(|shown| *shown <= samples).collect();
     let mut pictures = Table::new(shown.iter().map(|shown| format!("{shown} spp")));
     for shown in &shown {
@@ -124,7 +124,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         4 * samples
     ));
     Ok(format!(
-        "## Accumulation\n\nFigure 5.3: the error as samples accumulate; pictures of `{SHOWN}`. Sums are kept in 32-bit \
+        "## Accumulation\n\nFigure 5.3: the error as samples accumulate; pictures of `{PICTURED_SCENE}`. Sums are kept in 32-bit \
          floats, so that the error goes on falling; the thesis's program keeps a blend of fixed weight in 8 bits, which \
          stops improving at about 39 samples. Independent random numbers fall as one over the samples, -1; the program's \
          Sobol' points at least as fast.\n\n{}\n{}\n![Error by samples](accumulation.png)\n\n{conditions}",

@@ -1,6 +1,6 @@
-//! What bounces cost and bring: Figures 5.1 and 5.2 of the thesis, three rough metal spheres before a wall.
+//! Cost and contribution of bounces: Figures 5.1 and 5.2 of the thesis, three rough metal spheres before a wall.
 //!
-//! The thesis counts surface hits; `bounces` counts what comes after the first of them.
+//! The thesis counts surface hits; `bounces` counts scattering events after the first hit.
 
 use super::plot::{Line, Lines, SeriesLabelPosition, save};
 use super::table::{Table, milliseconds};
@@ -9,10 +9,10 @@ use pathmarch_cli::Failure;
 use pathmarch_render::Settings;
 
 const SCENE: &str = "three-spheres";
-/// Hits, and the milliseconds of the thesis's program on two cores, 1280x720.
+/// Surface hits, and milliseconds of the thesis's program on two cores at 1280x720.
 const HITS: [(u32, f64); 6] = [(1, 437.0), (2, 941.0), (4, 1558.0), (8, 2281.0), (16, 3422.0), (32, 5375.0)];
-/// The size of those.
-const SIZE_THEN: [u32; 2] = [1280, 720];
+/// Picture size of those times.
+const THESIS_SIZE: [u32; 2] = [1280, 720];
 
 pub fn study(study: &mut Study) -> Result<String, Failure> {
     let scene = example(SCENE)?;
@@ -25,7 +25,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         backends.iter().map(|name| Line { name: name.clone(), points: Vec::new(), is_guide: false }).collect();
     let mut rows = Vec::new();
     for (hits, then) in HITS {
-        study.say(&format!("bounces: {hits} hits"));
+        study.log(&format!("bounces: {hits} hits"));
         let bounces = hits - 1;
         let times = study.time(&scene, bounces, study.plan.size)?;
         for (line, time) in lines.iter_mut().zip(&times) {
@@ -58,7 +58,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     let mut pictures =
         Table::new(HITS.map(|(hits, _)| if hits == 1 { "1 hit".to_owned() } else { format!("{hits} hits") }));
     pictures.push(HITS.map(|(hits, _)| format!("![{hits} hits](bounces-{hits}.jpg)")));
-    let size_note = if study.plan.size == SIZE_THEN { "" } else { " The thesis's program was timed at 1280x720." };
+    let size_note = if study.plan.size == THESIS_SIZE { "" } else { " The thesis's program was timed at 1280x720." };
     let conditions = study.conditions(&format!(
         "times at {width}x{height}, median of {} where there is time; pictures of {} samples",
         study.plan.rounds, study.plan.picture_samples

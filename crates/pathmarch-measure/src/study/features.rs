@@ -1,10 +1,10 @@
-//! What the thesis's program, Cycles and pathmarch have: Table 5.8 of the thesis, as of this version.
+//! Features of the thesis's program, Cycles and pathmarch: Table 5.8 of the thesis, for this version.
 
 use super::Study;
 use super::table::Table;
 use pathmarch_cli::Failure;
 
-/// What; the thesis's program as published; Cycles 3.4 to 4.5, as Blender drives it; pathmarch.
+/// Columns: feature; the thesis's published program; Cycles 3.4 to 4.5 in Blender; pathmarch.
 static ROWS: &[[&str; 4]] = &[
     ["solids by distance functions", "yes", "no: meshes", "sixteen, and profiles to extrude and revolve"],
     [
@@ -15,7 +15,7 @@ static ROWS: &[[&str; 4]] = &[
     ],
     ["repetition without end", "yes", "instances, finite", "yes; also polar and mirrored"],
     ["fractals", "yes", "no", "eight, coloured by their orbits"],
-    ["shapes of one's own", "in the shader's source", "no", "in the scene, as WGSL, checked"],
+    ["custom shapes", "in the shader's source", "no", "in the scene, as WGSL, checked"],
     ["meshes", "no", "yes", "written (STL, PLY, OBJ, glTF), not rendered"],
     ["diffuse, specular, refractive, emissive", "yes, not conserving energy (below)", "yes", "yes"],
     ["physically based materials", "no", "yes", "metal, glass and principled, by microfacets"],
@@ -32,7 +32,7 @@ static ROWS: &[[&str; 4]] = &[
     ["denoising", "no", "yes", "no"],
     ["reuse of samples when the camera moves", "no", "no", "no"],
     ["fog, subsurface scattering", "no", "yes", "no"],
-    ["scenes as files", "no: the shader's source", "yes", "yes, text, with every mistake told at its place"],
+    ["scenes as files", "no: the shader's source", "yes", "yes, text, with an error message for every mistake"],
     ["live view", "yes", "yes", "yes, with editing"],
     ["without a GPU", "software OpenGL", "yes", "yes"],
 ];
@@ -49,8 +49,8 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
          instead of 0, a perfect mirror 0.7; light after the first hit is lost to a division of integers; accumulation in 8 \
          bits with a fixed blend stops improving at about 39 samples; rays that miss always cost all 128 steps and can end \
          as NaN; the mandelbulb vanishes when seen from 10 units away, because its distance estimate overshoots; glass never \
-         lets light out by refraction. [light.md](https://github.com/pathmarch/pathmarch/blob/main/docs/light.md) tells what \
-         pathmarch's light is held to.\n",
+         lets light out by refraction. [light.md](https://github.com/pathmarch/pathmarch/blob/main/docs/light.md) describes how \
+         pathmarch's light is tested.\n",
         env!("CARGO_PKG_VERSION"),
         table.markdown()
     ))

@@ -1,14 +1,14 @@
-//! `pathmarch-measure study`: the evaluation of the thesis, chapter 5, repeated with this program.
+//! `pathmarch-measure study`: the evaluation of the thesis, chapter 5, repeated with pathmarch.
 //!
-//! **Idea.** One page of tables, plots and pictures, each part of it made by itself: what bounces cost and bring
-//! ([`bounces`]), how the error falls as frames accumulate ([`accumulation`]), what each material and scene takes
-//! ([`scenes`]), and what there is at all ([`features`]). A part is a Markdown file with its tables, plots and pictures
-//! beside it; the page, `README.md`, is made of all parts that are there, so that one can be repeated alone.
+//! **Idea.** One page of tables, plots and pictures, in independent parts: cost of bounces ([`bounces`]), error over
+//! accumulated frames ([`accumulation`]), time of each material and scene ([`scenes`]), and features ([`features`]). A
+//! part is a Markdown file with its tables, plots and pictures beside it; the page, `README.md`, joins all existing
+//! parts, so that each can be repeated alone.
 //!
 //! **Source.** Carvalho 2020, chapter 5. The times of its program on two cores were measured with its published source
-//! and scenes laid out after its figures.
+//! and scenes modelled after its figures.
 //!
-//! **Cost.** By default a few minutes on two cores; `--quick` takes seconds and shows only that it works.
+//! **Cost.** A few minutes on two cores by default; `--quick` takes seconds and only shows that everything works.
 
 mod accumulation;
 mod bounces;
@@ -18,9 +18,9 @@ mod scenes;
 mod table;
 
 use crate::bench;
-use crate::measure::{self, Effort, Watch};
+use crate::measure::{self, Budget, Interrupt};
 use clap::ValueEnum;
-use pathmarch_cli::{BackendArgument, DONE, Failure, numbers, watch_interrupts};
+use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, value_parsers};
 use pathmarch_render::image::{self, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::Display;
@@ -29,54 +29,54 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Which parts [default: all]
+    /// Parts to repeat [default: all]
     #[arg(value_name = "NAME", value_enum)]
     parts: Vec<Part>,
-    /// Where to write; files of the study that are there are replaced, others stay
+    /// Output directory; existing files of the study are replaced, others are kept
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Small and short, to try it out
+    /// Small sizes and few samples, as a trial
     #[arg(long)]
     quick: bool,
-    /// Size of what is timed [default: 1280x720]
-    #[arg(long, value_name = "WxH", value_parser = numbers::size, allow_hyphen_values = true)]
+    /// Size of the timed pictures [default: 1280x720]
+    #[arg(long, value_name = "WxH", value_parser = value_parsers::size, allow_hyphen_values = true)]
     size: Option<[u32; 2]>,
     /// Size of the pictures whose error is measured [default: 640x360]
-    #[arg(long, value_name = "WxH", value_parser = numbers::size, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", value_parser = value_parsers::size, allow_hyphen_values = true)]
     error_size: Option<[u32; 2]>,
     /// Size of the pictures on the page [default: 256x144]
-    #[arg(long, value_name = "WxH", value_parser = numbers::size, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", value_parser = value_parsers::size, allow_hyphen_values = true)]
     picture_size: Option<[u32; 2]>,
-    /// Samples to measure the time of [default: 3]
-    #[arg(long, value_name = "N", value_parser = numbers::whole((1, 1000)), allow_hyphen_values = true)]
+    /// Number of timed samples [default: 3]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, 1000)), allow_hyphen_values = true)]
     rounds: Option<u32>,
-    /// Samples up to which the error is measured; its reference has four times as many [default: 64]
-    #[arg(long, value_name = "N", value_parser = numbers::whole((2, 65_536)), allow_hyphen_values = true)]
+    /// Maximum number of samples whose error is measured; the reference has four times as many [default: 64]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole((2, 65_536)), allow_hyphen_values = true)]
     samples: Option<u32>,
     /// Samples of the pictures on the page [default: 48]
-    #[arg(long, value_name = "N", value_parser = numbers::whole((1, 65_536)), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, 65_536)), allow_hyphen_values = true)]
     picture_samples: Option<u32>,
-    /// What to render on [default: every adapter, and the CPU, are timed; the faster one takes the pictures]
+    /// Backend to time [default: every adapter, and the CPU; the fastest one renders the pictures]
     #[arg(long, value_enum)]
     backend: Option<BackendArgument>,
-    /// The GPU adapter whose name contains this
+    /// GPU adapter, by a part of its name
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
 }
 
-/// Seconds after which a scene is not timed once more.
-const LONG: f64 = 8.0;
+/// Time limit of a scene, seconds; no further round begins after it.
+const TIME_LIMIT: f64 = 8.0;
 
 /// A part of the study.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Part {
-    /// What bounces cost and bring: Figures 5.1 and 5.2
+    /// Cost and contribution of bounces: Figures 5.1 and 5.2
     Bounces,
-    /// How the error falls: Figure 5.3
+    /// Error over samples: Figure 5.3
     Accumulation,
-    /// What each material and scene takes: Tables 5.2 to 5.7
+    /// Time of each material and scene: Tables 5.2 to 5.7
     Scenes,
-    /// What the thesis's program, Cycles and pathmarch have: Table 5.8
+    /// Features of the thesis's program, Cycles and pathmarch: Table 5.8
     Features,
 }
 
@@ -91,7 +91,7 @@ impl Part {
     }
 }
 
-/// Sizes and numbers of samples.
+/// Sizes and sample counts.
 struct Plan {
     size: [u32; 2],
     error_size: [u32; 2],
@@ -117,13 +117,13 @@ impl Plan {
     }
 }
 
-/// The work of all parts.
+/// State shared by all parts.
 struct Study<'a> {
     directory: &'a Path,
     plan: Plan,
     renderers: Vec<Renderer>,
-    watch: Watch,
-    /// What was asked for, for whoever repeats it.
+    interrupt: Interrupt,
+    /// Command line that repeats the study.
     command: String,
 }
 
@@ -131,14 +131,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let directory = &arguments.output;
     match std::fs::create_dir(directory) {
         Err(error) if !directory.is_dir() => {
-            return Err(Failure::Other(format!("{}: {error}; name a directory to write to", directory.display())));
+            return Err(Failure::Other(format!("{}: {error}; name an output directory", directory.display())));
         }
         _ => {}
     }
-    let watch = Watch(watch_interrupts()?);
+    let interrupt = Interrupt(catch_interrupts()?);
     let renderers = measure::renderers(arguments.backend.map(Into::into), arguments.adapter.as_deref())?;
     let plan = Plan::of(arguments);
-    let mut study = Study { directory, plan, renderers, watch, command: command(arguments) };
+    let mut study = Study { directory, plan, renderers, interrupt, command: command(arguments) };
     let asked = |part: &Part| arguments.parts.is_empty() || arguments.parts.contains(part);
     for part in Part::value_variants().iter().copied().filter(asked) {
         let text = match part {
@@ -154,7 +154,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-/// The command line that asks for the same.
+/// Command line with the same arguments.
 fn command(arguments: &Arguments) -> String {
     let mut command = "pathmarch-measure study".to_owned();
     for part in &arguments.parts {
@@ -187,14 +187,14 @@ fn command(arguments: &Arguments) -> String {
     command
 }
 
-/// The scene of an example's name.
+/// Loads an example by name.
 fn example(name: &str) -> Result<Scene, Failure> {
     let text = bench::built_in(name).ok_or_else(|| Failure::Other(format!("there is no example {name}")))?;
     Ok(Scene::parse(&format!("{name}.kdl"), &text)?)
 }
 
 impl Study<'_> {
-    fn say(&self, what: &str) {
+    fn log(&self, what: &str) {
         eprintln!("{what}");
     }
 
@@ -203,12 +203,12 @@ impl Study<'_> {
         std::fs::write(&path, text).map_err(|error| Failure::Other(format!("{}: {error}", path.display())))
     }
 
-    /// Makes the page of all parts that are there.
+    /// Writes the page of all existing parts.
     fn write_page(&self) -> Result<(), Failure> {
         let mut page = format!(
             "# The evaluation of the thesis, repeated\n\nCarvalho, \"Combining the Ray Marching and Rasterization rendering \
-             models\", University of Porto, 2020, chapter 5, measured again with pathmarch {}. Each part says what it ran on \
-             and the command that repeats it; its numbers stand beside it as CSV, its plots as SVG.\n",
+             models\", University of Porto, 2020, chapter 5, measured again with pathmarch {}. Each part lists its hardware \
+             and the command that repeats it; its tables are also available as CSV, its plots as SVG.\n",
             env!("CARGO_PKG_VERSION")
         );
         for part in Part::value_variants() {
@@ -221,17 +221,18 @@ impl Study<'_> {
         self.write("README.md", &page)
     }
 
-    /// Short names of the backends, all different.
+    /// Short, distinct names of the backends.
     fn backends(&self) -> Vec<String> {
         let names: Vec<_> = self.renderers.iter().map(|renderer| renderer.backend().name).collect();
         let is_alone = |name: &String| names.iter().filter(|other| *other == name).count() == 1;
         let both = names.iter().zip(&self.renderers);
-        both.map(|(name, renderer)| if is_alone(name) { name.clone() } else { measure::described(renderer) }).collect()
+        both.map(|(name, renderer)| if is_alone(name) { name.clone() } else { measure::backend_label(renderer) })
+            .collect()
     }
 
-    /// What a part ran on, and how to repeat it.
+    /// Hardware and command line of a part.
     fn conditions(&self, what: &str) -> String {
-        let backends: Vec<_> = self.renderers.iter().map(measure::described).collect();
+        let backends: Vec<_> = self.renderers.iter().map(measure::backend_label).collect();
         format!(
             "*pathmarch {}, on {}; {what}. `{}`*\n",
             env!("CARGO_PKG_VERSION"),
@@ -240,17 +241,17 @@ impl Study<'_> {
         )
     }
 
-    /// Median milliseconds of a sample on each backend, none where it cannot render the scene.
+    /// Median milliseconds per sample on each backend; `None` if it cannot render the scene.
     fn time(&mut self, scene: &Scene, bounces: u32, size: [u32; 2]) -> Result<Vec<Option<f64>>, Failure> {
         let rounds = self.plan.rounds;
         let settings = Settings { size, bounces, samples: 1 + rounds, ..Settings::of(scene) };
         let (mut jobs, mut able) = (Vec::new(), Vec::new());
         for renderer in &mut self.renderers {
-            self.watch.check()?;
+            self.interrupt.check()?;
             match measure::start(renderer, scene, &settings) {
                 Ok(job) => jobs.push(job),
                 Err(failure) => {
-                    eprintln!("not on {}:", measure::described(renderer));
+                    eprintln!("not on {}:", measure::backend_label(renderer));
                     failure.print();
                     able.push(false);
                     continue;
@@ -258,28 +259,28 @@ impl Study<'_> {
             }
             able.push(true);
         }
-        let times = measure::time_in_turn(&mut jobs, 1..=rounds, 1, LONG, &self.watch)?;
+        let times = measure::time_interleaved(&mut jobs, 1..=rounds, 1, TIME_LIMIT, &self.interrupt)?;
         let mut medians = times.iter().map(|times| times.spread()[0]);
         Ok(able.into_iter().map(|able| able.then(|| medians.next()).flatten()).collect())
     }
 
-    /// The backend with the least of these times.
+    /// Index of the fastest backend.
     fn fastest(times: &[Option<f64>]) -> usize {
         let time = |index: &usize| times[*index].unwrap_or(f64::INFINITY);
         (0..times.len()).min_by(|a, b| time(a).total_cmp(&time(b))).unwrap_or(0)
     }
 
-    /// Renders a picture of the page and writes it; returns it for whoever measures it.
+    /// Renders and writes a picture of the page; returns it for measurement.
     fn picture(&mut self, name: &str, scene: &Scene, settings: &Settings, backend: usize) -> Result<Picture, Failure> {
-        let effort = Effort::Samples(settings.samples);
-        let taken = measure::take(&mut self.renderers[backend], scene, settings, effort, &self.watch)?;
+        let budget = Budget::Samples(settings.samples);
+        let taken = measure::render_for(&mut self.renderers[backend], scene, settings, budget, &self.interrupt)?;
         let display = Display { tonemap: scene.render.tonemap, exposure_stops: settings.camera_of(scene).exposure };
         let path = self.directory.join(name);
         image::save(&path, &taken.picture, &display, &Provenance::default()).map_err(Failure::other)?;
         Ok(taken.picture)
     }
 
-    /// What the page's pictures of a scene have.
+    /// Settings of the page's pictures.
     fn picture_settings(&self, scene: &Scene) -> Settings {
         Settings { size: self.plan.picture_size, samples: self.plan.picture_samples, ..Settings::of(scene) }
     }

@@ -1,9 +1,9 @@
-//! Plots: lines over two logarithmic axes, and bars over one; each as SVG and as PNG.
+//! Plots: lines over two logarithmic axes, and bars over one; each as SVG and PNG.
 //!
-//! **Source.** Colours that people with any colour vision tell apart: Okabe and Ito 2008, "Color Universal Design".
+//! **Source.** Colours for all kinds of colour vision: Okabe and Ito 2008, "Color Universal Design".
 //!
-//! The text of PNG files is drawn with the font that the program carries, so that no font need be installed; SVG files
-//! leave the choice of a sans-serif font to who shows them.
+//! Text in PNG files uses the built-in font, so that none needs to be installed; in SVG files the viewer selects a
+//! sans-serif font.
 
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -26,14 +26,14 @@ const COLOURS: [RGBColor; 6] = [
     RGBColor(86, 180, 233),
 ];
 const GREY: RGBColor = RGBColor(120, 120, 120);
-/// How much finer PNG files are than SVG's pixels.
-const FINE: u32 = 2;
+/// Resolution of PNG files, relative to SVG pixels.
+const PNG_SCALE: u32 = 2;
 
-/// What can be drawn.
+/// A plot.
 pub trait Plot {
-    /// Width and height, pixels of SVG.
+    /// Width and height, SVG pixels.
     fn size(&self) -> (u32, u32);
-    /// Draws it, everything enlarged by a factor.
+    /// Draws the plot, scaled by a factor.
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, factor: u32) -> Result<(), String>;
 }
 
@@ -47,10 +47,10 @@ pub fn save(directory: &Path, name: &str, plot: &impl Plot) -> Result<(), Failur
     let path = directory.join(format!("{name}.svg"));
     std::fs::write(&path, text).map_err(|error| Failure::Other(format!("{}: {error}", path.display())))?;
 
-    let (width, height) = (width * FINE, height * FINE);
+    let (width, height) = (width * PNG_SCALE, height * PNG_SCALE);
     let mut pixels = vec![255; 3 * width as usize * height as usize];
     let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
-    plot.draw(&area, FINE).map_err(Failure::Other)?;
+    plot.draw(&area, PNG_SCALE).map_err(Failure::Other)?;
     drop(area);
     let path = directory.join(format!("{name}.png"));
     let mut png = Vec::new();
@@ -60,7 +60,7 @@ pub fn save(directory: &Path, name: &str, plot: &impl Plot) -> Result<(), Failur
     std::fs::write(&path, png).map_err(|error| Failure::Other(format!("{}: {error}", path.display())))
 }
 
-/// What all charts look like, everything enlarged by this factor.
+/// Common style of all charts and their scale factor.
 #[derive(Clone, Copy)]
 struct Style(u32);
 
@@ -69,7 +69,7 @@ impl Style {
         ("sans-serif", size * self.0).into_font()
     }
 
-    /// A chart under its title, with so much room for what stands left of it.
+    /// Chart with a title; `left` is the width of the labels on the left, pixels.
     fn chart<'a, B: DrawingBackend>(
         self,
         area: &'a DrawingArea<B, Shift>,
@@ -86,7 +86,7 @@ impl Style {
         chart
     }
 
-    /// The mesh, and the axis to the right with what is there.
+    /// Grid and labels of the x axis.
     fn mesh<X, Y, B>(self, mesh: &mut MeshStyle<'_, '_, X, Y, B>, x: &str)
     where
         X: Ranged<ValueType = f64>,
@@ -101,7 +101,7 @@ impl Style {
             .light_line_style(RGBColor(238, 238, 238).stroke_width(self.0));
     }
 
-    /// The legend, with so much room for what stands for a series.
+    /// Legend; `sign` is the width of a series' symbol, pixels.
     fn legend<'a, B: DrawingBackend + 'a, C: CoordTranslate>(
         self,
         legend: &mut SeriesLabelStyle<'a, '_, B, C>,
@@ -118,44 +118,44 @@ impl Style {
     }
 }
 
-/// A line of a [`Lines`].
+/// A line of a [`Lines`] plot.
 pub struct Line {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
-    /// Its points, above 0 both.
+    /// Points; both coordinates are positive.
     pub points: Vec<(f64, f64)>,
-    /// Grey and without marks: what is known, not measured.
+    /// Published rather than measured: grey, without markers.
     pub is_guide: bool,
 }
 
 /// Lines over two logarithmic axes.
 pub struct Lines {
-    /// Above the plot.
+    /// Title.
     pub title: String,
-    /// What is to the right, with its unit.
+    /// Label of the x axis, with its unit.
     pub x: String,
-    /// What is up, with its unit.
+    /// Label of the y axis, with its unit.
     pub y: String,
-    /// Where the legend leaves the lines free.
+    /// Position of the legend.
     pub legend: SeriesLabelPosition,
     /// The lines.
     pub lines: Vec<Line>,
 }
 
-/// A range that holds all numbers, with some room.
+/// Range of all values, with a margin factor.
 fn around(values: impl Iterator<Item = f64> + Clone, room: f64) -> std::ops::Range<f64> {
     let least = values.clone().fold(f64::INFINITY, f64::min);
     let most = values.fold(0.0, f64::max);
     if least > most { 0.1..10.0 } else { least / room..most * room }
 }
 
-/// As [`around`], from one power of ten to another: within few decades, other ends leave Plotters without labels.
+/// Range of [`around`], extended to powers of ten: over few decades, Plotters draws no labels for other ends.
 fn decades(values: impl Iterator<Item = f64> + Clone) -> std::ops::Range<f64> {
     let range = around(values, 1.1);
     10f64.powf(range.start.log10().floor())..10f64.powf(range.end.log10().ceil())
 }
 
-/// A number of a logarithmic axis.
+/// Label of a logarithmic axis.
 fn label(value: &f64) -> String {
     if *value >= 0.000_99 && *value < 1e5 {
         format!("{}", (value * 1000.0).round() / 1000.0)
@@ -170,9 +170,9 @@ impl Plot for Lines {
     }
 
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, factor: u32) -> Result<(), String> {
-        let told = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
+        let message = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
         let points = || self.lines.iter().flat_map(|line| line.points.iter());
-        area.fill(&WHITE).map_err(told)?;
+        area.fill(&WHITE).map_err(message)?;
         let style = Style(factor);
         let mut chart = style
             .chart(area, &self.title, 74)
@@ -180,66 +180,66 @@ impl Plot for Lines {
                 around(points().map(|point| point.0), 1.15).log_scale().base(2.0),
                 decades(points().map(|point| point.1)).log_scale(),
             )
-            .map_err(told)?;
+            .map_err(message)?;
         let mut mesh = chart.configure_mesh();
         style.mesh(&mut mesh, &self.x);
-        mesh.y_desc(&self.y).y_label_formatter(&label).draw().map_err(told)?;
+        mesh.y_desc(&self.y).y_label_formatter(&label).draw().map_err(message)?;
         let mut colours = COLOURS.iter().cycle();
         for line in &self.lines {
             let colour = if line.is_guide { GREY } else { *colours.next().unwrap_or(&BLACK) };
             let stroke = colour.stroke_width(if line.is_guide { factor } else { 2 * factor });
             chart
                 .draw_series(LineSeries::new(line.points.iter().copied(), stroke))
-                .map_err(told)?
+                .map_err(message)?
                 .label(&line.name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 18 * factor as i32, y)], stroke));
             if !line.is_guide {
                 let mark = |point: &(f64, f64)| Circle::new(*point, 3 * factor, colour.filled());
-                chart.draw_series(line.points.iter().map(mark)).map_err(told)?;
+                chart.draw_series(line.points.iter().map(mark)).map_err(message)?;
             }
         }
         let mut legend = chart.configure_series_labels();
         style.legend(&mut legend, self.legend.clone(), 26);
-        legend.draw().map_err(told)?;
-        area.present().map_err(told)
+        legend.draw().map_err(message)?;
+        area.present().map_err(message)
     }
 }
 
-/// Groups that the legend of bars takes the room of.
-const ROOM: u32 = 3;
+/// Height of the legend, in groups of bars.
+const LEGEND_HEIGHT: u32 = 3;
 
-/// Bars to the right over a logarithmic axis, in groups one below the other.
+/// Horizontal bars over a logarithmic axis, in groups.
 pub struct Bars {
-    /// Above the plot.
+    /// Title.
     pub title: String,
-    /// What is to the right, with its unit.
+    /// Label of the x axis, with its unit.
     pub x: String,
-    /// The names of the groups, from the top.
+    /// Names of the groups, from the top.
     pub groups: Vec<String>,
-    /// For each colour its name, and its bar in each group where there is one; the last is grey: known, not measured.
+    /// Series: name, and one optional value per group. The last series is grey: published rather than measured.
     pub series: Vec<(String, Vec<Option<f64>>)>,
 }
 
 impl Plot for Bars {
     fn size(&self) -> (u32, u32) {
-        (860, 110 + 30 * (self.groups.len() as u32 + ROOM))
+        (860, 110 + 30 * (self.groups.len() as u32 + LEGEND_HEIGHT))
     }
 
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, factor: u32) -> Result<(), String> {
-        let told = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
+        let message = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
         let values = || self.series.iter().flat_map(|(_, values)| values.iter().flatten().copied());
         let range = decades(values());
         let (least, groups) = (range.start, self.groups.len());
-        area.fill(&WHITE).map_err(told)?;
+        area.fill(&WHITE).map_err(message)?;
         let style = Style(factor);
         let mut chart = style
             .chart(area, &self.title, 180)
-            .build_cartesian_2d(range.log_scale(), 0.0..groups as f64 + f64::from(ROOM))
-            .map_err(told)?;
-        // Plotters puts labels at lines: the names are drawn beside the middle of their group instead.
+            .build_cartesian_2d(range.log_scale(), 0.0..groups as f64 + f64::from(LEGEND_HEIGHT))
+            .map_err(message)?;
+        // Plotters places labels at grid lines; draw the names beside the middle of their groups instead.
         let mut mesh = chart.configure_mesh();
         style.mesh(&mut mesh, &self.x);
-        mesh.disable_y_mesh().y_labels(0).draw().map_err(told)?;
+        mesh.disable_y_mesh().y_labels(0).draw().map_err(message)?;
         let thickness = 0.8 / self.series.len().max(1) as f64;
         for (index, ((name, values), colour)) in self.series.iter().zip(COLOURS.iter().cycle()).enumerate() {
             let colour = if index + 1 == self.series.len() { &GREY } else { colour };
@@ -248,7 +248,7 @@ impl Plot for Bars {
                 Some(Rectangle::new([(least, top - thickness), ((*value)?, top)], colour.filled()))
             });
             let swatch = 10 * factor as i32;
-            chart.draw_series(bars).map_err(told)?.label(name).legend(move |(x, y)| {
+            chart.draw_series(bars).map_err(message)?.label(name).legend(move |(x, y)| {
                 Rectangle::new([(x, y - swatch / 2), (x + swatch, y + swatch / 2)], colour.filled())
             });
         }
@@ -259,11 +259,11 @@ impl Plot for Bars {
                 plotters::style::text_anchor::VPos::Center,
             );
             let text = style.text(13).color(&BLACK).pos(anchor);
-            area.draw_text(name, &text, (x - 8 * factor as i32, y)).map_err(told)?;
+            area.draw_text(name, &text, (x - 8 * factor as i32, y)).map_err(message)?;
         }
         let mut legend = chart.configure_series_labels();
         style.legend(&mut legend, SeriesLabelPosition::UpperRight, 20);
-        legend.draw().map_err(told)?;
-        area.present().map_err(told)
+        legend.draw().map_err(message)?;
+        area.present().map_err(message)
     }
 }

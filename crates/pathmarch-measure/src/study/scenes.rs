@@ -1,23 +1,23 @@
-//! What each material and scene takes: Tables 5.2 to 5.7 of the thesis.
+//! Time of each material and scene: Tables 5.2 to 5.7 of the thesis.
 //!
-//! Paths have four surface hits, `bounces 3`, which the thesis calls four bounces.
+//! Paths have up to four surface hits (`bounces 3`), which the thesis calls four bounces.
 
 use super::plot::{Bars, save};
 use super::table::{Table, milliseconds};
 use super::{Study, example};
 use pathmarch_cli::Failure;
 
-/// The size at which the thesis's program was timed.
-const SIZE_THEN: [u32; 2] = [1280, 720];
+/// Picture size of the thesis program's times.
+const THESIS_SIZE: [u32; 2] = [1280, 720];
 /// Scattering events after the first hit.
 const BOUNCES: u32 = 3;
 
-/// A scene of the thesis, and what was measured of it.
+/// A scene of the thesis with its published times.
 struct Row {
     kind: &'static str,
     scene: &'static str,
     figure: &'static str,
-    /// Milliseconds of a frame on the Radeon R9 390, as published.
+    /// Milliseconds per frame on the Radeon R9 390, as published.
     published: Option<&'static str>,
     /// Milliseconds of the thesis's program on two cores with Mesa's software OpenGL, 1280x720.
     then: Option<f64>,
@@ -71,7 +71,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     let mut bars: Vec<(String, Vec<Option<f64>>)> = backends.iter().map(|name| (name.clone(), Vec::new())).collect();
     bars.push(("the thesis's program, 2 cores, 1280x720".to_owned(), Vec::new()));
     for (index, row) in ROWS.iter().enumerate() {
-        study.say(&format!("scenes: {} ({}/{})", row.scene, index + 1, ROWS.len()));
+        study.log(&format!("scenes: {} ({}/{})", row.scene, index + 1, ROWS.len()));
         let scene = example(row.scene)?;
         let times = study.time(&scene, BOUNCES, study.plan.size)?;
         let fastest = Study::fastest(&times);
@@ -80,8 +80,8 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         for ((_, values), time) in bars.iter_mut().zip(times.iter().copied().chain([row.then])) {
             values.push(time);
         }
-        // Times of other sizes say nothing.
-        let then = row.then.filter(|_| study.plan.size == SIZE_THEN);
+        // Compare only times of the same size.
+        let then = row.then.filter(|_| study.plan.size == THESIS_SIZE);
         let ratio = then.zip(times[fastest]).map(|(then, now)| format!("{:.1}", then / now));
         let mut cells = vec![row.kind.to_owned(), row.scene.to_owned(), row.figure.to_owned()];
         cells.extend(times.iter().map(|time| milliseconds(*time)));
@@ -110,8 +110,8 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
          thesis calls four bounces. Its program was timed at 1280x720 on 2 cores of a 2.5 GHz Xeon with Mesa's software \
          OpenGL, after two edits that only make it faster (a constant scene, an unrolled loop over it; as published the \
          first scene takes 41.8 s), on scenes laid out after its figures; the published times are those of a frame on a \
-         Radeon R9 390. What our time of a sample holds that its frame does not: light through all hits, and rays that are \
-         not lost.\n\n{}\n![Times of all scenes](scenes.png)\n\n{conditions}",
+         Radeon R9 390. Unlike those frames, our samples include light through all hits, and no rays are \
+         lost.\n\n{}\n![Times of all scenes](scenes.png)\n\n{conditions}",
         shown.markdown()
     ))
 }

@@ -1,28 +1,28 @@
-//! A table, as Markdown for people and as CSV for programs.
+//! Tables, written as Markdown and CSV.
 
 use pathmarch_cli::Failure;
 use std::path::Path;
 
-/// Rows of cells below their heads.
+/// Rows of cells with a header.
 pub struct Table {
     heads: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// Without rows.
+    /// Creates an empty table.
     pub fn new(heads: impl IntoIterator<Item = impl Into<String>>) -> Self {
         Self { heads: heads.into_iter().map(Into::into).collect(), rows: Vec::new() }
     }
 
-    /// Adds a row; cells that are missing are empty.
+    /// Adds a row; missing cells are empty.
     pub fn push(&mut self, cells: impl IntoIterator<Item = impl Into<String>>) {
         let mut row: Vec<String> = cells.into_iter().map(Into::into).collect();
         row.resize(self.heads.len(), String::new());
         self.rows.push(row);
     }
 
-    /// As Markdown.
+    /// The table as Markdown.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
             let cells: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
@@ -33,7 +33,7 @@ impl Table {
         line(&self.heads) + &rule + &rows
     }
 
-    /// Writes it as CSV.
+    /// Writes the table as CSV.
     pub fn save(&self, directory: &Path, name: &str) -> Result<(), Failure> {
         let path = directory.join(format!("{name}.csv"));
         let failed = |error: csv::Error| Failure::Other(format!("{}: {error}", path.display()));
@@ -45,7 +45,7 @@ impl Table {
     }
 }
 
-/// A number of milliseconds for a table.
+/// Formats milliseconds.
 pub fn milliseconds(value: Option<f64>) -> String {
     value.map_or("-".to_owned(), |value| if value < 10.0 { format!("{value:.2}") } else { format!("{value:.0}") })
 }

@@ -1,4 +1,4 @@
-//! `pathmarch check`: read scenes, report every mistake.
+//! `pathmarch check`: reads scenes and reports every error.
 
 use pathmarch_cli::{DONE, FAILED, Failure, USAGE, print_report};
 use pathmarch_render::pathmarch_field::graph::Kind;
@@ -9,18 +9,18 @@ use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The scene files
+    /// Scene files
     #[arg(required = true)]
     scenes: Vec<PathBuf>,
-    /// Look for places where a surface is nearer than the field says, object by object
+    /// Test the distance field of each object for steps that are too long
     #[arg(long)]
     field: bool,
 }
 
-/// Points that an object is looked at from.
-const POINTS: u32 = 20_000;
-/// Shorter steps than this share of those declared are a fault.
-const LEAST_FACTOR: f32 = 0.99;
+/// Number of sample points for each object.
+const SAMPLE_POINTS: u32 = 20_000;
+/// Smallest safe share of a declared step that passes.
+const MIN_SAFE_FACTOR: f32 = 0.99;
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let mut code = DONE;
@@ -31,7 +31,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                     print_report(warning);
                 }
                 println!(
-                    "{}: good: {} shapes in {} objects, {} materials, {} lights, {} cameras",
+                    "{}: no errors: {} shapes in {} objects, {} materials, {} lights, {} cameras",
                     path.display(),
                     scene.field.leaves().len(),
                     scene.objects.len(),
@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                     scene.lights.len(),
                     scene.cameras.len(),
                 );
-                if arguments.field && !(field_is_safe(&scene) & declarations_are_true(&scene)) {
+                if arguments.field && !(check_objects(&scene) & check_custom_shapes(&scene)) {
                     code = code.max(FAILED);
                 }
             }
@@ -52,22 +52,22 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(code)
 }
 
-/// Prints what a survey finds of each object; whether all of it is as declared.
-fn field_is_safe(scene: &Scene) -> bool {
+/// Prints the result of the Lipschitz check for each object; returns true if all are safe.
+fn check_objects(scene: &Scene) -> bool {
     let mut safe = true;
     for object in &scene.objects {
         let field = Field::new(std::slice::from_ref(&object.root));
-        let finding = check_lipschitz(&field, POINTS);
+        let finding = check_lipschitz(&field, SAMPLE_POINTS);
         let declared = field.lipschitz();
-        if finding.safe_factor >= LEAST_FACTOR {
-            println!("  {}: safe; slope up to {:.3}, {declared} is declared", object.name, finding.slope);
+        if finding.safe_factor >= MIN_SAFE_FACTOR {
+            println!("  {}: safe; slope up to {:.3}, declared {declared}", object.name, finding.slope);
             continue;
         }
         safe = false;
         let [x, y, z] = finding.at;
         let shape = field.leaves().get(finding.leaf as usize).map_or("field", |leaf| leaf.shape.info().name);
         println!(
-            "  {}: NOT SAFE: at {x:.3} {y:.3} {z:.3} the surface of `{shape}` is {:.2} times nearer than a step of its \
+            "  {}: NOT SAFE: at {x:.3} {y:.3} {z:.3} the surface of `{shape}` is {:.2} times nearer than the step of its \
              distance; steps {:.2} times as long are safe, which is a Lipschitz constant of {:.2} instead of {declared}",
             object.name,
             1.0 / finding.safe_factor,
@@ -78,11 +78,11 @@ fn field_is_safe(scene: &Scene) -> bool {
     safe
 }
 
-/// Slopes above this are more than rounding.
-const STEEPEST: f32 = 1.01;
+/// Slopes up to this are rounding errors.
+const MAX_SLOPE: f32 = 1.01;
 
-/// Prints which of the scene's own shapes are steeper than they say; whether all are as declared.
-fn declarations_are_true(scene: &Scene) -> bool {
+/// Prints custom shapes that are steeper than their declared Lipschitz constant; returns true if there are none.
+fn check_custom_shapes(scene: &Scene) -> bool {
     let mut seen: Vec<(&str, &[f32])> = Vec::new();
     let mut safe = true;
     for leaf in scene.field.leaves() {
@@ -95,10 +95,10 @@ fn declarations_are_true(scene: &Scene) -> bool {
         let params = leaf.params[..leaf.shape.params().len()].to_vec();
         let kind = Kind::Shape { shape: leaf.shape.clone(), params, tag: 0 };
         let field = Field::new(&[Node { kind, placement: Placement::default() }]);
-        let slope = check_lipschitz(&field, POINTS).slope;
+        let slope = check_lipschitz(&field, SAMPLE_POINTS).slope;
         let steepest = declared * slope;
-        if slope <= STEEPEST {
-            println!("  field `{name}`: as declared; slope up to {steepest:.3}, lipschitz {declared}");
+        if slope <= MAX_SLOPE {
+            println!("  field `{name}`: safe; slope up to {steepest:.3}, declared lipschitz {declared}");
             continue;
         }
         safe = false;

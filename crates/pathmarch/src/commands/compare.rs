@@ -1,4 +1,4 @@
-//! `pathmarch compare`: how far a picture is from a reference.
+//! `pathmarch compare`: error of a picture against a reference.
 
 use pathmarch_cli::{DONE, FAILED, Failure};
 use pathmarch_render::image;
@@ -7,11 +7,11 @@ use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The picture
+    /// Picture to measure
     picture: PathBuf,
-    /// What it should be
+    /// Reference picture
     reference: PathBuf,
-    /// Fail (exit code 1) when relMSE is above this
+    /// Fail (exit code 1) if relMSE is above this
     #[arg(long, value_name = "X", value_parser = parse_limit, allow_hyphen_values = true)]
     max_relmse: Option<f64>,
 }
@@ -26,7 +26,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let b = image::load(&arguments.reference).map_err(Failure::other)?;
     if a.kind != b.kind {
         return Err(Failure::Usage(
-            "one picture holds radiance (EXR) and the other was tone-mapped (PNG, JPEG); compare two of a kind"
+            "one picture contains radiance (EXR), the other is tone-mapped (PNG, JPEG); compare two of the same kind"
                 .to_owned(),
         ));
     }
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let mut code = DONE;
     for (count, path) in [(result.non_finite_a, &arguments.picture), (result.non_finite_b, &arguments.reference)] {
         if count > 0 {
-            eprintln!("pathmarch: {}: {count} pixels are not finite and were left out", path.display());
+            eprintln!("pathmarch: {}: {count} non-finite pixels were ignored", path.display());
             code = FAILED;
         }
     }

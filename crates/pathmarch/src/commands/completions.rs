@@ -1,27 +1,26 @@
-//! `pathmarch completions` and `pathmarch man`: the command line described to shells and to `man`.
+//! `pathmarch completions` and `pathmarch man`: shell completions and manual pages.
 //!
-//! Both are made of the definitions that parse the command line, so that they cannot differ from it.
+//! Both are generated from the definitions that parse the command line.
 
-use clap::CommandFactory;
+use clap::Command;
 use clap_complete::Shell;
 use pathmarch_cli::{DONE, Failure};
 use std::io::{ErrorKind, Write};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The shell
+    /// Shell
     shell: Shell,
 }
 
-pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+pub fn run(arguments: &Arguments, mut command: Command) -> Result<u8, Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut crate::Arguments::command(), "pathmarch", &mut script);
+    clap_complete::generate(arguments.shell, &mut command, "pathmarch", &mut script);
     print(&script)
 }
 
-/// Prints a page for each command, one behind the other; `man` shows them as one.
-pub fn run_man() -> Result<u8, Failure> {
-    let mut command = crate::Arguments::command();
+/// Prints one page for each command; `man` shows them as one document.
+pub fn run_man(mut command: Command) -> Result<u8, Failure> {
     command.build();
     let mut pages = Vec::new();
     let of_subcommands = command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help").cloned();
@@ -31,7 +30,7 @@ pub fn run_man() -> Result<u8, Failure> {
     print(&pages)
 }
 
-/// Writes to standard output, whose reader may have seen enough.
+/// Writes to standard output; a closed pipe is not an error.
 fn print(bytes: &[u8]) -> Result<u8, Failure> {
     match std::io::stdout().write_all(bytes) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::other(error)),

@@ -1,4 +1,4 @@
-//! `pathmarch devices`: what this machine can render on.
+//! `pathmarch devices`: lists the devices that can render.
 
 use pathmarch_cli::{DONE, Failure};
 use pathmarch_render::adapters;
@@ -9,14 +9,14 @@ pub fn run() -> Result<u8, Failure> {
     for (k, adapter) in adapters.iter().enumerate() {
         let remark = match adapter.unusable {
             Some(reason) => format!("  not usable: {reason}"),
-            None if Some(k) == preferred => "  <- used unless told otherwise".to_owned(),
+            None if Some(k) == preferred => "  <- default".to_owned(),
             None => String::new(),
         };
         println!("GPU  {}  [{}, {}; {}]{remark}", adapter.name, adapter.backend, adapter.kind, adapter.driver);
     }
     let threads = rayon::current_num_threads();
-    let remark = if preferred.is_none() { "  <- used unless told otherwise" } else { "" };
-    println!("CPU  {threads} threads, eight rays to a march{remark}");
+    let remark = if preferred.is_none() { "  <- default" } else { "" };
+    println!("CPU  {threads} threads, eight rays per packet{remark}");
     if preferred.is_none() {
         println!("No usable GPU adapter: install a graphics driver, or Mesa's software Vulkan (mesa-vulkan-drivers).");
     }

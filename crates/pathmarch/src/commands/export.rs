@@ -1,7 +1,7 @@
-//! `pathmarch export`: objects of a scene to a file of triangles.
+//! `pathmarch export`: exports objects of a scene as a triangle mesh.
 
 use super::{listed, progress_bar};
-use pathmarch_cli::{DONE, Failure, INTERRUPTED, check_directory, numbers, print_report, watch_interrupts};
+use pathmarch_cli::{DONE, Failure, INTERRUPTED, catch_interrupts, check_directory, print_report, value_parsers};
 use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
 use pathmarch_render::pathmarch_field::mesh::{Fineness, MeshError};
 use pathmarch_render::pathmarch_field::{Aabb, Field};
@@ -13,21 +13,21 @@ use std::time::Instant;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The scene file
+    /// Scene file
     scene: PathBuf,
-    /// The mesh to write: .stl, .ply, .obj or .glb
+    /// Mesh file to write: .stl, .ply, .obj or .glb
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// An object to export; may be given more than once [default: all solids, as one]
+    /// Object to export; can be repeated [default: all solids, as one mesh]
     #[arg(long = "object", value_name = "NAME")]
     objects: Vec<String>,
-    /// Cells along the longest side
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = numbers::whole((1, 100_000)), allow_hyphen_values = true)]
+    /// Number of cells along the longest side
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = value_parsers::whole((1, 100_000)), allow_hyphen_values = true)]
     resolution: u32,
-    /// Edge of a cell, metres, in place of a resolution
+    /// Size of a cell, metres, instead of a resolution
     #[arg(long, value_name = "METRES", value_parser = parse_cell, allow_hyphen_values = true, conflicts_with = "resolution")]
     cell: Option<f32>,
-    /// Cut everything by a box: its two corners, metres, as in "-1 0 -1 1 2 1"
+    /// Clip to a box, given by two corners in metres: "-1 0 -1 1 2 1"
     #[arg(long, value_name = "X Y Z X Y Z", value_parser = parse_bounds, allow_hyphen_values = true)]
     bounds: Option<Aabb>,
 }
@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         print_report(warning);
     }
     let objects = arguments.solids(&scene)?;
-    let interrupted = watch_interrupts()?;
+    let interrupted = catch_interrupts()?;
     let fineness = arguments.cell.map_or(Fineness::Resolution(arguments.resolution), Fineness::Cell);
     eprintln!(
         "{}: {}, {}",
@@ -98,14 +98,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-/// A number with four figures.
+/// Formats a number with four significant digits.
 fn in_figures(value: f64) -> String {
     let places = 3.0 - value.abs().max(1e-12).log10().floor();
     format!("{value:.0$}", places.max(0.0) as usize)
 }
 
 impl Arguments {
-    /// The objects that were asked for, all of which have an inside and an end.
+    /// Objects to export; each one has an inside and finite bounds.
     fn solids<'a>(&self, scene: &'a Scene) -> Result<Vec<&'a Object>, Failure> {
         let is_sheet = |object: &&Object| {
             Field::new(std::slice::from_ref(&object.root)).leaves().iter().all(|leaf| leaf.shape.info().sheet)
@@ -121,17 +121,17 @@ impl Arguments {
             return Err(Failure::Usage(if sheets.is_empty() {
                 "the scene has no objects".to_owned()
             } else {
-                format!("{}: sheets without thickness have no inside; use a thin box in their place", names(&sheets))
+                format!("{}: sheets without thickness have no inside; use a thin box instead", names(&sheets))
             }));
         }
         if !sheets.is_empty() {
-            eprintln!("note: left out, being sheets without thickness: {}", names(&sheets));
+            eprintln!("note: left out sheets without thickness: {}", names(&sheets));
         }
         let is_endless = |object: &&Object| !Field::new(std::slice::from_ref(&object.root)).bounds().is_finite();
         let endless: Vec<_> = solids.iter().copied().filter(is_endless).collect();
         if !endless.is_empty() && self.bounds.is_none() {
             return Err(Failure::Usage(format!(
-                "no end: {}; name the objects to export (--object), or cut them by a box (--bounds)",
+                "infinite: {}; select objects with --object, or clip them with --bounds",
                 names(&endless)
             )));
         }
@@ -139,7 +139,7 @@ impl Arguments {
     }
 }
 
-/// The object of this name.
+/// Finds an object by name.
 fn object<'a>(scene: &'a Scene, name: &str) -> Result<&'a Object, Failure> {
     scene.objects.iter().find(|object| object.name == name).ok_or_else(|| {
         let known = scene.objects.iter().map(|object| object.name.as_str());

@@ -1,4 +1,4 @@
-//! One file for each command.
+//! Commands, one file each.
 
 pub mod check;
 pub mod compare;
@@ -12,12 +12,12 @@ pub mod view;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Names in quotation marks, with commas between.
+/// Quoted names, separated by commas.
 pub fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
-/// A bar on standard error, where that is a terminal, with a message and the time left behind it.
+/// Progress bar on standard error, if that is a terminal, with a message and the time left.
 pub fn progress_bar(total: u64) -> ProgressBar {
     let bar = ProgressBar::new(total);
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}, {eta} left") {

@@ -1,23 +1,30 @@
-//! `pathmarch view` of a program that was built without the feature `window`: says so, and what to do.
+//! `pathmarch view` in a program built without the feature `window`: explains how to get one.
 
-use clap::CommandFactory;
 use pathmarch_cli::Failure;
 use std::ffi::OsString;
 
-#[derive(clap::Args, Default)]
+#[derive(clap::Args)]
 pub struct Arguments {
-    /// Whatever `view` takes elsewhere; `None` is the program without a command
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true, default_value = "")]
+    /// Arguments of `view`, ignored
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
     given: Option<Vec<OsString>>,
 }
 
+/// Prints the help of the whole program, then fails.
+pub fn run_without_command(mut command: clap::Command) -> Result<u8, Failure> {
+    eprintln!("{}", command.render_help());
+    Err(no_window())
+}
+
 pub fn run(arguments: Arguments) -> Result<u8, Failure> {
-    if arguments.given.is_none() {
-        eprintln!("{}", crate::Arguments::command().render_help());
-    }
-    Err(Failure::Usage(
-        "this program was built without a window; build it without --no-default-features to have one, or make a \
-         picture with `pathmarch render SCENE`"
+    drop(arguments.given);
+    Err(no_window())
+}
+
+fn no_window() -> Failure {
+    Failure::Usage(
+        "this program was built without a window; build it without --no-default-features, or render a picture with \
+         `pathmarch render SCENE`"
             .to_owned(),
-    ))
+    )
 }

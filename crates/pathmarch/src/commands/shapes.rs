@@ -1,4 +1,4 @@
-//! `pathmarch shapes`: the reference page, from the registry.
+//! `pathmarch shapes`: reference of shapes and operators, from the registry.
 
 use pathmarch_cli::{DONE, Failure};
 use pathmarch_render::pathmarch_field::Outline;
@@ -8,9 +8,9 @@ use pathmarch_render::pathmarch_field::{BlendProfile, Info, Param, Solid};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// One shape or operator, in full
+    /// Shape or operator to describe in full
     name: Option<String>,
-    /// Print the WGSL made of it
+    /// Print its generated WGSL
     #[arg(long, requires = "name")]
     wgsl: bool,
 }
@@ -23,14 +23,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         println!("\nOperators (children in braces; smooth= blends over metres)\n");
         for operator in operators() {
-            let words = if operator.blends() { "smooth=0".to_owned() } else { words(operator.params()) };
-            println!("  {:<40} {}", format!("{} {words}", operator.info().name), operator.info().doc);
+            let names = if operator.blends() { "smooth=0".to_owned() } else { param_names(operator.params()) };
+            println!("  {:<40} {}", format!("{} {names}", operator.info().name), operator.info().doc);
         }
-        println!("\nOperators that change what they hold, the union of their children\n");
+        println!("\nModifiers of the union of their children\n");
         for modifier in modifiers() {
             println!("  {:<40} {}", usage(modifier.info(), modifier.params()), modifier.info().doc);
         }
-        println!("\nAny of them takes at, rotate and scale as children. `pathmarch shapes NAME` tells more.");
+        println!("\nAny of them takes at, rotate and scale as children. `pathmarch shapes NAME` describes one.");
         return Ok(DONE);
     };
     match solid(name) {
@@ -41,21 +41,21 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             page(shape.info(), shape.params());
             match shape.info().outline {
                 Some(Outline::Points) => {
-                    println!("\n  point x y as a child is a corner; three at least, or none for an arrow.")
+                    println!("\n  A child point x y is a corner; at least three, or none for an arrow.")
                 }
                 Some(Outline::Text) => println!(
-                    "\n  Its argument is what it says. font= names a .ttf or .otf file relative to the scene file."
+                    "\n  The argument is the text. font= names a .ttf or .otf file relative to the scene file."
                 ),
                 None => {}
             }
             if shape.info().profile {
-                println!("\n  Stands in extrude or revolve.");
+                println!("\n  Use it in extrude or revolve.");
             }
             if shape.info().facing {
-                println!("\n  normal x y z as a child turns +y to this direction.");
+                println!("\n  A child normal x y z rotates +y to this direction.");
             }
             if shape.info().sheet {
-                println!("  Without thickness; a material that emits does so on the side it faces only.");
+                println!("  No thickness; an emissive material emits only on the front side.");
             }
         }
         Some(Solid::Operator(operator)) if arguments.wgsl => {
@@ -72,19 +72,19 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         Some(Solid::Operator(operator)) => {
             page(operator.info(), operator.params());
             if operator.blends() {
-                println!("\n  smooth=    Width of the blend, metres; sharp when absent.");
-                println!("  profile=   What its seam looks like:");
+                println!("\n  smooth=    Width of the blend, metres; sharp without it.");
+                println!("  profile=   Shape of the seam:");
                 for profile in BlendProfile::ALL {
                     println!("    {:<8} {}", profile.name(), profile.doc());
                 }
-                println!("  steps=     How many steps the profile stairs has. Default {DEFAULT_STEPS}.");
+                println!("  steps=     Number of steps of the profile stairs. Default {DEFAULT_STEPS}.");
             }
         }
         Some(Solid::Modifier(modifier)) if arguments.wgsl => print!("{}", modifier.wgsl()),
         Some(Solid::Modifier(modifier)) => {
             page(modifier.info(), modifier.params());
             if modifier.needs_bounds() {
-                println!("\n  What it holds must have an end.");
+                println!("\n  The child must have finite bounds.");
             }
         }
         None => {
@@ -99,10 +99,10 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
 }
 
 fn usage(info: &Info, params: &[Param]) -> String {
-    format!("{} {}", info.name, words(params)).trim().to_owned()
+    format!("{} {}", info.name, param_names(params)).trim().to_owned()
 }
 
-fn words(params: &[Param]) -> String {
+fn param_names(params: &[Param]) -> String {
     params.iter().map(|param| param.name).collect::<Vec<_>>().join(" ")
 }
 
@@ -110,11 +110,11 @@ fn page(info: &Info, params: &[Param]) {
     println!("{}\n\n  {}", usage(info, params), info.doc);
     println!(
         "  {} Source: {}.",
-        if info.exact { "Exact distance." } else { "A lower bound of the distance." },
+        if info.exact { "Exact distance." } else { "Lower bound of the distance." },
         info.source
     );
     if info.size_params > 1 {
-        println!("  One number may stand for the first {}.", info.size_params);
+        println!("  One number sets the first {} parameters.", info.size_params);
     }
     if !params.is_empty() {
         println!();

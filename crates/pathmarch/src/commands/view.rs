@@ -1,4 +1,4 @@
-//! `pathmarch view`: the window.
+//! `pathmarch view`: opens the window.
 
 use crate::window::{self, Drawing, Options};
 use pathmarch_cli::{BackendArgument, Failure};
@@ -6,21 +6,26 @@ use std::path::PathBuf;
 
 #[derive(clap::Args, Default)]
 pub struct Arguments {
-    /// The scene file [default: a gallery to choose from]
+    /// Scene file [default: start with the gallery]
     scene: Option<PathBuf>,
-    /// What to render on; auto takes a GPU, but none that is software: the CPU is faster than that
+    /// Render backend; auto takes a hardware GPU, otherwise the CPU, which is faster than software GPUs
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendArgument,
-    /// The GPU adapter whose name contains this
+    /// GPU adapter, by a part of its name
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// What the window itself is drawn on
+    /// Backend that draws the window itself
     #[arg(long, value_enum, default_value = "auto", value_name = "WHAT")]
     drawing: Drawing,
-    /// Say on standard error how long it took to the first picture, the whole one and all samples, and, at the end, how
-    /// long frames of the window took
+    /// Print timings to standard error: start-up, first picture, full resolution, all samples, and frame times at the
+    /// end
     #[arg(long)]
     timings: bool,
+}
+
+/// Opens the window with the gallery.
+pub fn run_without_command(_: clap::Command) -> Result<u8, Failure> {
+    run(Arguments::default())
 }
 
 pub fn run(arguments: Arguments) -> Result<u8, Failure> {

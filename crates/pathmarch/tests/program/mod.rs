@@ -1,9 +1,9 @@
-//! The program as its tests run it.
+//! Runs the `pathmarch` program.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs it in a directory, where it also keeps what is its own.
+/// Runs the program in a directory that also contains its preferences and caches.
 pub fn pathmarch(arguments: &[&str], directory: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_pathmarch"))
         .args(arguments)

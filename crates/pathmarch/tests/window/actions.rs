@@ -1,8 +1,8 @@
-//! The program in a window, end to end: started as a person starts it, on a display of its own (Xvfb), driven by the
-//! mouse and the keyboard (XTEST), and watched by its pixels, its title, its files and what it prints.
+//! End-to-end tests of the window: the program runs on a virtual display (Xvfb), is driven by mouse and keyboard
+//! (XTEST), and is checked by its pixels, title, files and output.
 //!
-//! Where there is no Xvfb, or nothing to draw with, the tests are reported as ignored, unless `PATHMARCH_REQUIRE_DISPLAY`
-//! is set, as in CI: then they fail. No window manager runs.
+//! Without Xvfb or a way to draw, the tests are reported as ignored; with `PATHMARCH_REQUIRE_DISPLAY`, as in CI, they
+//! fail. No window manager runs.
 
 use crate::display::{Person, Screen, with_display};
 use pathmarch_testing::tests;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use x11rb::protocol::xproto::ConfigureWindowAux;
 
-/// A ball that shines red in the dark, beside what the camera looks at, and a green one.
+/// A red emissive sphere beside the camera's target, and a green one.
 const SCENE: &str = r#"pathmarch 1
 // The numbers of this scene are changed by tests.
 camera "main" { position 0 0 6; target 0 0 0; fov 40 }
@@ -34,7 +34,7 @@ fn scene_in(directory: &Path) -> PathBuf {
     path
 }
 
-/// Goes to the radius of the ball in the text, and puts another one there, of one digit.
+/// Moves the cursor to the sphere's radius in the text and replaces it by one digit.
 fn type_radius(person: &Person, from: &str, digit: char) {
     let line = SCENE.lines().position(|line| line.contains("\"ball\"")).expect("there");
     let column = SCENE.lines().nth(line).expect("there").find("sphere ").expect("there") + "sphere ".len();
@@ -45,13 +45,13 @@ fn type_radius(person: &Person, from: &str, digit: char) {
     person.text(&digit.to_string());
 }
 
-/// Opens the text of the scene and clicks into it.
+/// Opens the source editor and clicks into it.
 fn open_source(person: &Person) {
     person.key("F4", &[]);
     let [width, height] = person.size();
     person.until("the text is shown", |person| {
         let image = person.image();
-        // Letters, where the picture was black.
+        // Letters where the picture was black.
         image.count_in([0.05, 0.75, 0.5, 0.9], |[r, g, b]| r.min(g).min(b) > 100) > 200
     });
     person.click(width / 4, height * 4 / 5);
@@ -68,7 +68,7 @@ fn red(person: &Person) -> usize {
     person.image().count(is_red)
 }
 
-/// Waits until the picture is there and stands still.
+/// Waits until the picture is there and stable.
 fn rested(person: &Person) -> usize {
     person.until("the ball is seen", |person| red(person) > 300);
     person.still();
@@ -86,7 +86,7 @@ fn a_scene_is_seen_turned_selected_edited_saved_and_seen_again() {
     assert_eq!(person.title(), "scene.kdl - pathmarch");
     let seen = rested(&person);
 
-    // Turned: the ball goes elsewhere, and comes back.
+    // Orbit: the sphere moves away and comes back.
     let [x, y] = person.image().centre_of(is_red);
     let [width, height] = person.size();
     let empty = [width / 2, height / 4];
@@ -97,14 +97,14 @@ fn a_scene_is_seen_turned_selected_edited_saved_and_seen_again() {
     person.key("Home", &[]);
     person.until("the ball is back", |person| person.image().centre_of(is_red)[0].abs_diff(x) < 4);
 
-    // Selected: the box around it is drawn.
+    // Selection: its bounding box is drawn.
     assert_eq!(person.image().count(is_outline), 0);
     person.click(x, y);
     person.until("it is selected", |person| person.image().count(is_outline) > 40);
     person.key("Escape", &[]);
     person.until("nothing is selected", |person| person.image().count(is_outline) == 0);
 
-    // Edited, which is seen, and saved.
+    // An edit is visible and can be saved.
     open_source(&person);
     person.still();
     let before = red(&person);
@@ -117,7 +117,7 @@ fn a_scene_is_seen_turned_selected_edited_saved_and_seen_again() {
     let saved = SCENE.replace("sphere 0.7", "sphere 1");
     assert_eq!(fs::read_to_string(&file).expect("read"), saved, "only that number has changed");
 
-    // Unsaved work is asked about when the window is closed.
+    // Closing the window asks about unsaved work.
     person.text("2");
     person.until("there is unsaved work", |person| person.title().starts_with('•'));
     person.still();
@@ -128,7 +128,7 @@ fn a_scene_is_seen_turned_selected_edited_saved_and_seen_again() {
     person.key("Escape", &[]);
     person.until("the question is gone", |person| person.image().differs_from(&image) < 2_000);
     assert!(person.is_running() && fs::read_to_string(&file).expect("read") == saved);
-    // The first button is that for saving.
+    // The first button saves.
     person.close();
     person.until("it is asked", |person| person.image().differs_from(&image) > 20_000);
     person.key("Tab", &[]);
@@ -136,7 +136,7 @@ fn a_scene_is_seen_turned_selected_edited_saved_and_seen_again() {
     assert!(person.ends().success());
     assert_eq!(fs::read_to_string(&file).expect("read"), SCENE.replace("sphere 0.7", "sphere 12"));
 
-    // Seen again as it was.
+    // The saved scene looks the same.
     fs::write(&file, SCENE).expect("written");
     let mut person = screen.person(directory.path(), Some(&file));
     let again = rested(&person);
@@ -158,7 +158,7 @@ fn work_survives_a_kill() {
     let kept = || {
         let files = fs::read_dir(directory.path().join("home/recovery")).ok()?;
         let paths = files.filter_map(|entry| Some(entry.ok()?.path()));
-        // A file that is being written is lost with the program; it is not kept before it has its name.
+        // A file that is being written when the program is killed has not got its name yet.
         let whole = paths.filter(|path| path.to_string_lossy().ends_with(".unsaved.kdl"));
         whole.filter_map(|path| fs::read_to_string(path).ok()).find(|text| text.ends_with(&changed))
     };
@@ -166,7 +166,7 @@ fn work_survives_a_kill() {
     person.kill();
     assert_eq!(fs::read_to_string(&file).expect("read"), SCENE);
 
-    // Offered at the next start, whatever is opened; the first button opens it.
+    // Recovered work is offered at the next start; the first button opens it.
     let mut person = screen.person(directory.path(), None);
     person.still();
     person.key("Tab", &[]);
@@ -208,7 +208,7 @@ fn work_that_survives_a_kill_does_not_replace_what_another_program_wrote() {
     person.key("Tab", &[]);
     person.key("Return", &[]);
     person.until("it is opened", |person| person.title() == "• scene.kdl - pathmarch");
-    // What is asked must be answered before anything is saved.
+    // Saving waits for the answer to the dialog.
     person.key("s", &["Control_L"]);
     person.still();
     assert_eq!(person.title(), "• scene.kdl - pathmarch");
@@ -216,7 +216,7 @@ fn work_that_survives_a_kill_does_not_replace_what_another_program_wrote() {
     person.kill();
 }
 
-/// Makes the window small, large, flat and unseen, and then what it was.
+/// Resizes, flattens and hides the window, and restores it.
 fn resize(person: &Person) {
     let original = person.size();
     for round in 0..40_u32 {
@@ -258,12 +258,12 @@ fn any_size_and_a_lost_device_are_survived() {
     resize(&person);
     assert!(person.is_running());
 
-    // Both devices are lost, and everything comes back.
+    // Both devices are lost and reopened.
     let [x, _] = person.image().centre_of(is_red);
     person.key("F12", &["Control_L", "Shift_L"]);
     person.until("the device is lost", |person| person.printed().contains("graphics device failed"));
     person.until("the ball is back", |person| red(person) > 300);
-    // It is drawn anew, and not what was left of it.
+    // The picture is drawn again, not left over.
     let [width, height] = person.size();
     let empty = [width / 2, height / 4];
     person.drag_until(empty, [5, 0], "it can be moved", |person| {
@@ -275,7 +275,7 @@ fn any_size_and_a_lost_device_are_survived() {
     assert!(person.ends().success());
 }
 
-/// A small disk, where one may be had; it is gone with the directory.
+/// A small disk, if the system allows one; removed with its directory.
 struct Disk(PathBuf);
 
 impl Disk {
@@ -288,7 +288,7 @@ impl Disk {
 
 impl Drop for Disk {
     fn drop(&mut self) {
-        // What cannot be unmounted goes away with the machine.
+        // A disk that cannot be unmounted disappears with the machine.
         let _ = Command::new("umount").arg("-l").arg(&self.0).status();
     }
 }
@@ -305,7 +305,7 @@ fn a_save_that_fails_is_said_and_loses_nothing() {
     person.until("there is unsaved work", |person| person.title().starts_with('•'));
     person.still();
     if disk.is_some() {
-        // What is left of the disk.
+        // Fill the rest of the disk.
         let filler = place.join("filler");
         let mut bytes = 64 * 1024;
         while bytes > 0 && fs::write(&filler, vec![b'x'; bytes]).is_err() {
@@ -318,10 +318,10 @@ fn a_save_that_fails_is_said_and_loses_nothing() {
     }
     let image = person.image();
     person.key("s", &["Control_L"]);
-    person.until("something is said", |person| person.image().differs_from(&image) > 1_000);
+    person.until("a message appears", |person| person.image().differs_from(&image) > 1_000);
     assert_eq!(person.title(), "• scene.kdl - pathmarch", "it is not saved");
     assert_eq!(fs::read_to_string(&file).expect("read"), SCENE, "the old file is whole");
-    // With room again it is saved.
+    // With free space, saving works.
     if disk.is_some() {
         fs::remove_file(place.join("filler")).expect("removed");
     } else {

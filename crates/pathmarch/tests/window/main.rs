@@ -1,4 +1,4 @@
-//! Tests of the program in a window, on a display that Linux can have without a screen.
+//! End-to-end tests of the window, on a virtual display on Linux.
 
 #[cfg(target_os = "linux")]
 mod actions;

@@ -1,4 +1,4 @@
-//! Tests that need a display are ignored on a machine without Xvfb, and fail where one is required.
+//! Without Xvfb, tests that need a display are ignored, or fail if a display is required.
 
 use crate::display::DISPLAY;
 use pathmarch_testing::{plain, tests};
@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 /// A test that needs a display.
 const TEST: &str = "actions::slow::any_size_is_survived_without_a_gpu";
 
-/// One test of this program, where no program can be found by its name.
+/// Runs one test of this program with an empty `PATH`.
 fn without_xvfb(required: bool) -> Output {
     let mut command = Command::new(std::env::current_exe().expect("this program"));
     command.args(["--exact", TEST]).env("PATH", "/nonexistent").env_remove(DISPLAY.variable);

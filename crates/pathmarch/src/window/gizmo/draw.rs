@@ -1,67 +1,67 @@
-//! Handles as shapes of egui.
+//! Drawing of the handles as egui shapes.
 
 use super::drag::Drag;
-use super::shape::{Axis, DISC, Gizmo, OUTER, Part, SIZE, STROKE};
+use super::shape::{Axis, DISC_RADIUS, Gizmo, Handle, OUTER_RADIUS, SIZE, STROKE};
 use egui::{Color32, Painter, Pos2, Shape, Stroke};
 use glam::DVec3;
 
-/// Opacity of handles that the pointer is not on.
+/// Opacity of a handle that the pointer is not on.
 const IDLE: f32 = 0.7;
-/// Length of an arrow's tip and half its width, points.
+/// Length and half width of an arrow tip, points.
 const TIP: [f32; 2] = [2.4 * STROKE as f32, 1.2 * STROKE as f32];
-/// Radians of a sector for each of its triangles.
+/// Angle covered by one triangle of a sector, radians.
 const SECTOR_STEP: f64 = 0.1;
 
-/// Draws the handles, those behind first; of handles that are held only that one.
-pub(super) fn draw(painter: &Painter, gizmo: &Gizmo, parts: &[Part], hovered: Option<Part>, held: Option<&Drag>) {
-    let mut parts: Vec<Part> =
-        parts.iter().copied().filter(|part| held.is_none_or(|drag| drag.part == *part)).collect();
-    parts.sort_by(|a, b| nearness(gizmo, *a).total_cmp(&nearness(gizmo, *b)));
-    for part in parts {
-        let strong = hovered == Some(part) || held.is_some();
-        let opacity = gizmo.opacity(part) as f32 * if strong { 1.0 } else { IDLE };
+/// Draws all handles from back to front; during a drag, only the dragged one.
+pub(super) fn draw(painter: &Painter, gizmo: &Gizmo, handles: &[Handle], hovered: Option<Handle>, held: Option<&Drag>) {
+    let mut handles: Vec<Handle> =
+        handles.iter().copied().filter(|handle| held.is_none_or(|drag| drag.handle == *handle)).collect();
+    handles.sort_by(|a, b| depth_order(gizmo, *a).total_cmp(&depth_order(gizmo, *b)));
+    for handle in handles {
+        let strong = hovered == Some(handle) || held.is_some();
+        let opacity = gizmo.opacity(handle) as f32 * if strong { 1.0 } else { IDLE };
         if opacity <= 0.0 {
             continue;
         }
-        let colour = part.colour().gamma_multiply(opacity);
+        let colour = handle.colour().gamma_multiply(opacity);
         let stroke = Stroke::new(STROKE as f32, colour);
-        match part {
-            Part::Arrow(axis) => arrow(painter, gizmo, axis, stroke),
-            Part::Square(axis) => {
+        match handle {
+            Handle::Arrow(axis) => arrow(painter, gizmo, axis, stroke),
+            Handle::PlaneSquare(axis) => {
                 let corners: Option<Vec<Pos2>> =
-                    gizmo.square(axis).into_iter().map(|corner| gizmo.projection.place(corner)).collect();
+                    gizmo.square(axis).into_iter().map(|corner| gizmo.projection.project(corner)).collect();
                 if let Some(corners) = corners {
                     painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE));
                 }
             }
-            Part::Disc => {
-                painter.circle_stroke(gizmo.middle, DISC as f32, stroke);
+            Handle::Disc => {
+                painter.circle_stroke(gizmo.middle, DISC_RADIUS as f32, stroke);
             }
-            Part::Ring(axis) => ring(painter, gizmo, axis, held.is_some(), stroke),
-            Part::ViewRing | Part::ScaleRing => {
-                painter.circle_stroke(gizmo.middle, OUTER as f32, stroke);
+            Handle::Ring(axis) => ring(painter, gizmo, axis, held.is_some(), stroke),
+            Handle::ViewRing | Handle::ScaleRing => {
+                painter.circle_stroke(gizmo.middle, OUTER_RADIUS as f32, stroke);
             }
         }
         if let Some(([u, v], first, turned)) = held.and_then(Drag::sector) {
-            let radius = gizmo.metres * if part == Part::ViewRing { OUTER } else { SIZE };
+            let radius = gizmo.metres_per_point * if handle == Handle::ViewRing { OUTER_RADIUS } else { SIZE };
             sector(painter, gizmo, [u * radius, v * radius], [first, turned], colour);
         }
     }
 }
 
-/// How far towards the camera a handle reaches, to draw those behind first.
-fn nearness(gizmo: &Gizmo, part: Part) -> f64 {
-    match part {
-        Part::Arrow(axis) => axis.unit().dot(gizmo.towards),
-        Part::Square(axis) => axis.others().map(|other| 0.5 * other.dot(gizmo.towards)).iter().sum(),
+/// Sort key of a handle: its extent towards the camera.
+fn depth_order(gizmo: &Gizmo, handle: Handle) -> f64 {
+    match handle {
+        Handle::Arrow(axis) => axis.unit().dot(gizmo.to_camera),
+        Handle::PlaneSquare(axis) => axis.others().map(|other| 0.5 * other.dot(gizmo.to_camera)).iter().sum(),
         _ => 0.0,
     }
 }
 
 fn arrow(painter: &Painter, gizmo: &Gizmo, axis: Axis, stroke: Stroke) {
-    let [Some(start), Some(end)] = gizmo.arrow(axis).map(|end| gizmo.projection.place(end)) else { return };
+    let [Some(start), Some(end)] = gizmo.arrow(axis).map(|end| gizmo.projection.project(end)) else { return };
     let along = (end - start).normalized();
-    // What is seen almost from its end is short.
+    // Shorten the tip of an arrow seen from its end.
     let [length, half] = [TIP[0].min((end - start).length()), TIP[1]];
     let (neck, side) = (end - along * length, along.rot90() * half);
     painter.line_segment([start, neck], stroke);
@@ -73,16 +73,16 @@ fn ring(painter: &Painter, gizmo: &Gizmo, axis: Axis, whole: bool, stroke: Strok
     let mut last: Option<DVec3> = None;
     let mut lines = Vec::new();
     for [from, to] in gizmo.ring(axis, whole) {
-        let (Some(a), Some(b)) = (gizmo.projection.place(from), gizmo.projection.place(to)) else { continue };
-        // Segments that follow each other are one line, for its corners to be drawn once.
-        if last.is_none_or(|last| last.distance(from) > 1e-6 * gizmo.metres * SIZE) {
+        let (Some(a), Some(b)) = (gizmo.projection.project(from), gizmo.projection.project(to)) else { continue };
+        // Join consecutive segments to one line, so that its corners are drawn once.
+        if last.is_none_or(|last| last.distance(from) > 1e-6 * gizmo.metres_per_point * SIZE) {
             lines.push(std::mem::replace(&mut line, vec![a]));
         }
         line.push(b);
         last = Some(to);
     }
     lines.push(line);
-    // What is seen of a ring may begin and end in the middle of the list.
+    // The visible part of a ring may begin in the middle of the list.
     if lines.len() > 2 && lines[1].first().zip(lines[lines.len() - 1].last()).is_some_and(|(a, b)| a.distance(*b) < 0.1)
     {
         let first = lines.remove(1);
@@ -98,12 +98,12 @@ fn ring(painter: &Painter, gizmo: &Gizmo, axis: Axis, whole: bool, stroke: Strok
     }
 }
 
-/// The part of a ring's disc between where it was caught and where it is now.
+/// Draws the sector between the grabbed and the current angle of a ring.
 fn sector(painter: &Painter, gizmo: &Gizmo, [u, v]: [DVec3; 2], [first, turned]: [f64; 2], colour: Color32) {
-    let point = |angle: f64| gizmo.projection.place(gizmo.origin + u * angle.cos() + v * angle.sin());
+    let point = |angle: f64| gizmo.projection.project(gizmo.origin + u * angle.cos() + v * angle.sin());
     let Some((from, to)) = point(first).zip(point(first + turned)) else { return };
     let fill = colour.gamma_multiply(0.25);
-    // More than a whole turn covers the whole disc.
+    // A full turn or more covers the whole disc.
     let shown = turned.clamp(-std::f64::consts::TAU, std::f64::consts::TAU);
     let steps = (shown.abs() / SECTOR_STEP).ceil().max(1.0) as u32;
     let rim: Vec<Option<Pos2>> = (0..=steps).map(|k| point(first + shown * f64::from(k) / f64::from(steps))).collect();

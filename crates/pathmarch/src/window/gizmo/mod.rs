@@ -1,32 +1,31 @@
-//! Handles in the picture that move, turn and scale the selected node.
+//! Gizmo: handles in the viewport that move, rotate and scale the selected node.
 //!
-//! **Idea.** Handles have a constant size on the screen and are drawn by egui. What the pointer does to one is found by
-//! intersecting the ray through the pointer with the axis or the plane of the handle in the world ([`drag`]). Placements of
-//! the scene language are relative to the operators around a node, so that the result goes through the inverse of those
-//! ([`placement`]).
+//! **Idea.** Handles have a constant size on screen and are drawn by egui. A drag intersects the ray through the
+//! pointer with the axis or plane of the handle in world space ([`drag`]). Transforms in the scene language are
+//! relative to the parent operators, so the result is multiplied by their inverse ([`transform`]).
 //!
-//! **Where we differ.** Axes are those of the world, never those of the node. Angles grow while a ring is dragged round and
-//! round. A ring that is seen almost from its edge turns by the distance that the pointer goes along it.
+//! **Where we differ.** Axes are always those of world space. Angles accumulate over several turns of a ring. A ring
+//! seen nearly edge-on rotates by the distance that the pointer moves along it.
 
 mod drag;
 mod draw;
-mod placement;
 mod shape;
 #[cfg(test)]
 mod tests;
+mod transform;
 
-use super::open::Handles;
-use super::projection::Projection;
+use crate::window::camera::projection::Projection;
+use crate::window::open_scene::view_state::GizmoMode;
 use drag::Drag;
 use egui::{Pos2, Rect};
 use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Camera;
 use pathmarch_render::pathmarch_scene::document::{Document, ItemKind, Path, Value, key};
-use placement::{Placed, given, own_placement, placement_around, tidy};
-use shape::{Gizmo, Part};
+use shape::{Gizmo, Handle};
+use transform::{Transform, local_transform, parent_transform, present_value, round_to};
 
-/// The node that handles act on: a shape, an operator, a light; of an object, its only shape.
-pub(super) fn handled(document: &Document, selection: &Path) -> Option<Path> {
+/// Node that the gizmo changes: a shape, an operator or a light; for an object, its only shape.
+pub(crate) fn target_node(document: &Document, selection: &Path) -> Option<Path> {
     let item = document.item(selection)?;
     match item.kind {
         kind if kind.is_solid() || kind == ItemKind::Point => Some(selection.clone()),
@@ -35,59 +34,58 @@ pub(super) fn handled(document: &Document, selection: &Path) -> Option<Path> {
     }
 }
 
-/// Key of the position of a light.
+/// Property key of a light's position.
 const LIGHT_AT: &str = "at";
 
-/// The handles of the selected node, from frame to frame.
+/// State of the gizmo between frames.
 #[derive(Default)]
-pub(super) struct Handle {
-    /// The node and the handle that is held.
+pub(crate) struct GizmoState {
+    /// Node and drag in progress.
     held: Option<(Path, Drag)>,
 }
 
-/// The pointer over the picture.
+/// The pointer over the viewport.
 #[derive(Clone, Copy)]
-pub(super) struct Pointer {
-    pub(super) position: Pos2,
-    /// It may catch a handle.
-    pub(super) hovered: bool,
-    /// Position of the press, in the frame in which the first button is pressed.
-    pub(super) pressed_at: Option<Pos2>,
-    /// The first button is held.
-    pub(super) down: bool,
+pub(crate) struct Pointer {
+    pub(crate) position: Pos2,
+    /// The pointer may grab a handle.
+    pub(crate) hovered: bool,
+    /// Position of the press, in the frame in which the primary button is pressed.
+    pub(crate) pressed_at: Option<Pos2>,
+    /// The primary button is down.
+    pub(crate) down: bool,
 }
 
-impl Handle {
-    /// Draws the handles of the selected node into the picture. Returns whether the pointer belongs to them, and the values
-    /// of the document that they change.
+impl GizmoState {
+    /// Draws the gizmo of the selected node. Returns true if it uses the pointer, and the changed properties.
     #[allow(clippy::too_many_arguments, reason = "each is another thing, and there is one caller")]
-    pub(super) fn show(
+    pub(crate) fn show(
         &mut self,
         ui: &egui::Ui,
         picture: Rect,
         camera: &Camera,
         document: &Document,
         selection: &Path,
-        kind: Handles,
+        kind: GizmoMode,
         pointer: Option<Pointer>,
     ) -> (bool, Vec<(Path, &'static str, Value)>) {
-        let Some(path) = handled(document, selection) else {
+        let Some(path) = target_node(document, selection) else {
             self.held = None;
             return (false, Vec::new());
         };
         let is_light = document.item(&path).is_some_and(|item| item.kind == ItemKind::Point);
-        let kind = if is_light { Handles::Move } else { kind };
-        let outer = placement_around(document, &path);
-        let mut own = own_placement(document, &path);
-        if is_light && let Some(Value::Triple(at)) = given(document, &path, LIGHT_AT) {
-            own.at = at.map(f64::from).into();
+        let kind = if is_light { GizmoMode::Move } else { kind };
+        let outer = parent_transform(document, &path);
+        let mut own = local_transform(document, &path);
+        if is_light && let Some(Value::Triple(at)) = present_value(document, &path, LIGHT_AT) {
+            own.translation = at.map(f64::from).into();
         }
-        let world = outer.around(own);
+        let world = outer.then_local(own);
         let projection = Projection::new(camera, picture);
-        let (parts, gizmo) = (Part::of(kind), Gizmo::new(projection, world.at));
+        let (handles, gizmo) = (Handle::of(kind), Gizmo::new(projection, world.translation));
         let snapping = ui.input(|input| input.modifiers.command);
 
-        let hovered = self.follow(parts, gizmo.as_ref(), &path, world, pointer);
+        let hovered = self.follow(handles, gizmo.as_ref(), &path, world, pointer);
         let moved = match (&mut self.held, pointer) {
             (Some((_, drag)), Some(pointer)) => drag.to(&projection, pointer.position, snapping),
             _ => None,
@@ -95,55 +93,55 @@ impl Handle {
         let changes = moved.map(|new| change(path, kind, is_light, outer, world, new));
         let drag = self.held.as_ref().map(|(_, drag)| drag);
         if let Some(gizmo) = &gizmo {
-            draw::draw(&ui.painter_at(picture), gizmo, parts, hovered, drag);
+            draw::draw(&ui.painter_at(picture), gizmo, handles, hovered, drag);
         }
         (drag.is_some() || hovered.is_some(), changes.into_iter().collect())
     }
 
-    /// Catches a handle and lets go of it; returns the one under the pointer.
+    /// Begins and ends drags; returns the handle under the pointer.
     fn follow(
         &mut self,
-        parts: &[Part],
+        handles: &[Handle],
         gizmo: Option<&Gizmo>,
         path: &Path,
-        world: Placed,
+        world: Transform,
         pointer: Option<Pointer>,
-    ) -> Option<Part> {
+    ) -> Option<Handle> {
         let Some(pointer) = pointer else {
             self.held = None;
             return None;
         };
-        // The selection and the kind of handles may change in the middle.
-        let goes_on = |(of, drag): &(Path, Drag)| pointer.down && of == path && parts.contains(&drag.part);
+        // Selection and gizmo mode may change during a drag.
+        let goes_on = |(of, drag): &(Path, Drag)| pointer.down && of == path && handles.contains(&drag.handle);
         self.held = self.held.take().filter(goes_on);
         let gizmo = gizmo.filter(|_| self.held.is_none() && pointer.hovered)?;
         let at = pointer.pressed_at.unwrap_or(pointer.position);
-        let part = gizmo.pick(parts, at)?;
+        let handle = gizmo.pick(handles, at)?;
         if pointer.pressed_at.is_some() && pointer.down {
-            self.held = Drag::begin(gizmo, part, world, at).map(|drag| (path.clone(), drag));
+            self.held = Drag::begin(gizmo, handle, world, at).map(|drag| (path.clone(), drag));
         }
-        Some(part)
+        Some(handle)
     }
 }
 
-/// The value of the document that brings a node to a new placement in the world.
+/// Property value that gives a node its new world transform.
 fn change(
     path: Path,
-    kind: Handles,
+    kind: GizmoMode,
     is_light: bool,
-    outer: Placed,
-    world: Placed,
-    new: Placed,
+    outer: Transform,
+    world: Transform,
+    new: Transform,
 ) -> (Path, &'static str, Value) {
-    let inner = outer.inside(new);
+    let inner = outer.to_local(new);
     match kind {
-        Handles::Move => {
+        GizmoMode::Move => {
             let step = 1e-4 * world.scale.max(1e-3);
-            let DVec3 { x, y, z } = inner.at;
-            let at = Value::Triple([x, y, z].map(|v| tidy(v, step.min(1e-3))));
+            let DVec3 { x, y, z } = inner.translation;
+            let at = Value::Triple([x, y, z].map(|v| round_to(v, step.min(1e-3))));
             (path, if is_light { LIGHT_AT } else { key::AT }, at)
         }
-        Handles::Turn => (path, key::ROTATE, Value::Triple(inner.degrees())),
-        Handles::Scale => (path, key::SCALE, Value::Number(tidy(inner.scale, 1e-4).max(1e-4))),
+        GizmoMode::Rotate => (path, key::ROTATE, Value::Triple(inner.degrees())),
+        GizmoMode::Scale => (path, key::SCALE, Value::Number(round_to(inner.scale, 1e-4).max(1e-4))),
     }
 }

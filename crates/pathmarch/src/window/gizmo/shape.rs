@@ -1,41 +1,43 @@
-//! Shapes of the handles, and which of them is under the pointer.
+//! Shapes of the handles, and picking.
 //!
-//! Everything is in points of the window, for handles have the same size however far they are; only directions and depths
-//! come from the world. A handle that is seen from its end (an arrow) or from its edge (a square) fades away and cannot be
-//! caught, for there its axis or plane is almost parallel to the rays of the pointer.
+//! Sizes are in window points, as handles have a constant size on screen; only directions and depths come from world
+//! space. An arrow seen from its end, or a square seen edge-on, fades out and cannot be picked: its axis or plane is
+//! nearly parallel to the pointer rays.
 
-use super::super::open::Handles;
-use super::super::projection::Projection;
+use crate::window::camera::projection::Projection;
+use crate::window::open_scene::view_state::GizmoMode;
 use egui::{Color32, Pos2, Vec2};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// Length of the handles, points.
 pub(super) const SIZE: f64 = 75.0;
-/// Width of lines, points.
+/// Line width, points.
 pub(super) const STROKE: f64 = 4.0;
-/// Radius of the disc in the middle, points.
-pub(super) const DISC: f64 = 0.2 * SIZE;
-/// Radius of the ring around everything, points.
-pub(super) const OUTER: f64 = SIZE + STROKE + 5.0;
-/// An arrow from its start to its end, points from the middle.
-const ARROW: [f64; 2] = [DISC + 0.5 * STROKE, SIZE - 2.0 * STROKE];
-/// Distance of a square's middle along both of its axes, and half its side, points.
+/// Radius of the centre disc, points.
+pub(super) const DISC_RADIUS: f64 = 0.2 * SIZE;
+/// Radius of the outer ring, points.
+pub(super) const OUTER_RADIUS: f64 = SIZE + STROKE + 5.0;
+/// Start and end of an arrow, points from the centre.
+const ARROW: [f64; 2] = [DISC_RADIUS + 0.5 * STROKE, SIZE - 2.0 * STROKE];
+/// Distance of a square's centre along both of its axes, and half its side, points.
 const SQUARE: [f64; 2] = [0.5 * SIZE, 0.5 * (0.1 * SIZE + 2.0 * STROKE)];
-/// A handle is caught this far from its line, points.
-const CATCH: f32 = 5.0;
-/// Handles whose distances from the pointer differ by less than this, points, count as equally near.
-const EQUAL: f32 = 2.0;
+/// Maximum distance at which a handle is picked, points.
+const PICK_DISTANCE: f32 = 5.0;
+/// Handles whose distances differ by less than this, points, count as equally close.
+const PICK_TOLERANCE: f32 = 2.0;
 /// Segments of a ring.
 const SEGMENTS: u32 = 64;
-/// Cosine of the angle between an arrow and the view at which it begins to fade, and at which it is gone.
+/// Cosine of the angle between arrow and view direction at which the arrow begins to fade, and at which it is
+/// invisible.
 const ARROW_FADE: [f64; 2] = [0.95, 0.99];
-/// Cosine of the angle between a square's normal and the view at which it is gone, and above which it is whole.
+/// Cosine of the angle between a square's normal and the view direction at which it is invisible, and from which it is
+/// opaque.
 const SQUARE_FADE: [f64; 2] = [0.14, 0.3];
-/// Part of a ring's radius by which what is drawn of it reaches behind its middle: all of it, seen from the front.
+/// Fraction of a ring's radius that is drawn behind its centre; seen from the front, the whole ring is drawn.
 const RING_BACK: f64 = 0.1;
 
-/// An axis of the world.
+/// A world axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axis {
     X,
@@ -52,7 +54,7 @@ impl Axis {
         }
     }
 
-    /// The two others, in an order in which their cross product is this one.
+    /// The other two axes, ordered so that their cross product is this one.
     pub(super) fn others(self) -> [DVec3; 2] {
         match self {
             Self::X => [DVec3::Y, DVec3::Z],
@@ -70,89 +72,89 @@ impl Axis {
     }
 }
 
-/// One handle.
+/// A handle of the gizmo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum Handle {
     /// Moves along an axis.
     Arrow(Axis),
-    /// Moves in the plane across an axis.
-    Square(Axis),
-    /// Moves in the plane of the picture.
+    /// Moves in the plane perpendicular to an axis.
+    PlaneSquare(Axis),
+    /// Moves in the view plane.
     Disc,
-    /// Turns about an axis.
+    /// Rotates about an axis.
     Ring(Axis),
-    /// Turns about the axis of the camera.
+    /// Rotates about the view axis.
     ViewRing,
     /// Scales.
     ScaleRing,
 }
 
-impl Part {
-    /// The handles of a kind.
-    pub(super) fn of(kind: Handles) -> &'static [Self] {
+impl Handle {
+    /// Handles of a mode.
+    pub(super) fn of(kind: GizmoMode) -> &'static [Self] {
         use Axis::{X, Y, Z};
         match kind {
-            Handles::Move => &[
+            GizmoMode::Move => &[
                 Self::Arrow(X),
                 Self::Arrow(Y),
                 Self::Arrow(Z),
-                Self::Square(X),
-                Self::Square(Y),
-                Self::Square(Z),
+                Self::PlaneSquare(X),
+                Self::PlaneSquare(Y),
+                Self::PlaneSquare(Z),
                 Self::Disc,
             ],
-            Handles::Turn => &[Self::Ring(X), Self::Ring(Y), Self::Ring(Z), Self::ViewRing],
-            Handles::Scale => &[Self::ScaleRing],
+            GizmoMode::Rotate => &[Self::Ring(X), Self::Ring(Y), Self::Ring(Z), Self::ViewRing],
+            GizmoMode::Scale => &[Self::ScaleRing],
         }
     }
 
     pub(super) fn colour(self) -> Color32 {
         match self {
-            Self::Arrow(axis) | Self::Square(axis) | Self::Ring(axis) => axis.colour(),
+            Self::Arrow(axis) | Self::PlaneSquare(axis) | Self::Ring(axis) => axis.colour(),
             Self::Disc | Self::ViewRing | Self::ScaleRing => Color32::WHITE,
         }
     }
 }
 
-/// The handles of a point that is before the camera.
+/// The gizmo at a point in front of the camera.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gizmo {
     pub(super) projection: Projection,
-    /// The middle, in the world.
+    /// Centre in world space, metres.
     pub(super) origin: DVec3,
-    /// The middle, in the window.
+    /// Centre in the window.
     pub(super) middle: Pos2,
-    /// Metres of the world for a point of the window, at the depth of the middle.
-    pub(super) metres: f64,
-    /// Unit vector from the middle to the camera.
-    pub(super) towards: DVec3,
+    /// World-space size of a window point at the depth of the centre, metres.
+    pub(super) metres_per_point: f64,
+    /// Unit vector from the centre to the camera.
+    pub(super) to_camera: DVec3,
 }
 
 impl Gizmo {
-    /// None where the middle is not before the camera.
+    /// Places the gizmo; `None` if its centre is behind the camera.
     pub(super) fn new(projection: Projection, origin: DVec3) -> Option<Self> {
         let depth = projection.depth(origin)?;
-        let middle = projection.place(origin)?;
-        let towards = (projection.position - origin).normalize_or_zero();
-        Some(Self { projection, origin, middle, metres: depth / projection.scale, towards })
+        let middle = projection.project(origin)?;
+        let to_camera = (projection.position - origin).normalize_or_zero();
+        Some(Self { projection, origin, middle, metres_per_point: depth / projection.scale, to_camera })
     }
 
-    /// Opacity of a handle; one of 0 is neither drawn nor caught.
-    pub(super) fn opacity(&self, part: Part) -> f64 {
+    /// Opacity of a handle; at 0 it is neither drawn nor picked.
+    pub(super) fn opacity(&self, handle: Handle) -> f64 {
         let faded = |value: f64, [gone, whole]: [f64; 2]| ((value - gone) / (whole - gone)).clamp(0.0, 1.0);
-        match part {
-            Part::Arrow(axis) => {
+        match handle {
+            Handle::Arrow(axis) => {
                 let [begins, gone] = ARROW_FADE;
-                faded(axis.unit().dot(self.towards).abs(), [gone, begins])
+                faded(axis.unit().dot(self.to_camera).abs(), [gone, begins])
             }
-            Part::Square(axis) => faded(axis.unit().dot(self.towards).abs(), SQUARE_FADE),
+            Handle::PlaneSquare(axis) => faded(axis.unit().dot(self.to_camera).abs(), SQUARE_FADE),
             _ => 1.0,
         }
     }
 
-    /// A point of the world beside the middle, by points of the window along a unit vector.
+    /// World-space point at a distance in window points from the centre.
     fn at(&self, direction: DVec3, points: f64) -> DVec3 {
-        self.origin + direction * (points * self.metres)
+        self.origin + direction * (points * self.metres_per_point)
     }
 
     /// Start and end of an arrow.
@@ -165,10 +167,10 @@ impl Gizmo {
         let [u, v] = axis.others();
         let [middle, half] = SQUARE;
         [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
-            .map(|[a, b]| self.origin + (u * (middle + a * half) + v * (middle + b * half)) * self.metres)
+            .map(|[a, b]| self.origin + (u * (middle + a * half) + v * (middle + b * half)) * self.metres_per_point)
     }
 
-    /// Segments of a ring; of those behind its middle only where `whole` or seen from the front.
+    /// Segments of a ring; without the far half unless `whole` or seen from the front.
     pub(super) fn ring(&self, axis: Axis, whole: bool) -> Vec<[DVec3; 2]> {
         let [u, v] = axis.others();
         let out = |k: u32| {
@@ -176,24 +178,23 @@ impl Gizmo {
             u * cos + v * sin
         };
         let segments = (0..SEGMENTS).map(|k| [out(k), out(k + 1)]);
-        let seen = segments.filter(|[a, b]| whole || (*a + *b).dot(self.towards) * 0.5 > -RING_BACK);
+        let seen = segments.filter(|[a, b]| whole || (*a + *b).dot(self.to_camera) * 0.5 > -RING_BACK);
         seen.map(|ends| ends.map(|out| self.at(out, SIZE))).collect()
     }
 
-    /// The handle under a point of the window: the nearest within a few points, and of those that are equally near the
-    /// one in front.
-    pub(super) fn pick(&self, parts: &[Part], at: Pos2) -> Option<Part> {
-        let visible = parts.iter().filter(|part| self.opacity(**part) > 0.0);
-        let near = visible.filter_map(|part| Some((*part, self.distance(*part, at)?)));
-        let caught: Vec<_> = near.filter(|(_, near)| near.distance <= CATCH).collect();
+    /// Picks the closest handle at a window point; of equally close ones, the one in front.
+    pub(super) fn pick(&self, handles: &[Handle], at: Pos2) -> Option<Handle> {
+        let visible = handles.iter().filter(|handle| self.opacity(**handle) > 0.0);
+        let near = visible.filter_map(|handle| Some((*handle, self.distance(*handle, at)?)));
+        let caught: Vec<_> = near.filter(|(_, near)| near.distance <= PICK_DISTANCE).collect();
         let least = caught.iter().map(|(_, near)| near.distance).fold(f32::INFINITY, f32::min);
-        let nearest = caught.into_iter().filter(|(_, near)| near.distance <= least + EQUAL);
-        nearest.min_by(|(_, a), (_, b)| a.depth.total_cmp(&b.depth)).map(|(part, _)| part)
+        let nearest = caught.into_iter().filter(|(_, near)| near.distance <= least + PICK_TOLERANCE);
+        nearest.min_by(|(_, a), (_, b)| a.depth.total_cmp(&b.depth)).map(|(handle, _)| handle)
     }
 
-    /// How near a handle comes to a point of the window; none where nothing of it is before the camera.
-    fn distance(&self, part: Part, at: Pos2) -> Option<Near> {
-        let depth = self.metres * self.projection.scale;
+    /// Distance of a handle from a window point; `None` if it is entirely behind the camera.
+    fn distance(&self, handle: Handle, at: Pos2) -> Option<Near> {
+        let depth = self.metres_per_point * self.projection.scale;
         let from_middle = at.distance(self.middle);
         let round = |distance: f32| Some(Near { distance: distance.max(0.0), depth });
         let line = |segments: &[[DVec3; 2]]| {
@@ -201,16 +202,18 @@ impl Gizmo {
             let nearest = near.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
             Some(Near { distance: (nearest.distance - 0.5 * STROKE as f32).max(0.0), ..nearest })
         };
-        match part {
-            Part::Disc => round(from_middle - DISC as f32),
-            Part::ViewRing | Part::ScaleRing => round((from_middle - OUTER as f32).abs() - 0.5 * STROKE as f32),
-            Part::Arrow(axis) => line(&[self.arrow(axis)]),
-            Part::Ring(axis) => line(&self.ring(axis, false)),
-            Part::Square(axis) => {
+        match handle {
+            Handle::Disc => round(from_middle - DISC_RADIUS as f32),
+            Handle::ViewRing | Handle::ScaleRing => {
+                round((from_middle - OUTER_RADIUS as f32).abs() - 0.5 * STROKE as f32)
+            }
+            Handle::Arrow(axis) => line(&[self.arrow(axis)]),
+            Handle::Ring(axis) => line(&self.ring(axis, false)),
+            Handle::PlaneSquare(axis) => {
                 let corners = self.square(axis);
                 let edges: [_; 4] = std::array::from_fn(|k| [corners[k], corners[(k + 1) % 4]]);
                 let near = line(&edges)?;
-                let places = corners.map(|corner| self.projection.place(corner));
+                let places = corners.map(|corner| self.projection.project(corner));
                 let inside =
                     places.iter().all(Option::is_some) && is_inside(&places.map(Option::unwrap_or_default), at);
                 Some(if inside { Near { distance: 0.0, ..near } } else { near })
@@ -218,28 +221,28 @@ impl Gizmo {
         }
     }
 
-    /// How near a segment comes in the window; none where an end of it is not before the camera.
+    /// Distance of a segment from a window point; `None` if one end is behind the camera.
     fn distance_to_segment(&self, ends: [DVec3; 2], at: Pos2) -> Option<Near> {
-        let [Some(a), Some(b)] = ends.map(|end| self.projection.place(end)) else { return None };
+        let [Some(a), Some(b)] = ends.map(|end| self.projection.project(end)) else { return None };
         let [Some(depth_a), Some(depth_b)] = ends.map(|end| self.projection.depth(end)) else { return None };
         let along = b - a;
         let share = ((at - a).dot(along) / along.length_sq().max(1e-12)).clamp(0.0, 1.0);
-        // In a perspective picture the reciprocal of the depth is linear.
+        // In perspective, 1/depth is linear along a projected segment.
         let depth = 1.0 / egui::lerp(1.0 / depth_a..=1.0 / depth_b, f64::from(share));
         Some(Near { distance: at.distance(a + along * share), depth })
     }
 }
 
-/// How near a handle comes to the pointer.
+/// Distance between handle and pointer.
 #[derive(Clone, Copy, Debug)]
 struct Near {
-    /// From its edge, in points of the window; 0 on it.
+    /// Distance from the handle's edge, window points; 0 inside.
     distance: f32,
-    /// Depth of its nearest point, metres.
+    /// Depth of the closest point, metres.
     depth: f64,
 }
 
-/// Whether a point is inside a convex polygon.
+/// Returns true if a point is inside a convex polygon.
 fn is_inside(corners: &[Pos2], at: Pos2) -> bool {
     let cross = |a: Vec2, b: Vec2| a.x * b.y - a.y * b.x;
     let next = corners.iter().cycle().skip(1);

@@ -1,8 +1,8 @@
-//! Tests of catching and dragging handles.
+//! Tests of picking and dragging handles.
 
 use super::drag::Drag;
-use super::placement::Placed;
-use super::shape::{Axis, Gizmo, OUTER, Part, SIZE};
+use super::shape::{Axis, Gizmo, Handle, OUTER_RADIUS, SIZE};
+use super::transform::Transform;
 use super::*;
 use egui::Vec2;
 use glam::DQuat;
@@ -24,46 +24,49 @@ fn seen_from(position: [f32; 3], target: [f32; 3], up: [f32; 3]) -> Projection {
     Projection::new(&camera, PICTURE)
 }
 
-/// From a corner, so that every axis and plane is seen.
+/// View from a corner, in which every axis and plane is visible.
 fn from_corner() -> Projection {
     seen_from([3.0, 2.5, 4.0], [0.1, 0.3, 0.0], [0.0, 1.0, 0.0])
 }
 
-fn start() -> Placed {
-    Placed { scale: 1.5, turn: DQuat::from_rotation_x(0.4), at: DVec3::new(0.2, 0.4, -0.3) }
+fn start() -> Transform {
+    Transform { scale: 1.5, rotation: DQuat::from_rotation_x(0.4), translation: DVec3::new(0.2, 0.4, -0.3) }
 }
 
 fn gizmo(projection: Projection) -> Gizmo {
-    Gizmo::new(projection, start().at).expect("before the camera")
+    Gizmo::new(projection, start().translation).expect("before the camera")
 }
 
-fn all_parts() -> Vec<Part> {
-    [Handles::Move, Handles::Turn, Handles::Scale].iter().flat_map(|kind| Part::of(*kind).iter().copied()).collect()
+fn all_parts() -> Vec<Handle> {
+    [GizmoMode::Move, GizmoMode::Rotate, GizmoMode::Scale]
+        .iter()
+        .flat_map(|kind| Handle::of(*kind).iter().copied())
+        .collect()
 }
 
-/// A point of the world at which a handle can be caught.
-fn grip(gizmo: &Gizmo, part: Part) -> DVec3 {
-    let outer = gizmo.origin + gizmo.projection.right * (OUTER * gizmo.metres);
-    match part {
-        Part::Arrow(axis) => gizmo.arrow(axis).iter().sum::<DVec3>() / 2.0,
-        Part::Square(axis) => gizmo.square(axis).iter().sum::<DVec3>() / 4.0,
-        Part::Disc => gizmo.origin + gizmo.projection.up * (5.0 * gizmo.metres),
-        Part::Ring(axis) => {
+/// A world-space point at which a handle can be grabbed.
+fn grip(gizmo: &Gizmo, handle: Handle) -> DVec3 {
+    let outer = gizmo.origin + gizmo.projection.right * (OUTER_RADIUS * gizmo.metres_per_point);
+    match handle {
+        Handle::Arrow(axis) => gizmo.arrow(axis).iter().sum::<DVec3>() / 2.0,
+        Handle::PlaneSquare(axis) => gizmo.square(axis).iter().sum::<DVec3>() / 4.0,
+        Handle::Disc => gizmo.origin + gizmo.projection.up * (5.0 * gizmo.metres_per_point),
+        Handle::Ring(axis) => {
             let ring = gizmo.ring(axis, false);
             ring[ring.len() / 3][0]
         }
-        Part::ViewRing | Part::ScaleRing => outer,
+        Handle::ViewRing | Handle::ScaleRing => outer,
     }
 }
 
 fn place(gizmo: &Gizmo, point: DVec3) -> Pos2 {
-    gizmo.projection.place(point).expect("before the camera")
+    gizmo.projection.project(point).expect("before the camera")
 }
 
-/// Drags a handle from where it can be caught through points of the world.
+/// Drags a handle through world-space points.
 #[track_caller]
-fn dragged(gizmo: &Gizmo, part: Part, through: &[DVec3], snapping: bool) -> Placed {
-    let mut drag = Drag::begin(gizmo, part, start(), place(gizmo, grip(gizmo, part))).expect("caught");
+fn dragged(gizmo: &Gizmo, handle: Handle, through: &[DVec3], snapping: bool) -> Transform {
+    let mut drag = Drag::begin(gizmo, handle, start(), place(gizmo, grip(gizmo, handle))).expect("caught");
     let mut result = None;
     for to in through {
         result = drag.to(&gizmo.projection, place(gizmo, *to), snapping);
@@ -72,61 +75,61 @@ fn dragged(gizmo: &Gizmo, part: Part, through: &[DVec3], snapping: bool) -> Plac
 }
 
 #[track_caller]
-fn assert_moved(new: Placed, by: DVec3) {
-    let expected = Placed { at: start().at + by, ..start() };
-    assert!(new.at.distance(expected.at) < 1e-4, "{new:?} for {expected:?}");
-    assert_eq!((new.scale, new.turn), (expected.scale, expected.turn), "nothing else changes");
+fn assert_moved(new: Transform, by: DVec3) {
+    let expected = Transform { translation: start().translation + by, ..start() };
+    assert!(new.translation.distance(expected.translation) < 1e-4, "{new:?} for {expected:?}");
+    assert_eq!((new.scale, new.rotation), (expected.scale, expected.rotation), "nothing else changes");
 }
 
 #[track_caller]
-fn assert_turned(new: Placed, axis: DVec3, degrees: f64) {
-    let expected = DQuat::from_axis_angle(axis, degrees.to_radians()) * start().turn;
-    let apart = new.turn.angle_between(expected).to_degrees();
+fn assert_turned(new: Transform, axis: DVec3, degrees: f64) {
+    let expected = DQuat::from_axis_angle(axis, degrees.to_radians()) * start().rotation;
+    let apart = new.rotation.angle_between(expected).to_degrees();
     assert!(apart < 0.05, "{apart}° from {degrees}°");
-    assert_eq!((new.scale, new.at), (start().scale, start().at), "nothing else changes");
+    assert_eq!((new.scale, new.translation), (start().scale, start().translation), "nothing else changes");
 }
 
 #[test]
 fn arrows_squares_and_the_disc_move_by_what_the_pointer_moves() {
     let gizmo = gizmo(from_corner());
     for axis in AXES {
-        let part = Part::Arrow(axis);
+        let handle = Handle::Arrow(axis);
         for metres in [0.37, -1.2] {
             let by = axis.unit() * metres;
-            assert_moved(dragged(&gizmo, part, &[grip(&gizmo, part) + by], false), by);
+            assert_moved(dragged(&gizmo, handle, &[grip(&gizmo, handle) + by], false), by);
         }
-        // Beside the arrow it follows the nearest point of its axis.
+        // Beside the arrow, it follows the closest point of its axis.
         let by = axis.unit() * 0.25;
-        let [from, to] = [grip(&gizmo, part), grip(&gizmo, part) + by];
-        let beside = axis.unit().cross(gizmo.towards).normalize() * 0.3;
-        let new = dragged(&gizmo, part, &[to + beside], false);
-        assert!(new.at.distance(start().at + (to - from)) < 0.1, "{new:?}");
+        let [from, to] = [grip(&gizmo, handle), grip(&gizmo, handle) + by];
+        let beside = axis.unit().cross(gizmo.to_camera).normalize() * 0.3;
+        let new = dragged(&gizmo, handle, &[to + beside], false);
+        assert!(new.translation.distance(start().translation + (to - from)) < 0.1, "{new:?}");
         let [u, v] = axis.others();
-        let (part, by) = (Part::Square(axis), u * 0.31 - v * 0.18);
-        assert_moved(dragged(&gizmo, part, &[grip(&gizmo, part) + by], false), by);
+        let (handle, by) = (Handle::PlaneSquare(axis), u * 0.31 - v * 0.18);
+        assert_moved(dragged(&gizmo, handle, &[grip(&gizmo, handle) + by], false), by);
     }
     let by = gizmo.projection.right * 0.4 - gizmo.projection.up * 0.1;
-    assert_moved(dragged(&gizmo, Part::Disc, &[grip(&gizmo, Part::Disc) + by], false), by);
+    assert_moved(dragged(&gizmo, Handle::Disc, &[grip(&gizmo, Handle::Disc) + by], false), by);
 }
 
-/// A point that goes round an axis through the node.
-fn round(gizmo: &Gizmo, part: Part, axis: DVec3, degrees: f64) -> DVec3 {
+/// A point that moves around an axis through the node.
+fn round(gizmo: &Gizmo, handle: Handle, axis: DVec3, degrees: f64) -> DVec3 {
     let turn = DQuat::from_axis_angle(axis, degrees.to_radians());
-    gizmo.origin + turn * (grip(gizmo, part) - gizmo.origin)
+    gizmo.origin + turn * (grip(gizmo, handle) - gizmo.origin)
 }
 
 #[test]
 fn rings_turn_by_the_angle_that_the_pointer_goes_round() {
     let gizmo = gizmo(from_corner());
-    let rings = AXES.map(|axis| (Part::Ring(axis), axis.unit()));
-    for (part, axis) in rings.into_iter().chain([(Part::ViewRing, -gizmo.projection.forward)]) {
+    let rings = AXES.map(|axis| (Handle::Ring(axis), axis.unit()));
+    for (handle, axis) in rings.into_iter().chain([(Handle::ViewRing, -gizmo.projection.forward)]) {
         for degrees in [25.0, -70.0] {
-            assert_turned(dragged(&gizmo, part, &[round(&gizmo, part, axis, degrees)], false), axis, degrees);
+            assert_turned(dragged(&gizmo, handle, &[round(&gizmo, handle, axis, degrees)], false), axis, degrees);
         }
-        // Whole turns are counted.
-        let through: Vec<_> = (1..=10).map(|k| round(&gizmo, part, axis, 40.0 * f64::from(k))).collect();
-        assert_turned(dragged(&gizmo, part, &through, false), axis, 400.0);
-        let mut drag = Drag::begin(&gizmo, part, start(), place(&gizmo, grip(&gizmo, part))).expect("caught");
+        // Full turns are counted.
+        let through: Vec<_> = (1..=10).map(|k| round(&gizmo, handle, axis, 40.0 * f64::from(k))).collect();
+        assert_turned(dragged(&gizmo, handle, &through, false), axis, 400.0);
+        let mut drag = Drag::begin(&gizmo, handle, start(), place(&gizmo, grip(&gizmo, handle))).expect("caught");
         for to in through {
             drag.to(&gizmo.projection, place(&gizmo, to), false);
         }
@@ -137,16 +140,16 @@ fn rings_turn_by_the_angle_that_the_pointer_goes_round() {
 
 #[test]
 fn a_ring_seen_from_its_edge_rolls_with_the_pointer() {
-    let at = start().at.as_vec3();
+    let at = start().translation.as_vec3();
     let projection = seen_from([at.x, at.y, at.z + 5.0], at.to_array(), [0.0, 1.0, 0.0]);
     let gizmo = gizmo(projection);
-    let part = Part::Ring(Axis::Y);
+    let handle = Handle::Ring(Axis::Y);
     let from = gizmo.middle;
-    assert_eq!(gizmo.pick(Part::of(Handles::Turn), from + Vec2::new(20.0, 0.0)), Some(part));
-    let mut drag = Drag::begin(&gizmo, part, start(), from).expect("caught");
+    assert_eq!(gizmo.pick(Handle::of(GizmoMode::Rotate), from + Vec2::new(20.0, 0.0)), Some(handle));
+    let mut drag = Drag::begin(&gizmo, handle, start(), from).expect("caught");
     let new = drag.to(&projection, from + Vec2::new(SIZE as f32, 0.0), false).expect("a result");
     assert_turned(new, DVec3::Y, 1_f64.to_degrees());
-    // Across its line it does not turn.
+    // Movement across the line does not rotate.
     let new = drag.to(&projection, from + Vec2::new(0.0, 60.0), false).expect("a result");
     assert_turned(new, DVec3::Y, 0.0);
 }
@@ -154,30 +157,30 @@ fn a_ring_seen_from_its_edge_rolls_with_the_pointer() {
 #[test]
 fn the_ring_of_scale_scales_by_the_distance_from_the_middle() {
     let gizmo = gizmo(from_corner());
-    let out = |factor: f64| gizmo.origin + (grip(&gizmo, Part::ScaleRing) - gizmo.origin) * factor;
+    let out = |factor: f64| gizmo.origin + (grip(&gizmo, Handle::ScaleRing) - gizmo.origin) * factor;
     for factor in [0.5, 1.0, 2.5] {
-        let new = dragged(&gizmo, Part::ScaleRing, &[out(1.3), out(factor)], false);
+        let new = dragged(&gizmo, Handle::ScaleRing, &[out(1.3), out(factor)], false);
         assert!((new.scale / start().scale - factor).abs() < 1e-4, "{new:?}");
-        assert_eq!((new.turn, new.at), (start().turn, start().at));
+        assert_eq!((new.rotation, new.translation), (start().rotation, start().translation));
     }
-    let none = dragged(&gizmo, Part::ScaleRing, &[gizmo.origin], false);
+    let none = dragged(&gizmo, Handle::ScaleRing, &[gizmo.origin], false);
     assert!(none.scale > 0.0, "a node never vanishes");
 }
 
 #[test]
-fn with_ctrl_steps_are_round() {
+fn ctrl_snaps_to_round_steps() {
     let gizmo = gizmo(from_corner());
-    let part = Part::Arrow(Axis::Y);
-    assert_moved(dragged(&gizmo, part, &[grip(&gizmo, part) + DVec3::Y * 0.37], true), DVec3::Y * 0.4);
-    let part = Part::Square(Axis::Y);
-    let to = grip(&gizmo, part) + DVec3::new(0.13, 0.0, -0.26);
-    assert_moved(dragged(&gizmo, part, &[to], true), DVec3::new(0.1, 0.0, -0.3));
-    let part = Part::Ring(Axis::Z);
-    let to = round(&gizmo, part, DVec3::Z, 42.0);
-    assert_turned(dragged(&gizmo, part, &[to], true), DVec3::Z, 40.0);
-    let out = |factor: f64| gizmo.origin + (grip(&gizmo, Part::ScaleRing) - gizmo.origin) * factor;
+    let handle = Handle::Arrow(Axis::Y);
+    assert_moved(dragged(&gizmo, handle, &[grip(&gizmo, handle) + DVec3::Y * 0.37], true), DVec3::Y * 0.4);
+    let handle = Handle::PlaneSquare(Axis::Y);
+    let to = grip(&gizmo, handle) + DVec3::new(0.13, 0.0, -0.26);
+    assert_moved(dragged(&gizmo, handle, &[to], true), DVec3::new(0.1, 0.0, -0.3));
+    let handle = Handle::Ring(Axis::Z);
+    let to = round(&gizmo, handle, DVec3::Z, 42.0);
+    assert_turned(dragged(&gizmo, handle, &[to], true), DVec3::Z, 40.0);
+    let out = |factor: f64| gizmo.origin + (grip(&gizmo, Handle::ScaleRing) - gizmo.origin) * factor;
     for (factor, expected) in [(1.27, 1.3), (0.01, 0.1)] {
-        let new = dragged(&gizmo, Part::ScaleRing, &[out(factor)], true);
+        let new = dragged(&gizmo, Handle::ScaleRing, &[out(factor)], true);
         assert!((new.scale / start().scale - expected).abs() < 1e-9, "{new:?}");
     }
 }
@@ -185,85 +188,85 @@ fn with_ctrl_steps_are_round() {
 #[test]
 fn nothing_jumps_when_a_drag_starts() {
     let gizmo = gizmo(from_corner());
-    for part in all_parts() {
-        // Also where it is caught beside its line.
+    for handle in all_parts() {
+        // The same for a grab beside the line.
         for off in [Vec2::ZERO, Vec2::new(4.0, -3.0), Vec2::new(-3.0, 4.0)] {
-            let at = place(&gizmo, grip(&gizmo, part)) + off;
-            let mut drag = Drag::begin(&gizmo, part, start(), at).expect("caught");
-            assert!(drag.to(&gizmo.projection, at, false).is_none(), "{part:?}: a press is no change");
+            let at = place(&gizmo, grip(&gizmo, handle)) + off;
+            let mut drag = Drag::begin(&gizmo, handle, start(), at).expect("caught");
+            assert!(drag.to(&gizmo.projection, at, false).is_none(), "{handle:?}: a press is no change");
             let new = drag.to(&gizmo.projection, at + Vec2::new(0.01, 0.0), false).expect("a result");
             assert!(
-                new.at.distance(start().at) < 1e-3 && (new.scale - start().scale).abs() < 1e-3,
-                "{part:?}: {new:?}"
+                new.translation.distance(start().translation) < 1e-3 && (new.scale - start().scale).abs() < 1e-3,
+                "{handle:?}: {new:?}"
             );
-            assert!(new.turn.angle_between(start().turn) < 1e-2, "{part:?}: {new:?}");
-            // Back where it was caught, it is where it was.
+            assert!(new.rotation.angle_between(start().rotation) < 1e-2, "{handle:?}: {new:?}");
+            // Dragged back, it is where it was.
             let new = drag.to(&gizmo.projection, at, false).expect("a result");
             assert!(
-                new.at.distance(start().at) < 1e-9 && (new.scale - start().scale).abs() < 1e-9,
-                "{part:?}: {new:?}"
+                new.translation.distance(start().translation) < 1e-9 && (new.scale - start().scale).abs() < 1e-9,
+                "{handle:?}: {new:?}"
             );
         }
     }
 }
 
 #[test]
-fn every_handle_is_caught_where_it_is_and_not_far_from_it() {
+fn every_handle_is_picked_where_it_is_and_not_far_from_it() {
     let gizmo = gizmo(from_corner());
-    for kind in [Handles::Move, Handles::Turn, Handles::Scale] {
-        for part in Part::of(kind) {
-            let at = place(&gizmo, grip(&gizmo, *part));
-            assert_eq!(gizmo.pick(Part::of(kind), at), Some(*part));
-            assert_eq!(gizmo.pick(&[*part], at + Vec2::splat(150.0)), None);
+    for kind in [GizmoMode::Move, GizmoMode::Rotate, GizmoMode::Scale] {
+        for handle in Handle::of(kind) {
+            let at = place(&gizmo, grip(&gizmo, *handle));
+            assert_eq!(gizmo.pick(Handle::of(kind), at), Some(*handle));
+            assert_eq!(gizmo.pick(&[*handle], at + Vec2::splat(150.0)), None);
         }
     }
     // A few points beside a line, and no more.
     let [start, end] = gizmo.arrow(Axis::X).map(|end| place(&gizmo, end));
     let across = (end - start).normalized().rot90();
-    let pick = |points: f32| gizmo.pick(&[Part::Arrow(Axis::X)], start.lerp(end, 0.5) + across * points);
-    assert_eq!((pick(6.5), pick(-6.5)), (Some(Part::Arrow(Axis::X)), Some(Part::Arrow(Axis::X))));
+    let pick = |points: f32| gizmo.pick(&[Handle::Arrow(Axis::X)], start.lerp(end, 0.5) + across * points);
+    assert_eq!((pick(6.5), pick(-6.5)), (Some(Handle::Arrow(Axis::X)), Some(Handle::Arrow(Axis::X))));
     assert_eq!((pick(7.5), pick(-7.5)), (None, None));
 }
 
 #[test]
-fn of_handles_in_one_place_the_front_one_is_caught() {
-    let at = start().at.as_vec3();
+fn of_overlapping_handles_the_front_one_is_picked() {
+    let at = start().translation.as_vec3();
     for (sign, front) in [(1.0, Axis::X), (-1.0, Axis::Y)] {
-        // Seen from here, x and y are one line.
+        // From this view, x and y are one line.
         let position = (at + glam::Vec3::new(4.0, -4.0, 0.0) * sign).to_array();
         let gizmo = gizmo(seen_from([position[0], position[1], position[2] + 0.3], at.to_array(), [0.0, 0.0, 1.0]));
-        let [x, y] = [Axis::X, Axis::Y].map(|axis| place(&gizmo, grip(&gizmo, Part::Arrow(axis))));
+        let [x, y] = [Axis::X, Axis::Y].map(|axis| place(&gizmo, grip(&gizmo, Handle::Arrow(axis))));
         assert!(x.distance(y) < 8.0, "{x:?} {y:?}");
-        let middle = gizmo.pick(Part::of(Handles::Move), x.lerp(y, 0.5));
-        assert_eq!(middle, Some(Part::Arrow(front)));
+        let middle = gizmo.pick(Handle::of(GizmoMode::Move), x.lerp(y, 0.5));
+        assert_eq!(middle, Some(Handle::Arrow(front)));
     }
-    // Behind its middle a ring is neither seen nor caught.
+    // The far half of a ring is neither drawn nor picked.
     let gizmo = gizmo(from_corner());
     let whole = gizmo.ring(Axis::Y, true);
     let behind = whole.iter().min_by(|a, b| {
-        let depth = |ends: &[DVec3; 2]| (ends[0] - gizmo.origin).dot(gizmo.towards);
+        let depth = |ends: &[DVec3; 2]| (ends[0] - gizmo.origin).dot(gizmo.to_camera);
         depth(a).total_cmp(&depth(b))
     });
     let behind = place(&gizmo, behind.expect("a ring")[0]);
-    assert_eq!(gizmo.pick(&[Part::Ring(Axis::Y)], behind), None);
+    assert_eq!(gizmo.pick(&[Handle::Ring(Axis::Y)], behind), None);
     assert!(gizmo.ring(Axis::Y, false).len() < whole.len());
 }
 
 #[test]
-fn what_is_seen_from_its_end_or_edge_is_not_caught() {
-    let at = start().at.as_vec3();
+fn handles_seen_end_on_or_edge_on_are_not_picked() {
+    let at = start().translation.as_vec3();
     let projection = seen_from([at.x, at.y, at.z + 5.0], at.to_array(), [0.0, 1.0, 0.0]);
     let gizmo = gizmo(projection);
-    let hidden = [Part::Arrow(Axis::Z), Part::Square(Axis::X), Part::Square(Axis::Y)];
-    for part in Part::of(Handles::Move) {
-        assert_eq!(gizmo.opacity(*part) == 0.0, hidden.contains(part), "{part:?}");
+    let hidden = [Handle::Arrow(Axis::Z), Handle::PlaneSquare(Axis::X), Handle::PlaneSquare(Axis::Y)];
+    for handle in Handle::of(GizmoMode::Move) {
+        assert_eq!(gizmo.opacity(*handle) == 0.0, hidden.contains(handle), "{handle:?}");
     }
-    for part in hidden {
-        let grip = place(&gizmo, grip(&gizmo, part));
-        assert_eq!(gizmo.pick(&[part], grip), None, "{part:?}");
+    for handle in hidden {
+        let grip = place(&gizmo, grip(&gizmo, handle));
+        assert_eq!(gizmo.pick(&[handle], grip), None, "{handle:?}");
     }
-    assert_eq!(gizmo.pick(Part::of(Handles::Move), gizmo.middle), Some(Part::Disc));
-    // And what comes to be seen so while it is held stays where it is.
+    assert_eq!(gizmo.pick(Handle::of(GizmoMode::Move), gizmo.middle), Some(Handle::Disc));
+    // A handle that becomes hidden during a drag stays where it is.
     let side = super::tests::gizmo(from_corner());
     let mut drag =
         Drag::begin(&side, hidden[0], start(), place(&side, super::tests::grip(&side, hidden[0]))).expect("caught");
@@ -271,18 +274,18 @@ fn what_is_seen_from_its_end_or_edge_is_not_caught() {
 }
 
 #[test]
-fn handles_behind_the_camera_are_neither_drawn_nor_caught() {
-    let at = start().at.as_vec3();
+fn handles_behind_the_camera_are_neither_drawn_nor_picked() {
+    let at = start().translation.as_vec3();
     let away = seen_from([at.x, at.y, at.z + 1.0], [at.x, at.y, at.z + 2.0], [0.0, 1.0, 0.0]);
-    assert!(Gizmo::new(away, start().at).is_none());
-    // Nor does one that is held follow the pointer when the camera has passed it.
+    assert!(Gizmo::new(away, start().translation).is_none());
+    // Nor does a dragged handle follow the pointer once the camera has passed it.
     let gizmo = gizmo(from_corner());
-    for part in all_parts() {
-        let from = place(&gizmo, grip(&gizmo, part));
-        let mut drag = Drag::begin(&gizmo, part, start(), from).expect("caught");
-        assert_eq!(drag.to(&away, PICTURE.center() + Vec2::new(80.0, 30.0), false), None, "{part:?}");
+    for handle in all_parts() {
+        let from = place(&gizmo, grip(&gizmo, handle));
+        let mut drag = Drag::begin(&gizmo, handle, start(), from).expect("caught");
+        assert_eq!(drag.to(&away, PICTURE.center() + Vec2::new(80.0, 30.0), false), None, "{handle:?}");
     }
-    // Parts that reach behind a camera with a wide view are left out, and the others are there.
+    // Handles that reach behind a wide-angle camera are left out; the others remain.
     let camera = Camera {
         name: "wide".to_owned(),
         position: [at.x, at.y + 0.5, at.z + 0.5],
@@ -294,39 +297,39 @@ fn handles_behind_the_camera_are_neither_drawn_nor_caught() {
         exposure: 0.0,
     };
     let wide = super::tests::gizmo(Projection::new(&camera, PICTURE));
-    assert_eq!(wide.projection.place(wide.arrow(Axis::Z)[1]), None);
-    assert_eq!(wide.pick(&[Part::Arrow(Axis::Z)], wide.middle + Vec2::new(0.0, 30.0)), None);
-    assert_eq!(wide.pick(Part::of(Handles::Move), wide.middle), Some(Part::Disc));
+    assert_eq!(wide.projection.project(wide.arrow(Axis::Z)[1]), None);
+    assert_eq!(wide.pick(&[Handle::Arrow(Axis::Z)], wide.middle + Vec2::new(0.0, 30.0)), None);
+    assert_eq!(wide.pick(Handle::of(GizmoMode::Move), wide.middle), Some(Handle::Disc));
 }
 
 #[test]
-fn a_pointer_catches_holds_and_lets_go() {
+fn the_pointer_grabs_drags_and_releases_a_handle() {
     let document =
         Document::new("a.kdl", "pathmarch 1\ncamera { position 0 0 5; target 0 0 0 }\nobject \"a\" { sphere }");
     let path = document.path_of_leaf(0).expect("the sphere");
-    let parts = Part::of(Handles::Move);
+    let handles = Handle::of(GizmoMode::Move);
     let gizmo = gizmo(from_corner());
-    let at = place(&gizmo, grip(&gizmo, Part::Arrow(Axis::X)));
-    let mut handle = Handle::default();
+    let at = place(&gizmo, grip(&gizmo, Handle::Arrow(Axis::X)));
+    let mut handle = GizmoState::default();
     let over = Pointer { position: at, hovered: true, pressed_at: None, down: false };
-    assert_eq!(handle.follow(parts, Some(&gizmo), &path, start(), Some(over)), Some(Part::Arrow(Axis::X)));
+    assert_eq!(handle.follow(handles, Some(&gizmo), &path, start(), Some(over)), Some(Handle::Arrow(Axis::X)));
     assert!(handle.held.is_none());
-    // What happens within a frame counts from where the button was pressed.
+    // A press counts where it happened, even if the pointer moves on within the frame.
     let far = at + Vec2::splat(90.0);
     let press = Pointer { position: far, pressed_at: Some(at), down: true, ..over };
-    handle.follow(parts, Some(&gizmo), &path, start(), Some(press));
-    let holds = |handle: &Handle| handle.held.as_ref().map(|(_, drag)| drag.part);
-    assert_eq!(holds(&handle), Some(Part::Arrow(Axis::X)));
+    handle.follow(handles, Some(&gizmo), &path, start(), Some(press));
+    let holds = |handle: &GizmoState| handle.held.as_ref().map(|(_, drag)| drag.handle);
+    assert_eq!(holds(&handle), Some(Handle::Arrow(Axis::X)));
     let hold = Pointer { position: far, hovered: false, pressed_at: None, down: true };
-    handle.follow(parts, Some(&gizmo), &path, start(), Some(hold));
-    assert_eq!(holds(&handle), Some(Part::Arrow(Axis::X)));
-    handle.follow(parts, Some(&gizmo), &path, start(), Some(Pointer { down: false, ..hold }));
+    handle.follow(handles, Some(&gizmo), &path, start(), Some(hold));
+    assert_eq!(holds(&handle), Some(Handle::Arrow(Axis::X)));
+    handle.follow(handles, Some(&gizmo), &path, start(), Some(Pointer { down: false, ..hold }));
     assert_eq!(holds(&handle), None);
-    // A button that is pressed elsewhere catches nothing on its way over a handle.
-    handle.follow(parts, Some(&gizmo), &path, start(), Some(Pointer { position: at, ..hold }));
+    // A button that is pressed elsewhere grabs nothing on its way over a handle.
+    handle.follow(handles, Some(&gizmo), &path, start(), Some(Pointer { position: at, ..hold }));
     assert_eq!(holds(&handle), None);
-    // Nothing is caught where nothing is before the camera.
+    // Nothing is grabbed when the node is behind the camera.
     let press = Pointer { position: at, ..press };
-    assert_eq!(handle.follow(parts, None, &path, start(), Some(press)), None);
+    assert_eq!(handle.follow(handles, None, &path, start(), Some(press)), None);
     assert_eq!(holds(&handle), None);
 }

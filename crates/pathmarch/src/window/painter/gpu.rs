@@ -1,4 +1,4 @@
-//! Draws the window on a graphics adapter, with a device of its own.
+//! GPU painter of the window, with a device of its own.
 
 use super::{PaintError, Textures};
 use egui::ClippedPrimitive;
@@ -21,7 +21,7 @@ pub(super) struct GpuPainter {
     limit: u32,
 }
 
-/// Why there can be no such painter.
+/// Reason why there is no GPU painter.
 pub(super) struct OpenError(pub(super) String);
 
 impl From<String> for OpenError {
@@ -31,12 +31,12 @@ impl From<String> for OpenError {
 }
 
 impl GpuPainter {
-    /// A painter for the window and the name of its adapter, or why there can be none.
+    /// Creates the painter; returns it with its adapter's name.
     pub(super) fn new(
         window: &Arc<Window>,
         display: OwnedDisplayHandle,
         textures: &Textures,
-        take_software: bool,
+        accept_software: bool,
     ) -> Result<(Self, String), OpenError> {
         let mut descriptor = wgpu::InstanceDescriptor::new_with_display_handle(Box::new(display));
         descriptor.flags = wgpu::InstanceFlags::empty();
@@ -49,8 +49,8 @@ impl GpuPainter {
         }))
         .map_err(|error| error.to_string())?;
         let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        if is_software && !take_software {
-            return Err(OpenError(format!("{} is software", adapter.get_info().name)));
+        if is_software && !accept_software {
+            return Err(OpenError(format!("{} is a software adapter", adapter.get_info().name)));
         }
         let limits = wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits());
         let limit = limits.max_texture_dimension_2d;
@@ -79,7 +79,7 @@ impl GpuPainter {
         let mut configuration = surface
             .get_default_config(&adapter, size.width.clamp(1, limit), size.height.clamp(1, limit))
             .ok_or_else(|| format!("{} cannot draw into this window", adapter.get_info().name))?;
-        // Colours are codes already; a format that encodes would do it once more.
+        // Colours are encoded already: an sRGB format would encode them twice.
         let formats = surface.get_capabilities(&adapter).formats;
         let plain = formats
             .iter()
@@ -88,7 +88,7 @@ impl GpuPainter {
         configuration.format = plain.unwrap_or(configuration.format);
         configuration.desired_maximum_frame_latency = 1;
         surface.configure(&device, &configuration);
-        // Where each pixel costs the processor's time, it is spent on the picture.
+        // On a software adapter, dithering would take CPU time from the renderer.
         let options = RendererOptions { dithering: !is_software, ..RendererOptions::default() };
         let mut renderer = Renderer::new(&device, configuration.format, options);
         for (id, whole) in &textures.0 {
@@ -98,17 +98,17 @@ impl GpuPainter {
         Ok((painter, adapter.get_info().name))
     }
 
-    /// The largest side of a texture.
+    /// Largest side of a texture, pixels.
     pub(super) fn max_texture_side(&self) -> usize {
         self.limit as usize
     }
 
-    /// Loses the device, as happens when a driver is restarted: to try what comes then.
+    /// Destroys the device as a driver restart would; used to test recovery.
     pub(super) fn lose_device(&self) {
         self.device.destroy();
     }
 
-    /// Draws a frame of the size of the window. Textures are taken on whatever happens.
+    /// Draws a frame at the size of the window. Texture updates are applied in any case.
     pub(super) fn paint(
         &mut self,
         window: &Window,

@@ -1,9 +1,9 @@
-//! Draws egui's shapes into the window: on a graphics adapter ([`gpu`]), or on the processor ([`software`]) where there is
-//! none, or one that is software and therefore slower than that.
+//! Painter: draws egui's meshes into the window, on a GPU ([`gpu`]) or on the CPU ([`software`]). The CPU is used if
+//! there is no adapter, or only a software one, which is slower.
 //!
-//! Nothing is shared with the renderer: a scene that takes long to compile or to trace does not hold up the window, and a
-//! device that is lost takes only its own half with it. What egui has handed over of textures is kept, so that a new
-//! painter can take over from one that was lost.
+//! The painter shares nothing with the renderer: a scene that takes long to compile or trace does not block the window,
+//! and a lost device affects only one of them. Copies of egui's textures are kept, so that a new painter can replace
+//! one that was lost.
 
 mod gpu;
 mod raster;
@@ -24,8 +24,8 @@ use winit::window::Window;
 pub(super) struct Textures(HashMap<TextureId, ImageDelta>);
 
 impl Textures {
-    /// Takes changes on that nobody paints.
-    pub(super) fn take(&mut self, changes: &mut TexturesDelta) {
+    /// Applies updates of a frame that is not drawn.
+    pub(super) fn apply_all(&mut self, changes: &mut TexturesDelta) {
         self.set(changes);
         self.free(changes);
     }
@@ -58,17 +58,17 @@ impl Textures {
     }
 }
 
-/// Why nothing was drawn.
+/// Failure to draw a frame.
 #[derive(Debug)]
 pub(super) enum PaintError {
-    /// A new painter is needed.
+    /// The surface or device is lost; a new painter is needed.
     Lost(String),
 }
 
-/// What the window is drawn on.
+/// Backend that draws the window itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Drawing {
-    /// A graphics adapter where there is one that is not software, otherwise the processor
+    /// A hardware GPU if there is one, otherwise the CPU
     #[default]
     Auto,
     Gpu,
@@ -77,7 +77,7 @@ pub enum Drawing {
 
 pub(super) struct Painter {
     kind: Kind,
-    /// What it draws on, for people.
+    /// Name of the adapter, for messages.
     pub(super) adapter: String,
 }
 
@@ -86,11 +86,11 @@ enum Kind {
     Software(SoftwarePainter),
 }
 
-/// The largest side of a texture that is drawn from memory: more than any picture has.
+/// Largest side of a texture in memory, pixels: larger than any picture.
 const MAX_SIDE: usize = 1 << 15;
 
 impl Painter {
-    /// A painter for the window, or why there can be none.
+    /// Creates a painter for the window.
     pub(super) fn new(
         drawing: Drawing,
         window: &Arc<Window>,
@@ -99,10 +99,10 @@ impl Painter {
     ) -> Result<Self, String> {
         let software = |display| {
             let kind = Kind::Software(SoftwarePainter::new(window, display)?);
-            Ok::<_, String>(Self { kind, adapter: "the processor".to_owned() })
+            Ok::<_, String>(Self { kind, adapter: "CPU".to_owned() })
         };
-        let gpu = |display, take_software| {
-            let (painter, adapter) = GpuPainter::new(window, display, textures, take_software)?;
+        let gpu = |display, accept_software| {
+            let (painter, adapter) = GpuPainter::new(window, display, textures, accept_software)?;
             Ok::<_, OpenError>(Self { kind: Kind::Gpu(Box::new(painter)), adapter })
         };
         match drawing {
@@ -115,7 +115,7 @@ impl Painter {
         }
     }
 
-    /// The largest side of a texture.
+    /// Largest side of a texture, pixels.
     pub(super) fn max_texture_side(&self) -> usize {
         match &self.kind {
             Kind::Gpu(painter) => painter.max_texture_side(),
@@ -123,7 +123,7 @@ impl Painter {
         }
     }
 
-    /// Loses the device, as happens when a driver is restarted: to try what comes then.
+    /// Destroys the device as a driver restart would; used to test recovery.
     pub(super) fn lose_device(&self) {
         match &self.kind {
             Kind::Gpu(painter) => painter.lose_device(),
@@ -131,7 +131,7 @@ impl Painter {
         }
     }
 
-    /// Draws a frame of the size of the window. Textures are taken on whatever happens.
+    /// Draws a frame at the size of the window. Texture updates are applied in any case.
     pub(super) fn paint(
         &mut self,
         window: &Window,

@@ -1,4 +1,4 @@
-//! Draws the window on the processor.
+//! CPU painter of the window.
 
 use super::raster::Canvas;
 use super::{PaintError, Textures};

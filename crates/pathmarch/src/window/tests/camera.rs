@@ -1,13 +1,13 @@
-//! The picture: moving the camera, selecting, focusing.
+//! Viewport: camera movement, selection, focus.
 
 use super::*;
-use crate::window::viewpoint;
+use crate::window::camera::navigation;
 use pathmarch_render::pathmarch_scene::Camera;
 use pathmarch_render::pick;
 
-/// Where a point of the world is in the picture.
+/// Window point of a world-space point.
 pub(super) fn place(camera: &Camera, picture: Rect, point: [f32; 3]) -> Pos2 {
-    let axes = viewpoint::axes(camera);
+    let axes = navigation::axes(camera);
     let from = glam::Vec3::from(point) - glam::Vec3::from(camera.position);
     let scale = 0.5 * picture.height() / (0.5 * camera.fov.to_radians()).tan() / from.dot(axes.forward);
     picture.center() + Vec2::new(from.dot(axes.right), -from.dot(axes.up)) * scale
@@ -20,7 +20,7 @@ fn target(person: &Person) -> glam::Vec3 {
     person.open().view.camera.target.into()
 }
 
-/// A place of the picture where nothing is that could be caught.
+/// A point of the viewport without handles.
 fn free(person: &Person) -> Pos2 {
     person.point(0.2, 0.2)
 }
@@ -35,11 +35,11 @@ fn dragging_and_the_wheel_move_the_camera_and_home_resets_it() {
     assert_ne!(person.open().view.camera.position, start.position);
     assert_eq!(person.open().view.camera.target, start.target, "around what it looks at");
     assert!((position(&person).distance(target(&person)) - away).abs() < 1e-3);
-    person.until("it is said", |person| person.has("own viewpoint"));
+    person.until("the message appears", |person| person.has("modified view"));
     person.hover(from);
     person.key(Key::Home);
     assert_eq!(person.open().view.camera, start);
-    assert!(!person.has("own viewpoint"));
+    assert!(!person.has("modified view"));
     person.drag(from, from + by, PointerButton::Secondary, Modifiers::NONE);
     assert_eq!(person.open().view.camera.position, start.position, "it looks around");
     assert_ne!(person.open().view.camera.target, start.target);
@@ -70,7 +70,7 @@ fn keys_fly() {
     let mut person = Person::at_scene();
     let at = free(&person);
     let (ahead, right, up) = {
-        let axes = viewpoint::axes(&person.open().view.camera);
+        let axes = navigation::axes(&person.open().view.camera);
         (axes.forward, axes.right, axes.up)
     };
     for (key, towards) in
@@ -89,7 +89,7 @@ fn keys_fly() {
         assert_eq!(position(&person), after, "released");
         person.key(Key::Home);
     }
-    // Not while a text is being typed, nor with Ctrl.
+    // Not while text is typed, nor with Ctrl.
     person.ctrl(Key::D);
     assert_eq!(person.open().view.camera.position, [0.0, 1.2, 4.5]);
 }
@@ -108,7 +108,7 @@ fn the_camera_is_written_to_the_scene_and_the_picture_keeps_its_size() {
     assert!(changed[0].1.starts_with("camera \"main\" {"), "{changed:?}");
     let written = person.scene().cameras[0].clone();
     assert!(glam::Vec3::from(written.position).distance(camera.position.into()) < 1e-3, "{written:?} for {camera:?}");
-    assert!(!person.open().view.has_moved_away());
+    assert!(!person.open().view.is_camera_modified());
     assert_eq!(person.scene().render.size, (64, 48));
     person.rest();
     assert_eq!(person.open().view.picture.as_ref().expect("a picture").2, size);
@@ -161,7 +161,7 @@ fn alt_and_click_or_the_key_set_the_focus() {
     let focus = person.open().view.camera.focus.expect("set");
     assert!((focus - depth).abs() < 1e-3, "{focus} for {depth}");
     assert_eq!(person.selected(), None, "and selects nothing");
-    person.assert_said("Sharp at");
+    person.assert_said("Focus distance");
     person.key(Key::Home);
     person.key(Key::X);
     assert!(person.open().view.focus_click);
@@ -172,7 +172,7 @@ fn alt_and_click_or_the_key_set_the_focus() {
 }
 
 #[test]
-fn a_double_click_looks_there_and_f_frames_what_is_selected() {
+fn a_double_click_aims_the_camera_and_f_frames_the_selection() {
     let mut person = Person::at_scene();
     let at = person.point(0.3, 0.9);
     person.hover(at);
@@ -188,11 +188,11 @@ fn a_double_click_looks_there_and_f_frames_what_is_selected() {
     assert!(target(&person).distance(glam::Vec3::new(0.0, 0.7, 0.0)) < 1e-3);
     person.select("plane");
     person.key(Key::F);
-    person.assert_said("no limited size");
+    person.assert_said("no finite bounds");
 }
 
 #[test]
-fn numbers_of_the_camera_that_are_not_finite_are_not_taken() {
+fn non_finite_camera_values_are_rejected() {
     let mut person = Person::at_scene();
     let camera = person.open().view.camera.clone();
     for label in ["field of view", "exposure", "lens radius"] {

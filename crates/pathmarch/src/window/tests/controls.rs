@@ -1,4 +1,4 @@
-//! The controls of what is selected: every one there is, and what each kind of them does to the text.
+//! Inspector: every control, and the effect of each kind of control on the text.
 
 use super::*;
 use pathmarch_render::pathmarch_field::registry;
@@ -36,7 +36,7 @@ fn everything() -> String {
 
 #[test]
 fn every_control_of_every_node_is_a_widget_with_its_label() {
-    // High enough that no control is out of sight.
+    // Tall enough that every control is visible.
     let mut person = Start::with(&everything()).size(1000.0, 1600.0).go();
     let mut seen = 0;
     for item in person.items() {
@@ -104,7 +104,7 @@ fn a_drag_of_a_slider_is_one_step() {
 fn numbers_typed_into_two_controls_are_two_steps() {
     let mut person = Person::at_scene();
     person.select("sphere");
-    let gesture = person.app().gesture;
+    let undo_group = person.app().undo_group;
     person.harness.get_by_role_and_label(Role::Slider, "radius").focus();
     person.wait(2);
     person.key(Key::ArrowRight);
@@ -112,13 +112,13 @@ fn numbers_typed_into_two_controls_are_two_steps() {
     person.harness.get_by_role_and_label(Role::Slider, "scale").focus();
     person.wait(2);
     person.key(Key::ArrowRight);
-    assert_ne!(person.app().gesture, gesture);
+    assert_ne!(person.app().undo_group, undo_group);
     assert_eq!(person.undo_all(), 2, "{}", person.text());
     assert_eq!(person.text(), SCENE);
 }
 
 #[test]
-fn a_place_is_typed() {
+fn a_position_is_typed() {
     let mut person = Person::at_scene();
     person.select("sphere");
     let label = person.document().control(&person.path("sphere"), key::AT).expect("there").label.into_owned();
@@ -141,7 +141,7 @@ fn a_colour_is_chosen() {
     let button = person.harness.query_all_by_label(&label).next().expect("a button");
     button.click();
     person.wait(PAUSE);
-    // The picker is open: click somewhere in its field.
+    // The colour picker is open: click into its field.
     let before = person.text().to_owned();
     let at = person.harness.query_all_by_label(&label).next().expect("a button").rect().center();
     person.drag(at + Vec2::new(0.0, 120.0), at + Vec2::new(-20.0, 150.0), PointerButton::Primary, Modifiers::NONE);
@@ -152,7 +152,7 @@ fn a_colour_is_chosen() {
     assert_eq!(person.text(), SCENE);
 }
 
-/// Opens a list and chooses from it.
+/// Opens a combo box and chooses an entry.
 fn choose(person: &mut Person, label: &str, name: &str) {
     person.click_role(Role::ComboBox, label);
     let entry = person.harness.query_all_by_label(name).last();
@@ -197,7 +197,7 @@ fn choices_flags_sizes_and_texts_work() {
     let label = person.document().control(&person.path("ball"), key::NAME).expect("there").label.into_owned();
     person.fill(Role::TextInput, &label, "globe");
     assert!(person.text().contains("object \"globe\""), "{}", person.text());
-    // A text that is left by Escape stays.
+    // Escape discards a text.
     person.field(Role::TextInput, &label).focus();
     person.wait(2);
     person.ctrl(Key::A);
@@ -209,7 +209,7 @@ fn choices_flags_sizes_and_texts_work() {
     let label = person.document().control(&person.path("globe"), key::MATERIAL).expect("there").label.into_owned();
     choose(&mut person, &label, "grey");
     assert!(person.text().contains("object \"globe\" material=\"grey\""), "{}", person.text());
-    // A kind.
+    // A material kind.
     person.select("grey");
     let label = person.document().control(&person.path("grey"), key::KIND).expect("there").label.into_owned();
     choose(&mut person, &label, "glass");
@@ -219,7 +219,7 @@ fn choices_flags_sizes_and_texts_work() {
 }
 
 #[test]
-fn what_is_given_can_be_reset_and_what_is_not_can_be_set() {
+fn given_values_can_be_reset_and_missing_ones_set() {
     let mut person = Person::at_scene();
     person.select("subtract");
     let crosses: Vec<_> = person.harness.query_all_by_role_and_label(Role::Button, "×").collect();
@@ -279,7 +279,7 @@ fn the_text_is_edited_as_text() {
     person.harness.key_press(Key::P);
     person.wait(2);
     assert_eq!(person.open().view.mode, pathmarch_render::Mode::Path);
-    // What is typed without a pause is one step of undo.
+    // Typing without a pause is one undo step.
     let first = person.text().to_owned();
     person.wait(20);
     for letter in ["a", "b", "c"] {
@@ -294,7 +294,7 @@ fn the_text_is_edited_as_text() {
 }
 
 #[test]
-fn a_mistake_keeps_the_last_good_picture_and_shows_its_line() {
+fn an_error_keeps_the_last_good_picture_and_shows_its_line() {
     let mut person = Person::at_scene();
     person.rest();
     let good = person.document().last_good().expect("a scene").clone();
@@ -305,26 +305,26 @@ fn a_mistake_keeps_the_last_good_picture_and_shows_its_line() {
     person.harness.event(egui::Event::Text("object \"x\" { sfere }\n".to_owned()));
     person.wait(3);
     assert!(person.document().scene().is_err());
-    assert!(person.has("1 mistake"));
+    assert!(person.has("1 error"));
     let line = SCENE.lines().count() + 1;
     assert!(person.has(&format!("line {line}, column 14")), "{:?}", person.harness);
     assert!(person.has("object \"x\" { sfere }"));
     assert!(Arc::ptr_eq(person.document().last_good().expect("a scene"), &good));
     assert!(person.open().view.picture.is_some());
     person.undo_all();
-    assert!(!person.has("1 mistake"));
+    assert!(!person.has("1 error"));
 }
 
 #[test]
-fn handles_move_what_is_selected_in_one_step() {
+fn a_gizmo_drag_is_one_undo_step() {
     let mut person = Person::at_scene();
     person.select("sphere");
     person.wait(2);
-    // The arrow along y starts in the middle of the ball.
+    // The arrow along y starts at the sphere's centre.
     let camera = person.open().view.camera.clone();
     let middle = super::camera::place(&camera, person.picture(), [0.0, 0.7, 0.0]);
     let mut caught = false;
-    // Below is the disc that moves along the picture.
+    // Below is the disc that moves in the view plane.
     for up in (25..120).step_by(3) {
         let from = middle - Vec2::new(0.0, up as f32);
         person.drag(from, from - Vec2::new(0.0, 25.0), PointerButton::Primary, Modifiers::NONE);
@@ -343,13 +343,13 @@ fn handles_move_what_is_selected_in_one_step() {
     assert_eq!(person.text(), SCENE);
 }
 
-/// The middle of the handles of the ball in the test scene.
+/// Centre of the sphere's gizmo in the test scene.
 fn middle_of_ball(person: &Person) -> Pos2 {
     super::camera::place(&person.open().view.camera, person.picture(), [0.0, 0.7, 0.0])
 }
 
 #[test]
-fn the_disc_moves_along_the_picture() {
+fn the_disc_moves_in_the_view_plane() {
     let mut person = Person::at_scene();
     person.select("sphere");
     let middle = middle_of_ball(&person);
@@ -361,19 +361,19 @@ fn the_disc_moves_along_the_picture() {
 }
 
 #[test]
-fn handles_turn_and_scale_in_one_step() {
+fn rotating_and_scaling_is_one_undo_step_each() {
     let mut person = Person::at_scene();
     person.select("sphere");
     let middle = middle_of_ball(&person);
     let out = |x: f32, y: f32| middle + Vec2::new(x, y) * 84.0;
     person.hover(out(-2.0, 0.0));
     person.key(Key::Num2);
-    // A quarter of a turn, left round, about the axis of the camera.
+    // A quarter turn to the left about the view axis.
     person.drag(out(1.0, 0.0), out(0.0, -1.0), PointerButton::Primary, Modifiers::NONE);
     let Value::Triple(degrees) = person.value("sphere", key::ROTATE) else { panic!("angles") };
     let [x, y, z] = degrees.map(f32::to_radians);
     let turn = glam::Quat::from_euler(glam::EulerRot::ZYX, z, y, x);
-    let axis = -crate::window::viewpoint::axes(&person.open().view.camera).forward;
+    let axis = -crate::window::camera::navigation::axes(&person.open().view.camera).forward;
     let expected = glam::Quat::from_axis_angle(axis, std::f32::consts::FRAC_PI_2);
     assert!(turn.angle_between(expected) < 0.02, "{degrees:?}");
     assert_eq!(person.undo_all(), 1);
@@ -383,7 +383,7 @@ fn handles_turn_and_scale_in_one_step() {
     person.drag(out(1.0, 0.0), out(1.5, 0.0), PointerButton::Primary, Modifiers::NONE);
     let Value::Number(scale) = person.value("sphere", key::SCALE) else { panic!("a scale") };
     assert!((scale - 1.5).abs() < 0.02, "{scale}");
-    // A press alone changes nothing, and what is dragged over handles is not theirs.
+    // A press without movement changes nothing, and a drag across handles does not grab them.
     assert_eq!(person.undo_all(), 1);
     person.click_at(out(1.0, 0.0), Modifiers::NONE);
     assert_eq!(person.text(), SCENE);

@@ -1,9 +1,9 @@
-//! Saving, unsaved work, and files that others change.
+//! Saving, unsaved work, and files changed by other programs.
 
 use super::*;
-use crate::window::dialogs::Dialog;
+use crate::window::app::dialog::Dialog;
 
-/// Makes a change that is not saved.
+/// Makes an unsaved change.
 fn change(person: &mut Person) -> String {
     person.select("sphere");
     person.type_number("radius", "0.85");
@@ -23,7 +23,7 @@ fn saving_writes_the_text_as_it_is() {
     assert_eq!(person.on_disk(), SCENE.replace("sphere 0.7 {", "sphere 0.85 {"), "comments and order stay");
     assert!(!person.open().has_unsaved_work());
     person.assert_said("Saved");
-    // The button of the tools does the same.
+    // The toolbar button does the same.
     person.ctrl(Key::Z);
     person.click_role(Role::Button, "Save");
     assert_eq!(person.on_disk(), SCENE);
@@ -41,7 +41,7 @@ fn saves_that_follow_soon_after_each_other_are_no_changes_by_others() {
         });
         person.ctrl(Key::S);
         assert_eq!(person.on_disk(), text);
-        // As long as a watch takes to look.
+        // As long as the file watcher takes to check.
         std::thread::sleep(Duration::from_millis(15 * (k % 4)));
         person.wait(1);
         assert_eq!(person.text(), text, "what was saved before does not come back");
@@ -53,27 +53,27 @@ fn saves_that_follow_soon_after_each_other_are_no_changes_by_others() {
 }
 
 #[test]
-fn saving_under_another_name_goes_through_the_chooser() {
+fn saving_under_another_name_opens_the_file_dialog() {
     let mut person = Person::at_scene();
     let changed = change(&mut person);
     person.ctrl_shift(Key::S);
-    assert!(person.app().chooser.is_some());
+    assert!(person.app().file_dialog.is_some());
     person.fill(Role::TextInput, "Name", "other");
     let other = person.file().with_file_name("other.kdl");
     assert_eq!(std::fs::read_to_string(&other).expect("read"), changed);
     assert_eq!(person.on_disk(), SCENE);
     assert_eq!(person.app().title(), "other.kdl - pathmarch");
-    // From now on that is its file.
+    // From now on this is its file.
     person.ctrl(Key::Z);
     person.ctrl(Key::S);
     assert_eq!(std::fs::read_to_string(&other).expect("read"), SCENE);
-    // A name that is taken is asked about.
+    // Replacing an existing file needs a confirmation.
     person.ctrl_shift(Key::S);
     person.fill(Role::TextInput, "Name", "scene");
     assert!(person.has("Replace it?"));
-    person.click("Keep it");
+    person.click("Do not replace");
     person.key(Key::Escape);
-    assert!(person.app().chooser.is_none());
+    assert!(person.app().file_dialog.is_none());
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn a_scene_without_a_file_asks_for_one() {
     person.click("New scene");
     let text = person.text().to_owned();
     person.ctrl(Key::S);
-    assert!(person.app().chooser.is_some());
+    assert!(person.app().file_dialog.is_some());
     let directory = person.directory.path().display().to_string();
     person.fill(Role::TextInput, "Path", &format!("{directory}/"));
     person.fill(Role::TextInput, "Name", "mine.kdl");
@@ -106,21 +106,21 @@ fn a_save_that_fails_says_why_and_keeps_the_work() {
 }
 
 #[test]
-fn unsaved_work_is_asked_about_on_leaving() {
+fn quitting_asks_about_unsaved_work() {
     let mut person = Person::at_scene();
     let changed = change(&mut person);
     person.ctrl(Key::Q);
-    assert!(person.has("Save the changes?") && !person.app().wants_to_leave());
+    assert!(person.has("Save changes?") && !person.app().should_quit());
     person.click("Cancel");
-    assert!(!person.app().wants_to_leave() && person.app().dialog.is_none());
+    assert!(!person.app().should_quit() && person.app().dialog.is_none());
     assert_eq!(person.text(), changed);
-    person.app_mut().ask_to_leave();
+    person.app_mut().request_quit();
     person.wait(2);
     person.key(Key::Escape);
-    assert!(!person.app().wants_to_leave() && person.app().dialog.is_none(), "Escape cancels");
+    assert!(!person.app().should_quit() && person.app().dialog.is_none(), "Escape cancels");
     person.ctrl(Key::Q);
     person.answer("Save");
-    assert!(person.app().wants_to_leave());
+    assert!(person.app().should_quit());
     assert_eq!(person.on_disk(), changed);
 }
 
@@ -129,15 +129,15 @@ fn unsaved_work_is_discarded_only_on_request() {
     let mut person = Person::at_scene();
     change(&mut person);
     person.ctrl(Key::Q);
-    person.click("Discard them");
-    assert!(person.app().wants_to_leave());
+    person.click("Discard");
+    assert!(person.app().should_quit());
     assert_eq!(person.on_disk(), SCENE);
-    person.app_mut().leave();
+    person.app_mut().shut_down();
     let again = person.crash();
     assert!(again.app().dialog.is_none(), "what was discarded is not offered again");
     let mut saved = Person::at_scene();
     saved.ctrl(Key::Q);
-    assert!(saved.app().wants_to_leave(), "where nothing is unsaved nothing is asked");
+    assert!(saved.app().should_quit(), "where nothing is unsaved nothing is asked");
 }
 
 #[test]
@@ -145,8 +145,8 @@ fn discarding_to_open_another_and_opening_none_loses_nothing() {
     let mut person = Person::at_scene();
     let changed = change(&mut person);
     person.ctrl(Key::O);
-    person.click("Discard them");
-    assert!(person.app().chooser.is_some());
+    person.click("Discard");
+    assert!(person.app().file_dialog.is_some());
     person.key(Key::Escape);
     assert_eq!(person.text(), changed);
     let person = person.crash();
@@ -184,7 +184,7 @@ fn a_change_on_disk_is_shown() {
     person.until("the file is read", |person| person.text() == text);
     assert!(!person.open().has_unsaved_work());
     person.assert_said("The file has changed");
-    // Also where an editor replaces the file, and that can be undone.
+    // An editor may replace the file; undo brings the old text back.
     replace_file(&person.file(), SCENE);
     person.until("the file is read", |person| person.text() == SCENE);
     person.ctrl(Key::Z);
@@ -193,22 +193,22 @@ fn a_change_on_disk_is_shown() {
 }
 
 #[test]
-fn a_mistake_on_disk_keeps_the_picture_until_it_is_corrected() {
+fn an_error_on_disk_keeps_the_picture_until_it_is_fixed() {
     let mut person = Person::at_scene();
     person.rest();
     let good = person.document().last_good().expect("a scene").clone();
     std::fs::write(person.file(), SCENE.replace("sphere 0.7", "sphere -0.7")).expect("written");
-    person.until("the mistake shows", |person| person.has("1 mistake"));
+    person.until("the mistake shows", |person| person.has("1 error"));
     let line = 1 + SCENE[..SCENE.find("object \"ball\"").expect("there")].matches('\n').count();
     assert!(person.has(&format!("line {line}, ")));
     assert!(person.has("sphere -0.7"), "the line itself");
     assert!(Arc::ptr_eq(person.document().last_good().expect("a scene"), &good));
     assert!(person.open().view.picture.is_some());
     std::fs::write(person.file(), SCENE).expect("written");
-    person.until("it is corrected", |person| !person.has("1 mistake"));
+    person.until("it is corrected", |person| !person.has("1 error"));
     assert_eq!(person.text(), SCENE);
     std::fs::remove_file(person.file()).expect("removed");
-    person.until("it is said", |person| person.messages().iter().any(|message| message.contains("scene.kdl")));
+    person.until("the message appears", |person| person.messages().iter().any(|message| message.contains("scene.kdl")));
     assert_eq!(person.text(), SCENE, "what is open stays");
     person.select("sphere");
     person.type_number("radius", "0.85");
@@ -216,7 +216,7 @@ fn a_mistake_on_disk_keeps_the_picture_until_it_is_corrected() {
     assert_eq!(person.on_disk(), person.text());
 }
 
-/// With unsaved changes here and others in the file.
+/// A scene with unsaved changes whose file was changed, too.
 fn conflict() -> (Person, String, String) {
     let mut person = Person::at_scene();
     let mine = change(&mut person);
@@ -224,7 +224,7 @@ fn conflict() -> (Person, String, String) {
     std::fs::write(person.file(), &theirs).expect("written");
     person.until("it is asked", |person| matches!(person.app().dialog, Some(Dialog::Conflict)));
     person.wait(2);
-    assert!(person.has("The file has changed as well"));
+    assert!(person.has("The file has changed on disk"));
     person.key(Key::Escape);
     assert!(matches!(person.app().dialog, Some(Dialog::Conflict)), "that must be answered");
     assert_eq!(person.text(), mine);
@@ -232,7 +232,7 @@ fn conflict() -> (Person, String, String) {
 }
 
 #[test]
-fn of_two_versions_mine_is_kept() {
+fn a_conflict_can_keep_the_own_version() {
     let (mut person, mine, theirs) = conflict();
     person.click("Keep mine");
     assert_eq!((person.text(), person.on_disk()), (mine.as_str(), theirs));
@@ -242,9 +242,9 @@ fn of_two_versions_mine_is_kept() {
 }
 
 #[test]
-fn of_two_versions_that_of_the_file_is_taken() {
+fn a_conflict_can_reload_from_disk() {
     let (mut person, mine, theirs) = conflict();
-    person.click("Take the file's");
+    person.click("Reload from disk");
     assert_eq!((person.text(), person.on_disk()), (theirs.as_str(), theirs.clone()));
     assert!(!person.open().has_unsaved_work());
     person.ctrl(Key::Z);
@@ -253,14 +253,14 @@ fn of_two_versions_that_of_the_file_is_taken() {
 }
 
 #[test]
-fn of_two_versions_both_are_kept() {
+fn a_conflict_can_save_the_own_version_elsewhere() {
     let (mut person, mine, theirs) = conflict();
     person.click("Save mine as…");
     person.key(Key::Escape);
     person.wait(PAUSE);
     assert!(matches!(person.app().dialog, Some(Dialog::Conflict)), "without a name it is asked again");
     person.click("Save mine as…");
-    assert!(person.app().chooser.is_some());
+    assert!(person.app().file_dialog.is_some());
     let name = person.harness.get_by_role_and_label(Role::TextInput, "Name").value();
     assert_eq!(name.as_deref(), Some("scene-mine.kdl"));
     person.answer("Save");
@@ -271,7 +271,7 @@ fn of_two_versions_both_are_kept() {
 }
 
 #[test]
-fn the_same_change_on_both_sides_is_none() {
+fn the_same_change_on_both_sides_is_no_conflict() {
     let mut person = Person::at_scene();
     let mine = change(&mut person);
     std::fs::write(person.file(), &mine).expect("written");
@@ -285,7 +285,7 @@ fn a_save_right_after_a_change_by_others_asks() {
     let mut person = Person::at_scene();
     let mine = change(&mut person);
     let theirs = SCENE.replace("sky 0.6", "sky 0.3");
-    // Before the watch can have seen it.
+    // Before the file watcher can have noticed it.
     std::fs::write(person.file(), &theirs).expect("written");
     person.ctrl(Key::S);
     assert!(matches!(person.app().dialog, Some(Dialog::Conflict)));
@@ -296,7 +296,7 @@ fn a_save_right_after_a_change_by_others_asks() {
 }
 
 #[test]
-fn a_question_about_two_versions_goes_away_with_the_second() {
+fn a_conflict_ends_when_both_versions_are_equal() {
     let (mut person, mine, _) = conflict();
     std::fs::write(person.file(), &mine).expect("written");
     person.until("nothing is asked any more", |person| person.app().dialog.is_none());

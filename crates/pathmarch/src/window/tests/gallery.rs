@@ -1,11 +1,11 @@
-//! The first page, and files that are dragged into the window.
+//! Gallery page, and files dropped onto the window.
 
 use super::*;
 use pathmarch_gallery::EXAMPLES;
 
 #[test]
 fn every_example_is_shown_and_opens_by_a_click() {
-    // High enough that every card is in sight.
+    // Tall enough that every card is visible.
     let mut person = Start::new().size(1000.0, 6000.0).go();
     person.wait(EXAMPLES.len());
     for example in EXAMPLES {
@@ -26,18 +26,18 @@ fn every_example_is_shown_and_opens_by_a_click() {
 #[test]
 fn the_page_offers_a_new_scene_a_file_and_the_last_one() {
     let mut person = Start::new().go();
-    assert!(!person.has("Go on with"));
+    assert!(!person.has("Continue with"));
     person.click("New scene");
     assert!(person.document().scene().is_ok());
     person.ctrl_shift(Key::G);
     std::fs::write(person.file(), SCENE).expect("written");
-    person.click("Open a file…");
+    person.click("Open file…");
     let path = person.file();
     person.fill(Role::TextInput, "Path", &path.display().to_string());
     assert_eq!(person.text(), SCENE);
     assert_eq!(person.app().title(), "scene.kdl - pathmarch");
     person.ctrl_shift(Key::G);
-    person.click("Go on with scene.kdl");
+    person.click("Continue with scene.kdl");
     assert_eq!(person.text(), SCENE);
 }
 
@@ -72,11 +72,11 @@ fn a_file_that_is_dropped_opens() {
     std::fs::write(&picture, b"\x89PNG\xff").expect("written");
     drop_file(&mut person, &picture);
     person.assert_said("not UTF-8");
-    // Unsaved work is asked about first.
+    // Unsaved work needs a decision first.
     person.select("sphere");
     person.type_number("radius", "0.9");
     drop_file(&mut person, &path);
-    person.click("Discard them");
+    person.click("Discard");
     assert_eq!(person.text(), SCENE);
 }
 
@@ -85,7 +85,7 @@ fn another_scene_never_shows_the_picture_of_the_one_before() {
     let mut person = Person::at_scene();
     person.rest();
     let before = person.app().live.picture().expect("a picture").order;
-    person.app_mut().proceed(crate::window::files::After::New);
+    person.app_mut().run_pending(crate::window::app::requests::PendingAction::New);
     person.harness.step();
     person.until("there is a picture", |person| person.open().view.picture.is_some());
     assert!(person.app().live.picture().expect("a picture").order > before);

@@ -1,13 +1,13 @@
-//! How the window looks: pictures of it, compared with those in `tests/snapshots`.
+//! Snapshot tests of the window, against the pictures in `tests/snapshots`.
 //!
-//! They are drawn on a GPU adapter, a software one where there is none other. Tests inside of the program cannot find out
-//! when they run that there is none and be reported as ignored; so they are always ignored unless asked for, as in CI, with
-//! `--include-ignored`. `UPDATE_SNAPSHOTS=1` writes the pictures anew.
+//! They draw with a GPU adapter, which may be a software one. These tests cannot detect a missing adapter at run time
+//! and report themselves as ignored; so they are ignored unless requested with `--include-ignored`, as in CI.
+//! `UPDATE_SNAPSHOTS=1` writes new pictures.
 
 use super::*;
 use egui_kittest::SnapshotOptions;
 
-/// A scene that looks like something, of few samples.
+/// A scene with few samples.
 const STILL: &str = r#"pathmarch 1
 camera "main" { position 3.1 2.6 4.5; target 0.05 0.5 0; fov 27 }
 render { size 320 200; samples 16; bounces 3 }
@@ -30,19 +30,19 @@ impl Start {
 }
 
 impl Person {
-    /// Compares the window with its picture. Edges of letters and lines differ a little from adapter to adapter, and so
-    /// may the last bit of the scene's pixels from processor to processor.
+    /// Compares the window with its snapshot. Edges of letters and lines differ slightly between adapters, as may the
+    /// last bit of the rendered pixels between CPUs.
     #[track_caller]
     fn looks_like(&mut self, name: &str) {
         self.harness.remove_cursor();
-        // What is said goes away by itself, at a time of its own.
+        // Toasts disappear at a time of their own.
         self.app_mut().toasts.clear();
         self.wait(3);
-        // Panels that came may have changed the picture's size.
+        // New panels may have resized the viewport.
         if self.app().open.is_some() {
             self.rest();
         }
-        // How many threads there are depends on the machine.
+        // The number of threads depends on the machine.
         let threads = self.harness.query_by_label_contains(" threads)").map(|node| node.rect());
         if let Some(rect) = threads {
             let screen = self.harness.ctx.content_rect();
@@ -63,7 +63,7 @@ fn the_gallery() {
 
 #[test]
 #[ignore = "draws with a GPU adapter: run it with --include-ignored"]
-fn a_scene_with_its_controls() {
+fn a_scene_with_its_properties() {
     let mut person = Start::with(STILL).drawn(true).size(900.0, 600.0).go();
     person.select("sphere");
     person.select("ball");
@@ -81,7 +81,7 @@ fn a_scene_in_light_colours() {
 
 #[test]
 #[ignore = "draws with a GPU adapter: run it with --include-ignored"]
-fn mistakes_with_the_source() {
+fn errors_with_the_source() {
     let mut person = Start::with(STILL).drawn(true).size(800.0, 540.0).go();
     person.rest();
     let text = STILL

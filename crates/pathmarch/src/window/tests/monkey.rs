@@ -1,10 +1,10 @@
-//! A monkey at the window: whatever is clicked, dragged, pressed and typed, nothing panics, and undoing everything returns
-//! the text byte for byte.
+//! Monkey test: random clicks, drags, keys and texts never cause a panic, and undoing everything restores the text byte
+//! for byte.
 
 use super::*;
-use crate::window::actions::ACTIONS;
-use crate::window::dialogs::Dialog;
-use crate::window::open::Resolution;
+use crate::window::app::actions::ACTIONS;
+use crate::window::app::dialog::Dialog;
+use crate::window::open_scene::view_state::Resolution;
 
 const FRAMES: usize = 2000;
 const SEED: u64 = 0x5eed;
@@ -30,7 +30,7 @@ impl Random {
 
 const TYPED: [&str; 16] =
     ["0", "1", "-3.5", "1e9", "nan", "}", "{", "\"", "//", "\n", "ü", "🦀", "sphere", "/-", "material=", "\u{202e}"];
-/// What nothing comes of.
+/// Input without effect.
 const IDLE: [Role; 3] = [Role::Label, Role::GenericContainer, Role::Image];
 const MODIFIERS: [Modifiers; 5] =
     [Modifiers::NONE, Modifiers::NONE, Modifiers::SHIFT, Modifiers::ALT, Modifiers::COMMAND];
@@ -59,7 +59,7 @@ const KEYS: [Key; 22] = [
     Key::Minus,
 ];
 
-/// Does something, which takes a frame or some.
+/// Performs a random action, which takes some frames.
 fn act(person: &mut Person, random: &mut Random, size: Vec2) {
     let at = Pos2::new(random.unit() * size.x, random.unit() * size.y);
     let to = Pos2::new(random.unit() * size.x, random.unit() * size.y);
@@ -72,7 +72,7 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
             person.button(at, button, true, modifiers);
             person.button(at, button, false, modifiers);
         }
-        // Something that is there: of all that can be pressed, any.
+        // Presses a random widget.
         4..10 => {
             let nodes: Vec<_> = person
                 .harness
@@ -94,7 +94,7 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
             for step in 1..4 {
                 person.harness.event(egui::Event::PointerMoved(at.lerp(to, step as f32 / 3.0)));
             }
-            // Sometimes it is never let go of, or outside.
+            // Sometimes the button is never released, or outside of the window.
             match random.below(8) {
                 0 => person.harness.event(egui::Event::PointerGone),
                 _ => person.button(to, button, false, modifiers),
@@ -129,10 +129,10 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
     }
 }
 
-/// Keeps the monkey from files outside of its cage and from pictures that would fill the memory.
+/// Keeps the monkey away from files outside of its directory and from pictures that would fill the memory.
 fn hold(person: &mut Person, file: &Path) {
     let app = person.app_mut();
-    app.chooser = None;
+    app.file_dialog = None;
     if matches!(app.dialog, Some(Dialog::Render(_) | Dialog::Recovered(_))) {
         app.dialog = None;
     }
@@ -141,7 +141,7 @@ fn hold(person: &mut Person, file: &Path) {
     {
         open.view.resolution = Resolution::Fit;
     }
-    assert!(app.exports.is_empty());
+    assert!(app.renders.is_empty());
     if app.open.as_ref().is_none_or(|open| open.path.as_deref() != Some(file)) {
         app.open_file(file);
     }
@@ -157,7 +157,7 @@ fn whatever_is_done_nothing_panics_and_undo_returns_the_text() {
     for _ in 0..FRAMES {
         let size = person.harness.ctx.content_rect().size();
         act(&mut person, &mut random, size);
-        // Each event is a frame of its own; the monkey does not reach for the chooser in between.
+        // Each event is a frame of its own; the file dialog does not open in between.
         person.harness.step();
         let was_another = person.app().open.as_ref().is_none_or(|open| open.path.as_ref() != Some(&file));
         hold(&mut person, &file);
@@ -170,12 +170,12 @@ fn whatever_is_done_nothing_panics_and_undo_returns_the_text() {
         mistakes += usize::from(is_wrong);
         wrong_for = if is_wrong { wrong_for + 1 } else { 0 };
         if wrong_for > 10 {
-            // Otherwise most of what can be done would be refused from here on.
+            // Otherwise most actions would be refused from here on.
             person.ctrl(Key::Z);
         }
         revision = person.document().revision();
     }
-    // It has not been idle. How much it does depends on when pictures and messages come and go.
+    // The monkey was not idle. The count depends on when pictures and messages arrive.
     assert!(edits > 20 && mistakes > 5, "{edits} edits, {mistakes} frames with mistakes");
     let app = person.app_mut();
     app.dialog = None;

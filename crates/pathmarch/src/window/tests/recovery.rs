@@ -1,27 +1,27 @@
-//! Work that was not saved when the program ended.
+//! Recovery of unsaved work after a crash.
 
 use super::*;
-use crate::window::dialogs::Dialog;
+use crate::window::app::dialog::Dialog;
 
 fn left(person: &Person) -> usize {
     if let Some(Dialog::Recovered(left)) = &person.app().dialog { left.len() } else { 0 }
 }
 
 #[test]
-fn work_left_behind_is_offered_and_opened() {
+fn abandoned_work_is_offered_and_opened() {
     let mut person = Person::at_scene();
     person.select("sphere");
     person.type_number("radius", "0.85");
     let changed = person.text().to_owned();
     let mut person = person.crash();
     assert_eq!(left(&person), 1);
-    assert!(person.has("Unsaved work was found") && person.has("scene.kdl, just now"));
+    assert!(person.has("Unsaved work found") && person.has("scene.kdl, just now"));
     person.answer("Open");
     assert_eq!(person.text(), changed);
     assert_eq!(person.on_disk(), SCENE);
     assert!(person.open().has_unsaved_work() && person.app().dialog.is_none());
     assert_eq!(person.app().title(), "• scene.kdl - pathmarch");
-    // It is kept still: another crash loses nothing either.
+    // The work is still stored: another crash loses nothing.
     let mut person = person.crash();
     assert_eq!(left(&person), 1);
     person.answer("Open");
@@ -33,12 +33,12 @@ fn work_left_behind_is_offered_and_opened() {
 }
 
 #[test]
-fn work_left_behind_can_wait_or_be_discarded() {
+fn abandoned_work_can_wait_or_be_discarded() {
     let mut person = Person::at_scene();
     person.select("sphere");
     person.type_number("radius", "0.85");
     let mut person = person.crash();
-    person.click("Ask again next time");
+    person.click("Decide later");
     assert!(person.app().dialog.is_none());
     let mut person = person.crash();
     assert_eq!(left(&person), 1);
@@ -49,7 +49,7 @@ fn work_left_behind_can_wait_or_be_discarded() {
 }
 
 #[test]
-fn of_several_works_none_takes_the_place_of_another() {
+fn recovering_one_work_does_not_replace_another() {
     let mut first = Person::at_scene();
     first.select("sphere");
     first.type_number("radius", "0.85");
@@ -57,7 +57,7 @@ fn of_several_works_none_takes_the_place_of_another() {
     let directory = first.directory.clone();
     drop(first);
     let mut second = Start { directory: directory.clone(), ..Start::new() }.go();
-    second.click("Ask again next time");
+    second.click("Decide later");
     second.click("New scene");
     second.select("ball");
     second.key(Key::Delete);
@@ -93,12 +93,12 @@ fn preferences_come_back() {
     assert_eq!(preferences.recent.len(), 1);
 }
 
-/// What another program makes of the file of the test scene.
+/// Possible states of the scene file after the crash.
 fn theirs() -> String {
     SCENE.replace("sky 0.6", "sky 0.3")
 }
 
-/// Changes the test scene without saving it, and ends as in a crash; the text that was changed.
+/// Changes the test scene without saving it and crashes; returns the changed text.
 fn crash_with_work() -> (Arc<tempfile::TempDir>, PathBuf, String) {
     let mut person = Person::at_scene();
     person.select("sphere");
@@ -124,18 +124,18 @@ fn work_does_not_replace_what_another_program_wrote_before_the_crash() {
     let mine = person.text().to_owned();
     std::fs::write(person.file(), theirs()).expect("written");
     person.until("it is asked", is_asked);
-    // The program ends before it is answered, and once more.
+    // The program crashes before the answer, twice.
     for _ in 0..2 {
         person = person.crash();
         person.answer("Open");
-        assert!(is_asked(&person) && person.has("The file has changed as well"), "{:?}", person.messages());
+        assert!(is_asked(&person) && person.has("The file has changed on disk"), "{:?}", person.messages());
         assert_eq!((person.text(), person.on_disk()), (mine.as_str(), theirs()));
         person.ctrl(Key::S);
         assert_eq!(person.on_disk(), theirs(), "not before it is answered");
     }
     person.click("Keep mine");
     assert_eq!((person.text(), person.on_disk()), (mine.as_str(), theirs()));
-    // What is answered is not asked again, not even after another crash.
+    // An answered question is not asked again, even after another crash.
     let mut person = person.crash();
     person.answer("Open");
     assert!(person.app().dialog.is_none() && person.open().has_unsaved_work());
@@ -150,7 +150,7 @@ fn work_does_not_replace_what_another_program_wrote_after_the_crash() {
     std::fs::write(file, theirs()).expect("written");
     let mut person = start_again(&directory);
     assert!(is_asked(&person));
-    person.click("Take the file's");
+    person.click("Reload from disk");
     assert_eq!((person.text(), person.on_disk()), (theirs().as_str(), theirs()));
     assert!(!person.open().has_unsaved_work());
     person.ctrl(Key::Z);
@@ -160,7 +160,7 @@ fn work_does_not_replace_what_another_program_wrote_after_the_crash() {
 }
 
 #[test]
-fn work_whose_file_is_gone_or_no_text_is_asked_about() {
+fn work_whose_file_is_missing_or_unreadable_is_a_conflict() {
     type Spoil = fn(&Path);
     let cases: [(Spoil, &str); 3] = [
         (|file| std::fs::remove_file(file).expect("removed"), "there is no such file"),
@@ -177,12 +177,12 @@ fn work_whose_file_is_gone_or_no_text_is_asked_about() {
         let (directory, file, mine) = crash_with_work();
         spoil(&file);
         let mut person = start_again(&directory);
-        assert!(is_asked(&person) && person.has("The file cannot be read any more") && person.has(why), "{why}");
-        assert!(!person.has("Take the file's"), "there is none to take");
+        assert!(is_asked(&person) && person.has("The file can no longer be read") && person.has(why), "{why}");
+        assert!(!person.has("Reload from disk"), "there is none to take");
         assert_eq!((person.text(), person.app().title().as_str()), (mine.as_str(), "• scene.kdl - pathmarch"));
         person.ctrl(Key::S);
         assert!(is_asked(&person), "that must be answered");
-        // It is kept still.
+        // The work is still stored.
         let mut person = person.crash();
         person.answer("Open");
         assert!(is_asked(&person));
@@ -198,7 +198,7 @@ fn work_whose_file_is_gone_or_no_text_is_asked_about() {
 }
 
 #[test]
-fn work_of_an_older_program_is_asked_about() {
+fn work_of_an_older_program_is_a_conflict() {
     let (directory, _, mine) = crash_with_work();
     let recovery = directory.path().join("home").join("recovery");
     for entry in std::fs::read_dir(recovery).expect("there") {
@@ -217,7 +217,7 @@ fn work_of_an_older_program_is_asked_about() {
 }
 
 #[test]
-fn work_that_its_file_has_already_is_not_asked_about() {
+fn work_equal_to_its_file_is_no_conflict() {
     let (directory, file, mine) = crash_with_work();
     std::fs::write(file, &mine).expect("written");
     let person = start_again(&directory);

@@ -1,4 +1,4 @@
-//! Scenes that move: playing, frames one by one, and what stays as it is meanwhile.
+//! Animated scenes: playback, stepping, and the state that stays unchanged.
 
 use super::*;
 
@@ -14,7 +14,7 @@ impl Person {
     fn frame(&self) -> u32 {
         self.document().moment().frame
     }
-    /// Where the ball is along x.
+    /// Position of the sphere along x, metres.
     fn place(&self) -> f32 {
         self.scene().field.leaves()[0].pose.at[0]
     }
@@ -42,7 +42,7 @@ fn a_scene_is_played_and_stops_where_it_is() {
 }
 
 #[test]
-fn the_slider_shows_any_frame_and_an_own_viewpoint_stays() {
+fn the_slider_shows_any_frame_and_a_moved_camera_stays() {
     let mut person = Start::with(MOVING).go();
     person.rest();
     person.drag(person.point(0.5, 0.5), person.point(0.6, 0.5), PointerButton::Primary, Modifiers::NONE);
@@ -50,7 +50,7 @@ fn the_slider_shows_any_frame_and_an_own_viewpoint_stays() {
     person.type_number("Frame", "48");
     assert_eq!((person.frame(), person.place()), (48, 4.0));
     assert_eq!(person.open().view.camera, camera);
-    // The first frame comes after the last one.
+    // The first frame follows the last one.
     person.fill(Role::SpinButton, "Last frame", "50");
     person.key(Key::Period);
     person.key(Key::Period);
@@ -59,21 +59,21 @@ fn the_slider_shows_any_frame_and_an_own_viewpoint_stays() {
 }
 
 #[test]
-fn a_moment_with_a_mistake_keeps_the_picture_and_says_so() {
+fn a_frame_with_an_error_keeps_the_picture_and_reports_it() {
     let text = MOVING.replace("sphere 0.4", "sphere \"0.4 - 0.2*t\"");
     let mut person = Start::with(&text).go();
     person.type_number("Frame", "72");
-    assert!(person.has("1 mistake"), "a negative radius after 2 s");
+    assert!(person.has("1 error"), "a negative radius after 2 s");
     person.type_number("Frame", "24");
-    assert!(!person.has("1 mistake") && person.frame() == 24);
+    assert!(!person.has("1 error") && person.frame() == 24);
 }
 
 #[test]
-fn what_does_not_move_has_no_timeline() {
+fn a_still_scene_has_no_timeline() {
     let mut person = Person::at_scene();
     assert!(!person.has("Last frame"));
     person.key(Key::Space);
-    person.assert_said("Nothing in this scene depends on the time");
+    person.assert_said("This scene is not animated");
     assert_eq!(person.frame(), 0);
 }
 
@@ -81,14 +81,14 @@ fn what_does_not_move_has_no_timeline() {
 fn frames_are_rendered_to_files_of_their_own() {
     let mut person = Start::with(MOVING).go();
     person.click("Render frames…");
-    assert!(person.has("Render to a file"));
+    assert!(person.has("Render to file"));
     let pattern = person.file().with_file_name("scene-####.png");
     person.answer("Start");
-    assert_eq!(person.app().exports.len(), 1, "{:?}", person.messages());
+    assert_eq!(person.app().renders.len(), 1, "{:?}", person.messages());
     person.until("the first frames are there", |person| person.file().with_file_name("scene-0001.png").exists());
     assert!(person.has("Stop and keep") && !pattern.exists());
     person.click("Stop and keep");
-    person.until("it has stopped", |person| person.app().exports.is_empty());
+    person.until("it has stopped", |person| person.app().renders.is_empty());
     person.assert_said("stopped; wrote");
     assert!(!person.file().with_file_name("scene-0119.png").exists());
 }

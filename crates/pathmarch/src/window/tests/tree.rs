@@ -1,4 +1,4 @@
-//! The tree: what it lists, and what its menus do.
+//! Scene tree: rows and context menus.
 
 use super::*;
 
@@ -25,21 +25,21 @@ fn everything_is_listed_and_selected_by_a_click() {
     }
     person.click_role(Role::TreeItem, "material “red”");
     assert_eq!(person.selected().as_deref(), Some("red"));
-    assert!(person.has("line 14"), "the controls say where it stands");
+    assert!(person.has("line 14"), "the inspector shows its line");
     person.click_role(Role::TreeItem, "box");
     assert_eq!(person.selected().as_deref(), Some("box"));
     person.key(Key::Escape);
     assert_eq!(person.selected(), None);
-    assert!(person.has("Nothing is selected"));
+    assert!(person.has("Nothing selected"));
 }
 
 #[test]
-fn rows_are_folded() {
+fn rows_are_collapsed() {
     let mut person = Person::at_scene();
     assert!(person.harness.query_by_role_and_label(Role::TreeItem, "box").is_some());
-    person.click("Close subtract");
+    person.click("Collapse subtract");
     assert!(person.harness.query_by_role_and_label(Role::TreeItem, "box").is_none());
-    person.click("Open subtract");
+    person.click("Expand subtract");
     assert!(person.harness.query_by_role_and_label(Role::TreeItem, "box").is_some());
 }
 
@@ -51,7 +51,7 @@ fn a_row_is_renamed() {
     let changed = changed_lines(SCENE, person.text());
     assert_eq!(changed.len(), 2, "the material and what is made of it: {changed:?}");
     assert!(changed.iter().all(|(_, new)| new.contains("\"crimson\"")), "{changed:?}");
-    // Escape leaves it as it was, and so does a name that is taken.
+    // Escape and a name that is taken change nothing.
     person.context("material “crimson”", &["Rename"]);
     person.ctrl(Key::A);
     person.harness.event(egui::Event::Text("blue".to_owned()));
@@ -84,13 +84,13 @@ fn a_row_is_duplicated_and_deleted() {
 }
 
 #[test]
-fn shapes_are_grouped_and_freed() {
+fn shapes_are_grouped_and_ungrouped() {
     let mut person = Person::at_scene();
     person.context("object “ball”", &[]);
     assert!(person.has("Group into") || person.has("Duplicate"));
     person.key(Key::Escape);
     assert!(!person.has("Duplicate"), "Escape closes the menu");
-    // The first sphere is that of the ball.
+    // The first sphere belongs to the ball.
     let sphere = person.path("sphere");
     person.app_mut().select(Some(sphere));
     person.wait(2);
@@ -105,7 +105,7 @@ fn shapes_are_grouped_and_freed() {
     assert_eq!(person.text(), grouped);
     person.ctrl(Key::Z);
     assert_eq!(person.text(), SCENE);
-    // The menu offers every operator.
+    // The menu lists every operator.
     person.context("plane", &["Group into", "intersect"]);
     assert!(person.text().contains("intersect"), "{}", person.text());
     assert_eq!(person.selected().as_deref(), Some("intersect"));
@@ -123,7 +123,7 @@ fn rows_are_moved() {
     assert!(person.text().contains("{ at 0 0.7 0 } } // round"), "its comment goes with it");
     person.context("object “floor”", &["Move up"]);
     assert_eq!(names(&person), ["carved", "floor", "ball"]);
-    // By the mouse: onto the lower half of the last row.
+    // With the mouse: onto the lower half of the last row.
     let rect = |person: &Person, row: &str| person.harness.get_by_role_and_label(Role::TreeItem, row).rect();
     let from = rect(&person, "object “carved”").center();
     let target = rect(&person, "object “ball”");
@@ -169,7 +169,7 @@ fn everything_that_can_be_added_is_offered() {
 }
 
 #[test]
-fn what_would_be_a_mistake_is_refused_with_its_reason() {
+fn an_edit_that_causes_an_error_is_refused_with_its_reason() {
     let mut person =
         Start::with(&SCENE.replace(
             "camera \"other\" {\n    position 3 2 3 // from the side\n    target 0 0.5 0\n    fov 30\n}\n",

@@ -1,18 +1,19 @@
-//! Comparing, rendering to files, help, and windows of odd sizes.
+//! Comparison, final renders, help, and unusual window sizes.
 
 use super::*;
-use crate::window::actions::{ACTIONS, POINTER};
-use crate::window::dialogs::Dialog;
+use crate::window::app::actions::{ACTIONS, POINTER};
+use crate::window::app::dialog::Dialog;
 use pathmarch_render::{Mode, Renderer, Settings};
 
 #[test]
-fn a_kept_picture_is_compared_along_a_line_that_is_dragged() {
+fn a_stored_picture_is_compared_along_a_dragged_line() {
     let mut person = Person::at_scene();
     person.rest();
     person.ctrl(Key::B);
-    let split = |person: &Person| person.open().view.kept.as_ref().filter(|kept| kept.shown).map(|kept| kept.split);
+    let split =
+        |person: &Person| person.open().view.comparison.as_ref().filter(|kept| kept.shown).map(|kept| kept.split);
     assert_eq!(split(&person), Some(0.5));
-    person.assert_said("Kept for comparison");
+    person.assert_said("Stored for comparison");
     let camera = person.open().view.camera.clone();
     person.drag(person.point(0.5, 0.1), person.point(0.25, 0.1), PointerButton::Primary, Modifiers::NONE);
     let moved = split(&person).expect("shown");
@@ -61,10 +62,10 @@ fn every_action_is_in_its_menu_and_harmless_without_a_scene() {
         person.key(Key::Escape);
         if entry.needs_scene {
             let ctx = person.harness.ctx.clone();
-            person.app_mut().act(&ctx, entry.action);
+            person.app_mut().run_action(&ctx, entry.action);
             person.wait(1);
             assert!(person.app().open.is_none());
-            person.app_mut().chooser = None;
+            person.app_mut().file_dialog = None;
             person.app_mut().dialog = None;
         }
     }
@@ -90,7 +91,7 @@ fn a_final_render_is_that_of_the_renderer() {
     let mut person = Person::at_scene();
     person.rest();
     person.ctrl(Key::R);
-    assert!(person.has("Render to a file"));
+    assert!(person.has("Render to file"));
     let output = person.file().with_file_name("final.exr");
     person.fill(Role::TextInput, "file", &output.display().to_string());
     person.click("Start");
@@ -110,20 +111,21 @@ fn a_render_with_a_bad_name_does_not_start() {
     person.ctrl(Key::R);
     person.fill(Role::TextInput, "file", "/nowhere/at/all.png");
     person.click("Start");
-    assert!(person.app().exports.is_empty() && matches!(person.app().dialog, Some(Dialog::Render(_))));
-    person.assert_said("is not there");
+    assert!(person.app().renders.is_empty() && matches!(person.app().dialog, Some(Dialog::Render(_))));
+    person.assert_said("does not exist");
     person.fill(Role::TextInput, "file", "a.txt");
     person.click("Start");
-    assert!(person.app().exports.is_empty());
+    assert!(person.app().renders.is_empty());
     person.key(Key::Escape);
     assert!(person.app().dialog.is_none());
 }
 
 #[test]
-fn the_picture_that_is_shown_is_saved() {
+fn the_displayed_picture_is_saved() {
     let mut person = Person::at_scene();
-    // As large as it is rendered.
-    person.app_mut().open.as_mut().expect("open").view.resolution = crate::window::open::Resolution::Scene;
+    // At the size of the final render.
+    person.app_mut().open.as_mut().expect("open").view.resolution =
+        crate::window::open_scene::view_state::Resolution::Scene;
     person.wait(2);
     person.rest();
     person.ctrl(Key::E);
@@ -164,7 +166,7 @@ fn windows_of_odd_sizes_and_scales_hold() {
     }
     let sharp = Start { scale: 2.0, ..Start::with(SCENE) }.go();
     assert_eq!(sharp.harness.ctx.pixels_per_point(), 2.0);
-    let [width, height] = sharp.open().view.size(sharp.scene());
+    let [width, height] = sharp.open().view.picture_size(sharp.scene());
     let points = sharp.picture().size();
     assert!((width as f32 - 2.0 * points.x).abs() <= 2.0 && (height as f32 - 2.0 * points.y).abs() <= 2.0);
 }
@@ -174,7 +176,7 @@ fn restarting_the_graphics_asks_for_a_new_device_once() {
     let mut person = Person::at_scene();
     person.rest();
     person.ctrl_shift(Key::F12);
-    assert!(person.app_mut().take_lose_device());
-    assert!(!person.app_mut().take_lose_device());
+    assert!(person.app_mut().take_device_reset());
+    assert!(!person.app_mut().take_device_reset());
     person.rest();
 }

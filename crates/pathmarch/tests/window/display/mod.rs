@@ -1,4 +1,4 @@
-//! A display of one's own, and a person at the program on it.
+//! A virtual display, and a simulated user of the program.
 
 use pathmarch_testing::{Requirement, Test, missing};
 use std::io::{BufRead, BufReader};
@@ -14,14 +14,13 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-/// How long to wait for anything, unless `PATHMARCH_TEST_PATIENCE` gives another number of seconds: longer than it takes on
-/// a machine that is busy with much else.
-const PATIENCE: u64 = 900;
-/// Between looks at the screen.
+/// Default timeout, seconds, generous for busy machines; `PATHMARCH_TEST_PATIENCE` overrides it.
+const DEFAULT_TIMEOUT: u64 = 900;
+/// Interval between screenshots.
 const PAUSE: Duration = Duration::from_millis(25);
-/// Between keys: a fast typist's.
+/// Interval between keys, as of a fast typist.
 const KEY_PAUSE: Duration = Duration::from_millis(15);
-/// Keys that have no letter; X11/keysymdef.h.
+/// Keysyms of keys without letters; X11/keysymdef.h.
 const KEYSYMS: &[(&str, u32)] = &[
     ("Tab", 0xff09),
     ("Return", 0xff0d),
@@ -42,7 +41,7 @@ const BUTTON_PRESS: u8 = 4;
 const BUTTON_RELEASE: u8 = 5;
 const MOTION: u8 = 6;
 
-/// A display that can be started.
+/// Requirement: a display can be started.
 pub static DISPLAY: Requirement = Requirement {
     variable: "PATHMARCH_REQUIRE_DISPLAY",
     missing: || {
@@ -51,25 +50,25 @@ pub static DISPLAY: Requirement = Requirement {
     },
 };
 
-/// The kind of tests that open a window.
+/// Kind of tests that open a window.
 pub fn with_display(name: &str, test: fn()) -> [Test; 1] {
     [Test::requiring(name, &DISPLAY, test)]
 }
 
-/// How long to wait for anything.
-fn patience() -> Duration {
+/// Timeout of any wait.
+fn timeout() -> Duration {
     let seconds = std::env::var("PATHMARCH_TEST_PATIENCE").ok().and_then(|seconds| seconds.parse().ok());
-    Duration::from_secs(seconds.unwrap_or(PATIENCE))
+    Duration::from_secs(seconds.unwrap_or(DEFAULT_TIMEOUT))
 }
 
-/// A display of one's own; ends with it.
+/// A virtual display; stops when dropped.
 pub struct Screen {
     server: Child,
     name: String,
 }
 
 impl Screen {
-    /// Starts one on a free number; an error is the reason why there is none.
+    /// Starts a display with a free number; the error is the reason why it cannot.
     pub fn start() -> Result<Self, String> {
         let arguments = ["-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset"];
         let server = Command::new("Xvfb").args(arguments).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
@@ -84,12 +83,12 @@ impl Screen {
         Ok(Self { server, name: format!(":{}", number.trim()) })
     }
 
-    /// Starts the program in a window; `home` holds what it keeps.
+    /// Starts the program in a window; `home` contains its preferences and recovery files.
     pub fn person(&self, home: &Path, scene: Option<&Path>) -> Person {
         self.person_with(home, scene, &[])
     }
 
-    /// The same, with further arguments.
+    /// Starts the program with additional arguments.
     pub fn person_with(&self, home: &Path, scene: Option<&Path>, further: &[&str]) -> Person {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pathmarch"));
         command.arg("view").args(scene).args(["--timings", "--backend", "cpu"]).args(further);
@@ -119,7 +118,7 @@ impl Screen {
                 assert!(printed.contains("no window can be opened"), "{printed}");
                 missing(DISPLAY.variable, printed);
             }
-            assert!(start.elapsed() < patience(), "no window: {}", person.printed());
+            assert!(start.elapsed() < timeout(), "no window: {}", person.printed());
             std::thread::sleep(PAUSE);
         }
         person.learn_keys();
@@ -136,14 +135,14 @@ impl Drop for Screen {
     }
 }
 
-/// A person at the program; ends it when dropped.
+/// A simulated user; ends the program when dropped.
 pub struct Person {
     program: Child,
     printed: Arc<Mutex<String>>,
     connection: RustConnection,
     root: Window,
     window: Window,
-    /// Keysyms without and with Shift, and their key.
+    /// Keysyms without and with Shift, and their keycode.
     keys: Vec<(u32, bool, u8)>,
 }
 
@@ -160,12 +159,12 @@ impl Person {
         String::from_utf8(reply.value).ok()
     }
 
-    /// What the window is called.
+    /// Title of the window.
     pub fn title(&self) -> String {
         self.title_of(self.window).unwrap_or_default()
     }
 
-    /// What the program has printed on standard error.
+    /// Standard error of the program so far.
     pub fn printed(&self) -> String {
         self.printed.lock().expect("whole").clone()
     }
@@ -174,9 +173,9 @@ impl Person {
         matches!(self.program.try_wait(), Ok(None))
     }
 
-    /// Gives the window the keyboard.
+    /// Gives the keyboard focus to the window.
     pub fn focus(&self) {
-        // It cannot have it before it is shown.
+        // A window must be visible to get the focus.
         self.until("the window has the keyboard", |person| {
             let focus = person.connection.set_input_focus(InputFocus::PARENT, person.window, x11rb::CURRENT_TIME);
             let given = focus.is_ok_and(|cookie| cookie.check().is_ok());
@@ -200,7 +199,7 @@ impl Person {
 
     fn code(&self, name: &str) -> (u8, bool) {
         let named = KEYSYMS.iter().find(|(other, _)| *other == name).map(|(_, keysym)| *keysym);
-        // The keysyms of Latin letters are their codes.
+        // Keysyms of Latin letters equal their character codes.
         let keysym = named.unwrap_or_else(|| u32::from(name.chars().next().expect("a key")));
         let key = self.keys.iter().find(|(other, ..)| *other == keysym);
         let (_, shift, code) = key.unwrap_or_else(|| panic!("no key for {name}"));
@@ -213,7 +212,7 @@ impl Person {
         sent.expect("sent").check().expect("taken");
     }
 
-    /// Presses a key while others are held.
+    /// Presses a key while modifiers are held.
     pub fn key(&self, name: &str, held: &[&str]) {
         let (code, shift) = self.code(name);
         let mut held: Vec<u8> = held.iter().map(|name| self.code(name).0).collect();
@@ -235,7 +234,7 @@ impl Person {
         text.chars().for_each(|letter| self.key(&letter.to_string(), &[]));
     }
 
-    /// Where a point of the window is on the screen.
+    /// Screen position of a point of the window.
     fn on_screen(&self, [x, y]: [u16; 2]) -> [u16; 2] {
         let place = self.connection.translate_coordinates(self.window, self.root, x as i16, y as i16);
         let place = place.expect("asked").reply().expect("a place");
@@ -247,12 +246,12 @@ impl Person {
         self.input(MOTION, 0, at);
         self.input(BUTTON_PRESS, 1, at);
         self.input(BUTTON_RELEASE, 1, at);
-        // Whoever clicks looks what comes of it before typing.
+        // Wait for the click's effect before typing.
         self.still();
     }
 
-    /// Presses at a place and moves on, step by step, until something holds and still does once the picture stands still; then
-    /// lets go. However slow the program is, it meets the press in one frame and movements in later ones.
+    /// Presses the button and moves in steps until a condition holds in a stable picture, then releases it. However
+    /// slow the program is, it sees the press in one frame and the movement in later ones.
     #[track_caller]
     pub fn drag_until(&self, from: [u16; 2], step: [i32; 2], what: &str, holds: impl Fn(&Self) -> bool) {
         const FAR: i32 = 20;
@@ -261,7 +260,7 @@ impl Person {
         self.input(BUTTON_PRESS, 1, from);
         let steps = std::cell::Cell::new(0);
         self.until(what, |person| {
-            // Away, and then forth and back, since there is only so much room.
+            // Away first, then back and forth, as space is limited.
             let count = steps.replace(steps.get() + 1);
             let count = if count < FAR { count } else { FAR / 2 + (count % FAR - FAR / 2).abs() };
             person.input(MOTION, 0, [0, 1].map(|axis| (i32::from(from[axis]) + step[axis] * count).max(0) as u16));
@@ -274,7 +273,7 @@ impl Person {
         self.input(BUTTON_RELEASE, 1, from);
     }
 
-    /// Width and height of the window, pixels.
+    /// Size of the window, pixels.
     pub fn size(&self) -> [u16; 2] {
         let geometry = self.connection.get_geometry(self.window).ok().and_then(|cookie| cookie.reply().ok());
         geometry.map_or([0; 2], |geometry| [geometry.width, geometry.height])
@@ -305,57 +304,52 @@ impl Person {
             .expect("taken");
     }
 
-    /// Waits for the program's end.
+    /// Waits until the program ends.
     pub fn ends(&mut self) -> ExitStatus {
         let start = Instant::now();
         loop {
             if let Some(status) = self.program.try_wait().expect("it can be waited for") {
                 return status;
             }
-            assert!(start.elapsed() < patience(), "it does not end: {}", self.printed());
+            assert!(start.elapsed() < timeout(), "it does not end: {}", self.printed());
             std::thread::sleep(PAUSE);
         }
     }
 
-    /// Ends the program at once, as the system does.
+    /// Kills the program.
     pub fn kill(&mut self) {
         self.program.kill().expect("killed");
         assert_eq!(self.program.wait().expect("it can be waited for").signal(), Some(9));
     }
 
-    /// What the window shows.
+    /// Screenshot of the window.
     pub fn image(&self) -> Image {
         let [width, height] = self.size();
         let image = self.connection.get_image(ImageFormat::Z_PIXMAP, self.window, 0, 0, width, height, !0);
-        // While its size changes there may be none.
+        // While the window is resized there may be none.
         let data = image.ok().and_then(|cookie| cookie.reply().ok()).map_or_else(Vec::new, |reply| reply.data);
         let pixels = data.chunks_exact(4).map(|pixel| [pixel[2], pixel[1], pixel[0]]).collect();
         Image { width: usize::from(width), height: usize::from(height), pixels }
     }
 
-    /// Waits until something holds.
+    /// Waits until a condition holds.
     #[track_caller]
     pub fn until(&self, what: &str, holds: impl Fn(&Self) -> bool) {
         let start = Instant::now();
         while !holds(self) {
-            assert!(
-                start.elapsed() < patience(),
-                "waited in vain until {what}: {:?}\n{}",
-                self.title(),
-                self.printed()
-            );
+            assert!(start.elapsed() < timeout(), "waited in vain until {what}: {:?}\n{}", self.title(), self.printed());
             std::thread::sleep(PAUSE);
         }
     }
 
-    /// Waits until the picture stands still for a moment.
+    /// Waits until the picture is stable for a moment.
     #[track_caller]
     pub fn still(&self) {
         let start = Instant::now();
         let mut last = self.image();
         let mut since = Instant::now();
         while since.elapsed() < Duration::from_millis(600) {
-            assert!(start.elapsed() < patience(), "it never stands still");
+            assert!(start.elapsed() < timeout(), "the picture never becomes stable");
             std::thread::sleep(Duration::from_millis(100));
             let now = self.image();
             // A cursor may blink.
@@ -379,7 +373,7 @@ impl Drop for Person {
     }
 }
 
-/// What is on the screen: red, green and blue of each pixel.
+/// A screenshot: red, green and blue of each pixel.
 pub struct Image {
     width: usize,
     height: usize,
@@ -391,7 +385,7 @@ impl Image {
         self.pixels.iter().filter(|pixel| is_it(**pixel)).count()
     }
 
-    /// Those of a part: left, top, right and bottom from 0 to 1.
+    /// Pixels of a region: left, top, right and bottom from 0 to 1.
     pub fn count_in(&self, part: [f64; 4], is_it: impl Fn([u8; 3]) -> bool) -> usize {
         let inside = |at: usize| {
             let (x, y) = ((at % self.width) as f64 / self.width as f64, (at / self.width) as f64 / self.height as f64);
@@ -401,7 +395,7 @@ impl Image {
         pixels.filter(|(at, pixel)| inside(*at) && is_it(**pixel)).count()
     }
 
-    /// The middle of those pixels; the corner where there are none.
+    /// Centre of matching pixels; the corner if there are none.
     pub fn centre_of(&self, is_it: impl Fn([u8; 3]) -> bool) -> [u16; 2] {
         let places: Vec<usize> = (0..self.pixels.len()).filter(|at| is_it(self.pixels[*at])).collect();
         let mean = |place: fn(usize, usize) -> usize| {
@@ -411,13 +405,13 @@ impl Image {
         [mean(|at, width| at % width), mean(|at, width| at / width)]
     }
 
-    /// Writes it to a file, to be looked at.
+    /// Writes the screenshot to a file, for inspection.
     fn save(&self, path: &Path) -> image::ImageResult<()> {
         let bytes = self.pixels.iter().flatten().copied().collect::<Vec<u8>>();
         image::save_buffer(path, &bytes, self.width as u32, self.height as u32, image::ColorType::Rgb8)
     }
 
-    /// How many pixels are clearly others.
+    /// Number of clearly different pixels.
     pub fn differs_from(&self, other: &Self) -> usize {
         if self.pixels.len() != other.pixels.len() || self.width != other.width {
             return usize::MAX;

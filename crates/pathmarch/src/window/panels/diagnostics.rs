@@ -1,0 +1,78 @@
+//! Diagnostics: errors and warnings of the scene, with their lines.
+
+use crate::window::app::App;
+use egui::{RichText, Ui};
+
+impl App {
+    /// Lists the errors of the scene text, or its warnings while the source is shown.
+    pub(crate) fn diagnostics_panel(&mut self, ui: &mut Ui) {
+        let Some(open) = &self.open else { return };
+        let error = match open.document.scene() {
+            Err(error) => error,
+            Ok(scene) if !scene.warnings.is_empty() && self.preferences.show_source => {
+                let warnings: Vec<String> = scene.warnings.iter().map(ToString::to_string).collect();
+                egui::Panel::bottom("warnings").show(ui, |ui| {
+                    for warning in warnings {
+                        ui.colored_label(ui.visuals().warn_fg_color, format!("warning: {warning}"));
+                    }
+                });
+                return;
+            }
+            Ok(_) => return,
+        };
+        let text = open.document.text();
+        let mut lines: Vec<(usize, String, Option<String>)> = Vec::new();
+        for mistake in error.mistakes() {
+            let words = if mistake.label.is_empty() {
+                mistake.message.clone()
+            } else {
+                format!("{} ({})", mistake.message, mistake.label)
+            };
+            // Errors in an included file name that file: the text shown here is another.
+            let source = &mistake.source_code;
+            if source.name() == open.document.name() {
+                lines.push((mistake.span.offset(), words, mistake.help.clone()));
+            } else {
+                let before = source.inner().get(..mistake.span.offset()).unwrap_or_default();
+                let line = 1 + before.matches('\n').count();
+                lines.push((0, format!("in {}, line {line}: {words}", source.name()), mistake.help.clone()));
+            }
+        }
+        if lines.is_empty() {
+            lines.push((0, error.to_string(), None));
+        }
+        egui::Panel::bottom("mistakes").resizable(true).default_size(130.0).max_size(360.0).show(ui, |ui| {
+            let title = if lines.len() == 1 { "1 error".to_owned() } else { format!("{} errors", lines.len()) };
+            ui.horizontal(|ui| {
+                ui.colored_label(ui.visuals().error_fg_color, RichText::new(title).strong());
+                ui.weak("The picture shows the last version without errors.");
+            });
+            egui::ScrollArea::vertical().show(ui, |ui| {
+                for (offset, message, help) in &lines {
+                    ui.horizontal_wrapped(|ui| {
+                        let before = text.get(..*offset).unwrap_or(text);
+                        let line = 1 + before.matches('\n').count();
+                        let column = 1 + before.rsplit('\n').next().map_or(0, |line| line.chars().count());
+                        ui.strong(format!("line {line}, column {column}"));
+                        ui.label(message);
+                        if let Some(help) = help {
+                            ui.weak(help);
+                        }
+                    });
+                    let shown = line_at(text, *offset);
+                    ui.indent(("excerpt", offset), |ui| {
+                        ui.monospace(RichText::new(shown).color(ui.visuals().warn_fg_color));
+                    });
+                }
+            });
+        });
+    }
+}
+
+/// Line of the text that contains a byte offset, trimmed.
+fn line_at(text: &str, offset: usize) -> &str {
+    let offset = (0..=offset.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
+    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
+    let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
+    text[start..end].trim()
+}

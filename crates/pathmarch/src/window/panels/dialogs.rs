@@ -1,0 +1,194 @@
+//! Modal dialogs: unsaved work, file conflict, recovered work, render settings.
+
+use crate::window::app::App;
+use crate::window::app::dialog::{Answer, Dialog, RenderDialog};
+use crate::window::app::requests::PendingAction;
+use crate::window::files::recovery::RecoveredWork;
+use crate::window::files::relative_time::relative_time;
+use crate::window::open_scene::playback::LAST_FRAME;
+use egui::{Context, Id, Modal, RichText, Ui};
+use pathmarch_render::image::ImageFormat;
+use pathmarch_render::pathmarch_scene::limits;
+use std::time::SystemTime;
+
+impl App {
+    pub(crate) fn show_dialog(&mut self, ctx: &Context) {
+        let Some(dialog) = &mut self.dialog else { return };
+        if self.file_dialog.is_some() {
+            return;
+        }
+        let mut answer = Answer::None;
+        let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
+            ui.set_max_width(520.0);
+            match dialog {
+                Dialog::Unsaved(after) => unsaved(ui, after, &mut answer),
+                Dialog::Conflict => {
+                    let theirs = self.open.as_ref().and_then(|open| open.conflict.as_ref());
+                    conflict(ui, theirs.and_then(|theirs| theirs.as_ref().err()), &mut answer);
+                }
+                Dialog::Recovered(left) => recovered(ui, left, &mut answer),
+                Dialog::Render(render) => render_settings(ui, render, &mut answer),
+                Dialog::Busy => busy(ui, &mut answer),
+            }
+        });
+        if matches!(answer, Answer::None) && modal.should_close() && !matches!(dialog, Dialog::Conflict) {
+            answer = Answer::Close;
+        }
+        self.answer_dialog(answer);
+    }
+}
+
+fn unsaved(ui: &mut Ui, after: &PendingAction, answer: &mut Answer) {
+    ui.heading("Save changes?");
+    ui.label("The scene has unsaved changes.");
+    ui.add_space(8.0);
+    ui.horizontal(|ui| {
+        if ui.button(RichText::new("Save").strong()).clicked() {
+            *answer = Answer::Save(after.clone());
+        }
+        if ui.button("Discard").clicked() {
+            *answer = Answer::Discard(after.clone());
+        }
+        if ui.button("Cancel").clicked() {
+            *answer = Answer::Close;
+        }
+    });
+}
+
+fn busy(ui: &mut Ui, answer: &mut Answer) {
+    ui.heading("A render is still running");
+    ui.label("Quitting cancels it; no file is written.");
+    ui.add_space(8.0);
+    ui.horizontal(|ui| {
+        if ui.button(RichText::new("Keep rendering").strong()).clicked() {
+            *answer = Answer::Close;
+        }
+        if ui.button("Cancel render and quit").clicked() {
+            *answer = Answer::CancelRendersAndQuit;
+        }
+    });
+}
+
+/// Asks which of two versions to keep. `unreadable`: the reason if the version on disk cannot be read.
+fn conflict(ui: &mut Ui, unreadable: Option<&String>, answer: &mut Answer) {
+    match unreadable {
+        None => {
+            ui.heading("The file has changed on disk");
+            ui.label(
+                "Another program has changed the file, and you have unsaved changes. Both versions are still there.",
+            );
+        }
+        Some(why) => {
+            ui.heading("The file can no longer be read");
+            ui.label(format!("Reason: {why}. Your unsaved changes are still open."));
+        }
+    }
+    ui.add_space(8.0);
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Keep mine").on_hover_text("The file is unchanged until you save.").clicked() {
+            *answer = Answer::KeepMine;
+        }
+        if unreadable.is_none()
+            && ui.button("Reload from disk").on_hover_text("Undo brings your version back.").clicked()
+        {
+            *answer = Answer::TakeTheirs;
+        }
+        if ui.button("Save mine as…").on_hover_text("Save your version to another file.").clicked() {
+            *answer = Answer::SaveMineAs;
+        }
+    });
+}
+
+fn recovered(ui: &mut Ui, left: &[RecoveredWork], answer: &mut Answer) {
+    ui.heading("Unsaved work found");
+    ui.label("The program ended without saving it.");
+    ui.add_space(6.0);
+    for (index, one) in left.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let name = one.scene_path.as_ref().map_or("an unsaved scene".to_owned(), |path| path.display().to_string());
+            ui.label(format!("{name}, {}", relative_time(one.saved_at, SystemTime::now())));
+            if ui.button(RichText::new("Open").strong()).clicked() {
+                *answer = Answer::Recover(index);
+            }
+            if ui.button("Discard").clicked() {
+                *answer = Answer::DiscardRecovered(index);
+            }
+        });
+    }
+    ui.add_space(6.0);
+    if ui.button("Decide later").clicked() {
+        *answer = Answer::AskLater;
+    }
+}
+
+fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) {
+    ui.heading("Render to file");
+    egui::Grid::new("render").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
+        let label = ui.label("file");
+        ui.horizontal(|ui| {
+            ui.add(egui::TextEdit::singleline(&mut render.output).desired_width(300.0)).labelled_by(label.id);
+            if ui.button("Choose…").on_hover_text("Choose directory and file name.").clicked() {
+                *answer = Answer::ChooseOutput;
+            }
+        });
+        ui.end_row();
+        let label = ui.label("size");
+        ui.horizontal(|ui| {
+            for side in &mut render.size {
+                ui.add(egui::DragValue::new(side).range(limits::SIDE.0..=limits::SIDE.1)).labelled_by(label.id);
+            }
+        });
+        ui.end_row();
+        let label = ui.label("samples");
+        ui.add(egui::DragValue::new(&mut render.samples).range(limits::SAMPLES.0..=limits::SAMPLES.1))
+            .labelled_by(label.id);
+        ui.end_row();
+        let label = ui.label("bounces");
+        ui.add(egui::DragValue::new(&mut render.bounces).range(limits::BOUNCES.0..=limits::BOUNCES.1))
+            .labelled_by(label.id);
+        ui.end_row();
+        if render.may_choose_viewpoint {
+            let label = ui.label("camera");
+            ui.horizontal(|ui| {
+                ui.radio_value(&mut render.own_viewpoint, true, "current view").labelled_by(label.id);
+                ui.radio_value(&mut render.own_viewpoint, false, "scene camera").labelled_by(label.id);
+            });
+            ui.end_row();
+        }
+        if let Some([mut first, mut last]) = render.frames {
+            let label = ui.label("frames");
+            ui.horizontal(|ui| {
+                let mut all = render.all_frames;
+                if ui.checkbox(&mut all, "from").labelled_by(label.id).changed() {
+                    render.render_frames(all);
+                }
+                ui.add_enabled_ui(all, |ui| {
+                    ui.add(egui::DragValue::new(&mut first).range(0..=last)).labelled_by(label.id);
+                    ui.label("to");
+                    ui.add(egui::DragValue::new(&mut last).range(first..=LAST_FRAME)).labelled_by(label.id);
+                    ui.checkbox(&mut render.skip_existing, "skip existing");
+                });
+            });
+            render.frames = Some([first, last]);
+            ui.end_row();
+        }
+        if matches!(render.format(), Ok(ImageFormat::Exr)) {
+            let label = ui.label("layers");
+            ui.checkbox(&mut render.layers, "albedo, normal, depth, ids").labelled_by(label.id);
+            ui.end_row();
+        }
+    });
+    let problem = render.problem();
+    if let Some(why) = &problem {
+        ui.colored_label(ui.visuals().error_fg_color, why);
+    }
+    ui.add_space(8.0);
+    ui.horizontal(|ui| {
+        if ui.add_enabled(problem.is_none(), egui::Button::new(RichText::new("Start").strong())).clicked() {
+            *answer = Answer::StartRender;
+        }
+        if ui.button("Cancel").clicked() {
+            *answer = Answer::Close;
+        }
+    });
+}

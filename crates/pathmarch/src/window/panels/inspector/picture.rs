@@ -1,0 +1,79 @@
+//! Controls of viewport, render settings and sky.
+
+use crate::window::app::App;
+use crate::window::open_scene::view_state::Resolution;
+use egui::{ComboBox, Slider, Ui};
+use pathmarch_render::Mode;
+use pathmarch_render::pathmarch_scene::document::ItemKind;
+
+impl App {
+    /// Mode and resolution of the viewport, render settings, background.
+    pub(super) fn picture_controls(&mut self, ui: &mut Ui) {
+        let Some(open) = &mut self.open else { return };
+        ui.heading("Viewport");
+        egui::Grid::new("picture").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
+            let label = ui.label("mode").on_hover_text("Path-traced light, quick preview, or a data layer.");
+            ComboBox::from_id_salt("mode")
+                .selected_text(open.view.mode.name())
+                .show_ui(ui, |ui| {
+                    for mode in Mode::ALL {
+                        ui.selectable_value(&mut open.view.mode, mode, mode.name()).on_hover_text(mode.doc());
+                    }
+                })
+                .response
+                .labelled_by(label.id);
+            ui.end_row();
+            let label =
+                ui.label("resolution").on_hover_text("Resolution of the viewport. Renders have the scene's size.");
+            ComboBox::from_id_salt("resolution")
+                .selected_text(open.view.resolution.name())
+                .show_ui(ui, |ui| {
+                    for resolution in Resolution::ALL {
+                        ui.selectable_value(&mut open.view.resolution, resolution, resolution.name());
+                    }
+                })
+                .response
+                .labelled_by(label.id);
+            ui.end_row();
+            let label = ui
+                .label("target frame rate")
+                .on_hover_text("While the view moves, the resolution adapts to this rate.");
+            let rate = Slider::new(&mut self.preferences.frame_rate, 5.0..=120.0).suffix(" /s").integer();
+            ui.add(rate).labelled_by(label.id);
+            ui.end_row();
+        });
+        for (kind, none) in [(ItemKind::Render, "render"), (ItemKind::Sky, "sky")] {
+            let Some(open) = &self.open else { return };
+            let item = open.document.outline().iter().find(|item| item.kind == kind).cloned();
+            match item {
+                Some(item) => {
+                    let title = if kind == ItemKind::Render { "Render settings" } else { "Background" };
+                    egui::CollapsingHeader::new(title).default_open(kind == ItemKind::Render).show(ui, |ui| {
+                        self.controls_of(ui, &item.path);
+                    });
+                }
+                None => self.missing(ui, none),
+            }
+        }
+    }
+
+    /// Offers to add a node that the scene lacks.
+    fn missing(&mut self, ui: &mut Ui, word: &str) {
+        let Some(open) = &self.open else { return };
+        let additions = open.document.additions(None);
+        let group = if word == "render" { "Render" } else { "Sky" };
+        let mut chosen = None;
+        ui.horizontal_wrapped(|ui| {
+            ui.weak(if word == "render" { "Samples, bounces, size:" } else { "Background:" });
+            for addition in additions.iter().filter(|addition| addition.group.name() == group) {
+                if ui.button(format!("Add {}", addition.name)).on_hover_text(addition.doc).clicked() {
+                    chosen = Some(*addition);
+                }
+            }
+        });
+        if let Some(addition) = chosen {
+            let path = self.edit(|open| open.document.add(None, &addition));
+            self.select(path);
+        }
+    }
+}
