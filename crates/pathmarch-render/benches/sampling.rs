@@ -55,7 +55,7 @@ fn main() {
     );
     for path in scenes {
         let scene = Scene::load(&path).expect("a valid scene");
-        let mut render = |samples, seed, sampler| {
+        let render = |samples, seed, sampler| {
             let settings = Settings { size: SIZE, samples, seed, sampler, ..Settings::of(&scene) };
             renderer.render(&scene, &settings).expect("renders").mean()
         };

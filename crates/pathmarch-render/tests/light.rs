@@ -274,7 +274,7 @@ fn a_penumbra_softens_a_hard_shadow_and_leaves_the_rest(renderer: &Renderer) {
              object \"edge\" {{ box 4 0.1 4 {{ at -2 1 0 }} }}"
         ))
     };
-    let mut shadow = |penumbra: &str| {
+    let shadow = |penumbra: &str| {
         let scene = scene(penumbra);
         let settings = Settings { size: [64, 8], samples: 16, ..Settings::of(&scene) };
         render(renderer, &scene, &settings).mean()

@@ -97,7 +97,7 @@ const MARCHED: &str = "union smooth=1e-6 { sphere 1; sphere 0.001 }";
 fn views_show_a_ball_as_it_is(renderer: &Renderer) {
     for shape in [DIRECT, MARCHED] {
         let scene = ball(shape);
-        let mut show = |mode, [x, y]: [u32; 2]| {
+        let show = |mode, [x, y]: [u32; 2]| {
             let film = render(renderer, &scene, &Settings { size: [81, 61], samples: 1, mode, ..Settings::of(&scene) });
             codes(&film, mode, x, y)
         };
@@ -133,7 +133,7 @@ fn violations_show_where_a_field_lies(renderer: &Renderer) {
              object \"it\" {{ ball }}"
         ))
     };
-    let mut coloured = |lipschitz: f32| {
+    let coloured = |lipschitz: f32| {
         let scene = scene(lipschitz);
         let settings = Settings { size: [64, 64], samples: 1, mode: Mode::Violations, ..Settings::of(&scene) };
         let picture = render(renderer, &scene, &settings).mean();
@@ -178,7 +178,7 @@ fn a_lamp_shows_on_the_side_that_shines(renderer: &Renderer) {
             "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nmaterial \"lamp\" {{ emit 2 0.5 0.25 }}\n\
                  object \"lamp\" material=\"lamp\" {{ rect 10 10 {{ normal 0 0 {facing} }} }}"
         ));
-        let mut show = |mode| {
+        let show = |mode| {
             let settings = Settings { size: [8, 8], samples: 1, mode, ..Settings::of(&scene) };
             render(renderer, &scene, &settings).mean().pixels[27]
         };

@@ -26,7 +26,7 @@ object "lamp" material="lamp" { sphere 0.15 { at 0.7 1.7 0 } }
 
 fn paths_that_share_a_ray_make_the_same_picture(renderer: &Renderer) {
     let scene = parse(ROOM);
-    let mut picture = |splitting, seed| {
+    let picture = |splitting, seed| {
         let settings =
             Settings { size: [64, 40], samples: 1024, seed, splitting: Some(splitting), ..Settings::of(&scene) };
         render(renderer, &scene, &settings).mean()
