@@ -1,12 +1,14 @@
 //! Description of a shape or operator: its name, documentation, source and the facts that hold for all its parameters.
 
+use std::borrow::Cow;
+
 /// Description of a shape, operator or modifier.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Info {
     /// Name in the scene language.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// One sentence: the solid and its position.
-    pub doc: &'static str,
+    pub doc: Cow<'static, str>,
     /// Author, work, year, section; a key of REFERENCES.md where there is one.
     pub source: &'static str,
     /// True if the value outside is the Euclidean distance, false if it is a lower bound of it.
@@ -34,8 +36,12 @@ pub enum Outline {
 }
 
 impl Info {
-    /// Description of an exact solid without size parameters; override fields with struct update syntax.
+    /// Description of a registered exact solid without size parameters; the methods below change it.
     pub const fn new(name: &'static str, doc: &'static str, source: &'static str) -> Self {
+        Self::with_names(Cow::Borrowed(name), Cow::Borrowed(doc), source)
+    }
+    /// Description with names of its own, for shapes that scenes declare; otherwise as [`new`](Self::new).
+    pub const fn with_names(name: Cow<'static, str>, doc: Cow<'static, str>, source: &'static str) -> Self {
         Self {
             name,
             doc,
@@ -47,5 +53,35 @@ impl Info {
             profile: false,
             outline: None,
         }
+    }
+    /// Marks the distance as a lower bound.
+    pub const fn inexact(mut self) -> Self {
+        self.exact = false;
+        self
+    }
+    /// Sets the number of leading parameters that form one size.
+    pub const fn size_params(mut self, count: usize) -> Self {
+        self.size_params = count;
+        self
+    }
+    /// Marks a surface without thickness.
+    pub const fn sheet(mut self) -> Self {
+        self.sheet = true;
+        self
+    }
+    /// Marks a shape that a placement may turn to a `normal`.
+    pub const fn facing(mut self) -> Self {
+        self.facing = true;
+        self
+    }
+    /// Marks a profile.
+    pub const fn profile(mut self) -> Self {
+        self.profile = true;
+        self
+    }
+    /// Sets the source of the outline of a drawn shape.
+    pub const fn outline(mut self, outline: Outline) -> Self {
+        self.outline = Some(outline);
+        self
     }
 }

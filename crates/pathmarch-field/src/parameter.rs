@@ -2,6 +2,8 @@
 //!
 //! The parser, the reference page, the window's controls and the tests read the same [`Param`].
 
+use std::borrow::Cow;
+
 /// Unit of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
@@ -31,10 +33,10 @@ impl Unit {
 }
 
 /// Specification of one parameter of a shape, operator or texture.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Param {
     /// Name in the scene language.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Unit of its values.
     pub unit: Unit,
     /// Value used when none is given.
@@ -46,33 +48,45 @@ pub struct Param {
     /// Largest allowed value.
     pub max: f32,
     /// One line of documentation.
-    pub doc: &'static str,
+    pub doc: Cow<'static, str>,
 }
 
 impl Param {
     /// Specification of a length above zero, metres.
     pub const fn length(name: &'static str, default: f32, doc: &'static str) -> Self {
+        let (name, doc) = (Cow::Borrowed(name), Cow::Borrowed(doc));
         Self { name, unit: Unit::Metres, default, min: 0.0, min_allowed: false, max: f32::MAX, doc }
     }
     /// Specification of a length of zero or more, metres.
     pub const fn length_or_zero(name: &'static str, default: f32, doc: &'static str) -> Self {
-        Self { min_allowed: true, ..Self::length(name, default, doc) }
+        Self::between(name, default, 0.0, f32::MAX, doc).with_unit(Unit::Metres)
     }
     /// Specification of any finite number, e.g. a component of a direction.
     pub const fn any(name: &'static str, default: f32, doc: &'static str) -> Self {
-        Self { name, unit: Unit::Ratio, default, min: f32::MIN, min_allowed: true, max: f32::MAX, doc }
+        Self::between(name, default, f32::MIN, f32::MAX, doc)
     }
     /// Specification of a number from `min` to `max`.
     pub const fn between(name: &'static str, default: f32, min: f32, max: f32, doc: &'static str) -> Self {
+        let (name, doc) = (Cow::Borrowed(name), Cow::Borrowed(doc));
         Self { name, unit: Unit::Ratio, default, min, min_allowed: true, max, doc }
     }
     /// Specification of a whole number from `min` to `max`.
     pub const fn count(name: &'static str, default: f32, min: f32, max: f32, doc: &'static str) -> Self {
-        Self { unit: Unit::Count, ..Self::between(name, default, min, max, doc) }
+        Self::between(name, default, min, max, doc).with_unit(Unit::Count)
     }
     /// Specification of an axis.
     pub const fn axis(name: &'static str, doc: &'static str) -> Self {
-        Self { unit: Unit::Axis, ..Self::between(name, 0.0, 0.0, 2.0, doc) }
+        Self::between(name, 0.0, 0.0, 2.0, doc).with_unit(Unit::Axis)
+    }
+    /// Sets the unit.
+    pub const fn with_unit(mut self, unit: Unit) -> Self {
+        self.unit = unit;
+        self
+    }
+    /// Sets the default.
+    pub const fn with_default(mut self, default: f32) -> Self {
+        self.default = default;
+        self
     }
     /// Reports whether `value` is finite and within the range.
     pub fn accepts(&self, value: f32) -> bool {

@@ -61,7 +61,7 @@ fn slopes_of_fractals_stay_below_their_constant() {
         let [[usual, usual_climbed], [any, any_climbed]] = steepest;
         println!(
             "{:12} |gradient| with defaults {usual:.3}, climbed {usual_climbed:.3}; any {any:.3}, climbed {any_climbed:.3}",
-            shape.info().name
+            &*shape.info().name
         );
     }
 }

@@ -70,7 +70,7 @@ fn modified() -> impl Strategy<Value = Node> {
                 Some(operator) => combined(*operator, smooth, children),
                 None => {
                     let modifier = modifiers()[(index - operators().len()) / 2];
-                    let params = modifier.params().iter().map(|param| match param.name {
+                    let params = modifier.params().iter().map(|param| match &*param.name {
                         // What is endless cannot be held by those that need an end.
                         "count" => 3.0,
                         _ => param.default,
@@ -234,7 +234,7 @@ fn a_placement_scales_then_turns_then_moves() {
 fn the_distance_to_some_objects_leaves_the_others_out() {
     let shape = |name: &str, params: &[f32], at: [f32; 3]| Node {
         kind: Kind::Shape {
-            shape: shapes().iter().copied().find(|shape| shape.info().name == name).expect("a shape").into(),
+            shape: shapes().iter().copied().find(|shape| &*shape.info().name == name).expect("a shape").into(),
             params: params.to_vec(),
             tag: 0,
         },
@@ -243,7 +243,7 @@ fn the_distance_to_some_objects_leaves_the_others_out() {
     let torus = shape("torus", &[1.0, 0.25], [0.0, 0.0, 9.0]);
     let field = Field::new(&[shape("sphere", &[1.0], [0.0; 3]), shape("sphere", &[1.0], [4.0, 0.0, 0.0]), torus]);
     let (p, none) = (Vec3::new(0.5, 0.0, 0.0), 99.0);
-    let distance = |counts: [bool; 3], own: f32| field.distance_to(p, &counts, own);
+    let distance = |included: [bool; 3], ignored: f32| field.distance_to(p, &included, ignored);
     assert!((distance([true; 3], none) - 0.5).abs() < 1e-6, "from inside, too");
     assert!((distance([true; 3], 0.0) - 2.5).abs() < 1e-6, "its own ball does not count");
     assert!((distance([false, true, true], none) - 2.5).abs() < 1e-6);
@@ -251,6 +251,9 @@ fn the_distance_to_some_objects_leaves_the_others_out() {
     assert_eq!(distance([false; 3], none), f32::INFINITY);
     let program = Program::new(&field);
     let text = Program::distances_to(&field, &[("some", &[false, true, true]), ("all", &[true; 3])]);
-    assert!(text.contains("fn some(p: vec3f, own: u32) -> f32") && text.contains("own == 1u"), "{text}");
+    assert!(
+        text.contains("fn some(p: vec3f, ignored_leaf: u32) -> f32") && text.contains("ignored_leaf == 1u"),
+        "{text}"
+    );
     validate(&(declared(&program) + &program.code + "\n" + &text));
 }

@@ -228,7 +228,7 @@ fn corners_and_edges_are_sharp() {
 #[test]
 fn every_bounded_shape_has_a_closed_mesh_on_its_surface() {
     for shape in shapes() {
-        let name = shape.info().name;
+        let name = &*shape.info().name;
         if shape.info().profile {
             continue;
         }
@@ -263,7 +263,7 @@ fn every_bounded_shape_has_a_closed_mesh_on_its_surface() {
 #[test]
 fn every_modifier_leaves_a_closed_mesh() {
     for modifier in modifiers() {
-        let name = modifier.info().name;
+        let name = &*modifier.info().name;
         let children =
             vec![leaf("box", &[0.6, 0.3, 0.2], at(0.5, 0.1, 0.0)), leaf("torus", &[0.4, 0.1], at(0.2, 0.2, 0.3))];
         let params = modifier.params().iter().map(|param| param.default).collect();

@@ -222,14 +222,14 @@ fn twisted_and_bent_points_are_where_they_should_be() {
 fn distances_are_bounds_and_gradients_agree_with_differences() {
     let mut random = Random::new(6);
     for modifier in modifiers() {
-        let name = modifier.info().name;
+        let name = &*modifier.info().name;
         for strength in [0.5_f32, 1.0, 3.0] {
             let mut inside = 0;
             for solid in solids() {
                 let params: Vec<f32> = modifier
                     .params()
                     .iter()
-                    .map(|param| match (name, param.name) {
+                    .map(|param| match (name, &*param.name) {
                         ("mirror", _) | ("polar", _) => param.default,
                         (_, "count") => 3.0,
                         (_, word) if word.starts_with("count") => param.default,

@@ -9,21 +9,21 @@ const BOUND_INSIDE: [&str; 2] = ["ellipsoid", "menger"];
 
 fn exact_at(case: &Case, distance: f32) -> bool {
     let info = case.shape.info();
-    info.exact && (distance > 0.0 || !BOUND_INSIDE.contains(&info.name))
+    info.exact && (distance > 0.0 || !BOUND_INSIDE.contains(&&*info.name))
 }
 
 #[test]
 fn names_and_parameters_are_sound() {
-    let mut names: Vec<_> = shapes().iter().map(|shape| shape.info().name).collect();
+    let mut names: Vec<_> = shapes().iter().map(|shape| &*shape.info().name).collect();
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), shapes().len(), "two shapes of one name");
     for shape in shapes() {
         let info = shape.info();
-        assert!(info.size_params <= shape.params().len(), "{}", info.name);
-        assert!(!info.doc.is_empty() && !info.source.is_empty(), "{}", info.name);
+        assert!(info.size_params <= shape.params().len(), "{}", &*info.name);
+        assert!(!info.doc.is_empty() && !info.source.is_empty(), "{}", &*info.name);
         for param in shape.params() {
-            assert!(param.accepts(param.default) && !param.doc.is_empty(), "{} {}", info.name, param.name);
+            assert!(param.accepts(param.default) && !param.doc.is_empty(), "{} {}", &*info.name, &*param.name);
         }
     }
 }
@@ -259,7 +259,7 @@ fn signs_follow_the_definition() {
             if distance.abs() < 1e-5 * (case.size + p.length()) {
                 continue;
             }
-            if let Some(inside) = inside(case.shape.info().name, p, &case.params) {
+            if let Some(inside) = inside(&*case.shape.info().name, p, &case.params) {
                 assert_eq!(distance < 0.0, inside, "{} {p:?}: {distance}", case.name());
             }
         }

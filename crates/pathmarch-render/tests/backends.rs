@@ -147,7 +147,7 @@ fn marched_shapes_look_as_those_met_in_closed_form(renderer: &Renderer) {
 /// Every registered shape, turned and scaled, once by itself and once in a blend, which must be marched.
 fn every_shape_renders_alike_on_both_backends_and_in_closed_form(renderers: &mut [Renderer]) {
     for shape in shapes() {
-        let name = shape.info().name;
+        let name = &*shape.info().name;
         let text = |solid: &str| {
             format!(
                 "pathmarch 1\ncamera {{ position 1 2 5; target 0 0.2 0; fov 35 }}\nsky 0.3 0.375 0.5\n\

@@ -68,7 +68,7 @@ pub fn material(name: &str, kind: &str, values: &[(&str, [f32; 3])]) -> Result<M
     let mut material = Material::new(name, kind);
     for (param, value) in values {
         let Some(index) = kind.params.iter().position(|known| known.name == *param) else {
-            let known = kind.params.iter().map(|param| param.name);
+            let known = kind.params.iter().map(|param| &*param.name);
             return refuse(format!(
                 "material \"{name}\": no parameter \"{param}\"; {} has {}",
                 kind.name,
@@ -112,7 +112,7 @@ pub fn operator(name: &str, blend: Option<Blend>, children: Vec<Node>) -> Result
 /// # Errors
 /// For an operator that is not there, numbers that it does not take, and no children.
 pub fn modifier(name: &str, numbers: &[f32], children: Vec<Node>) -> Result<Node, PartsError> {
-    let found = registry::modifiers().iter().copied().find(|modifier| modifier.info().name == name);
+    let found = registry::modifiers().iter().copied().find(|modifier| &*modifier.info().name == name);
     let Some(modifier) = found else { return refuse(format!("there is no operator \"{name}\" that changes shapes")) };
     let node = placed(Kind::Modifier { modifier, params: numbers.to_vec(), children });
     check_kind(&node.kind)?;
@@ -292,7 +292,7 @@ fn check_material(material: &Material) -> Result<(), PartsError> {
 
 fn check_numbers(what: &str, params: &[Param], numbers: &[f32]) -> Result<(), PartsError> {
     if params.len() != numbers.len() {
-        let names = listed(params.iter().map(|param| param.name));
+        let names = listed(params.iter().map(|param| &*param.name));
         return refuse(format!("\"{what}\" takes {} numbers ({names}), not {}", params.len(), numbers.len()));
     }
     for (param, &number) in params.iter().zip(numbers) {
@@ -309,15 +309,17 @@ fn check_kind(kind: &Kind) -> Result<(), PartsError> {
     match kind {
         // Its outline is behind its parameters; only the language makes such a shape, and checks it.
         Kind::Shape { shape, .. } if shape.info().outline.is_some() => Ok(()),
-        Kind::Shape { shape, params, .. } => check_numbers(shape.info().name, shape.params(), params),
+        Kind::Shape { shape, params, .. } => check_numbers(&*shape.info().name, shape.params(), params),
         Kind::Operator { operator, smooth, children } => {
-            let (name, (least, most)) = (operator.info().name, operator.children());
+            let (name, (least, most)) = (&*operator.info().name, operator.children());
             if !(least..=most).contains(&children.len()) {
                 let most = if most == usize::MAX { "or more".to_owned() } else { format!("to {most}") };
                 return refuse(format!("\"{name}\" takes {least} {most} shapes, not {}", children.len()));
             }
             match (smooth, operator.params()) {
-                (Some(blend), [param]) if !operator.blends() => check_numbers(name, &[*param], &[blend.amount]),
+                (Some(blend), [param]) if !operator.blends() => {
+                    check_numbers(name, std::slice::from_ref(param), &[blend.amount])
+                }
                 (None, [_]) if !operator.blends() => refuse(format!("\"{name}\" needs the amount of a blend")),
                 (Some(_), _) if !operator.blends() => refuse(format!("\"{name}\" does not blend")),
                 (Some(blend), _) if !(blend.amount > 0.0 && blend.amount.is_finite()) => {
@@ -330,7 +332,7 @@ fn check_kind(kind: &Kind) -> Result<(), PartsError> {
             }
         }
         Kind::Modifier { modifier, params, children } => {
-            let name = modifier.info().name;
+            let name = &*modifier.info().name;
             if children.is_empty() {
                 return refuse(format!("\"{name}\" needs a shape"));
             }
@@ -369,7 +371,7 @@ fn check_node(node: &Node, place: Place, materials: usize, shapes: &mut usize) -
     let (children, in_profile) = match &node.kind {
         Kind::Shape { shape, tag, .. } => {
             *shapes += 1;
-            let name = shape.info().name;
+            let name = &*shape.info().name;
             if *shapes > MAX_SHAPES {
                 return refuse(format!("a scene has at most {MAX_SHAPES} shapes"));
             }

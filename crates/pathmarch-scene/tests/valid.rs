@@ -171,11 +171,11 @@ fn one_size() {
             continue;
         }
         let values = params(&format!("{} 1.5", info.name));
-        assert!(values[..sizes].iter().all(|&v| v == 1.5), "{}: {values:?}", info.name);
+        assert!(values[..sizes].iter().all(|&v| v == 1.5), "{}: {values:?}", &*info.name);
         if all.len() > sizes && sizes > 2 {
             let values = params(&format!("{} 1.5 0.25", info.name));
-            assert!(values[..sizes].iter().all(|&v| v == 1.5), "{}: {values:?}", info.name);
-            assert_eq!(values[sizes], 0.25, "{}", info.name);
+            assert!(values[..sizes].iter().all(|&v| v == 1.5), "{}: {values:?}", &*info.name);
+            assert_eq!(values[sizes], 0.25, "{}", &*info.name);
         }
     }
 }
@@ -184,13 +184,13 @@ fn one_size() {
 #[test]
 fn every_shape() {
     for shape in pathmarch_field::registry::shapes() {
-        let mut text = shape.info().name.to_owned();
+        let mut text = shape.info().name.to_string();
         for param in shape.params() {
             text += &format!(" {}={}", param.name, param.default);
         }
         let defaults: Vec<f32> = shape.params().iter().map(|param| param.default).collect();
         assert_eq!(params(&text), defaults, "{text}");
-        assert_eq!(params(shape.info().name), defaults, "{text}");
+        assert_eq!(params(&*shape.info().name), defaults, "{text}");
     }
 }
 
@@ -220,9 +220,9 @@ fn materials_and_tags() {
     let own: Vec<_> = scene.objects.iter().map(|object| object.material).collect();
     assert_eq!(own, [0, 2, 1]);
     let Kind::Operator { operator, smooth: None, children } = &scene.objects[0].root.kind else { panic!("no union") };
-    assert_eq!((operator.info().name, children.len()), ("union", 2));
+    assert_eq!((&*operator.info().name, children.len()), ("union", 2));
     let Kind::Operator { operator, smooth: Some(blend), children } = &children[0].kind else { panic!("not smooth") };
-    assert_eq!((operator.info().name, blend.amount, children.len()), ("subtract", 0.05, 3));
+    assert_eq!((&*operator.info().name, blend.amount, children.len()), ("subtract", 0.05, 3));
 }
 
 #[test]

@@ -31,9 +31,8 @@ use crate::shapes::{self, EvalShape, Shape, ShapeDef};
 use machine::{Machine, Mask};
 pub use module::Code;
 use std::cell::RefCell;
-use std::collections::HashSet;
 use std::ops::Range;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use wide::f32x8;
 
 /// Largest length of the code of a custom shape, bytes.
@@ -65,29 +64,6 @@ pub struct CustomShape {
     lipschitz: f32,
     edges: Option<[f32; 3]>,
     code: Arc<Code>,
-}
-
-/// Bytes of all names and descriptions that a program ever gave to own shapes: more than a person types in a year.
-const MAX_NAMES: usize = 64 << 20;
-
-static NAMES: Mutex<(Option<HashSet<&'static str>>, usize)> = Mutex::new((None, 0));
-
-/// A name or description as shapes have it: for as long as the program runs. The same text is kept once; nothing past 64 MiB
-/// of different ones, which is far from what editing comes to.
-pub fn keep(text: &str) -> Option<&'static str> {
-    let mut names = NAMES.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-    let (known, bytes) = &mut *names;
-    let known = known.get_or_insert_default();
-    if let Some(name) = known.get(text) {
-        return Some(name);
-    }
-    *bytes += text.len();
-    if *bytes > MAX_NAMES {
-        return None;
-    }
-    let name: &'static str = text.to_owned().leak();
-    known.insert(name);
-    Some(name)
 }
 
 /// Half edge of the box of an unbounded shape, metres.

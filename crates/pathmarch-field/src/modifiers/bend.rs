@@ -19,10 +19,7 @@ use super::bounding_box::{ENDLESS, box_distance, corners};
 pub(crate) struct Op;
 
 impl ModifierDef for Op {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new("bend", "Bends the x axis of its child upwards into a circle.", "Barr 1984, section 4")
-    };
+    const INFO: Info = Info::new("bend", "Bends the x axis of its child upwards into a circle.", "Barr 1984, section 4").inexact();
     const PARAMS: &'static [Param] = &[Param::between("turns-per-metre", 0.1, 1e-4, 100.0, "Turns over a metre of the x axis; at most half a turn of it is kept.")];
     type Coefficients<N: Real> = [N; 8];
     const NEEDS_BOUNDS: bool = true;

@@ -45,12 +45,12 @@ pub trait Modifier: EvalModifier<f32x8> + EvalModifier<f32> + Send + Sync {
     fn wgsl(&self) -> String;
     /// Prefix of the names of its WGSL functions.
     fn wgsl_name(&self) -> String {
-        identifier(self.info().name).trim_end_matches('_').to_owned()
+        identifier(&self.info().name).trim_end_matches('_').to_owned()
     }
 }
 
 impl Debug for dyn Modifier {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.info().name)
+        f.write_str(&self.info().name)
     }
 }

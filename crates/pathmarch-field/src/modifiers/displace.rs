@@ -13,13 +13,10 @@ use super::bounding_box::{box_distance, corners};
 pub(crate) struct Op;
 
 impl ModifierDef for Op {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new("displace", "Displaces the surface of its child in and out by a wave.", "Quilez 2008, displacement")
-    };
+    const INFO: Info = Info::new("displace", "Displaces the surface of its child in and out by a wave.", "Quilez 2008, displacement").inexact();
     const PARAMS: &'static [Param] = &[
         Param::length_or_zero("amplitude", 0.05, "How far the surface moves, to either side."),
-        Param { unit: crate::parameter::Unit::Ratio, ..Param::length("frequency", 2.0, "Waves in a metre.") },
+        Param::length("frequency", 2.0, "Waves in a metre.").with_unit(crate::parameter::Unit::Ratio),
     ];
     type Coefficients<N: Real> = [N; 9];
 

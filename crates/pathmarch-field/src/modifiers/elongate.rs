@@ -10,15 +10,11 @@ use crate::parameter::Param;
 pub(crate) struct Op;
 
 impl ModifierDef for Op {
-    const INFO: Info = Info {
-        exact: false,
-        size_params: 3,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "elongate",
             "Cuts its child in the middle, moves the parts apart and joins them straight.",
             "Quilez 2019, elongation",
-        )
-    };
+        ).inexact().size_params(3);
     const PARAMS: &'static [Param] = &[
         Param::length_or_zero("x", 0.5, "Length of the straight piece along x."),
         Param::length_or_zero("y", 0.0, "Length of the straight piece along y."),

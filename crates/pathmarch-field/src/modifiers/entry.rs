@@ -70,7 +70,7 @@ impl<T: ModifierDef, N: Differentiable> EvalModifier<N> for Entry<T> {
 
 impl<T: ModifierDef> Modifier for Entry<T> {
     fn info(&self) -> &'static Info {
-        &T::INFO
+        const { &T::INFO }
     }
     fn params(&self) -> &'static [Param] {
         T::PARAMS
@@ -128,7 +128,7 @@ impl<T: ModifierDef> Modifier for Entry<T> {
                 self,
                 "distance",
                 &[("p", "vec3f"), ("inside", "f32")],
-                T::INFO.doc.to_owned(),
+                T::INFO.doc.into_owned(),
                 count,
                 &|inputs, coefficients| vec![T::distance(Expr::point(inputs, 0), inputs[3], plain(coefficients))],
             ),

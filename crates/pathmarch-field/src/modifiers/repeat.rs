@@ -38,14 +38,11 @@ fn nearby(params: &[f32], inside: Aabb, k: usize) -> f32 {
 const MAX_COPIES: f32 = 5.0;
 
 impl ModifierDef for Op {
-    const INFO: Info = Info {
-        size_params: 3,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "repeat",
             "Copies of its child on a lattice around the origin, endless unless counted.",
             "Quilez 2008, domain repetition",
-        )
-    };
+        ).size_params(3);
     const PARAMS: &'static [Param] = &[
         Param::length_or_zero("x", 2.0, "Distance of the copies along x; 0 for none."),
         Param::length_or_zero("y", 0.0, "Distance of the copies along y; 0 for none."),

@@ -13,14 +13,11 @@ use crate::parameter::Param;
 pub(crate) struct Op;
 
 impl ModifierDef for Op {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "revolve",
             "A profile turned about the y axis, as on a lathe; of a solid, its slice at z = 0.",
             "Quilez 2008, revolution",
-        )
-    };
+        ).inexact();
     const PARAMS: &'static [Param] =
         &[Param::length_or_zero("offset", 0.0, "From the axis to the origin of the profile.")];
     type Coefficients<N: Real> = [N; 1];

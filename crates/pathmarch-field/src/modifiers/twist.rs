@@ -16,10 +16,7 @@ use super::bounding_box::{box_distance, corners, reach};
 pub(crate) struct Op;
 
 impl ModifierDef for Op {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new("twist", "Twists its child about the y axis, in proportion to the height.", "Barr 1984, section 3")
-    };
+    const INFO: Info = Info::new("twist", "Twists its child about the y axis, in proportion to the height.", "Barr 1984, section 3").inexact();
     const PARAMS: &'static [Param] = &[Param::between("turns-per-metre", 0.25, -1000.0, 1000.0, "Turns over a metre of height, right-handed about y.")];
     type Coefficients<N: Real> = [N; 9];
     const NEEDS_BOUNDS: bool = true;

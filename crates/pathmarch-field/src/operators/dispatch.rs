@@ -63,6 +63,6 @@ pub trait Operator: EvalOperator<f32x8> + EvalOperator<f32> + Send + Sync {
 
 impl Debug for dyn Operator {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.info().name)
+        f.write_str(&self.info().name)
     }
 }

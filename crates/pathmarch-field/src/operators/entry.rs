@@ -29,7 +29,7 @@ fn operator_function(
 ) -> Function<'static> {
     let info = operator.info();
     let doc = match suffix {
-        "distance" => info.doc.to_owned(),
+        "distance" => info.doc.clone().into_owned(),
         "gradient" => format!("Gradient (xyz) and distance (w) of `{}`.", info.name),
         _ => format!("Weight of b's material in `{}`, 0..1.", info.name),
     };
@@ -60,7 +60,7 @@ impl<T: OperatorDef, N: Differentiable> EvalOperator<N> for Entry<T> {
 
 impl<T: OperatorDef> Operator for Entry<T> {
     fn info(&self) -> &'static Info {
-        &T::INFO
+        const { &T::INFO }
     }
     fn params(&self) -> &'static [Param] {
         T::PARAMS

@@ -11,7 +11,7 @@ use super::union::SOURCE;
 pub(crate) struct Op;
 
 impl OperatorDef for Op {
-    const INFO: Info = Info { exact: false, ..Info::new("intersect", "Intersection of all children.", SOURCE) };
+    const INFO: Info = Info::new("intersect", "Intersection of all children.", SOURCE).inexact();
     const BOOLEAN: Option<Boolean> = Some(Boolean::Intersection);
 
     #[inline(always)]

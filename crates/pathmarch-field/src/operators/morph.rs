@@ -12,10 +12,7 @@ use crate::parameter::Param;
 pub(crate) struct Op;
 
 impl OperatorDef for Op {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new("morph", "A shape between two.", "Payne and Toga 1992, section 4")
-    };
+    const INFO: Info = Info::new("morph", "A shape between two.", "Payne and Toga 1992, section 4").inexact();
     const PARAMS: &'static [Param] =
         &[Param::between("amount", 0.5, 0.0, 1.0, "0 is the first child, 1 the second; materials change with it.")];
     const BLENDS: bool = false;

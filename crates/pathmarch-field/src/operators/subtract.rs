@@ -12,7 +12,7 @@ pub(crate) struct Op;
 
 impl OperatorDef for Op {
     const INFO: Info =
-        Info { exact: false, ..Info::new("subtract", "The first child without the others.", SOURCE) };
+        Info::new("subtract", "The first child without the others.", SOURCE).inexact();
     const CHILDREN: (usize, usize) = (2, usize::MAX);
     const BOOLEAN: Option<Boolean> = Some(Boolean::Difference);
 

@@ -13,7 +13,7 @@ pub(crate) struct Op;
 pub(super) const SOURCE: &str = "Ricci 1973; blends: Quilez 2013, quadratic smooth minimum, and Mercury 2015";
 
 impl OperatorDef for Op {
-    const INFO: Info = Info { exact: false, ..Info::new("union", "Union of all children.", SOURCE) };
+    const INFO: Info = Info::new("union", "Union of all children.", SOURCE).inexact();
     const BOOLEAN: Option<Boolean> = Some(Boolean::Union);
 
     #[inline(always)]

@@ -11,10 +11,7 @@ use crate::ray_interval::RayInterval;
 pub(crate) struct Shape;
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        size_params: 3,
-        ..Info::new("box", "Box centred at the origin, its edges along the axes.", "Quilez 2008, box")
-    };
+    const INFO: Info = Info::new("box", "Box centred at the origin, its edges along the axes.", "Quilez 2008, box").size_params(3);
     const PARAMS: &'static [Param] = &[
         Param::length("x", 1.0, "Edge length along x."),
         Param::length("y", 1.0, "Edge length along y."),

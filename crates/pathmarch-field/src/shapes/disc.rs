@@ -13,11 +13,7 @@ use crate::ray_interval::T_MAX;
 pub(crate) struct Shape;
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        sheet: true,
-        facing: true,
-        ..Info::new("disc", "Round sheet without thickness in the plane y = 0; faces +y.", "Quilez 2008, capped cylinder")
-    };
+    const INFO: Info = Info::new("disc", "Round sheet without thickness in the plane y = 0; faces +y.", "Quilez 2008, capped cylinder").sheet().facing();
     const PARAMS: &'static [Param] = &[Param::length("radius", 1.0, "Distance from the centre to the rim.")];
     type Params<N: Real> = [N; 1];
 

@@ -110,7 +110,7 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     fn wgsl_gradient(&self) -> String;
     /// Prefix of the names of its WGSL functions.
     fn wgsl_name(&self) -> String {
-        identifier(self.info().name).trim_end_matches('_').to_owned()
+        identifier(&self.info().name).trim_end_matches('_').to_owned()
     }
     /// Lipschitz constant declared in the scene, by which the distance is divided.
     fn declared_lipschitz(&self) -> Option<f32> {
@@ -124,7 +124,7 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
 
 impl Debug for dyn Shape {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.info().name)
+        f.write_str(&self.info().name)
     }
 }
 

@@ -37,14 +37,11 @@ const TOLERANCE: f32 = 1e-5;
 const TINY: f32 = 1e-20;
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        size_params: 3,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "ellipsoid",
             "Ellipsoid centred at the origin, its axes along the coordinate axes.",
             "Eberly 2013, section 3; Moré and Sorensen 1983, section 3",
-        )
-    };
+        ).size_params(3);
     const PARAMS: &'static [Param] = &[
         Param::length("x", 1.0, "Radius along x."),
         Param::length("y", 0.5, "Radius along y."),

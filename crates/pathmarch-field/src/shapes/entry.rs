@@ -21,9 +21,9 @@ impl<T> Entry<T> {
 }
 
 /// Signature of a shape's WGSL function: its points, then its parameters.
-fn shape_function(shape: &dyn Shape, suffix: &str, points: &[&'static str], doc: String) -> Function<'static> {
+fn shape_function<'a>(shape: &'a dyn Shape, suffix: &str, points: &[&'static str], doc: String) -> Function<'a> {
     let points = points.iter().map(|&p| (p, "vec3f"));
-    let parameters = points.chain(shape.params().iter().map(|p| (p.name, "f32"))).collect();
+    let parameters = points.chain(shape.params().iter().map(|p| (&*p.name, "f32"))).collect();
     Function { name: format!("{}_{suffix}", shape.wgsl_name()), doc, parameters }
 }
 
@@ -54,7 +54,7 @@ impl<T: ShapeDef, N: Differentiable> EvalShape<N> for Entry<T> {
 
 impl<T: ShapeDef> Shape for Entry<T> {
     fn info(&self) -> &Info {
-        &T::INFO
+        const { &T::INFO }
     }
     fn params(&self) -> &[Param] {
         T::PARAMS
@@ -63,7 +63,7 @@ impl<T: ShapeDef> Shape for Entry<T> {
         T::variant(values(params))
     }
     fn wgsl_name(&self) -> String {
-        shape_name(T::INFO.name, T::VARIANT)
+        shape_name(&T::INFO.name, T::VARIANT)
     }
     fn bounds(&self, params: &[f32]) -> Aabb {
         T::bounds(values(params))
@@ -85,11 +85,11 @@ impl<T: ShapeDef> Shape for Entry<T> {
     }
     fn wgsl_orbit(&self) -> String {
         let doc = "Orbit traps of `NAME`: point, line, plane, sphere; fraction of iterations.";
-        shape_function(self, "orbit", &["p"], doc.replace("NAME", T::INFO.name))
+        shape_function(self, "orbit", &["p"], doc.replace("NAME", &T::INFO.name))
             .print(&|inputs| T::orbit(Expr::point(inputs, 0), T::Params::from_fn(|k| inputs[3 + k])).to_vec())
     }
     fn wgsl_interval(&self) -> String {
-        let doc = "Interval of a line inside `NAME`, metres.".replace("NAME", T::INFO.name);
+        let doc = "Interval of a line inside `NAME`, metres.".replace("NAME", &T::INFO.name);
         shape_function(self, "interval", &["origin", "direction"], doc).print(&|inputs| {
             let params = T::Params::from_fn(|k| inputs[6 + k]);
             let RayInterval { enter, leave } = T::interval(Expr::point(inputs, 0), Expr::point(inputs, 1), params);
@@ -97,17 +97,17 @@ impl<T: ShapeDef> Shape for Entry<T> {
         })
     }
     fn wgsl_ray(&self) -> String {
-        let doc = "Metres to the first hit of a ray with `NAME`.".replace("NAME", T::INFO.name);
+        let doc = "Metres to the first hit of a ray with `NAME`.".replace("NAME", &T::INFO.name);
         shape_function(self, "ray", &["origin", "direction"], doc).print(&|inputs| {
             vec![T::ray(Expr::point(inputs, 0), Expr::point(inputs, 1), T::Params::from_fn(|k| inputs[6 + k]))]
         })
     }
     fn wgsl_distance(&self) -> String {
-        shape_function(self, "distance", &["p"], T::INFO.doc.to_owned())
+        shape_function(self, "distance", &["p"], T::INFO.doc.into_owned())
             .print(&|inputs| vec![T::distance_compact(Expr::point(inputs, 0), T::Params::from_fn(|k| inputs[3 + k]))])
     }
     fn wgsl_gradient(&self) -> String {
-        let doc = "Gradient (xyz) and distance (w) of `NAME`.".replace("NAME", T::INFO.name);
+        let doc = "Gradient (xyz) and distance (w) of `NAME`.".replace("NAME", &T::INFO.name);
         shape_function(self, "gradient", &["p"], doc).print(&|inputs| {
             let p = Dual::variables(Expr::point(inputs, 0));
             Expr::outputs(T::distance_compact(p, T::Params::from_fn(|k| Dual::independent(inputs[3 + k]))))

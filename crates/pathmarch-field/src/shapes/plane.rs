@@ -12,10 +12,7 @@ use crate::ray_interval::RayInterval;
 pub(crate) struct Shape;
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        facing: true,
-        ..Info::new("plane", "Endless plane through the origin, solid below; faces +y.", "Hart 1996, appendix A")
-    };
+    const INFO: Info = Info::new("plane", "Endless plane through the origin, solid below; faces +y.", "Hart 1996, appendix A").facing();
     const PARAMS: &'static [Param] = &[];
     type Params<N: Real> = [N; 0];
 

@@ -14,12 +14,7 @@ use crate::ray_interval::T_MAX;
 pub(crate) struct Shape;
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        sheet: true,
-        facing: true,
-        size_params: 2,
-        ..Info::new("rect", "Rectangular sheet without thickness in the plane y = 0; faces +y.", "Quilez 2008, box")
-    };
+    const INFO: Info = Info::new("rect", "Rectangular sheet without thickness in the plane y = 0; faces +y.", "Quilez 2008, box").sheet().facing().size_params(2);
     const PARAMS: &'static [Param] =
         &[Param::length("x", 1.0, "Edge length along x."), Param::length("z", 1.0, "Edge length along z.")];
     type Params<N: Real> = [N; 2];

@@ -11,14 +11,11 @@ use crate::shapes::ShapeDef;
 pub(crate) struct Shape;
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        size_params: 3,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "rounded-box",
             "Box with rounded edges and corners, centred at the origin, its edges along the axes.",
             "Quilez 2008, round box",
-        )
-    };
+        ).size_params(3);
     const PARAMS: &'static [Param] = &[
         Param::length("x", 1.0, "Size along x, rounding included."),
         Param::length("y", 1.0, "Size along y, rounding included."),

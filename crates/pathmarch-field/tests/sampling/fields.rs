@@ -16,10 +16,10 @@ pub struct Declared {
 
 impl Declared {
     pub fn shape(&self) -> CustomShape {
-        let names: Vec<String> = self.params.iter().map(|param| param.name.to_owned()).collect();
+        let names: Vec<String> = self.params.iter().map(|param| param.name.to_string()).collect();
         let code =
             Code::new(self.name, &names, self.text).unwrap_or_else(|faults| panic!("{}: {faults:#?}", self.name));
-        let info = Info { exact: false, ..Info::new(self.name, "A field.", "a test") };
+        let info = Info::new(self.name, "A field.", "a test").inexact();
         CustomShape::new(info, self.params.clone(), self.lipschitz, self.edges, Arc::new(code))
     }
 }

@@ -22,13 +22,16 @@ use pathmarch_field::{Modifier, Shape, Solid, Unit, registry};
 
 /// What may be added to a node of this kind, or to the file.
 pub(super) fn additions(work: &Work, parent: Option<ItemKind>) -> Vec<Addition> {
-    let shapes =
-        |group| work.fields().all_shapes().map(move |shape| addition(group, shape.info().name, shape.info().doc));
+    let shapes = |group| {
+        work.fields()
+            .all_shapes()
+            .map(move |shape| addition(group, interned(&shape.info().name), interned(&shape.info().doc)))
+    };
     let operators = registry::solids().filter(|solid| solid.is_operator());
     match parent {
         Some(kind) if kind.holds_shapes() => declared(work)
             .chain(shapes(Group::Shape))
-            .chain(operators.map(|op| addition(Group::Operator, op.info().name, op.info().doc)))
+            .chain(operators.map(|op| addition(Group::Operator, &*op.info().name, &*op.info().doc)))
             .collect(),
         Some(_) => Vec::new(),
         None => {
@@ -151,7 +154,7 @@ fn shape_text(shape: &dyn Shape) -> String {
         None => {}
     }
     let numbers = shape.params().iter().map(|param| number(param.default));
-    std::iter::once(shape.info().name.to_owned()).chain(numbers).collect::<Vec<_>>().join(" ")
+    std::iter::once(shape.info().name.to_string()).chain(numbers).collect::<Vec<_>>().join(" ")
 }
 
 /// A shape with its numbers, with a depth if it has none of its own.
@@ -175,7 +178,7 @@ fn modifier_text(modifier: &dyn Modifier) -> String {
         Unit::Axis => quoted(AXES[param.default as usize]),
         _ => format!("{}={}", param.name, number(param.default)),
     });
-    let words: Vec<String> = std::iter::once(modifier.info().name.to_owned()).chain(numbers).collect();
+    let words: Vec<String> = std::iter::once(modifier.info().name.to_string()).chain(numbers).collect();
     format!("{} {{\n\t{} {{ at 0.6 0 0 }}\n}}", words.join(" "), finite_shapes().nth(1).unwrap_or_default())
 }
 

@@ -338,7 +338,7 @@ impl List<'_> {
         let Some(kind) = material_kind(self.node) else { return self.kind(kinds, "", "What it is made of.") };
         self.kind(kinds, kind.name, kind.doc);
         for (index, param) in kind.params.iter().enumerate() {
-            let owner = if index == 0 { kind.name } else { param.name };
+            let owner = if index == 0 { kind.name } else { &*param.name };
             if !self.texture_of(param, owner) {
                 self.push(material_control(param), Place::Node(owner));
                 self.texture_choice_of(param, owner);
@@ -362,9 +362,9 @@ impl List<'_> {
     fn solid(&mut self, file: &Block<'static>, solid: Solid) {
         let is_alike =
             |other: &Solid| other.is_operator() == solid.is_operator() && other.info().profile == solid.info().profile;
-        let own = self.values.fields.names().filter(|_| !solid.is_operator() && !solid.info().profile);
-        let alike = registry::solids().filter(is_alike).map(|other| other.info().name).chain(own);
-        self.kind(alike.collect(), solid.info().name, solid.info().doc);
+        let own = self.values.fields.names().filter(|_| !solid.is_operator() && !solid.info().profile).map(interned);
+        let alike = registry::solids().filter(is_alike).map(|other| interned(&other.info().name)).chain(own);
+        self.kind(alike.collect(), &solid.info().name, interned(&solid.info().doc));
         if solid.info().outline == Some(Outline::Text) {
             let words = Value::Text(DEFAULT_TEXT.to_owned());
             let doc = "What it says; \\n begins another line.";
@@ -448,12 +448,26 @@ pub(super) fn parameter_value(param: &Param, value: f32) -> Value {
 pub(super) fn parameter_control(param: &Param) -> Control {
     if param.unit == Unit::Axis {
         let kind = ControlKind::Choice(AXES.map(Cow::Borrowed).to_vec());
-        return control(param.name, param.name, param.doc, "", kind, parameter_value(param, param.default));
+        return control(
+            interned(&param.name),
+            interned(&param.name),
+            interned(&param.doc),
+            "",
+            kind,
+            parameter_value(param, param.default),
+        );
     }
     let range = Range { min: param.min, min_allowed: param.min_allowed, max: param.max, max_allowed: true };
     let unit = if param.unit == Unit::Count { "" } else { param.unit.name() };
     let range = number_range(range, param.unit == Unit::Count, unit, Some(param.default));
-    control(param.name, param.name, param.doc, unit, ControlKind::Number(range), Value::Number(param.default))
+    control(
+        interned(&param.name),
+        interned(&param.name),
+        interned(&param.doc),
+        unit,
+        ControlKind::Number(range),
+        Value::Number(param.default),
+    )
 }
 
 /// A parameter of a kind of material.
@@ -465,7 +479,7 @@ pub(super) fn material_control(param: &'static MaterialParam) -> Control {
             (ControlKind::Number(range), Value::Number(param.default[0]))
         }
     };
-    control(param.name, param.name, param.doc, "", kind, default)
+    control(interned(&param.name), interned(&param.name), interned(&param.doc), "", kind, default)
 }
 
 /// What the example in the table begins with.
@@ -612,7 +626,7 @@ fn read_parameter(param: &Param, entry: &Entry) -> Option<Value> {
 /// Whether the first argument of a shape stands for several sizes.
 pub(super) fn has_one_size(solid: Solid, node: &Node<'static>) -> bool {
     let sizes = solid.info().size_params;
-    let named = solid.params()[..sizes].iter().any(|param| property(node, param.name).is_some());
+    let named = solid.params()[..sizes].iter().any(|param| property(node, &*param.name).is_some());
     sizes > 1 && !named && (1..sizes).contains(&arguments(node).count())
 }
 
@@ -635,7 +649,7 @@ pub(super) fn parameters<'n>(solid: Solid, node: &'n Node<'static>) -> Vec<Optio
             true => index + 1 - sizes,
             false => index,
         };
-        number_arguments(solid, node).nth(slot).or_else(|| property(node, param.name))
+        number_arguments(solid, node).nth(slot).or_else(|| property(node, &*param.name))
     };
     solid.params().iter().enumerate().map(|(index, param)| entry(index, param)).collect()
 }

@@ -251,7 +251,7 @@ pub(super) fn move_to(work: &mut Work, path: &Path, parent: Option<&Path>, index
 pub(super) fn group(work: &mut Work, paths: &[Path], operator: &str) -> Result<Path, EditError> {
     if !registry::solid(operator).is_some_and(Solid::is_operator) {
         let operators = registry::solids().filter(|solid| solid.is_operator());
-        let names = listed(operators.map(|operator| operator.info().name), "or");
+        let names = listed(operators.map(|operator| &*operator.info().name), "or");
         return Err(EditError::NotHere(format!("There is no operator `{operator}`. Expected {names}.")));
     }
     let mut paths = paths.to_vec();

@@ -78,14 +78,14 @@ impl List<'_> {
         }
         let known = texture_node(self.node, owner).is_some();
         if known {
-            self.texture(param.name, owner, param.kind == ParamKind::Colour, &[]);
+            self.texture(&*param.name, owner, param.kind == ParamKind::Colour, &[]);
             if let ParamKind::Number = param.kind {
                 for (word, doc, default) in [
                     ("from", "Value of the parameter for a value of 0.", param.min),
                     ("to", "Value of the parameter for a value of 1.", param.max),
                 ] {
-                    let end = Param { default, ..Param::between("", 0.0, param.min, param.max, doc) };
-                    self.inside(param.name, owner, word, &end, Inside::Property(word));
+                    let end = Param::between("", 0.0, param.min, param.max, doc).with_default(default);
+                    self.inside(&*param.name, owner, word, &end, Inside::Property(word));
                 }
             }
         }
@@ -95,14 +95,14 @@ impl List<'_> {
     /// What makes a texture stand for a parameter that has a value.
     pub(super) fn texture_choice_of(&mut self, param: &'static MaterialParam, owner: &'static str) {
         if param.texturing != Texturing::None {
-            self.choice(param.name, owner);
+            self.choice(&*param.name, owner);
         }
     }
 
     /// The relief.
     pub(super) fn bump(&mut self) {
         match texture_node(self.node, BUMP) {
-            Some(_) => self.texture(BUMP, BUMP, false, &[HEIGHT]),
+            Some(_) => self.texture(BUMP, BUMP, false, std::slice::from_ref(&HEIGHT)),
             None => self.choice(BUMP, BUMP),
         }
     }
@@ -112,7 +112,7 @@ impl List<'_> {
         let Some(node) = child(self.node, ORBIT_TRAP) else { return };
         for (word, default) in [("from", 0.0), ("to", 1.0)] {
             let doc = "Value of the trap at this end of its colours.";
-            let end = Param { default, ..Param::any("", 0.0, doc) };
+            let end = Param::any("", 0.0, doc).with_default(default);
             self.inside(ORBIT_TRAP, ORBIT_TRAP, word, &end, Inside::Property(word));
         }
         self.colours(ORBIT_TRAP, ORBIT_TRAP, colours(node).count());
@@ -151,7 +151,7 @@ impl List<'_> {
             }
         };
         for param in params.iter().chain(more) {
-            self.inside(name, owner, param.name, param, Inside::Property(param.name));
+            self.inside(name, owner, &*param.name, param, Inside::Property(&*param.name));
         }
         for setting in PLACEMENT {
             let key = made_key(format!("{name}.texture.{}", setting.name));
@@ -214,8 +214,8 @@ impl<'d> Writer<'d> {
         let Some(node) = child(self.node, owner) else { return self.insert(&format!("{owner} {{ {kind} }}")) };
         if let Some(texture) = texture_node(self.node, owner) {
             let known: Vec<&str> =
-                textures::kind(kind).into_iter().flat_map(|kind| kind.params).map(|p| p.name).collect();
-            let stays = |name: &str| known.contains(&name) || ["from", "to", HEIGHT.name].contains(&name);
+                textures::kind(kind).into_iter().flat_map(|kind| kind.params).map(|p| &*p.name).collect();
+            let stays = |name: &str| known.contains(&name) || ["from", "to", &HEIGHT.name].contains(&name);
             let mut patches = vec![Patch::replace(bytes(texture.name.span), kind)];
             for entry in &texture.entries {
                 if !entry.name.as_ref().is_some_and(|name| stays(&name.value)) {

@@ -10,8 +10,9 @@ use super::report::{Report, draft, shown};
 use super::strings::origins;
 use super::tree::{Block, Entry, Node, Span};
 use crate::assets::Assets;
-use pathmarch_field::custom_sdf::{CodeDiagnostic, MAX_PARAMS, keep};
+use pathmarch_field::custom_sdf::{CodeDiagnostic, MAX_PARAMS};
 use pathmarch_field::{CustomShape, Info, Param, Shape, ShapeRef, Solid, Unit, registry};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -38,12 +39,12 @@ pub(crate) struct Fields {
 impl Fields {
     /// The shape of this name.
     pub(crate) fn shape(&self, name: &str) -> Option<ShapeRef> {
-        let shape = self.shapes.iter().find(|shape| shape.info().name == name)?;
+        let shape = self.shapes.iter().find(|shape| &*shape.info().name == name)?;
         Some(ShapeRef::Custom(shape.clone()))
     }
     /// What stands in objects under this name: of the registry, or one of these.
     pub(crate) fn solid(&self, name: &str) -> Option<Solid<'_>> {
-        let own = || self.shapes.iter().find(|shape| shape.info().name == name);
+        let own = || self.shapes.iter().find(|shape| &*shape.info().name == name);
         registry::solid(name).or_else(|| Some(Solid::Shape(&**own()?)))
     }
     /// Every shape, those of the registry first.
@@ -56,8 +57,8 @@ impl Fields {
         self.broken.iter().any(|broken| broken == name)
     }
     /// The names of all shapes.
-    pub(crate) fn names(&self) -> impl Iterator<Item = &'static str> {
-        self.shapes.iter().map(|shape| shape.info().name)
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.shapes.iter().map(|shape| &*shape.info().name)
     }
 
     /// Those of a file.
@@ -168,7 +169,7 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, report: 
     let entry = one(text, "`wgsl \"fn distance(p: vec3f) -> f32 { … }\"`", report)?;
     let text = string(entry, "`wgsl`", report)?;
     let params = params?;
-    let names: Vec<String> = params.iter().map(|param| param.name.to_owned()).collect();
+    let names: Vec<String> = params.iter().map(|param| param.name.to_string()).collect();
     let code = match assets.code(identifier, &names, text) {
         Ok(code) => code,
         Err(faults) => {
@@ -178,14 +179,8 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, report: 
             return None;
         }
     };
-    let info = Info {
-        exact: false,
-        ..Info::new(
-            kept(name, entry, report)?,
-            kept(doc.unwrap_or("A field of this scene."), entry, report)?,
-            "this scene",
-        )
-    };
+    let doc = doc.map_or(Cow::Borrowed("A field of this scene."), |doc| Cow::Owned(doc.to_owned()));
+    let info = Info::with_names(Cow::Owned(name.to_owned()), doc, "this scene").inexact();
     Some(CustomShape::new(info, params, lipschitz?, edges?, code))
 }
 
@@ -226,18 +221,6 @@ fn bounds(node: &Node, report: &mut Report) -> Option<Option<[f32; 3]>> {
     }
 }
 
-/// A text that is kept for good.
-fn kept(text: &str, entry: &Entry, report: &mut Report) -> Option<&'static str> {
-    let kept = keep(text);
-    if kept.is_none() {
-        let message = "Too many different names were given to shapes since the program was started.";
-        report.add(
-            draft("pathmarch::too_large", entry.value_span, message).label("one too many").help("Start it again."),
-        );
-    }
-    kept
-}
-
 /// Reports what is wrong in a text, where it stands in the file.
 fn wrong(entry: &Entry, fault: &CodeDiagnostic, report: &mut Report) {
     let span = fault.range.as_ref().and_then(|range| {
@@ -270,8 +253,8 @@ fn own_params(node: &Node, report: &mut Report) -> Option<Vec<Param>> {
             report.add(draft("pathmarch::too_large", span, message).label("one too many"));
             break;
         }
-        let kept = keep(&name).zip(keep(doc.as_deref().unwrap_or("A number of this field.")));
-        let Some((name, doc)) = kept else { continue };
+        let name = Cow::Owned(name);
+        let doc = doc.map_or(Cow::Borrowed("A number of this field."), Cow::Owned);
         let Range { min, max, .. } = range;
         let default = value.value as f32;
         params.push(Param { name, unit: Unit::Ratio, default, min, min_allowed: true, max, doc });

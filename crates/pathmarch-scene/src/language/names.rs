@@ -23,8 +23,8 @@ pub(crate) const NORMAL: &str = schema::NORMAL.name;
 pub(crate) const POINT: &str = "point";
 
 /// Names of all shapes and operators.
-pub(crate) fn solids() -> impl Iterator<Item = &'static str> {
-    registry::solids().map(|solid| solid.info().name)
+pub(crate) fn solids<'a>() -> impl Iterator<Item = &'a str> {
+    registry::solids().map(|solid| &*solid.info().name)
 }
 
 /// The nearest of `known` to a misspelt name: one edit for every three letters or part of them; a swap is one edit.

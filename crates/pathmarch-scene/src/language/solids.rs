@@ -317,10 +317,10 @@ impl<'m> Solids<'m> {
             let message = format!("`{}` is a profile: it has no depth.", info.name);
             let mistake = draft("pathmarch::profile", node.name.span, message).label("not here");
             let operators = registry::modifiers().iter().filter(|modifier| modifier.of_profiles());
-            let operators = listed(operators.map(|modifier| modifier.info().name), "or");
+            let operators = listed(operators.map(|modifier| &*modifier.info().name), "or");
             report.add(mistake.help(format!("Put it into {operators}: extrude 0.2 {{ {} }}.", info.name)));
         }
-        let mut known: Vec<&str> = shape.params().iter().map(|param| param.name).collect();
+        let mut known: Vec<&str> = shape.params().iter().map(|param| &*param.name).collect();
         known.push("material");
         known.extend((info.outline == Some(Outline::Text)).then_some(FONT));
         let mut named = properties(node, &known, report);
@@ -379,9 +379,9 @@ impl<'m> Solids<'m> {
         material: Option<u32>,
         report: &mut Report,
     ) -> Option<FieldNode> {
-        let name = operator.info().name;
+        let name = &*operator.info().name;
         let blending = if operator.blends() { schema::BLEND } else { &[] };
-        let mut known: Vec<&str> = operator.params().iter().map(|param| param.name).collect();
+        let mut known: Vec<&str> = operator.params().iter().map(|param| &*param.name).collect();
         known.extend(schema::names(blending));
         known.push("material");
         let mut named = properties(node, &known, report);
@@ -398,7 +398,7 @@ impl<'m> Solids<'m> {
         let needs = if least == most { "two" } else { "at least two" };
         if written == 1 && written < least && !node.broken() {
             let mistake = draft("pathmarch::too_few_shapes", node.name.span, format!("`{name}` of a single shape."));
-            let what = operator.info().doc;
+            let what = &*operator.info().doc;
             let help = format!("It needs {needs}: {}{}", what[..1].to_lowercase(), &what[1..]);
             report.add(mistake.label("expected another shape in its braces").help(help));
         }
@@ -420,7 +420,7 @@ impl<'m> Solids<'m> {
         material: Option<u32>,
         report: &mut Report,
     ) -> Option<FieldNode> {
-        let mut known: Vec<&str> = modifier.params().iter().map(|param| param.name).collect();
+        let mut known: Vec<&str> = modifier.params().iter().map(|param| &*param.name).collect();
         known.push("material");
         let mut named = properties(node, &known, report);
         let own = named.iter().position(|(name, _)| *name == "material").map(|at| named.swap_remove(at).1);
@@ -432,7 +432,7 @@ impl<'m> Solids<'m> {
         if !modifier.in_plane()
             && let Some(profile) = children.iter().find_map(profile)
         {
-            let name = modifier.info().name;
+            let name = &*modifier.info().name;
             let message =
                 format!("`{name}` turns what it holds about y, and `{profile}` is a profile in the plane z = 0.");
             let mistake = draft("pathmarch::out_of_plane", node.name.span, message).label("not of a profile");
@@ -491,9 +491,9 @@ fn blend(named: &[(&str, &Entry)], report: &mut Report) -> Option<Blend> {
 }
 
 /// What the first profile of a solid is called, of those that nothing makes solid.
-fn profile(node: &FieldNode) -> Option<&'static str> {
+fn profile(node: &FieldNode) -> Option<&str> {
     match &node.kind {
-        Kind::Shape { shape, .. } => Some(shape.info()).filter(|info| info.profile).map(|info| info.name),
+        Kind::Shape { shape, .. } => Some(shape.info()).filter(|info| info.profile).map(|info| &*info.name),
         Kind::Modifier { modifier, .. } if modifier.of_profiles() => None,
         Kind::Operator { children, .. } | Kind::Modifier { children, .. } => children.iter().find_map(profile),
     }
@@ -502,9 +502,9 @@ fn profile(node: &FieldNode) -> Option<&'static str> {
 /// What the first endless solid is called.
 fn first_name(node: &FieldNode) -> &str {
     match &node.kind {
-        Kind::Shape { shape, .. } => shape.info().name,
-        Kind::Operator { operator, .. } => operator.info().name,
-        Kind::Modifier { modifier, .. } => modifier.info().name,
+        Kind::Shape { shape, .. } => &*shape.info().name,
+        Kind::Operator { operator, .. } => &*operator.info().name,
+        Kind::Modifier { modifier, .. } => &*modifier.info().name,
     }
 }
 
@@ -530,7 +530,7 @@ fn numbers(solid: Solid, node: &Node, named: &[(&str, &Entry)], report: &mut Rep
     let is_text = solid.info().outline == Some(Outline::Text);
     let entries = if is_text { Vec::new() } else { arguments(node, all.len(), &usage(solid), report) };
     let mut given: Vec<Option<&Entry>> = vec![None; all.len()];
-    let size_named = named.iter().any(|(name, _)| all[..sizes].iter().any(|param| param.name == *name));
+    let size_named = named.iter().any(|(name, _)| all[..sizes].iter().any(|param| &*param.name == *name));
     let one_size = sizes > 1 && !size_named && (1..sizes).contains(&entries.len());
     // One size stands for `sizes` parameters; the arguments after it are the parameters after those.
     let slots = if one_size { sizes - 1..all.len() } else { 0..all.len() };
@@ -545,7 +545,7 @@ fn numbers(solid: Solid, node: &Node, named: &[(&str, &Entry)], report: &mut Rep
         given[slot] = Some(entry);
     }
     for (name, entry) in named {
-        let Some(slot) = all.iter().position(|param| param.name == *name) else { continue };
+        let Some(slot) = all.iter().position(|param| &*param.name == *name) else { continue };
         match given[slot] {
             Some(first) => twice(&format!("`{name}`"), entry.span, first.span, report),
             None => given[slot] = Some(entry),
@@ -585,11 +585,12 @@ fn usage(solid: Solid) -> String {
     if info.outline == Some(Outline::Points) {
         return format!("`{} {{ {POINT} x y; … }}`", info.name);
     }
-    let names: Vec<&str> = std::iter::once(info.name).chain(solid.params().iter().map(|param| param.name)).collect();
+    let names: Vec<&str> =
+        std::iter::once(&*info.name).chain(solid.params().iter().map(|param| &*param.name)).collect();
     match info.size_params {
         0 | 1 => format!("`{}`", names.join(" ")),
         sizes => {
-            let one: Vec<&str> = [info.name, "size"].into_iter().chain(names[1 + sizes..].iter().copied()).collect();
+            let one: Vec<&str> = [&*info.name, "size"].into_iter().chain(names[1 + sizes..].iter().copied()).collect();
             format!("`{}` or `{}`", names.join(" "), one.join(" "))
         }
     }

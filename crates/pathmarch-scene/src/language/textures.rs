@@ -31,9 +31,9 @@ pub(crate) const PICTURE: &str = "picture";
 /// The most colours of a row.
 const MOST_COLOURS: usize = 64;
 /// Width of a picture that says none.
-pub(crate) const PICTURE_SIZE: Param = Param::length("size", 1.0, "Width of the picture.");
+pub(crate) static PICTURE_SIZE: Param = Param::length("size", 1.0, "Width of the picture.");
 /// Height of a relief that says none.
-pub(crate) const HEIGHT: Param =
+pub(crate) static HEIGHT: Param =
     Param::any("height", 0.005, "How far outwards a value of 1 is from one of 0; below 0 it is inwards.");
 
 /// The names of all textures.
@@ -81,7 +81,7 @@ pub(super) fn texture(owner: &Node, to: Use, files: &mut Files, report: &mut Rep
         Use::Number(_) => &["from", "to"],
         Use::Height => &["height"],
     };
-    let known: Vec<&str> = numbers.iter().map(|param| param.name).chain(meant.iter().copied()).collect();
+    let known: Vec<&str> = numbers.iter().map(|param| &*param.name).chain(meant.iter().copied()).collect();
     let named = properties(node, &known, report);
     let values = values(numbers, &named, report);
     let meaning = meaning(node, kind, to, &named, report);
@@ -139,7 +139,7 @@ fn meaning(
             Some(Meaning::Range([from?, to?]))
         }
         Use::Height => {
-            let height = match entry(HEIGHT.name) {
+            let height = match entry(&HEIGHT.name) {
                 Some(entry) => number(&HEIGHT, entry, report),
                 None => Some(HEIGHT.default),
             };

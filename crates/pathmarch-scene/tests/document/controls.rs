@@ -65,7 +65,7 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
         "it",
     ));
     for shape in registry::shapes() {
-        let name = shape.info().name;
+        let name = &*shape.info().name;
         let default = |param: &pathmarch_field::Param| format!("{}", param.default);
         let all: Vec<String> = shape.params().iter().map(default).collect();
         let named: Vec<String> =
@@ -103,7 +103,7 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
         }
     }
     for operator in registry::operators() {
-        let name = operator.info().name;
+        let name = &*operator.info().name;
         nodes.push((format!("object \"o\" {{ {name} {{ sphere; box }} }}"), name));
         let properties = match operator.params().first() {
             Some(param) => &[format!("{}=0.2", param.name), "0.3".to_owned()][..],
@@ -119,10 +119,10 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
         }
     }
     for modifier in registry::modifiers() {
-        let name = modifier.info().name;
+        let name = &*modifier.info().name;
         let words = modifier.params().iter().map(|param| match param.unit {
-            Unit::Axis => (param.name, "\"y\"".to_owned()),
-            _ => (param.name, param.default.to_string()),
+            Unit::Axis => (&*param.name, "\"y\"".to_owned()),
+            _ => (&*param.name, param.default.to_string()),
         });
         let words: Vec<(&str, String)> = words.collect();
         let places: Vec<&str> = words.iter().map(|(_, value)| &**value).collect();
@@ -432,7 +432,7 @@ fn the_registries_are_what_can_be_added() {
     }
     let names: Vec<&str> =
         document.additions(Some(&path(&document, "it"))).iter().map(|addition| addition.name).collect();
-    assert_eq!(names, registry::solids().map(|solid| solid.info().name).collect::<Vec<_>>());
+    assert_eq!(names, registry::solids().map(|solid| &*solid.info().name).collect::<Vec<_>>());
 }
 
 #[test]

@@ -181,7 +181,7 @@ fn edit(document: &mut Document, dice: &mut Dice) -> Result<bool, EditError> {
             let mut chosen: Vec<Path> = siblings.into_iter().filter(|_| dice.below(2) == 0).collect();
             chosen.push(path.clone());
             let operators: Vec<_> = registry::solids().filter(|solid| solid.is_operator()).collect();
-            let operator = operators[dice.below(operators.len())].info().name;
+            let operator = &*operators[dice.below(operators.len())].info().name;
             let group = document.group(&chosen, operator)?;
             chosen.sort();
             chosen.dedup();

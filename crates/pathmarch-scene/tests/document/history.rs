@@ -91,7 +91,7 @@ fn leaves_belong_to_nodes() {
     assert_eq!([0, 1, 2, 3, 4].map(words), [Some("sphere"), Some("box"), Some("torus"), Some("plane"), None]);
     let scene = document.scene().unwrap();
     for (leaf, shape) in scene.field.leaves().iter().enumerate() {
-        assert_eq!(words(leaf), Some(shape.shape.info().name));
+        assert_eq!(words(leaf), Some(&*shape.shape.info().name));
     }
     assert_eq!(document.leaves_of(&path(&document, "subtract")), [1, 2]);
     assert_eq!(document.leaves_of(&path(&document, "a")), [0, 1, 2]);

@@ -65,7 +65,7 @@ fn check_objects(scene: &Scene) -> bool {
         }
         safe = false;
         let [x, y, z] = finding.at;
-        let shape = field.leaves().get(finding.leaf as usize).map_or("field", |leaf| leaf.shape.info().name);
+        let shape = field.leaves().get(finding.leaf as usize).map_or("field", |leaf| &*leaf.shape.info().name);
         println!(
             "  {}: NOT SAFE: at {x:.3} {y:.3} {z:.3} the surface of `{shape}` is {:.2} times nearer than the step of its \
              distance; steps {:.2} times as long are safe, which is a Lipschitz constant of {:.2} instead of {declared}",
@@ -86,7 +86,7 @@ fn check_custom_shapes(scene: &Scene) -> bool {
     let mut seen: Vec<(&str, &[f32])> = Vec::new();
     let mut safe = true;
     for leaf in scene.field.leaves() {
-        let name = leaf.shape.info().name;
+        let name = &*leaf.shape.info().name;
         let Some(declared) = leaf.shape.declared_lipschitz() else { continue };
         if seen.contains(&(name, &leaf.params)) {
             continue;

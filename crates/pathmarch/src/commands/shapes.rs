@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             }
         }
         None => {
-            let names = solids().map(|solid| solid.info().name);
+            let names = solids().map(|solid| &*solid.info().name);
             let nearest = names.min_by_key(|known| strsim::damerau_levenshtein(known, name)).unwrap_or_default();
             return Err(Failure::Usage(format!(
                 "there is no shape or operator \"{name}\"; did you mean \"{nearest}\"? `pathmarch shapes` lists all"
@@ -103,7 +103,7 @@ fn usage(info: &Info, params: &[Param]) -> String {
 }
 
 fn param_names(params: &[Param]) -> String {
-    params.iter().map(|param| param.name).collect::<Vec<_>>().join(" ")
+    params.iter().map(|param| &*param.name).collect::<Vec<_>>().join(" ")
 }
 
 fn page(info: &Info, params: &[Param]) {

@@ -57,14 +57,11 @@ fn bound<N: Real>(p: Vec3<N>) -> N {
 }
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "apollonian",
             "Sheets of an Apollonian packing in the cube of edge 2 centred at the origin.",
             "Quilez 2013, Apollonian; Mandelbrot 1983",
-        )
-    };
+        ).inexact();
     const PARAMS: &'static [Param] = &[
         Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often space is inverted."),
         Param::between("ratio", 1.2, 1.1, 1.5, "Square of the radius of inversion."),

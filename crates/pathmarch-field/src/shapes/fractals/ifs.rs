@@ -76,23 +76,20 @@ fn start<N: Real>(p: Vec3<N>) -> State<N> {
 }
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "ifs",
             "Kaleidoscopic iterated function system with the mirrors of a cube, centred at the origin.",
             "Knighty 2010; Hutchinson 1981",
-        )
-    };
+        ).inexact();
     const PARAMS: &'static [Param] = &[
         Param::between("scale", 2.0, 1.1, 4.0, "How much smaller each copy is."),
         Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often copies are made of copies."),
-        Param { unit: Unit::Degrees, ..Param::any("turn-x", 0.0, "Turn of each copy about the x axis.") },
-        Param { unit: Unit::Degrees, ..Param::any("turn-y", 0.0, "Turn of each copy about the y axis.") },
-        Param { unit: Unit::Degrees, ..Param::any("turn-z", 0.0, "Turn of each copy about the z axis.") },
-        Param { unit: Unit::Metres, ..Param::between("offset-x", 1.0, 0.0, 10.0, "Centre of the first copy along x.") },
-        Param { unit: Unit::Metres, ..Param::between("offset-y", 0.0, 0.0, 10.0, "Centre of the first copy along y.") },
-        Param { unit: Unit::Metres, ..Param::between("offset-z", 0.0, 0.0, 10.0, "Centre of the first copy along z.") },
+        Param::any("turn-x", 0.0, "Turn of each copy about the x axis.").with_unit(Unit::Degrees),
+        Param::any("turn-y", 0.0, "Turn of each copy about the y axis.").with_unit(Unit::Degrees),
+        Param::any("turn-z", 0.0, "Turn of each copy about the z axis.").with_unit(Unit::Degrees),
+        Param::between("offset-x", 1.0, 0.0, 10.0, "Centre of the first copy along x.").with_unit(Unit::Metres),
+        Param::between("offset-y", 0.0, 0.0, 10.0, "Centre of the first copy along y.").with_unit(Unit::Metres),
+        Param::between("offset-z", 0.0, 0.0, 10.0, "Centre of the first copy along z.").with_unit(Unit::Metres),
     ];
     type Params<N: Real> = [N; 8];
 

@@ -75,14 +75,11 @@ fn radius<N: Real>(size: N) -> N {
 }
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "julia",
             "Slice of the quaternion Julia set of q² + c, the real axis along x.",
             "Norton 1982; Hart et al. 1989, section 3",
-        )
-    };
+        ).inexact();
     const PARAMS: &'static [Param] = &[
         Param::between("x", -0.2, -1.0, 1.0, "Real part of c."),
         Param::between("y", 0.4, -1.0, 1.0, "Part of c along i."),

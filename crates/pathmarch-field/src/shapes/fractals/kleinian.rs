@@ -57,20 +57,17 @@ fn bound<N: Real>(p: Vec3<N>) -> N {
 }
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "kleinian",
             "Pseudo-Kleinian fractal in the cube of edge 4 centred at the origin.",
             "Theli-at and Knighty 2011",
-        )
-    };
+        ).inexact();
     const PARAMS: &'static [Param] = &[
         Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often space is mirrored and inverted."),
-        Param { unit: Unit::Metres, ..Param::between("x", 0.92, 0.5, 1.5, "Half of the box's edge along x.") },
-        Param { unit: Unit::Metres, ..Param::between("y", 0.91, 0.5, 1.5, "Half of the box's edge along y.") },
-        Param { unit: Unit::Metres, ..Param::between("z", 0.92, 0.5, 1.5, "Half of the box's edge along z.") },
-        Param { unit: Unit::Metres, ..Param::between("radius", 1.0, 0.5, 1.5, "Radius of the ball of inversion.") },
+        Param::between("x", 0.92, 0.5, 1.5, "Half of the box's edge along x.").with_unit(Unit::Metres),
+        Param::between("y", 0.91, 0.5, 1.5, "Half of the box's edge along y.").with_unit(Unit::Metres),
+        Param::between("z", 0.92, 0.5, 1.5, "Half of the box's edge along z.").with_unit(Unit::Metres),
+        Param::between("radius", 1.0, 0.5, 1.5, "Radius of the ball of inversion.").with_unit(Unit::Metres),
     ];
     type Params<N: Real> = [N; 5];
 

@@ -77,16 +77,13 @@ fn half_edge<N: Real>(scale: N, fold: N) -> N {
 }
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new("mandelbox", "Mandelbox centred at the origin.", "Lowe 2010; Christensen 2011, part VI")
-    };
+    const INFO: Info = Info::new("mandelbox", "Mandelbox centred at the origin.", "Lowe 2010; Christensen 2011, part VI").inexact();
     const PARAMS: &'static [Param] = &[
         Param::between("scale", -1.5, -3.0, 3.0, "Factor of each iteration; the set is the richer the nearer to -1 or 1."),
         Param::count("iterations", 12.0, 1.0, LIMIT as f32, "How often space is folded."),
-        Param { unit: Unit::Metres, ..Param::between("fold", 1.0, 0.5, 2.0, "Where coordinates are mirrored.") },
-        Param { unit: Unit::Metres, ..Param::between("min-radius", 0.5, 0.25, 2.0, "Within it all points are scaled alike.") },
-        Param { unit: Unit::Metres, ..Param::between("fixed-radius", 1.0, 0.5, 2.0, "Radius of the ball of inversion.") },
+        Param::between("fold", 1.0, 0.5, 2.0, "Where coordinates are mirrored.").with_unit(Unit::Metres),
+        Param::between("min-radius", 0.5, 0.25, 2.0, "Within it all points are scaled alike.").with_unit(Unit::Metres),
+        Param::between("fixed-radius", 1.0, 0.5, 2.0, "Radius of the ball of inversion.").with_unit(Unit::Metres),
     ];
     type Params<N: Real> = [N; 5];
 

@@ -208,14 +208,11 @@ fn orbit_of_any<N: Real>(p: Vec3<N>, params: [N; 2], known: u32) -> [N; TRAPS] {
 }
 
 impl<const POWER: u32> ShapeDef for Shape<POWER> {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "mandelbulb",
             "Mandelbulb centred at the origin, its axis along y.",
             "White and Nylander 2009; Hart et al. 1989, section 3",
-        )
-    };
+        ).inexact();
     const PARAMS: &'static [Param] = &[
         Param::count("power", 8.0, 2.0, 16.0, "The power that points are raised to."),
         Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often the power is taken."),

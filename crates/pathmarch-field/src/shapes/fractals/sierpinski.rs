@@ -51,14 +51,11 @@ fn bound<N: Real>(p: Vec3<N>) -> N {
 }
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        exact: false,
-        ..Info::new(
+    const INFO: Info = Info::new(
             "sierpinski",
             "Sierpinski's tetrahedron on alternate corners of the cube of edge 2 centred at the origin.",
             "Sierpinski 1915; Knighty 2010",
-        )
-    };
+        ).inexact();
     const PARAMS: &'static [Param] =
         &[Param::count("iterations", 10.0, 1.0, LIMIT as f32, "How often each tetrahedron is replaced by four.")];
     type Params<N: Real> = [N; 1];

@@ -7,16 +7,14 @@ use crate::info::{Info, Outline};
 const ARROW: &[[f32; 2]] = &[[-0.2, -0.5], [0.2, -0.5], [0.2, 0.0], [0.5, 0.0], [0.0, 0.5], [-0.5, 0.0], [-0.2, 0.0]];
 
 pub(crate) static SHAPE: Drawn = Drawn {
-    info: Info {
-        exact: false,
-        profile: true,
-        outline: Some(Outline::Points),
-        ..Info::new(
-            "polygon",
-            "Profile: what the lines between points go around.",
-            "Quilez 2008, polygon; Frisken et al. 2000",
-        )
-    },
+    info: Info::new(
+        "polygon",
+        "Profile: what the lines between points go around.",
+        "Quilez 2008, polygon; Frisken et al. 2000",
+    )
+    .inexact()
+    .profile()
+    .outline(Outline::Points),
     params: &[],
     fill: Fill::EvenOdd,
     default_outline: &[ARROW],

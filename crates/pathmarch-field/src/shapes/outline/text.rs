@@ -10,16 +10,14 @@ const LETTER: &[[f32; 2]] =
     &[[-0.07, 0.0], [0.07, 0.0], [0.07, 0.56], [0.27, 0.56], [0.27, 0.7], [-0.27, 0.7], [-0.27, 0.56], [-0.07, 0.56]];
 
 pub(crate) static SHAPE: Drawn = Drawn {
-    info: Info {
-        exact: false,
-        profile: true,
-        outline: Some(Outline::Text),
-        ..Info::new(
-            "text",
-            "Profile: letters that stand on the x axis, centred at x = 0.",
-            "Quilez 2008, polygon; Frisken et al. 2000",
-        )
-    },
+    info: Info::new(
+        "text",
+        "Profile: letters that stand on the x axis, centred at x = 0.",
+        "Quilez 2008, polygon; Frisken et al. 2000",
+    )
+    .inexact()
+    .profile()
+    .outline(Outline::Text),
     params: &[Param::length("size", 1.0, "Size of the font: the height of a line without the space between lines.")],
     fill: Fill::NonZero,
     default_outline: &[LETTER],

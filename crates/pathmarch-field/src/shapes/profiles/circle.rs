@@ -10,7 +10,7 @@ pub(crate) struct Shape;
 
 impl ShapeDef for Shape {
     const INFO: Info =
-        Info { profile: true, ..Info::new("circle", "Profile: a disc around the origin.", "Quilez 2008, circle") };
+        Info::new("circle", "Profile: a disc around the origin.", "Quilez 2008, circle").profile();
     const PARAMS: &'static [Param] = &[Param::length("radius", 0.5, "From the origin to the edge.")];
     type Params<N: Real> = [N; 1];
 

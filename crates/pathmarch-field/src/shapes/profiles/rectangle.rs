@@ -10,11 +10,7 @@ use crate::shapes::ShapeDef;
 pub(crate) struct Shape;
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        profile: true,
-        size_params: 2,
-        ..Info::new("rectangle", "Profile: a rectangle around the origin.", "Quilez 2008, rounded box")
-    };
+    const INFO: Info = Info::new("rectangle", "Profile: a rectangle around the origin.", "Quilez 2008, rounded box").profile().size_params(2);
     const PARAMS: &'static [Param] = &[
         Param::length("x", 1.0, "Edge length along x."),
         Param::length("y", 1.0, "Edge length along y."),

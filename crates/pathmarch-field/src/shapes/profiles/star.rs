@@ -12,10 +12,7 @@ use std::f32::consts::PI;
 pub(crate) struct Shape;
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info {
-        profile: true,
-        ..Info::new("star", "Profile: a star around the origin, a point up.", "after Quilez 2008, star")
-    };
+    const INFO: Info = Info::new("star", "Profile: a star around the origin, a point up.", "after Quilez 2008, star").profile();
     const PARAMS: &'static [Param] = &[
         Param::count("points", 5.0, 2.0, 100.0, "How many points it has."),
         Param::length("outer", 0.5, "From the origin to the points."),

@@ -56,12 +56,12 @@ fn features(picture: &Path) -> Vec<Feature> {
         let info = shape.info();
         let solid = match info.profile {
             true => format!("extrude {{ {} }}", info.name),
-            false => info.name.to_owned(),
+            false => info.name.to_string(),
         };
-        all.push(Feature::object(info.name, &solid));
+        all.push(Feature::object(&*info.name, &solid));
     }
     for operator in operators() {
-        let name = operator.info().name;
+        let name = &*operator.info().name;
         all.push(Feature::object(name, &format!("{name} {{ sphere 1; box 1 }}")));
     }
     for profile in ["soft", "round", "chamfer", "stairs"] {
@@ -73,7 +73,7 @@ fn features(picture: &Path) -> Vec<Feature> {
         all.push(Feature::new(profile, text));
     }
     for modifier in modifiers() {
-        let name = modifier.info().name;
+        let name = &*modifier.info().name;
         let inside = if matches!(name, "extrude" | "revolve") { "star" } else { "torus 0.5 0.1" };
         all.push(Feature::object(&format!("modifier {name}"), &format!("{name} {{ {inside} }}")));
     }

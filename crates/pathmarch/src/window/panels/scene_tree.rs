@@ -178,8 +178,8 @@ impl App {
             ui.menu_button("Group into", |ui| {
                 for operator in solids().filter(|solid| solid.is_operator()) {
                     let info = operator.info();
-                    if ui.button(info.name).on_hover_text(info.doc).clicked() {
-                        actions.push(TreeAction::Group(path.clone(), info.name));
+                    if ui.button(&*info.name).on_hover_text(&*info.doc).clicked() {
+                        actions.push(TreeAction::Group(path.clone(), &*info.name));
                         ui.close();
                     }
                 }

@@ -16,19 +16,19 @@ fn everything() -> String {
         text += &format!("material \"of {0}\" {{ {0} {1}; {others}}}\n", kind.name, kind.params[0].default[0]);
     }
     for shape in registry::shapes() {
-        let name = shape.info().name;
+        let name = &*shape.info().name;
         let normal = if shape.info().facing { "; normal 0 1 0" } else { "" };
         let (open, close) = if shape.info().profile { ("extrude {", "}") } else { ("", "") };
         text +=
             &format!("object \"a {name}\" {{ {open} {name} {{ at 0 0 0; rotate 0 0 0; scale 1{normal} }} {close} }}\n");
     }
     for operator in registry::operators() {
-        let name = operator.info().name;
+        let name = &*operator.info().name;
         let blend = if operator.blends() { "smooth=0.1 profile=\"stairs\" steps=3" } else { "" };
         text += &format!("object \"an {name}\" {{ {name} {blend} {{ sphere; box }} }}\n");
     }
     for modifier in registry::modifiers() {
-        let name = modifier.info().name;
+        let name = &*modifier.info().name;
         text += &format!("object \"an {name}\" {{ {name} {{ sphere }} }}\n");
     }
     text
