@@ -232,6 +232,7 @@ mod tests {
             assert!(mode.doc().ends_with('.'));
         }
         assert_eq!((Mode::from_name("Path"), Mode::default()), (None, Mode::Path));
+        assert_eq!(Mode::from_name(crate::output::image::UNNAMED_MODE), Some(Mode::Path));
     }
 
     #[test]

@@ -6,7 +6,9 @@
 
 pub(crate) mod camera;
 pub(crate) mod light_sampling;
+pub(crate) mod medium;
 pub(crate) mod moments;
 pub(crate) mod path;
 pub(crate) mod shadow;
 pub(crate) mod splitting;
+pub(crate) mod splitting_choice;

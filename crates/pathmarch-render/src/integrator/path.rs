@@ -17,6 +17,7 @@
 
 use super::camera::{camera_rays, pixel_sampler};
 use super::light_sampling;
+use super::medium::{medium_beyond, transmittance};
 use super::shadow::{self, Connection};
 use super::splitting::ray_of;
 use crate::intersect::march::march;
@@ -38,8 +39,6 @@ shared_constants! {
     const SURVIVAL: f32 = 3.0;
     /// Bounce after which Russian roulette begins.
     const ROULETTE_DEPTH: u32 = 4;
-    /// Length of a ray that leaves the scene, for absorption, metres.
-    const UNBOUNDED_LENGTH: f32 = 1e9;
 }
 
 #[derive(Clone)]
@@ -59,16 +58,6 @@ struct Path {
     passing: bool,
     /// Square of the refractive index where the path is.
     index_square: f32,
-}
-
-/// What a medium leaves of light over a length.
-pub(crate) fn transmittance(medium: Vec3, length: f32) -> Vec3 {
-    (-medium * length.min(UNBOUNDED_LENGTH)).exp()
-}
-
-/// The medium beyond a surface that the path passes.
-pub(crate) fn medium_beyond(medium: Vec3, absorption: Vec3, inside: bool) -> Vec3 {
-    (if inside { medium - absorption } else { medium + absorption }).max(Vec3::ZERO)
 }
 
 /// A contribution of light after this many bounces, within the limit that is set.

@@ -8,7 +8,7 @@
 //! neither the light's size nor its distance, in which glass casts the shadow of a solid.
 
 use super::light_sampling::{self, LightSample};
-use super::path::{medium_beyond, transmittance};
+use super::medium::{medium_beyond, transmittance};
 use crate::intersect::march::{MAX_STEPS, march, tolerance};
 use crate::intersect::ray::{Hit, Ray, RaySegment};
 use crate::sampling::sobol::PixelSampler;

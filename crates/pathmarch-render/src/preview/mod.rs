@@ -28,7 +28,7 @@ use self::light_irradiance::{UnoccludedLight, bounding_radius, unoccluded_light}
 use self::soft_shadow::{ShadowRay, soft_shadows};
 use crate::integrator::camera::central_ray;
 use crate::integrator::light_sampling;
-use crate::integrator::path::{medium_beyond, transmittance};
+use crate::integrator::medium::{medium_beyond, transmittance};
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment, lanes};
 use crate::sampling::r2_sequence;

@@ -7,7 +7,7 @@
 use super::encode;
 use super::loop_limit::SuspendedPath;
 use super::slice::Slice;
-use crate::integrator::{light_sampling, path, shadow, splitting};
+use crate::integrator::{light_sampling, medium, path, shadow, splitting};
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
 use crate::sampling::sobol::pair;
@@ -50,10 +50,10 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/camera",
     "integrator/light_sampling" shares || encode::light::shared_wgsl() + &light_sampling::shared_wgsl(),
     "integrator/light_weights" shares encode::light::search_wgsl,
-    "integrator/medium" shares path::shared_wgsl,
+    "integrator/medium" shares medium::shared_wgsl,
     "integrator/moments",
     "integrator/no_penumbra",
-    "integrator/path",
+    "integrator/path" shares path::shared_wgsl,
     "integrator/penumbra",
     "integrator/radiance",
     "integrator/shadow" shares shadow::shared_wgsl,

@@ -19,7 +19,7 @@ use ::exr::meta::attribute::AttributeValue;
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::*;
 
-use super::{Channel, ChannelValues, ImageError, Picture, Provenance, check_size};
+use super::{Channel, ChannelValues, ImageError, Picture, Provenance, UNNAMED_MODE, check_size};
 
 /// Writes the picture and further channels; `path` only names it in errors.
 pub(super) fn write(
@@ -141,7 +141,7 @@ fn provenance_in(attributes: &LayerAttributes) -> Option<Provenance> {
         first_sample: integer("pathmarch:firstSample")?,
         seed: integer("pathmarch:seed")?,
         bounces: integer("pathmarch:bounces")?,
-        mode: text("pathmarch:mode").unwrap_or_else(|| crate::Mode::Path.name().to_owned()),
+        mode: text("pathmarch:mode").unwrap_or_else(|| UNNAMED_MODE.to_owned()),
         adapter: text("pathmarch:adapter")?,
         backend: text("pathmarch:backend")?,
         version: text("pathmarch:version")?,

@@ -103,6 +103,9 @@ impl ChannelValues {
     }
 }
 
+/// Mode of files that do not name one: that of path tracing.
+pub(crate) const UNNAMED_MODE: &str = "path";
+
 /// Where a picture came from; kept in the header of an EXR file as attributes `pathmarch:sceneHash`, `pathmarch:samples`,
 /// `pathmarch:firstSample`, `pathmarch:seed`, `pathmarch:bounces`, `pathmarch:mode`, `pathmarch:adapter`,
 /// `pathmarch:backend` and `pathmarch:version`.
@@ -118,7 +121,7 @@ pub struct Provenance {
     pub seed: u32,
     /// Scattering events after the first hit.
     pub bounces: u32,
-    /// What it shows, [`Mode::name`](crate::Mode::name); `path` in files that do not say.
+    /// Name of the mode; `path` for files that do not name one.
     pub mode: String,
     /// The graphics adapter, or the processor.
     pub adapter: String,
