@@ -151,7 +151,7 @@ pub(crate) const POINTER: &[(&str, &str)] = &[
     ("Middle drag, or Shift + drag", "Pan the camera."),
     ("Right drag", "Look around without moving."),
     ("Wheel", "Move towards the target or away from it."),
-    ("W A S D", "Fly; Q and E go down and up, Shift is faster. The speed grows with the distance to surfaces."),
+    ("W A S D", "Fly; Q and E go down and up, Shift is faster."),
     ("Ctrl + plus or minus", "Zoom the user interface; Ctrl + 0 resets it."),
     ("Alt + click", "Set the focus distance."),
 ];
