@@ -7,7 +7,8 @@ use crate::assets::Assets;
 use crate::diagnostic::SceneError;
 use crate::language::tree::Block;
 use crate::language::{self, Read};
-use crate::scene::{Moment, Scene, read_text};
+use crate::scene::{Moment, Scene};
+use crate::source::read_text;
 use std::path::Path;
 
 /// A scene text that is read as of several moments.

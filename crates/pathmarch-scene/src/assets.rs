@@ -9,7 +9,7 @@
 
 use crate::atmosphere::Day;
 use crate::environment::{Environment, EnvironmentError, Loaded};
-use crate::scene::Light;
+use crate::light::Light;
 use crate::textures::{Picture as Texture, PictureError};
 use pathmarch_field::own::{Code, Fault};
 use std::path::{Path, PathBuf};

@@ -21,7 +21,7 @@
 //! About 85 ms of one core for the 512 by 256 texels, on all cores side by side.
 
 use crate::environment::{Environment, MAX_RADIANCE};
-use crate::scene::Light;
+use crate::light::Light;
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -42,9 +42,14 @@ pub struct Day {
     pub ground: [f32; 3],
 }
 
+impl Day {
+    /// A bright day with a clear sky.
+    pub const DEFAULT: Self = Self { elevation: 40.0, azimuth: 135.0, haze: 1.0, strength: 1.0, ground: [0.2; 3] };
+}
+
 impl Default for Day {
     fn default() -> Self {
-        Self { elevation: 40.0, azimuth: 135.0, haze: 1.0, strength: 1.0, ground: [0.2; 3] }
+        Self::DEFAULT
     }
 }
 

@@ -12,12 +12,13 @@ pub mod diagnostic;
 pub mod document;
 pub mod environment;
 mod language;
-pub mod limits;
+pub mod light;
 pub mod materials;
 pub mod parts;
-pub mod render_settings;
 pub mod scene;
+pub mod settings;
 pub mod sky;
+mod source;
 mod text;
 pub mod textures;
 
@@ -26,8 +27,15 @@ pub use atmosphere::Day;
 pub use diagnostic::{Mistake, SceneError};
 pub use document::Document;
 pub use environment::Environment;
+pub use light::Light;
 pub use materials::{Material, MaterialKind};
 pub use parts::{PartsError, SceneParts};
-pub use render_settings::{Caustics, RenderSettings, Sampler, Tonemap};
-pub use scene::{Camera, Light, Moment, Object, Parameter, Scene};
+pub use scene::{Camera, Moment, Object, Parameter, Scene};
+pub use settings::{Caustics, RenderSettings, Sampler, Tonemap};
 pub use sky::Sky;
+pub use source::read_text;
+
+/// Ranges of settings.
+pub mod limits {
+    pub use crate::settings::{BOUNCES, CLAMP, DETAIL, EXPOSURE, FPS, Range, SAMPLES, SHUTTER, SIDE};
+}

@@ -6,9 +6,10 @@
 //! only made by the language. Cost: linear in the parts.
 
 use crate::language::{MAX_NESTING, MAX_SHAPES};
+use crate::light::Light;
 use crate::materials::{self, Material, MaterialKind};
-use crate::render_settings::RenderSettings;
-use crate::scene::{Camera, Light, Moment, Object, Scene};
+use crate::scene::{Camera, Moment, Object, Scene};
+use crate::settings::{RENDER, RenderSettings, Setting};
 use crate::sky::Sky;
 use glam::Vec3;
 use pathmarch_field::graph::Kind;
@@ -219,19 +220,9 @@ fn check_camera(camera: &mut Camera) -> Result<(), PartsError> {
 }
 
 fn check_render(render: &RenderSettings) -> Result<(), PartsError> {
-    let RenderSettings { size, samples, bounces, clamp, detail, fps, shutter, .. } = *render;
-    let side = |side| (1..=16_384).contains(&side);
-    let sound = [
-        ("size", side(size.0) && side(size.1), "from 1 to 16384 each way"),
-        ("samples", (1..=1_000_000).contains(&samples), "from 1 to 1000000"),
-        ("bounces", bounces <= 64, "at most 64"),
-        ("clamp", clamp.is_none_or(|clamp| clamp > 0.0 && clamp.is_finite()), "above 0"),
-        ("detail", (0.001..=10.0).contains(&detail), "from 0.001 to 10"),
-        ("fps", fps > 0.0 && fps.is_finite(), "above 0"),
-        ("shutter", (0.0..=1.0).contains(&shutter), "from 0 to 1"),
-    ];
-    match sound.iter().find(|(_, sound, _)| !sound) {
-        Some((what, _, range)) => refuse(format!("render: {what} must be {range}")),
+    let accepts = |setting: &&Setting| render.get(setting.name).is_some_and(|value| setting.kind.accepts(value));
+    match RENDER.iter().find(|setting| !accepts(setting)) {
+        Some(setting) => refuse(format!("render: {} must be {}", setting.name, setting.kind.range_in_words())),
         None => Ok(()),
     }
 }

@@ -1,5 +1,6 @@
 //! What a person may change of a node: values, controls, and what may be added.
 
+use crate::settings::Range;
 use std::borrow::Cow;
 
 /// The value of a control.
@@ -81,7 +82,7 @@ pub struct NumberRange {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Control {
     /// Names the parameter to [`Document::set`](super::Document::set); unlike every other key of the node.
-    pub key: &'static str,
+    pub key: Cow<'static, str>,
     /// Name for people.
     pub label: Cow<'static, str>,
     /// One sentence: what it does.
@@ -102,6 +103,39 @@ pub struct Control {
     pub given: bool,
     /// Whether it must stand in the text, so that it cannot be reset.
     pub required: bool,
+}
+
+impl NumberRange {
+    fn range(&self) -> Range {
+        let Self { min, min_allowed, max, max_allowed, .. } = *self;
+        Range { min, min_allowed, max, max_allowed }
+    }
+    /// Whether `value` is finite and within the range.
+    pub fn accepts(&self, value: f32) -> bool {
+        value.is_finite() && self.range().accepts(value) && (!self.whole || value.fract() == 0.0)
+    }
+    /// The range in words, as in "must be above 0".
+    pub fn in_words(&self) -> String {
+        format!("{}{}", if self.whole { "a whole number " } else { "" }, self.range().in_words())
+    }
+}
+
+impl Control {
+    /// A control without unit, whose value is the default.
+    pub(super) fn new(
+        key: impl Into<Cow<'static, str>>,
+        label: impl Into<Cow<'static, str>>,
+        doc: impl Into<Cow<'static, str>>,
+        kind: ControlKind,
+        default: Value,
+    ) -> Self {
+        let [value, present, initial] = std::array::from_fn(|_| default.clone());
+        let (key, label, doc) = (key.into(), label.into(), doc.into());
+        Self { key, label, doc, unit: "", kind, value, present, default, initial, given: false, required: false }
+    }
+    pub(super) fn required(self) -> Self {
+        Self { required: true, ..self }
+    }
 }
 
 /// What an addition, or a group of them in a menu, is.
@@ -145,12 +179,12 @@ impl Group {
 }
 
 /// Something that may be added to a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Addition {
     /// What it is.
     pub group: Group,
     /// Its name in the scene language: of the shape, operator, kind of material or of sky, or of the node.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// One sentence for people.
-    pub doc: &'static str,
+    pub doc: Cow<'static, str>,
 }

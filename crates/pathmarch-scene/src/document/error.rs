@@ -1,6 +1,6 @@
 //! Why an edit was refused. The text is then as it was.
 
-use super::path::Path;
+use super::tree::path::Path;
 
 /// Why an edit was refused, in sentences for people: what, where, what to do.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -3,7 +3,7 @@
 //! A step holds what it removed and what it inserted, so that it can be taken back and done again byte for byte. Cost:
 //! memory in proportion to what was changed; no limit on the number of steps.
 
-use super::patch::{Hunk, Patch, apply, compose, difference};
+use super::text::patch::{Hunk, Patch, apply, compose, difference};
 
 /// A piece of text that a step replaced by another.
 #[derive(Clone, Debug)]
@@ -114,7 +114,7 @@ impl History {
 
 #[cfg(test)]
 mod tests {
-    use super::super::patch::{Patch, apply};
+    use super::super::text::patch::{Patch, apply};
     use super::History;
 
     #[test]

@@ -13,6 +13,7 @@ use crate::textures::{Pattern, Texture};
 use glam::Vec3;
 pub use microfacet::fresnel;
 pub use orbit_trap::{OrbitTrap, Trap};
+use pathmarch_field::Param;
 
 /// What a parameter of a material holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -289,6 +290,10 @@ pub enum Meaning {
     /// Numbers from the first to the second.
     Range([f32; 2]),
 }
+
+/// Height of a bump texture.
+pub const BUMP_HEIGHT: Param =
+    Param::any("height", 0.005, "Height of a value of 1 above one of 0, outwards; below 0 it is inwards.");
 
 /// A relief that light sees and the shape does not have (Blinn 1978).
 #[derive(Clone, Debug)]

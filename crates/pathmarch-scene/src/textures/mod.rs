@@ -81,6 +81,16 @@ pub fn kinds() -> &'static [&'static TextureKind] {
     ALL
 }
 
+/// Name of a picture in the scene language.
+pub const PICTURE: &str = "picture";
+/// Width of a picture.
+pub const PICTURE_SIZE: Param = Param::length("size", 1.0, "Width of the picture.");
+
+/// Names of all textures, computed ones and pictures.
+pub fn names() -> Vec<&'static str> {
+    kinds().iter().map(|kind| kind.name).chain([PICTURE]).collect()
+}
+
 /// The kind of this name.
 pub fn kind(name: &str) -> Option<&'static TextureKind> {
     kinds().iter().copied().find(|kind| kind.name == name)

@@ -49,7 +49,7 @@ fn text(value: &str) -> Value {
 }
 fn addition(group: Group, name: &str, document: &Document, parent: Option<&Path>) -> Addition {
     let all = document.additions(parent);
-    *all.iter().find(|addition| addition.group == group && addition.name == name).expect("may be added")
+    all.iter().find(|addition| addition.group == group && addition.name == name).expect("may be added").clone()
 }
 
 #[test]
@@ -681,7 +681,11 @@ fn things_are_added_where_they_belong() {
     assert_eq!(groups(None), [Group::Object, Group::Material, Group::Light, Group::Camera, Group::Param]);
     assert_eq!(groups(Some("a")), [Group::Shape, Group::Operator]);
     assert_eq!(groups(Some("sphere")), []);
-    let sky = Addition { group: Group::Sky, name: "day", doc: "The sky of a clear day, computed, with its sun." };
+    let sky = Addition {
+        group: Group::Sky,
+        name: "day".into(),
+        doc: "The sky of a clear day, computed, with its sun.".into(),
+    };
     let message = refused("sky 1", |document| document.add(None, &sky));
     assert_eq!(message, "`day` cannot be added here, or there is one already.");
 }
@@ -769,7 +773,7 @@ fn a_text_with_mistakes_can_be_edited_as_far_as_it_is_read() {
     assert_eq!(document.text(), open);
     let mut refused = Document::new("", "{".repeat(100));
     assert_eq!(refused.outline(), []);
-    assert!(refused.add(None, &Addition { group: Group::Sky, name: "day", doc: "" }).is_err());
+    assert!(refused.add(None, &Addition { group: Group::Sky, name: "day".into(), doc: "".into() }).is_err());
 }
 
 const BOLTS: &str = "material \"steel\" { metal 0.6 }\n\

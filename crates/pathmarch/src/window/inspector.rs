@@ -112,21 +112,21 @@ impl App {
         egui::Grid::new(("controls", path)).num_columns(2).spacing([8.0, 5.0]).striped(true).show(ui, |ui| {
             for control in &controls {
                 if let Some(changed) = row(ui, path, control) {
-                    change = Some((control.key, changed));
+                    change = Some((control.key.clone(), changed));
                 }
                 ui.end_row();
             }
         });
         let gesture = self.gesture;
         match change {
-            Some((key::NAME, Change::Set(Value::Text(name)))) => {
+            Some((key, Change::Set(Value::Text(name)))) if key == key::NAME => {
                 self.edit(|open| open.document.rename(path, &name));
             }
             Some((key, Change::Set(value))) => {
-                self.edit(|open| open.document.set(path, key, value, Some(gesture)));
+                self.edit(|open| open.document.set(path, &key, value, Some(gesture)));
             }
             Some((key, Change::Reset)) => {
-                self.edit(|open| open.document.reset(path, key));
+                self.edit(|open| open.document.reset(path, &key));
             }
             None => {}
         }
@@ -277,8 +277,8 @@ impl App {
         ui.horizontal_wrapped(|ui| {
             ui.weak(if word == "render" { "Samples, bounces, size:" } else { "Background:" });
             for addition in additions.iter().filter(|addition| addition.group.name() == group) {
-                if ui.button(format!("Add {}", addition.name)).on_hover_text(addition.doc).clicked() {
-                    chosen = Some(*addition);
+                if ui.button(format!("Add {}", addition.name)).on_hover_text(&*addition.doc).clicked() {
+                    chosen = Some(addition.clone());
                 }
             }
         });
@@ -302,7 +302,7 @@ fn row(ui: &mut Ui, path: &Path, control: &Control) -> Option<Change> {
     let words = if control.given { RichText::new(&*control.label) } else { RichText::new(&*control.label).weak() };
     let label = ui.label(words).on_hover_text(tooltip(control));
     let mut change = None;
-    let typing = ui.scope_id().with(("formula", path, control.key));
+    let typing = ui.scope_id().with(("formula", path, &*control.key));
     let numbers = numbers_of(&control.value);
     if numbers.is_some() {
         label.context_menu(|ui| {
@@ -401,14 +401,14 @@ fn widget(ui: &mut Ui, path: &Path, control: &Control, label: &Response) -> Opti
         (ControlKind::Colour { max }, Value::Colour(value)) => colour(ui, *value, *max, label).map(Value::Colour),
         (ControlKind::Choice(names), Value::Text(value)) => {
             let names = names.iter().map(|name| (name.to_string(), name.to_string()));
-            choose(ui, control.key, path, value, names, label).map(Value::Text)
+            choose(ui, &control.key, path, value, names, label).map(Value::Text)
         }
         (ControlKind::Material(names), value) => {
             let of_parent = "as what it stands in".to_owned();
             let shown = if let Value::Text(name) = value { name.as_str() } else { "" };
             let names = names.iter().map(|name| (name.clone(), name.clone()));
             let names = std::iter::once((String::new(), of_parent)).chain(names);
-            let chosen = choose(ui, control.key, path, shown, names, label)?;
+            let chosen = choose(ui, &control.key, path, shown, names, label)?;
             Some(if chosen.is_empty() { Value::None } else { Value::Text(chosen) })
         }
         (ControlKind::Flag, Value::Flag(value)) => {
@@ -424,7 +424,7 @@ fn widget(ui: &mut Ui, path: &Path, control: &Control, label: &Response) -> Opti
             }
             changed.then_some(Value::Size(value))
         }
-        (ControlKind::Text | ControlKind::Picture, Value::Text(value)) => text(ui, path, control.key, value, label),
+        (ControlKind::Text | ControlKind::Picture, Value::Text(value)) => text(ui, path, &control.key, value, label),
         // A value that does not fit its control: the text has a mistake there.
         _ => {
             ui.weak("see the text");

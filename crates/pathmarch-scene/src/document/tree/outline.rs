@@ -1,0 +1,223 @@
+//! The outline of a file: its nodes, without the parameters in them.
+
+use super::nodes::{arguments, material_kind, property, text_argument};
+use super::path::Path;
+use crate::language::keywords::{FIELD, INCLUDE, NORMAL, PARAM, PLACEMENT, POINT, SHAPE};
+use crate::language::read::declarations::leaf_counts;
+use crate::language::tree::{Block, Node, Value};
+use pathmarch_field::registry;
+use std::collections::{HashMap, HashSet};
+
+/// What a node is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ItemKind {
+    /// `pathmarch 1`
+    Version,
+    /// Another file of which this takes materials, shapes, objects and lights.
+    Include,
+    /// A number with a name, which formulas use.
+    Param,
+    /// A shape that the scene declares.
+    Field,
+    /// A camera.
+    Camera,
+    /// Picture size and quality.
+    Render,
+    /// What surrounds the scene.
+    Sky,
+    /// A sun.
+    Sun,
+    /// A point light.
+    Point,
+    /// A material.
+    Material,
+    /// An object.
+    Object,
+    /// A shape that the file declares.
+    Declaration,
+    /// A use of a declared shape; of none that is declared, a mistake.
+    Instance,
+    /// A shape of the registry.
+    Shape,
+    /// An operator of the registry.
+    Operator,
+    /// Anything else; a mistake.
+    Other,
+}
+
+impl ItemKind {
+    /// What a node of this word is, in a node of this kind or at the top of the file.
+    fn of(word: &str, parent: Option<Self>, declared: &dyn Fn(&str) -> bool) -> Self {
+        match (parent, word) {
+            (None, "pathmarch") => Self::Version,
+            (None, INCLUDE) => Self::Include,
+            (None, PARAM) => Self::Param,
+            (None, FIELD) => Self::Field,
+            (None, "camera") => Self::Camera,
+            (None, "render") => Self::Render,
+            (None, "sky") => Self::Sky,
+            (None, "sun") => Self::Sun,
+            (None, "point") => Self::Point,
+            (None, "material") => Self::Material,
+            (None, SHAPE) => Self::Declaration,
+            (None, "object") => Self::Object,
+            (Some(_), word) => match registry::solid(word) {
+                Some(solid) if solid.is_operator() => Self::Operator,
+                Some(_) => Self::Shape,
+                None if declared(word) => Self::Shape,
+                None => Self::Instance,
+            },
+            _ => Self::Other,
+        }
+    }
+    /// Whether a node of this word in a node of this kind is one of the outline, and no parameter.
+    fn shows(self, word: &str) -> bool {
+        match self {
+            Self::Object | Self::Operator => !PLACEMENT.contains(&word),
+            Self::Declaration => word != PARAM,
+            Self::Instance => !PLACEMENT.contains(&word),
+            Self::Shape => !PLACEMENT.contains(&word) && word != NORMAL && word != POINT,
+            _ => false,
+        }
+    }
+    /// Whether it holds shapes.
+    pub fn holds_shapes(self) -> bool {
+        matches!(self, Self::Object | Self::Operator | Self::Declaration)
+    }
+    /// Whether it has a name.
+    pub fn is_named(self) -> bool {
+        matches!(self, Self::Param | Self::Field | Self::Camera | Self::Material | Self::Declaration | Self::Object)
+    }
+    /// Whether it may stand in an object or operator.
+    pub fn is_solid(self) -> bool {
+        matches!(self, Self::Shape | Self::Instance | Self::Operator)
+    }
+}
+
+/// A node as it stands in the tree of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Item {
+    /// Where it stands.
+    pub path: Path,
+    /// What it is.
+    pub kind: ItemKind,
+    /// Its first word: `sphere`, `object`.
+    pub word: String,
+    /// Its name, of those that have one; a camera without is `main`.
+    pub name: Option<String>,
+    /// Its own `material=`; for a material, the word of its kind.
+    pub material: Option<String>,
+    /// Nodes within it, in the order of the file.
+    pub children: Vec<Item>,
+    /// Index of its first shape among those of all objects, and how many it has.
+    pub(crate) leaves: (usize, usize),
+}
+
+impl Item {
+    /// What to call it: its name, or its word.
+    pub fn title(&self) -> &str {
+        self.name.as_deref().unwrap_or(&self.word)
+    }
+}
+
+/// The outline of a file.
+pub(crate) fn outline(file: &Block<'static>, included: &[Node<'static>]) -> Vec<Item> {
+    let names: HashSet<&str> = declared_names(file).collect();
+    let counts = leaf_counts(file.nodes.iter().chain(included));
+    items(file, None, &Path::default(), &mut Walk { declared: &|word| names.contains(word), counts, leaves: 0 })
+}
+
+/// Names of the fields that a file declares.
+fn declared_names<'b>(file: &'b Block<'static>) -> impl Iterator<Item = &'b str> {
+    file.nodes.iter().filter(|node| node.name.value == FIELD).filter_map(text_argument)
+}
+
+/// A walk through a file.
+struct Walk<'w> {
+    declared: &'w dyn Fn(&str) -> bool,
+    /// How many shapes come of each declared shape.
+    counts: HashMap<String, usize>,
+    /// Shapes so far.
+    leaves: usize,
+}
+
+fn items(block: &Block<'static>, parent: Option<ItemKind>, path: &Path, walk: &mut Walk) -> Vec<Item> {
+    let shown = shown(block, parent).enumerate();
+    shown.map(|(index, (_, node))| item(node, parent, path.child(index), walk)).collect()
+}
+
+fn item(node: &Node<'static>, parent: Option<ItemKind>, path: Path, walk: &mut Walk) -> Item {
+    let word = &*node.name.value;
+    let kind = ItemKind::of(word, parent, walk.declared);
+    let first = walk.leaves;
+    walk.leaves += match kind {
+        ItemKind::Shape => 1,
+        ItemKind::Instance => walk.counts.get(word).copied().unwrap_or(0),
+        _ => 0,
+    };
+    let name = kind.is_named().then(|| text_argument(node).map(str::to_owned)).flatten();
+    let unnamed_camera = kind == ItemKind::Camera && arguments(node).next().is_none();
+    let material = match kind {
+        ItemKind::Material => material_kind(node).map(|kind| kind.name.to_owned()),
+        ItemKind::Object | ItemKind::Shape | ItemKind::Instance | ItemKind::Operator => {
+            match property(node, "material").map(|e| &e.value) {
+                Some(Value::Text(name)) => Some(name.to_string()),
+                _ => None,
+            }
+        }
+        _ => None,
+    };
+    let children = node.children.as_ref().map_or_else(Vec::new, |block| items(block, Some(kind), &path, walk));
+    if kind == ItemKind::Declaration {
+        // What it holds stands nowhere; its uses do.
+        walk.leaves = first;
+    }
+    let leaves = (first, walk.leaves - first);
+    Item {
+        kind,
+        word: word.to_owned(),
+        name: name.or_else(|| unnamed_camera.then(|| "main".to_owned())),
+        material,
+        children,
+        leaves,
+        path,
+    }
+}
+
+/// The nodes of a block that are in the outline, with their indexes among all.
+pub(crate) fn shown<'b>(
+    block: &'b Block<'static>,
+    parent: Option<ItemKind>,
+) -> impl Iterator<Item = (usize, &'b Node<'static>)> {
+    let nodes = block.nodes.iter().enumerate();
+    nodes.filter(move |(_, node)| parent.is_none_or(|parent| parent.shows(&node.name.value)))
+}
+
+/// A node found by its path.
+#[derive(Clone, Copy)]
+pub(crate) struct Found<'b> {
+    pub(crate) node: &'b Node<'static>,
+    pub(crate) kind: ItemKind,
+    /// What it stands in.
+    pub(crate) block: &'b Block<'static>,
+    /// Its index among all nodes there.
+    pub(crate) index: usize,
+    /// Of the node that it stands in.
+    pub(crate) parent: Option<ItemKind>,
+}
+
+/// The node of this path.
+pub(crate) fn find<'b>(file: &'b Block<'static>, path: &Path) -> Option<Found<'b>> {
+    let declared = |word: &str| declared_names(file).any(|name| name == word);
+    let mut found: Option<Found> = None;
+    for &at in path.indexes() {
+        let parent = found.map(|found| found.kind);
+        let block = match found {
+            Some(found) => found.node.children.as_ref()?,
+            None => file,
+        };
+        let (index, node) = shown(block, parent).nth(at)?;
+        found = Some(Found { node, kind: ItemKind::of(&node.name.value, parent, &declared), block, index, parent });
+    }
+    found
+}
