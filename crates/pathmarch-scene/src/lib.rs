@@ -34,8 +34,3 @@ pub use scene::{Camera, Moment, Object, Parameter, Scene};
 pub use settings::{Caustics, RenderSettings, Sampler, Tonemap};
 pub use sky::Sky;
 pub use source::read_text;
-
-/// Ranges of settings.
-pub mod limits {
-    pub use crate::settings::{BOUNCES, CLAMP, DETAIL, EXPOSURE, FPS, Range, SAMPLES, SHUTTER, SIDE};
-}

@@ -6,7 +6,6 @@ use crate::light::Light;
 use crate::materials::Material;
 use crate::settings::RenderSettings;
 use crate::sky::Sky;
-pub use crate::source::read_text;
 use pathmarch_field::{Field, Node};
 use std::path::PathBuf;
 

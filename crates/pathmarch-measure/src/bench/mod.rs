@@ -18,7 +18,7 @@ use crate::measure::{self, Effort, References, Watch};
 use pathmarch_cli::{
     AppDirs, BackendArgument, DONE, FAILED, Failure, INTERRUPTED, check_directory, numbers, watch_interrupts,
 };
-use pathmarch_render::pathmarch_scene::{Scene, limits};
+use pathmarch_render::pathmarch_scene::{Scene, settings};
 use pathmarch_render::{Renderer, Settings, census};
 use report::{Entry, Quality, Results, Spread};
 use scenes::Chosen;
@@ -46,7 +46,7 @@ pub struct Arguments {
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = numbers::size, allow_hyphen_values = true)]
     size: [u32; 2],
     /// Scattering events after the first hit, in what is timed
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = numbers::whole(limits::BOUNCES), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = numbers::whole(settings::BOUNCES), allow_hyphen_values = true)]
     bounces: u32,
     /// Rounds to measure
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = numbers::whole((1, 1000)), allow_hyphen_values = true)]

@@ -9,7 +9,7 @@ use pathmarch_cli::{
 use pathmarch_render::aov::Layer;
 use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
-use pathmarch_render::pathmarch_scene::{Animation, Caustics, Moment, Sampler, Scene, limits};
+use pathmarch_render::pathmarch_scene::{Animation, Caustics, Moment, Sampler, Scene, settings};
 use pathmarch_render::tonemap::{Display, Tonemap};
 use pathmarch_render::{MAX_SPLITTING, Mode, MotionError, RenderError, Renderer, Settings, Shutter};
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = one_of(Mode::ALL, Mode::name), verbatim_doc_comment)]
     mode: Option<Mode>,
     /// Samples for each pixel [default: the scene's; 16 in modes that trace no paths]
-    #[arg(long, value_name = "N", value_parser = numbers::whole(limits::SAMPLES), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = numbers::whole(settings::SAMPLES), allow_hyphen_values = true)]
     samples: Option<u32>,
     /// Stop after this many seconds, at most 86400, whatever is done by then; at least one sample is
     #[arg(long, value_name = "N", value_parser = numbers::seconds, allow_hyphen_values = true)]
@@ -50,7 +50,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = numbers::whole((0, 2_000_000_000)), allow_hyphen_values = true)]
     first_sample: u32,
     /// Scattering events after the first hit; 0 is emitted and direct light only [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = numbers::whole(limits::BOUNCES), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = numbers::whole(settings::BOUNCES), allow_hyphen_values = true)]
     bounces: Option<u32>,
     /// Pictures of different seeds have independent noise
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = numbers::whole((0, u32::MAX)), allow_hyphen_values = true)]
@@ -68,16 +68,16 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = one_of(Caustics::ALL, Caustics::name))]
     caustics: Option<Caustics>,
     /// Largest radiance of a contribution of light that bounced, against fireflies; darkens [default: the scene's]
-    #[arg(long, value_name = "RADIANCE", value_parser = numbers::number(limits::CLAMP), allow_hyphen_values = true)]
+    #[arg(long, value_name = "RADIANCE", value_parser = numbers::number(settings::CLAMP), allow_hyphen_values = true)]
     clamp: Option<f32>,
     /// Paths that share a ray of the camera, 1 to 8 [default: what makes the picture converge soonest]
     #[arg(long, value_name = "N", value_parser = numbers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     splitting: Option<u32>,
     /// How near to a surface a ray ends, in pixels as seen: smaller shows finer detail, and costs steps [default: the scene's]
-    #[arg(long, value_name = "PIXELS", value_parser = numbers::number(limits::DETAIL), allow_hyphen_values = true)]
+    #[arg(long, value_name = "PIXELS", value_parser = numbers::number(settings::DETAIL), allow_hyphen_values = true)]
     detail: Option<f32>,
     /// Stops of exposure for PNG and JPEG, -100 to 100 [default: the camera's]
-    #[arg(long, value_name = "EV", value_parser = numbers::number(limits::EXPOSURE), allow_hyphen_values = true)]
+    #[arg(long, value_name = "EV", value_parser = numbers::number(settings::EXPOSURE), allow_hyphen_values = true)]
     exposure: Option<f32>,
     /// Write layers beside R, G and B, without noise; .exr only [default: all; or a list, such as albedo,normal]
     ///
@@ -100,13 +100,13 @@ pub struct Arguments {
     #[arg(long, requires = "frames")]
     skip_existing: bool,
     /// Frames in a second [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = numbers::number(limits::FPS), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = numbers::number(settings::FPS), allow_hyphen_values = true)]
     fps: Option<f32>,
     /// The moment of the picture: seconds since frame 0
     #[arg(long, value_name = "SECONDS", conflicts_with = "frames", value_parser = parse_moment, allow_hyphen_values = true)]
     time: Option<f64>,
     /// For which part of a frame's time the shutter is open, 0 to 1: motion blur [default: the scene's]
-    #[arg(long, value_name = "PART", value_parser = numbers::number(limits::SHUTTER), allow_hyphen_values = true)]
+    #[arg(long, value_name = "PART", value_parser = numbers::number(settings::SHUTTER), allow_hyphen_values = true)]
     shutter: Option<f32>,
     /// What to render on
     #[arg(long, value_enum, default_value = "auto")]

@@ -8,7 +8,7 @@ use super::panels::Plots;
 use super::saving::write_atomically;
 use egui::Context;
 use pathmarch_render::pathmarch_scene::SceneError;
-use pathmarch_render::pathmarch_scene::scene::read_text;
+use pathmarch_render::pathmarch_scene::read_text;
 use std::path::{Path, PathBuf};
 
 /// A ball on a floor: what a new scene is.

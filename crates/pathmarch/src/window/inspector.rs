@@ -6,7 +6,7 @@ use super::open::Resolution;
 use egui::{ComboBox, DragValue, Response, RichText, Slider, SliderClamping, TextEdit, Ui};
 use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, Item, ItemKind, Path, Value, key};
-use pathmarch_render::pathmarch_scene::limits;
+use pathmarch_render::pathmarch_scene::settings;
 
 /// Points of a window that has room for controls and a picture.
 const LEAST_WINDOW: f32 = 640.0;
@@ -199,7 +199,7 @@ impl App {
         camera.focus = camera.focus.filter(|focus| focus.is_finite());
         camera.fov = camera.fov.clamp(0.1, 179.0);
         camera.lens_radius = camera.lens_radius.max(0.0);
-        camera.exposure = camera.exposure.clamp(limits::EXPOSURE.min, limits::EXPOSURE.max);
+        camera.exposure = camera.exposure.clamp(settings::EXPOSURE.min, settings::EXPOSURE.max);
         if *camera != before {
             open.view.touch();
         }
