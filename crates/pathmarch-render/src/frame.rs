@@ -13,7 +13,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use pathmarch_field::graph::Leaf;
 use pathmarch_field::{Aabb, Field};
-use pathmarch_scene::materials::{self, Bsdf, Numbers, albedo};
+use pathmarch_scene::materials::{self, Bsdf, BsdfParameters, albedo};
 use pathmarch_scene::sky::GROUND_EDGE;
 use pathmarch_scene::{Camera, Caustics, Material, Scene, Sky as Source};
 use std::collections::HashMap;
@@ -109,7 +109,7 @@ pub(crate) struct MaterialRecord {
     pub(crate) absorption: [f32; 3],
     /// Index into [`materials::kinds`].
     pub(crate) kind: u32,
-    pub(crate) numbers: Numbers,
+    pub(crate) numbers: BsdfParameters,
 }
 
 /// Emits, and reflects nothing.
@@ -125,7 +125,7 @@ impl MaterialRecord {
     fn new(material: &Material, paint: &Paint) -> Self {
         let kind = materials::kinds().iter().position(|kind| std::ptr::eq(*kind, material.kind)).unwrap_or_default();
         let mut flags = EMITS * u32::from(material.emits());
-        let mut numbers = Numbers::default();
+        let mut numbers = BsdfParameters::default();
         if let Some(bsdf) = material.kind.bsdf {
             numbers = (bsdf.pack)(&material.values);
             let mut all = paint.extremes(&numbers);
@@ -140,7 +140,7 @@ impl MaterialRecord {
 }
 
 /// What clear glass of these numbers lets through straight on, at this cosine outside it.
-pub(crate) fn passes_straight(numbers: &Numbers, cosine: f32) -> Vec3 {
+pub(crate) fn passes_straight(numbers: &BsdfParameters, cosine: f32) -> Vec3 {
     let [r, g, b, _, ior, ..] = *numbers;
     Vec3::new(r, g, b) * (1.0 - materials::fresnel(cosine, ior))
 }

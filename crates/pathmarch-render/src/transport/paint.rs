@@ -20,7 +20,9 @@ use glam::Vec3;
 use pathmarch_field::Field;
 use pathmarch_field::graph::Coordinates;
 use pathmarch_field::number::Vec3 as FieldVec3;
-use pathmarch_scene::materials::{Bsdf, Bump, Look, Material, Meaning, Numbers, OrbitTrap, Texturing};
+use pathmarch_scene::materials::{
+    Bsdf, BsdfParameters, Bump, Material, OrbitTrap, PreviewMaterial, TextureMapping, Texturing,
+};
 use pathmarch_scene::textures::{self, Pattern, Spot, Texture, ramp};
 
 /// Values of a number for which its material is packed.
@@ -59,30 +61,30 @@ pub(crate) struct Paint {
     bump: Option<Bump>,
 }
 
-/// The numbers of a [`Look`], in the order of `preview.wgsl`.
+/// The numbers of a [`PreviewMaterial`], in the order of `preview.wgsl`.
 pub(super) const LOOK_SIZE: usize = 14;
 pub(super) type LookNumbers = [f32; LOOK_SIZE];
 
 /// The numbers of a look, and back.
-pub(super) fn look_numbers(look: &Look) -> LookNumbers {
-    let [straight, grazing] = look.mirrored;
+pub(super) fn look_numbers(look: &PreviewMaterial) -> LookNumbers {
+    let [straight, grazing] = look.specular;
     let mut numbers = [0.0; LOOK_SIZE];
     numbers[..3].copy_from_slice(&look.diffuse);
     numbers[3] = look.roughness;
     numbers[4..7].copy_from_slice(&straight);
     numbers[7..10].copy_from_slice(&grazing);
-    numbers[10..13].copy_from_slice(&look.transmitted);
+    numbers[10..13].copy_from_slice(&look.transmission);
     numbers[13] = look.ior;
     numbers
 }
 
-pub(super) fn look_of(numbers: &LookNumbers) -> Look {
+pub(super) fn look_of(numbers: &LookNumbers) -> PreviewMaterial {
     let three = |at: usize| [numbers[at], numbers[at + 1], numbers[at + 2]];
-    Look {
+    PreviewMaterial {
         diffuse: three(0),
         roughness: numbers[3],
-        mirrored: [three(4), three(7)],
-        transmitted: three(10),
+        specular: [three(4), three(7)],
+        transmission: three(10),
         ior: numbers[13],
     }
 }
@@ -96,14 +98,14 @@ impl Paint {
     pub(crate) fn new(material: &Material) -> Self {
         let Some(bsdf) = material.kind.bsdf else { return Self::default() };
         let mut layers: Vec<Layer> = Vec::new();
-        for painted in &material.painted {
+        for painted in &material.textured {
             let source = Source::Texture(painted.texture.clone());
-            let layer = match (material.kind.params[painted.param].texturing, &painted.meaning) {
-                (Texturing::Colour(place), Meaning::Colours(colours)) => {
+            let layer = match (material.kind.params[painted.param].texturing, &painted.mapping) {
+                (Texturing::Colour(place), TextureMapping::Ramp(colours)) => {
                     Layer::of_colour(material, painted.param, place, source, Some(colours.clone()))
                 }
                 (Texturing::Colour(place), _) => Layer::of_colour(material, painted.param, place, source, None),
-                (_, Meaning::Range(range)) => Layer::of_number(material, bsdf, painted.param, source, *range),
+                (_, TextureMapping::Range(range)) => Layer::of_number(material, bsdf, painted.param, source, *range),
                 _ => continue,
             };
             layers.push(layer);
@@ -152,7 +154,7 @@ impl Paint {
     }
 
     /// All sets of numbers that this may give the material, as far as its kind decides by them.
-    pub(crate) fn extremes(&self, numbers: &Numbers) -> Vec<Numbers> {
+    pub(crate) fn extremes(&self, numbers: &BsdfParameters) -> Vec<BsdfParameters> {
         let mut all = Vec::new();
         for layer in &self.layers {
             if let Change::Numbers { places, knots } = &layer.change {
@@ -183,7 +185,7 @@ impl Layer {
         let look_of = |grey: f32| {
             let mut values = material.values.clone();
             values[param] = [grey; 3];
-            look_numbers(&(material.kind.look)(&values))
+            look_numbers(&(material.kind.preview)(&values))
         };
         let (black, white) = (look_of(0.0), look_of(1.0));
         // What does not depend on it channel by channel stays.
@@ -200,13 +202,13 @@ impl Layer {
                 values
             })
             .collect();
-        let packed: Vec<Numbers> = values.iter().map(|values| (bsdf.pack)(values)).collect();
+        let packed: Vec<BsdfParameters> = values.iter().map(|values| (bsdf.pack)(values)).collect();
         let places: Vec<usize> =
             (0..packed[0].len()).filter(|&k| packed.iter().any(|numbers| numbers[k] != packed[0][k])).collect();
         let knots = packed.iter().map(|numbers| places.iter().map(|&place| numbers[place]).collect()).collect();
-        let middle = look_numbers(&material.look());
+        let middle = look_numbers(&material.preview());
         let looks = values.iter().map(|values| {
-            let look = look_numbers(&(material.kind.look)(values));
+            let look = look_numbers(&(material.kind.preview)(values));
             std::array::from_fn(|k| look[k] - middle[k])
         });
         Self { source, change: Change::Numbers { places, knots }, looks: looks.collect(), base: [0.0; 3] }
@@ -274,7 +276,7 @@ impl<'p> Painted<'p> {
     }
 
     /// The material's numbers here.
-    pub(crate) fn numbers(&self, numbers: &Numbers) -> Numbers {
+    pub(crate) fn numbers(&self, numbers: &BsdfParameters) -> BsdfParameters {
         let mut own = *numbers;
         for layer in &self.paint.layers {
             match &layer.change {
@@ -383,7 +385,7 @@ pub(crate) fn words(field: &Field, paints: &[Paint], start: usize) -> Vec<u32> {
                     let rows = pose.local_from_world();
                     let place = pose.at.iter().chain(rows.as_flattened()).chain([&pose.scale]);
                     let step = match &texture.pattern {
-                        Pattern::Computed { kind, numbers } => {
+                        Pattern::Computed { kind, parameters: numbers } => {
                             record[0] = number_of(kind) as u32;
                             record[NUMBERS..].copy_from_slice(&numbers.map(f32::to_bits));
                             (kind.step)(numbers)
@@ -462,7 +464,7 @@ pub(crate) fn words(field: &Field, paints: &[Paint], start: usize) -> Vec<u32> {
 }
 
 /// Words of a texture: kind, place, three rows, scale, step, numbers.
-const TEXTURE_WORDS: usize = NUMBERS + textures::MOST_NUMBERS;
+const TEXTURE_WORDS: usize = NUMBERS + textures::MAX_PARAMETERS;
 const NUMBERS: usize = 15;
 /// What stands for a kind of texture that is not in the list.
 pub(crate) const ORBIT: u32 = 1000;

@@ -87,7 +87,7 @@ impl Preview {
             (index, seen_radius(light) * share.sqrt())
         };
         let lights: Vec<(u32, f32)> = order.into_iter().map(radius).collect();
-        let look = |material: &pathmarch_scene::Material| look_numbers(&material.look());
+        let look = |material: &pathmarch_scene::Material| look_numbers(&material.preview());
         let objects = scene.field.object_bounds().len();
         let (mut occluders, mut neighbours) = (vec![true; objects], vec![true; objects]);
         for leaf in scene.field.leaves() {
@@ -108,7 +108,7 @@ impl Preview {
 
     /// Whether any material mirrors.
     pub(crate) fn mirrors(&self) -> bool {
-        self.looks.iter().any(|look| look_of(look).mirrored.as_flattened().iter().any(|&share| share > 0.0))
+        self.looks.iter().any(|look| look_of(look).specular.as_flattened().iter().any(|&share| share > 0.0))
     }
 
     /// The numbers as `preview.wgsl` reads them.
@@ -282,11 +282,11 @@ impl Follower<'_> {
             None => look_of(&preview.looks[m]),
         };
         let n = painted.map_or(seen.normal, |painted| painted.normal(seen.outward(), seen.normal, -direction));
-        let transmitted = Vec3::from(look.transmitted);
+        let transmitted = Vec3::from(look.transmission);
         let clear = transmitted.max_element() > 0.0;
         let cosine = (-direction.dot(n)).clamp(0.0, 1.0);
-        let straight = Vec3::from(look.mirrored[0]);
-        let grazing = (Vec3::from(look.mirrored[1]) * (1.0 - look.roughness)).max(straight);
+        let straight = Vec3::from(look.specular[0]);
+        let grazing = (Vec3::from(look.specular[1]) * (1.0 - look.roughness)).max(straight);
         // What is mirrored within a clear solid is left out.
         let mirrored =
             if clear && seen.inside { Vec3::ZERO } else { straight + (grazing - straight) * (1.0 - cosine).powi(5) };

@@ -5,7 +5,7 @@
 //! numbers for each cosine and roughness are exact for every colour (Karis 2013, "Real Shading in Unreal Engine 4", stores
 //! the same split). Computed once, when first asked for, in about ten milliseconds.
 
-use super::microfacet::{fifth_power, reflect, unshadowed, visible_normal};
+use super::microfacet::{MIN_ALPHA, fifth_power, reflect, unshadowed, visible_normal};
 use glam::Vec3;
 use std::sync::OnceLock;
 
@@ -23,7 +23,7 @@ pub fn table() -> &'static [[f32; 2]] {
         let cell = |index: usize| {
             let root = (index % COSINES) as f32 / (COSINES - 1) as f32;
             let roughness = (index / COSINES) as f32 / (ROUGHNESSES - 1) as f32;
-            let (cosine, alpha) = ((root * root).max(1e-4), (roughness * roughness).max(super::principled::MIN_ALPHA));
+            let (cosine, alpha) = ((root * root).max(1e-4), (roughness * roughness).max(MIN_ALPHA));
             let grazing = |cosine: f32| fifth_power(1.0 - cosine);
             [integrate(cosine, alpha, |c| 1.0 - grazing(c)), integrate(cosine, alpha, grazing)]
         };

@@ -29,9 +29,9 @@ pub enum ParamKind {
 pub enum Texturing {
     /// None may.
     None,
-    /// A colour, which is three of the material's [`Numbers`] as it is, from this one on.
+    /// A colour, which is three of the material's [`BsdfParameters`] as it is, from this one on.
     Colour(usize),
-    /// A number, of which [`Bsdf::pack`] makes some of the material's [`Numbers`], and no other parameter that may be
+    /// A number, of which [`Bsdf::pack`] makes some of the material's [`BsdfParameters`], and no other parameter that may be
     /// textured makes these.
     Packed,
 }
@@ -72,7 +72,7 @@ pub type ColourOf = fn(values: &[[f32; 3]]) -> [f32; 3];
 
 /// The numbers of a material as its scattering functions read them, in Rust and in WGSL (there as the vectors a, b, c, d and
 /// the array `table` of four more).
-pub type Numbers = [f32; 32];
+pub type BsdfParameters = [f32; 32];
 
 /// What a kind of material says of itself.
 #[derive(Debug)]
@@ -93,7 +93,7 @@ pub struct MaterialKind {
     /// What its inside absorbs, per metre.
     pub absorption: ColourOf,
     /// What a quick picture shows of it.
-    pub look: fn(values: &[[f32; 3]]) -> Look,
+    pub preview: fn(values: &[[f32; 3]]) -> PreviewMaterial,
     /// How it scatters light; `None` for what only emits.
     pub bsdf: Option<&'static Bsdf>,
 }
@@ -101,15 +101,15 @@ pub struct MaterialKind {
 /// A material in the few numbers of a quick picture, which scatters nothing at random: Lambert's surface under one glossy
 /// reflection, and what passes. Colours are linear Rec. 709.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Look {
+pub struct PreviewMaterial {
     /// Albedo of what scatters in all directions.
     pub diffuse: [f32; 3],
     /// What is mirrored straight on (F0), and grazing (F90).
-    pub mirrored: [[f32; 3]; 2],
+    pub specular: [[f32; 3]; 2],
     /// How blurred that is; 0 is a mirror.
     pub roughness: f32,
     /// Share of what is not mirrored that passes the surface.
-    pub transmitted: [f32; 3],
+    pub transmission: [f32; 3],
     /// Refractive index, by which that is bent.
     pub ior: f32,
 }
@@ -121,20 +121,20 @@ pub struct Look {
 /// Values are of radiance that travels from `wi` to `wo`.
 pub struct Bsdf {
     /// The numbers of a set of parameter values.
-    pub pack: fn(values: &[[f32; 3]]) -> Numbers,
+    pub pack: fn(values: &[[f32; 3]]) -> BsdfParameters,
     /// Whether it scatters in single directions only, which [`eval`](Self::eval) never meets.
-    pub is_delta: fn(&Numbers) -> bool,
+    pub is_delta: fn(&BsdfParameters) -> bool,
     /// Whether light passes to the other side.
-    pub transmits: fn(&Numbers) -> bool,
+    pub transmits: fn(&BsdfParameters) -> bool,
     /// Whether [`sample`](Self::sample) uses its third number.
     pub chooses_lobes: bool,
     /// Whether its WGSL reads the table of [`albedo`].
     pub reads_albedos: bool,
     /// The value and density of one direction.
-    pub eval: fn(&Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval,
+    pub eval: fn(&BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval,
     /// A random direction of three uniform numbers in 0..1, the first two of them its position; `None` where the light
     /// is lost.
-    pub sample: fn(&Numbers, wo: Vec3, inside: bool, random: [f32; 3]) -> Option<Scattered>,
+    pub sample: fn(&BsdfParameters, wo: Vec3, inside: bool, random: [f32; 3]) -> Option<Scattered>,
     /// The same in WGSL: `NAME_eval(m, wo, wi, inside) -> vec4f` (value, density) and
     /// `NAME_sample(m, wo, inside, random) -> Scattered`, where `m` is the index of the material.
     pub wgsl: &'static str,
@@ -177,8 +177,8 @@ pub struct Scattered {
 }
 
 /// The colour in the first three numbers.
-fn colour_of(numbers: &Numbers) -> Vec3 {
-    Vec3::new(numbers[0], numbers[1], numbers[2])
+fn colour_of(parameters: &BsdfParameters) -> Vec3 {
+    Vec3::new(parameters[0], parameters[1], parameters[2])
 }
 
 /// Black, whatever the values: for a kind that emits or absorbs nothing.
@@ -249,44 +249,44 @@ pub struct Material {
     /// What takes the place of its colour, the first parameter, on fractals.
     pub orbit_trap: Option<OrbitTrap>,
     /// The parameters that vary along the surface. Their values above are those in the middle.
-    pub painted: Vec<Painted>,
+    pub textured: Vec<TexturedParameter>,
     /// What the surface's normals follow instead of the shape's.
     pub bump: Option<Bump>,
 }
 
 /// A parameter that a texture stands for.
 #[derive(Clone, Debug)]
-pub struct Painted {
+pub struct TexturedParameter {
     /// Index into the kind's parameters.
     pub param: usize,
     /// What varies.
     pub texture: Texture,
     /// What its values mean.
-    pub meaning: Meaning,
+    pub mapping: TextureMapping,
 }
 
-impl Painted {
+impl TexturedParameter {
     /// The value of the parameter in the middle, for who knows no textures.
-    pub fn middle(&self) -> [f32; 3] {
-        match (&self.meaning, &self.texture.pattern) {
-            (Meaning::Colours(colours), _) => {
+    pub fn average(&self) -> [f32; 3] {
+        match (&self.mapping, &self.texture.pattern) {
+            (TextureMapping::Ramp(colours), _) => {
                 let sum = colours.iter().fold(Vec3::ZERO, |sum, colour| sum + Vec3::from(*colour));
                 (sum / colours.len().max(1) as f32).into()
             }
-            (Meaning::OwnColours, Pattern::Picture { picture, .. }) => picture.mean().into(),
-            (Meaning::OwnColours, _) => [0.5; 3],
-            (Meaning::Range([from, to]), _) => [0.5 * (from + to), 0.0, 0.0],
+            (TextureMapping::Direct, Pattern::Picture { picture, .. }) => picture.mean().into(),
+            (TextureMapping::Direct, _) => [0.5; 3],
+            (TextureMapping::Range([from, to]), _) => [0.5 * (from + to), 0.0, 0.0],
         }
     }
 }
 
 /// What the values of a texture mean to a parameter.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Meaning {
+pub enum TextureMapping {
     /// Places in a row of colours, as in [`ramp`](crate::textures::ramp); at least one.
-    Colours(Vec<[f32; 3]>),
+    Ramp(Vec<[f32; 3]>),
     /// The texture has colours of its own.
-    OwnColours,
+    Direct,
     /// Numbers from the first to the second.
     Range([f32; 2]),
 }
@@ -308,7 +308,7 @@ impl Material {
     /// A material of this kind with its defaults.
     pub fn new(name: &str, kind: &'static MaterialKind) -> Self {
         let values = kind.params.iter().map(|param| param.default).collect();
-        Self { name: name.to_owned(), kind, values, orbit_trap: None, painted: Vec::new(), bump: None }
+        Self { name: name.to_owned(), kind, values, orbit_trap: None, textured: Vec::new(), bump: None }
     }
     /// What an object without `material=` is made of: white, diffuse 0.8, named `default`.
     pub fn default_white() -> Self {
@@ -327,8 +327,8 @@ impl Material {
         (self.kind.absorption)(&self.values)
     }
     /// What a quick picture shows of it.
-    pub fn look(&self) -> Look {
-        (self.kind.look)(&self.values)
+    pub fn preview(&self) -> PreviewMaterial {
+        (self.kind.preview)(&self.values)
     }
     /// Radiance in every outward direction, W/(m² sr); black for what is no light.
     pub fn emission(&self) -> [f32; 3] {

@@ -16,10 +16,10 @@ pub use picture::{Picture, PictureError};
 use std::sync::Arc;
 
 /// The most numbers of a texture.
-pub const MOST_NUMBERS: usize = 8;
+pub const MAX_PARAMETERS: usize = 8;
 
 /// The numbers of a texture, in the order of [`TextureKind::params`].
-pub type TextureNumbers = [f32; MOST_NUMBERS];
+pub type TextureParameters = [f32; MAX_PARAMETERS];
 
 /// A kind of texture.
 pub struct TextureKind {
@@ -32,9 +32,9 @@ pub struct TextureKind {
     /// Its numbers.
     pub params: &'static [Param],
     /// Length over which its slope is found, metres: short against its features.
-    pub step: fn(&TextureNumbers) -> f32,
+    pub step: fn(&TextureParameters) -> f32,
     /// Its value, 0 to 1; what is beyond these is cut.
-    pub value: fn(&Spot, &TextureNumbers) -> f32,
+    pub value: fn(&Spot, &TextureParameters) -> f32,
     /// The same in WGSL: `NAME_texture(spot: Spot, k: array<f32, 8>) -> f32`.
     pub wgsl: &'static str,
 }
@@ -104,7 +104,7 @@ pub enum Pattern {
         /// What it is.
         kind: &'static TextureKind,
         /// Its numbers; those behind its parameters are zero.
-        numbers: TextureNumbers,
+        parameters: TextureParameters,
     },
     /// A picture, projected along the three axes and blended by the normal.
     Picture {
@@ -144,7 +144,7 @@ impl Texture {
     /// Its value at a spot of the shape, 0 to 1; of a picture, its luminance.
     pub fn value(&self, spot: &Spot) -> f32 {
         let value = match &self.pattern {
-            Pattern::Computed { kind, numbers } => (kind.value)(&self.placed(spot), numbers),
+            Pattern::Computed { kind, parameters } => (kind.value)(&self.placed(spot), parameters),
             Pattern::Picture { .. } => self.colour(spot).dot(Vec3::from(LUMINANCE)),
         };
         // What is not a number is 0.
@@ -163,7 +163,7 @@ impl Texture {
     /// texture asks for.
     pub fn slope(&self, spot: &Spot) -> Vec3 {
         let own = match &self.pattern {
-            Pattern::Computed { kind, numbers } => (kind.step)(numbers),
+            Pattern::Computed { kind, parameters } => (kind.step)(parameters),
             Pattern::Picture { picture, size } => size / picture.width as f32,
         };
         let step = (own * self.pose.scale).max(0.5 * spot.footprint);

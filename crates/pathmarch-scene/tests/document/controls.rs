@@ -217,7 +217,7 @@ impl Number for Value {
 pub(super) fn meaning(scene: &Scene) -> String {
     let Scene { cameras, render, sky, lights, materials, objects, field, params, .. } = scene;
     let materials: Vec<_> =
-        materials.iter().map(|m| (&m.name, m.kind.name, &m.values, &m.orbit_trap, &m.painted, &m.bump)).collect();
+        materials.iter().map(|m| (&m.name, m.kind.name, &m.values, &m.orbit_trap, &m.textured, &m.bump)).collect();
     let sky = match sky {
         pathmarch_scene::Sky::Map(map) => format!("{map:?} {:?}", &map.texels[map.texels.len() / 3]),
         sky => format!("{sky:?}"),

@@ -14,7 +14,9 @@ use crate::language::diagnostics::report::{draft, shown};
 use crate::language::diagnostics::spelling::{listed, suggestion};
 use crate::language::keywords::{BUMP, COLOUR, ORBIT_TRAP};
 use crate::language::tree::{Node, Span};
-use crate::materials::{self, Bump, Material, MaterialParam, Meaning, OrbitTrap, Painted, ParamKind, Texturing, Trap};
+use crate::materials::{
+    self, Bump, Material, MaterialParam, OrbitTrap, ParamKind, TextureMapping, TexturedParameter, Texturing, Trap,
+};
 use crate::settings::Range;
 use std::collections::HashMap;
 
@@ -88,8 +90,8 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
         } else if param.texturing == Texturing::None {
             textures::refuse(node, context);
         } else if let Some(painted) = painted(node, index, param, files, context) {
-            material.values[index] = painted.middle();
-            material.painted.push(painted);
+            material.values[index] = painted.average();
+            material.textured.push(painted);
         }
     }
     if kind.params.is_empty() {
@@ -100,7 +102,7 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
         properties(node, &[], context);
         arguments(node, 0, "`bump { fbm size=0.05 height=0.005 }`", context);
         match textures::texture(node, Use::Height, files, context)? {
-            (texture, Meaning::Range([_, height])) => Some(Bump { texture, height }),
+            (texture, TextureMapping::Range([_, height])) => Some(Bump { texture, height }),
             _ => None,
         }
     });
@@ -114,7 +116,7 @@ fn painted(
     param: &MaterialParam,
     files: &mut Files,
     context: &mut Context,
-) -> Option<Painted> {
+) -> Option<TexturedParameter> {
     properties(node, &[], context);
     if let Some(entry) = node.entries.iter().find(|entry| entry.name.is_none()) {
         let message = format!("`{}` has a value and a texture.", node.name.value);
@@ -125,8 +127,8 @@ fn painted(
         ParamKind::Colour => Use::Colour,
         ParamKind::Number => Use::Number(Range::from_to(param.min, param.max)),
     };
-    let (texture, meaning) = textures::texture(node, to, files, context)?;
-    Some(Painted { param: index, texture, meaning })
+    let (texture, mapping) = textures::texture(node, to, files, context)?;
+    Some(TexturedParameter { param: index, texture, mapping })
 }
 
 /// `orbit-trap "point" from=0 to=1 { colour …; colour … }`.

@@ -13,9 +13,9 @@ use super::unexpected::unexpected_node;
 use crate::language::diagnostics::report::{draft, shown};
 use crate::language::keywords::{COLOUR, PLACEMENT};
 use crate::language::tree::{Entry, Node};
-use crate::materials::{BUMP_HEIGHT, Meaning};
+use crate::materials::{BUMP_HEIGHT, TextureMapping};
 use crate::settings::Range;
-use crate::textures::{self, PICTURE_SIZE, Pattern, Texture, TextureKind, TextureNumbers};
+use crate::textures::{self, PICTURE_SIZE, Pattern, Texture, TextureKind, TextureParameters};
 use pathmarch_field::Param;
 
 /// What a texture's values are to stand for.
@@ -32,7 +32,12 @@ pub(super) enum Use {
 /// The most colours of a row.
 const MOST_COLOURS: usize = 64;
 /// The texture in the braces of a node and what its values mean; a height is a range that starts at 0.
-pub(super) fn texture(owner: &Node, to: Use, files: &mut Files, context: &mut Context) -> Option<(Texture, Meaning)> {
+pub(super) fn texture(
+    owner: &Node,
+    to: Use,
+    files: &mut Files,
+    context: &mut Context,
+) -> Option<(Texture, TextureMapping)> {
     let place = format!("in `{}`", owner.name.value);
     let mut found: Option<&Node> = None;
     for child in owner.child_nodes() {
@@ -67,7 +72,7 @@ pub(super) fn texture(owner: &Node, to: Use, files: &mut Files, context: &mut Co
     let known: Vec<&str> = numbers.iter().map(|param| param.name).chain(meant.iter().copied()).collect();
     let named = properties(node, &known, context);
     let values = values(numbers, &named, context);
-    let meaning = meaning(node, kind, to, &named, context);
+    let mapping = mapping(node, kind, to, &named, context);
     let mut placement = Placements::default();
     for child in node.child_nodes() {
         if !(placement.take(child, false, context) || child.name.value == COLOUR && matches!(to, Use::Colour)) {
@@ -79,16 +84,16 @@ pub(super) fn texture(owner: &Node, to: Use, files: &mut Files, context: &mut Co
     let pattern = match kind {
         Some(kind) => {
             arguments(node, 0, &format!("`{}`, with its numbers by name", kind.name), context);
-            Pattern::Computed { kind, numbers: values }
+            Pattern::Computed { kind, parameters: values }
         }
         None => picture(node, values[0], matches!(to, Use::Colour), files, context)?,
     };
-    Some((Texture { pattern, pose: placement.value.pose() }, meaning?))
+    Some((Texture { pattern, pose: placement.value.pose() }, mapping?))
 }
 
 /// The numbers of a texture.
-fn values(params: &[Param], named: &[(&str, &Entry)], context: &mut Context) -> TextureNumbers {
-    let mut values = TextureNumbers::default();
+fn values(params: &[Param], named: &[(&str, &Entry)], context: &mut Context) -> TextureParameters {
+    let mut values = TextureParameters::default();
     for (value, param) in values.iter_mut().zip(params) {
         let entry = named.iter().find(|(name, _)| *name == param.name).map(|(_, entry)| *entry);
         *value = entry.and_then(|entry| number(param, entry, context)).unwrap_or(param.default);
@@ -96,21 +101,21 @@ fn values(params: &[Param], named: &[(&str, &Entry)], context: &mut Context) -> 
     values
 }
 
-fn meaning(
+fn mapping(
     node: &Node,
     kind: Option<&TextureKind>,
     to: Use,
     named: &[(&str, &Entry)],
     context: &mut Context,
-) -> Option<Meaning> {
+) -> Option<TextureMapping> {
     let entry = |name: &str| named.iter().find(|(word, _)| *word == name).map(|(_, entry)| *entry);
     match to {
         Use::Colour => {
             let colours = colours(node, context)?;
             Some(match (colours.is_empty(), kind) {
-                (false, _) => Meaning::Colours(colours),
-                (true, None) => Meaning::OwnColours,
-                (true, Some(_)) => Meaning::Colours(DEFAULT_COLOURS.to_vec()),
+                (false, _) => TextureMapping::Ramp(colours),
+                (true, None) => TextureMapping::Direct,
+                (true, Some(_)) => TextureMapping::Ramp(DEFAULT_COLOURS.to_vec()),
             })
         }
         Use::Number(range) => {
@@ -119,14 +124,14 @@ fn meaning(
                 None => Some(default),
             };
             let (from, to) = (end("from", range.min), end("to", range.max));
-            Some(Meaning::Range([from?, to?]))
+            Some(TextureMapping::Range([from?, to?]))
         }
         Use::Height => {
             let height = match entry(BUMP_HEIGHT.name) {
                 Some(entry) => number(&BUMP_HEIGHT, entry, context),
                 None => Some(BUMP_HEIGHT.default),
             };
-            Some(Meaning::Range([0.0, height?]))
+            Some(TextureMapping::Range([0.0, height?]))
         }
     }
 }
