@@ -1,11 +1,11 @@
-//! What a scene needs besides its text and is costly to make: pictures of the sky and of textures, computed days, and the
-//! files of fonts.
+//! Cache of what a scene needs besides its text and is costly to make: pictures of the sky and of textures, computed
+//! days, fonts, compiled custom SDFs.
 //!
-//! A text that is edited is read again after every change, and most changes leave the sky as it is. The cache holds what
-//! the last readings used: a picture as its file was when it was read, a day by its parameters. The same sky is the same
-//! `Arc`, so that others can tell by its address that it has not changed. The code of a scene's own field is kept by its text.
-//! Cost: the picture of the last sky, twice once its
-//! strength or turn has been changed, at most 192 MiB; 1.5 MiB for each day; of textures the last 16 pictures.
+//! An edited text is read again after every change, and most changes do not concern the sky. The cache contains what
+//! the last readings used: a picture by its file's path, size and time of change, a day by its parameters, a custom SDF
+//! by its text. An unchanged sky is the same `Arc`, so that renderers detect changes by its address. Cost: the picture
+//! of the last sky, twice once its strength or rotation has changed, at most 192 MiB; 1.5 MiB for each day; the last 16
+//! pictures of textures.
 
 use crate::atmosphere::Day;
 use crate::environment::{Environment, EnvironmentError, Loaded};
@@ -27,7 +27,7 @@ const MAX_FONT_BYTES: u64 = 64 << 20;
 /// Codes of fields that are kept: those of a scene, and steps back and forth.
 const CODES: usize = 128;
 
-/// What the code of a field is made of.
+/// Source of a custom SDF.
 #[derive(PartialEq)]
 struct CodeSource {
     identifier: String,

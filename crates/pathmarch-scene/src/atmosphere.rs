@@ -172,7 +172,8 @@ const REC709_FROM_XYZ: Mat3 = Mat3::from_cols(
     Vec3::new(-0.4986, 0.0415, 1.0570),
 );
 
-/// What a surface of this colour reflects of each band: the red, green and blue part of the spectrum each as a whole.
+/// Albedo of each band for a surface of this colour, with the red, green and blue parts of the spectrum each as a
+/// whole.
 fn albedo_of_bands([red, green, blue]: [f32; 3]) -> Bands {
     Bands::new([blue, blue, 0.5 * (blue + green), green, 0.5 * (green + red), red, red, red])
 }
@@ -267,7 +268,7 @@ impl Air {
         })
     }
 
-    /// What is left of the sun's light; 0 in the planet's shadow. `cosine` is that of its angle from the zenith.
+    /// Transmittance towards the sun; 0 in the planet's shadow. `cosine` is that of its angle from the zenith.
     fn sunlight(&self, radius: f64, cosine: f64) -> Bands {
         let sine = GROUND / radius;
         let horizon = -(1.0 - sine * sine).max(0.0).sqrt();
@@ -380,17 +381,17 @@ impl Air {
     }
 }
 
-/// Distance from the planet's centre after some way from `radius` in the direction of this cosine.
+/// Distance from the planet's centre after a distance `way` from `radius` in the direction of this cosine.
 fn along(radius: f64, cosine: f64, way: f64) -> f64 {
     (radius * radius + way * way + 2.0 * radius * way * cosine).max(0.0).sqrt()
 }
 
-/// Way to the upper end of the air.
+/// Distance to the top of the atmosphere.
 fn to_top(radius: f64, cosine: f64) -> f64 {
     (radius * radius * (cosine * cosine - 1.0) + TOP * TOP).max(0.0).sqrt() - radius * cosine
 }
 
-/// Way to the ground, if it is met.
+/// Distance to the ground, if the ray hits it.
 fn to_ground(radius: f64, cosine: f64) -> Option<f64> {
     let square = radius * radius * (cosine * cosine - 1.0) + GROUND * GROUND;
     (cosine < 0.0 && square >= 0.0).then(|| -radius * cosine - square.sqrt())

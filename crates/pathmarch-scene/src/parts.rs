@@ -16,7 +16,7 @@ use pathmarch_field::graph::Kind;
 use pathmarch_field::{Blend, Field, Node, Param, Placement, Unit, registry};
 use std::collections::HashSet;
 
-/// Why parts make no scene: what is wrong, where, and what is expected.
+/// Error of parts that make no scene: the problem, its place, and what is expected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct PartsError(String);
@@ -36,7 +36,7 @@ pub struct SceneParts {
     pub sky: Sky,
     /// Suns and points. The direction of a sun may have any length but zero.
     pub lights: Vec<Light>,
-    /// What objects are made of; a shape's tag is an index into these.
+    /// Materials; the tag of a shape is an index into these.
     pub materials: Vec<Material>,
     /// Solids with names that differ.
     pub objects: Vec<Object>,
@@ -342,12 +342,12 @@ fn check_placement(placement: &Placement) -> Result<(), PartsError> {
     normal.map_or(Ok(()), |normal| unit("a placement's normal", normal).map(drop))
 }
 
-/// Where a node is in its object.
+/// Position of a node in its object.
 #[derive(Clone, Copy)]
 struct Place {
     /// Operators around it.
     depth: usize,
-    /// Whether an operator that makes solids of profiles is around it.
+    /// True within an operator that makes solids of profiles.
     in_profile: bool,
 }
 

@@ -1,17 +1,17 @@
 //! Steps back and forth.
 //!
-//! A step holds what it removed and what it inserted, so that it can be taken back and done again byte for byte. Cost:
-//! memory in proportion to what was changed; no limit on the number of steps.
+//! A step contains the text that it removed and inserted, so that it can be undone and redone byte for byte. Cost:
+//! memory in proportion to the changes; no limit on the number of steps.
 
 use super::text::patch::{Hunk, Patch, apply, compose, difference};
 
 /// A piece of text that a step replaced by another.
 #[derive(Clone, Debug)]
 struct Change {
-    /// Where it stood in the text before.
+    /// Start in the text before.
     old: usize,
     removed: String,
-    /// Where its replacement stands in the text after.
+    /// Start of the replacement in the text after.
     new: usize,
     inserted: String,
 }
@@ -55,12 +55,12 @@ impl Step {
     }
 }
 
-/// What was done, and what was undone.
+/// Steps that were done, and steps that were undone.
 #[derive(Debug, Default)]
 pub(super) struct History {
     done: Vec<Step>,
     undone: Vec<Step>,
-    /// Whether the next step may join the last one.
+    /// True if the next step may join the last one.
     open: bool,
 }
 

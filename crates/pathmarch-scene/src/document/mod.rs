@@ -1,18 +1,18 @@
 //! A scene text that can be edited without losing anything.
 //!
-//! Idea: the text is the scene. A [`Document`] holds it with the tree of its nodes and where in the text each of them
-//! stands; an edit through a control is a *patch* of the few bytes that say what changed, so that comments, order and
-//! formatting stay. After each edit the text is read again by the same reader as every scene file: there is no second
-//! description of a scene that could come to differ from its text. What a control may hold comes from the registries of
-//! shapes, operators and materials and from the parser's own table of settings.
+//! Idea: the text is the scene. A [`Document`] contains the text and the tree of its nodes with their places; an edit
+//! through a control is a *patch* of the few bytes that change, so that comments, order and formatting stay. After each
+//! edit the reader of scene files reads the text again: there is no second description of a scene that could diverge
+//! from its text. The ranges of controls come from the registries of shapes, operators and materials and from the
+//! tables of settings.
 //!
-//! Undo: a step holds what its patches removed and inserted, so that history costs as much memory as what was changed and
-//! has no limit. Sets of one gesture, such as the drag of a slider, are one step.
+//! Undo: a step contains what its patches removed and inserted, so that history costs memory in proportion to the
+//! changes and has no limit. Sets of one gesture, such as the drag of a slider, are one step.
 //!
-//! Rules. A text that is a scene stays one: an edit that would make a mistake is refused, the text stays as it is, and
-//! [`EditError`] says why and what to do. A text with mistakes may be edited as long as that adds none. A node that is
-//! removed takes a comment behind it on its line with it; comments on lines of their own stay. A node that is moved
-//! carries both, a duplicate neither.
+//! Rules. A text that is a scene stays one: an edit that would make a mistake is refused, the text stays unchanged, and
+//! [`EditError`] has the reason and help. A text with mistakes may be edited as long as the edit adds none. A removed
+//! node takes a comment after it on its line with it; comments on lines of their own stay. A moved node carries both, a
+//! duplicate neither.
 //!
 //! Cost: an edit of a parameter is one reading of the text and half as much again, in a scene of 10,000 objects (0.7 MB)
 //! about 50 ms; an edit of the tree reads the form of the text once more for each step. Pictures of the sky and computed
@@ -61,12 +61,12 @@ pub struct Document {
     assets: Assets,
 }
 
-/// What a text was read as.
+/// Result of reading a text.
 struct Reading {
     /// `None` where it was refused as a whole.
     file: Option<Block<'static>>,
     scene: Result<Arc<Scene>, SceneError>,
-    /// What the formulas of the text are worth.
+    /// Values of the formulas, and declarations.
     values: Values,
     outline: Vec<Item>,
     style: Style,
@@ -80,7 +80,7 @@ impl Reading {
         let style = Style::of(text, file.as_ref());
         Self { file, scene: scene.map(Arc::new), values, outline, style }
     }
-    /// How many mistakes there are.
+    /// Number of mistakes.
     fn mistakes(&self) -> usize {
         match &self.scene {
             Ok(_) => 0,
@@ -103,11 +103,11 @@ impl Document {
         let history = History::default();
         Self { name, text, moment, saved, is_saved: true, reading, last_good, revision: 0, history, assets }
     }
-    /// Where the text came from.
+    /// Path or name of the text.
     pub fn name(&self) -> &str {
         &self.name
     }
-    /// Says where the text is now; reads it again, for pictures are found from there.
+    /// Sets the path of the text and reads it again, because other files are relative to it.
     pub fn set_name(&mut self, name: impl Into<String>) {
         self.name = name.into();
         self.refresh();
@@ -121,7 +121,7 @@ impl Document {
     pub fn moment(&self) -> Moment {
         self.moment
     }
-    /// Looks at the scene at another moment. The text stays as it is.
+    /// Reads the scene at another moment. The text stays unchanged.
     pub fn set_moment(&mut self, moment: Moment) {
         if moment == self.moment {
             return;
@@ -142,7 +142,7 @@ impl Document {
     pub fn text(&self) -> &str {
         &self.text
     }
-    /// What the text means, or every mistake in it.
+    /// The scene, or every mistake of the text.
     pub fn scene(&self) -> Result<&Arc<Scene>, &SceneError> {
         self.reading.scene.as_ref()
     }
@@ -214,7 +214,7 @@ impl Document {
         let parameter = self.transaction()?.parameter(path, key)?;
         self.erase(path, parameter, None)
     }
-    /// What may be added to that node, or to the file.
+    /// Additions to a node, or to the file.
     pub fn additions(&self, parent: Option<&Path>) -> Vec<Addition> {
         let Ok(transaction) = self.transaction() else { return Vec::new() };
         match parent {
@@ -224,13 +224,13 @@ impl Document {
             None => additions::additions(&transaction, None),
         }
     }
-    /// Adds something to that node, or to the file, and says where it is.
+    /// Adds something to a node, or to the file. Returns its path.
     pub fn add(&mut self, parent: Option<&Path>, addition: &Addition) -> Result<Path, EditError> {
         let label = format!("Add {}", addition.name);
         self.edit(&label, None, |transaction| additions::add(transaction, parent, addition))
     }
-    /// Removes a node with all that is in it; not the version, the only camera, a material in use, or all that an object or
-    /// an operator holds.
+    /// Removes a node with its children. Refused for the version, the only camera, a material in use, and the only
+    /// child of an object or an operator.
     pub fn remove(&mut self, path: &Path) -> Result<(), EditError> {
         let label = format!("Remove {}", self.title(path));
         self.edit(&label, None, |transaction| structure::remove(transaction, path))
@@ -251,8 +251,8 @@ impl Document {
         let label = format!("Group into {operator}");
         self.edit(&label, None, |transaction| structure::group(transaction, paths, operator))
     }
-    /// Puts the children of an operator in its place, with its material where they have none; says where they are. Not for
-    /// an operator that is placed, for they would move.
+    /// Replaces an operator by its children, with its material where they have none. Returns their paths. Refused for
+    /// an operator with a placement, because the children would move.
     pub fn ungroup(&mut self, path: &Path) -> Result<Vec<Path>, EditError> {
         let label = format!("Ungroup {}", self.title(path));
         self.edit(&label, None, |transaction| structure::ungroup(transaction, path))
@@ -291,31 +291,31 @@ impl Document {
         self.history.push(label, gesture, &self.text, &text, &[Hunk { old: patch.range, new }]);
         self.become_text(text);
     }
-    /// Takes back the last step; says which, as in "Change radius of sphere".
+    /// Undoes the last step. Returns its label, as in "Change radius of sphere".
     pub fn undo(&mut self) -> Option<String> {
         let (text, label) = self.history.undo(&self.text)?;
         self.become_text(text);
         Some(label)
     }
-    /// Does again what was undone last; says what.
+    /// Redoes the step that was undone last. Returns its label.
     pub fn redo(&mut self) -> Option<String> {
         let (text, label) = self.history.redo(&self.text)?;
         self.become_text(text);
         Some(label)
     }
-    /// The step that [`Self::undo`] would take back.
+    /// Label of the step that [`Self::undo`] would undo.
     pub fn can_undo(&self) -> Option<&str> {
         self.history.next_undo()
     }
-    /// The step that [`Self::redo`] would do again.
+    /// Label of the step that [`Self::redo`] would redo.
     pub fn can_redo(&self) -> Option<&str> {
         self.history.next_redo()
     }
-    /// Whether the text is the one that was saved last.
+    /// True if the text is the one that was saved last.
     pub fn is_saved(&self) -> bool {
         self.is_saved
     }
-    /// Says that the text has been saved.
+    /// Marks the text as saved.
     pub fn mark_saved(&mut self) {
         self.saved.clone_from(&self.text);
         self.is_saved = true;

@@ -71,7 +71,7 @@ pub(super) fn schlick(f0: Vec3, f90: Vec3, cosine: f32) -> Vec3 {
     f0 + (f90 - f0) * fifth_power(1.0 - cosine)
 }
 
-/// Of a number from 0 to 1.
+/// Fifth power of a number, clamped to 0 to 1.
 pub(super) fn fifth_power(x: f32) -> f32 {
     let x = x.clamp(0.0, 1.0);
     x * x * x * x * x

@@ -134,7 +134,7 @@ fn specular_albedo(parameters: &BsdfParameters, cosine: f32) -> f32 {
     share(k) + (share(k + 1) - share(k)) * (place - k as f32)
 }
 
-/// That share at the cosine of a place in the table, by integration.
+/// Reflected fraction at the cosine of table entry `k`, by integration.
 fn integrated_albedo(k: usize, roughness: f32, ior: f32, f0: f32) -> f32 {
     let root = k as f32 / (SHARES - 1) as f32;
     let cosine = (root * root).max(1e-4);
@@ -153,7 +153,7 @@ fn dielectric(parameters: &BsdfParameters, cosine: f32, inside: bool) -> f32 {
     fresnel(cosine, if inside { 1.0 / parameters[IOR] } else { parameters[IOR] })
 }
 
-/// What is the same for all light that leaves towards `wo`.
+/// Terms that depend on `wo` only.
 struct View {
     alpha: f32,
     coat_alpha: f32,

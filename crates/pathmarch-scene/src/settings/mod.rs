@@ -106,13 +106,13 @@ pub enum SettingKind {
 pub enum SettingValue {
     /// No value, for an optional number.
     Absent,
-    /// Of [`SettingKind::Number`].
+    /// Value of a [`SettingKind::Number`].
     Number(f32),
-    /// Of [`SettingKind::Whole`].
+    /// Value of a [`SettingKind::Whole`].
     Whole(u32),
-    /// Of [`SettingKind::Size`].
+    /// Value of a [`SettingKind::Size`].
     Size((u32, u32)),
-    /// Of [`SettingKind::Choice`].
+    /// Value of a [`SettingKind::Choice`].
     Choice(&'static str),
 }
 

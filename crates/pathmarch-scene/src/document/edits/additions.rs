@@ -17,7 +17,7 @@ use pathmarch_field::registry::Outline;
 use pathmarch_field::{Modify, Shape, Solid, Unit, registry};
 use std::borrow::Cow;
 
-/// What may be added to a node of this kind, or to the file.
+/// Additions to a node of this kind, or to the file.
 pub(crate) fn additions(transaction: &Transaction, parent: Option<ItemKind>) -> Vec<Addition> {
     let shapes = |group| {
         transaction.fields().all_shapes().map(move |shape| addition(group, shape.info().name, shape.info().doc))
@@ -162,7 +162,7 @@ fn solid_text(shape: &dyn Shape) -> String {
     if shape.info().profile { format!("extrude 0.25 {{ {text} }}") } else { text }
 }
 
-/// Whether a node, or what it stands in, makes solids of profiles.
+/// True if a node, or a node around it, makes solids of profiles.
 fn is_in_plane(transaction: &Transaction, node: Option<&Path>) -> bool {
     let around = std::iter::successors(node.cloned(), Path::parent);
     let words = around.filter_map(|path| Some(transaction.find(&path).ok()?.node.name.value.to_string()));

@@ -167,7 +167,7 @@ fn set_material_kind(transaction: &mut Transaction, path: &Path, kind: &str) -> 
     Ok(())
 }
 
-/// What stands behind `sky` for a sky of this form.
+/// Text after `sky` for a sky of this form.
 fn sky_text(transaction: &Transaction, found: Found, form: &str) -> String {
     let parameters = parameters(&transaction.file, &transaction.values(), ItemKind::Sky, found.node);
     let strength = parameters.iter().find(|parameter| parameter.control.key == "strength" && parameter.control.given);

@@ -6,7 +6,7 @@ use crate::document::tree::outline::ItemKind;
 use crate::language::keywords::PARAM;
 use crate::language::tree::Node;
 
-/// What to call a node in a message or a label.
+/// Title of a node in messages and labels.
 pub(super) fn title(node: &Node<'static>, kind: ItemKind) -> String {
     let name = if kind.is_named() { text_argument(node) } else { None };
     let unnamed = if kind == ItemKind::Camera { "main" } else { &node.name.value };

@@ -104,7 +104,7 @@ pub(crate) fn rename(transaction: &mut Transaction, path: &Path, new: &str) -> R
     Ok(())
 }
 
-/// Whether a node at the top of a file holds shapes.
+/// True if a node at the top of a file may contain shapes.
 fn holds_shapes(node: &&Node<'static>) -> bool {
     matches!(&*node.name.value, "object" | SHAPE)
 }
@@ -314,7 +314,7 @@ fn shown_in(found: Found) -> Vec<Found> {
     nodes.map(|(index, node)| Found { node, kind: ItemKind::Other, block, index, parent: Some(found.kind) }).collect()
 }
 
-/// Copies a node; the copy stands behind it.
+/// Copies a node and inserts the copy after it.
 pub(crate) fn duplicate(transaction: &mut Transaction, path: &Path) -> Result<Path, EditError> {
     let found = transaction.find(path)?;
     let word = &*found.node.name.value;

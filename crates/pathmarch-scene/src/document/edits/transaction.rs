@@ -1,4 +1,4 @@
-//! An edit in the making: a series of patches of the text, each found in the tree of the text before it.
+//! An edit in progress: a series of patches of the text, each found in the tree of the text before it.
 //!
 //! The document changes only once the series is complete.
 
@@ -19,7 +19,7 @@ pub(crate) struct Transaction<'d> {
     pub(crate) text: Cow<'d, str>,
     pub(crate) file: Cow<'d, Block<'static>>,
     pub(crate) style: &'d Style,
-    /// What formulas are worth, in the document's text.
+    /// Values of formulas, by their places in the document's text.
     known: &'d Values,
     hunks: Vec<Hunk>,
 }
@@ -66,7 +66,7 @@ impl<'d> Transaction<'d> {
     pub(crate) fn writer<'w>(&'w self, found: Found<'w>) -> Writer<'w> {
         Writer { text: &self.text, style: self.style, node: found.node, fields: self.fields() }
     }
-    /// The shapes that the document declares.
+    /// Custom SDFs of the document.
     pub(crate) fn fields(&self) -> &'d Fields {
         &self.known.fields
     }
@@ -74,7 +74,7 @@ impl<'d> Transaction<'d> {
         let found = self.find(path)?;
         Ok(parameters(&self.file, &self.values(), found.kind, found.node))
     }
-    /// What the formulas of the text are worth, by where they stand now; those that an edit has touched are left out.
+    /// Values of formulas, by their present places, except those that the edit has changed.
     pub(crate) fn values(&self) -> Cow<'_, Values> {
         if self.hunks.is_empty() {
             return Cow::Borrowed(self.known);
@@ -98,7 +98,7 @@ impl<'d> Transaction<'d> {
         parameter.ok_or_else(|| EditError::NoSuchControl { node: word, key: key.to_owned() })
     }
 
-    /// How many nodes of the outline stand in a node, or at the top of the file.
+    /// Number of outline nodes in a node, or at the top of the file.
     fn count(&self, parent: Option<&Path>) -> usize {
         let found = parent.map(|parent| find(&self.file, parent));
         match found {

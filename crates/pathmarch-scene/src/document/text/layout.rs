@@ -1,5 +1,4 @@
-//! Where nodes stand on their lines: what must go when one is removed, and how one is put in so that it looks as if it
-//! had been written there.
+//! Layout of nodes on their lines: removal of nodes, and insertion in the style of the text around.
 //!
 //! A node in braces on one line is followed by `;`, one on a line of its own is indented like its siblings. Everything
 //! here looks at the text around a node, never into strings: it starts at the end of a node or at a brace, and skips
@@ -15,25 +14,25 @@ pub(crate) fn bytes(span: Span) -> Range<usize> {
     span.start as usize..span.end as usize
 }
 
-/// Where the line of this place begins.
+/// Start of the line that contains byte `at`.
 pub(crate) fn line_start(text: &str, at: usize) -> usize {
     let start = text[..at].char_indices().rev().find(|(_, c)| is_newline(*c) || *c == '\u{feff}');
     start.map_or(0, |(index, c)| index + c.len_utf8())
 }
 
-/// The white space that the line of this place begins with.
+/// White space at the start of that line.
 pub(crate) fn indent(text: &str, at: usize) -> &str {
     let start = line_start(text, at);
     let line = &text[start..];
     &line[..line.find(|c| !is_space(c)).unwrap_or(line.len())]
 }
 
-/// Whether nothing but white space stands before this place on its line.
+/// True if only white space precedes byte `at` on its line.
 pub(crate) fn starts_line(text: &str, at: usize) -> bool {
     text[line_start(text, at)..at].chars().all(is_space)
 }
 
-/// The place before the white space, within a line, before this place.
+/// Start of the white space before byte `at`, within its line.
 pub(crate) fn before_spaces(text: &str, at: usize) -> usize {
     text[..at].trim_end_matches(is_space).len()
 }
@@ -42,7 +41,7 @@ fn after_spaces(text: &str, at: usize) -> usize {
     text.len() - text[at..].trim_start_matches(is_space).len()
 }
 
-/// The place after the new line that begins here.
+/// End of the line break that starts at byte `at`.
 fn after_newline(text: &str, at: usize) -> usize {
     let rest = &text[at..];
     match rest.chars().next() {
@@ -52,25 +51,25 @@ fn after_newline(text: &str, at: usize) -> usize {
     }
 }
 
-/// The place before the new line that ends here.
+/// Start of the line break that ends at byte `at`.
 fn before_newline(text: &str, at: usize) -> usize {
     let before = &text[..at];
     before.strip_suffix("\r\n").or_else(|| before.strip_suffix(is_newline)).unwrap_or(before).len()
 }
 
-/// What stands behind a node or an opening brace on its line.
+/// Rest of a line after a node or an opening brace.
 pub(crate) struct Tail {
-    /// Behind its semicolon, if there is one.
+    /// End of the semicolon, if any.
     pub(crate) semicolon: Option<usize>,
-    /// Whether nothing but comments follows on the line.
+    /// True if only comments follow on the line.
     pub(crate) ends_line: bool,
-    /// The end of the line, or the first character of what follows on it.
+    /// End of the line, or start of what follows on it.
     pub(crate) end: usize,
-    /// Whether a `//` comment is part of it.
+    /// True if it contains a `//` comment.
     pub(crate) has_comment: bool,
 }
 
-/// Looks behind a node that ends here.
+/// Scans the line after a node that ends at byte `at`.
 pub(crate) fn tail(text: &str, at: usize) -> Tail {
     let mut tail = Tail { semicolon: None, ends_line: true, end: at, has_comment: false };
     loop {
@@ -102,7 +101,7 @@ pub(crate) fn tail(text: &str, at: usize) -> Tail {
     }
 }
 
-/// The place after the block comment that begins here.
+/// End of the block comment that starts at byte `start`.
 fn after_comment(text: &str, start: usize) -> usize {
     let bytes = text.as_bytes();
     let (mut at, mut depth) = (start, 0_usize);
@@ -123,8 +122,8 @@ fn after_comment(text: &str, start: usize) -> usize {
     at
 }
 
-/// Where the comment lines begin that stand directly above a node; the start of its own line without any. `from` is
-/// behind what stands before the node.
+/// Start of the comment lines directly above a node, or of the node's own line without any. `from` is the end of what
+/// precedes the node.
 fn lead(text: &str, from: usize, node: usize) -> usize {
     let own = line_start(text, node);
     let mut first = None;
@@ -138,7 +137,7 @@ fn lead(text: &str, from: usize, node: usize) -> usize {
             _ => start,
         };
         if !text[end..].starts_with(is_newline) {
-            // Something commented out, or a line that goes on: whose it is cannot be told.
+            // Something commented out, or a continued line: its node is unknown.
             return own;
         }
         first = if end > start { first.or(Some(at)) } else { None };
@@ -147,12 +146,12 @@ fn lead(text: &str, from: usize, node: usize) -> usize {
     first.unwrap_or(own)
 }
 
-/// How the file is laid out.
+/// Layout of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Style {
-    /// How its lines end.
+    /// Line break.
     pub(crate) newline: &'static str,
-    /// What one level of braces is indented by.
+    /// Indentation of one level of braces.
     pub(crate) unit: String,
 }
 
@@ -174,18 +173,18 @@ impl Style {
     }
 }
 
-/// Text of one or more nodes that is put somewhere.
+/// Text of one or more nodes, to be inserted.
 #[derive(Clone, Debug)]
 pub(crate) struct Chunk {
-    /// Its lines, without indentation of the first.
+    /// Lines, without the indentation of the first.
     text: String,
-    /// Indentation that its lines but the first have where it comes from.
+    /// Indentation of all lines but the first.
     base: String,
-    /// Where in `text` lines begin that belong to a string, and must stay as they are.
+    /// Starts of lines in `text` that are inside a string and must not be indented.
     fixed: Vec<usize>,
-    /// Whether it must have lines to itself.
+    /// True if it needs lines of its own.
     pub(crate) needs_lines: bool,
-    /// Whether a blank line stands before it there.
+    /// True if a blank line goes before it.
     apart: bool,
 }
 
@@ -196,7 +195,7 @@ impl Chunk {
         let needs_lines = template.contains('\n');
         Self { text, base: String::new(), fixed: Vec::new(), needs_lines, apart: false }
     }
-    /// A node as it stands in the text; with its comments, if it has its lines to itself.
+    /// A node with its text; with its comments, if it has lines of its own.
     pub(crate) fn of(text: &str, site: &Site, comments: bool) -> Self {
         let whole = bytes(site.node().whole);
         let range = if comments { site.range(text) } else { whole.clone() };
@@ -278,7 +277,7 @@ impl Chunk {
     }
 }
 
-/// Calls `each` with the spans of all names and values in a node that stand on several lines, or may.
+/// Calls `each` with the spans of all names and values in a node, which may contain line breaks.
 fn strings(node: &Node, each: &mut impl FnMut(Span)) {
     each(node.name.span);
     for entry in &node.entries {
@@ -291,11 +290,11 @@ fn strings(node: &Node, each: &mut impl FnMut(Span)) {
 
 /// A node among its siblings.
 pub(crate) struct Site<'n> {
-    /// What it stands in.
+    /// Block that contains it.
     pub(crate) block: &'n Block<'static>,
-    /// Whether that is the file.
+    /// True if that is the file.
     pub(crate) top: bool,
-    /// Its index among all nodes there.
+    /// Index in the block.
     pub(crate) index: usize,
 }
 
@@ -303,7 +302,7 @@ impl Site<'_> {
     pub(crate) fn node(&self) -> &Node<'static> {
         &self.block.nodes[self.index]
     }
-    /// Behind what stands before it.
+    /// End of what precedes it.
     fn from(&self, text: &str) -> usize {
         match self.index.checked_sub(1) {
             Some(before) => tail(text, self.block.nodes[before].whole.end as usize).end,
@@ -325,8 +324,8 @@ impl Site<'_> {
             _ => whole,
         }
     }
-    /// The lines that are its own: comments directly above, the node, and what stands behind it, without the last new
-    /// line. `None` where it shares a line.
+    /// Lines of its own: comments directly above, the node, and the rest of its last line, without the last line break.
+    /// `None` if it shares a line.
     pub(crate) fn lines(&self, text: &str) -> Option<Range<usize>> {
         let whole = bytes(self.node().whole);
         let tail = tail(text, whole.end);
@@ -415,7 +414,7 @@ impl Site<'_> {
     }
 }
 
-/// Indentation of nodes in a block that stand on lines of their own; like that of the node `like`, if it does.
+/// Indentation of nodes on lines of their own in a block; like that of the node `like`, if it has a line of its own.
 fn inner_indent(text: &str, block: &Block, top: bool, like: Option<usize>, style: &Style) -> String {
     let on_line = |node: &&Node| starts_line(text, node.whole.start as usize);
     let like = like.and_then(|index| block.nodes.get(index)).filter(on_line);

@@ -38,7 +38,7 @@ pub(crate) fn quoted(text: &str) -> String {
     quoted
 }
 
-/// A string as one is written that stands like this now: without quotes if it has none and needs none.
+/// String in the style of the present text `now`: without quotes if that has none and the string needs none.
 pub(crate) fn string_like(text: &str, now: &str) -> String {
     let keyword = matches!(text, "true" | "false" | "null" | "inf" | "-inf" | "nan");
     let bare = !text.is_empty() && text.chars().all(is_word) && !looks_like_number(text) && !keyword;

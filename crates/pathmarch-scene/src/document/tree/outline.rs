@@ -8,7 +8,7 @@ use crate::language::tree::{Block, Node, Value};
 use pathmarch_field::registry;
 use std::collections::{HashMap, HashSet};
 
-/// What a node is.
+/// Kind of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ItemKind {
     /// `pathmarch 1`
@@ -23,7 +23,7 @@ pub enum ItemKind {
     Camera,
     /// Picture size and quality.
     Render,
-    /// What surrounds the scene.
+    /// The sky: radiance of the surroundings.
     Sky,
     /// A sun.
     Sun,
@@ -46,7 +46,7 @@ pub enum ItemKind {
 }
 
 impl ItemKind {
-    /// What a node of this word is, in a node of this kind or at the top of the file.
+    /// Kind of a node of this name, in a parent of this kind or at the top of the file.
     fn of(word: &str, parent: Option<Self>, declared: &dyn Fn(&str) -> bool) -> Self {
         match (parent, word) {
             (None, "pathmarch") => Self::Version,
@@ -70,7 +70,7 @@ impl ItemKind {
             _ => Self::Other,
         }
     }
-    /// Whether a node of this word in a node of this kind is one of the outline, and no parameter.
+    /// True if a child of this name is in the outline, and not a parameter.
     fn shows(self, word: &str) -> bool {
         match self {
             Self::Object | Self::Operator => !PLACEMENT.contains(&word),
@@ -80,26 +80,26 @@ impl ItemKind {
             _ => false,
         }
     }
-    /// Whether it holds shapes.
+    /// True if it may contain shapes.
     pub fn holds_shapes(self) -> bool {
         matches!(self, Self::Object | Self::Operator | Self::Declaration)
     }
-    /// Whether it has a name.
+    /// True if it has a name.
     pub fn is_named(self) -> bool {
         matches!(self, Self::Param | Self::Field | Self::Camera | Self::Material | Self::Declaration | Self::Object)
     }
-    /// Whether it may stand in an object or operator.
+    /// True if objects and operators may contain it.
     pub fn is_solid(self) -> bool {
         matches!(self, Self::Shape | Self::Instance | Self::Operator)
     }
 }
 
-/// A node as it stands in the tree of a scene.
+/// A node of the outline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
-    /// Where it stands.
+    /// Path of the node.
     pub path: Path,
-    /// What it is.
+    /// Kind of the node.
     pub kind: ItemKind,
     /// Its first word: `sphere`, `object`.
     pub word: String,
@@ -109,12 +109,12 @@ pub struct Item {
     pub material: Option<String>,
     /// Nodes within it, in the order of the file.
     pub children: Vec<Item>,
-    /// Index of its first shape among those of all objects, and how many it has.
+    /// Index of its first shape among those of all objects, and the number of its shapes.
     pub(crate) leaves: (usize, usize),
 }
 
 impl Item {
-    /// What to call it: its name, or its word.
+    /// Its name, or else its first word.
     pub fn title(&self) -> &str {
         self.name.as_deref().unwrap_or(&self.word)
     }
@@ -135,7 +135,7 @@ fn declared_names<'b>(file: &'b Block<'static>) -> impl Iterator<Item = &'b str>
 /// A walk through a file.
 struct Walk<'w> {
     declared: &'w dyn Fn(&str) -> bool,
-    /// How many shapes come of each declared shape.
+    /// Number of shapes in each declared shape.
     counts: HashMap<String, usize>,
     /// Shapes so far.
     leaves: usize,
@@ -169,7 +169,7 @@ fn item(node: &Node<'static>, parent: Option<ItemKind>, path: Path, walk: &mut W
     };
     let children = node.children.as_ref().map_or_else(Vec::new, |block| items(block, Some(kind), &path, walk));
     if kind == ItemKind::Declaration {
-        // What it holds stands nowhere; its uses do.
+        // A declaration adds no shapes to the scene; its uses do.
         walk.leaves = first;
     }
     let leaves = (first, walk.leaves - first);
@@ -198,11 +198,11 @@ pub(crate) fn shown<'b>(
 pub(crate) struct Found<'b> {
     pub(crate) node: &'b Node<'static>,
     pub(crate) kind: ItemKind,
-    /// What it stands in.
+    /// Block that contains it.
     pub(crate) block: &'b Block<'static>,
-    /// Its index among all nodes there.
+    /// Index in the block.
     pub(crate) index: usize,
-    /// Of the node that it stands in.
+    /// Kind of its parent.
     pub(crate) parent: Option<ItemKind>,
 }
 

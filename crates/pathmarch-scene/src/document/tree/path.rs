@@ -1,4 +1,4 @@
-//! Where a node stands in the tree of a file.
+//! Paths to nodes in the tree of a file.
 
 use std::fmt;
 
@@ -32,15 +32,15 @@ impl Path {
     pub fn index(&self) -> usize {
         self.0.last().copied().unwrap_or(0)
     }
-    /// Whether it is `other` or lies within it.
+    /// True if it is `other` or within it.
     pub fn is_within(&self, other: &Self) -> bool {
         self.0.starts_with(&other.0)
     }
-    /// Whether it has the same parent as `other`.
+    /// True if it has the same parent as `other`.
     pub fn is_sibling_of(&self, other: &Self) -> bool {
         self.0.len() == other.0.len() && self.parent() == other.parent()
     }
-    /// Where this node stands once `removed` has been removed; `None` if it went with it.
+    /// Path of this node after `removed` is removed; `None` if it is removed with it.
     pub fn after_removal(&self, removed: &Self) -> Option<Self> {
         if self.is_within(removed) {
             return None;
@@ -51,7 +51,7 @@ impl Path {
         }
         Some(Self(indexes))
     }
-    /// Where this node stands once another has been inserted at `inserted`.
+    /// Path of this node after another is inserted at `inserted`.
     pub fn after_insertion(&self, inserted: &Self) -> Self {
         let mut indexes = self.0.clone();
         if let Some(index) = self.later_sibling(inserted) {
@@ -59,7 +59,7 @@ impl Path {
         }
         Self(indexes)
     }
-    /// Where this node stands once `from` has been moved and `to` is its new path.
+    /// Path of this node after `from` is moved to `to`.
     pub fn after_move(&self, from: &Self, to: &Self) -> Self {
         match self.after_removal(from) {
             Some(path) => path.after_insertion(to),

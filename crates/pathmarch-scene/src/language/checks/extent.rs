@@ -1,4 +1,4 @@
-//! Limits of size and place, beyond which 32-bit numbers cannot hold a scene.
+//! Limits of size and position, beyond which 32-bit numbers cannot represent a scene.
 //!
 //! Squares of lengths must be finite and not zero, and what bounds the scene decides how finely everything in it is
 //! traced: one object at 1e20 m would blacken all others. So everything has its place within [`MAX_METRES`] of the origin
@@ -68,7 +68,7 @@ fn farthest(place: [f32; 3]) -> f32 {
     place.iter().fold(0.0, |far: f32, v| if v.is_nan() { *v } else { far.max(v.abs()) })
 }
 
-/// What is wrong with the bounds of an object, if they are finite.
+/// Problem with the bounds of an object, if they are finite.
 fn out_of_range(bounds: &Aabb) -> Option<String> {
     if !bounds.is_finite() || bounds.is_empty() {
         return None;

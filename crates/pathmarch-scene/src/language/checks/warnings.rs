@@ -1,4 +1,4 @@
-//! What is allowed but most likely not meant.
+//! Warnings: what is allowed, but most likely not intended.
 
 use crate::language::diagnostics::report::{Report, draft, shown};
 use crate::language::tree::Block;
@@ -6,7 +6,7 @@ use crate::light::Light;
 use crate::scene::{Object, Scene};
 use pathmarch_field::number::Vec3;
 
-/// Warns of what is most likely not meant.
+/// Warns of what is most likely not intended.
 pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
     let Some(first) = file.nodes.first() else { return };
     let emits = |tag: u32| scene.materials[tag as usize].emits();
@@ -71,7 +71,7 @@ fn transparency(scene: &Scene) -> Vec<bool> {
     transparent
 }
 
-/// First object that holds this point and is not transparent.
+/// First opaque object that contains this point.
 fn opaque_object_around<'s>(scene: &'s Scene, transparent: &[bool], [x, y, z]: [f32; 3]) -> Option<&'s Object> {
     let distances = scene.field.object_distances(Vec3 { x, y, z });
     let mut around = scene.objects.iter().zip(transparent).zip(distances);

@@ -1,4 +1,4 @@
-//! Collects the mistakes of a file.
+//! Collector of mistakes and warnings.
 
 use crate::diagnostic::{Mistake, SceneError};
 use crate::language::characters::is_forbidden;
@@ -6,25 +6,25 @@ use crate::language::tree::Span;
 use miette::NamedSource;
 use std::sync::Arc;
 
-/// More mistakes than this are counted, not kept: nobody reads them, and printing each costs a walk over the file.
+/// Largest number of mistakes that are kept; the others are only counted.
 pub(crate) const KEPT: usize = 100;
 
 /// Mistakes and warnings of a scene so far.
 pub(crate) struct Report {
-    /// What is being expanded, and what to say of it beside mistakes in what it is made of.
+    /// Use of a declared shape that is being expanded, and its label beside mistakes in the declaration.
     pub(crate) within: Option<(Span, String)>,
     name: String,
     /// The text and those that it includes, one behind the other.
     sources: Vec<Source>,
-    /// Where the text begins that is being read.
+    /// Start of the text that is being parsed.
     base: u32,
-    /// With the place among all texts.
+    /// Mistakes, each with its start among all texts.
     mistakes: Vec<(u32, Mistake)>,
     warnings: Vec<(u32, Mistake)>,
     total: usize,
 }
 
-/// A text and where it begins among all.
+/// A text and its start among all texts.
 struct Source {
     base: u32,
     bytes: u32,
@@ -42,13 +42,13 @@ impl Source {
         let code = Arc::new(NamedSource::new(name, text.chars().map(visible).collect()));
         Self { base, bytes: text.len() as u32, code }
     }
-    /// A place among all texts as one of this.
+    /// Span within this text of a span among all texts.
     fn local(&self, span: Span) -> Span {
         Span { start: span.start - self.base, end: span.end - self.base }
     }
 }
 
-/// A mistake before it has found its file.
+/// A diagnostic under construction, with spans among all texts.
 #[must_use]
 pub(crate) struct Draft {
     code: &'static str,
@@ -65,15 +65,15 @@ pub(crate) fn draft(code: &'static str, span: Span, message: impl Into<String>) 
 }
 
 impl Draft {
-    /// What stands at the underlined text, or was expected there.
+    /// Sets the label of the underlined text.
     pub(crate) fn label(self, label: impl Into<String>) -> Self {
         Self { label: label.into(), ..self }
     }
-    /// What to do about it, a sentence.
+    /// Help: what to do, a sentence.
     pub(crate) fn help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
     }
-    /// Another place to show.
+    /// Adds a second place with a label.
     pub(crate) fn also(self, span: Span, label: impl Into<String>) -> Self {
         Self { also: Some((span, label.into())), ..self }
     }
@@ -85,18 +85,18 @@ impl Report {
         let (mistakes, warnings) = (Vec::new(), Vec::new());
         Self { within: None, name: name.to_owned(), sources, base: 0, mistakes, warnings, total: 0 }
     }
-    /// Begins with a text that is included, of which places are told from its own beginning; says where that is among all.
+    /// Registers an included text; until [`Self::end`], spans are relative to it. Returns its start among all texts.
     pub(crate) fn begin(&mut self, name: &str, text: &str) -> u32 {
         // One byte apart, so that the end of one is not the beginning of the next.
         self.base = self.sources.last().map_or(0, |last| last.base + last.bytes + 1);
         self.sources.push(Source::new(self.base, name, text));
         self.base
     }
-    /// Says that its form has been read: places are told among all texts again.
+    /// Ends the included text: spans are among all texts again.
     pub(crate) fn end(&mut self) {
         self.base = 0;
     }
-    /// The text of a place among all.
+    /// Text that contains a span among all texts.
     fn source(&self, span: Span) -> &Source {
         let at = self.sources.partition_point(|source| source.base <= span.start);
         &self.sources[at.max(1) - 1]
@@ -136,11 +136,11 @@ impl Report {
         let source = self.source(span);
         (source.code.inner(), source.base as usize)
     }
-    /// How many mistakes there are so far.
+    /// Number of mistakes so far.
     pub(crate) fn count_so_far(&self) -> usize {
         self.total
     }
-    /// A mistake; the same at the same place is told once, however often it is expanded.
+    /// Adds a mistake. The same mistake at the same place is added once, however often a declaration is expanded.
     pub(crate) fn add(&mut self, draft: Draft) {
         let same = |(start, mistake): &(u32, Mistake)| *start == draft.span.start && mistake.message == draft.message;
         if self.within.is_some() && self.mistakes.iter().any(same) {
@@ -152,31 +152,31 @@ impl Report {
             self.mistakes.push(mistake);
         }
     }
-    /// A mistake too many to be kept.
+    /// Counts a mistake without keeping it.
     pub(crate) fn count(&mut self) {
         self.total += 1;
     }
-    /// Whether no more mistakes are kept.
+    /// True if no more mistakes are kept.
     pub(crate) fn is_full(&self) -> bool {
         self.mistakes.len() == KEPT
     }
-    /// Something allowed that is most likely not meant.
+    /// Adds a warning.
     pub(crate) fn warn(&mut self, draft: Draft) {
         if self.warnings.len() < KEPT {
             let warning = self.finish(draft, true);
             self.warnings.push(warning);
         }
     }
-    /// Whether there is any mistake so far.
+    /// True if there is any mistake so far.
     pub(crate) fn has_mistakes(&self) -> bool {
         self.total > 0
     }
-    /// The warnings, in the order of the file.
+    /// Returns the warnings in the order of the file.
     pub(crate) fn into_warnings(mut self) -> Vec<Mistake> {
         self.warnings.sort_by_key(|(start, _)| *start);
         self.warnings.into_iter().map(|(_, warning)| warning).collect()
     }
-    /// The mistakes, in the order of the file.
+    /// Returns the mistakes in the order of the file.
     pub(crate) fn into_error(mut self) -> SceneError {
         self.mistakes.sort_by_key(|(start, _)| *start);
         let mistakes = self.mistakes.into_iter().map(|(_, mistake)| mistake).collect();
@@ -184,7 +184,7 @@ impl Report {
     }
 }
 
-/// A name as shown in a message: in backquotes, not too long, no control characters.
+/// Name as messages show it: in backquotes, shortened, without control characters.
 pub(crate) fn shown(name: &str) -> String {
     let mut short: String = name.chars().take(40).flat_map(char::escape_debug).collect();
     if name.chars().nth(40).is_some() {

@@ -1,4 +1,4 @@
-//! Formulas that stand for numbers: `"spin + 90*t"`.
+//! Formulas for numbers: `"spin + 90*t"`.
 //!
 //! The grammar is that of school mathematics, by `winnow`'s Pratt parser (Pratt 1973): `+ - * / % ^`, brackets, names and
 //! functions. `^` binds tighter than a sign and to the right, so that `-2^2` is -4 and `2^3^2` is 512; `%` is the remainder
@@ -14,16 +14,16 @@ use winnow::token::{any, one_of, take_while};
 
 /// Bytes of a formula; longer ones are refused.
 pub(crate) const MAX_LENGTH: usize = 1000;
-/// Brackets, signs and powers of a formula, each of which may hold all that follows; more are refused.
+/// Largest number of brackets, signs and powers in a formula, each of which may contain all that follows.
 pub(crate) const MAX_DEPTH: usize = 100;
 
-/// What a function computes.
+/// Function of one or more numbers.
 #[derive(Clone, Copy)]
 enum Formula {
     One(fn(f64) -> f64),
     Two(fn(f64, f64) -> f64),
     Three(fn(f64, f64, f64) -> f64),
-    /// Of one number or more, folded from the first to the last.
+    /// One number or more, folded from the first to the last.
     Fold(fn(f64, f64) -> f64),
 }
 
@@ -102,12 +102,12 @@ pub(crate) fn functions() -> impl Iterator<Item = &'static str> {
 pub(crate) const CONSTANTS: [(&str, f64); 3] =
     [("pi", std::f64::consts::PI), ("tau", std::f64::consts::TAU), ("e", std::f64::consts::E)];
 
-/// May stand in a name; a name does not start with a digit.
+/// True for characters of names; a name does not start with a digit.
 fn is_name_character(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// Whether a formula can name it.
+/// True if a formula can use `text` as a name.
 pub(crate) fn is_name(text: &str) -> bool {
     text.starts_with(|c: char| is_name_character(c) && !c.is_numeric()) && text.chars().all(is_name_character)
 }
@@ -120,7 +120,7 @@ pub(crate) fn renamed(text: &str, (old, new): (&str, &str)) -> String {
         let class = is_name_character(first);
         let end = rest.find(|c| is_name_character(c) != class).unwrap_or(rest.len());
         let (piece, behind) = rest.split_at(end);
-        // The `e` of 2e5 stands in a word that starts with a digit.
+        // The `e` of 2e5 is part of a word that starts with a digit.
         let call = behind.trim_start().starts_with('(');
         result.push_str(if piece == old && !call { new } else { piece });
         rest = behind;
@@ -131,7 +131,7 @@ pub(crate) fn renamed(text: &str, (old, new): (&str, &str)) -> String {
 /// Bytes of the text.
 type Range = std::ops::Range<usize>;
 
-/// A formula that has been read.
+/// A parsed formula.
 #[derive(Clone, Debug)]
 pub(crate) struct Expression {
     root: Term,
@@ -146,7 +146,7 @@ enum Term {
     Call(String, Range, Vec<Term>),
 }
 
-/// Why a text is no formula, or has no value.
+/// Reason why a text is no formula, or has no value.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Trouble {
     /// It has more characters than allowed.
@@ -155,7 +155,7 @@ pub(crate) enum Trouble {
     TooDeep,
     /// The formulas of the scene have taken too long together.
     TooMuch,
-    /// It uses a number whose mistake has been told already.
+    /// It uses a number whose mistake has been reported.
     Told,
     /// It cannot be read from this byte on.
     Syntax(usize),
@@ -163,7 +163,7 @@ pub(crate) enum Trouble {
     UnknownName(String, Range),
     /// There is no function of this name.
     UnknownFunction(String, Range),
-    /// The function stands without brackets, or with another number of arguments: its usage.
+    /// A function without brackets, or with a wrong number of arguments: its usage.
     Arguments(&'static str, Range),
 }
 
@@ -171,7 +171,7 @@ type Input<'t> = LocatingSlice<&'t str>;
 type Result<T> = std::result::Result<T, ErrMode<ContextError>>;
 
 impl Expression {
-    /// The formula that `text` is.
+    /// Parses a formula.
     pub(crate) fn read(text: &str) -> std::result::Result<Self, Trouble> {
         if text.len() > MAX_LENGTH {
             return Err(Trouble::TooLong);
@@ -185,17 +185,17 @@ impl Expression {
             _ => Err(Trouble::Syntax(input.current_token_start())),
         }
     }
-    /// Its value; `lookup` knows names that are no constants.
+    /// Evaluates the formula; `lookup` resolves names that are not constants.
     pub(crate) fn value(&self, lookup: &mut dyn FnMut(&str) -> Option<f64>) -> std::result::Result<f64, Trouble> {
         value(&self.root, lookup)
     }
-    /// Whether it is a name and nothing else.
+    /// True if it is a name and nothing else.
     pub(crate) fn is_name(&self) -> bool {
         matches!(self.root, Term::Name(..))
     }
 }
 
-/// At least how deep a text is nested: brackets, signs and powers may each hold all that follows.
+/// Lower bound of a text's nesting: brackets, signs and powers may each contain all that follows.
 fn depth(text: &str) -> usize {
     let mut operand = false;
     let holds = text.chars().filter(|c| {
@@ -261,7 +261,7 @@ fn operand(input: &mut Input) -> Result<Term> {
     }
 }
 
-/// What stands in brackets. There is no other way to read what begins with one, so that a mistake in it is told where it is.
+/// Parses brackets. Nothing else starts with one, so that a mistake in them is reported at its place.
 fn brackets<'t, T>(
     inside: impl Parser<Input<'t>, T, ErrMode<ContextError>>,
 ) -> impl Parser<Input<'t>, T, ErrMode<ContextError>> {

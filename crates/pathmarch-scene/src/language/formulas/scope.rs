@@ -1,4 +1,4 @@
-//! What formulas may name: the moment, and the parameters in sight.
+//! Scope of formulas: the moment, and the visible parameters.
 
 use super::expression::{CONSTANTS, Expression, Trouble, functions};
 use crate::language::tree::Span;
@@ -20,21 +20,21 @@ pub(crate) fn reserved() -> impl Iterator<Item = &'static str> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Evaluated {
     pub(crate) value: f64,
-    /// Whether it depends on the moment.
+    /// True if it depends on the moment.
     pub(crate) moving: bool,
 }
 
-/// The names in sight at a place of the file.
+/// Names that are visible at a place of the file.
 #[derive(Default)]
 pub(crate) struct Scope {
     pub(crate) moment: Moment,
-    /// Whether anything of the scene depends on the moment.
+    /// True if anything in the scene depends on the moment.
     pub(crate) animated: bool,
     /// The first value of each formula, by the place of its string in the text.
     pub(crate) values: HashMap<u32, f64>,
     /// Parameters of the file.
     file: Vec<(String, Evaluated)>,
-    /// Parameters of what is declared, while it is read: they hide those of the file.
+    /// Parameters of the declaration that is being read; they hide those of the file.
     own: Vec<(String, Evaluated)>,
     inside: bool,
     read: HashMap<String, Rc<Result<Expression, Trouble>>>,
@@ -46,32 +46,32 @@ impl Scope {
         Self { moment, ..Self::default() }
     }
 
-    /// Brings a parameter in sight; one that is NaN has a mistake that is told already.
+    /// Makes a parameter visible; a value of NaN marks one whose mistake has been reported.
     pub(crate) fn define(&mut self, name: &str, value: Evaluated) {
         let names = if self.inside { &mut self.own } else { &mut self.file };
         names.push((name.to_owned(), value));
     }
 
-    /// Goes into something that has parameters of its own: those of what is around it are out of sight, but for the
-    /// file's. Returns what [`Self::leave`] needs.
+    /// Enters a declaration with parameters of its own: parameters around it, except those of the file, are hidden.
+    /// Returns the argument of [`Self::leave`].
     pub(crate) fn enter(&mut self) -> Outside {
         Outside { own: std::mem::take(&mut self.own), inside: std::mem::replace(&mut self.inside, true) }
     }
-    /// Goes back.
+    /// Leaves a declaration.
     pub(crate) fn leave(&mut self, outside: Outside) {
         (self.own, self.inside) = (outside.own, outside.inside);
     }
 
-    /// Names of all parameters in sight.
+    /// Names of all visible parameters.
     pub(crate) fn params(&self) -> impl Iterator<Item = &str> {
         self.own.iter().chain(&self.file).map(|(name, _)| name.as_str())
     }
-    /// Names of all numbers in sight.
+    /// Names of all visible numbers.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.params().chain(MOMENT).chain(CONSTANTS.iter().map(|(name, _)| *name))
     }
 
-    /// The value of the formula `text`, whose string stands at `span`.
+    /// Evaluates the formula `text` of the string at `span`.
     pub(crate) fn evaluate(&mut self, text: &str, span: Span) -> Result<Evaluated, Trouble> {
         self.work += text.len();
         if self.work > MAX_WORK {
@@ -116,7 +116,7 @@ impl Scope {
     }
 }
 
-/// What is out of sight inside something that has parameters of its own.
+/// Parameters that are hidden inside a declaration.
 pub(crate) struct Outside {
     own: Vec<(String, Evaluated)>,
     inside: bool,

@@ -10,10 +10,10 @@ use crate::settings::{CAMERA, LENS};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Sine of the angle below which two directions are parallel: a view that f32 cannot hold upright.
+/// Sine of the angle below which two directions count as parallel: f32 cannot represent an upright view.
 const PARALLEL: f64 = 1e-5;
 
-/// A camera; `None` after a mistake. `seen` holds the names of those before it.
+/// Reads a camera; `None` after a mistake. `seen` has the names of those before it.
 pub(crate) fn camera(node: &Node, seen: &mut HashMap<String, Span>, context: &mut Context) -> Option<Camera> {
     let given = name(node, "`camera \"name\" { … }`", context);
     let unnamed = node.entries.iter().all(|entry| entry.name.is_some());

@@ -24,16 +24,16 @@ const MAX_FIELDS: usize = 64;
 /// Characters of a name.
 const MAX_NAME: usize = 40;
 const USAGE: &str = "`field \"name\" { … }`";
-/// What stands in the braces of a field.
+/// Nodes in the braces of a field.
 const KNOWN: &[&str] = &[PARAM, "lipschitz", "bounds", "wgsl", "doc"];
 /// The word for a field without bounds.
 const ENDLESS: &str = "none";
 
-/// The shapes that a scene declares.
+/// Custom SDFs of a scene.
 #[derive(Clone, Default)]
 pub(crate) struct Fields {
     shapes: Vec<Arc<OwnField>>,
-    /// Names of those that have mistakes, so that these are not told again where they are used.
+    /// Names of those with mistakes, so that their uses report none.
     broken: Vec<String>,
 }
 
@@ -43,7 +43,7 @@ impl Fields {
         let shape = self.shapes.iter().find(|shape| shape.info().name == name)?;
         Some(ShapeRef::Own(shape.clone()))
     }
-    /// What stands in objects under this name: of the registry, or one of these.
+    /// Shape or operator of this name, of the registry or custom.
     pub(crate) fn solid(&self, name: &str) -> Option<Solid<'_>> {
         let own = || self.shapes.iter().find(|shape| shape.info().name == name);
         registry::solid(name).or_else(|| Some(Solid::Shape(&**own()?)))
@@ -53,7 +53,7 @@ impl Fields {
         let own = self.shapes.iter().map(|shape| &**shape as &(dyn Shape + 'static));
         registry::shapes().iter().copied().chain(own)
     }
-    /// Whether this name was declared, with mistakes.
+    /// True if this name is declared, with mistakes.
     pub(crate) fn is_broken(&self, name: &str) -> bool {
         self.broken.iter().any(|broken| broken == name)
     }
@@ -241,7 +241,7 @@ fn kept(text: &str, entry: &Entry, context: &mut Context) -> Option<&'static str
     kept
 }
 
-/// Reports what is wrong in a text, where it stands in the file.
+/// Reports a fault in WGSL at its place in the file.
 fn wrong(entry: &Entry, fault: &Fault, context: &mut Context) {
     let span = fault.range.as_ref().and_then(|range| {
         let (text, base) = context.report.text_at(entry.value_span);

@@ -1,9 +1,9 @@
 //! Shapes that a file declares: `shape "bolt" { param length 0.1; cylinder 0.01 height=length; … }`.
 //!
-//! A declared shape is the union of what it holds. Each use is expanded: what it holds is read again with the parameters of
-//! the use in sight. Before that every declaration is read once by itself, without expanding those that it uses; one with a
-//! mistake, or one that holds itself, is never expanded, so that a mistake is told once and expansion ends. Cost: that of the
-//! shapes that come of it, whose number is bounded as if they had been written.
+//! A declared shape is the union of its children. Each use is expanded: the children are read again with the parameters
+//! of the use in scope. Before that, every declaration is checked once by itself, without expanding those that it uses;
+//! one with a mistake, or a recursive one, is never expanded, so that a mistake is reported once and expansion ends.
+//! Cost: that of the resulting shapes, whose number is bounded as if they had been written out.
 
 use super::arguments::{arguments, missing_arguments, name, properties, twice};
 use super::context::Context;
@@ -22,7 +22,7 @@ pub(crate) struct Declaration<'n> {
     pub(crate) node: &'n Node<'n>,
     /// Names of its parameters.
     pub(crate) params: Vec<&'n str>,
-    /// Whether it may be expanded: nothing is wrong with it by itself.
+    /// True if it may be expanded: it has no mistakes of its own.
     pub(crate) sound: bool,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Declarations<'n> {
 }
 
 impl<'n> Declarations<'n> {
-    /// Finds the declarations of these nodes; reports what is wrong with their names, and those that hold themselves.
+    /// Finds the declarations among these nodes. Reports mistakes in their names, and recursion.
     pub(crate) fn gather(
         nodes: impl IntoIterator<Item = &'n Node<'n>>,
         fields: &Fields,
@@ -152,7 +152,7 @@ impl<'n> Declarations<'n> {
         }
     }
 
-    /// The declared shapes that stand in a node's braces, and where.
+    /// Declared shapes used within a node, with the spans of their names.
     fn uses(&self, node: &Node) -> Vec<(usize, Span)> {
         let mut all = Vec::new();
         for child in node.child_nodes() {
@@ -163,7 +163,7 @@ impl<'n> Declarations<'n> {
     }
 }
 
-/// How many shapes of the registry come of each declared shape, by name; those that hold themselves have none.
+/// Number of shapes in each declared shape, by name, except for recursive ones.
 pub(crate) fn leaf_counts<'n>(nodes: impl IntoIterator<Item = &'n Node<'n>>) -> HashMap<String, usize> {
     let mut context = Context { report: Report::new("", ""), scope: Scope::default() };
     let nodes: Vec<&Node> = nodes.into_iter().collect();
@@ -190,7 +190,7 @@ pub(crate) fn leaf_counts<'n>(nodes: impl IntoIterator<Item = &'n Node<'n>>) -> 
     counts
 }
 
-/// Shapes of the registry that come of what stands in a node's braces, once those that it uses are counted.
+/// Number of shapes in a node's braces; `None` while a declared shape in it has not been counted.
 fn leaves(node: &Node, all: &Declarations, counts: &HashMap<String, usize>) -> Option<usize> {
     node.child_nodes().iter().try_fold(0_usize, |sum, child| {
         let own = match pathmarch_field::registry::solid(&child.name.value) {

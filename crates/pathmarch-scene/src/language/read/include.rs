@@ -1,9 +1,10 @@
-//! Other files that a scene takes things from: `include "parts.kdl"`.
+//! Included files: `include "parts.kdl"`.
 //!
-//! Their parameters, materials, fields, declared shapes, objects and lights stand in the scene as if they were written behind its
-//! own, but for parameters, which stand before them. Cameras, render settings and sky are left out, so that any scene can be
-//! included. The places of their nodes go on behind the text of the scene, as if all texts were one; [`Report`] knows which
-//! part is whose. A file counts once, however often it is included. Cost: that of reading the files, each time.
+//! Their parameters, materials, custom SDFs, declared shapes, objects and lights are read as if they were written after
+//! those of the scene, except that parameters come first. Cameras, render settings and the sky are ignored, so that any
+//! scene can be included. Spans of their nodes continue after the text of the scene, as if all texts were one;
+//! [`Report`](crate::language::diagnostics::report::Report) knows the ranges. A file counts once, however often it is
+//! included. Cost: reading the files, each time.
 
 use super::arguments::{arguments, missing_arguments, no_children, properties, string};
 use super::context::Context;
@@ -17,14 +18,14 @@ use crate::language::tree::{Block, Node};
 use crate::source::{MAX_BYTES, read_text};
 use std::path::{Path, PathBuf};
 
-/// What is taken from an included file.
+/// Nodes that are taken from an included file.
 const TAKEN: &[&str] = &[PARAM, "material", FIELD, SHAPE, "object", "sun", "point"];
 /// Files within files; deeper is refused.
 const MAX_DEPTH: usize = 16;
 /// Files of one scene; more are refused.
 const MAX_FILES: usize = 1000;
 
-/// What is taken from other files.
+/// Included files.
 #[derive(Default)]
 pub(crate) struct Included {
     /// In the order in which their files are first included, those of a file behind those that it includes.
@@ -37,7 +38,7 @@ pub(crate) struct Included {
 }
 
 impl Included {
-    /// What the nodes of the scene `name` include; reports files that cannot be.
+    /// Reads the files that the scene `name` includes. Reports files that cannot be included.
     pub(crate) fn of(name: &str, text: &str, file: &Block, context: &mut Context) -> Self {
         let mut all = Self { bytes: text.len(), ..Self::default() };
         let mut around: Vec<PathBuf> = Path::new(name).canonicalize().into_iter().collect();

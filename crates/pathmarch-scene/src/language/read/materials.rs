@@ -1,7 +1,7 @@
 //! Materials.
 //!
-//! What a material may hold comes from [`crate::materials`]: the node that names its kind carries the first parameter,
-//! the nodes beside it the others.
+//! The parameters of a material come from [`crate::materials`]: the node that names its kind carries the first, nodes
+//! beside it carry the others.
 
 use super::arguments::{arguments, missing_arguments, name, properties, string, twice};
 use super::colours::colour;

@@ -9,7 +9,7 @@ use crate::language::formulas::scope::Evaluated;
 use crate::language::tree::{Entry, Node, Span, Value};
 use crate::settings::Range;
 
-/// The number of an entry, as it stands there or as a formula: not rounded, perhaps not finite.
+/// Number of an entry, given as such or as a formula: not rounded, perhaps not finite.
 fn evaluated(entry: &Entry, what: &str, context: &mut Context) -> Option<Evaluated> {
     match &entry.value {
         Value::Number(value) => Some(Evaluated { value: *value, moving: false }),
@@ -28,9 +28,9 @@ fn evaluated(entry: &Entry, what: &str, context: &mut Context) -> Option<Evaluat
     }
 }
 
-/// Why the string of an entry has no value, unless that is told already.
+/// Mistake of a string that has no value as a formula, unless it has been reported.
 fn no_formula(entry: &Entry, text: &str, what: &str, trouble: Trouble, context: &Context) -> Option<Draft> {
-    // Where the string stands in the file as it is, the place within it is known, too.
+    // If the string is in the file unescaped, the place within it is known.
     let quotes = (entry.value_span.end - entry.value_span.start) as usize - text.len();
     let inside = |start: usize, length: usize| match quotes {
         0 | 2 => {
@@ -192,7 +192,8 @@ pub(crate) fn direction(node: &Node, context: &mut Context) -> Option<[f32; 3]> 
     unit.map(|unit| unit.as_vec3().to_array())
 }
 
-/// Whether a string that may be something else is meant as a formula: it is one, and no single word that is not in sight.
+/// True if a string that may be something else is a formula: it parses, and is not a single word without a meaning
+/// here.
 pub(crate) fn is_formula(text: &str, context: &Context) -> bool {
     Expression::read(text)
         .is_ok_and(|formula| !formula.is_name() || context.scope.names().any(|name| name == text.trim()))

@@ -12,7 +12,7 @@ use pathmarch_field::outline::{Fill, contour, has_area};
 
 /// The most points of a polygon.
 const MAX_POINTS: usize = 1000;
-/// Coordinates of points, metres: f32 tells them apart.
+/// Range of coordinates of points, metres, which f32 resolves.
 const PLACES: Range = Range::from_to(-1e6, 1e6);
 
 /// The segments through the points in a polygon's braces; none where there are no points.

@@ -19,7 +19,7 @@ pub(super) fn numbers(solid: Solid, node: &Node, named: &[(&str, &Entry)], conte
     let mut given: Vec<Option<&Entry>> = vec![None; all.len()];
     let size_named = named.iter().any(|(name, _)| all[..sizes].iter().any(|param| param.name == *name));
     let one_size = sizes > 1 && !size_named && (1..sizes).contains(&entries.len());
-    // One size stands for `sizes` parameters; the arguments after it are the parameters after those.
+    // One size gives `sizes` parameters; the arguments after it are the parameters after those.
     let slots = if one_size { sizes - 1..all.len() } else { 0..all.len() };
     if one_size && entries.len() > slots.len() {
         let span = entries[0].span.to(entries[entries.len() - 1].span);

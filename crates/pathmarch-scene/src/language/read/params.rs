@@ -1,4 +1,4 @@
-//! Parameters: numbers with a name, which the file or what it declares may be told, and formulas may use.
+//! Parameters: numbers with a name, of a file or a declaration, which formulas use.
 //!
 //! `param "spin" 30 min=0 max=90 doc="Turn of the mill, degrees."` A parameter may use those before it.
 
@@ -21,7 +21,7 @@ const USAGE: &str = "`param \"name\" 1 min=0 max=2`";
 #[derive(Clone, Debug)]
 pub(crate) struct Declared {
     pub(crate) name: String,
-    /// Of its name.
+    /// Span of the name.
     pub(crate) span: Span,
     pub(crate) value: Evaluated,
     pub(crate) range: Range,
@@ -56,7 +56,7 @@ pub(crate) fn declared_name<'n>(node: &'n Node) -> Option<&'n str> {
     }
 }
 
-/// The values that a node's properties give to parameters, evaluated where the node stands.
+/// Values that a node's properties give to parameters, evaluated in the scope of the node.
 pub(crate) fn given<'n>(named: &[(&'n str, &'n Entry<'n>)], context: &mut Context) -> Vec<(&'n str, Given<'n>)> {
     let mut all = Vec::new();
     for &(name, entry) in named {
@@ -65,8 +65,8 @@ pub(crate) fn given<'n>(named: &[(&'n str, &'n Entry<'n>)], context: &mut Contex
     all
 }
 
-/// The parameters that these nodes declare, which are in sight from then on; `given` are the values that are not their
-/// own, `taken` names that they may not have.
+/// Declares the parameters of these nodes, which are in scope from then on; `given` are values that replace their own,
+/// `taken` names that they must not have.
 pub(crate) fn declare<'n>(
     nodes: impl Iterator<Item = &'n Node<'n>>,
     given: &[(&str, Given)],

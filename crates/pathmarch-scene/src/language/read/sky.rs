@@ -14,7 +14,7 @@ use crate::light::Light;
 use crate::settings::{DAY, DAY_GROUND, GRADIENT, PICTURE, Range, Setting};
 use crate::sky::Sky;
 
-/// What a `sky` node says.
+/// Contents of a `sky` node.
 pub(crate) enum SkyNode {
     /// A sky that needs no more work.
     Ready(Sky),

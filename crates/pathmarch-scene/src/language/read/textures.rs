@@ -1,7 +1,7 @@
-//! Textures: what stands in the braces of a parameter of a material, or of `bump`.
+//! Textures of a material's parameters and of `bump`.
 //!
-//! The node that names the kind carries its numbers as properties; in its braces stand its place and, for a colour, the
-//! colours of its values.
+//! The node that names the kind carries its parameters as properties; its placement and, for a colour, its colour ramp
+//! are in its braces.
 
 use super::arguments::{arguments, missing_arguments, no_children, properties, string};
 use super::colours::colour;
@@ -18,7 +18,7 @@ use crate::settings::Range;
 use crate::textures::{self, PICTURE_SIZE, Pattern, Texture, TextureKind, TextureParameters};
 use pathmarch_field::Param;
 
-/// What a texture's values are to stand for.
+/// Use of a texture's values.
 #[derive(Clone, Copy)]
 pub(super) enum Use {
     /// A colour.
@@ -31,7 +31,7 @@ pub(super) enum Use {
 
 /// The most colours of a row.
 const MOST_COLOURS: usize = 64;
-/// The texture in the braces of a node and what its values mean; a height is a range that starts at 0.
+/// Reads the texture in the braces of a node and the mapping of its values; a height is a range that starts at 0.
 pub(super) fn texture(
     owner: &Node,
     to: Use,
@@ -180,7 +180,7 @@ fn picture(node: &Node, size: f32, encoded: bool, files: &mut Files, context: &m
     }
 }
 
-/// Reports braces behind a parameter that no texture may stand for.
+/// Reports braces of a parameter that cannot be textured.
 pub(super) fn refuse(node: &Node, context: &mut Context) {
     let has_texture = node.child_nodes().iter().any(|child| textures::names().contains(&&*child.name.value));
     if !has_texture {

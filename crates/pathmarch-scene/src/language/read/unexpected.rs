@@ -8,7 +8,7 @@ use crate::language::tree::Text;
 use crate::materials;
 use crate::settings::{self, Setting};
 
-/// Where a word of this version belongs.
+/// Help for a known word in the wrong place.
 fn home(name: &str) -> Option<String> {
     if TOP.contains(&name) {
         return Some("It stands by itself, outside all braces.".to_owned());
@@ -35,8 +35,7 @@ fn home(name: &str) -> Option<String> {
     (!homes.is_empty()).then(|| format!("It stands in the braces of {}.", listed(homes, "or")))
 }
 
-/// Reports a node that does not belong where it stands: misspelt or misplaced. `place` is as in
-/// "in a camera".
+/// Reports a misspelt or misplaced node. `place` is as in "in a camera".
 pub(crate) fn unexpected_node(name: &Text, known: &[&str], place: &str, context: &mut Context) {
     if context.report.is_full() {
         // Looking for the nearest name is the one costly thing here; nobody will see it.

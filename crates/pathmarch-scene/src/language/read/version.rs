@@ -12,9 +12,9 @@ const VERSION: f32 = 1.0;
 
 #[derive(PartialEq)]
 pub(crate) enum Version {
-    /// Ours, or missing: worth reading on.
+    /// This version, or a missing one: the rest can be read.
     This,
-    /// Another, whose words we do not know.
+    /// Another version, whose words are unknown.
     Other,
 }
 

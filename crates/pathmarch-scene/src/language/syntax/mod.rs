@@ -26,7 +26,7 @@ pub(super) struct Reader<'t, 'r> {
     at: usize,
     items: usize,
     stopped: bool,
-    /// How many `/-` this is inside of.
+    /// Depth of `/-` comments around the present place.
     commented_out: usize,
     pub(super) report: &'r mut Report,
 }
@@ -77,7 +77,7 @@ impl<'t> Reader<'t, '_> {
     fn since(&self, start: usize) -> Span {
         Span::new(start, self.at)
     }
-    /// Takes characters while they are of a class, and says which.
+    /// Consumes characters of a class, and returns them.
     fn take_while(&mut self, class: impl Fn(char) -> bool) -> &'t str {
         let rest = self.rest();
         let taken = &rest[..rest.find(|c| !class(c)).unwrap_or(rest.len())];
@@ -102,7 +102,7 @@ impl<'t> Reader<'t, '_> {
         }
     }
 
-    /// White space, comments and `\` line ends within a line; says whether there was any.
+    /// Consumes white space, comments and `\` line ends within a line. Returns true if there was any.
     fn spaces(&mut self) -> bool {
         let start = self.at;
         loop {

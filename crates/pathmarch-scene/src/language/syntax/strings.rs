@@ -1,7 +1,7 @@
 //! Quoted strings of KDL 2: `"one line"`, `"""` over several lines, and both raw between `#`.
 //!
-//! Several lines lose the white space that stands before the closing quotes, as the specification asks: first `\` at
-//! the end of a line is resolved, then the margin goes, then the other escapes.
+//! Strings over several lines lose the white space that precedes the closing quotes, as specified: first, `\` at the
+//! end of a line is resolved, then the margin is removed, then other escapes are resolved.
 
 use super::Reader;
 use crate::language::characters::{is_newline, is_space};
@@ -129,8 +129,8 @@ impl<'t> Reader<'t, '_> {
     }
 }
 
-/// For each byte of a string's value, where in `written`, the string as it stands in the file with its quotes, the character
-/// begins that it comes from. The string is one that could be read.
+/// Origin of each byte of a string's value: start of its character in `written`, the string with its quotes as in the
+/// file. The string must be one that could be read.
 pub(crate) fn origins(written: &str) -> Vec<usize> {
     decoded(written).into_iter().flat_map(|(c, at)| std::iter::repeat_n(at, c.len_utf8())).collect()
 }
@@ -182,7 +182,7 @@ fn without_joins(chars: &[(char, usize)]) -> Vec<(char, usize)> {
     kept
 }
 
-/// The lines between the quotes, without the white space that stands before the closing ones.
+/// Lines between the quotes, without the white space that precedes the closing ones.
 fn without_margin(chars: &[(char, usize)]) -> Vec<(char, usize)> {
     let lines: Vec<&[(char, usize)]> = chars.split(|(c, _)| *c == '\n').collect();
     let margin = lines.last().map_or(0, |line| line.len());
@@ -201,7 +201,7 @@ fn without_margin(chars: &[(char, usize)]) -> Vec<(char, usize)> {
     kept
 }
 
-/// With each escape as what it stands for.
+/// Resolves escapes.
 fn resolved(chars: &[(char, usize)]) -> Vec<(char, usize)> {
     let mut kept = Vec::new();
     let mut rest = chars.iter();

@@ -190,7 +190,7 @@ fn piece() -> impl Strategy<Value = &'static str> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// What both accept they read alike.
+    /// Texts that both accept have the same trees.
     #[test]
     fn agrees_with_the_crate(pieces in prop::collection::vec(piece(), 0..14)) {
         let text = pieces.concat();

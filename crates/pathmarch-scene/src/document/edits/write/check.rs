@@ -7,7 +7,7 @@ use crate::document::text::literals::number;
 use crate::language::characters;
 use crate::settings::Range;
 
-/// Whether the control takes this value.
+/// Checks that the control accepts a value.
 pub(crate) fn check(parameter: &Parameter, value: &Value) -> Result<(), EditError> {
     let control = &parameter.control;
     let label = || control.label.to_string();
@@ -75,8 +75,8 @@ fn numbers_of(value: &Value) -> Option<Vec<f32>> {
     }
 }
 
-/// A value that loses no formula: where the control has formulas, numbers that are what these are worth leave them as they
-/// are, and others are refused. Only texts take the place of a formula.
+/// Merges a value with the formulas of a control: numbers equal to a formula's present value leave the formula, others
+/// are refused. Only texts replace a formula.
 pub(crate) fn keeping_formulas(parameter: &Parameter, value: Value) -> Result<Value, EditError> {
     let control = &parameter.control;
     let Value::Formulas(now) = &control.value else { return Ok(value) };

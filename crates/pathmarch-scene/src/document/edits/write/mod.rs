@@ -1,8 +1,9 @@
-//! Parameters into the text: the few bytes that say the value.
+//! Writes parameters into the text, by patches of the few bytes of their values.
 //!
-//! What stands there is replaced in its own style: a number at its place, an argument stays an argument and a property a
-//! property, three numbers one by one where they differ, a colour as `"#rrggbb"` while that can say it. What is missing is
-//! added: an argument if all before it are given, else a property; a node in braces behind those that are there.
+//! Existing values keep their style: a number stays at its place, an argument stays an argument and a property a
+//! property, three numbers are replaced one by one where they differ, and a colour stays `"#rrggbb"` while that can
+//! express it exactly. Missing values are added as an argument if all before it are given, else as a property, or as a
+//! node behind the other children.
 
 pub(crate) mod check;
 mod textures;
@@ -22,7 +23,7 @@ use crate::language::tree::{self, Entry, Node};
 use pathmarch_field::Solid;
 use pathmarch_field::registry::Outline;
 
-/// A node and the text that it stands in.
+/// A node and its text.
 #[derive(Clone, Copy)]
 pub(crate) struct Writer<'d> {
     pub(crate) text: &'d str,
@@ -32,7 +33,7 @@ pub(crate) struct Writer<'d> {
 }
 
 impl<'d> Writer<'d> {
-    /// What makes the parameter have this value, which it takes.
+    /// Patches that set the parameter to an accepted value.
     pub(crate) fn write(&self, parameter: &Parameter, value: &Value) -> Result<Vec<Patch>, EditError> {
         match &parameter.place {
             Place::Solid(index) => match self.fields.solid(&self.node.name.value) {
@@ -61,7 +62,7 @@ impl<'d> Writer<'d> {
         }
     }
 
-    /// What makes the parameter have its default.
+    /// Patches that reset the parameter to its default.
     pub(crate) fn erase(&self, parameter: &Parameter) -> Result<Vec<Patch>, EditError> {
         match &parameter.place {
             Place::Solid(index) => match self.fields.solid(&self.node.name.value) {
@@ -83,7 +84,7 @@ impl<'d> Writer<'d> {
             }
             Place::Texture(owner) => self.erase_texture(owner),
             Place::Inside(owner, inside) => self.erase_inside(owner, *inside),
-            // The node that says the kind of a material says its first parameter, too.
+            // The node that names the kind of a material also carries its first parameter.
             Place::Node(name) if crate::materials::kind(name).is_some() && self.node.name.value == "material" => {
                 let Some(child) = child(self.node, name) else { return Ok(Vec::new()) };
                 Ok(arguments(child).map(|entry| self.of(child).remove(entry)).collect())
@@ -115,7 +116,7 @@ impl<'d> Writer<'d> {
             None => insert_first(self.text, self.node, &chunk, self.style),
         }])
     }
-    /// Braces that are never closed hold who knows what.
+    /// Refuses braces that are never closed: their contents are unknown.
     pub(crate) fn check_braces(&self) -> Result<(), EditError> {
         match self.node.children.as_ref().is_some_and(|block| !block.closed) {
             true => Err(EditError::Unreadable(self.node.name.value.to_string())),
@@ -225,7 +226,7 @@ impl<'d> Writer<'d> {
         }
     }
 
-    /// Whether the first of so many arguments would stand for several sizes.
+    /// True if the first of so many arguments gives several sizes.
     fn one_size_of(&self, solid: Solid, arguments: usize) -> bool {
         let sizes = solid.info().size_params;
         let named = solid.params()[..sizes].iter().any(|param| property(self.node, param.name).is_some());
@@ -250,7 +251,7 @@ impl<'d> Writer<'d> {
     }
 }
 
-/// The colour as "#rrggbb", if that says it exactly; with the case of the letters in `now`.
+/// The colour as "#rrggbb", if that expresses it exactly; with the case of the letters in `now`.
 fn hex(colour: [f32; 3], now: &str) -> Option<String> {
     let byte = |linear: f32| {
         let encoded = if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };

@@ -12,7 +12,7 @@ use crate::materials::{self, BUMP_HEIGHT};
 use crate::textures;
 
 impl<'d> Writer<'d> {
-    /// What makes the parameter of a texture or of colours have this value.
+    /// Patches that set a parameter of a texture or a colour ramp.
     pub(crate) fn write_inside(&self, owner: &str, inside: Inside, value: &Value) -> Result<Vec<Patch>, EditError> {
         let Some(holder) = holder(self.node, owner) else { return Ok(Vec::new()) };
         match (inside, target(self.node, owner, inside)) {
@@ -23,7 +23,7 @@ impl<'d> Writer<'d> {
         }
     }
 
-    /// What makes it have its default.
+    /// Patches that reset it to its default.
     pub(crate) fn erase_inside(&self, owner: &str, inside: Inside) -> Result<Vec<Patch>, EditError> {
         let Some(holder) = holder(self.node, owner) else { return Ok(Vec::new()) };
         match inside {
@@ -36,7 +36,7 @@ impl<'d> Writer<'d> {
         }
     }
 
-    /// What makes a texture of this kind stand for a parameter. Of another one its place and its colours stay.
+    /// Patches that give a parameter a texture of this kind. Placement and colours of a previous texture stay.
     pub(crate) fn write_texture(&self, owner: &str, kind: &str) -> Result<Vec<Patch>, EditError> {
         let Some(node) = child(self.node, owner) else { return self.insert(&format!("{owner} {{ {kind} }}")) };
         if let Some(texture) = texture_node(self.node, owner) {
@@ -65,7 +65,7 @@ impl<'d> Writer<'d> {
         Ok(patches)
     }
 
-    /// What gives a parameter its default again in place of a texture.
+    /// Patches that replace a texture by the default of its parameter.
     pub(crate) fn erase_texture(&self, owner: &str) -> Result<Vec<Patch>, EditError> {
         let is_kind = materials::kind(owner).is_some();
         match child(self.node, owner).and_then(|node| node.children.as_ref()) {

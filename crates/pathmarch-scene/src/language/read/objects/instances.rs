@@ -17,7 +17,7 @@ use pathmarch_field::graph::Kind;
 use pathmarch_field::{Node as FieldNode, Placement, registry};
 
 impl Solids<'_> {
-    /// Reads every declaration by itself, with its parameters as they are declared; says which are sound.
+    /// Checks every declaration by itself, with the defaults of its parameters, and records which are sound.
     pub(crate) fn check(
         materials: &mut Materials,
         declared: &mut Declarations,
@@ -49,7 +49,7 @@ impl Solids<'_> {
         declared.spread();
     }
 
-    /// What a declared shape holds, with these values of its parameters.
+    /// Reads the shapes of a declaration, with these values of its parameters.
     fn body(
         &mut self,
         declaration: &Declaration,

@@ -41,7 +41,7 @@ pub(crate) struct Solids<'m> {
     fields: &'m Fields,
     files: Files<'m>,
     declared: &'m Declarations<'m>,
-    /// Whether declarations are read by themselves, so that those that they use are not expanded.
+    /// True while declarations are checked one by one, without expanding those that they use.
     checking: bool,
     /// Uses of declared shapes that were expanded.
     expanded: usize,
@@ -52,7 +52,7 @@ pub(crate) struct Solids<'m> {
     shapes: usize,
     segments: usize,
     default: Option<u32>,
-    /// How many operators of profiles are around.
+    /// Number of operators of profiles around.
     planes: usize,
 }
 
@@ -141,7 +141,7 @@ impl<'m> Solids<'m> {
         Some(Object { name: given?.0.to_owned(), material, root })
     }
 
-    /// A shape or an operator; `place` says where it stands, `others` what else may stand there.
+    /// Reads a shape or an operator; `place` as in "in an object", `others` are further names that are allowed there.
     fn solid(
         &mut self,
         node: &Node,
@@ -352,7 +352,7 @@ impl<'m> Solids<'m> {
         Some(FieldNode { kind: Kind::Modify { modifier, params, children }, placement })
     }
 
-    /// What stands in the braces of an operator: where it stands, and what it holds; and of how many that is of.
+    /// Reads the braces of an operator: its placement, its shapes, and the number of nodes written for them.
     fn held(
         &mut self,
         node: &Node,
@@ -379,7 +379,7 @@ impl<'m> Solids<'m> {
     }
 }
 
-/// How an operator blends, by its properties; sharp after a mistake.
+/// Blend of an operator, by its properties; sharp after a mistake.
 fn blend(named: &[(&str, &Entry)], context: &mut Context) -> Option<Blend> {
     let properties = Properties::of(BLEND, named);
     let amount = properties.number("smooth", context);
@@ -390,7 +390,7 @@ fn blend(named: &[(&str, &Entry)], context: &mut Context) -> Option<Blend> {
     Some(Blend { amount, profile, steps: steps? as f32 })
 }
 
-/// What the first profile of a solid is called, of those that nothing makes solid.
+/// Name of the first profile that no operator makes solid.
 fn profile(node: &FieldNode) -> Option<&'static str> {
     match &node.kind {
         Kind::Shape { shape, .. } => Some(shape.info()).filter(|info| info.profile).map(|info| info.name),
@@ -399,7 +399,7 @@ fn profile(node: &FieldNode) -> Option<&'static str> {
     }
 }
 
-/// What the first endless solid is called.
+/// Name of the outermost shape or operator.
 fn first_name(node: &FieldNode) -> &str {
     match &node.kind {
         Kind::Shape { shape, .. } => shape.info().name,
