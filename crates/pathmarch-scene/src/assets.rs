@@ -35,7 +35,7 @@ struct CodeSource {
     text: String,
 }
 
-/// A file as it was when it was read.
+/// Identity of a file when it was read.
 #[derive(PartialEq)]
 struct Source {
     path: PathBuf,
@@ -44,7 +44,7 @@ struct Source {
 }
 
 impl Source {
-    /// The file at `path` as it is.
+    /// Present identity of the file at `path`.
     fn now(path: &Path) -> Self {
         let meta = std::fs::metadata(path).ok();
         Self {
@@ -72,9 +72,9 @@ const TEXTURES: usize = 16;
 #[derive(Default)]
 pub(crate) struct Assets {
     source: Option<Source>,
-    /// The picture of `source` as it was used last, and its strength.
+    /// Picture of `source` as used last, with its strength.
     picture: Option<(f32, Picture)>,
-    /// The picture of `source` as it stands in the file, once it has been used in two ways.
+    /// Unscaled picture of `source`, once a second strength or rotation was used.
     original: Option<Environment>,
     days: Vec<(Day, Arc<Environment>, Option<Light>)>,
     codes: Vec<(CodeSource, Arc<Code>)>,

@@ -1,4 +1,4 @@
-//! Mistakes in a scene file: what is wrong, where, what was expected, and the nearest right name.
+//! Diagnostics of scene files: what is wrong, where, what was expected, and the nearest correct name.
 //!
 //! The shape of the report is miette's: one [`SceneError`] for a file, its [`Mistake`]s as related diagnostics, each
 //! with the text it complains of underlined. Printing is the caller's business.

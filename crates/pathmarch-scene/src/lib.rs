@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
-//! [`Scene::parse`] turns the text of a scene file into a [`Scene`]: cameras, lights, materials, objects and their
-//! distance field, ready for a renderer, or into a [`SceneError`] that holds every mistake of the file at its place.
+//! [`Scene::parse`] turns the text of a scene file into a [`Scene`] (cameras, lights, materials, objects and their
+//! distance field) or into a [`SceneError`] with every mistake at its place.
 //! Shapes and operators come from `pathmarch_field`'s registry and materials from [`materials`]: this crate lists
 //! neither, so the language grows with them. No GPU, no file writing.
 

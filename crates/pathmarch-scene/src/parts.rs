@@ -1,9 +1,9 @@
 //! Scenes built in code: the same shapes, operators and materials as in the scene language, without a text.
 //!
-//! [`shape`], [`operator`] and [`modifier`] make the tree of an object, [`material`] what it is made of, and
-//! [`Scene::from_parts`] a scene of them. Names, parameters and ranges are those of the language; whatever a text would be
-//! refused for is refused here, too, with a [`PartsError`] that says what and where. Text, polygons and shapes in WGSL are
-//! only made by the language. Cost: linear in the parts.
+//! [`shape`], [`operator`] and [`modifier`] make the tree of an object, [`material`] makes materials, and
+//! [`Scene::from_parts`] makes a scene of them. Names, parameters and ranges are those of the language; everything that
+//! is a mistake in a text is refused here, too, with a [`PartsError`]. Texts, polygons and custom SDFs can only be made
+//! by the language. Cost: linear in the parts.
 
 use crate::language::{MAX_NESTING, MAX_SHAPES};
 use crate::light::Light;
@@ -25,7 +25,7 @@ fn refuse<T>(why: impl Into<String>) -> Result<T, PartsError> {
     Err(PartsError(why.into()))
 }
 
-/// Everything that a scene is made of.
+/// Parts of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct SceneParts {
     /// At least one, with names that differ; the first is the default. `up` may have any length but zero.
@@ -42,7 +42,7 @@ pub struct SceneParts {
     pub objects: Vec<Object>,
 }
 
-/// A camera at `position` that looks at `target`, with the language's defaults for all else.
+/// A camera at `position` that looks at `target`, with defaults for the rest.
 pub fn camera(position: [f32; 3], target: [f32; 3]) -> Camera {
     Camera {
         name: "main".to_owned(),
@@ -60,7 +60,7 @@ pub fn camera(position: [f32; 3], target: [f32; 3]) -> Camera {
 /// defaults. The names of kinds and parameters are those of [`materials::kinds`].
 ///
 /// # Errors
-/// For a kind or parameter that is not there, and a value that is not allowed.
+/// For an unknown kind or parameter, and for a value out of range.
 pub fn material(name: &str, kind: &str, values: &[(&str, [f32; 3])]) -> Result<Material, PartsError> {
     let Some(kind) = materials::kind(kind) else {
         let known = materials::kinds().iter().map(|kind| kind.name);
@@ -82,11 +82,11 @@ pub fn material(name: &str, kind: &str, values: &[(&str, [f32; 3])]) -> Result<M
     Ok(material)
 }
 
-/// A shape of the registry with all its numbers, in the order of [`Shape::params`](pathmarch_field::Shape::params), of the
-/// material with this index. It stands at the origin; [`Node::placement`] moves it.
+/// A shape of the registry with all its parameters, in the order of [`Shape::params`](pathmarch_field::Shape::params),
+/// with the material of this index. It is at the origin; [`Node::placement`] moves it.
 ///
 /// # Errors
-/// For a shape that is not there, and numbers that it does not take.
+/// For an unknown shape, and for parameters out of range.
 pub fn shape(name: &str, numbers: &[f32], material: usize) -> Result<Node, PartsError> {
     let Some(shape) = registry::shape(name) else { return refuse(format!("there is no shape \"{name}\"")) };
     if shape.info().outline.is_some() {
@@ -100,7 +100,7 @@ pub fn shape(name: &str, numbers: &[f32], material: usize) -> Result<Node, Parts
 /// An operator of the registry, such as `union` and `subtract`, over its children, sharp or blended.
 ///
 /// # Errors
-/// For an operator that is not there, a blend that it does not do, and as many children as it does not take.
+/// For an unknown operator, an unsupported blend, and a wrong number of children.
 pub fn operator(name: &str, blend: Option<Blend>, children: Vec<Node>) -> Result<Node, PartsError> {
     let Some(operator) = registry::operator(name) else { return refuse(format!("there is no operator \"{name}\"")) };
     let node = placed(Kind::Combine { operator, smooth: blend, children });
@@ -108,10 +108,10 @@ pub fn operator(name: &str, blend: Option<Blend>, children: Vec<Node>) -> Result
     Ok(node)
 }
 
-/// An operator of the registry that changes the union of its children, such as `twist`, with all its numbers.
+/// A modifier of the registry, such as `twist`, over the union of its children, with all its parameters.
 ///
 /// # Errors
-/// For an operator that is not there, numbers that it does not take, and no children.
+/// For an unknown modifier, for parameters out of range, and for no children.
 pub fn modifier(name: &str, numbers: &[f32], children: Vec<Node>) -> Result<Node, PartsError> {
     let found = registry::modifiers().iter().copied().find(|modifier| modifier.info().name == name);
     let Some(modifier) = found else { return refuse(format!("there is no operator \"{name}\" that changes shapes")) };

@@ -1,4 +1,4 @@
-//! Texts as outlines: the glyphs of a font side by side, their curves as short segments.
+//! Outlines of texts: the glyphs of a font side by side, their curves as short segments.
 //!
 //! A glyph of a TrueType or OpenType font is closed contours of lines and Bézier curves, holes run the other way (OpenType
 //! 1.9, chapters "glyf" and "CFF"). A curve of which the second derivative is at most M is nowhere farther than M/8n² from

@@ -157,7 +157,7 @@ pub enum Group {
     Camera,
     /// Picture size and quality.
     Render,
-    /// A number with a name, which formulas use.
+    /// A parameter, which formulas use.
     Param,
 }
 

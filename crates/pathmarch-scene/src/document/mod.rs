@@ -1,4 +1,4 @@
-//! A scene text that can be edited without losing anything.
+//! Scene texts that are edited without losing comments, order or formatting.
 //!
 //! Idea: the text is the scene. A [`Document`] contains the text and the tree of its nodes with their places; an edit
 //! through a control is a *patch* of the few bytes that change, so that comments, order and formatting stay. After each
@@ -47,7 +47,7 @@ use tree::outline;
 pub use tree::outline::{Item, ItemKind};
 pub use tree::path::Path;
 
-/// A scene text that is edited.
+/// A scene text with its tree, controls and history.
 pub struct Document {
     name: String,
     text: String,
@@ -112,12 +112,12 @@ impl Document {
         self.name = name.into();
         self.refresh();
     }
-    /// Reads the text again, for what it refers to may have changed on disk.
+    /// Reads the text again, because files that it names may have changed.
     pub fn refresh(&mut self) {
         self.reading = Reading::new(&self.name, &self.text, self.moment, &mut self.assets);
         self.keep_scene();
     }
-    /// The moment that the scene is of.
+    /// Moment of the scene.
     pub fn moment(&self) -> Moment {
         self.moment
     }
@@ -163,11 +163,11 @@ impl Document {
         let (&first, rest) = path.indexes().split_first()?;
         rest.iter().try_fold(self.reading.outline.get(first)?, |item, &index| item.children.get(index))
     }
-    /// Every parameter of that node; none for an unknown path.
+    /// Controls of a node; none for an unknown path.
     pub fn controls(&self, path: &Path) -> Vec<Control> {
         self.parameters(path).into_iter().map(|parameter| parameter.control).collect()
     }
-    /// One parameter of that node.
+    /// The control of this key.
     pub fn control(&self, path: &Path, key: &str) -> Option<Control> {
         self.controls(path).into_iter().find(|control| control.key == key)
     }
@@ -235,7 +235,7 @@ impl Document {
         let label = format!("Remove {}", self.title(path));
         self.edit(&label, None, |transaction| structure::remove(transaction, path))
     }
-    /// Gives a camera, a material, an object or a parameter another name; what names a material or a parameter follows.
+    /// Renames a camera, a material, an object, a parameter or a shape, and its uses.
     pub fn rename(&mut self, path: &Path, new_name: &str) -> Result<(), EditError> {
         let label = format!("Rename {} to {new_name}", self.title(path));
         self.edit(&label, None, |transaction| structure::rename(transaction, path, new_name))
@@ -268,7 +268,7 @@ impl Document {
         let label = format!("Make {} {kind}", self.title(path));
         self.edit(&label, None, |transaction| kinds::set_kind(transaction, path, kind))
     }
-    /// Gives an object, a shape or an operator a material of its own; `None` takes it away.
+    /// Sets the material of an object, a shape or an operator; `None` removes it.
     pub fn set_material(&mut self, path: &Path, material: Option<&str>) -> Result<(), EditError> {
         let value = material.map_or(Value::None, |name| Value::Text(name.to_owned()));
         self.set(path, key::MATERIAL, value, None)

@@ -27,7 +27,7 @@ use keywords::TOP;
 use pathmarch_field::Field;
 use read::arguments::twice;
 use read::context::{Context, Files};
-use read::custom_sdf::Fields;
+use read::custom_sdf::CustomSdfs;
 use read::declarations::Declarations;
 use read::include::Included;
 use read::materials::Materials;
@@ -57,7 +57,7 @@ pub(crate) struct Values {
     /// Value of each formula, by the byte at which its string starts.
     pub(crate) formulas: HashMap<u32, f64>,
     /// Custom SDFs.
-    pub(crate) fields: Fields,
+    pub(crate) fields: CustomSdfs,
     /// Nodes of included files.
     pub(crate) included: Arc<Vec<tree::Node<'static>>>,
 }
@@ -137,7 +137,7 @@ fn read_nodes(
 ) -> (Result<Scene, SceneError>, Values) {
     let mut context = Context { report, scope: Scope::at(moment) };
     let included = Included::of(source.name, source.text, file, &mut context);
-    let mut fields = Fields::default();
+    let mut fields = CustomSdfs::default();
     let scene = complete_scene(source, file, &included, assets, &mut fields, &mut context);
     let Context { report, scope } = context;
     let values = Values { formulas: scope.values, fields, included: Arc::new(included.nodes) };
@@ -153,7 +153,7 @@ fn complete_scene(
     file: &Block,
     included: &Included,
     assets: &mut Assets,
-    fields: &mut Fields,
+    fields: &mut CustomSdfs,
     context: &mut Context,
 ) -> Option<Scene> {
     if version(file, context) == Version::Other {
@@ -185,7 +185,7 @@ fn scene(
     all: &Block,
     included: &Included,
     assets: &mut Assets,
-    fields: &mut Fields,
+    fields: &mut CustomSdfs,
     context: &mut Context,
 ) -> (Scene, sky::SkyNode) {
     let of_file = |name: &'static str| file.nodes.iter().filter(move |node| node.name.value == name);
@@ -203,7 +203,7 @@ fn scene(
     let mut materials = Materials::default();
     let mut files = Files { scene: source.name, assets };
     of_all("material").for_each(|node| materials.add(node, &mut files, context));
-    *fields = Fields::new(all, assets, context);
+    *fields = CustomSdfs::new(all, assets, context);
     let mut declared = Declarations::gather(&all.nodes, fields, context);
     Solids::check(&mut materials, &mut declared, fields, (source.name, assets), context);
     let mut solids = Solids::new(&mut materials, &declared, fields, Files { scene: source.name, assets });

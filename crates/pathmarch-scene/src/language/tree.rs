@@ -1,4 +1,4 @@
-//! The tree of nodes that [`super::syntax`] makes of a text. Names and strings borrow from the text where they can.
+//! Tree of nodes, which [`super::syntax`] parses. Names and strings borrow from the text where possible.
 
 use miette::SourceSpan;
 use std::borrow::Cow;
@@ -14,7 +14,7 @@ impl Span {
     pub(crate) fn new(start: usize, end: usize) -> Self {
         Self { start: start as u32, end: end as u32 }
     }
-    /// From the start of this to the end of that.
+    /// Span from the start of this one to the end of `last`.
     pub(crate) fn to(self, last: Self) -> Self {
         Self { start: self.start, end: last.end.max(self.end) }
     }
@@ -60,7 +60,7 @@ pub(crate) struct Node<'t> {
     pub(crate) name: Text<'t>,
     pub(crate) entries: Vec<Entry<'t>>,
     pub(crate) children: Option<Block<'t>>,
-    /// From its first character to its last, braces and what is commented out with `/-` behind its name included.
+    /// Span of the whole node, including braces and anything that `/-` comments out after its name.
     pub(crate) whole: Span,
 }
 
@@ -70,7 +70,7 @@ pub(crate) struct Block<'t> {
     pub(crate) nodes: Vec<Node<'t>>,
     /// True if a node in it could not be read, so that something may seem to be missing.
     pub(crate) broken: bool,
-    /// The braces and what is between them; of the file, all of it but a byte order mark.
+    /// Span of the braces and their contents; for the file, all of it without a byte order mark.
     pub(crate) span: Span,
     /// True if its closing brace exists.
     pub(crate) closed: bool,

@@ -1,6 +1,6 @@
-//! Lambert's surface: the same radiance in every direction, whatever the direction of the light (Lambert 1760,
-//! "Photometria"). BRDF albedo / π, sampled by the cosine (Malley's method; Pharr, Jakob and Humphreys, "Physically Based
-//! Rendering", 4th ed. 2023, section A.5.3), so that the weight of a sample is the albedo itself.
+//! Lambertian reflection: the same radiance in every direction (Lambert 1760, "Photometria"). BRDF albedo / π, sampled
+//! by the cosine (Malley's method; Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th ed. 2023, section
+//! A.5.3), so that the weight of a sample is the albedo.
 
 use super::{
     Bsdf, BsdfParameters, Eval, MaterialKind, MaterialParam, ParamKind, PreviewMaterial, Scattered, Texturing, black,

@@ -1,5 +1,5 @@
-//! A lamp: the same radiance in every outward direction, reflecting nothing. Power of a surface of area A is π A times
-//! the radiance.
+//! Emitter: the same radiance in every outward direction, no reflection. Its power is π A times the radiance, for a
+//! surface of area A.
 
 use super::{MaterialKind, MaterialParam, ParamKind, PreviewMaterial, Texturing, black};
 

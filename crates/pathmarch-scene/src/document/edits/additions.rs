@@ -144,7 +144,7 @@ pub(crate) fn add_top(transaction: &mut Transaction, word: &str, template: &str)
     transaction.put_in(None, before.map_or(0, |index| index + 1), &chunk)
 }
 
-/// A shape with its numbers and, if it is drawn, something to change.
+/// Text of a shape with its parameters, and an outline if it needs one.
 fn shape_text(shape: &dyn Shape) -> String {
     let name = &shape.info().name;
     match shape.info().outline {
@@ -156,7 +156,7 @@ fn shape_text(shape: &dyn Shape) -> String {
     std::iter::once(shape.info().name.to_owned()).chain(numbers).collect::<Vec<_>>().join(" ")
 }
 
-/// A shape with its numbers, with a depth if it has none of its own.
+/// Text of a shape with its parameters; a profile is extruded.
 fn solid_text(shape: &dyn Shape) -> String {
     let text = shape_text(shape);
     if shape.info().profile { format!("extrude 0.25 {{ {text} }}") } else { text }
@@ -171,7 +171,7 @@ fn is_in_plane(transaction: &Transaction, node: Option<&Path>) -> bool {
         .any(|word| matches!(registry::solid(&word), Some(Solid::Modify(modifier)) if modifier.of_profiles()))
 }
 
-/// A modifier of a shape that has an end, off the middle so that it shows what the modifier does.
+/// Text of a modifier of a finite shape, off the origin so that its effect is visible.
 fn modifier_text(modifier: &dyn Modify) -> String {
     let numbers = modifier.params().iter().map(|param| match param.unit {
         Unit::Axis => quoted(AXES[param.default as usize]),
@@ -181,7 +181,7 @@ fn modifier_text(modifier: &dyn Modify) -> String {
     format!("{} {{\n\t{} {{ at 0.6 0 0 }}\n}}", words.join(" "), finite_shapes().nth(1).unwrap_or_default())
 }
 
-/// Shapes that have an end, with their numbers.
+/// Texts of finite shapes, with their parameters.
 fn finite_shapes() -> impl Iterator<Item = String> {
     let finite = |shape: &&&'static dyn Shape| {
         let params: Vec<f32> = shape.params().iter().map(|param| param.default).collect();
@@ -190,7 +190,7 @@ fn finite_shapes() -> impl Iterator<Item = String> {
     registry::shapes().iter().filter(finite).map(|shape| shape_text(*shape))
 }
 
-/// An operator of two shapes that have an end, the second moved so that it shows what the operator does.
+/// Text of an operator of two finite shapes, the second moved so that the effect is visible.
 fn operator_text(word: &str) -> String {
     let mut shapes = finite_shapes();
     let (first, second) = (shapes.next().unwrap_or_default(), shapes.next().unwrap_or_default());

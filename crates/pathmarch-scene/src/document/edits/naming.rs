@@ -18,7 +18,7 @@ pub(super) fn one(word: &str) -> String {
     format!("{} {word}", if word.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" })
 }
 
-/// A name that is not taken: the one wanted, or with a number behind it.
+/// A free name: `wanted`, or with a number after it.
 pub(super) fn free_name(transaction: &Transaction, word: &str, wanted: &str) -> String {
     let names = names(transaction, word);
     if !names.iter().any(|name| name == wanted) {

@@ -121,7 +121,8 @@ fn instances(text: &str, node: &Node<'static>, (old, new): (&str, &str), patches
     }
 }
 
-/// Renames a parameter in the formulas of a node and of all in it; what declares another of this name keeps that.
+/// Renames a parameter in the formulas of a node and its children, except where another parameter of this name hides
+/// it.
 fn formulas(node: &Node<'static>, values: &Values, names: (&str, &str), patches: &mut Vec<Patch>) {
     let hidden = params::nodes(node.child_nodes()).any(|own| params::declared_name(own) == Some(names.0));
     if hidden {
@@ -162,7 +163,7 @@ fn references(text: &str, node: &Node<'static>, (old, new): (&str, &str), patche
     node.child_nodes().iter().for_each(|child| references(text, child, (old, new), patches));
 }
 
-/// Renames a shape of the scene's own where it is used.
+/// Renames the uses of a custom SDF.
 fn uses(node: &Node<'static>, (old, new): (&str, &str), patches: &mut Vec<Patch>) {
     for child in node.child_nodes() {
         if child.name.value == old {

@@ -9,12 +9,12 @@ use crate::document::text::layout::{Chunk, Site, Style, insert_first};
 use crate::document::text::patch::{Hunk, Patch, apply, compose};
 use crate::document::tree::outline::{Found, ItemKind, find, shown};
 use crate::document::tree::path::Path;
-use crate::language::read::custom_sdf::Fields;
+use crate::language::read::custom_sdf::CustomSdfs;
 use crate::language::tree::Block;
 use crate::language::{self, Values};
 use std::borrow::Cow;
 
-/// A text, its tree, and how it came from the document's.
+/// A text, its tree, and the ranges in which it differs from the document's.
 pub(crate) struct Transaction<'d> {
     pub(crate) text: Cow<'d, str>,
     pub(crate) file: Cow<'d, Block<'static>>,
@@ -29,7 +29,7 @@ impl<'d> Transaction<'d> {
         Self { text: Cow::Borrowed(text), file: Cow::Borrowed(file), style, known, hunks: Vec::new() }
     }
 
-    /// Makes a change that is followed by others.
+    /// Applies patches and parses the new text, for further patches.
     pub(crate) fn then(&mut self, patches: Vec<Patch>) -> Result<(), EditError> {
         if patches.is_empty() {
             return Ok(());
@@ -40,19 +40,19 @@ impl<'d> Transaction<'d> {
         Ok(())
     }
 
-    /// Makes the last change: the tree is no longer that of the text.
+    /// Applies the last patches; the tree no longer matches the text.
     pub(crate) fn last(&mut self, patches: Vec<Patch>) {
         let (text, hunks) = apply(&self.text, patches);
         self.hunks = compose(&self.hunks, &hunks);
         self.text = Cow::Owned(text);
     }
 
-    /// The text that was made, and how it came from the document's.
+    /// Returns the new text, and the ranges in which it differs from the document's.
     pub(crate) fn finish(self) -> (String, Vec<Hunk>) {
         (self.text.into_owned(), self.hunks)
     }
 
-    /// The node of this path, of which everything around it could be read.
+    /// Node of this path. Refused if the text around it could not be parsed.
     pub(crate) fn find(&self, path: &Path) -> Result<Found<'_>, EditError> {
         let found = find(&self.file, path).ok_or_else(|| EditError::NoSuchNode(path.clone()))?;
         match found.block.closed {
@@ -67,7 +67,7 @@ impl<'d> Transaction<'d> {
         Writer { text: &self.text, style: self.style, node: found.node, fields: self.fields() }
     }
     /// Custom SDFs of the document.
-    pub(crate) fn fields(&self) -> &'d Fields {
+    pub(crate) fn fields(&self) -> &'d CustomSdfs {
         &self.known.fields
     }
     pub(crate) fn parameters(&self, path: &Path) -> Result<Vec<Parameter>, EditError> {
@@ -108,8 +108,8 @@ impl<'d> Transaction<'d> {
         }
     }
 
-    /// Makes a change that brings nodes into a node, or takes some away. Where it does not, the text around it is not what
-    /// it was read as: a comment or a string has no end.
+    /// Applies a patch that adds or removes children of a node. Refused if their number is then not as expected,
+    /// because of an unclosed comment or string.
     pub(crate) fn then_count(&mut self, parent: Option<&Path>, more: isize, patch: Patch) -> Result<(), EditError> {
         let expected = self.count(parent).checked_add_signed(more);
         self.then(vec![patch])?;
@@ -125,7 +125,7 @@ impl<'d> Transaction<'d> {
         self.then_count(path.parent().as_ref(), -1, patch)
     }
 
-    /// Puts a chunk into a node, or at the top of the file, so that its first node has this index or the last possible.
+    /// Inserts a chunk into a node, or at the top of the file, at this index or at the last possible one.
     pub(crate) fn put_in(&mut self, parent: Option<&Path>, index: usize, chunk: &Chunk) -> Result<Path, EditError> {
         let found = parent.map(|parent| self.find(parent)).transpose()?;
         if let Some(found) = found {

@@ -189,7 +189,7 @@ pub(crate) struct Chunk {
 }
 
 impl Chunk {
-    /// A node written anew: `\n` are new lines and `\t` levels of braces.
+    /// A new node: `\n` is a line break and `\t` a level of braces.
     pub(crate) fn new(template: &str, style: &Style) -> Self {
         let text = template.replace('\t', &style.unit).replace('\n', style.newline);
         let needs_lines = template.contains('\n');

@@ -4,7 +4,7 @@ use crate::document::control::Value;
 use crate::language::characters::{self, is_forbidden, is_newline, is_word, looks_like_number};
 use std::fmt::Write;
 
-/// The shortest decimal that is read as this number; with an exponent only where digits would be many.
+/// Shortest decimal that reads as this number; with an exponent only for many digits.
 pub(crate) fn number(value: f32) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -54,7 +54,7 @@ pub(crate) fn formula(text: &str) -> String {
     }
 }
 
-/// A value as it is written behind a word.
+/// Text of a value after a name.
 pub(crate) fn fresh(value: &Value) -> String {
     match value {
         Value::None => String::new(),

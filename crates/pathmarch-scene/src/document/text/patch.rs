@@ -1,11 +1,11 @@
-//! Changes of a text: pieces replaced, and which ranges of the old text became which of the new.
+//! Changes of a text: patches, and the correspondence of ranges before and after.
 //!
 //! Two changes in a row are one change between the first text and the last ([`compose`]), which is what lets an edit be
 //! made in several simple steps, and a drag of a slider be one step of undo. Cost: linear in text and pieces.
 
 use std::ops::Range;
 
-/// A piece of a text and what takes its place.
+/// A range of a text and its replacement.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Patch {
     pub(crate) range: Range<usize>,
@@ -24,14 +24,15 @@ impl Patch {
     }
 }
 
-/// A range of an old text, and that of the new one which took its place.
+/// A range of the old text, and the range of the new text that replaced it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Hunk {
     pub(crate) old: Range<usize>,
     pub(crate) new: Range<usize>,
 }
 
-/// The text with its pieces replaced, which do not overlap; and where. Insertions at one place keep their order.
+/// Applies patches, which must not overlap. Returns the new text and the changed ranges. Insertions at one place keep
+/// their order.
 pub(crate) fn apply(text: &str, mut patches: Vec<Patch>) -> (String, Vec<Hunk>) {
     patches.sort_by_key(|patch| (patch.range.start, patch.range.end));
     let mut new = String::with_capacity(text.len() + patches.iter().map(|patch| patch.text.len()).sum::<usize>());
@@ -49,7 +50,7 @@ pub(crate) fn apply(text: &str, mut patches: Vec<Patch>) -> (String, Vec<Hunk>) 
     (new, hunks)
 }
 
-/// The change that is `first` and then `second`.
+/// Composition of two changes: `first`, then `second`.
 pub(crate) fn compose(first: &[Hunk], second: &[Hunk]) -> Vec<Hunk> {
     let mut composed: Vec<Hunk> = Vec::new();
     let (mut a, mut b) = (first.iter().peekable(), second.iter().peekable());
@@ -76,7 +77,7 @@ pub(crate) fn compose(first: &[Hunk], second: &[Hunk]) -> Vec<Hunk> {
     composed
 }
 
-/// The shortest range in which two texts differ, and what takes its place.
+/// Smallest patch from `old` to `new`.
 pub(crate) fn difference(old: &str, new: &str) -> Patch {
     let same = |(a, b): &(u8, u8)| a == b;
     let mut start = old.bytes().zip(new.bytes()).take_while(same).count();

@@ -13,11 +13,11 @@ use std::collections::{HashMap, HashSet};
 pub enum ItemKind {
     /// `pathmarch 1`
     Version,
-    /// Another file of which this takes materials, shapes, objects and lights.
+    /// An included file.
     Include,
-    /// A number with a name, which formulas use.
+    /// A parameter, which formulas use.
     Param,
-    /// A shape that the scene declares.
+    /// A custom SDF.
     Field,
     /// A camera.
     Camera,
@@ -35,7 +35,7 @@ pub enum ItemKind {
     Object,
     /// A shape that the file declares.
     Declaration,
-    /// A use of a declared shape; of none that is declared, a mistake.
+    /// A use of a declared shape, or of an unknown one, which is a mistake.
     Instance,
     /// A shape of the registry.
     Shape,
@@ -105,7 +105,7 @@ pub struct Item {
     pub word: String,
     /// Its name, of those that have one; a camera without is `main`.
     pub name: Option<String>,
-    /// Its own `material=`; for a material, the word of its kind.
+    /// Its `material=`; for a material, the name of its kind.
     pub material: Option<String>,
     /// Nodes within it, in the order of the file.
     pub children: Vec<Item>,

@@ -1,8 +1,8 @@
 //! Limits of size and position, beyond which 32-bit numbers cannot represent a scene.
 //!
-//! Squares of lengths must be finite and not zero, and what bounds the scene decides how finely everything in it is
-//! traced: one object at 1e20 m would blacken all others. So everything has its place within [`MAX_METRES`] of the origin
-//! and a size above [`MIN_METRES`], or is a mistake.
+//! Squares of lengths must be finite and not zero, and the bounds of the scene set the precision of tracing: one object
+//! at 1e20 m would blacken all others. So every position is within [`MAX_METRES`] of the origin and every size above
+//! [`MIN_METRES`]; anything else is a mistake.
 
 use crate::language::diagnostics::report::{Draft, Report, draft, shown};
 use crate::language::tree::{Block, Node};

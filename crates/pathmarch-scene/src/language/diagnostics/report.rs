@@ -131,7 +131,7 @@ impl Report {
         };
         (span.start, mistake)
     }
-    /// The text of a place, as it is shown, with marks for what does not show; and where it begins among all.
+    /// Text that contains a span, as it is shown, with marks for invisible characters; and its start among all texts.
     pub(crate) fn text_at(&self, span: Span) -> (&str, usize) {
         let source = self.source(span);
         (source.code.inner(), source.base as usize)

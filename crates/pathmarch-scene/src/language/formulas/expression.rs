@@ -27,7 +27,7 @@ enum Formula {
     Fold(fn(f64, f64) -> f64),
 }
 
-/// Name, what it computes, and how it is used.
+/// A function: name, formula, usage.
 struct Function {
     name: &'static str,
     formula: Formula,
@@ -112,7 +112,7 @@ pub(crate) fn is_name(text: &str) -> bool {
     text.starts_with(|c: char| is_name_character(c) && !c.is_numeric()) && text.chars().all(is_name_character)
 }
 
-/// A formula in which a name that is no function has become another.
+/// Renames a parameter in a formula; functions keep their names.
 pub(crate) fn renamed(text: &str, (old, new): (&str, &str)) -> String {
     let mut result = String::with_capacity(text.len());
     let mut rest = text;

@@ -19,7 +19,7 @@ use pathmarch_field::{Info, OwnField, Param, Shape, ShapeRef, Solid, Unit, regis
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Fields of a scene; more are refused.
+/// Largest number of custom SDFs in a scene.
 const MAX_FIELDS: usize = 64;
 /// Characters of a name.
 const MAX_NAME: usize = 40;
@@ -31,13 +31,13 @@ const ENDLESS: &str = "none";
 
 /// Custom SDFs of a scene.
 #[derive(Clone, Default)]
-pub(crate) struct Fields {
+pub(crate) struct CustomSdfs {
     shapes: Vec<Arc<OwnField>>,
     /// Names of those with mistakes, so that their uses report none.
     broken: Vec<String>,
 }
 
-impl Fields {
+impl CustomSdfs {
     /// The shape of this name.
     pub(crate) fn shape(&self, name: &str) -> Option<ShapeRef> {
         let shape = self.shapes.iter().find(|shape| shape.info().name == name)?;
@@ -145,7 +145,7 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, context:
             context.report.add(mistake.label(format!("expected `{word}` in its braces")).help(help));
         }
     };
-    let params = own_params(node, context);
+    let params = custom_params(node, context);
     let lipschitz = match found.get("lipschitz") {
         Some(node) => one(node, "`lipschitz 1.5`", context)
             .and_then(|entry| in_range(entry, "`lipschitz`", Range { max: 1e6, ..Range::POSITIVE }, context)),
@@ -229,7 +229,7 @@ fn bounds(node: &Node, context: &mut Context) -> Option<Option<[f32; 3]>> {
     }
 }
 
-/// A text that is kept for good.
+/// Interns a text for the lifetime of the program.
 fn kept(text: &str, entry: &Entry, context: &mut Context) -> Option<&'static str> {
     let kept = keep(text);
     if kept.is_none() {
@@ -262,7 +262,7 @@ fn wrong(entry: &Entry, fault: &Fault, context: &mut Context) {
 }
 
 /// The parameters of a field, which formulas in it may use from then on; nothing after a mistake.
-fn own_params(node: &Node, context: &mut Context) -> Option<Vec<Param>> {
+fn custom_params(node: &Node, context: &mut Context) -> Option<Vec<Param>> {
     let before = context.report.count_so_far();
     // Where the shape is used, properties of these names mean something else.
     let mut params: Vec<Param> = Vec::new();

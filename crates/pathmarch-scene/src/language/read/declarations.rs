@@ -7,7 +7,7 @@
 
 use super::arguments::{arguments, missing_arguments, name, properties, twice};
 use super::context::Context;
-use super::custom_sdf::Fields;
+use super::custom_sdf::CustomSdfs;
 use super::params::{declared_name, nodes};
 use crate::language::diagnostics::report::{Report, draft, shown};
 use crate::language::formulas::scope::Scope;
@@ -45,7 +45,7 @@ impl<'n> Declarations<'n> {
     /// Finds the declarations among these nodes. Reports mistakes in their names, and recursion.
     pub(crate) fn gather(
         nodes: impl IntoIterator<Item = &'n Node<'n>>,
-        fields: &Fields,
+        fields: &CustomSdfs,
         context: &mut Context,
     ) -> Self {
         let mut all = Self::default();
@@ -64,7 +64,7 @@ impl<'n> Declarations<'n> {
         self.list.iter().map(|declaration| declaration.name)
     }
 
-    fn declare(&mut self, node: &'n Node<'n>, fields: &Fields, context: &mut Context) {
+    fn declare(&mut self, node: &'n Node<'n>, fields: &CustomSdfs, context: &mut Context) {
         let usage = "`shape \"name\" { … }`";
         properties(node, &[], context);
         if !node.entries.iter().any(|entry| entry.name.is_none()) {
@@ -94,7 +94,7 @@ impl<'n> Declarations<'n> {
         }
     }
 
-    /// Keeps shapes that use one that is not sound from being expanded, too.
+    /// Marks users of unsound shapes as unsound, so that they are not expanded either.
     pub(crate) fn spread(&mut self) {
         let mut users = vec![Vec::new(); self.list.len()];
         for (user, declaration) in self.list.iter().enumerate() {
@@ -167,7 +167,7 @@ impl<'n> Declarations<'n> {
 pub(crate) fn leaf_counts<'n>(nodes: impl IntoIterator<Item = &'n Node<'n>>) -> HashMap<String, usize> {
     let mut context = Context { report: Report::new("", ""), scope: Scope::default() };
     let nodes: Vec<&Node> = nodes.into_iter().collect();
-    let all = Declarations::gather(nodes.iter().copied(), &Fields::default(), &mut context);
+    let all = Declarations::gather(nodes.iter().copied(), &CustomSdfs::default(), &mut context);
     // A field is one shape.
     let fields = nodes.iter().filter(|node| node.name.value == FIELD).filter_map(|node| declared_name(node));
     let mut counts: HashMap<String, usize> = fields.map(|name| (name.to_owned(), 1)).collect();

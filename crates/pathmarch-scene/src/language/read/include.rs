@@ -46,7 +46,7 @@ impl Included {
         all
     }
 
-    /// Reads what the nodes of the file at `path` include; `around` are this file and those that include it.
+    /// Reads the files that the nodes of the file at `path` include; `around` are this file and those that include it.
     fn follow(&mut self, path: &Path, nodes: &[Node], around: &mut Vec<PathBuf>, context: &mut Context) {
         for node in nodes.iter().filter(|node| node.name.value == INCLUDE) {
             let usage = "`include \"parts.kdl\"`";

@@ -29,7 +29,7 @@ pub(crate) struct Materials {
 }
 
 impl Materials {
-    /// Adds the material that `node` describes: with defaults for what is wrong in it, so that its users find it.
+    /// Adds the material of `node`, with defaults in place of mistakes, so that its users find it.
     pub(crate) fn add(&mut self, node: &Node, files: &mut Files, context: &mut Context) {
         let usage = "`material \"name\" { … }`";
         properties(node, &[], context);

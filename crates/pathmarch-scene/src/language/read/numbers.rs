@@ -113,7 +113,7 @@ pub(crate) fn finite(entry: &Entry, what: &str, context: &mut Context) -> Option
     value(entry, what, context).map(|found| found.value as f32)
 }
 
-/// The value of an entry is outside of what is allowed.
+/// Reports a value out of range.
 pub(crate) fn out_of_range(entry: &Entry, value: Evaluated, what: &str, words: &str, context: &mut Context) {
     let message = format!("{what} must be {words}.");
     let label = match &entry.value {

@@ -36,7 +36,7 @@ impl From<Declared> for Parameter {
     }
 }
 
-/// A value that takes the place of a parameter's own, and where it is given.
+/// A value that replaces a parameter's own, and its entry.
 #[derive(Clone, Copy)]
 pub(crate) struct Given<'n> {
     pub(crate) value: Evaluated,
@@ -48,7 +48,7 @@ pub(crate) fn nodes<'n, 't>(nodes: &'n [Node<'t>]) -> impl Iterator<Item = &'n N
     nodes.iter().filter(|node| node.name.value == PARAM)
 }
 
-/// The name that a node declares, as far as there is one.
+/// Name that a node declares, if any.
 pub(crate) fn declared_name<'n>(node: &'n Node) -> Option<&'n str> {
     match &node.entries.iter().find(|entry| entry.name.is_none())?.value {
         Value::Text(name) => Some(name),

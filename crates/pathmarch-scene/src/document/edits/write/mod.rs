@@ -18,7 +18,7 @@ use crate::document::text::literals::{formula, fresh, number, quoted, string_lik
 use crate::document::text::patch::Patch;
 use crate::document::tree::nodes::{arguments, child, property};
 use crate::language::read::colours::srgb;
-use crate::language::read::custom_sdf::Fields;
+use crate::language::read::custom_sdf::CustomSdfs;
 use crate::language::tree::{self, Entry, Node};
 use pathmarch_field::Solid;
 use pathmarch_field::registry::Outline;
@@ -29,7 +29,7 @@ pub(crate) struct Writer<'d> {
     pub(crate) text: &'d str,
     pub(crate) style: &'d Style,
     pub(crate) node: &'d Node<'static>,
-    pub(crate) fields: &'d Fields,
+    pub(crate) fields: &'d CustomSdfs,
 }
 
 impl<'d> Writer<'d> {

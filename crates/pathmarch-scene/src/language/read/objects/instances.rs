@@ -6,7 +6,7 @@ use crate::language::diagnostics::report::draft;
 use crate::language::keywords::{MATERIAL, PARAM, PLACEMENT};
 use crate::language::read::arguments::properties;
 use crate::language::read::context::{Context, Files};
-use crate::language::read::custom_sdf::Fields;
+use crate::language::read::custom_sdf::CustomSdfs;
 use crate::language::read::declarations::{Declaration, Declarations, given_entries};
 use crate::language::read::materials::Materials;
 use crate::language::read::params::{self, Given};
@@ -21,7 +21,7 @@ impl Solids<'_> {
     pub(crate) fn check(
         materials: &mut Materials,
         declared: &mut Declarations,
-        fields: &Fields,
+        fields: &CustomSdfs,
         (scene, assets): (&str, &mut Assets),
         context: &mut Context,
     ) {

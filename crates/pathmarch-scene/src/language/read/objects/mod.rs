@@ -6,7 +6,7 @@ mod instances;
 
 use super::arguments::{arguments, missing_arguments, name, properties, string, twice};
 use super::context::{Context, Files};
-use super::custom_sdf::Fields;
+use super::custom_sdf::CustomSdfs;
 use super::declarations::Declarations;
 use super::materials::Materials;
 use super::outlines;
@@ -31,14 +31,14 @@ use pathmarch_field::{
 /// More shapes are refused.
 pub(crate) const MAX_SHAPES: usize = 100_000;
 
-/// More segments of all that is drawn are refused: their tables must fit the memory that a GPU binds at once.
+/// Largest number of segments of all outlines: their tables must fit the memory that a GPU binds at once.
 const MAX_SEGMENTS: usize = 100_000;
 
 /// Turns object nodes into objects.
 pub(crate) struct Solids<'m> {
     pub(crate) materials: &'m mut Materials,
     /// Shapes that the file declares.
-    fields: &'m Fields,
+    fields: &'m CustomSdfs,
     files: Files<'m>,
     declared: &'m Declarations<'m>,
     /// True while declarations are checked one by one, without expanding those that they use.
@@ -60,7 +60,7 @@ impl<'m> Solids<'m> {
     pub(crate) fn new(
         materials: &'m mut Materials,
         declared: &'m Declarations<'m>,
-        fields: &'m Fields,
+        fields: &'m CustomSdfs,
         files: Files<'m>,
     ) -> Self {
         Self {
