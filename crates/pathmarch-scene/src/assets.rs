@@ -153,7 +153,7 @@ impl Assets {
                 return Err(format!("it is larger than {} MiB", MAX_FONT_BYTES >> 20));
             }
             // A folder or a pipe may give no end of bytes, or wait for them.
-            None if path.exists() && !path.is_file() => return Err("it is no file".to_owned()),
+            None if path.exists() && !path.is_file() => return Err("it is not a file".to_owned()),
             None => (source, std::fs::read(path).map_err(|error| error.to_string())?.into()),
         };
         self.fonts.truncate(FONTS - 1);

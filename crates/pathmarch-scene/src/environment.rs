@@ -77,10 +77,10 @@ pub enum EnvironmentError {
     #[error("no such file")]
     Missing,
     /// It is a directory, a pipe or a device.
-    #[error("a directory, or no file for other reasons")]
+    #[error("not a regular file")]
     NoFile,
     /// The file is a picture of display colours, or no picture.
-    #[error("holds no radiance")]
+    #[error("it contains no radiance")]
     NoRadiance,
     /// The system could not read it.
     #[error("not readable: {0}")]
@@ -95,7 +95,7 @@ pub enum EnvironmentError {
     #[error("{0} x {1} texels")]
     BadSize(u32, u32),
     /// Not a single number in it is finite.
-    #[error("not one of its values is finite")]
+    #[error("none of its values is finite")]
     NotFinite,
 }
 

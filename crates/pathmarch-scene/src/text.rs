@@ -21,11 +21,11 @@ const MOST_CHORDS: f32 = 64.0;
 /// Error of a text that has no outline.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum TextError {
-    #[error("this is no TrueType or OpenType font: {0}")]
+    #[error("this is not a TrueType or OpenType font: {0}")]
     NotAFont(#[from] FaceParsingError),
     #[error("the font has no glyph for `{0}`")]
     NoGlyph(char),
-    #[error("nothing of this text is to be seen")]
+    #[error("no glyph of this text is visible")]
     Empty,
     #[error("its outline has more than {MAX_SEGMENTS} segments")]
     TooLong,

@@ -55,7 +55,7 @@ pub enum EditError {
     )]
     Unreadable(String),
     /// The scene would have a mistake that it has not now.
-    #[error("This would make a mistake of the scene: {message}{}", .help.as_ref().map(|help| format!(" {help}")).unwrap_or_default())]
+    #[error("This would make a mistake in the scene: {message}{}", .help.as_ref().map(|help| format!(" {help}")).unwrap_or_default())]
     Mistake {
         /// The first mistake.
         message: String,

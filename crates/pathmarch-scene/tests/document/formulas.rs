@@ -83,7 +83,7 @@ fn handles_move_what_is_no_formula() {
     let error = document.set(&at, key::AT, wrong, None).unwrap_err().to_string();
     assert_eq!(
         error,
-        "This would make a mistake of the scene: There is no parameter `tt`. Declare it at the top: param tt 1."
+        "This would make a mistake in the scene: There is no parameter `tt`. Declare it at the top: param tt 1."
     );
     document.reset(&at, key::ROTATE).unwrap();
     assert!(!document.text().contains("rotate"), "{}", document.text());
@@ -112,7 +112,7 @@ fn parameters_are_controls() {
     assert_eq!(document.item(&copy).unwrap().title(), "turn_2");
     assert!(document.rename(&copy, "sin").is_err() && document.rename(&copy, "a b").is_err());
     let error = document.remove(&at).unwrap_err().to_string();
-    assert!(error.starts_with("This would make a mistake of the scene: There is no parameter `turn`."), "{error}");
+    assert!(error.starts_with("This would make a mistake in the scene: There is no parameter `turn`."), "{error}");
     document.remove(&copy).unwrap();
 }
 

@@ -44,7 +44,7 @@ pub(crate) fn remove(transaction: &mut Transaction, path: &Path) -> Result<(), E
             let parent = path.parent().unwrap_or_default();
             let parent = transaction.find(&parent)?;
             let parent = title(parent.node, parent.kind);
-            return needed(format!("`{name}` is all that `{parent}` holds. Remove `{parent}` instead."));
+            return needed(format!("`{name}` is all that `{parent}` contains. Remove `{parent}` instead."));
         }
         _ => {}
     }
@@ -192,14 +192,12 @@ pub(crate) fn move_to(
             return not_here("The version stays at the top of the file.".to_owned());
         }
         None if found.parent.is_some() => {
-            return not_here(format!(
-                "`{name}` must stand in an object or an operator: add an object and move it there."
-            ));
+            return not_here(format!("`{name}` must be in an object or an operator: add an object and move it there."));
         }
         Some(target) if !target.kind.holds_shapes() || !found.kind.is_solid() => {
             let target = title(target.node, target.kind);
             return not_here(format!(
-                "`{name}` cannot stand in `{target}`: objects and operators hold shapes and operators."
+                "`{name}` cannot be in `{target}`: objects and operators contain shapes and operators."
             ));
         }
         _ => {}
@@ -211,7 +209,8 @@ pub(crate) fn move_to(
     if parent != path.parent().as_ref() && found.parent.is_some() && shown(found.block, found.parent).count() == 1 {
         let holder = transaction.find(&path.parent().unwrap_or_default())?;
         let holder = title(holder.node, holder.kind);
-        let reason = format!("`{name}` is all that `{holder}` holds. Add something to that first, or move all of it.");
+        let reason =
+            format!("`{name}` is all that `{holder}` contains. Add something to that first, or move all of it.");
         return Err(EditError::Needed(reason));
     }
     let chunk = Chunk::of(&transaction.text, &site, true);
@@ -261,12 +260,12 @@ pub(crate) fn ungroup(transaction: &mut Transaction, path: &Path) -> Result<Vec<
     let found = transaction.find(path)?;
     let name = title(found.node, found.kind);
     if found.kind != ItemKind::Operator {
-        return Err(EditError::NotHere(format!("`{name}` is no operator and holds nothing to take out.")));
+        return Err(EditError::NotHere(format!("`{name}` is not an operator: there is nothing to take out of it.")));
     }
     transaction.writer(found).check_braces()?;
     if let Some(placed) = PLACEMENT.iter().find(|word| child(found.node, word).is_some()) {
         return Err(EditError::Needed(format!(
-            "The `{placed}` of this `{name}` moves all that it holds. Reset it first, or move it to the shapes."
+            "The `{placed}` of this `{name}` moves everything in it. Reset it first, or move it to the shapes."
         )));
     }
     let children: Vec<Found> = shown_in(found);

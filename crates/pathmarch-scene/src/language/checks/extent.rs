@@ -36,9 +36,7 @@ pub(crate) fn check(scene: &Scene, file: &Block, report: &mut Report) {
         let (scale, place) = (leaf.pose.scale, farthest(leaf.pose.at));
         // A range does not contain NaN.
         let fault = match () {
-            () if !(0.0..=MAX_METRES).contains(&place) => {
-                Some(format!("has a shape that stands {place:e} m from the origin"))
-            }
+            () if !(0.0..=MAX_METRES).contains(&place) => Some(format!("has a shape {place:e} m from the origin")),
             () if !(MIN_METRES..=MAX_METRES).contains(&scale) => {
                 Some(format!("has a shape that is scaled by {scale:e}"))
             }

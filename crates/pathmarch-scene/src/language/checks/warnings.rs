@@ -54,8 +54,8 @@ fn hidden_cameras(scene: &Scene, file: &Block, report: &mut Report) {
         let Some(object) = opaque_object_around(scene, &transparent, camera.position) else { continue };
         let (camera, object) = (shown(&camera.name), shown(&object.name));
         let message =
-            format!("The camera {camera} is inside of the object {object}, which is opaque: it sees only its inside.");
-        let warning = draft("pathmarch::hidden_camera", node.name.span, message).label("stands in a solid");
+            format!("The camera {camera} is inside the object {object}, which is opaque: it sees only its inside.");
+        let warning = draft("pathmarch::hidden_camera", node.name.span, message).label("inside a solid");
         report
             .warn(warning.help("Move the camera out, hollow the object with `shell` or `subtract`, or make it glass."));
     }
@@ -105,7 +105,7 @@ fn hidden_points(scene: &Scene, file: &Block, report: &mut Report) {
     let transparent = transparency(scene);
     for (node, [x, y, z]) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
         if let Some(object) = opaque_object_around(scene, &transparent, [x, y, z]) {
-            let message = format!("This point light is inside of the object {}, which hides it.", shown(&object.name));
+            let message = format!("This point light is inside the object {}, which hides it.", shown(&object.name));
             let warning = draft("pathmarch::hidden_light", node.name.span, message).label("shines nowhere");
             report.warn(warning.help("Move it out, or make the object emit."));
         }

@@ -29,7 +29,7 @@ pub(crate) fn listed<'k>(names: impl IntoIterator<Item = &'k str>, joint: &str) 
 pub(crate) fn suggestion(name: &str, known: &[&str]) -> String {
     match nearest(name, known.iter().copied()) {
         Some(word) => format!("Did you mean `{word}`?"),
-        None if known.is_empty() => "Nothing stands here.".to_owned(),
+        None if known.is_empty() => "Nothing is allowed here.".to_owned(),
         None => format!("Expected {}.", listed(known.iter().copied(), "or")),
     }
 }

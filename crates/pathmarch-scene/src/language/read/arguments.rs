@@ -85,7 +85,7 @@ pub(crate) fn arguments<'n>(node: &'n Node, most: usize, usage: &str, context: &
         let extra = arguments[most].span.to(arguments[arguments.len() - 1].span);
         let count = match (most, arguments.len() - most) {
             (0, _) => format!("`{}` takes no arguments.", node.name.value),
-            (_, 1) => format!("`{}` has an argument too many.", node.name.value),
+            (_, 1) => format!("`{}` has one argument too many.", node.name.value),
             (_, extra) => format!("`{}` has {extra} arguments too many.", node.name.value),
         };
         context.report.add(
@@ -99,7 +99,7 @@ pub(crate) fn arguments<'n>(node: &'n Node, most: usize, usage: &str, context: &
 /// Reports braces where there should be none.
 pub(crate) fn no_children(node: &Node, context: &mut Context) {
     if let Some(child) = node.child_nodes().first() {
-        let message = format!("`{}` holds no other nodes.", node.name.value);
+        let message = format!("`{}` takes no nodes in braces.", node.name.value);
         context.report.add(draft("pathmarch::unexpected_children", child.name.span, message).label("unexpected node"));
     }
 }

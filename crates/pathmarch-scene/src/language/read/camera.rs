@@ -36,7 +36,7 @@ pub(crate) fn camera(node: &Node, seen: &mut HashMap<String, Span>, context: &mu
     let span = |word: &str| settings.get(word).map_or(node.name.span, Node::span);
     match view {
         None => context.report.add(
-            draft("pathmarch::no_direction", span("target"), "The camera looks at the point where it stands.")
+            draft("pathmarch::no_direction", span("target"), "The `target` of the camera equals its `position`.")
                 .label("the same as `position`")
                 .also(span("position"), "this point"),
         ),

@@ -20,7 +20,7 @@ pub(crate) fn colour(node: &Node, range: Range, context: &mut Context) -> Option
     {
         let colour = srgb(text);
         if colour.is_none() {
-            let message = format!("{} is no colour.", shown(text));
+            let message = format!("{} is not a colour.", shown(text));
             let mistake =
                 draft("pathmarch::not_a_colour", entry.value_span, message).label("expected \"#rrggbb\" or \"#rgb\"");
             context

@@ -109,7 +109,7 @@ impl CustomSdfs {
 fn check_name(name: &str, span: Span, context: &mut Context) {
     let words = [PLACEMENT, &[NORMAL, "material"], TOP].concat();
     if solids().any(|solid| solid == name) || words.contains(&name) {
-        let message = format!("{} has a meaning already.", shown(name));
+        let message = format!("{} is a reserved name.", shown(name));
         let mistake = draft("pathmarch::reserved_name", span, message).label("taken");
         context.report.add(mistake.help("Choose another name for the field."));
         return;

@@ -73,7 +73,7 @@ impl<'n> Declarations<'n> {
         let Some((name, span)) = name(node, usage, context) else { return };
         let taken = solids().chain(fields.names()).chain(PLACEMENT.iter().copied()).chain([NORMAL, PARAM, MATERIAL]);
         if taken.into_iter().any(|word| word == name) || fields.is_broken(name) {
-            let message = format!("{} has a meaning already.", shown(name));
+            let message = format!("{} is a reserved name.", shown(name));
             let mistake = draft("pathmarch::reserved_name", span, message).label("taken");
             context
                 .report
@@ -140,7 +140,7 @@ impl<'n> Declarations<'n> {
                         path.push((used, 0));
                     }
                     Seen::Now => {
-                        let message = format!("The shape {} would hold itself.", shown(self.list[used].name));
+                        let message = format!("The shape {} would contain itself.", shown(self.list[used].name));
                         let mistake = draft("pathmarch::recursion", span, message).label("used within itself");
                         context.report.add(mistake.also(self.list[used].node.name.span, "declared here"));
                         let inside = path.iter().skip_while(|(at, _)| *at != used);

@@ -60,7 +60,7 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
             unexpected_node(&child.name, &names, "in a material", context);
         }
         if children.is_empty() && !node.broken() {
-            let mistake = draft("pathmarch::missing_node", node.name.span, "This material is made of nothing.");
+            let mistake = draft("pathmarch::missing_node", node.name.span, "This material has no kind.");
             let label = format!("expected {} in its braces", listed(names, "or"));
             context.report.add(mistake.label(label).help("For example: material \"white\" { diffuse 0.8 }."));
         }
@@ -121,7 +121,7 @@ fn painted(
     if let Some(entry) = node.entries.iter().find(|entry| entry.name.is_none()) {
         let message = format!("`{}` has a value and a texture.", node.name.value);
         let mistake = draft("pathmarch::unexpected_argument", entry.span, message).label("unused");
-        context.report.add(mistake.help("The texture stands for the value. Delete one of them."));
+        context.report.add(mistake.help("The texture replaces the value. Delete one of them."));
     }
     let to = match param.kind {
         ParamKind::Colour => Use::Colour,

@@ -78,15 +78,15 @@ fn no_formula(entry: &Entry, text: &str, what: &str, trouble: Trouble, context: 
             let message = format!("There is no function {}.", shown(&name));
             let mistake = draft("pathmarch::unknown_name", named(&range), message).label("unknown function");
             match context.scope.params().any(|param| param == name) {
-                true => mistake.help(format!("Between `{name}` and the bracket belongs an operator, such as `*`.")),
+                true => mistake.help(format!("An operator, such as `*`, is missing between `{name}` and the bracket.")),
                 false => match nearest(&name, expression::functions()) {
                     Some(word) => mistake.help(format!("Did you mean `{word}`?")),
-                    None => mistake.help("`sin`, `cos`, `min`, `max`, `mix` and others are there."),
+                    None => mistake.help("There are `sin`, `cos`, `min`, `max`, `mix` and others."),
                 },
             }
         }
         Trouble::Arguments(usage, range) => {
-            let message = format!("{} is used in another way.", shown(&text[range.clone()]));
+            let message = format!("{} is used in the wrong way.", shown(&text[range.clone()]));
             formula(named(&range), message).label(format!("expected {usage}"))
         }
     })

@@ -38,7 +38,7 @@ pub(super) fn points(node: &Node, context: &mut Context) -> Vec<f32> {
     }
     let segments: Vec<f32> = contour(&points).collect();
     if !has_area(&segments, Fill::EvenOdd) {
-        let message = format!("Nothing is inside of this `{}`.", node.name.value);
+        let message = format!("This `{}` has no inside.", node.name.value);
         let mistake = draft("pathmarch::no_area", node.name.span, message).label("its points lie on a line");
         context.report.add(mistake.help("Move one of them aside."));
         return Vec::new();

@@ -136,7 +136,7 @@ fn checked_name<'n>(entry: &'n Entry, taken: &[&str], context: &mut Context) -> 
     let name = string(entry, "The name of a parameter", context)?;
     let span = entry.value_span;
     if reserved().any(|other| other == name) || taken.contains(&name) {
-        let message = format!("`{name}` has a meaning already.");
+        let message = format!("`{name}` is a reserved name.");
         let help = "Choose another name: `t` and `frame` are the moment; functions, constants and words of the \
                     language keep their meaning.";
         context.report.add(draft("pathmarch::reserved_name", span, message).label("taken").help(help));

@@ -186,12 +186,12 @@ pub(super) fn refuse(node: &Node, context: &mut Context) {
     if !has_texture {
         return no_children(node, context);
     }
-    let message = format!("No texture may stand for `{}`.", node.name.value);
+    let message = format!("`{}` cannot be textured.", node.name.value);
     let child = node.child_nodes()[0].name.span;
     let mistake = draft("pathmarch::no_texture", child, message).label("not here");
     context.report.add(mistake.help(match &*node.name.value {
-        "absorb" => "It is of what the solid is filled with, which is the same everywhere. Its colour may vary.",
-        "emit" => "A lamp is of one radiance. Make several lamps, or light a surface whose colour varies.",
+        "absorb" => "It is the same everywhere in the solid. Its colour may vary.",
+        "emit" => "A lamp has one radiance. Make several lamps, or light a surface whose colour varies.",
         "ior" => "It is the same everywhere. Its roughness may vary.",
         _ => "It is the same everywhere.",
     }));

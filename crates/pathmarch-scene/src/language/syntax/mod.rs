@@ -448,7 +448,7 @@ impl<'t> Reader<'t, '_> {
                             true => format!("Put a colour in quotes: \"{word}\"."),
                             false => "Words with # are #true, #false, #null, #inf, #-inf and #nan.".to_owned(),
                         };
-                        let message = format!("{} is no value.", shown(word));
+                        let message = format!("{} is not a value.", shown(word));
                         self.report.add(syntax(self.since(start), message).label("unknown word").help(help));
                         Value::Bad
                     }
@@ -471,7 +471,7 @@ impl<'t> Reader<'t, '_> {
                         && !is_forbidden(c)
                         && !matches!(c, '{' | '}' | ';' | '"' | '/' | '=')
                 });
-                let message = format!("{} cannot stand here.", shown(&self.text[start..self.at]));
+                let message = format!("{} is not allowed here.", shown(&self.text[start..self.at]));
                 self.report.add(
                     syntax(self.since(start), message)
                         .label("expected a name or a value")
@@ -497,7 +497,7 @@ impl<'t> Reader<'t, '_> {
             } else {
                 "Numbers look like 2, -0.5 or 1e-3; text that starts with a digit needs quotes."
             };
-            self.report.add(syntax(span, format!("{} is no number.", shown(word))).label("not a number").help(help));
+            self.report.add(syntax(span, format!("{} is not a number.", shown(word))).label("not a number").help(help));
             return Value::Bad;
         }
         if matches!(word, "true" | "false" | "null" | "inf" | "-inf" | "nan") {

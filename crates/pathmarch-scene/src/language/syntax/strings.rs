@@ -116,7 +116,7 @@ impl<'t> Reader<'t, '_> {
             };
             let Some(plain) = plain else {
                 self.report.add(
-                    draft("pathmarch::syntax", span, format!("`\\{}` is no escape.", c.escape_debug()))
+                    draft("pathmarch::syntax", span, format!("`\\{}` is not an escape.", c.escape_debug()))
                         .label("in this string")
                         .help("Escapes are \\n \\r \\t \\b \\f \\s \\\\ \\\" and \\u{…}. Write \\\\ for a backslash, or #\"…\"# for a string without escapes."),
                 );

@@ -34,7 +34,7 @@ impl Solids<'_> {
             if declaration.node.child_nodes().iter().all(|child| child.name.value == PARAM)
                 && !declaration.node.broken()
             {
-                let message = "This shape holds nothing.";
+                let message = "This shape is empty.";
                 let mistake = draft("pathmarch::no_shapes", declaration.node.name.span, message);
                 let help = "For example: shape \"pin\" { param length 1; cylinder 0.1 length }.";
                 context.report.add(mistake.label("expected a shape in its braces").help(help));
@@ -65,7 +65,7 @@ impl Solids<'_> {
             if PLACEMENT.contains(&&*child.name.value) {
                 let message = format!("A declared shape has no `{}` of its own.", child.name.value);
                 let mistake = draft("pathmarch::misplaced_node", child.name.span, message).label("not here");
-                context.report.add(mistake.help("Put it where the shape is used, or in the braces of what it holds."));
+                context.report.add(mistake.help("Put it where the shape is used, or in the braces of a shape in it."));
             } else {
                 children.extend(self.solid(child, material, ("in a declared shape", &[PARAM]), context));
             }

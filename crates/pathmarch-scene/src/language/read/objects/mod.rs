@@ -248,12 +248,12 @@ impl<'m> Solids<'m> {
             }
             let word = &child.name.value;
             if solids().chain(self.fields.names()).any(|solid| solid == word) || self.declared.find(word).is_some() {
-                let message = format!("`{}` is a shape and holds no others.", info.name);
+                let message = format!("`{}` is a shape and cannot contain others.", info.name);
                 let mistake =
                     draft("pathmarch::unexpected_children", child.name.span, message).label("unexpected shape");
-                context.report.add(mistake.help("Operators hold shapes, as in `union { … }`."));
+                context.report.add(mistake.help("Operators contain shapes, as in `union { … }`."));
             } else if word == NORMAL {
-                let message = format!("`{}` faces nowhere and has no `{NORMAL}`.", info.name);
+                let message = format!("`{}` faces no direction, so it takes no `{NORMAL}`.", info.name);
                 let mistake = draft("pathmarch::misplaced_node", child.name.span, message).label("not here");
                 context.report.add(mistake.help("Turn it with `rotate x y z`."));
             } else {
@@ -328,7 +328,7 @@ impl<'m> Solids<'m> {
         {
             let name = modifier.info().name;
             let message =
-                format!("`{name}` turns what it holds about y, and `{profile}` is a profile in the plane z = 0.");
+                format!("`{name}` turns its shapes about y, and `{profile}` is a profile in the plane z = 0.");
             let mistake = draft("pathmarch::out_of_plane", node.name.span, message).label("not of a profile");
             context.report.add(mistake.help(format!("Put it around the whole: {name} {{ extrude {{ {profile} }} }}.")));
             return None;
@@ -343,8 +343,7 @@ impl<'m> Solids<'m> {
             && let Some(endless) = children.iter().find(is_endless)
         {
             let what = first_name(endless);
-            let message =
-                format!("`{what}` has no end, and `{}` needs what it holds to have one.", modifier.info().name);
+            let message = format!("`{what}` has no end, and `{}` needs finite shapes.", modifier.info().name);
             let mistake = draft("pathmarch::endless", node.name.span, message).label("not of something endless");
             context.report.add(mistake.help("Cut it first: intersect { box 10 1 10; … }."));
             return None;
@@ -371,7 +370,7 @@ impl<'m> Solids<'m> {
             }
         }
         if written == 0 && !node.broken() {
-            let message = format!("`{name}` of nothing.");
+            let message = format!("`{name}` without shapes.");
             let mistake = draft("pathmarch::too_few_shapes", node.name.span, message);
             context.report.add(mistake.label("expected shapes in its braces"));
         }
