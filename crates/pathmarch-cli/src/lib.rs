@@ -7,6 +7,7 @@ mod app_dirs;
 mod arguments;
 mod exit;
 mod interrupt;
+mod render_options;
 mod threads;
 pub mod value_parsers;
 
@@ -14,3 +15,4 @@ pub use app_dirs::{AppDirs, HOME_VARIABLE};
 pub use arguments::{BackendArgument, check_directory};
 pub use exit::{DONE, FAILED, Failure, INTERRUPTED, USAGE, end_on_closed_pipe, print_report, run};
 pub use interrupt::catch_interrupts;
+pub use render_options::RenderOptions;

@@ -3,10 +3,10 @@
 use crate::error::RenderError;
 use crate::mode::Mode;
 use crate::output::image::MAX_SIDE;
-use pathmarch_scene::{Camera, Caustics, Sampler, Scene};
+use pathmarch_scene::{Camera, Caustics, RenderSettings, Sampler, Scene, settings};
 
 /// The largest number of bounces a path may have.
-pub const MAX_BOUNCES: u32 = 64;
+pub const MAX_BOUNCES: u32 = settings::BOUNCES.1;
 
 /// The largest number of paths that may share a ray of the camera.
 pub const MAX_SPLITTING: u32 = 8;
@@ -59,24 +59,9 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// What the scene itself asks for, seen by its first camera, seed 0.
+    /// Settings of the scene itself: its first camera, seed 0.
     pub fn of(scene: &Scene) -> Self {
-        Self {
-            size: [scene.render.size.0, scene.render.size.1],
-            samples: scene.render.samples,
-            first_sample: 0,
-            bounces: scene.render.bounces,
-            seed: 0,
-            sampler: scene.render.sampler,
-            caustics: scene.render.caustics,
-            clamp: scene.render.clamp,
-            detail: scene.render.detail,
-            light_search: LightSearch::Both,
-            camera: 0,
-            viewpoint: None,
-            mode: Mode::Path,
-            splitting: None,
-        }
+        Self::from(&scene.render)
     }
 
     /// Where the picture is taken from.
@@ -116,5 +101,27 @@ impl Settings {
             return fail(format!("camera {} of {}", self.camera, scene.cameras.len()));
         }
         Ok(())
+    }
+}
+
+impl From<&RenderSettings> for Settings {
+    /// Path tracing from the first camera with these settings, seed 0.
+    fn from(render: &RenderSettings) -> Self {
+        Self {
+            size: [render.size.0, render.size.1],
+            samples: render.samples,
+            first_sample: 0,
+            bounces: render.bounces,
+            seed: 0,
+            sampler: render.sampler,
+            caustics: render.caustics,
+            clamp: render.clamp,
+            detail: render.detail,
+            light_search: LightSearch::Both,
+            camera: 0,
+            viewpoint: None,
+            mode: Mode::Path,
+            splitting: None,
+        }
     }
 }

@@ -1,7 +1,5 @@
 // GGX with Smith's masking. Twin of microfacet.rs, which explains it.
 
-const MIRROR_ALPHA = 1e-4;
-
 fn microfacet_distribution(h: vec3f, alpha: f32) -> f32 {
     let slope = (h.x * h.x + h.y * h.y) / (alpha * alpha) + h.z * h.z;
     return 1.0 / (3.14159265 * alpha * alpha * slope * slope);

@@ -149,6 +149,11 @@ impl std::fmt::Debug for Bsdf {
 /// WGSL that the scattering functions share: microfacets, and `Scattered` as in Rust.
 pub const SHARED_WGSL: [&str; 2] = [include_str!("scattering.wgsl"), include_str!("microfacet.wgsl")];
 
+/// Constants of the scattering functions in WGSL, with their values in Rust.
+pub fn constants_wgsl() -> String {
+    format!("const MIRROR_ALPHA = {:?};\nconst COAT_F0 = {:?};\n", microfacet::MIRROR_ALPHA, principled::COAT_F0)
+}
+
 /// Result of evaluating a BSDF for two directions.
 #[derive(Clone, Copy, Debug)]
 pub struct Eval {

@@ -26,7 +26,7 @@ use glam::Vec3;
 use std::f32::consts::PI;
 
 /// Reflection of the coat at normal incidence: index 1.5.
-const COAT_F0: f32 = 0.04;
+pub(super) const COAT_F0: f32 = 0.04;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "principled",

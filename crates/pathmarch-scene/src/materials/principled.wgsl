@@ -1,7 +1,5 @@
 // One material for most things. Twin of principled.rs, which explains it.
 
-const COAT_F0 = 0.04;
-
 /// The albedo split of a GGX surface, from its table.
 fn ggx_split(cosine: f32, roughness: f32) -> vec2f {
     let x = sqrt(clamp(cosine, 0.0, 1.0)) * f32(GGX_COSINES - 1u);

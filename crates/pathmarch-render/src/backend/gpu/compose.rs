@@ -187,7 +187,7 @@ fn bsdfs(input: &RenderInput) -> String {
     let used: BTreeSet<u32> = input.scene.materials.iter().map(|material| material.kind).collect();
     let used: Vec<_> =
         used.iter().filter_map(|&kind| Some((kind, kinds[kind as usize].name, kinds[kind as usize].bsdf?))).collect();
-    let mut code = materials::SHARED_WGSL.join("\n");
+    let mut code = materials::constants_wgsl() + &materials::SHARED_WGSL.join("\n");
     let (mut eval, mut sample) = (String::new(), String::new());
     for (k, (kind, name, bsdf)) in used.iter().enumerate() {
         code.push('\n');

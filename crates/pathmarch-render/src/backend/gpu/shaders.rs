@@ -184,9 +184,12 @@ mod tests {
         let (members, span) = members.expect("the structure is declared");
         let found: Vec<_> =
             members.iter().map(|member| (member.name.clone().unwrap_or_default(), member.offset as usize)).collect();
-        let fields = S::fields().into_iter().filter(|field| field.name != "padding");
-        let expected: Vec<_> = fields.map(|field| (field.name.to_owned(), field.offset)).collect();
-        assert_eq!((found, span as usize), (expected, size_of::<S>()), "{}", S::NAME);
+        let (padding, fields): (Vec<_>, Vec<_>) = S::fields().into_iter().partition(|field| field.name == "padding");
+        let expected: Vec<_> = fields.iter().map(|field| (field.name.to_owned(), field.offset)).collect();
+        assert_eq!(found, expected, "{}", S::NAME);
+        // Padding at the end may be part of the structure in WGSL, or lie behind it.
+        let sizes = [size_of::<S>(), size_of::<S>() - 4 * padding.len()];
+        assert!(sizes.contains(&(span as usize)), "{}: {span} bytes, {} in Rust", S::NAME, sizes[0]);
     }
 
     #[test]

@@ -2,11 +2,10 @@
 
 use crate::commands::listed;
 use crate::frames::{self, FrameRange};
-use pathmarch_cli::{BackendArgument, Failure, check_directory, value_parsers};
+use pathmarch_cli::{BackendArgument, Failure, RenderOptions, check_directory, value_parsers};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
-use pathmarch_render::pathmarch_scene::{Caustics, Sampler, Scene, settings};
-use pathmarch_render::tonemap::Tonemap;
+use pathmarch_render::pathmarch_scene::{RenderSettings, Scene, settings};
 use pathmarch_render::{MAX_SPLITTING, Mode, Settings, Shutter};
 use std::path::PathBuf;
 
@@ -17,9 +16,8 @@ pub struct Arguments {
     /// Picture to write: .png, .jpg or .exr [default: name of the scene with .png, in the current directory]
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
-    /// Size in pixels [default: the scene's]
-    #[arg(long, value_name = "WxH", value_parser = value_parsers::size, allow_hyphen_values = true)]
-    pub(super) size: Option<[u32; 2]>,
+    #[command(flatten)]
+    pub(super) render: RenderOptions,
     /// Quantity to render [default: path]
     ///
     /// path: path-traced light.
@@ -34,42 +32,21 @@ pub struct Arguments {
     /// Exposure and tone mapping affect only path and preview.
     #[arg(long, value_name = "NAME", value_parser = named_value(Mode::ALL, Mode::name), verbatim_doc_comment)]
     pub(super) mode: Option<Mode>,
-    /// Samples per pixel [default: the scene's; 16 in modes that trace no paths]
-    #[arg(long, value_name = "N", value_parser = value_parsers::whole(settings::SAMPLES), allow_hyphen_values = true)]
-    pub(super) samples: Option<u32>,
     /// Stop after this many seconds, at most 86400, but not before the first sample is done
     #[arg(long, value_name = "N", value_parser = value_parsers::seconds, allow_hyphen_values = true)]
     pub(super) seconds: Option<f64>,
     /// Index of the first sample; sample ranges rendered separately add up to the whole
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = value_parsers::whole((0, 2_000_000_000)), allow_hyphen_values = true)]
     pub(super) first_sample: u32,
-    /// Scattering events after the first hit; 0 renders emitted and direct light only [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = value_parsers::whole(settings::BOUNCES), allow_hyphen_values = true)]
-    pub(super) bounces: Option<u32>,
     /// Random seed; pictures with different seeds have independent noise
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = value_parsers::whole((0, u32::MAX)), allow_hyphen_values = true)]
     pub(super) seed: u32,
     /// Camera of the scene, by name [default: the first]
     #[arg(long, value_name = "NAME")]
     pub(super) camera: Option<String>,
-    /// Tone mapping of PNG and JPEG: agx, neutral or srgb [default: the scene's]
-    #[arg(long, value_name = "NAME", value_parser = named_value(Tonemap::ALL, Tonemap::name))]
-    pub(super) tonemap: Option<Tonemap>,
-    /// Sampler: sobol, or independent for comparison [default: the scene's]
-    #[arg(long, value_name = "NAME", value_parser = named_value(Sampler::ALL, Sampler::name))]
-    pub(super) sampler: Option<Sampler>,
-    /// Caustics through clear glass: traced, or fast (noise-free but biased) [default: the scene's]
-    #[arg(long, value_name = "NAME", value_parser = named_value(Caustics::ALL, Caustics::name))]
-    pub(super) caustics: Option<Caustics>,
-    /// Clamp the radiance of indirect light to this: fewer fireflies, but darker [default: the scene's]
-    #[arg(long, value_name = "RADIANCE", value_parser = value_parsers::number(settings::CLAMP), allow_hyphen_values = true)]
-    pub(super) clamp: Option<f32>,
     /// Paths per camera ray, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     pub(super) splitting: Option<u32>,
-    /// Hit distance of a ray, in pixels: smaller shows finer detail and needs more steps [default: the scene's]
-    #[arg(long, value_name = "PIXELS", value_parser = value_parsers::number(settings::DETAIL), allow_hyphen_values = true)]
-    pub(super) detail: Option<f32>,
     /// Exposure of PNG and JPEG in stops, -100 to 100 [default: the camera's]
     #[arg(long, value_name = "EV", value_parser = value_parsers::number(settings::EXPOSURE), allow_hyphen_values = true)]
     pub(super) exposure: Option<f32>,
@@ -93,15 +70,9 @@ pub struct Arguments {
     /// Skip frames whose file exists, to continue after an interruption
     #[arg(long, requires = "frames")]
     pub(super) skip_existing: bool,
-    /// Frames per second [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = value_parsers::number(settings::FPS), allow_hyphen_values = true)]
-    pub(super) fps: Option<f32>,
     /// Time of the picture: seconds since frame 0
     #[arg(long, value_name = "SECONDS", conflicts_with = "frames", value_parser = parse_time, allow_hyphen_values = true)]
     pub(super) time: Option<f64>,
-    /// Fraction of the frame time that the shutter is open, 0 to 1: motion blur [default: the scene's]
-    #[arg(long, value_name = "PART", value_parser = value_parsers::number(settings::SHUTTER), allow_hyphen_values = true)]
-    pub(super) shutter: Option<f32>,
     /// Render backend
     #[arg(long, value_enum, default_value = "auto")]
     pub(super) backend: BackendArgument,
@@ -157,7 +128,7 @@ fn parse_layers(text: &str) -> Result<Layers, String> {
 
 impl Arguments {
     pub(super) fn settings(&self, scene: &Scene) -> Result<Settings, Failure> {
-        let defaults = Settings::of(scene);
+        let render = self.render_settings(scene);
         let mode = self.mode.unwrap_or_default();
         let camera = match &self.camera {
             None => 0,
@@ -166,26 +137,23 @@ impl Arguments {
                 Failure::Usage(format!("the scene has no camera \"{name}\"; it has {names}"))
             })?,
         };
-        Ok(Settings {
-            size: self.size.unwrap_or(defaults.size),
-            samples: self.samples.unwrap_or(mode.samples(defaults.samples)),
-            first_sample: self.first_sample,
-            bounces: self.bounces.unwrap_or(defaults.bounces),
-            seed: self.seed,
-            sampler: self.sampler.unwrap_or(defaults.sampler),
-            caustics: self.caustics.unwrap_or(defaults.caustics),
-            clamp: self.clamp.or(defaults.clamp),
-            detail: self.detail.unwrap_or(defaults.detail),
-            light_search: defaults.light_search,
-            camera,
-            viewpoint: None,
-            mode,
-            splitting: self.splitting,
-        })
+        let mut settings = Settings::from(&render);
+        if !self.render.overrides("samples") {
+            settings.samples = mode.samples(settings.samples);
+        }
+        let (first_sample, seed, splitting) = (self.first_sample, self.seed, self.splitting);
+        Ok(Settings { first_sample, seed, camera, mode, splitting, ..settings })
+    }
+
+    /// Render settings of the scene with those of the command line.
+    pub(super) fn render_settings(&self, scene: &Scene) -> RenderSettings {
+        let mut render = scene.render.clone();
+        self.render.apply(&mut render);
+        render
     }
 
     pub(super) fn shutter(&self, scene: &Scene, fps: f32) -> Shutter {
-        Shutter::open_for(scene, self.shutter.unwrap_or(scene.render.shutter), fps)
+        Shutter::open_for(scene, self.render_settings(scene).shutter, fps)
     }
 
     pub(super) fn output(&self) -> Result<PathBuf, Failure> {

@@ -20,10 +20,7 @@ use std::time::Instant;
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let output = arguments.output()?;
     let mut animation = Animation::load(&arguments.scene)?;
-    let fps = match arguments.fps {
-        Some(fps) => fps,
-        None => animation.at(Moment::default())?.render.fps,
-    };
+    let fps = arguments.render_settings(&animation.at(Moment::default())?).fps;
     if let Some(frames) = arguments.frames {
         return run_frames(arguments, frames, fps, &output, animation);
     }
@@ -196,7 +193,7 @@ fn write(
     output: &Path,
 ) -> Result<(), Failure> {
     let display = settings.mode.display(Display {
-        tonemap: arguments.tonemap.unwrap_or(scene.render.tonemap),
+        tonemap: arguments.render_settings(scene).tonemap,
         exposure_stops: arguments.exposure.unwrap_or(settings.camera_of(scene).exposure),
     });
     let rendered = Rendered { scene, settings, film, backend };
