@@ -251,6 +251,9 @@ fn the_distance_to_some_objects_leaves_the_others_out() {
     assert_eq!(distance([false; 3], none), f32::INFINITY);
     let program = Program::new(&field);
     let text = Program::distances_to(&field, &[("some", &[false, true, true]), ("all", &[true; 3])]);
-    assert!(text.contains("fn some(p: vec3f, ignored_leaf: u32) -> f32") && text.contains("ignored_leaf == 1u"), "{text}");
+    assert!(
+        text.contains("fn some(p: vec3f, ignored_leaf: u32) -> f32") && text.contains("ignored_leaf == 1u"),
+        "{text}"
+    );
     validate(&(declared(&program) + &program.code + "\n" + &text));
 }

@@ -31,7 +31,7 @@ pub(super) fn additions(work: &Work, parent: Option<ItemKind>) -> Vec<Addition> 
     match parent {
         Some(kind) if kind.holds_shapes() => declared(work)
             .chain(shapes(Group::Shape))
-            .chain(operators.map(|op| addition(Group::Operator, &*op.info().name, &*op.info().doc)))
+            .chain(operators.map(|op| addition(Group::Operator, &op.info().name, &op.info().doc)))
             .collect(),
         Some(_) => Vec::new(),
         None => {

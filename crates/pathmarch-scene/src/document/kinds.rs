@@ -63,7 +63,7 @@ fn set_solid(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> 
     let (Some(old), Some(new)) = (fields.solid(&found.node.name.value), fields.solid(kind)) else {
         return Ok(());
     };
-    if &*old.info().name == new.info().name {
+    if *old.info().name == new.info().name {
         return Ok(());
     }
     let given = parameter_values(old, found.node);
@@ -91,7 +91,7 @@ fn set_solid(work: &mut Work, path: &Path, kind: &str) -> Result<(), EditError> 
     }
     work.then(patches)?;
     for (param, value) in kept {
-        let slot = work.slot(path, &*param.name)?;
+        let slot = work.slot(path, &param.name)?;
         let patches = work.writer(work.find(path)?).write(&slot, &value)?;
         work.then(patches)?;
     }
@@ -140,12 +140,12 @@ fn set_material_kind(work: &mut Work, path: &Path, kind: &str) -> Result<(), Edi
         .filter(|param| {
             let value = slots.iter().find(|slot| slot.control.key == param.name).map(|slot| &slot.control.value);
             let same = beside.iter().find(|other| other.name == param.name);
-            if texture_node(found.node, &*param.name).is_some() {
+            if texture_node(found.node, param.name).is_some() {
                 return same.is_none_or(|same| same.texturing == Texturing::None);
             }
             !same.zip(value).is_some_and(|(same, value)| fits(same, value))
         })
-        .map(|param| &*param.name)
+        .map(|param| param.name)
         .collect();
     let untextured = new.params.first().is_none_or(|param| param.texturing == Texturing::None);
     if let Some(block) = node.children.as_ref().filter(|_| untextured && texture_node(found.node, old.name).is_some()) {

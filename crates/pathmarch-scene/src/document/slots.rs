@@ -338,7 +338,7 @@ impl List<'_> {
         let Some(kind) = material_kind(self.node) else { return self.kind(kinds, "", "What it is made of.") };
         self.kind(kinds, kind.name, kind.doc);
         for (index, param) in kind.params.iter().enumerate() {
-            let owner = if index == 0 { kind.name } else { &*param.name };
+            let owner = if index == 0 { kind.name } else { param.name };
             if !self.texture_of(param, owner) {
                 self.push(material_control(param), Place::Node(owner));
                 self.texture_choice_of(param, owner);
@@ -479,7 +479,7 @@ pub(super) fn material_control(param: &'static MaterialParam) -> Control {
             (ControlKind::Number(range), Value::Number(param.default[0]))
         }
     };
-    control(interned(&param.name), interned(&param.name), interned(&param.doc), "", kind, default)
+    control(interned(param.name), interned(param.name), interned(param.doc), "", kind, default)
 }
 
 /// What the example in the table begins with.
@@ -626,7 +626,7 @@ fn read_parameter(param: &Param, entry: &Entry) -> Option<Value> {
 /// Whether the first argument of a shape stands for several sizes.
 pub(super) fn has_one_size(solid: Solid, node: &Node<'static>) -> bool {
     let sizes = solid.info().size_params;
-    let named = solid.params()[..sizes].iter().any(|param| property(node, &*param.name).is_some());
+    let named = solid.params()[..sizes].iter().any(|param| property(node, &param.name).is_some());
     sizes > 1 && !named && (1..sizes).contains(&arguments(node).count())
 }
 
@@ -649,7 +649,7 @@ pub(super) fn parameters<'n>(solid: Solid, node: &'n Node<'static>) -> Vec<Optio
             true => index + 1 - sizes,
             false => index,
         };
-        number_arguments(solid, node).nth(slot).or_else(|| property(node, &*param.name))
+        number_arguments(solid, node).nth(slot).or_else(|| property(node, &param.name))
     };
     solid.params().iter().enumerate().map(|(index, param)| entry(index, param)).collect()
 }

@@ -78,14 +78,14 @@ impl List<'_> {
         }
         let known = texture_node(self.node, owner).is_some();
         if known {
-            self.texture(&*param.name, owner, param.kind == ParamKind::Colour, &[]);
+            self.texture(param.name, owner, param.kind == ParamKind::Colour, &[]);
             if let ParamKind::Number = param.kind {
                 for (word, doc, default) in [
                     ("from", "Value of the parameter for a value of 0.", param.min),
                     ("to", "Value of the parameter for a value of 1.", param.max),
                 ] {
                     let end = Param::between("", 0.0, param.min, param.max, doc).with_default(default);
-                    self.inside(&*param.name, owner, word, &end, Inside::Property(word));
+                    self.inside(param.name, owner, word, &end, Inside::Property(word));
                 }
             }
         }
@@ -95,7 +95,7 @@ impl List<'_> {
     /// What makes a texture stand for a parameter that has a value.
     pub(super) fn texture_choice_of(&mut self, param: &'static MaterialParam, owner: &'static str) {
         if param.texturing != Texturing::None {
-            self.choice(&*param.name, owner);
+            self.choice(param.name, owner);
         }
     }
 
@@ -151,7 +151,7 @@ impl List<'_> {
             }
         };
         for param in params.iter().chain(more) {
-            self.inside(name, owner, &*param.name, param, Inside::Property(&*param.name));
+            self.inside(name, owner, &param.name, param, Inside::Property(&param.name));
         }
         for setting in PLACEMENT {
             let key = made_key(format!("{name}.texture.{}", setting.name));

@@ -345,7 +345,7 @@ impl<'d> Writer<'d> {
     /// Whether the first of so many arguments would stand for several sizes.
     fn one_size_of(&self, solid: Solid, arguments: usize) -> bool {
         let sizes = solid.info().size_params;
-        let named = solid.params()[..sizes].iter().any(|param| property(self.node, &*param.name).is_some());
+        let named = solid.params()[..sizes].iter().any(|param| property(self.node, &param.name).is_some());
         sizes > 1 && !named && (1..sizes).contains(&arguments)
     }
 
@@ -357,7 +357,7 @@ impl<'d> Writer<'d> {
         let param = &solid.params()[index];
         let slot = if one_size { (index + 1).saturating_sub(sizes) } else { index };
         if slot >= arguments.len() {
-            return property(self.node, &*param.name).map(|entry| self.remove(entry)).into_iter().collect();
+            return property(self.node, &param.name).map(|entry| self.remove(entry)).into_iter().collect();
         }
         let last = slot + 1 == arguments.len() && !(one_size && index < sizes);
         if last && self.one_size_of(solid, arguments.len() - 1) == one_size {

@@ -502,9 +502,9 @@ fn profile(node: &FieldNode) -> Option<&str> {
 /// What the first endless solid is called.
 fn first_name(node: &FieldNode) -> &str {
     match &node.kind {
-        Kind::Shape { shape, .. } => &*shape.info().name,
-        Kind::Operator { operator, .. } => &*operator.info().name,
-        Kind::Modifier { modifier, .. } => &*modifier.info().name,
+        Kind::Shape { shape, .. } => &shape.info().name,
+        Kind::Operator { operator, .. } => &operator.info().name,
+        Kind::Modifier { modifier, .. } => &modifier.info().name,
     }
 }
 
