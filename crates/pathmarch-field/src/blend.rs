@@ -136,7 +136,7 @@ pub(crate) fn minimum<N: Real>(a: N, b: N, Blending { amount: width, profile, st
             let step = (width / steps).max(N::constant(1e-6)).named("step");
             // As those of the library, but the first step ends a width away and not less.
             let along = (width + step - (b - a).abs()).max(N::zero()).named("along");
-            // How far it is to a multiple of two steps, where the inner edges are.
+            // Distance to a multiple of two steps, where the inner edges are.
             let turns = (half * along / step + half).floor();
             let wave = (along - N::constant(2.0) * step * turns).abs();
             a.min(b) - half * (along - wave)

@@ -96,7 +96,7 @@ fn every_convex_shape_is_met_where_its_distance_is_zero() {
             let params = shape.params().iter().map(|_| random.within(0.3, 1.5)).collect();
             let node =
                 Node { kind: Kind::Shape { shape: (*shape).into(), params, tag: 0 }, placement: placed(&mut random) };
-            hits += check(&Field::new(&[node]), &mut random, &*shape.info().name);
+            hits += check(&Field::new(&[node]), &mut random, &shape.info().name);
         }
         println!("{}: {hits} of 8000 rays hit", shape.info().name);
         assert!(hits > 200);

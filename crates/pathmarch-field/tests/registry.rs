@@ -259,7 +259,7 @@ fn signs_follow_the_definition() {
             if distance.abs() < 1e-5 * (case.size + p.length()) {
                 continue;
             }
-            if let Some(inside) = inside(&*case.shape.info().name, p, &case.params) {
+            if let Some(inside) = inside(&case.shape.info().name, p, &case.params) {
                 assert_eq!(distance < 0.0, inside, "{} {p:?}: {distance}", case.name());
             }
         }

@@ -69,7 +69,7 @@ pub fn material(name: &str, kind: &str, values: &[(&str, [f32; 3])]) -> Result<M
     let mut material = Material::new(name, kind);
     for (param, value) in values {
         let Some(index) = kind.params.iter().position(|known| known.name == *param) else {
-            let known = kind.params.iter().map(|param| &*param.name);
+            let known = kind.params.iter().map(|param| param.name);
             return refuse(format!(
                 "material \"{name}\": no parameter \"{param}\"; {} has {}",
                 kind.name,
@@ -300,7 +300,7 @@ fn check_kind(kind: &Kind) -> Result<(), PartsError> {
     match kind {
         // Its outline is behind its parameters; only the language makes such a shape, and checks it.
         Kind::Shape { shape, .. } if shape.info().outline.is_some() => Ok(()),
-        Kind::Shape { shape, params, .. } => check_numbers(&*shape.info().name, shape.params(), params),
+        Kind::Shape { shape, params, .. } => check_numbers(&shape.info().name, shape.params(), params),
         Kind::Operator { operator, smooth, children } => {
             let (name, (least, most)) = (&*operator.info().name, operator.children());
             if !(least..=most).contains(&children.len()) {

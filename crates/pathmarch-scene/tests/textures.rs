@@ -141,7 +141,7 @@ fn parameters_that_may_be_textured_keep_their_numbers_apart() {
                 Texturing::None => continue,
                 Texturing::Colour(place) => {
                     let with = changed([0.125, 0.25, 0.375]);
-                    assert_eq!(with[place..place + 3], [0.125, 0.25, 0.375], "{} {}", kind.name, &*param.name);
+                    assert_eq!(with[place..place + 3], [0.125, 0.25, 0.375], "{} {}", kind.name, param.name);
                     assert!((0..32).all(|k| with[k] == numbers[k] || (place..place + 3).contains(&k)), "{}", kind.name);
                     assert_eq!(place % 4, 0, "a vector of its own");
                     (place..place + 3).collect()
@@ -152,7 +152,7 @@ fn parameters_that_may_be_textured_keep_their_numbers_apart() {
                 }
             };
             for place in places {
-                assert_eq!(taken[place].replace(&*param.name), None, "{}: number {place}", kind.name);
+                assert_eq!(taken[place].replace(param.name), None, "{}: number {place}", kind.name);
             }
         }
     }

@@ -190,7 +190,7 @@ fn every_shape() {
         }
         let defaults: Vec<f32> = shape.params().iter().map(|param| param.default).collect();
         assert_eq!(params(&text), defaults, "{text}");
-        assert_eq!(params(&*shape.info().name), defaults, "{text}");
+        assert_eq!(params(&shape.info().name), defaults, "{text}");
     }
 }
 

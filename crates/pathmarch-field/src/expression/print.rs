@@ -84,7 +84,7 @@ struct Printer<'a> {
     written: HashMap<u32, String>,
     taken: HashSet<String>,
     counter: u32,
-    /// What a function of one output returns: written in the `return`, however long.
+    /// Node returned by a function of one output; inlined in the `return` at any length.
     returned: Option<u32>,
 }
 

@@ -293,7 +293,7 @@ impl CellContext<'_> {
         Vertex { position, normal, colour }
     }
 
-    /// Whether distances at the corners are those to one plane.
+    /// Reports whether distances at the corners are those to one plane.
     fn is_flat(&self, point: DVec3, normal: DVec3) -> bool {
         (0..8).all(|corner| {
             let side = |axis: usize| (corner >> axis & 1) as f64 - 0.5;

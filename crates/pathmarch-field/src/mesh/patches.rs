@@ -29,7 +29,7 @@ fn is_inside(mask: u8, corner: usize) -> bool {
     mask >> corner & 1 == 1
 }
 
-/// Whether the surface crosses an edge of a cell, `mask` having a bit for each corner inside.
+/// Reports whether the surface crosses an edge of a cell; `mask` has a bit for each corner inside.
 pub(super) fn is_crossed(mask: u8, edge: usize) -> bool {
     let [one, other] = corners(edge);
     is_inside(mask, one) != is_inside(mask, other)

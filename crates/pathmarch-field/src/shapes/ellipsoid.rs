@@ -1,12 +1,12 @@
 //! Ellipsoid by its three radii r. Outside the distance is exact to rounding, inside it is a bound.
 //!
-//! Idea: outside, every half-space that holds the solid gives a lower bound of the distance, and the largest of them is
+//! Idea: outside, every half-space that contains the solid gives a lower bound of the distance, and the largest of them is
 //! the distance. The outward normals worth trying are those of p / (r² + t), t ≥ 0; the best t solves the secular
 //! equation |w(t)| = 1 with w = r p / (r² + t) (Eberly 2013, "Distance from a point to an ellipse, an ellipsoid, or a
 //! hyperellipsoid", section 3). Newton's method on 1/|w| approaches it from below without overshooting (Moré and Sorensen
 //! 1983, "Computing a trust region step", section 3), and starts close where it starts from the best of the bounds that a
 //! single coordinate and the greatest radius give. Stopping early is safe: what has been reached is still the distance
-//! to a half-space that holds the solid, never too long a step.
+//! to a half-space that contains the solid, never too long a step.
 //!
 //! Inside, (|p/r| - 1) times the smallest radius: short, but safe and of slope at most one.
 //!
@@ -29,11 +29,11 @@ use crate::ray_interval::RayInterval;
 
 pub(crate) struct Shape;
 
-/// The most Newton steps.
+/// Largest number of Newton steps.
 const MAX_STEPS: u32 = 8;
-/// How far |w| may be from one before the last step, which squares it.
+/// Largest difference of |w| and one before the last step, which squares it.
 const TOLERANCE: f32 = 1e-5;
-/// Stands for zero in divisors.
+/// Least divisor.
 const TINY: f32 = 1e-20;
 
 impl ShapeDef for Shape {

@@ -365,7 +365,7 @@ fn what_is_needed_stays() {
     assert_eq!(remove("subtract"), "`subtract` is all that `a` contains. Remove `a` instead.");
     assert_eq!(
         remove("box"),
-        "This would make a mistake in the scene: `subtract` of a single shape. It needs at least two: the first child without what the others hold."
+        "This would make a mistake in the scene: `subtract` of a single shape. It needs at least two: the first child without the others."
     );
     let camera = refused(scene, |document| document.set(&Path::top(1), "target", Value::Triple([0.0, 1.0, 5.0]), None));
     assert_eq!(camera, "This would make a mistake in the scene: The `target` of the camera equals its `position`.");
