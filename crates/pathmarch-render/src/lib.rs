@@ -34,7 +34,7 @@ pub use output::{film, image, tonemap};
 pub use pathmarch_field;
 pub use pathmarch_scene;
 pub use ray_stats::RayStats;
-pub use settings::{LightSearch, MAX_BOUNCES, MAX_SPLITTING, Settings};
+pub use settings::{DirectLighting, MAX_BOUNCES, MAX_SPLITTING, Settings};
 pub use views::aov;
 pub use views::pick::{Picked, clearance, pick};
 

@@ -14,14 +14,14 @@ pub const MAX_SPLITTING: u32 = 8;
 /// How the light of what paths can meet, that is of all lights but points, is found. All ways converge to the same
 /// picture; the others are there to be compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LightSearch {
+pub enum DirectLighting {
     /// Lights are sampled and met by chance, weighed by multiple importance sampling.
     #[default]
-    Both,
+    Mis,
     /// Lights are sampled at every surface that scatters in more than single directions.
-    Sampled,
+    LightSampling,
     /// Lights are met by chance.
-    Met,
+    BsdfSampling,
 }
 
 /// Size, samples and limits of one picture. A picture is a pure function of the scene and these on one adapter.
@@ -46,7 +46,7 @@ pub struct Settings {
     /// How near to a surface a ray ends, pixels as seen along the path so far, above 0.
     pub detail: f32,
     /// How lights are found.
-    pub light_search: LightSearch,
+    pub direct_lighting: DirectLighting,
     /// Index into the scene's cameras.
     pub camera: usize,
     /// A camera that is not in the scene, in place of the scene's.
@@ -71,7 +71,7 @@ impl Settings {
             caustics: scene.render.caustics,
             clamp: scene.render.clamp,
             detail: scene.render.detail,
-            light_search: LightSearch::Both,
+            direct_lighting: DirectLighting::Mis,
             camera: 0,
             viewpoint: None,
             mode: Mode::Path,

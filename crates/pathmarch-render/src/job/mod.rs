@@ -111,7 +111,7 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`start`](Self::start).
-    pub fn start_exposure(
+    pub fn start_motion_blur(
         &self,
         animation: &Arc<Mutex<Animation>>,
         scene: &Scene,

@@ -2,7 +2,7 @@
 
 use super::background::give_way;
 use super::pace::Pace;
-use super::{Inbox, Order, Shared, Shown, Status, lock};
+use super::{Inbox, LiveImage, RenderRequest, Shared, Status, lock};
 use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
 use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
@@ -87,9 +87,9 @@ pub(super) struct Engine {
     adapter: Option<String>,
     gpu: Gpu,
     reopenings: u32,
-    order: Option<(u64, Order)>,
+    order: Option<(u64, RenderRequest)>,
     /// What comes after the first picture of the present order.
-    next: Option<(u64, Order)>,
+    next: Option<(u64, RenderRequest)>,
     input: Option<RenderInput>,
     /// The kernel's text for the input scene.
     source: Option<KernelSource>,
@@ -220,7 +220,7 @@ impl Engine {
     }
 
     /// Samples that the picture of the present level is to have.
-    fn target(&self, order: &Order) -> u32 {
+    fn target(&self, order: &RenderRequest) -> u32 {
         if self.level == order.settings.size { order.settings.samples } else { LEVEL_SAMPLES }
     }
 
@@ -274,7 +274,7 @@ impl Engine {
     }
 
     /// Takes an order on.
-    fn follow(&mut self, number: u64, order: Order) -> Result<(), RenderError> {
+    fn follow(&mut self, number: u64, order: RenderRequest) -> Result<(), RenderError> {
         if let Err(error) = order.settings.check(&order.scene) {
             self.order = Some((number, order));
             self.give_up(error.to_string());
@@ -325,7 +325,7 @@ impl Engine {
     }
 
     /// The size to begin with.
-    fn first_level(&self, order: &Order) -> [u32; 2] {
+    fn first_level(&self, order: &RenderRequest) -> [u32; 2] {
         let time = if order.moving { order.frame_time } else { order.frame_time.max(Duration::from_millis(60)) };
         let level = self.pace().size_within(order.settings.size, time);
         if order.moving {
@@ -335,7 +335,7 @@ impl Engine {
         }
     }
 
-    fn level_settings(&self, order: &Order) -> Settings {
+    fn level_settings(&self, order: &RenderRequest) -> Settings {
         Settings { size: self.level, ..order.settings.clone() }
     }
 
@@ -556,7 +556,7 @@ impl Engine {
         let codes = tracer.show(&order.display, order.settings.mode)?;
         let now = Instant::now();
         self.serial += 1;
-        let shown = Shown { size: self.level, codes, samples, order: *number, serial: self.serial, at: now };
+        let shown = LiveImage { size: self.level, codes, samples, request: *number, serial: self.serial, at: now };
         *lock(&self.shared.picture) = Some(Arc::new(shown));
         self.shown = Some(now);
         self.shown_samples = samples;

@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 
 /// What to show.
 #[derive(Clone, Debug)]
-pub struct Order {
+pub struct RenderRequest {
     /// The scene; one that is the same [`Arc`] is taken as unchanged.
     pub scene: Arc<Scene>,
     /// Size of the whole picture, when it is done, and everything else about it.
@@ -42,7 +42,7 @@ pub struct Order {
 
 /// A picture for the screen.
 #[derive(Clone, Debug)]
-pub struct Shown {
+pub struct LiveImage {
     /// Width and height, pixels; smaller than ordered while something moves or a slow scene sharpens.
     pub size: [u32; 2],
     /// sRGB codes: red, green, blue and 255 for each pixel, the top row first.
@@ -50,7 +50,7 @@ pub struct Shown {
     /// Samples of each pixel, with a fraction for one that is begun.
     pub samples: f64,
     /// Which order it shows, as [`Live::show`] numbered it.
-    pub order: u64,
+    pub request: u64,
     /// Which picture of this renderer it is.
     pub serial: u64,
     /// When it was ready.
@@ -81,7 +81,7 @@ pub struct Status {
 /// Messages to the thread.
 #[derive(Default)]
 struct Inbox {
-    order: Option<(u64, Order)>,
+    order: Option<(u64, RenderRequest)>,
     films: Vec<Sender<Result<(Film, Settings), String>>>,
     /// The device is to be lost.
     lose_device: bool,
@@ -93,7 +93,7 @@ struct Inbox {
 struct Shared {
     inbox: Mutex<Inbox>,
     wake: Condvar,
-    picture: Mutex<Option<Arc<Shown>>>,
+    picture: Mutex<Option<Arc<LiveImage>>>,
     status: Mutex<Status>,
     /// Called when there is a new picture or status.
     notify: Box<dyn Fn() + Send + Sync>,
@@ -139,7 +139,7 @@ impl Live {
     }
 
     /// From now on shows this; returns the number of the order.
-    pub fn show(&mut self, order: Order) -> u64 {
+    pub fn show(&mut self, order: RenderRequest) -> u64 {
         self.orders += 1;
         lock(&self.shared.inbox).order = Some((self.orders, order));
         self.shared.wake();
@@ -147,7 +147,7 @@ impl Live {
     }
 
     /// The newest picture.
-    pub fn picture(&self) -> Option<Arc<Shown>> {
+    pub fn picture(&self) -> Option<Arc<LiveImage>> {
         lock(&self.shared.picture).clone()
     }
 

@@ -126,7 +126,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
     }
     constant("RELAXATION", &format_args!("{:?}", config.relaxation));
     for (name, value) in [
-        ("LIGHT_SEARCH", config.light_search as u32),
+        ("DIRECT_LIGHTING", config.direct_lighting as u32),
         ("SAMPLER", input.frame.sampler),
         ("SPLITTING", config.splitting),
         ("SKY", encode::sky_kind(&scene.sky) as u32),

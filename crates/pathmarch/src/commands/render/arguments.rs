@@ -176,7 +176,7 @@ impl Arguments {
             caustics: self.caustics.unwrap_or(defaults.caustics),
             clamp: self.clamp.or(defaults.clamp),
             detail: self.detail.unwrap_or(defaults.detail),
-            light_search: defaults.light_search,
+            direct_lighting: defaults.direct_lighting,
             camera,
             viewpoint: None,
             mode,

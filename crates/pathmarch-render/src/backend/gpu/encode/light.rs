@@ -1,7 +1,7 @@
 //! Lights as records of one layout.
 
 use crate::scene::light::{BoxLight, Light, LightShape, SheetLight, SphereLight};
-use crate::settings::LightSearch;
+use crate::settings::DirectLighting;
 use crate::wgsl::{declaration, shared_struct, write_constant};
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -50,11 +50,11 @@ pub(crate) fn shared_wgsl() -> String {
     code
 }
 
-/// Values of `LIGHT_SEARCH` in WGSL.
+/// Values of `DIRECT_LIGHTING` in WGSL.
 pub(crate) fn search_wgsl() -> String {
     let mut code = String::new();
-    write_constant(&mut code, &[], "LIGHTS_SAMPLED", &(LightSearch::Sampled as u32));
-    write_constant(&mut code, &[], "LIGHTS_HIT", &(LightSearch::Met as u32));
+    write_constant(&mut code, &[], "LIGHT_SAMPLING", &(DirectLighting::LightSampling as u32));
+    write_constant(&mut code, &[], "BSDF_SAMPLING", &(DirectLighting::BsdfSampling as u32));
     code
 }
 
