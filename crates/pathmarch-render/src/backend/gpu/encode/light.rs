@@ -17,7 +17,7 @@ shared_struct! {
         pub(super) emission: [f32; 3],
         /// Probability of being chosen.
         pub(super) pmf: f32,
-        /// Alias table: share of the cell that is this light's own, and the light that has the rest.
+        /// Alias table: probability to keep this light in its cell, and the light chosen otherwise.
         pub(super) threshold: f32,
         pub(super) alias_light: u32,
         /// Leaf of the field that emits.
@@ -29,7 +29,7 @@ shared_struct! {
         /// Sharpness of shadows from near misses; 0 for exact shadows.
         pub(super) penumbra: f32,
         pub(super) y: [f32; 3],
-        /// Of a rectangle or a disc, square metres.
+        /// Area of a rectangle or a disc, square metres.
         pub(super) area: f32,
         pub(super) z: [f32; 3],
         /// One over `pmf`.
