@@ -1,11 +1,11 @@
 //! How soon a live picture is there, and what it costs once nothing happens.
 //!
 //! `cargo bench -p pathmarch-render --bench live -- [--size WIDTHxHEIGHT] [--gpu-only] [SCENE…]` prints, for each scene and backend, medians of: the time from the
-//! order to the first picture and to the whole one (with a kernel that is not compiled yet), from a change of a number to
+//! request to the first picture and to the whole one (with a kernel that is not compiled yet), from a change of a number to
 //! its picture, from a change of structure to its picture and to the kernel's own, the size and time of pictures while the
 //! camera moves, pictures of the whole size a second while it moves, and the processor time used in a second of rest.
 
-use pathmarch_render::live::{Live, Order, Shown, Status};
+use pathmarch_render::live::{Live, LiveImage, RenderRequest, Status};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Backend, Settings};
@@ -18,8 +18,8 @@ const FRAME_TIME: Duration = Duration::from_millis(33);
 /// Time for a picture in which the whole size is always chosen.
 const WHOLE_SIZE: Duration = Duration::from_secs(1000);
 
-fn order(scene: &Arc<Scene>, samples: u32, size: [u32; 2]) -> Order {
-    Order {
+fn request(scene: &Arc<Scene>, samples: u32, size: [u32; 2]) -> RenderRequest {
+    RenderRequest {
         scene: scene.clone(),
         settings: Settings { size, samples, ..Settings::of(scene) },
         display: Display::default(),
@@ -29,7 +29,7 @@ fn order(scene: &Arc<Scene>, samples: u32, size: [u32; 2]) -> Order {
 }
 
 /// Waits for a picture as wished; gives it, and the time since `since`.
-fn until(live: &Live, since: Instant, wished: impl Fn(&Shown, &Status) -> bool) -> (Arc<Shown>, Duration) {
+fn until(live: &Live, since: Instant, wished: impl Fn(&LiveImage, &Status) -> bool) -> (Arc<LiveImage>, Duration) {
     loop {
         if let Some(shown) = live.picture().filter(|shown| wished(shown, &live.status())) {
             return (shown.clone(), shown.at.saturating_duration_since(since));
@@ -74,7 +74,7 @@ struct Row {
 }
 
 fn measure(path: &Path, backend: Backend, full_size: [u32; 2]) -> Row {
-    let order = |scene: &Arc<Scene>, samples: u32| order(scene, samples, full_size);
+    let request = |scene: &Arc<Scene>, samples: u32| request(scene, samples, full_size);
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).expect("a scene file");
     let parse = |text: &str| Arc::new(Scene::parse(&name, text).expect("a scene"));
@@ -87,49 +87,49 @@ fn measure(path: &Path, backend: Backend, full_size: [u32; 2]) -> Row {
         let started = Instant::now();
         let mut live = Live::new(backend, None, || {});
         let scene = parse(&format!("{text}{}", "\nobject \"bench\" { sphere 0.1 { at 0 0.5 0 } }\n"));
-        let asked = live.show(order(&scene, 1));
-        let (_, time) = until(&live, started, |shown, _| shown.order == asked && shown.samples >= 1.0);
+        let asked = live.show(request(&scene, 1));
+        let (_, time) = until(&live, started, |shown, _| shown.request == asked && shown.samples >= 1.0);
         first.push(milliseconds(time));
         let ready = |status: &Status| !is_gpu || status.backend != "CPU";
-        let done = |shown: &Shown, status: &Status| shown.size == full_size && status.resting && ready(status);
+        let done = |shown: &LiveImage, status: &Status| shown.size == full_size && status.resting && ready(status);
         let (_, time) = until(&live, started, done);
         whole.push(milliseconds(time));
         let (changed, other) = variants(&text, turn);
         let since = Instant::now();
         let scene = parse(&changed);
-        let asked = live.show(Order { moving: true, ..order(&scene, 1) });
-        let (_, time) = until(&live, since, |shown, _| shown.order == asked);
+        let asked = live.show(RenderRequest { moving: true, ..request(&scene, 1) });
+        let (_, time) = until(&live, since, |shown, _| shown.request == asked);
         number.push(milliseconds(time));
         let since = Instant::now();
         let scene = parse(&other);
-        let asked = live.show(Order { moving: true, ..order(&scene, 1) });
-        let (_, time) = until(&live, since, |shown, _| shown.order == asked);
+        let asked = live.show(RenderRequest { moving: true, ..request(&scene, 1) });
+        let (_, time) = until(&live, since, |shown, _| shown.request == asked);
         structure.push(milliseconds(time));
         let (_, time) = until(&live, since, |shown, status| {
-            shown.order == asked && ready(status) && !status.compiling && shown.samples >= 1.0
+            shown.request == asked && ready(status) && !status.compiling && shown.samples >= 1.0
         });
         compiled.push(milliseconds(time));
         let mut camera = scene.cameras[0].clone();
         for _ in 0..12 {
             camera.position[0] += 0.01;
-            let still = order(&scene, 1);
+            let still = request(&scene, 1);
             let settings = Settings { viewpoint: Some(camera.clone()), ..still.settings };
             let since = Instant::now();
-            let asked = live.show(Order { settings, moving: true, ..still });
-            let (shown, time) = until(&live, since, |shown, _| shown.order == asked);
+            let asked = live.show(RenderRequest { settings, moving: true, ..still });
+            let (shown, time) = until(&live, since, |shown, _| shown.request == asked);
             frame.push(milliseconds(time));
             size = shown.size;
         }
         for _ in 0..12 {
             camera.position[0] += 0.01;
-            let still = order(&scene, 1);
+            let still = request(&scene, 1);
             let settings = Settings { viewpoint: Some(camera.clone()), ..still.settings };
             let since = Instant::now();
-            let asked = live.show(Order { settings, moving: true, frame_time: WHOLE_SIZE, ..still });
-            let (_, time) = until(&live, since, |shown, _| shown.order == asked);
+            let asked = live.show(RenderRequest { settings, moving: true, frame_time: WHOLE_SIZE, ..still });
+            let (_, time) = until(&live, since, |shown, _| shown.request == asked);
             full.push(milliseconds(time));
         }
-        live.show(order(&scene, 1));
+        live.show(request(&scene, 1));
         until(&live, Instant::now(), done);
         if let Some(before) = processor_seconds() {
             std::thread::sleep(Duration::from_secs(1));

@@ -3,45 +3,45 @@
 use pathmarch_scene::SceneError;
 use thiserror::Error;
 
-/// A failure of a backend; the message says what, where and what to do.
+/// Failure of a backend. The message names the failure and its place, and suggests a remedy.
 #[derive(Debug, Error)]
 pub enum RenderError {
-    /// There is no adapter to render on.
+    /// No adapter can render.
     #[error(
-        "no usable GPU adapter: {reason}; install a graphics driver (Mesa's software Vulkan will do), or render with the CPU backend"
+        "no usable GPU adapter: {reason}; install a graphics driver (Mesa's software Vulkan is enough), or render with the CPU backend"
     )]
     NoAdapter {
-        /// What was found instead.
+        /// Reason why no adapter can be used.
         reason: String,
     },
     /// No adapter has this name.
-    #[error("no adapter's name contains \"{name}\"; there is {}", list(.available))]
+    #[error("no adapter's name contains \"{name}\"; available: {}", list(.available))]
     NoSuchAdapter {
-        /// The name asked for.
+        /// Requested name, or a part of one.
         name: String,
-        /// The names there are.
+        /// Names of all usable adapters.
         available: Vec<String>,
     },
-    /// The adapter refused or failed.
-    #[error("{adapter}: {reason}; try another adapter, or the CPU backend")]
+    /// The adapter refused a request, or failed.
+    #[error("{adapter}: {reason}; use another adapter or the CPU backend")]
     Device {
-        /// The adapter.
+        /// Name of the adapter.
         adapter: String,
-        /// What it said.
+        /// Message of the driver, or description of the failure.
         reason: String,
     },
-    /// The adapter cannot hold this.
-    #[error("{adapter} cannot hold {what}; ask for less, or render with the CPU backend")]
+    /// The picture or the scene exceeds a limit of the adapter.
+    #[error("{adapter} has no room for {what}; make it smaller, or render with the CPU backend")]
     TooLarge {
-        /// The adapter.
+        /// Name of the adapter.
         adapter: String,
-        /// What is too large.
+        /// Description of the object that is too large.
         what: String,
     },
     /// A setting is out of range.
     #[error("{0}")]
     Settings(String),
-    /// The text of an animation is no scene at some moment.
+    /// The text of an animation is not a valid scene at some moment.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }

@@ -1,8 +1,8 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Rays find the scene by sphere tracing (*path marching*; Carvalho, "Combining the Ray Marching and Rasterization
-//! rendering models", University of Porto, 2020), light is carried by Monte Carlo path tracing with next-event estimation,
-//! and samples accumulate in a [`film::Film`].
+//! Rays intersect the scene by sphere tracing (*path marching*; Carvalho, "Combining the Ray Marching and Rasterization
+//! rendering models", University of Porto, 2020). Light transport is Monte Carlo path tracing with next-event estimation.
+//! Samples accumulate in a [`film::Film`].
 
 pub mod live;
 pub mod mesh_file;
@@ -34,11 +34,11 @@ pub use output::{film, image, tonemap};
 pub use pathmarch_field;
 pub use pathmarch_scene;
 pub use ray_stats::RayStats;
-pub use settings::{LightSearch, MAX_BOUNCES, MAX_SPLITTING, Settings};
+pub use settings::{DirectLighting, MAX_BOUNCES, MAX_SPLITTING, Settings};
 pub use views::aov;
 pub use views::pick::{Picked, clearance, pick};
 
-/// SHA-256 of the scene's text and of its sky's picture, in hexadecimal: which scene a picture shows.
+/// SHA-256 of the scene's text and of its environment map, in hexadecimal. It identifies the scene of a picture.
 pub fn scene_hash(scene: &pathmarch_scene::Scene) -> String {
     use sha2::{Digest, Sha256};
     let mut hash = Sha256::new();

@@ -1,17 +1,17 @@
-//! What a pixel shows: light, a quick look, or a view of what the renderer knows.
+//! Modes of a picture: path tracing, a preview without noise, and views of auxiliary quantities.
 //!
-//! **Idea.** Every mode gives each *sample* of a pixel a colour, and the film sums colours, whatever they mean: sample
-//! ranges, antialiasing by jitter, files and both backends are the same for all. Only [`Mode::Variance`] is a function of
-//! sums rather than a mean of colours: its film holds sums of luminance and of its square, and [`Mode::picture`] is the one
-//! place that turns a film into what it shows.
+//! **Idea.** Every mode computes a colour for each *sample* of a pixel, and the film sums these colours. Sample ranges,
+//! antialiasing by jitter, files and both backends are therefore the same for all modes. Only [`Mode::Variance`] is a
+//! function of sums instead of a mean of colours: its film contains sums of luminance and of its square. [`Mode::picture`]
+//! is the only function that converts films to pictures.
 //!
-//! **Colours.** [`Mode::Path`] and [`Mode::Preview`] are radiance, for exposure and a tone curve. The others are colours to
-//! look at: their linear values are such that the sRGB curve alone ([`Mode::display`]) gives the codes meant, so that a
-//! normal n has the codes (n + 1)/2. EXR files hold the linear values.
+//! **Colours.** [`Mode::Path`] and [`Mode::Preview`] are radiance, to be shown with an exposure and a tone curve. The others
+//! are display colours: the sRGB curve alone ([`Mode::display`]) maps their linear values to the intended codes, so that a
+//! normal n has the codes (n + 1)/2. EXR files contain the linear values.
 //!
 //! **Source.** [`heat`] is Turbo (Mikhailov 2019, "Turbo, An Improved Rainbow Colormap for Visualization", Google AI Blog),
-//! in the polynomial of degree five fitted by Ruofei Du. Colours of numbers: hues a golden ratio apart (Ankerl 2009, "How to
-//! Generate Random Colors Programmatically"), here in Oklab (Ottosson 2020) so that they look equally light.
+//! in the polynomial of degree five fitted by Ruofei Du. Colours of indices: hues a golden ratio apart (Ankerl 2009, "How to
+//! Generate Random Colors Programmatically"), here in Oklab (Ottosson 2020) so that they appear equally light.
 
 use crate::output::film::Film;
 use crate::output::image::Picture;
@@ -20,34 +20,34 @@ use pathmarch_field::number::Real;
 use pathmarch_field::wgsl::Function;
 use std::f32::consts::TAU;
 
-/// What a picture shows.
+/// Quantity that a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Mode {
-    /// Light as it is: path tracing.
+    /// Radiance by path tracing.
     #[default]
     Path,
-    /// A quick look without noise: direct light, penumbrae, ambient occlusion, one reflection.
+    /// Approximate radiance without noise: direct light, soft shadows, ambient occlusion, one reflection.
     Preview,
-    /// The colour of the material.
+    /// Albedo of the material.
     Albedo,
-    /// Where the surface faces.
+    /// Surface normal in world space.
     Normal,
-    /// How far the surface is from the camera.
+    /// Distance from the camera along its axis.
     Depth,
-    /// A colour for each object.
+    /// Colour of the object's index.
     ObjectId,
-    /// A colour for each material.
+    /// Colour of the material's index.
     MaterialId,
-    /// How often the camera's ray evaluated the field.
+    /// Number of field evaluations of the camera ray.
     Steps,
-    /// Where the field changes faster than it may.
+    /// Violations of the field's Lipschitz constant.
     Violations,
-    /// How uncertain the path-traced pixel still is.
+    /// Relative standard error of the path-traced pixel.
     Variance,
 }
 
 impl Mode {
-    /// Every one, in the order of a menu.
+    /// All modes, in menu order.
     pub const ALL: [Self; 10] = [
         Self::Path,
         Self::Preview,
@@ -61,7 +61,7 @@ impl Mode {
         Self::Variance,
     ];
 
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Path => "path",
@@ -77,44 +77,44 @@ impl Mode {
         }
     }
 
-    /// One line for people.
+    /// Help text, one line.
     pub fn doc(self) -> &'static str {
         match self {
-            Self::Path => "Light as it is: path tracing.",
+            Self::Path => "Radiance by path tracing.",
             Self::Preview => {
-                "A quick look without noise: direct light, soft shadows, ambient occlusion, one reflection."
+                "Approximate radiance without noise: direct light, soft shadows, ambient occlusion, one reflection."
             }
-            Self::Albedo => "The colour of the material; of a lamp, its radiance clipped to 1.",
-            Self::Normal => "Where the surface faces in the world: red x, green y, blue z, from -1 to 1.",
+            Self::Albedo => "Albedo of the material; for an emitter, its radiance clipped to 1.",
+            Self::Normal => "Surface normal in world space: red x, green y, blue z, from -1 to 1.",
             Self::Depth => "Distance along the camera's axis: white near, grey at the target, black far away.",
             Self::ObjectId => "A colour for each object.",
             Self::MaterialId => "A colour for each material.",
-            Self::Steps => "Evaluations of the field by the camera's ray: blue few, red 256; black where none.",
+            Self::Steps => "Field evaluations of the camera ray: blue few, red 256; black none.",
             Self::Violations => {
-                "Where the field changes faster than its Lipschitz constant allows: grey not, green by 10 %, red by 4 times."
+                "Excess of the field's slope over its Lipschitz constant: grey none, green 10 %, red 4 times."
             }
             Self::Variance => "Relative standard error of the path-traced pixel: blue 0.1 %, green 3 %, red 100 %.",
         }
     }
 
-    /// The one of this name.
+    /// Mode of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|mode| mode.name() == name)
     }
 
-    /// Whether samples are paths, so that many of them are needed.
+    /// True if samples are noisy paths, so that a picture needs many of them.
     pub fn traces_paths(self) -> bool {
         matches!(self, Self::Path | Self::Variance)
     }
 
-    /// Samples that a mode needs where the scene asks for `samples` of paths.
+    /// Number of samples of each pixel, if path tracing takes `samples`.
     pub fn samples(self, samples: u32) -> u32 {
-        /// Enough positions in a pixel for smooth edges.
+        /// Samples of a pixel that make edges smooth.
         const ANTIALIASING: u32 = 16;
         if self.traces_paths() { samples } else { ANTIALIASING }
     }
 
-    /// What stands between its picture and a screen, where `display` is meant for radiance.
+    /// Tone curve and exposure of the mode: `display` for radiance, the sRGB curve alone for display colours.
     pub fn display(self, display: Display) -> Display {
         match self {
             Self::Path | Self::Preview => display,
@@ -122,7 +122,7 @@ impl Mode {
         }
     }
 
-    /// What a film of this mode shows, linear Rec. 709.
+    /// Picture of a film of this mode, linear Rec. 709.
     pub fn picture(self, film: &Film) -> Picture {
         if self != Self::Variance {
             return film.mean();
@@ -133,8 +133,8 @@ impl Mode {
     }
 }
 
-/// The relative standard error of a mean of `samples` values, from their sum and the sum of their squares: 0 where all are 0,
-/// infinite where too few are known.
+/// Relative standard error of the mean of `samples` values, from their sum and the sum of their squares. Returns 0 if all are
+/// 0, and infinity for fewer than two samples.
 pub fn relative_error(sum: f32, square: f32, samples: u32) -> f64 {
     if samples < 2 {
         return f64::INFINITY;
@@ -144,12 +144,12 @@ pub fn relative_error(sum: f32, square: f32, samples: u32) -> f64 {
         return 0.0;
     }
     let mean = sum / n;
-    // Rounding of the sums may leave a little less than nothing.
+    // Rounding of the sums may make the difference slightly negative.
     let variance = ((f64::from(square) / n - mean * mean) * (n / (n - 1.0))).max(0.0);
     (variance / n).sqrt() / mean
 }
 
-/// The colour of that error: three powers of ten, up to 1. Black where no light has come.
+/// Colour of the relative error over three decades, up to 1; black for pixels without light.
 fn uncertainty(sum: f32, square: f32, samples: u32) -> [f32; 3] {
     if sum <= 0.0 {
         return [0.0; 3];
@@ -157,8 +157,8 @@ fn uncertainty(sum: f32, square: f32, samples: u32) -> [f32; 3] {
     heat(1.0 + relative_error(sum, square, samples).max(1e-9).log10() as f32 / 3.0)
 }
 
-/// [`uncertainty`] in single precision, over any number: for the screen.
-pub(crate) fn uncertainty_shown<N: Real>(sum: N, square: N, samples: N) -> [N; 3] {
+/// [`uncertainty`] in single precision, over any number type, for the display.
+pub(crate) fn uncertainty_of<N: Real>(sum: N, square: N, samples: N) -> [N; 3] {
     let (one, least) = (N::one(), N::constant(1e-9));
     let n = samples.max(one);
     let mean = sum / n;
@@ -172,20 +172,20 @@ pub(crate) fn uncertainty_shown<N: Real>(sum: N, square: N, samples: N) -> [N; 3
     })
 }
 
-/// `uncertainty(sums: vec4f) -> vec4f` in WGSL: luminance, its square and, fourth, the number of samples.
+/// `uncertainty(sums: vec4f) -> vec4f` in WGSL; x is the sum of luminance, y that of its square, w the number of samples.
 pub(crate) fn uncertainty_wgsl() -> String {
     let function = Function {
         name: "uncertainty".to_owned(),
-        doc: "The colour of the relative standard error of a pixel.".to_owned(),
+        doc: "Colour of the relative standard error of a pixel.".to_owned(),
         parameters: vec![("sums", "vec4f")],
     };
     function.print(&|inputs| {
-        let [r, g, b] = uncertainty_shown(inputs[0], inputs[1], inputs[3]);
+        let [r, g, b] = uncertainty_of(inputs[0], inputs[1], inputs[3]);
         vec![r, g, b, inputs[3]]
     })
 }
 
-/// A number from 0 to 1 as a colour from dark blue over green to dark red; linear Rec. 709.
+/// Colour map of values from 0 to 1: dark blue, green, dark red; linear Rec. 709.
 pub(crate) fn heat(value: f32) -> [f32; 3] {
     heat_of(value)
 }
@@ -199,9 +199,9 @@ fn heat_of<N: Real>(value: N) -> [N; 3] {
         .map(|curve| decoded(curve.into_iter().rev().fold(N::zero(), |sum, factor| sum * x + N::constant(factor))))
 }
 
-/// A colour for a number, unlike those of the numbers around it; linear Rec. 709.
-pub(crate) fn colour_of_number(number: u32) -> [f32; 3] {
-    // Neighbours are a golden section of the circle apart; lightness and strength tell those of like hue.
+/// Colour of an index, unlike the colours of adjoining indices; linear Rec. 709.
+pub(crate) fn index_colour(number: u32) -> [f32; 3] {
+    // Adjoining hues are a golden section of the circle apart; lightness and chroma distinguish similar hues.
     let hue = TAU * (number as f32 * 0.618_034 + 0.08).fract();
     let lightness = [0.75, 0.55, 0.66, 0.85][((number / 3 + number / 8) % 4) as usize];
     let chroma = [0.15, 0.11][(number / 2 % 2) as usize];
@@ -236,15 +236,15 @@ mod tests {
     }
 
     #[test]
-    fn colours_of_numbers_differ_and_are_seen() {
-        let codes = |number| colour_of_number(number).map(crate::output::tonemap::srgb_encode);
+    fn colours_of_indices_differ_and_are_visible() {
+        let codes = |number| index_colour(number).map(crate::output::tonemap::srgb_encode);
         let distance = |a: [f32; 3], b: [f32; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f32>().sqrt();
         for a in 0..64 {
             assert!(codes(a).iter().sum::<f32>() > 0.5, "{a}");
             for b in 0..a {
                 assert!(distance(codes(a), codes(b)) > 0.05, "{a} {b} {:?} {:?}", codes(a), codes(b));
             }
-            // The next ones are told apart at a glance.
+            // Adjoining indices differ at a glance.
             for b in a + 1..a + 4 {
                 assert!(distance(codes(a), codes(b)) > 0.2, "{a} {b} {:?} {:?}", codes(a), codes(b));
             }
@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn heat_goes_from_blue_to_red() {
+    fn the_colour_map_goes_from_blue_to_red() {
         let [cold, middle, hot] = [0.12, 0.5, 0.9].map(heat);
         assert!(cold[2] > cold[0] && cold[2] > cold[1]);
         assert!(middle[1] > middle[0] && middle[1] > middle[2]);

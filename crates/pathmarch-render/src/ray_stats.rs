@@ -1,6 +1,6 @@
 //! Counters of rays and field evaluations.
 //!
-//! The CPU backend counts while it renders. It follows the same paths as the kernels, so its numbers hold for a GPU, too.
+//! The CPU backend counts while it renders. It traces the same paths as the kernels, so its counts apply to a GPU, too.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -1,60 +1,60 @@
-//! What to render of a scene, and how well.
+//! Settings of a picture: size, samples, sampler and limits.
 
 use crate::error::RenderError;
 use crate::mode::Mode;
 use crate::output::image::MAX_SIDE;
 use pathmarch_scene::{Camera, Caustics, RenderSettings, Sampler, Scene, settings};
 
-/// The largest number of bounces a path may have.
+/// Largest number of bounces of a path.
 pub const MAX_BOUNCES: u32 = settings::BOUNCES.1;
 
-/// The largest number of paths that may share a ray of the camera.
+/// Largest number of paths that share a camera ray.
 pub const MAX_SPLITTING: u32 = 8;
 
-/// How the light of what paths can meet, that is of all lights but points, is found. All ways converge to the same
-/// picture; the others are there to be compared with.
+/// Estimator of direct light from lights that a path can hit, that is from all but points. All estimators converge to the
+/// same picture; those other than [`Mis`](Self::Mis) are for comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LightSearch {
-    /// Lights are sampled and met by chance, weighed by multiple importance sampling.
+pub enum DirectLighting {
+    /// Light and BSDF sampling, combined by multiple importance sampling.
     #[default]
-    Both,
-    /// Lights are sampled at every surface that scatters in more than single directions.
-    Sampled,
-    /// Lights are met by chance.
-    Met,
+    Mis,
+    /// Light sampling alone, at every surface whose BSDF is not a delta distribution.
+    LightSampling,
+    /// BSDF sampling alone: paths hit lights by chance.
+    BsdfSampling,
 }
 
-/// Size, samples and limits of one picture. A picture is a pure function of the scene and these on one adapter.
+/// Settings of one picture. On one adapter, a picture is a pure function of the scene and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Width and height, pixels.
+    /// Width and height, each from 1 to [`MAX_SIDE`] pixels.
     pub size: [u32; 2],
-    /// Samples for each pixel.
+    /// Samples of each pixel, at least 1.
     pub samples: u32,
-    /// Index of the first sample: ranges rendered apart add up to the whole.
+    /// Index of the first sample. Films of adjoining ranges add up to the film of the whole range.
     pub first_sample: u32,
-    /// Scattering events after the first hit; 0 is emitted and direct light only.
+    /// Scattering events after the first hit, from 0 (emitted and direct light only) to [`MAX_BOUNCES`].
     pub bounces: u32,
-    /// Pictures of different seeds have independent noise.
+    /// Seed of the sampler; pictures of different seeds have independent noise.
     pub seed: u32,
-    /// Where random numbers come from.
+    /// Generator of the sample points.
     pub sampler: Sampler,
-    /// What becomes of light that goes through clear glass.
+    /// Treatment of light that passes through clear glass.
     pub caustics: Caustics,
-    /// The largest radiance of a contribution of light that bounced, W/(m² sr), above 0; none where absent.
+    /// Largest radiance of an indirect contribution, W/(m² sr), above 0; `None` for no limit.
     pub clamp: Option<f32>,
-    /// How near to a surface a ray ends, pixels as seen along the path so far, above 0.
+    /// Distance from a surface at which a ray hits it, above 0; in pixels, projected to that point of the path.
     pub detail: f32,
-    /// How lights are found.
-    pub light_search: LightSearch,
-    /// Index into the scene's cameras.
+    /// Estimator of direct light.
+    pub direct_lighting: DirectLighting,
+    /// Index of a camera of the scene.
     pub camera: usize,
-    /// A camera that is not in the scene, in place of the scene's.
+    /// Camera that replaces the scene's.
     pub viewpoint: Option<Camera>,
-    /// What the picture shows.
+    /// Quantity that the picture shows.
     pub mode: Mode,
-    /// Paths that share a ray of the camera, from 1 to [`MAX_SPLITTING`]; where absent, as many as make the picture converge
-    /// soonest. All are unbiased. Only of pictures of light.
+    /// Number of paths that share a camera ray, from 1 to [`MAX_SPLITTING`]; `None` for the number that converges soonest. All
+    /// are unbiased. Applies to [`Mode::Path`].
     pub splitting: Option<u32>,
 }
 
@@ -64,10 +64,10 @@ impl Settings {
         Self::from(&scene.render)
     }
 
-    /// Where the picture is taken from.
+    /// Camera of the picture.
     ///
     /// # Panics
-    /// Without a [`viewpoint`](Self::viewpoint), where the scene has no camera of this index.
+    /// If there is no [`viewpoint`](Self::viewpoint) and the scene has no camera of this index.
     pub fn camera_of<'a>(&'a self, scene: &'a Scene) -> &'a Camera {
         self.viewpoint.as_ref().unwrap_or_else(|| &scene.cameras[self.camera])
     }
@@ -80,25 +80,28 @@ impl Settings {
         let fail = |message: String| Err(RenderError::Settings(message));
         let [width, height] = self.size;
         if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
-            return fail(format!("a picture of {width}x{height} pixels: each side must be from 1 to {MAX_SIDE}"));
+            return fail(format!("the size is {width}x{height} pixels; width and height must be from 1 to {MAX_SIDE}"));
         }
         if self.samples == 0 || self.first_sample.checked_add(self.samples).is_none() {
             return fail(format!(
-                "{} samples from {}: there must be some, below 2³² in all",
+                "there are {} samples from index {}; use at least one, and indices below 2³²",
                 self.samples, self.first_sample
             ));
         }
         if !(self.detail > 0.0 && self.detail.is_finite()) {
-            return fail(format!("a detail of {} pixels: it must be above 0", self.detail));
+            return fail(format!("the detail is {} pixels; it must be finite and above 0", self.detail));
         }
         if self.bounces > MAX_BOUNCES {
-            return fail(format!("{} bounces: at most {MAX_BOUNCES}", self.bounces));
+            return fail(format!("there are {} bounces; use at most {MAX_BOUNCES}", self.bounces));
         }
         if self.splitting.is_some_and(|paths| !(1..=MAX_SPLITTING).contains(&paths)) {
-            return fail(format!("a splitting of {:?}: it must be from 1 to {MAX_SPLITTING}", self.splitting));
+            return fail(format!(
+                "the splitting is {}; it must be from 1 to {MAX_SPLITTING}",
+                self.splitting.unwrap_or_default()
+            ));
         }
         if self.viewpoint.is_none() && self.camera >= scene.cameras.len() {
-            return fail(format!("camera {} of {}", self.camera, scene.cameras.len()));
+            return fail(format!("there is no camera of index {}; the scene has {}", self.camera, scene.cameras.len()));
         }
         Ok(())
     }
@@ -117,7 +120,7 @@ impl From<&RenderSettings> for Settings {
             caustics: render.caustics,
             clamp: render.clamp,
             detail: render.detail,
-            light_search: LightSearch::Both,
+            direct_lighting: DirectLighting::Mis,
             camera: 0,
             viewpoint: None,
             mode: Mode::Path,

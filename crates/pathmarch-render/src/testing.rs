@@ -1,8 +1,8 @@
-//! What tests of pictures need of the inside. No part of the public interface.
+//! Access to internals for tests of pictures. Not part of the public interface.
 
 use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
-use crate::backend::gpu::{self, GpuJob, KernelSource, WHOLE};
+use crate::backend::gpu::{self, GpuJob, KernelSource, OFFLINE};
 use crate::error::RenderError;
 use crate::job::Renderer;
 use crate::output::film::Film;
@@ -14,12 +14,12 @@ use std::sync::Arc;
 pub struct Picture(RenderInput);
 
 impl Picture {
-    /// A scene with its settings.
+    /// Input of a scene and its settings.
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
         Self(RenderInput::new(scene, settings))
     }
 
-    /// The same, sphere-traced without over-relaxation.
+    /// Turns off over-relaxation of sphere tracing.
     pub fn without_relaxation(mut self) -> Self {
         self.0.config.relaxation = 0.0;
         self
@@ -35,10 +35,10 @@ impl Picture {
     /// Renders on a device.
     ///
     /// # Errors
-    /// [`RenderError`] where the device refuses or fails.
+    /// [`RenderError`] if the device refuses or fails.
     pub fn on_gpu(&self, device: &Device, samples: u32) -> Result<Film, RenderError> {
         let source = KernelSource::new(&self.0, &device.0);
-        let mut job = GpuJob::of_source(device.0.clone(), &self.0, &source, 0, WHOLE)?;
+        let mut job = GpuJob::of_source(device.0.clone(), &self.0, &source, 0, OFFLINE)?;
         while job.samples_done() < f64::from(samples) {
             job.advance(samples)?;
         }
@@ -46,45 +46,45 @@ impl Picture {
     }
 }
 
-/// An opened GPU.
+/// Opened GPU.
 pub struct Device(Arc<gpu::GpuContext>);
 
 impl Device {
     /// Opens the preferred adapter.
     ///
     /// # Errors
-    /// [`RenderError`] where there is none.
+    /// [`RenderError`] if there is no usable adapter.
     pub fn open() -> Result<Self, RenderError> {
         Ok(Self(Arc::new(gpu::GpuContext::open(None)?)))
     }
 
-    /// Opens it and takes it for another kind of adapter: "software" or "discrete GPU".
+    /// Opens the preferred adapter and treats it as another kind: "software" or "discrete GPU".
     ///
     /// # Errors
-    /// [`RenderError`] where there is none.
+    /// [`RenderError`] if there is no usable adapter.
     pub fn open_as(kind: &'static str) -> Result<Self, RenderError> {
         let mut device = gpu::GpuContext::open(None)?;
         device.opened.description.kind = kind;
         Ok(Self(Arc::new(device)))
     }
 
-    /// Whether it runs on the processor.
+    /// True if the adapter is software.
     pub fn is_software(&self) -> bool {
         self.0.is_software()
     }
 
-    /// Whether a scene's frame and its table of leaves are in uniform memory.
+    /// Reports whether the frame and the leaves of a picture are in uniform memory.
     pub fn has_uniform_frame_and_leaves(&self, picture: &Picture) -> [bool; 2] {
         let bindings = KernelSource::new(&picture.0, &self.0).bindings;
         [bindings.is_uniform(gpu::FRAME), bindings.is_uniform(gpu::LEAVES)]
     }
 }
 
-/// Renderer of [`Backend::Auto`](crate::Backend::Auto) that takes the preferred adapter for another kind of adapter, as
+/// Renderer of [`Backend::Auto`](crate::Backend::Auto) that treats the preferred adapter as another kind, as
 /// [`Device::open_as`] does.
 ///
 /// # Errors
-/// [`RenderError`] where there is none.
+/// [`RenderError`] if there is no usable adapter.
 pub fn auto_renderer_as(kind: &'static str) -> Result<Renderer, RenderError> {
     Ok(Renderer::choosing(Device::open_as(kind)?.0))
 }

@@ -1,10 +1,10 @@
-//! Constants and structures that Rust and WGSL share. They are declared in Rust and printed for the kernels.
+//! Constants and structures that Rust and WGSL share. Rust declares them and prints them for the kernels.
 
 use std::fmt::Write;
 
 /// Type of a field of a shared structure.
 pub(crate) trait FieldType {
-    /// Type in WGSL.
+    /// Name of the type in WGSL.
     const WGSL: &'static str;
 }
 
@@ -59,7 +59,7 @@ pub(crate) fn write_constant(code: &mut String, doc: &[&str], name: &str, value:
 /// Field of a shared structure.
 pub(crate) struct Field {
     pub(crate) name: &'static str,
-    /// Lines of its documentation.
+    /// Lines of the documentation.
     pub(crate) doc: &'static [&'static str],
     /// Type in WGSL.
     pub(crate) kind: &'static str,
@@ -73,7 +73,7 @@ pub(crate) trait SharedStruct {
     /// Name in WGSL.
     const NAME: &'static str;
 
-    /// Fields in order; those called `padding` are not in WGSL.
+    /// Fields in order. WGSL leaves out those called `padding`.
     fn fields() -> Vec<Field>;
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn declaration<S: SharedStruct>() -> String {
     code + "}\n"
 }
 
-/// Declares constants, and `shared_wgsl()`, which prints them in WGSL.
+/// Declares constants, and a function `shared_wgsl()` that prints them in WGSL.
 macro_rules! shared_constants {
     ($($(#[doc = $doc:literal])* $vis:vis const $name:ident: $kind:ty = $value:expr;)+) => {
         $($(#[doc = $doc])* $vis const $name: $kind = $value;)+
@@ -103,7 +103,7 @@ macro_rules! shared_constants {
     };
 }
 
-/// Declares a structure with the layout that WGSL gives it.
+/// Declares a structure in the memory layout of WGSL.
 macro_rules! shared_struct {
     ($(#[doc = $doc:literal])* $vis:vis struct $name:ident as $wgsl:ident {
         $($(#[doc = $field_doc:literal])* $field_vis:vis $field:ident: $kind:ty,)+

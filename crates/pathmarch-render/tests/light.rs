@@ -5,7 +5,7 @@ use crate::common::{mean, on_each_backend, parse, render};
 use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::{block_means, mean_colour, relmse};
 use pathmarch_render::pathmarch_scene::{Caustics, Scene, Sky};
-use pathmarch_render::{Backend, LightSearch, Renderer, Settings};
+use pathmarch_render::{Backend, DirectLighting, Renderer, Settings};
 use pathmarch_testing::{plain, tests};
 use std::f32::consts::PI;
 
@@ -38,12 +38,12 @@ object "disc" material="warm" { disc 0.3 { rotate 120 0 0; at -0.4 1.5 -1 } }
 "##;
 
 /// Mean and variance of the mean of every block's channels over pictures of different seeds.
-fn blocks(scene: &Scene, search: LightSearch, samples: u32) -> Vec<(f64, f64)> {
+fn blocks(scene: &Scene, search: DirectLighting, samples: u32) -> Vec<(f64, f64)> {
     const SEEDS: u32 = 12;
     let renderer = cpu();
     let pictures: Vec<Picture> = (0..SEEDS)
         .map(|seed| {
-            let settings = Settings { size: [96, 64], samples, seed, light_search: search, ..Settings::of(scene) };
+            let settings = Settings { size: [96, 64], samples, seed, direct_lighting: search, ..Settings::of(scene) };
             block_means(&render(&renderer, scene, &settings).mean(), 16)
         })
         .collect();
@@ -73,8 +73,8 @@ fn lights_sampled_met_and_both_make_the_same_picture() {
             };
             scene.sky = Sky::Map(std::sync::Arc::new(picture));
         }
-        let both = blocks(&scene, LightSearch::Both, 16);
-        for (search, samples) in [(LightSearch::Sampled, 32), (LightSearch::Met, 256)] {
+        let both = blocks(&scene, DirectLighting::Mis, 16);
+        for (search, samples) in [(DirectLighting::LightSampling, 32), (DirectLighting::BsdfSampling, 256)] {
             let other = blocks(&scene, search, samples);
             let z: Vec<f64> =
                 both.iter().zip(&other).map(|(a, b)| (a.0 - b.0) / (a.1 + b.1).sqrt().max(1e-9)).collect();

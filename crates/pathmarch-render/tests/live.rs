@@ -1,7 +1,7 @@
 //! A picture that follows its scene: it comes, gets better, rests, follows changes, and survives the loss of a device.
 
 use crate::common::{for_each_backend, parse, with_gpu};
-use pathmarch_render::live::{Live, Order, Shown, Status};
+use pathmarch_render::live::{Live, LiveImage, RenderRequest, Status};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Backend, Renderer, Settings};
@@ -20,8 +20,8 @@ fn scene() -> Arc<Scene> {
     Arc::new(parse(SCENE))
 }
 
-fn order(scene: &Arc<Scene>, size: [u32; 2], samples: u32) -> Order {
-    Order {
+fn request(scene: &Arc<Scene>, size: [u32; 2], samples: u32) -> RenderRequest {
+    RenderRequest {
         scene: scene.clone(),
         settings: Settings { size, samples, ..Settings::of(scene) },
         display: Display::default(),
@@ -31,7 +31,7 @@ fn order(scene: &Arc<Scene>, size: [u32; 2], samples: u32) -> Order {
 }
 
 /// Waits for a picture and state that are as wished.
-fn until(live: &Live, what: &str, wished: impl Fn(&Shown, &Status) -> bool) -> Arc<Shown> {
+fn until(live: &Live, what: &str, wished: impl Fn(&LiveImage, &Status) -> bool) -> Arc<LiveImage> {
     let started = Instant::now();
     loop {
         let (picture, status) = (live.picture(), live.status());
@@ -45,21 +45,21 @@ fn until(live: &Live, what: &str, wished: impl Fn(&Shown, &Status) -> bool) -> A
 
 fn the_picture_is_that_of_render_and_then_rests(backend: Backend) {
     let scene = scene();
-    let order = order(&scene, [96, 54], 12);
+    let request = request(&scene, [96, 54], 12);
     let mut live = Live::new(backend, None, || {});
-    let number = live.show(order.clone());
+    let number = live.show(request.clone());
     let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
     let shown = until(&live, "the whole picture", |shown, status| {
-        shown.order == number && shown.samples == 12.0 && status.resting && on_gpu(status)
+        shown.request == number && shown.samples == 12.0 && status.resting && on_gpu(status)
     });
-    assert_eq!(shown.size, order.settings.size);
+    assert_eq!(shown.size, request.settings.size);
     let (film, settings) = live.film().recv().expect("an answer").expect("a film");
-    let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &order.settings).expect("a film");
-    assert_eq!(settings, order.settings);
+    let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &request.settings).expect("a film");
+    assert_eq!(settings, request.settings);
     assert!(film == expected, "{backend:?}: the films differ");
     let mean = film.mean();
     for (pixel, codes) in mean.pixels.iter().zip(shown.codes.chunks(4)) {
-        let expected = order.display.encode_8bit(*pixel);
+        let expected = request.display.encode_8bit(*pixel);
         for channel in 0..3 {
             assert!(expected[channel].abs_diff(codes[channel]) <= 1, "{codes:?} for {expected:?}");
         }
@@ -70,43 +70,44 @@ fn the_picture_is_that_of_render_and_then_rests(backend: Backend) {
     std::thread::sleep(Duration::from_millis(300));
     assert_eq!(live.picture().expect("a picture").serial, serial);
     // More samples go on where it stopped.
-    live.show(Order { settings: Settings { samples: 16, ..order.settings.clone() }, ..order.clone() });
+    live.show(RenderRequest { settings: Settings { samples: 16, ..request.settings.clone() }, ..request.clone() });
     until(&live, "more samples", |shown, status| shown.samples == 16.0 && status.resting);
     // Another exposure shows the same film.
-    let brighter = Display { exposure_stops: 2.0, ..order.display };
-    let number = live.show(Order {
+    let brighter = Display { exposure_stops: 2.0, ..request.display };
+    let number = live.show(RenderRequest {
         display: brighter,
-        settings: Settings { samples: 16, ..order.settings.clone() },
-        ..order.clone()
+        settings: Settings { samples: 16, ..request.settings.clone() },
+        ..request.clone()
     });
-    let bright = until(&live, "another exposure", |shown, _| shown.order == number);
-    let sum = |shown: &Shown| shown.codes.iter().map(|&code| u64::from(code)).sum::<u64>();
+    let bright = until(&live, "another exposure", |shown, _| shown.request == number);
+    let sum = |shown: &LiveImage| shown.codes.iter().map(|&code| u64::from(code)).sum::<u64>();
     assert!(bright.samples == 16.0 && sum(&bright) > sum(&shown));
 }
 
 fn a_moving_picture_is_small_and_grows_when_it_rests(backend: Backend) {
     let scene = scene();
     let mut live = Live::new(backend, None, || {});
-    let whole = order(&scene, [640, 360], 1);
+    let whole = request(&scene, [640, 360], 1);
     live.show(whole.clone());
     until(&live, "a picture", |shown, status| shown.samples >= 1.0 && status.resting);
     let mut camera = scene.cameras[0].clone();
     let mut last = 0;
     for step in 0..10 {
         camera.position[0] = 0.05 * step as f32;
-        let moving = Order {
+        let moving = RenderRequest {
             settings: Settings { viewpoint: Some(camera.clone()), ..whole.settings.clone() },
             moving: true,
             frame_time: Duration::from_micros(100),
             ..whole.clone()
         };
         last = live.show(moving);
-        let shown = until(&live, "a frame", |shown, _| shown.order == last);
+        let shown = until(&live, "a frame", |shown, _| shown.request == last);
         assert!(shown.size[0] < 640 && shown.samples >= 1.0, "{:?}", shown.size);
     }
-    let resting = Order { settings: Settings { viewpoint: Some(camera), ..whole.settings.clone() }, ..whole.clone() };
+    let resting =
+        RenderRequest { settings: Settings { viewpoint: Some(camera), ..whole.settings.clone() }, ..whole.clone() };
     live.show(resting.clone());
-    let shown = until(&live, "the whole picture", |shown, status| shown.order > last && status.resting);
+    let shown = until(&live, "the whole picture", |shown, status| shown.request > last && status.resting);
     assert_eq!(shown.size, [640, 360]);
     let (film, _) = live.film().recv().expect("an answer").expect("a film");
     let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &resting.settings);
@@ -122,12 +123,12 @@ fn orders_that_come_faster_than_pictures_still_show_some(backend: Backend) {
     // Each of these takes longer than the pause between them: without waiting for any, none would be seen.
     while serials.len() < 5 {
         camera.position[0] += 0.001;
-        let order = order(&scene, [1920, 1080], 1);
-        live.show(Order {
-            settings: Settings { viewpoint: Some(camera.clone()), ..order.settings },
+        let request = request(&scene, [1920, 1080], 1);
+        live.show(RenderRequest {
+            settings: Settings { viewpoint: Some(camera.clone()), ..request.settings },
             moving: true,
             frame_time: Duration::from_millis(40),
-            ..order
+            ..request
         });
         std::thread::sleep(Duration::from_millis(2));
         serials.extend(live.picture().map(|shown| shown.serial));
@@ -146,14 +147,14 @@ fn a_changed_scene_is_shown(backend: Backend) {
     ];
     for text in texts {
         let scene = Arc::new(parse(&text));
-        let order = order(&scene, [64, 36], 4);
-        let number = live.show(order.clone());
+        let request = request(&scene, [64, 36], 4);
+        let number = live.show(request.clone());
         let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
         until(&live, "the changed scene", |shown, status| {
-            shown.order == number && status.resting && !status.compiling && on_gpu(status)
+            shown.request == number && status.resting && !status.compiling && on_gpu(status)
         });
         let (film, _) = live.film().recv().expect("an answer").expect("a film");
-        let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &order.settings);
+        let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &request.settings);
         assert!(film == expected.expect("a film"), "{backend:?}: not the picture of\n{text}");
     }
 }
@@ -161,18 +162,18 @@ fn a_changed_scene_is_shown(backend: Backend) {
 fn a_lost_device_loses_no_picture() {
     let scene = scene();
     let mut live = Live::new(Backend::Gpu, None, || {});
-    let order = order(&scene, [64, 36], 64);
-    live.show(order.clone());
+    let request = request(&scene, [64, 36], 64);
+    live.show(request.clone());
     until(&live, "a picture on the GPU", |shown, status| shown.samples >= 1.0 && status.backend != "CPU");
     live.lose_device();
     let changed = Arc::new(parse(&SCENE.replace("sphere 1", "sphere 0.7")));
-    let number = live.show(Order { scene: changed.clone(), ..order.clone() });
+    let number = live.show(RenderRequest { scene: changed.clone(), ..request.clone() });
     until(&live, "a picture on the CPU", |shown, status| {
-        shown.order == number && shown.samples >= 1.0 && status.backend == "CPU" && status.notice.is_some()
+        shown.request == number && shown.samples >= 1.0 && status.backend == "CPU" && status.notice.is_some()
     });
     until(&live, "the GPU to come back", |_, status| status.backend != "CPU" && status.resting);
     let (film, _) = live.film().recv().expect("an answer").expect("a film");
-    let expected = Renderer::open(Backend::Gpu, None).expect("a backend").render(&changed, &order.settings);
+    let expected = Renderer::open(Backend::Gpu, None).expect("a backend").render(&changed, &request.settings);
     assert!(film == expected.expect("a film"));
 }
 
@@ -181,14 +182,14 @@ fn what_the_gpu_cannot_hold_is_rendered_on_the_cpu() {
     // More shapes than are compiled as code, in a space of their own, where they are no numbers.
     let balls: String = (0..2100).map(|k| format!("sphere 0.01 {{ at {} {} 0 }};", k % 50, k / 50)).collect();
     let many = Arc::new(parse(&format!("{SCENE}\nobject \"many\" {{ round 0.001 {{ {balls} }} }}")));
-    let number = live.show(order(&many, [32, 18], 1));
+    let number = live.show(request(&many, [32, 18], 1));
     until(&live, "many shapes", |shown, status| {
-        shown.order == number && shown.samples >= 1.0 && status.backend == "CPU" && status.notice.is_some()
+        shown.request == number && shown.samples >= 1.0 && status.backend == "CPU" && status.notice.is_some()
     });
     assert!(live.status().notice.is_some_and(|notice| notice.contains("2102 shapes")), "{:?}", live.status());
     // The next scene is the GPU's again.
-    let number = live.show(order(&scene(), [32, 18], 1));
-    until(&live, "few shapes", |shown, status| shown.order == number && status.resting && status.backend != "CPU");
+    let number = live.show(request(&scene(), [32, 18], 1));
+    until(&live, "few shapes", |shown, status| shown.request == number && status.resting && status.backend != "CPU");
     assert_eq!(live.status().notice, None);
 }
 
@@ -196,7 +197,7 @@ fn what_cannot_be_rendered_is_said_and_done_with() {
     let scene = scene();
     let mut live = Live::new(Backend::Cpu, None, || {});
     assert!(live.film().recv().expect("an answer").is_err());
-    let bad = order(&scene, [0, 0], 4);
+    let bad = request(&scene, [0, 0], 4);
     live.show(bad.clone());
     let started = Instant::now();
     while live.status().error.is_none() {
@@ -204,7 +205,7 @@ fn what_cannot_be_rendered_is_said_and_done_with() {
         std::thread::sleep(Duration::from_millis(2));
     }
     assert!(live.status().error.expect("an error").contains("0x0"));
-    live.show(order(&scene, [32, 18], 2));
+    live.show(request(&scene, [32, 18], 2));
     until(&live, "a picture", |shown, status| shown.samples == 2.0 && status.error.is_none());
 }
 

@@ -4,20 +4,20 @@ mod aov;
 mod backends;
 mod blends;
 mod common;
+mod custom_sdf;
 mod examples;
 mod images;
 mod light;
 mod live;
 mod long_paths;
-mod many;
 mod mesh_file;
 mod missing_gpu;
 mod modes;
 mod motion;
 mod optimisations;
-mod own_fields;
 mod references;
 mod sampling;
+mod shape_grids;
 mod splitting;
 mod textures;
 
@@ -33,13 +33,13 @@ fn main() {
         light::tests(),
         live::tests(),
         long_paths::tests(),
-        many::tests(),
+        shape_grids::tests(),
         mesh_file::tests(),
         missing_gpu::tests(),
         modes::tests(),
         motion::tests(),
         optimisations::tests(),
-        own_fields::tests(),
+        custom_sdf::tests(),
         references::tests(),
         sampling::tests(),
         splitting::tests(),

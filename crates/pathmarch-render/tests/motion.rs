@@ -31,7 +31,7 @@ fn blurred(renderer: &Renderer, settings: &Settings, shutter: Shutter) -> Film {
     let mut animation = animation();
     let scene = animation.at(shutter.opens).expect("a scene");
     let animation = Arc::new(Mutex::new(animation));
-    let mut job = renderer.start_exposure(&animation, &scene, settings, shutter).expect("starts");
+    let mut job = renderer.start_motion_blur(&animation, &scene, settings, shutter).expect("starts");
     job.run(|_| false, |_| {}).expect("renders");
     let film = job.film().expect("a film");
     assert_eq!((film.samples, film.non_finite()), (settings.samples, 0));
@@ -79,7 +79,7 @@ fn mistakes_of_a_moment_are_told() {
     let mut animation = Animation::new("motion.kdl", SCENE.replace("sphere 0.5", "sphere \"0.9 - t\""));
     let scene = animation.at(OPEN.opens).expect("a scene");
     let animation = Arc::new(Mutex::new(animation));
-    let mut job = cpu().start_exposure(&animation, &scene, &settings(64, 0, 0), OPEN).expect("starts");
+    let mut job = cpu().start_motion_blur(&animation, &scene, &settings(64, 0, 0), OPEN).expect("starts");
     let error = job.run(|_| false, |_| {}).expect_err("the radius becomes negative");
     assert!(job.samples_done() < 64.0);
     assert!(error.to_string().contains("motion.kdl has 1 mistake"), "{error}");

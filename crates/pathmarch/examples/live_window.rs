@@ -5,7 +5,7 @@
 //! softbuffer.
 
 use glam::{Quat, Vec3};
-use pathmarch_render::live::{Live, Order};
+use pathmarch_render::live::{Live, RenderRequest};
 use pathmarch_render::pathmarch_scene::{Camera, Scene};
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Backend, Settings};
@@ -50,7 +50,7 @@ impl Viewer {
             ..Settings::of(&self.scene)
         };
         let display = Display { tonemap: self.scene.render.tonemap, exposure_stops: self.camera.exposure };
-        self.live.show(Order {
+        self.live.show(RenderRequest {
             scene: self.scene.clone(),
             settings,
             display,

@@ -1,8 +1,8 @@
-//! The CPU backend: tiles over all cores, eight rays to a march. No driver, no adapter; always there.
+//! CPU backend: tiles on all cores, eight rays in SIMD lanes. It needs no driver or adapter and is always available.
 
 use super::RenderInput;
 use crate::integrator::splitting;
-use crate::mode::{Mode, uncertainty_shown};
+use crate::mode::{Mode, uncertainty_of};
 use crate::output::film::Film;
 use crate::output::tonemap::Display;
 use crate::ray_stats::RayCounters;
@@ -12,23 +12,23 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use wide::f32x8;
 
-/// Pixels along a tile's edge: enough paths to keep eight lanes full for most bounces, few enough for the caches.
+/// Edge length of a tile, pixels: enough paths to fill eight lanes for most bounces, and few enough for the caches.
 const TILE: u32 = 16;
 
-/// A picture being rendered on the CPU.
+/// Picture being rendered on the CPU.
 pub(crate) struct CpuJob {
     input: RenderInput,
     stats: Option<Arc<RayCounters>>,
     tiles: Vec<Tile>,
     film: Film,
-    /// Tiles of the samples that are begun which are done.
+    /// Number of finished tiles of the current samples.
     done: usize,
-    /// Samples that are begun together.
+    /// Number of current samples, which share a camera ray.
     begun: u32,
     first_sample: u32,
 }
 
-/// The first row and column of some pixels, and their ends.
+/// Rectangle of pixels: start and end of its columns `x` and its rows `y`.
 #[derive(Clone, Copy)]
 struct Tile {
     x: [u32; 2],
@@ -53,12 +53,12 @@ impl CpuJob {
         Self { input, stats: None, tiles, film, done: 0, begun: 0, first_sample }
     }
 
-    /// The same, counting its rays.
+    /// Counts its rays in `stats`.
     pub(crate) fn with_stats(self, stats: Arc<RayCounters>) -> Self {
         Self { stats: Some(stats), ..self }
     }
 
-    /// Starts again with what [`RenderInput::reframe`] made of its scene.
+    /// Starts again with the frame of `input`, see [`RenderInput::reframe`].
     pub(crate) fn reframe(&mut self, input: &RenderInput) {
         let (width, height) = (input.frame.width, input.frame.height);
         if (width, height) != (self.film.width, self.film.height) {
@@ -69,26 +69,26 @@ impl CpuJob {
         self.done = 0;
     }
 
-    /// Finishes the samples that are begun, or renders one more of every pixel: more where they share rays of the camera, but
-    /// never above `upto`.
+    /// Finishes the samples that are begun, or renders one more of every pixel; several if they share a camera ray, but never
+    /// beyond `upto`.
     pub(crate) fn advance(&mut self, upto: u32) {
         self.trace(self.tiles.len() - self.done, upto);
     }
 
-    /// Renders some tiles more of the next sample, until this much time is over.
+    /// Renders further tiles of the next sample until `budget` is spent.
     pub(crate) fn advance_for(&mut self, budget: Duration) {
         let started = Instant::now();
-        // As many at a time as keep every core busy to the end.
-        let some = 4 * rayon::current_num_threads();
+        // Enough tiles to keep every core busy to the end.
+        let batch = 4 * rayon::current_num_threads();
         loop {
-            self.trace(some, self.film.samples + 1);
+            self.trace(batch, self.film.samples + 1);
             if started.elapsed() >= budget || self.done == 0 {
                 return;
             }
         }
     }
 
-    /// The next tiles of the samples towards `upto`, at most `count`.
+    /// Renders the next tiles of samples towards `upto`, at most `count`.
     fn trace(&mut self, count: usize, upto: u32) {
         let sample = self.first_sample + self.film.samples;
         if self.is_whole() {
@@ -98,31 +98,31 @@ impl CpuJob {
         let begun = self.begun;
         let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];
         let width = self.film.width;
-        // The tiles of a row of them share its rows of pixels.
+        // All tiles of a row share its rows of pixels.
         let sums = self.film.sums.chunks_mut((TILE * width) as usize);
         let rows: Vec<Mutex<&mut [[f32; 3]]>> = sums.map(Mutex::new).collect();
         let add = |tile: &Tile| -> Vec<usize> {
             let pixels = tile.pixels();
             let values = self.input.samples_of(self.stats.as_deref(), &pixels, sample, begun);
             let row = tile.y[0] / TILE;
-            let mut left_out = Vec::new();
+            let mut rejected = Vec::new();
             let mut sums = rows[row as usize].lock().unwrap_or_else(PoisonError::into_inner);
             for (&(x, y), values) in pixels.iter().zip(values.chunks(begun as usize)) {
                 let pixel = ((y - row * TILE) * width + x) as usize;
                 for value in values {
-                    // As the kernel, so that both leave out the same samples; comparisons with NaN are false.
+                    // Same test as in the kernel, so that both reject the same samples. Comparisons with NaN are false.
                     if value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all() {
                         sums[pixel] = (Vec3::from(sums[pixel]) + *value).into();
                     } else {
-                        left_out.push((y * width + x) as usize);
+                        rejected.push((y * width + x) as usize);
                     }
                 }
             }
-            left_out
+            rejected
         };
-        let left_out: Vec<usize> = tiles.par_iter().flat_map_iter(add).collect();
+        let rejected: Vec<usize> = tiles.par_iter().flat_map_iter(add).collect();
         self.done += tiles.len();
-        for pixel in left_out {
+        for pixel in rejected {
             self.film.leave_out(pixel, 1);
         }
         if self.done == self.tiles.len() {
@@ -136,17 +136,17 @@ impl CpuJob {
         f64::from(self.film.samples) + f64::from(self.begun) * self.done as f64 / self.tiles.len() as f64
     }
 
-    /// Whether every pixel has as many samples.
+    /// True if every pixel has the same number of samples.
     pub(crate) fn is_whole(&self) -> bool {
         self.done == 0
     }
 
-    /// The film; the caller has seen to it that no sample is half done.
+    /// Film so far; the caller ensures that no sample is half done.
     pub(crate) fn film(&self) -> &Film {
         &self.film
     }
 
-    /// The film so far as the codes of a screen, red, green, blue and 255 for each pixel.
+    /// Tone-maps the film so far to 8-bit codes: red, green, blue and 255 for each pixel.
     pub(crate) fn show(&self, display: &Display, mode: Mode) -> Vec<u8> {
         let mut counts = self.film.sample_counts();
         for tile in &self.tiles[..self.done] {
@@ -155,7 +155,7 @@ impl CpuJob {
             }
         }
         let mut codes = vec![255; 4 * counts.len()];
-        // Eight pixels to a group, many groups to a task.
+        // A task is 256 groups of eight pixels.
         const TASK: usize = 8 * 256;
         let films = self.film.sums.par_chunks(TASK).zip(counts.par_chunks(TASK));
         codes.par_chunks_mut(4 * TASK).zip(films).for_each(|(codes, (sums, counts))| {
@@ -164,7 +164,7 @@ impl CpuJob {
                     |channel: usize| f32x8::new(std::array::from_fn(|k| sums.get(k).map_or(0.0, |sum| sum[channel])));
                 let count = f32x8::new(std::array::from_fn(|k| counts.get(k).map_or(0.0, |&count| count as f32)));
                 let colour = if mode == Mode::Variance {
-                    uncertainty_shown(lanes(0), lanes(1), count)
+                    uncertainty_of(lanes(0), lanes(1), count)
                 } else {
                     [lanes(0), lanes(1), lanes(2)].map(|sum| sum / count.fast_max(f32x8::ONE))
                 };

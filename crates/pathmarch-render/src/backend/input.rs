@@ -1,4 +1,4 @@
-//! What both backends read of a picture.
+//! Input of both backends for one picture.
 
 use crate::integrator::{moments, path, splitting_choice};
 use crate::mode::Mode;
@@ -35,43 +35,43 @@ impl RenderInput {
     /// Input of a scene and settings that [`Settings::check`] accepts.
     pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
         let camera = settings.camera_of(scene);
-        let tables = RenderScene::new(scene, camera);
-        let frame = FrameUniforms::new(scene, settings, &tables.sky, &tables.lights);
-        let config = KernelConfig::new(&tables, settings);
+        let render_scene = RenderScene::new(scene, camera);
+        let frame = FrameUniforms::new(scene, settings, &render_scene.sky, &render_scene.lights);
+        let config = KernelConfig::new(&render_scene, settings);
         let data = match settings.mode {
             Mode::Path | Mode::Variance => ModeData::None,
             Mode::Preview => {
-                let ctx = TraceContext { scene: &tables, frame: &frame, config: &config, stats: None };
+                let ctx = TraceContext { scene: &render_scene, frame: &frame, config: &config, stats: None };
                 ModeData::Preview(Arc::new(Preview::new(scene, &ctx)))
             }
             mode => ModeData::View(Arc::new(views::table(mode, scene, camera))),
         };
-        Self { scene: Arc::new(tables), frame, config, mode: settings.mode, data }
+        Self { scene: Arc::new(render_scene), frame, config, mode: settings.mode, data }
     }
 
-    /// Sets camera, size, seed, bounces and limits to those of other settings of the same scene. Returns false where more
-    /// depends on the camera, so that a new input is needed.
+    /// Sets camera, size, seed, bounces and limits to those of other settings of the same scene. Returns false if other data
+    /// depend on the camera, so that a new input is needed.
     pub(crate) fn reframe(&mut self, scene: &Scene, settings: &Settings) -> bool {
-        let only_the_frame = finite_bounds(scene).is_finite() && settings.mode != Mode::Depth;
-        if only_the_frame {
+        let only_frame_changes = finite_bounds(scene).is_finite() && settings.mode != Mode::Depth;
+        if only_frame_changes {
             self.frame = FrameUniforms::new(scene, settings, &self.scene.sky, &self.scene.lights);
         }
-        only_the_frame
+        only_frame_changes
     }
 
-    /// Sets the number of paths that share a camera ray to the one that converges soonest; `in_lanes` on a GPU.
+    /// Chooses the number of paths that share a camera ray such that the picture converges soonest; `in_lanes` on a GPU.
     pub(crate) fn choose_splitting(&mut self, samples: u32, in_lanes: bool) {
         if self.mode == Mode::Path {
             self.config.splitting = splitting_choice::best(&self.scene, &self.frame, &self.config, samples, in_lanes);
         }
     }
 
-    /// Context of its rays on the CPU.
+    /// Context of the picture's rays on the CPU.
     pub(crate) fn context<'a>(&'a self, stats: Option<&'a RayCounters>) -> TraceContext<'a> {
         TraceContext { scene: &self.scene, frame: &self.frame, config: &self.config, stats }
     }
 
-    /// Preview data, in the mode that has them.
+    /// Preview data; `None` in other modes.
     pub(crate) fn preview(&self) -> Option<&Preview> {
         match &self.data {
             ModeData::Preview(preview) => Some(preview),
@@ -79,8 +79,8 @@ impl RenderInput {
         }
     }
 
-    /// Radiance or colours of `samples` samples of each of these pixels, from sample `first` on, those of a pixel in a row; more
-    /// than one only where they share a camera ray.
+    /// Values of `samples` samples of each pixel, from index `first` on, pixel by pixel: radiance, or colours of a view. There
+    /// is more than one sample only if they share a camera ray.
     pub(crate) fn samples_of(
         &self,
         stats: Option<&RayCounters>,

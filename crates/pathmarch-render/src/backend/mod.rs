@@ -1,4 +1,4 @@
-//! Backends: the same picture by the CPU's cores or by a GPU.
+//! Backends: the CPU's cores or a GPU renders the same picture.
 
 pub(crate) mod cpu;
 pub(crate) mod gpu;

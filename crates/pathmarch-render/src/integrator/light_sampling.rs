@@ -10,7 +10,7 @@ use crate::sampling::basis::basis;
 use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight};
 use crate::scene::sky::EnvironmentSample;
 use crate::scene::{SkyLight, TraceContext};
-use crate::settings::LightSearch;
+use crate::settings::DirectLighting;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
@@ -216,28 +216,28 @@ fn power_heuristic(a: f32, b: f32) -> f32 {
 
 /// Weight of light that a ray of density `scatter_pdf` hit, where light sampling has density `light_pdf`; 1 where the ray has
 /// a single direction or no light was sampled.
-pub(crate) fn hit_weight(search: LightSearch, scatter_pdf: f32, light_pdf: f32) -> f32 {
+pub(crate) fn hit_weight(search: DirectLighting, scatter_pdf: f32, light_pdf: f32) -> f32 {
     match search {
         _ if scatter_pdf <= 0.0 => 1.0,
-        LightSearch::Both => power_heuristic(scatter_pdf, light_pdf),
-        LightSearch::Sampled => 0.0,
-        LightSearch::Met => 1.0,
+        DirectLighting::Mis => power_heuristic(scatter_pdf, light_pdf),
+        DirectLighting::LightSampling => 0.0,
+        DirectLighting::BsdfSampling => 1.0,
     }
 }
 
 /// Weight of a light sampled with density `light_pdf`, where scattering has density `scatter_pdf`; 1 where no ray hits the
 /// light.
-pub(crate) fn sample_weight(search: LightSearch, light_pdf: f32, scatter_pdf: f32) -> f32 {
+pub(crate) fn sample_weight(search: DirectLighting, light_pdf: f32, scatter_pdf: f32) -> f32 {
     match search {
         _ if light_pdf <= 0.0 => 1.0,
-        LightSearch::Both => power_heuristic(light_pdf, scatter_pdf),
-        LightSearch::Sampled => 1.0,
-        LightSearch::Met => 0.0,
+        DirectLighting::Mis => power_heuristic(light_pdf, scatter_pdf),
+        DirectLighting::LightSampling => 1.0,
+        DirectLighting::BsdfSampling => 0.0,
     }
 }
 
 /// Weighted radiance of the sky in the direction of a ray of density `scatter_pdf`.
-pub(crate) fn sky_radiance(sky: &SkyLight, search: LightSearch, direction: Vec3, scatter_pdf: f32) -> Vec3 {
+pub(crate) fn sky_radiance(sky: &SkyLight, search: DirectLighting, direction: Vec3, scatter_pdf: f32) -> Vec3 {
     match sky.radiance(direction) {
         (radiance, Some(pdf)) => radiance * hit_weight(search, scatter_pdf, pdf),
         (radiance, None) => radiance,
@@ -252,7 +252,7 @@ pub(crate) fn sun_radiance(ctx: &TraceContext, direction: Vec3, scatter_pdf: f32
         let x = sun.one_minus_cos;
         // |a - b|²/2 = 1 - cosine of the angle between unit vectors, without cancellation.
         if 0.5 * (direction - sun.direction).length_squared() < x {
-            let weight = hit_weight(ctx.config.light_search, scatter_pdf, light.pmf / (TAU * x));
+            let weight = hit_weight(ctx.config.direct_lighting, scatter_pdf, light.pmf / (TAU * x));
             // Irradiance / (π sin²) of the disc facing a surface: sin² = x(2 - x).
             radiance += sun.irradiance * (weight / (PI * x * (2.0 - x)));
         }

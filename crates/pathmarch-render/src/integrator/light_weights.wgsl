@@ -8,16 +8,16 @@ fn power_heuristic(a: f32, b: f32) -> f32 {
 
 /// Weight of light that a ray hit, where light sampling has the other density.
 fn hit_weight(scatter_pdf: f32, light_pdf: f32) -> f32 {
-    if scatter_pdf <= 0.0 || LIGHT_SEARCH == LIGHTS_HIT {
+    if scatter_pdf <= 0.0 || DIRECT_LIGHTING == BSDF_SAMPLING {
         return 1.0;
     }
-    return select(power_heuristic(scatter_pdf, light_pdf), 0.0, LIGHT_SEARCH == LIGHTS_SAMPLED);
+    return select(power_heuristic(scatter_pdf, light_pdf), 0.0, DIRECT_LIGHTING == LIGHT_SAMPLING);
 }
 
 /// Weight of a sampled light, where scattering has the other density.
 fn sample_weight(light_pdf: f32, scatter_pdf: f32) -> f32 {
-    if light_pdf <= 0.0 || LIGHT_SEARCH == LIGHTS_SAMPLED {
+    if light_pdf <= 0.0 || DIRECT_LIGHTING == LIGHT_SAMPLING {
         return 1.0;
     }
-    return select(power_heuristic(light_pdf, scatter_pdf), 0.0, LIGHT_SEARCH == LIGHTS_HIT);
+    return select(power_heuristic(light_pdf, scatter_pdf), 0.0, DIRECT_LIGHTING == BSDF_SAMPLING);
 }

@@ -206,7 +206,7 @@ fn beyond(ctx: &TraceContext, path: &Path) -> Vec3 {
             _ => Vec3::ZERO,
         };
     }
-    light_sampling::sky_radiance(sky, ctx.config.light_search, direction, path.scatter_pdf)
+    light_sampling::sky_radiance(sky, ctx.config.direct_lighting, direction, path.scatter_pdf)
         + light_sampling::sun_radiance(ctx, direction, path.scatter_pdf)
 }
 
@@ -236,7 +236,7 @@ fn shade(
                 let cosine = normal.dot(path.ray.direction).abs();
                 let light = &ctx.scene.lights[light];
                 let light_pdf = light_sampling::pdf(light, path.previous_vertex, path.ray.origin, cosine);
-                weight = light_sampling::hit_weight(ctx.config.light_search, path.scatter_pdf, light_pdf);
+                weight = light_sampling::hit_weight(ctx.config.direct_lighting, path.scatter_pdf, light_pdf);
             }
             let contribution = path.throughput * Vec3::from(material.emission) * weight;
             radiance[path.slot] += limited(ctx, contribution, surface_index.saturating_sub(1));

@@ -60,7 +60,7 @@ pub(super) fn arriving(ctx: &TraceContext, connections: Vec<Connection>, surface
     }
     for connection in &mut under_way {
         let (light_pdf, scatter_pdf) = (connection.light.pdf, connection.scatter_pdf);
-        connection.light.weight = light_sampling::sample_weight(ctx.config.light_search, light_pdf, scatter_pdf);
+        connection.light.weight = light_sampling::sample_weight(ctx.config.direct_lighting, light_pdf, scatter_pdf);
     }
     for _ in 0..=(if ctx.config.fast_caustics { MAX_PASSED } else { 0 }) {
         if under_way.is_empty() {

@@ -1,12 +1,12 @@
 //! Choice between the CPU and a software adapter, by measurement.
 //!
-//! Which of both is quicker depends on the scene: sphere tracing is quicker on the CPU backend, many analytic objects on
-//! llvmpipe. A small picture of the scene on each of them decides. A picture that the CPU renders within [`WORTH`] is not worth
-//! the compilation of a kernel, and is rendered there at once.
+//! The faster backend depends on the scene: sphere tracing is faster on the CPU backend, many analytic objects on llvmpipe.
+//! Both render a small picture of the scene, and the faster one renders the whole. If the CPU needs less than
+//! [`MIN_CPU_TIME`] for the picture, it renders it at once: a kernel is not worth its compilation.
 
 use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
-use crate::backend::gpu::{GpuContext, GpuJob, WHOLE};
+use crate::backend::gpu::{GpuContext, GpuJob, OFFLINE};
 use crate::error::RenderError;
 use crate::settings::Settings;
 use pathmarch_scene::Scene;
@@ -17,17 +17,17 @@ use std::time::{Duration, Instant};
 pub(super) enum Choice {
     Gpu,
     Cpu {
-        /// One sentence.
+        /// Reason for the notice, in one sentence.
         reason: String,
     },
 }
 
-/// Pixels of the pictures that are compared, about.
+/// Approximate number of pixels of the small pictures.
 const PIXELS: f64 = 128.0 * 72.0;
-/// Samples of each; the quickest counts, so that work of other programs does not decide.
+/// Samples of the small pictures; the fastest counts, so that other programs have little influence.
 const ROUNDS: u32 = 3;
-/// Time of a picture on the CPU below which nothing is compiled.
-const WORTH: Duration = Duration::from_secs(1);
+/// Time of a picture on the CPU below which no kernel is compiled.
+const MIN_CPU_TIME: Duration = Duration::from_secs(1);
 
 /// Measures both backends with a small picture.
 pub(super) fn measure(scene: &Scene, settings: &Settings, input: &RenderInput, gpu: &Arc<GpuContext>) -> Choice {
@@ -43,17 +43,18 @@ pub(super) fn measure(scene: &Scene, settings: &Settings, input: &RenderInput, g
     let pixels = f64::from(size[0]) * f64::from(size[1]);
     let cpu = time_on_cpu(&sample);
     let whole = cpu.mul_f64(width * height / pixels * f64::from(settings.samples));
-    if whole < WORTH {
+    if whole < MIN_CPU_TIME {
         return Choice::Cpu {
-            reason: "the only GPU adapter is software, and this picture is quick on the CPU".to_owned(),
+            reason: "the only GPU adapter is software, and the CPU renders this picture quickly".to_owned(),
         };
     }
     match time_on_gpu(&sample, gpu) {
         Ok(time) if time < cpu => Choice::Gpu,
         Ok(time) => {
             let times = time.as_secs_f64() / cpu.as_secs_f64().max(1e-9);
-            let reason =
-                format!("the only GPU adapter is software, and takes {times:.1} times as long as the CPU here");
+            let reason = format!(
+                "the only GPU adapter is software, and takes {times:.1} times as long as the CPU for this scene"
+            );
             Choice::Cpu { reason }
         }
         Err(error) => Choice::Cpu { reason: error.to_string() },
@@ -73,7 +74,7 @@ fn time_on_cpu(input: &RenderInput) -> Duration {
 
 /// Shortest time of a sample on the adapter, without compilation.
 fn time_on_gpu(input: &RenderInput, gpu: &Arc<GpuContext>) -> Result<Duration, RenderError> {
-    let mut job = GpuJob::new(gpu.clone(), input, 0, WHOLE)?;
+    let mut job = GpuJob::new(gpu.clone(), input, 0, OFFLINE)?;
     let mut shortest = Duration::MAX;
     for samples in 1..=ROUNDS {
         let started = Instant::now();

@@ -23,9 +23,9 @@ use tracer::Tracer;
 /// Kind of backend to render with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
-    /// For each picture the GPU where one works, else the CPU. On a software adapter the quicker of both, by measurement.
+    /// The GPU if it can render the picture, else the CPU. If the adapter is software, the faster of both, by measurement.
     Auto,
-    /// The GPU, or an error.
+    /// The GPU; an error if it cannot render the picture.
     Gpu,
     /// The CPU.
     Cpu,
@@ -58,7 +58,7 @@ impl BackendInfo {
 pub struct Renderer {
     gpu: Option<Arc<GpuContext>>,
     may_fall_back: bool,
-    /// Reason why no GPU is open although one was asked for.
+    /// Reason why no GPU is open although one was requested.
     notice: Option<String>,
 }
 
@@ -66,7 +66,7 @@ impl Renderer {
     /// Opens a backend; `adapter` is part of the name of the GPU adapter to use.
     ///
     /// # Errors
-    /// [`RenderError`] where a GPU is asked for and none can be opened, or none of this name.
+    /// [`RenderError`] if a GPU is requested and none can be opened, or none of this name.
     pub fn open(backend: Backend, adapter: Option<&str>) -> Result<Self, RenderError> {
         if backend == Backend::Cpu {
             return Ok(Self { gpu: None, may_fall_back: false, notice: None });
@@ -89,7 +89,7 @@ impl Renderer {
         Self { gpu: Some(gpu), may_fall_back: true, notice: None }
     }
 
-    /// Backend that was opened. With [`Backend::Auto`] a job may use the CPU nevertheless, see [`Job::backend`].
+    /// Opened backend. With [`Backend::Auto`], a job may still use the CPU, see [`Job::backend`].
     pub fn backend(&self) -> BackendInfo {
         match &self.gpu {
             Some(gpu) => BackendInfo::gpu(gpu),
@@ -100,18 +100,18 @@ impl Renderer {
     /// Starts a picture of one moment. With [`Backend::Auto`], the CPU renders a scene or size that the GPU refuses.
     ///
     /// # Errors
-    /// [`RenderError`] where settings are out of range or the GPU refuses.
+    /// [`RenderError`] if settings are out of range or the GPU refuses.
     pub fn start(&self, scene: &Scene, settings: &Settings) -> Result<Job, RenderError> {
         let (tracer, backend) = self.trace(scene, settings)?;
         Ok(Job { work: Work::Still(tracer), settings: settings.clone(), backend })
     }
 
-    /// Starts a picture over the time that the shutter is open. `scene` is the animation at the moment at which it opens. Scenes
-    /// that do not move and modes that trace no paths show that moment alone.
+    /// Starts a picture with motion blur over the time that the shutter is open. `scene` is the animation at the moment at which
+    /// it opens. Scenes without motion and modes other than [`Mode::Path`] show that moment alone.
     ///
     /// # Errors
-    /// As [`start`](Self::start).
-    pub fn start_exposure(
+    /// Those of [`start`](Self::start).
+    pub fn start_motion_blur(
         &self,
         animation: &Arc<Mutex<Animation>>,
         scene: &Scene,
@@ -129,7 +129,7 @@ impl Renderer {
     /// Renders a whole picture.
     ///
     /// # Errors
-    /// As [`start`](Self::start), and where the device fails on the way.
+    /// Those of [`start`](Self::start), and [`RenderError::Device`] if the device fails while rendering.
     pub fn render(&self, scene: &Scene, settings: &Settings) -> Result<Film, RenderError> {
         let mut job = self.start(scene, settings)?;
         while job.samples_done() < f64::from(settings.samples) {
@@ -166,12 +166,12 @@ impl Renderer {
 }
 
 fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -> Result<GpuJob, RenderError> {
-    // Paths that share a ray cannot be resumed where an adapter ends their loops, see backend/gpu/loop_limit.rs.
+    // Paths that share a camera ray cannot be resumed on adapters that end loops, see backend/gpu/loop_limit.rs.
     let limited = gpu.is_software() && input.scene.field.has_loops();
     if settings.splitting.is_none() && !limited {
         input.choose_splitting(settings.samples, true);
     }
-    GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::WHOLE)
+    GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::OFFLINE)
 }
 
 /// Picture being rendered.
@@ -187,7 +187,7 @@ enum Work {
 }
 
 impl Job {
-    /// Backend that renders it. A picture with motion blur may change its backend with the scene; this is the last one.
+    /// Backend that renders it. With motion blur, the backend may change with the scene; this is the latest.
     pub fn backend(&self) -> &BackendInfo {
         match &self.work {
             Work::Still(_) => &self.backend,
@@ -195,12 +195,12 @@ impl Job {
         }
     }
 
-    /// Does a slice of the work: a few hundredths of a second on a GPU, one sample of every pixel on the CPU. Stops at
-    /// `samples` samples, at most those of the settings.
+    /// Renders a slice of the work: a few hundredths of a second on a GPU, one sample of every pixel on the CPU. Stops at
+    /// `samples` samples, or at those of the settings.
     ///
     /// # Errors
-    /// [`RenderError::Device`] where the GPU fails, and [`RenderError::Scene`] where the animation is no scene at the moment of
-    /// a sample.
+    /// [`RenderError::Device`] if the GPU fails, and [`RenderError::Scene`] if the animation is not a valid scene at the moment
+    /// of a sample.
     pub fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
         match &mut self.work {
             Work::Still(tracer) => tracer.advance(samples.min(self.settings.samples)),
@@ -208,11 +208,11 @@ impl Job {
         }
     }
 
-    /// Renders until the picture has all its samples or `stop` returns true, and calls `progress` after each slice. Both
-    /// take the number of samples that are done.
+    /// Renders until the picture has all its samples or `stop` returns true; calls `progress` after each slice. Both receive
+    /// the number of samples that are done.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// Those of [`advance`](Self::advance).
     pub fn run(&mut self, stop: impl Fn(f64) -> bool, mut progress: impl FnMut(f64)) -> Result<(), RenderError> {
         while self.samples_done() < f64::from(self.settings.samples) && !stop(self.samples_done()) {
             self.advance(self.settings.samples)?;
@@ -229,10 +229,10 @@ impl Job {
         }
     }
 
-    /// The picture so far; finishes samples that are begun.
+    /// Film so far; finishes samples that are begun.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// Those of [`advance`](Self::advance).
     pub fn film(&mut self) -> Result<Film, RenderError> {
         match &mut self.work {
             Work::Still(tracer) => tracer.film(),
@@ -250,7 +250,7 @@ impl Job {
     /// Waits for submitted work.
     ///
     /// # Errors
-    /// [`RenderError::Device`] where the GPU fails.
+    /// [`RenderError::Device`] if the GPU fails.
     pub fn wait(&mut self) -> Result<(), RenderError> {
         self.gpu_job().map_or(Ok(()), GpuJob::wait)
     }
@@ -263,28 +263,28 @@ impl Job {
         }
     }
 
-    /// Measures from now on the time of the work on the GPU's own clock, see [`gpu_time`](Self::gpu_time). Returns false where
-    /// there is none: on the CPU, and on adapters without timestamps.
+    /// Starts to measure the time of the work on the GPU's own clock, see [`gpu_time`](Self::gpu_time). Returns false on the CPU
+    /// and on adapters without timestamps.
     ///
     /// # Errors
-    /// [`RenderError::Device`] where the GPU fails.
+    /// [`RenderError::Device`] if the GPU fails.
     pub fn measure_gpu_time(&mut self) -> Result<bool, RenderError> {
         self.gpu_job().map_or(Ok(false), GpuJob::measure_gpu_time)
     }
 
-    /// Time that the GPU worked since it is measured; `None` where it is not. Waits for submitted work.
+    /// GPU time since the measurement started; `None` without measurement. Waits for submitted work.
     ///
     /// # Errors
-    /// [`RenderError::Device`] where the GPU fails.
+    /// [`RenderError::Device`] if the GPU fails.
     pub fn gpu_time(&mut self) -> Result<Option<Duration>, RenderError> {
         self.gpu_job().map_or(Ok(None), GpuJob::gpu_time)
     }
 }
 
-/// Kernel of a picture in WGSL, for reading; as a software adapter gets it if `software`, else as a GPU gets it.
+/// Source of a picture's kernel in WGSL: for a software adapter if `software` is true, else for a GPU.
 ///
 /// # Errors
-/// [`RenderError::Settings`] where settings are out of range.
+/// [`RenderError::Settings`] if settings are out of range.
 pub fn kernel_wgsl(scene: &Scene, settings: &Settings, software: bool) -> Result<String, RenderError> {
     settings.check(scene)?;
     Ok(KernelSource::for_adapter(&RenderInput::new(scene, settings), software).code)
@@ -293,7 +293,7 @@ pub fn kernel_wgsl(scene: &Scene, settings: &Settings, software: bool) -> Result
 /// Counts the rays and field evaluations of one sample of every pixel, on the CPU.
 ///
 /// # Errors
-/// [`RenderError::Settings`] where settings are out of range.
+/// [`RenderError::Settings`] if settings are out of range.
 pub fn ray_stats(scene: &Scene, settings: &Settings) -> Result<RayStats, RenderError> {
     settings.check(scene)?;
     let counters = Arc::new(RayCounters::default());

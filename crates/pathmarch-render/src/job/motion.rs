@@ -1,16 +1,16 @@
-//! Motion blur: pictures of what moves while the shutter is open.
+//! Motion blur: pictures of a scene that moves while the shutter is open.
 //!
-//! **Idea.** Every sample of a pixel sees the scene at a moment of its own within the time that the shutter is open, so that
-//! the mean over the samples is the mean over that time (distributed ray tracing). Runs of [`RUN`] samples share a moment, for
-//! which the scene is read anew; films of runs add up.
+//! **Idea.** Every sample of a pixel samples the time at which the shutter is open, so that the mean over the samples is the
+//! mean over that time (distributed ray tracing). Runs of [`RUN`] samples share a moment. Each run parses the scene at its
+//! moment, and the films of all runs are added.
 //!
 //! **Source.** Cook, Porter, Carpenter 1984, "Distributed Ray Tracing". The moments are van der Corput's sequence, Owen
-//! scrambled, its order shuffled so that moments and the points within pixels, which are ordered alike, are independent
-//! (Burley 2020, section 5): so 2^k runs in a row from a multiple of 2^k have one moment in each of 2^k equal parts of the
-//! time. A moment is a pure function of seed and sample, so that ranges of samples rendered apart add up.
+//! scrambled. Its order is shuffled so that moments are independent of the points within pixels, which have the same order
+//! (Burley 2020, section 5). 2^k consecutive runs from a multiple of 2^k thus have one moment in each of 2^k equal parts of the
+//! time. A moment is a pure function of seed and sample, so that films of adjoining sample ranges add up.
 //!
-//! **Cost.** For each run the scene is read and prepared, a few milliseconds for small scenes, and its film read back. The
-//! kernel is compiled once as long as only numbers change.
+//! **Cost.** Each run parses and prepares the scene, a few milliseconds for small scenes, and reads its film back. The kernel
+//! is compiled once if only parameters change.
 
 use super::tracer::Tracer;
 use super::{BackendInfo, Renderer};
@@ -21,31 +21,32 @@ use crate::settings::Settings;
 use pathmarch_scene::{Animation, Moment, Scene};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Samples in a row that share a moment: halves what moments cost; more would show as single pictures where samples are few.
+/// Number of consecutive samples that share a moment. Two halve the cost of moments; more would be visible as separate
+/// pictures if there are few samples.
 const RUN: u32 = 2;
 
-/// When and how long light falls onto the film.
+/// Time at which the shutter opens, and exposure time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shutter {
-    /// The moment at which it opens.
+    /// Moment at which it opens.
     pub opens: Moment,
-    /// How long it is open, seconds.
+    /// Exposure time, seconds.
     pub seconds: f64,
 }
 
 impl Shutter {
-    /// Opens at the moment of a scene, for a part of the time of a frame.
+    /// Shutter that opens at the moment of a scene, for a fraction `part` of the frame time.
     pub fn open_for(scene: &Scene, part: f32, fps: f32) -> Self {
         Self { opens: scene.moment, seconds: f64::from(part) / f64::from(fps) }
     }
-    /// As the scene says.
+    /// Shutter that the scene declares.
     pub fn of(scene: &Scene) -> Self {
         Self::open_for(scene, scene.render.shutter, scene.render.fps)
     }
-    /// The moment at which a sample sees the scene. The frame stays the same.
+    /// Moment of a sample. The frame number stays the same.
     pub fn moment(&self, seed: u32, sample: u32) -> Moment {
         let run = sample / RUN;
-        // Shuffling an index is scrambling its bits from the highest down; van der Corput's number is these reversed.
+        // To shuffle an index is to scramble its bits from the highest down; its reversed bits are van der Corput's number.
         let shuffled = scramble_reversed(run.reverse_bits(), hash(seed ^ 0x6d6f_7469)).reverse_bits();
         let scrambled = scramble_reversed(shuffled, hash(seed ^ 0x6f6e_2121)).reverse_bits();
         let share = (f64::from(scrambled) + 0.5) / 2.0_f64.powi(32);
@@ -60,7 +61,7 @@ pub(super) struct MotionBlur {
     settings: Settings,
     shutter: Shutter,
     film: Film,
-    /// Tracer of the present run, and its number of samples.
+    /// Tracer of the current run, and its number of samples.
     run: Option<(Tracer, u32)>,
     backend: Option<BackendInfo>,
 }
@@ -78,7 +79,7 @@ impl MotionBlur {
         Self { renderer, animation, settings: settings.clone(), shutter, film, run: None, backend: None }
     }
 
-    /// Backend of the last run.
+    /// Backend of the latest run.
     pub(super) fn backend(&self) -> Option<&BackendInfo> {
         self.backend.as_ref()
     }
@@ -119,7 +120,7 @@ impl MotionBlur {
         self.film.add(&tracer.film()?).map_err(|error| RenderError::Settings(error.to_string()))
     }
 
-    /// Picture so far: of the runs that are done, and of a run that is begun.
+    /// Film so far: of the runs that are done, and of the run that is begun.
     pub(super) fn film(&mut self) -> Result<Film, RenderError> {
         if let Some((mut tracer, _)) = self.run.take() {
             self.add(&mut tracer)?;
@@ -149,7 +150,7 @@ mod tests {
         assert_eq!(SHUTTER.moment(3, 4).frame, 48);
     }
 
-    /// Over seeds, each moment is as likely as any other, and those of two runs have nothing to do with their order.
+    /// Over seeds, moments are uniform, and the moments of two runs are independent of their order.
     #[test]
     fn moments_have_no_order() {
         let seeds = 4000;

@@ -1,11 +1,15 @@
-//! A picture being rendered, by one backend or the other: what pictures for files and live pictures share.
+//! Picture that one of the backends renders. Still, moving and live pictures share it.
 
+use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
 use crate::backend::gpu::GpuJob;
 use crate::error::RenderError;
+use crate::mode::Mode;
 use crate::output::film::Film;
+use crate::output::tonemap::Display;
+use std::time::Duration;
 
-/// A picture being rendered.
+/// Picture being rendered.
 pub(crate) enum Tracer {
     /// On a GPU.
     Gpu(Box<GpuJob>),
@@ -14,7 +18,7 @@ pub(crate) enum Tracer {
 }
 
 impl Tracer {
-    /// Samples of every pixel that are done or on their way, with a fraction for one that is begun.
+    /// Samples of every pixel that are done or submitted, with a fraction for one that is begun.
     pub(crate) fn samples_done(&self) -> f64 {
         match self {
             Self::Gpu(job) => job.samples_done(),
@@ -22,8 +26,8 @@ impl Tracer {
         }
     }
 
-    /// Does a slice of the work towards `samples` samples: a submission on a GPU, one sample of every pixel (or those
-    /// that share a ray of the camera) on the CPU.
+    /// Renders a slice of the work towards `samples` samples: a submission on a GPU, one sample of every pixel (or those
+    /// that share a camera ray) on the CPU.
     pub(crate) fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
         match self {
             Self::Gpu(job) => job.advance(samples),
@@ -36,7 +40,29 @@ impl Tracer {
         }
     }
 
-    /// Whether every pixel has as many samples.
+    /// Renders for about `budget` on the CPU, or one submission towards `samples` samples on a GPU.
+    pub(crate) fn advance_for(&mut self, budget: Duration, samples: u32) -> Result<(), RenderError> {
+        match self {
+            Self::Gpu(job) => job.advance(samples),
+            Self::Cpu(job) => {
+                job.advance_for(budget);
+                Ok(())
+            }
+        }
+    }
+
+    /// Starts again with an input of the same scene and kernel; returns false if that needs a new tracer.
+    pub(crate) fn reframe(&mut self, input: &RenderInput) -> Result<bool, RenderError> {
+        match self {
+            Self::Gpu(job) => job.reframe(&input.frame),
+            Self::Cpu(job) => {
+                job.reframe(input);
+                Ok(true)
+            }
+        }
+    }
+
+    /// True if every pixel has the same number of samples.
     fn is_whole(&self) -> bool {
         match self {
             Self::Gpu(job) => job.is_whole(),
@@ -44,7 +70,7 @@ impl Tracer {
         }
     }
 
-    /// The picture so far; finishes samples that are begun.
+    /// Film so far; finishes samples that are begun.
     pub(crate) fn film(&mut self) -> Result<Film, RenderError> {
         while !self.is_whole() {
             self.advance(self.samples_done() as u32 + 1)?;
@@ -52,6 +78,14 @@ impl Tracer {
         match self {
             Self::Gpu(job) => job.film(),
             Self::Cpu(job) => Ok(job.film().clone()),
+        }
+    }
+
+    /// Tone-maps the film so far: red, green, blue and 255 for each pixel.
+    pub(crate) fn show(&mut self, display: &Display, mode: Mode) -> Result<Vec<u8>, RenderError> {
+        match self {
+            Self::Gpu(job) => job.show(display, mode),
+            Self::Cpu(job) => Ok(job.show(display, mode)),
         }
     }
 }

@@ -1,19 +1,19 @@
-//! Meshes of a scene's objects, and the files they are kept in.
+//! Meshes of a scene's objects, and mesh files.
 //!
-//! **Idea.** [`mesh`] makes triangles of objects and paints them with the colours of their materials; [`save`] writes
-//! them in the format that the name of the file asks for, under a temporary name that is changed when all is there.
+//! **Idea.** [`mesh`] triangulates objects and colours the vertices with their materials. [`save`] writes the mesh in the
+//! format of the file's extension, under a temporary name that is changed when the file is complete.
 //!
-//! | Format | What it holds |
+//! | Format | Contents |
 //! |---|---|
 //! | `.stl`, binary | triangles and their normals |
-//! | `.ply`, binary | shared vertices with colours, sRGB in bytes, as its readers expect |
+//! | `.ply`, binary | shared vertices with colours, 8-bit sRGB, as its readers expect |
 //! | `.obj`, text | shared vertices with colours after the coordinates, sRGB from 0 to 1 |
-//! | `.glb` (glTF 2.0) | vertices with normals and linear colours; those at sharp edges stand once for each side |
+//! | `.glb` (glTF 2.0) | vertices with normals and linear colours; those at sharp edges are duplicated for each side |
 //!
 //! All are in metres, with y up.
 //!
-//! **Source.** STL (3D Systems 1989), PLY (Turk 1994), OBJ (Wavefront 1990), glTF 2.0 (Khronos 2021). The formats are so small
-//! that writing them takes fewer lines than filling the structures of a crate; the tests read them with crates.
+//! **Source.** STL (3D Systems 1989), PLY (Turk 1994), OBJ (Wavefront 1990), glTF 2.0 (Khronos 2021). The formats are so simple
+//! that writing them takes fewer lines than filling the structures of a crate. The tests read the files with crates.
 //!
 //! **Cost.** A million triangles take about 0.1 s, as text 1 s.
 
@@ -32,7 +32,7 @@ use pathmarch_scene::{Object, Scene, Sky};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// The file formats that are written.
+/// Mesh file formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshFormat {
     /// Binary STL.
@@ -46,10 +46,10 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 4] = [Self::Stl, Self::Ply, Self::Obj, Self::Glb];
 
-    /// What the names of its files end in, without the dot.
+    /// Extension of file names, without the dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Stl => "stl",
@@ -59,7 +59,7 @@ impl MeshFormat {
         }
     }
 
-    /// The format that the name of a file asks for; upper and lower case are the same.
+    /// Format of a file name's extension, in any case.
     ///
     /// # Errors
     /// [`MeshFileError::UnknownExtension`], which names the accepted ones.
@@ -70,30 +70,30 @@ impl MeshFormat {
     }
 }
 
-/// What went wrong with a file of a mesh.
+/// Failure of writing a mesh file. Every message names the file and suggests a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshFileError {
-    /// The name does not say which format is meant.
-    #[error("{path}: the name of a mesh ends in .stl, .ply, .obj or .glb; rename it to one of these", path = path.display())]
+    /// The extension of the name is not that of a mesh format.
+    #[error("{path}: the extension of a mesh must be .stl, .ply, .obj or .glb; rename the file", path = path.display())]
     UnknownExtension {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// The file could not be written.
-    #[error("{path}: cannot be written: {source}; check that its directory is there, is writable and has room", path = path.display())]
+    /// The file cannot be written.
+    #[error("{path}: cannot be written: {source}; check that its directory exists, its permissions and the free space", path = path.display())]
     Write {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
 }
 
-/// The mesh of the union of `objects` of a scene, in the colours of their materials (albedo, linear Rec. 709, with textures and
-/// orbit traps as they are at each vertex; of a lamp, its radiance clipped to 1). See [`Mesh::new`].
+/// Mesh of the union of some objects of a scene. The colour of a vertex is the albedo of its material, linear Rec. 709, with
+/// textures and orbit traps evaluated at the vertex; for an emitter, its radiance clipped to 1. See [`Mesh::new`].
 ///
 /// # Errors
-/// [`MeshError`].
+/// [`MeshError`]: a solid without bounds or inside, too many cells, or cancellation.
 pub fn mesh(
     scene: &Scene,
     objects: &[&Object],
@@ -103,21 +103,21 @@ pub fn mesh(
 ) -> Result<Mesh, MeshError> {
     let roots: Vec<_> = objects.iter().map(|object| object.root.clone()).collect();
     let objects = objects.iter().map(|object| (*object).clone()).collect();
-    // Only materials matter: no tables of a sky are made.
+    // Only materials matter; the default sky needs no tables.
     let scene = Scene { objects, field: Field::new(&roots), sky: Sky::default(), ..scene.clone() };
     let view = ViewScene::new(&scene, &Settings::of(&scene));
     let ctx = view.context();
-    let paint = |leaf: usize, p: [f32; 3], normal: [f32; 3]| {
-        let varying = TexturedPoint::new(&ctx, leaf, p.into(), normal.into(), 0.0).and_then(|point| point.colour());
-        varying.map_or_else(|| display_colour(&scene, scene.field.leaves()[leaf].tag), |colour| colour.to_array())
+    let vertex_colour = |leaf: usize, p: [f32; 3], normal: [f32; 3]| {
+        let textured = TexturedPoint::new(&ctx, leaf, p.into(), normal.into(), 0.0).and_then(|point| point.colour());
+        textured.map_or_else(|| display_colour(&scene, scene.field.leaves()[leaf].tag), |colour| colour.to_array())
     };
-    Mesh::new(&scene.field, fineness, cut, &paint, progress)
+    Mesh::new(&scene.field, fineness, cut, &vertex_colour, progress)
 }
 
-/// Writes a mesh. Whoever looks sees the file that was there before or the new one, never half of one.
+/// Writes a mesh in the format of the file's extension. Replaces an existing file atomically.
 ///
 /// # Errors
-/// [`MeshFileError`].
+/// [`MeshFileError`]: an unknown extension, or a file that cannot be written.
 pub fn save(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
     let format = MeshFormat::from_path(path)?;
     let write_error = |source| MeshFileError::Write { path: path.to_owned(), source };
@@ -134,7 +134,7 @@ pub fn save(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
     Ok(())
 }
 
-/// BsdfParameters as bytes, the lowest first.
+/// Writes 32-bit floats in little-endian order.
 fn write_numbers(writer: &mut dyn Write, numbers: impl IntoIterator<Item = f32>) -> io::Result<()> {
     numbers.into_iter().try_for_each(|number| writer.write_all(&number.to_le_bytes()))
 }

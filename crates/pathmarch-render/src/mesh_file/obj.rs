@@ -1,4 +1,4 @@
-//! OBJ: a line for each vertex, with its colour after the coordinates as most programs read it, and one for each triangle.
+//! OBJ: a line for each vertex, with its colour after the coordinates as most programs expect, and a line for each triangle.
 
 use crate::output::tonemap::srgb_encode;
 use pathmarch_field::Mesh;

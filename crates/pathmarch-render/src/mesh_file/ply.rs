@@ -1,4 +1,4 @@
-//! Binary PLY: a header that says what follows, then vertices with colours, then triangles.
+//! Binary PLY: a header that describes the data, then vertices with colours, then triangles.
 
 use super::write_numbers;
 use crate::output::tonemap::srgb_encode;

@@ -1,4 +1,5 @@
-//! Binary STL: 80 bytes of nothing, the number of triangles, and for each its normal, corners and two bytes of nothing.
+//! Binary STL: an 80-byte header without meaning, the number of triangles, and for each triangle its normal, corners and two
+//! unused bytes.
 
 use super::write_numbers;
 use glam::Vec3;

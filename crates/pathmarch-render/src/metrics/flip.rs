@@ -1,23 +1,23 @@
-//! FLIP: the difference a person sees when flipping between two pictures, 0 (none) to 1, pixel by pixel.
+//! FLIP: perceived difference of each pixel when flipping between two pictures, from 0 (none) to 1.
 //!
-//! **Idea.** Two pipelines. *Colour*: blur both pictures as the eye does at the viewing distance (contrast sensitivity,
-//! apart for lightness, red-green and blue-yellow), go to CIELab with less chroma in the dark (Hunt effect), take the HyAB
-//! distance, compress. *Features*: compare how strong edges (first derivatives of a Gaussian) and points (second) are in
-//! lightness. A difference of features amplifies the difference of colour: `colour ^ (1 - feature)`.
+//! **Idea.** Two pipelines. *Colour*: filter both pictures by the contrast sensitivity of the eye at the viewing distance
+//! (separate filters for lightness, red-green and blue-yellow), convert to CIELab with less chroma in the dark (Hunt effect),
+//! compute the HyAB distance, compress. *Features*: compare the strengths of edges (first derivatives of a Gaussian) and
+//! points (second derivatives) in lightness. A feature difference amplifies the colour difference: `colour ^ (1 - feature)`.
 //!
-//! HDR-FLIP: tone-map both pictures at exposures one stop or less apart, from the one that just shows the brightest pixel
-//! of the reference to the one that shows its median, and keep the largest error of each pixel.
+//! HDR-FLIP: tone-map both pictures at exposures one stop or less apart and keep the largest error of each pixel. The
+//! exposures range from the one that just shows the brightest pixel of the reference to the one that shows its median.
 //!
 //! **Source.** Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, "FLIP: A Difference Evaluator for
 //! Alternating Images", Proc. ACM Comput. Graph. Interact. Tech. (HPG) 2020. Andersson, Nilsson, Shirley, Akenine-Möller,
 //! "Visualizing Errors in Rendered High Dynamic Range Images", Eurographics Short Papers 2021. Tone curve: Narkowicz, "ACES
 //! Filmic Tone Mapping Curve", 2016.
 //!
-//! **Where we differ.** Not in the result: the means of ten pairs agree with NVIDIA's `flip-evaluator` 1.7 within 1e-4. All
+//! **Differences.** The results are the same: the means of ten pairs agree with NVIDIA's `flip-evaluator` 1.7 within 1e-4. All
 //! filters run as two one-dimensional passes: Gaussians and their axis derivatives are separable, and the blue-yellow
-//! filter is a sum of two Gaussians. A reference without light, which the papers leave open, is compared at exposure 0.
+//! filter is a sum of two Gaussians. The papers do not define a reference without light; it is compared at exposure 0.
 //!
-//! **Cost.** About 270 multiply-adds a pixel, picture and exposure, on all cores.
+//! **Cost.** About 270 multiply-adds for each pixel, picture and exposure, on all cores.
 
 use std::f32::consts::PI;
 
@@ -26,29 +26,29 @@ use rayon::prelude::*;
 use super::{MetricError, check_finite, check_sizes, is_finite};
 use crate::output::image::{Picture, PictureKind};
 
-/// Pixels in a degree of the visual field: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m; 67.02.
+/// Pixels per degree of the visual field, 67.02: a display 0.7 m wide with 3840 pixels, viewed from 0.7 m.
 pub const PIXELS_PER_DEGREE: f32 = 3840.0 * PI / 180.0;
 
-/// The FLIP error of every pixel.
+/// FLIP error of every pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorMap {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Errors in 0..=1, the top row first.
+    /// Error of each pixel in 0..=1, the top row first.
     pub errors: Vec<f32>,
 }
 
 impl ErrorMap {
-    /// The mean error, the one number that stands for the whole.
+    /// Mean error, the usual figure for the whole picture.
     pub fn mean(&self) -> f64 {
         self.errors.iter().map(|&error| f64::from(error)).sum::<f64>() / self.errors.len().max(1) as f64
     }
 }
 
-/// The FLIP error of a picture against a reference: FLIP for `Ldr` (pixels are linear light, clamped to 0..=1), HDR-FLIP
-/// for `Hdr`. Negative radiance counts as 0.
+/// FLIP error of a picture against a reference: FLIP for `Ldr` (linear light, clamped to 0..=1), HDR-FLIP for `Hdr`.
+/// Negative radiance counts as 0.
 ///
 /// # Errors
 /// [`MetricError`]: different sizes, no pixels, pixels that are NaN or infinite.
@@ -58,21 +58,22 @@ pub fn flip(image: &Picture, reference: &Picture, kind: PictureKind) -> Result<E
     Ok(error_map(image, reference, kind))
 }
 
-/// As [`flip`](self::flip) for pictures known to be of one size; a pixel that is NaN or infinite in either has error 1 and
-/// does not bear on its neighbours.
+/// FLIP error of pictures of equal size, as [`flip`](self::flip). A pixel that is NaN or infinite in either picture has error
+/// 1 and does not affect its neighbours.
 pub(super) fn error_map(image: &Picture, reference: &Picture, kind: PictureKind) -> ErrorMap {
     let pairs = image.pixels.iter().zip(&reference.pixels).enumerate();
-    let bad: Vec<usize> = pairs.filter(|(_, (p, q))| !is_finite(p) || !is_finite(q)).map(|(index, _)| index).collect();
-    if bad.is_empty() {
+    let non_finite: Vec<usize> =
+        pairs.filter(|(_, (p, q))| !is_finite(p) || !is_finite(q)).map(|(index, _)| index).collect();
+    if non_finite.is_empty() {
         return error_map_of_finite(image, reference, kind);
     }
     let (mut image, mut reference) = (image.clone(), reference.clone());
-    for &index in &bad {
+    for &index in &non_finite {
         image.pixels[index] = [0.0; 3];
         reference.pixels[index] = [0.0; 3];
     }
     let mut map = error_map_of_finite(&image, &reference, kind);
-    for index in bad {
+    for index in non_finite {
         map.errors[index] = 1.0;
     }
     map
@@ -81,18 +82,18 @@ pub(super) fn error_map(image: &Picture, reference: &Picture, kind: PictureKind)
 fn error_map_of_finite(image: &Picture, reference: &Picture, kind: PictureKind) -> ErrorMap {
     let filters = Filters::new(PIXELS_PER_DEGREE);
     let mut errors = vec![0.0f32; image.pixels.len()];
-    let mut keep_largest_at = |light: &(dyn Fn(f32) -> f32 + Sync)| {
-        let (seen, expected) = (filters.perceive(image, light), filters.perceive(reference, light));
+    let mut accumulate = |light: &(dyn Fn(f32) -> f32 + Sync)| {
+        let (tested, expected) = (filters.apply(image, light), filters.apply(reference, light));
         errors.par_iter_mut().enumerate().for_each(|(index, error)| {
-            *error = error.max(seen.difference(&expected, index));
+            *error = error.max(tested.difference(&expected, index));
         });
     };
     match kind {
-        PictureKind::Ldr => keep_largest_at(&|channel| channel.clamp(0.0, 1.0)),
+        PictureKind::Ldr => accumulate(&|channel| channel.clamp(0.0, 1.0)),
         PictureKind::Hdr => {
             for exposure_stops in exposures(reference) {
                 let gain = exposure_stops.exp2();
-                keep_largest_at(&|channel| aces(channel.max(0.0) * gain));
+                accumulate(&|channel| aces(channel.max(0.0) * gain));
             }
         }
     }
@@ -101,27 +102,27 @@ fn error_map_of_finite(image: &Picture, reference: &Picture, kind: PictureKind) 
 
 // ---- HDR: tone curve and exposures -----------------------------------------------------------------------------------
 
-/// Narkowicz's fit of the ACES curve, (a x² + b x) / (c x² + d x + e), with his exposure of 0.6 taken into the terms.
+/// Narkowicz's fit of the ACES curve, (a x² + b x) / (c x² + d x + e); the terms include his exposure of 0.6.
 const ACES: [f32; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
-/// The display value at which a luminance counts as just shown.
-const SHOWN: f32 = 0.85;
+/// Display value at which a luminance counts as just visible.
+const VISIBLE: f32 = 0.85;
 
 fn aces(x: f32) -> f32 {
     let [a, b, c, d, e] = ACES;
-    // Past here the curve is above 1 anyway, and the squares would overflow.
+    // Beyond this the curve exceeds 1, and the squares would overflow.
     let x = x.min(1e6);
     ((a * x + b) * x / ((c * x + d) * x + e)).clamp(0.0, 1.0)
 }
 
-/// The exposures of HDR-FLIP, in stops.
+/// Exposures of HDR-FLIP, stops.
 fn exposures(reference: &Picture) -> Vec<f32> {
     let [a, b, c, d, e] = ACES;
-    // The positive root of aces(x) = SHOWN.
-    let (square, linear, constant) = (a - SHOWN * c, b - SHOWN * d, -SHOWN * e);
-    let shown_at = (-linear + (linear * linear - 4.0 * square * constant).sqrt()) / (2.0 * square);
+    // Positive root of aces(x) = VISIBLE.
+    let (square, linear, constant) = (a - VISIBLE * c, b - VISIBLE * d, -VISIBLE * e);
+    let visible_at = (-linear + (linear * linear - 4.0 * square * constant).sqrt()) / (2.0 * square);
 
-    let shown = reference.pixels.iter().map(|pixel| pixel.map(|channel| channel.max(0.0)));
-    let mut luminances: Vec<f32> = shown.map(luminance).collect();
+    let clamped = reference.pixels.iter().map(|pixel| pixel.map(|channel| channel.max(0.0)));
+    let mut luminances: Vec<f32> = clamped.map(luminance).collect();
     luminances.sort_unstable_by(f32::total_cmp);
     let brightest = luminances.last().copied().unwrap_or(0.0);
     if brightest <= 0.0 {
@@ -133,9 +134,9 @@ fn exposures(reference: &Picture) -> Vec<f32> {
     } else {
         0.5 * (luminances[middle - 1] + luminances[middle])
     };
-    // A median of 0 has no exposure that shows it; NVIDIA's implementation has the same floor.
-    let start = (shown_at / brightest.max(f32::EPSILON)).log2();
-    let stop = (shown_at / median.max(f32::EPSILON)).log2().max(start);
+    // No exposure shows a median of 0; NVIDIA's implementation uses the same lower limit.
+    let start = (visible_at / brightest.max(f32::EPSILON)).log2();
+    let stop = (visible_at / median.max(f32::EPSILON)).log2().max(start);
     let count = (stop - start).ceil().max(2.0) as usize;
     (0..count).map(|index| start + (stop - start) * index as f32 / (count - 1) as f32).collect()
 }
@@ -158,8 +159,9 @@ const WHITE: [f32; 3] = [0.950_455_9, 1.0, 1.089_057_8];
 
 /// Exponent of the colour difference.
 const COLOUR_EXPONENT: f32 = 0.7;
-/// Differences up to the first share of the largest one are spread over the second share of the range.
+/// Differences below this fraction of the largest one map to errors below [`KNEE_ERROR`].
 const KNEE_DIFFERENCE: f32 = 0.4;
+/// Error at the knee of the compression.
 const KNEE_ERROR: f32 = 0.95;
 /// Exponent of the feature difference.
 const FEATURE_EXPONENT: f32 = 0.5;
@@ -172,7 +174,7 @@ fn luminance(rgb: [f32; 3]) -> f32 {
     transform(&XYZ_FROM_RGB, rgb)[1]
 }
 
-/// Linear RGB to YCxCz, CIELab without its cube root: lightness, red-green, blue-yellow.
+/// Converts linear RGB to YCxCz, which is CIELab without the cube root: lightness, red-green, blue-yellow.
 fn ycxcz(rgb: [f32; 3]) -> [f32; 3] {
     let [x, y, z] = transform(&XYZ_FROM_RGB, rgb);
     let (x, z) = (x / WHITE[0], z / WHITE[2]);
@@ -184,7 +186,7 @@ fn rgb_from_ycxcz([y, cx, cz]: [f32; 3]) -> [f32; 3] {
     transform(&RGB_FROM_XYZ, [(y + cx / 500.0) * WHITE[0], y, (y - cz / 200.0) * WHITE[2]])
 }
 
-/// CIELab of linear RGB, chroma scaled by lightness (Hunt effect).
+/// Converts linear RGB to CIELab with chroma scaled by lightness (Hunt effect).
 fn hunt_lab(rgb: [f32; 3]) -> [f32; 3] {
     const DELTA: f32 = 6.0 / 29.0;
     let root = |t: f32| if t > DELTA.powi(3) { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 };
@@ -200,7 +202,7 @@ fn hyab(p: [f32; 3], q: [f32; 3]) -> f32 {
     (p[0] - q[0]).abs() + (p[1] - q[1]).hypot(p[2] - q[2])
 }
 
-/// A colour difference on the scale 0..=1, small ones spread out.
+/// Compresses a colour difference to 0..=1; small differences cover most of the range.
 fn colour_error(distance: f32, largest: f32) -> f32 {
     let difference = distance.powf(COLOUR_EXPONENT);
     let knee = KNEE_DIFFERENCE * largest;
@@ -213,26 +215,26 @@ fn colour_error(distance: f32, largest: f32) -> f32 {
 
 // ---- Filters ---------------------------------------------------------------------------------------------------------
 
-/// A one-dimensional filter of odd length, centred.
+/// One-dimensional, centred filter of odd length.
 type Kernel = Vec<f32>;
 
-/// The filters for one viewing distance.
+/// Filters of one viewing distance.
 struct Filters {
-    /// Contrast sensitivity: lightness and red-green are a Gaussian each, blue-yellow two with weights.
+    /// Contrast sensitivity filters: a Gaussian each for lightness and red-green, a weighted sum of two for blue-yellow.
     lightness: Kernel,
     red_green: Kernel,
     blue_yellow: [(f32, Kernel); 2],
-    /// A Gaussian of the width of a feature and its first and second derivative.
+    /// Gaussian of the width of a feature, and its first and second derivative.
     smooth: Kernel,
     edge: Kernel,
     point: Kernel,
-    /// The colour difference, to [`COLOUR_EXPONENT`], between green and blue: the largest there is.
+    /// Largest colour difference, that of green and blue, to the power of [`COLOUR_EXPONENT`].
     largest_difference: f32,
 }
 
 impl Filters {
     fn new(pixels_per_degree: f32) -> Self {
-        // Gaussians a sqrt(π/b) exp(-π² d² / b), d in degrees; all are cut at three deviations of b = 0.04.
+        // Gaussians a sqrt(π/b) exp(-π² d² / b), d in degrees; all are truncated at three deviations of b = 0.04.
         let radius = (3.0 * (0.04 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil();
         let gaussian = |b: f32| {
             let weight = |x: f32| (-(PI * x / pixels_per_degree).powi(2) / b).exp();
@@ -247,21 +249,23 @@ impl Filters {
 
         let deviation = 0.5 * 0.082 * pixels_per_degree;
         let feature_radius = (3.0 * deviation).ceil();
-        let bell = |x: f32| (-x * x / (2.0 * deviation * deviation)).exp();
+        let gaussian_weight = |x: f32| (-x * x / (2.0 * deviation * deviation)).exp();
         let (green, blue) = (hunt_lab([0.0, 1.0, 0.0]), hunt_lab([0.0, 0.0, 1.0]));
         Filters {
             lightness: normalised(gaussian(0.0047).0),
             red_green: normalised(gaussian(0.0053).0),
             blue_yellow: sum_of([(34.1, 0.04), (13.5, 0.025)]),
-            smooth: normalised(sampled(feature_radius, bell)),
-            edge: normalised(sampled(feature_radius, |x| -x * bell(x))),
-            point: normalised(sampled(feature_radius, |x| (x * x / (deviation * deviation) - 1.0) * bell(x))),
+            smooth: normalised(sampled(feature_radius, gaussian_weight)),
+            edge: normalised(sampled(feature_radius, |x| -x * gaussian_weight(x))),
+            point: normalised(sampled(feature_radius, |x| {
+                (x * x / (deviation * deviation) - 1.0) * gaussian_weight(x)
+            })),
             largest_difference: hyab(green, blue).powf(COLOUR_EXPONENT),
         }
     }
 
-    /// What the eye makes of a picture whose channels are shown as `light` of them says.
-    fn perceive(&self, picture: &Picture, light: &(dyn Fn(f32) -> f32 + Sync)) -> Perceived {
+    /// Filters a picture; `light` maps each channel to display light.
+    fn apply(&self, picture: &Picture, light: &(dyn Fn(f32) -> f32 + Sync)) -> Filtered {
         let width = picture.width as usize;
         let count = picture.pixels.len();
         let [mut y, mut cx, mut cz] = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
@@ -288,17 +292,17 @@ impl Filters {
         let strength = |derivative: &Kernel| {
             let mut across = along_columns(&along_rows(&y, width, derivative), width, &self.smooth);
             let down = along_columns(&smooth_along_rows, width, derivative);
-            // Lightness on the scale 0..=1; the offset of 16 is gone with the derivative.
+            // Lightness in 0..=1; the derivative of the offset 16 is zero.
             across.par_iter_mut().zip(down).for_each(|(a, d)| *a = (*a * *a + d * d).sqrt() / 116.0);
             across
         };
         let (edges, points) = (strength(&self.edge), strength(&self.point));
-        Perceived { lab, edges, points, largest_difference: self.largest_difference }
+        Filtered { lab, edges, points, largest_difference: self.largest_difference }
     }
 }
 
-/// A picture as the eye sees it.
-struct Perceived {
+/// Filtered picture.
+struct Filtered {
     /// Blurred, Hunt-adjusted CIELab.
     lab: Vec<[f32; 3]>,
     /// Strength of edges and of points in lightness.
@@ -307,9 +311,9 @@ struct Perceived {
     largest_difference: f32,
 }
 
-impl Perceived {
-    /// The FLIP error of pixel `i` against what was expected.
-    fn difference(&self, expected: &Perceived, i: usize) -> f32 {
+impl Filtered {
+    /// FLIP error of pixel `i` against the reference.
+    fn difference(&self, expected: &Filtered, i: usize) -> f32 {
         let colour = colour_error(hyab(self.lab[i], expected.lab[i]), self.largest_difference);
         let edges = (self.edges[i] - expected.edges[i]).abs();
         let points = (self.points[i] - expected.points[i]).abs();
@@ -318,13 +322,13 @@ impl Perceived {
     }
 }
 
-/// A function at the whole numbers from `-radius` to `radius`.
+/// Samples a function at the integers from `-radius` to `radius`.
 fn sampled(radius: f32, weight: impl Fn(f32) -> f32) -> Kernel {
     let radius = radius as i32;
     (-radius..=radius).map(|x| weight(x as f32)).collect()
 }
 
-/// Scales the positive weights to sum to 1 and the negative ones to -1, and drops tails too small to tell in 32-bit floats.
+/// Scales the positive weights to sum to 1 and the negative ones to -1; drops tails that are negligible in 32-bit floats.
 fn normalised(mut kernel: Kernel) -> Kernel {
     let positive: f32 = kernel.iter().filter(|weight| **weight > 0.0).sum();
     let negative: f32 = -kernel.iter().filter(|weight| **weight < 0.0).sum::<f32>();
@@ -336,7 +340,7 @@ fn normalised(mut kernel: Kernel) -> Kernel {
     kernel[tail..2 * radius + 1 - tail].to_vec()
 }
 
-/// Filters every row; pixels past the border are those on it.
+/// Filters every row; pixels beyond the border repeat those on it.
 fn along_rows(plane: &[f32], width: usize, kernel: &Kernel) -> Vec<f32> {
     let radius = kernel.len() / 2;
     let mut out = vec![0.0; plane.len()];
@@ -355,7 +359,7 @@ fn along_rows(plane: &[f32], width: usize, kernel: &Kernel) -> Vec<f32> {
     out
 }
 
-/// Filters every column; pixels past the border are those on it.
+/// Filters every column; pixels beyond the border repeat those on it.
 fn along_columns(plane: &[f32], width: usize, kernel: &Kernel) -> Vec<f32> {
     let radius = kernel.len() / 2;
     let last_row = (plane.len() / width).saturating_sub(1);

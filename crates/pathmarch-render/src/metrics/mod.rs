@@ -1,29 +1,29 @@
-//! How far a picture is from a reference: relMSE, MSE, means, and FLIP.
+//! Image metrics against a reference: relMSE, MSE, means and FLIP.
 //!
-//! **Idea.** relMSE = mean over pixels and channels of (i - r)² / (r² + 0.01): what Monte Carlo noise costs, of equal
-//! weight in dark and bright parts; times the seconds spent it is the efficiency of an unbiased renderer. Means tell bias
-//! from noise. FLIP ([`flip`](mod@flip)) tells what a person would see.
+//! **Idea.** relMSE = mean over pixels and channels of (i - r)² / (r² + 0.01). It measures Monte Carlo noise with equal weight
+//! in dark and bright parts; one over relMSE times the render time is the efficiency of an unbiased renderer. Means
+//! distinguish bias from noise. FLIP ([`flip`](mod@flip)) predicts the visible difference.
 //!
 //! **Source.** relMSE after Rousselle, Knaus, Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error
 //! Minimization", SIGGRAPH Asia 2011, with the constant of the reference pictures.
 //!
-//! **Bad pixels.** A NaN must not pass as a small error. [`relmse`], [`mse`] and [`flip()`](flip::flip) refuse pictures that
-//! hold NaN or infinity; [`compare`] counts these pixels, leaves them out of relMSE, MSE and the means, and gives them the
-//! largest FLIP error, 1.
+//! **Bad pixels.** A NaN must not count as a small error. [`relmse`], [`mse`] and [`flip()`](flip::flip) refuse pictures with
+//! NaN or infinity. [`compare`] counts these pixels, excludes them from relMSE, MSE and the means, and assigns them the largest
+//! FLIP error, 1.
 //!
-//! **Cost.** Linear in the pixels; FLIP dominates.
+//! **Cost.** Linear in the number of pixels; FLIP dominates.
 
 pub mod flip;
 
 use crate::output::image::{Picture, PictureKind};
 
-/// Added to the squared reference in relMSE, so that black does not divide by zero.
+/// Constant added to the squared reference in relMSE, so that black does not divide by zero.
 pub(crate) const RELMSE_EPSILON: f64 = 0.01;
 
-/// Why two pictures could not be compared.
+/// Reason why two pictures cannot be compared.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MetricError {
-    /// The pictures are of different sizes.
+    /// The pictures have different sizes.
     #[error(
         "the picture is {width}x{height} and the reference {reference_width}x{reference_height}; \
          render or scale one to the size of the other"
@@ -41,20 +41,20 @@ pub enum MetricError {
     /// The pictures have no pixels.
     #[error("the pictures have no pixels; there is nothing to compare")]
     Empty,
-    /// There are pixels that are NaN or infinite.
+    /// Some pixels are NaN or infinite.
     #[error(
         "{image} pixels of the picture and {reference} of the reference are NaN or infinite; \
-         find what renders them before trusting any figure"
+         find their cause before you trust any figure"
     )]
     NonFinite {
-        /// Pixels of the picture.
+        /// Number of such pixels in the picture.
         image: u64,
-        /// Pixels of the reference.
+        /// Number of such pixels in the reference.
         reference: u64,
     },
 }
 
-/// Everything [`compare`] measures.
+/// Result of [`compare`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// Mean of (a - r)² / (r² + 0.01).
@@ -67,9 +67,9 @@ pub struct Comparison {
     pub mean_a: [f64; 3],
     /// Mean colour of the reference.
     pub mean_b: [f64; 3],
-    /// Pixels of the picture that are NaN or infinite.
+    /// Number of pixels of the picture that are NaN or infinite.
     pub non_finite_a: u64,
-    /// Pixels of the reference that are NaN or infinite.
+    /// Number of pixels of the reference that are NaN or infinite.
     pub non_finite_b: u64,
     /// Width in pixels.
     pub width: u32,
@@ -77,8 +77,8 @@ pub struct Comparison {
     pub height: u32,
 }
 
-/// Compares a picture with a reference; the module's page says what becomes of pixels that are NaN or infinite. `kind`
-/// chooses between FLIP and HDR-FLIP.
+/// Compares a picture with a reference by FLIP (`Ldr`) or HDR-FLIP (`Hdr`) and the other metrics. The module documentation
+/// describes the treatment of pixels that are NaN or infinite.
 ///
 /// # Errors
 /// [`MetricError::SizeMismatch`], [`MetricError::Empty`].
@@ -125,18 +125,18 @@ pub fn relmse(image: &Picture, reference: &Picture) -> Result<f64, MetricError> 
 /// Mean over pixels and channels of (i - r)².
 ///
 /// # Errors
-/// As [`relmse`].
+/// Those of [`relmse`].
 pub fn mse(image: &Picture, reference: &Picture) -> Result<f64, MetricError> {
     mean_of(image, reference, |i, r| (i - r) * (i - r))
 }
 
-/// Mean colour over all pixels; NaN where a pixel is.
+/// Mean colour over all pixels; NaN if any pixel is NaN.
 pub fn mean_colour(picture: &Picture) -> [f64; 3] {
     picture.mean_colour()
 }
 
-/// The means of square blocks of `side` pixels, as a small picture: bias shows in it where the noise of single pixels would
-/// hide it. Blocks at the right and the bottom may be narrower; `side` 0 counts as 1.
+/// Picture of the means of square blocks of `side` pixels. It shows bias that the noise of single pixels hides. Blocks at the
+/// right and the bottom may be smaller; `side` 0 counts as 1.
 pub fn block_means(picture: &Picture, side: u32) -> Picture {
     let side = side.max(1);
     Picture::from_fn(picture.width.div_ceil(side), picture.height.div_ceil(side), |block_x, block_y| {
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_pixels_are_counted_and_never_pass_for_agreement() {
+    fn bad_pixels_are_counted_and_never_count_as_agreement() {
         let reference = constant(0.5);
         let mut image = reference.clone();
         image.pixels[7][1] = f32::NAN;

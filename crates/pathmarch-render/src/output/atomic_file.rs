@@ -1,10 +1,10 @@
-//! Files that are written whole: under a temporary name beside the target, renamed when all is there.
+//! Atomic writes: a file is written under a temporary name beside the target, and renamed when it is complete.
 
 use std::io;
 use std::path::Path;
 use tempfile::NamedTempFile;
 
-/// The directory that a file is in.
+/// Directory of a file.
 pub(crate) fn directory(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -12,10 +12,10 @@ pub(crate) fn directory(path: &Path) -> &Path {
     }
 }
 
-/// An empty file beside `path`, to be written and then persisted as `path`; it is removed when dropped before.
+/// Creates an empty file beside `path`, to be written and then persisted as `path`. Dropping it removes it.
 ///
 /// # Errors
-/// If it cannot be made, or `path` is a directory.
+/// If it cannot be created, or `path` is a directory.
 pub(crate) fn beside(path: &Path) -> io::Result<NamedTempFile> {
     if path.is_dir() {
         return Err(io::ErrorKind::IsADirectory.into());
@@ -27,7 +27,7 @@ pub(crate) fn beside(path: &Path) -> io::Result<NamedTempFile> {
     builder.prefix(&name).suffix(".part");
     #[cfg(unix)]
     {
-        // As for any new file, the umask takes its share; tempfile's default is private to the user.
+        // The umask applies, as for any new file; tempfile's default is private to the user.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }

@@ -1,37 +1,37 @@
-//! Film: the sums of radiance that a render accumulates, and their mean.
+//! Film: accumulated sums of radiance, and their mean.
 //!
-//! **Idea.** A pixel is the mean of its samples. The film keeps the *sum* and the count, never the mean, so that sample
-//! ranges rendered apart (0..64 here, 64..128 there) add up to the film of the whole range. Samples that came out as NaN,
-//! infinity or beyond 1e30 are left out of both.
+//! **Idea.** A pixel is the mean of its samples. The film stores the *sum* and the count instead of the mean, so that films of
+//! adjoining sample ranges (0..64 and 64..128) add up to the film of the whole range. Samples that are NaN, infinite or beyond
+//! 1e30 are rejected: neither the sum nor the count includes them.
 //!
 //! **Source.** The box-filtered film of any Monte Carlo renderer; Pharr, Jakob, Humphreys, *Physically Based Rendering*,
-//! 4th edition 2023, section 5.4. We keep every sample in its own pixel (no reconstruction filter wider than a pixel),
-//! which makes the pixels independent.
+//! 4th edition 2023, section 5.4. A sample contributes to its own pixel only (no reconstruction filter wider than a pixel),
+//! so that pixels are independent.
 //!
-//! **Cost.** Twelve bytes a pixel, and four more once a sample was left out. A sum in 32-bit floats of `n` samples of like size has a relative error of about
-//! `sqrt(n) * 6e-8`: 1.5e-5 at 65,536 samples, far below their noise.
+//! **Cost.** Twelve bytes a pixel, and four more once a sample was rejected. A sum in 32-bit floats of `n` samples of similar
+//! size has a relative error of about `sqrt(n) * 6e-8`: 1.5e-5 at 65,536 samples, far below their noise.
 
 use crate::output::image::Picture;
 
-/// Accumulated radiance, one sum per pixel and channel.
+/// Accumulated radiance: one sum for each pixel and channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Samples taken of every pixel.
+    /// Number of samples of every pixel, rejected ones included.
     pub samples: u32,
-    /// Sums over the samples of linear Rec. 709 radiance, W/(m² sr); `width * height` of them, the top row first.
+    /// Sums of linear Rec. 709 radiance, W/(m² sr), over the samples; `width * height` pixels, the top row first.
     pub sums: Vec<[f32; 3]>,
-    /// How many of each pixel's samples are not in `sums`; empty where none was left out of any pixel.
-    left_out: Vec<u32>,
+    /// Number of rejected samples of each pixel; empty if no sample was rejected.
+    rejected: Vec<u32>,
 }
 
-/// Why two films could not be added.
+/// Reason why two films cannot be added.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum FilmError {
-    /// The films are of different sizes.
+    /// The films have different sizes.
     #[error(
         "cannot add a film of {other_width}x{other_height} to one of {width}x{height}; render both parts at the same size"
     )]
@@ -40,54 +40,54 @@ pub enum FilmError {
         width: u32,
         /// Height of the film added to.
         height: u32,
-        /// Width of the film that was to be added.
+        /// Width of the added film.
         other_width: u32,
-        /// Height of the film that was to be added.
+        /// Height of the added film.
         other_height: u32,
     },
-    /// The sum has more samples than can be counted.
-    #[error("a film of {samples} samples cannot take {other_samples} more; the limit is {limit}", limit = u32::MAX)]
+    /// The sum of the sample counts overflows.
+    #[error("cannot add {other_samples} samples to a film of {samples}; the limit is {limit}", limit = u32::MAX)]
     TooManySamples {
         /// Samples in the film added to.
         samples: u32,
-        /// Samples in the film that was to be added.
+        /// Samples in the added film.
         other_samples: u32,
     },
 }
 
 impl Film {
-    /// An empty film: no samples, every sum zero.
+    /// Film without samples; every sum is zero.
     pub fn new(width: u32, height: u32) -> Self {
         let pixels = width as usize * height as usize;
-        Film { width, height, samples: 0, sums: vec![[0.0; 3]; pixels], left_out: Vec::new() }
+        Film { width, height, samples: 0, sums: vec![[0.0; 3]; pixels], rejected: Vec::new() }
     }
 
-    /// Says that `samples` more samples of a pixel were not finite and are not in its sum.
+    /// Counts `samples` rejected samples of a pixel, which its sum does not include.
     ///
     /// # Panics
-    /// Where there is no pixel of this index.
+    /// If there is no pixel of this index.
     pub fn leave_out(&mut self, pixel: usize, samples: u32) {
         if samples > 0 {
-            self.left_out.resize(self.sums.len(), 0);
-            self.left_out[pixel] += samples;
+            self.rejected.resize(self.sums.len(), 0);
+            self.rejected[pixel] += samples;
         }
     }
 
-    /// Samples that came out as NaN, infinity or beyond 1e30, and were left out; anything but 0 is a fault to report.
+    /// Number of rejected samples: NaN, infinite or beyond 1e30. Any value but 0 is a bug to report.
     pub fn non_finite(&self) -> u64 {
-        self.left_out.iter().copied().map(u64::from).sum()
+        self.rejected.iter().copied().map(u64::from).sum()
     }
 
-    /// For each pixel, how many samples are in its sum.
+    /// Number of samples in each pixel's sum.
     pub fn sample_counts(&self) -> Vec<u32> {
         let mut counts = vec![self.samples; self.sums.len()];
-        for (count, left_out) in counts.iter_mut().zip(&self.left_out) {
-            *count = count.saturating_sub(*left_out);
+        for (count, rejected) in counts.iter_mut().zip(&self.rejected) {
+            *count = count.saturating_sub(*rejected);
         }
         counts
     }
 
-    /// The picture so far: each sum divided by the number of samples in it. A pixel without any is black.
+    /// Mean of the samples of each pixel; black for pixels without samples.
     pub fn mean(&self) -> Picture {
         let mean = |(sum, count): (&[f32; 3], u32)| {
             let scale = 1.0 / f64::from(count.max(1));
@@ -97,10 +97,10 @@ impl Film {
         Picture { width: self.width, height: self.height, pixels }
     }
 
-    /// Adds the samples of another film of the same size; the caller sees to it that the two hold different samples.
+    /// Adds the samples of another film of the same size. The caller ensures that their sample ranges do not overlap.
     ///
     /// # Errors
-    /// [`FilmError`] when the sizes differ or the sample count overflows; this film is then unchanged.
+    /// [`FilmError`] if the sizes differ or the sample count overflows; this film is then unchanged.
     pub fn add(&mut self, other: &Film) -> Result<(), FilmError> {
         if (self.width, self.height) != (other.width, other.height) {
             return Err(FilmError::SizeMismatch {
@@ -114,7 +114,7 @@ impl Film {
             .samples
             .checked_add(other.samples)
             .ok_or(FilmError::TooManySamples { samples: self.samples, other_samples: other.samples })?;
-        for (pixel, &samples) in other.left_out.iter().enumerate() {
+        for (pixel, &samples) in other.rejected.iter().enumerate() {
             self.leave_out(pixel, samples);
         }
         for (sum, more) in self.sums.iter_mut().zip(&other.sums) {
@@ -130,7 +130,7 @@ impl Film {
 mod tests {
     use super::*;
 
-    /// A film of `samples` whose sample `s` in pixel `i` is the exactly representable value `i + s / 4`.
+    /// Film of a sample range; sample `s` of pixel `i` is the exactly representable value `i + s / 4`.
     fn film_of(range: std::ops::Range<u32>) -> Film {
         let mut film = Film::new(5, 3);
         for sample in range {
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn sample_ranges_rendered_apart_add_up_to_the_whole() {
+    fn sample_ranges_add_up_to_the_whole() {
         let mut parts = film_of(0..3);
         parts.add(&film_of(3..8)).expect("same size");
         assert_eq!(parts, film_of(0..8));
@@ -152,13 +152,13 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_is_over_the_samples_that_count() {
+    fn the_mean_excludes_rejected_samples() {
         let mut whole = Film::new(3, 1);
-        for (left_out, sum) in [([1, 0, 2], [3.0, 8.0, 0.0]), ([0, 0, 2], [6.0, 4.0, 0.0])] {
+        for (rejected, sum) in [([1, 0, 2], [3.0, 8.0, 0.0]), ([0, 0, 2], [6.0, 4.0, 0.0])] {
             let mut part = Film::new(3, 1);
             part.samples = 2;
             for pixel in 0..3 {
-                part.leave_out(pixel, left_out[pixel]);
+                part.leave_out(pixel, rejected[pixel]);
                 part.sums[pixel] = [sum[pixel]; 3];
             }
             whole.add(&part).expect("same size");

@@ -1,4 +1,4 @@
-//! Pictures: films, image files, tone mapping.
+//! Output: films, image files and tone mapping.
 
 pub(crate) mod atomic_file;
 pub mod film;

@@ -1,20 +1,20 @@
-//! Tone mapping: unbounded linear radiance to the 0..1 sRGB codes that a screen shows.
+//! Tone mapping: unbounded linear radiance to sRGB codes in 0..=1.
 //!
-//! **Idea.** A picture holds any radiance; a screen shows 0 to 1. [`Tonemap::Agx`] compresses like film (bright
-//! colours fade to white, nothing clips), [`Tonemap::Neutral`] leaves base colours as they are and compresses highlights
-//! only, [`Tonemap::Srgb`] clips. All end in sRGB codes (IEC 61966-2-1), ready to be rounded to 8 bits.
+//! **Idea.** Radiance is unbounded; a display shows 0 to 1. [`Tonemap::Agx`] compresses like photographic film: bright colours
+//! fade to white and nothing clips. [`Tonemap::Neutral`] preserves base colours and compresses highlights only.
+//! [`Tonemap::Srgb`] clips. All return sRGB codes (IEC 61966-2-1), ready to be rounded to 8 bits.
 //!
 //! **Source.** AgX: Troy Sobotka, 2022, in the closed form fitted by Benjamin Wrensch, "Minimal AgX Implementation", 2023
-//! (base look). Its curve yields codes for a screen of pure power 2.2; we decode them with that power and encode the light
-//! with the sRGB curve, which is what a fragment shader that writes to an sRGB target does, and equals the codes
-//! themselves to within 0.035, most in the darkest shadows. Neutral: Khronos, "PBR Neutral Tone Mapper", 2024.
+//! (base look). Its curve returns codes for a display of pure power 2.2. We decode them with that power and encode the light
+//! with the sRGB curve, as does a fragment shader that writes to an sRGB target. The result differs from the codes by up to
+//! 0.035, most in the darkest shadows. Neutral: Khronos, "PBR Neutral Tone Mapper", 2024.
 //!
-//! **Bad pixels.** NaN and negative radiance map as 0; infinity as a very bright colour. The result is always finite.
+//! **Bad pixels.** NaN and negative radiance count as 0, infinity as a very bright colour. The result is always finite.
 //!
-//! **Once for all.** The curves are written over [`Real`]: the same text gives one pixel of a file, eight pixels side by
-//! side for the window, and the WGSL of the pass that shows a film.
+//! **One source.** The curves are generic over [`Real`]: one function computes a pixel of a file, eight pixels in SIMD lanes
+//! for the window, and the WGSL of the display pass.
 //!
-//! **Cost.** Nine logarithms and exponentials a pixel for AgX: 90 ms a megapixel on one core, one by one.
+//! **Cost.** Nine logarithms and exponentials a pixel for AgX: 90 ms a megapixel on one core, without SIMD.
 
 use pathmarch_field::number::Real;
 use pathmarch_field::wgsl::Function;
@@ -26,9 +26,9 @@ pub fn map(tonemap: Tonemap, linear: [f32; 3]) -> [f32; 3] {
     codes(tonemap, linear)
 }
 
-/// [`map`] over any number: one pixel, eight, or the text of a WGSL function.
+/// [`map`] over any number type: one pixel, eight pixels, or WGSL.
 fn codes<N: Real>(tonemap: Tonemap, linear: [N; 3]) -> [N; 3] {
-    let linear = linear.map(defined);
+    let linear = linear.map(sanitized);
     match tonemap {
         Tonemap::Agx => agx(linear),
         Tonemap::Neutral => neutral(linear),
@@ -37,8 +37,8 @@ fn codes<N: Real>(tonemap: Tonemap, linear: [N; 3]) -> [N; 3] {
     .map(encoded)
 }
 
-/// Every curve as a WGSL function `NAME_codes(linear: vec4f) -> vec4f`, and `codes(tonemap, linear)`, which chooses one
-/// by its place in [`Tonemap::ALL`].
+/// Every curve as a WGSL function `NAME_codes(linear: vec4f) -> vec4f`, and `codes(tonemap, linear)`, which chooses a curve
+/// by its index in [`Tonemap::ALL`].
 pub(crate) fn wgsl() -> String {
     let mut text = String::new();
     let mut choice = String::new();
@@ -56,77 +56,77 @@ pub(crate) fn wgsl() -> String {
     text + &format!("fn codes(tonemap: u32, linear: vec4f) -> vec4f {{\n{choice}    return linear;\n}}\n")
 }
 
-/// What stands between a linear picture and a screen: a tone curve and an exposure.
+/// Tone curve and exposure for the display of a linear picture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Display {
-    /// The tone curve.
+    /// Tone curve.
     pub tonemap: Tonemap,
-    /// Exposure in stops: radiance is multiplied by two to this power before the curve.
+    /// Exposure, stops: radiance is multiplied by two to this power before the curve.
     pub exposure_stops: f32,
 }
 
 impl Display {
-    /// Linear Rec. 709 radiance to sRGB codes in 0..=1.
+    /// Maps linear Rec. 709 radiance to sRGB codes in 0..=1.
     pub fn encode(&self, linear: [f32; 3]) -> [f32; 3] {
         map(self.tonemap, linear.map(|channel| channel * self.gain()))
     }
 
-    /// The same in 8 bits, rounded to nearest.
+    /// [`encode`](Self::encode) in 8 bits, rounded to nearest.
     pub fn encode_8bit(&self, linear: [f32; 3]) -> [u8; 3] {
         self.encode(linear).map(|code| (code * 255.0).round() as u8)
     }
 
-    /// [`encode`](Self::encode) for eight pixels, side by side.
+    /// [`encode`](Self::encode) for eight pixels in SIMD lanes.
     pub(crate) fn encode_lanes(&self, linear: [f32x8; 3]) -> [f32x8; 3] {
         let gain = f32x8::splat(self.gain());
         codes(self.tonemap, linear.map(|channel| channel * gain))
     }
 
-    /// What radiance is multiplied by.
+    /// Factor of radiance before the curve.
     pub(crate) fn gain(&self) -> f32 {
         self.exposure_stops.exp2()
     }
 }
 
-/// The sRGB curve (IEC 61966-2-1): linear light to a code. Clamps to 0..=1; NaN gives 0.
+/// sRGB curve (IEC 61966-2-1): encodes linear light as a code. Clamps to 0..=1; NaN becomes 0.
 pub fn srgb_encode(linear: f32) -> f32 {
     encoded(linear)
 }
 
 fn encoded<N: Real>(linear: N) -> N {
-    let linear = defined(linear).min(N::one());
+    let linear = sanitized(linear).min(N::one());
     let curved = N::constant(1.055) * power(linear, 1.0 / 2.4) - N::constant(0.055);
     N::select(N::constant(0.003_130_8).lt(linear), curved, N::constant(12.92) * linear)
 }
 
-/// The inverse of [`srgb_encode`]: a code in 0..=1 to linear light.
+/// Inverse of [`srgb_encode`]: decodes a code in 0..=1 to linear light.
 pub fn srgb_decode(code: f32) -> f32 {
     decoded(code)
 }
 
-/// [`srgb_decode`] over any number.
+/// [`srgb_decode`] over any number type.
 pub(crate) fn decoded<N: Real>(code: N) -> N {
-    let code = defined(code).min(N::one());
+    let code = sanitized(code).min(N::one());
     let curved = power((code + N::constant(0.055)) * N::constant(1.0 / 1.055), 2.4);
     N::select(N::constant(0.040_45).lt(code), curved, code * N::constant(1.0 / 12.92))
 }
 
-/// `x`, zero or more, to a power, also where a logarithm of zero is not defined.
+/// Power of `x`, which is not negative; sanitized also at zero, whose logarithm is not.
 fn power<N: Real>(x: N, exponent: f32) -> N {
     let least = N::constant(1e-20);
     N::select(x.lt(least), N::zero(), x.max(least).pow(N::constant(exponent)))
 }
 
-/// The brightest radiance that curves are asked to map; large, and safe to multiply.
-const BRIGHTEST: f32 = 1e18;
+/// Largest radiance that the curves map; safe to multiply.
+const MAX_RADIANCE: f32 = 1e18;
 
-/// NaN and negatives to 0, infinity to [`BRIGHTEST`].
-fn defined<N: Real>(channel: N) -> N {
+/// Replaces NaN and negative values by 0, and clamps to [`MAX_RADIANCE`].
+fn sanitized<N: Real>(channel: N) -> N {
     // NaN compares false.
-    N::select(N::zero().lt(channel), channel.min(N::constant(BRIGHTEST)), N::zero())
+    N::select(N::zero().lt(channel), channel.min(N::constant(MAX_RADIANCE)), N::zero())
 }
 
-/// Rec. 709 to the AgX working space (rows), and back.
+/// Matrices (rows) from Rec. 709 to the AgX working space, and back.
 const AGX_INSET: [[f32; 3]; 3] = [
     [0.842_479_06, 0.078_433_6, 0.079_223_745],
     [0.042_328_224, 0.878_468_64, 0.079_166_13],
@@ -137,22 +137,22 @@ const AGX_OUTSET: [[f32; 3]; 3] = [
     [-0.052_896_85, 1.151_903_1, -0.098_961_18],
     [-0.052_971_635, -0.098_043_45, 1.151_073_7],
 ];
-/// The range of the curve in log2 of radiance: ten stops below middle grey (0.18) to six and a half above.
+/// Range of the curve in log2 of radiance: from ten stops below middle grey (0.18) to six and a half above.
 const AGX_MIN_LOG2: f32 = -12.473_93;
 const AGX_MAX_LOG2: f32 = 4.026_069;
 
-/// AgX, base look; linear light out, in 0..=1.
+/// AgX, base look; returns linear light in 0..=1.
 fn agx<N: Real>(linear: [N; 3]) -> [N; 3] {
     let log_encoded = transform(&AGX_INSET, linear).map(|channel| {
         let log2 = channel.max(N::constant(1e-20)).ln() * N::constant(std::f32::consts::LOG2_E);
         (log2.clamp(N::constant(AGX_MIN_LOG2), N::constant(AGX_MAX_LOG2)) - N::constant(AGX_MIN_LOG2))
             * N::constant(1.0 / (AGX_MAX_LOG2 - AGX_MIN_LOG2))
     });
-    // Through the sigmoid, back to Rec. 709 in codes for a screen of power 2.2, then to the light that such a screen emits.
+    // Sigmoid, then codes in Rec. 709 for a display of power 2.2, then the light that this display emits.
     transform(&AGX_OUTSET, log_encoded.map(agx_sigmoid)).map(|code| power(code.clamp(N::zero(), N::one()), 2.2))
 }
 
-/// Wrensch's polynomial of sixth order for the AgX contrast curve.
+/// Wrensch's polynomial of degree six for the AgX contrast curve.
 fn agx_sigmoid<N: Real>(x: N) -> N {
     [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.002_32]
         .into_iter()
@@ -163,22 +163,22 @@ fn transform<N: Real>(rows: &[[f32; 3]; 3], v: [N; 3]) -> [N; 3] {
     rows.map(|row| N::constant(row[0]) * v[0] + N::constant(row[1]) * v[1] + N::constant(row[2]) * v[2])
 }
 
-/// Khronos PBR Neutral; linear light out, in 0..=1.
+/// Khronos PBR Neutral; returns linear light in 0..=1.
 fn neutral<N: Real>(linear: [N; 3]) -> [N; 3] {
-    /// Reflectance at normal incidence of the common dielectric, which the curve takes off again.
+    /// Reflectance at normal incidence of a common dielectric, which the curve subtracts.
     const F90_OFFSET: f32 = 0.04;
     const COMPRESSION_START: f32 = 0.8 - F90_OFFSET;
     const DESATURATION: f32 = 0.15;
 
     let [r, g, b] = linear;
     let darkest = r.min(g).min(b);
-    let all_of_it = N::constant(F90_OFFSET);
-    let offset = N::select(darkest.lt(N::constant(0.08)), darkest - N::constant(6.25) * darkest * darkest, all_of_it);
+    let full_offset = N::constant(F90_OFFSET);
+    let offset = N::select(darkest.lt(N::constant(0.08)), darkest - N::constant(6.25) * darkest * darkest, full_offset);
     let base = linear.map(|channel| channel - offset);
     let peak = base[0].max(base[1]).max(base[2]);
     let start = N::constant(COMPRESSION_START);
     let room = N::constant(1.0 - COMPRESSION_START);
-    // The shoulder, which is not used below its start.
+    // Shoulder; not used below its start.
     let over = peak.max(start);
     let new_peak = N::one() - room * room / (over + room - start);
     let white = N::one() - N::one() / (N::constant(DESATURATION) * (over - new_peak) + N::one());
@@ -213,7 +213,7 @@ mod tests {
         let grey = map(Tonemap::Agx, [0.18; 3]);
         assert_near(grey[0], 0.5005, 1e-3);
         assert_near(grey[0], grey[2], 1e-3);
-        // Bright red is on its way to white, where a clip would leave it pure.
+        // Bright red fades to white; clipping would leave it pure.
         let bright_red = map(Tonemap::Agx, [16.0, 0.0, 0.0]);
         assert!(bright_red[0] > bright_red[1] + 0.05, "{bright_red:?}");
         assert!(bright_red[1] > 0.4, "{bright_red:?}");
@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn agx_agrees_with_the_published_steps() {
-        // The published shader's steps in 64-bit floats, by numpy: (0.7, 0.2, 0.05) to codes of power 2.2, then light, then
+        // Steps of the published shader in 64-bit floats, by numpy: (0.7, 0.2, 0.05) to codes of power 2.2, then light, then
         // sRGB codes.
         let found = map(Tonemap::Agx, [0.7, 0.2, 0.05]);
         for (found, expected) in found.into_iter().zip(AGX_ORANGE) {
@@ -240,7 +240,7 @@ mod tests {
                 assert_near(found[channel], colour[channel] - 0.04, 1e-5);
             }
         }
-        // A channel at zero takes no offset at all.
+        // A channel at zero has no offset.
         assert_near(srgb_decode(map(Tonemap::Neutral, [0.7, 0.3, 0.0])[0]), 0.7, 1e-5);
         // The shoulder: peak 0.96 compresses to 1 - 0.24² / (0.96 + 0.24 - 0.76).
         assert_near(srgb_decode(map(Tonemap::Neutral, [1.0; 3])[0]), 1.0 - 0.0576 / 0.44, 1e-5);

@@ -34,7 +34,7 @@ use crate::intersect::ray::{Ray, RaySegment, lanes};
 use crate::sampling::r2_sequence;
 use crate::scene::preview_material::{self, PreviewNumbers};
 use crate::scene::{LightShape, TraceContext};
-use crate::settings::LightSearch;
+use crate::settings::DirectLighting;
 use crate::shading::surface_interaction::{SurfaceInteraction, interactions};
 use crate::shading::textured_point::TexturedPoint;
 use crate::wgsl::shared_constants;
@@ -238,8 +238,9 @@ impl Follower<'_> {
                     }
                     None => {
                         let direction = walk.ray.direction;
-                        let beyond = light_sampling::sky_radiance(&ctx.scene.sky, LightSearch::Met, direction, 0.0)
-                            + light_sampling::sun_radiance(ctx, direction, 0.0);
+                        let beyond =
+                            light_sampling::sky_radiance(&ctx.scene.sky, DirectLighting::BsdfSampling, direction, 0.0)
+                                + light_sampling::sun_radiance(ctx, direction, 0.0);
                         self.colours[walk.slot] += walk.weight * beyond;
                     }
                 }

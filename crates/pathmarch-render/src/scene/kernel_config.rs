@@ -5,7 +5,7 @@ use super::light::LightShape;
 use super::material::TRANSMITS;
 use super::textured_material::TexturedMaterial;
 use crate::mode::Mode;
-use crate::settings::{LightSearch, Settings};
+use crate::settings::{DirectLighting, Settings};
 use pathmarch_scene::Caustics;
 
 /// Over-relaxation: twice the share of a step after which two unbounding spheres touch by the estimated slope.
@@ -30,7 +30,7 @@ pub(crate) struct KernelConfig {
     pub(crate) orbits: bool,
     /// Some material has a bump map.
     pub(crate) bump: bool,
-    pub(crate) light_search: LightSearch,
+    pub(crate) direct_lighting: DirectLighting,
     /// [`RELAXATION`], or 0 for plain sphere tracing.
     pub(crate) relaxation: f32,
     /// Paths that share a camera ray.
@@ -54,7 +54,7 @@ impl KernelConfig {
             textures: textured(|material| !material.is_plain()),
             orbits: textured(TexturedMaterial::has_orbit),
             bump: textured(TexturedMaterial::has_bump),
-            light_search: settings.light_search,
+            direct_lighting: settings.direct_lighting,
             relaxation: RELAXATION,
             splitting: if settings.mode == Mode::Path { settings.splitting.unwrap_or(1) } else { 1 },
             refined_grazing: scene.has_sphere_traced_emitter(),

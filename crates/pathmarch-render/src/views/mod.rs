@@ -22,7 +22,7 @@ pub(crate) mod pick;
 use crate::integrator::camera::central_ray;
 use crate::intersect::march::{MAX_STEPS, march_with_stats};
 use crate::intersect::ray::RaySegment;
-use crate::mode::{Mode, colour_of_number, heat};
+use crate::mode::{Mode, heat, index_colour};
 use crate::output::tonemap::srgb_decode;
 use crate::ray_stats::MarchStats;
 use crate::sampling::r2_sequence;
@@ -65,8 +65,8 @@ pub(crate) fn table(mode: Mode, scene: &Scene, camera: &Camera) -> Vec<f32> {
     match mode {
         Mode::Path | Mode::Preview | Mode::Normal | Mode::Variance => Vec::new(),
         Mode::Albedo => by_leaf(&|leaf| display_colour(scene, leaf.tag)),
-        Mode::ObjectId => by_leaf(&|leaf| colour_of_number(leaf.object)),
-        Mode::MaterialId => by_leaf(&|leaf| colour_of_number(leaf.tag)),
+        Mode::ObjectId => by_leaf(&|leaf| index_colour(leaf.object)),
+        Mode::MaterialId => by_leaf(&|leaf| index_colour(leaf.tag)),
         Mode::Depth => {
             let distance = Vec3::from(camera.position).distance(Vec3::from(camera.target));
             let scale = Extent::new(scene, camera).radius.min(distance);

@@ -2,21 +2,21 @@
 
 use super::bindings::STORAGE_BUFFERS;
 
-/// Kind of an adapter that runs on the processor.
+/// Kind of an adapter that runs on the CPU.
 pub(super) const SOFTWARE: &str = "software";
 
 /// Graphics adapter of this machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterDescription {
-    /// Name that the driver gives it.
+    /// Name that the driver reports.
     pub name: String,
     /// Graphics API: "Vulkan", "Metal", "Dx12", "Gl".
     pub backend: String,
     /// "discrete GPU", "integrated GPU", "virtual GPU", "software" or "other".
     pub kind: &'static str,
-    /// Driver and its version, if it reports them.
+    /// Name and version of the driver; empty if not reported.
     pub driver: String,
-    /// Reason why it cannot be used, if it cannot.
+    /// Reason why it cannot be used; `None` if it can.
     pub unusable: Option<&'static str>,
 }
 
@@ -43,14 +43,14 @@ pub(super) fn describe(adapter: &wgpu::Adapter) -> AdapterDescription {
         },
         driver: [info.driver.as_str(), info.driver_info.as_str()].join(" ").trim().to_owned(),
         unusable: match (compute, buffers) {
-            (false, _) => Some("it has no compute shaders"),
-            (true, false) => Some("it allows fewer than seven storage buffers in a shader"),
+            (false, _) => Some("it does not support compute shaders"),
+            (true, false) => Some("it supports fewer than seven storage buffers in a shader"),
             (true, true) => None,
         },
     }
 }
 
-/// Order of preference: real GPUs before software.
+/// Rank in the order of preference: GPUs before software.
 fn rank(adapter: &wgpu::Adapter) -> u8 {
     match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
@@ -64,7 +64,7 @@ fn rank(adapter: &wgpu::Adapter) -> u8 {
 pub(super) fn enumerate() -> Vec<wgpu::Adapter> {
     let of = |backends| pollster::block_on(instance(backends).enumerate_adapters(backends));
     let mut adapters = of(wgpu::Backends::PRIMARY);
-    // OpenGL shows the same hardware once more, and its libraries are noisy where there is no display: only when needed.
+    // OpenGL lists the same hardware again, and its libraries print warnings without a display: used only if needed.
     if !adapters.iter().any(|adapter| describe(adapter).unusable.is_none()) {
         adapters.extend(of(wgpu::Backends::GL));
     }

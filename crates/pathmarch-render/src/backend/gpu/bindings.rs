@@ -1,10 +1,11 @@
 //! Bindings of the kernel; uniform or storage memory for each buffer.
 //!
-//! A GPU reads uniform memory as fast as registers where all of its threads read one place, and storage where they
-//! read many. Software that runs kernels on a processor (Mesa's llvmpipe) has other costs: reading storage is a loop over
-//! the lanes wherever a branch is about, and reading uniforms a plain load; but where uniforms alone decide a branch it makes
-//! the kernel anew at every dispatch. So there, the frame is read from storage once, before the first branch, and small
-//! tables are uniform. Measured on two cores: emitting-spheres 67 to 38 ms a sample at 480x270 (docs/performance.md).
+//! A GPU reads uniform memory as fast as registers if all of its threads read the same address; storage memory suits reads of
+//! different addresses. A software adapter (Mesa's llvmpipe) has other costs. In a branch, a read of storage memory is a loop
+//! over the lanes, and a read of uniform memory a plain load. But a branch that depends on uniforms alone makes llvmpipe
+//! recompile the kernel at every dispatch. On software adapters the kernel therefore reads the frame from storage once, before
+//! the first branch, and small tables are uniform. Measured on two cores: emitting-spheres 67 to 38 ms a sample at 480x270
+//! (docs/performance.md).
 
 use super::encode::LightRecord;
 use crate::backend::RenderInput;
@@ -21,23 +22,23 @@ pub(super) const LIGHTS: u32 = 5;
 pub(super) const FILM: u32 = 6;
 pub(super) const SCENE_DATA: u32 = 7;
 pub(super) const SKY: u32 = 8;
-/// Paths that go on in the next dispatch; only where loops are limited.
+/// Paths that the next dispatch resumes; only if loops are limited.
 pub(super) const SUSPENDED: u32 = 9;
 const BINDINGS: u32 = 10;
 
-/// Storage buffers that the kernel binds at most: leaves, materials, lights, film, tables, sky, and the parameters of a
+/// Largest number of storage buffers of a kernel: leaves, materials, lights, film, scene data, sky, and the parameters of a
 /// large field.
 pub(crate) const STORAGE_BUFFERS: u32 = 7;
 
-/// The size of uniform memory that every adapter has, bytes.
+/// Size of a uniform binding that every adapter supports, bytes.
 const UNIFORM_BYTES: usize = 1 << 16;
 
-/// Where each table stands.
+/// Memory of each buffer of a kernel.
 pub(crate) struct Bindings {
-    /// Bytes of those that are uniform, else 0; by binding.
+    /// Declared size of each uniform buffer, bytes; 0 for storage buffers. Indexed by binding.
     uniform: [usize; BINDINGS as usize],
     software: bool,
-    /// Whether the adapter may end the loops of this kernel, see [`super::loop_limit`].
+    /// True if the adapter may end the loops of this kernel, see [`super::loop_limit`].
     pub(super) loops_are_limited: bool,
 }
 
@@ -52,7 +53,7 @@ impl Bindings {
                 (LIGHTS, input.scene.lights.len(), size_of::<LightRecord>()),
             ];
             for (binding, count, size) in tables {
-                // A few more or less are the same code.
+                // A power of two, so that a few more records do not change the code.
                 let bytes = count.next_power_of_two() * size;
                 uniform[binding as usize] = if bytes <= UNIFORM_BYTES { bytes } else { 0 };
             }
@@ -63,17 +64,17 @@ impl Bindings {
         Self { uniform, software, loops_are_limited }
     }
 
-    /// BsdfParameters of the bindings that the kernel has.
+    /// Binding numbers of the kernel.
     pub(super) fn all(&self) -> std::ops::Range<u32> {
         0..if self.loops_are_limited { BINDINGS } else { SUSPENDED }
     }
 
-    /// Whether this table is uniform.
+    /// True if a buffer is in uniform memory.
     pub(crate) fn is_uniform(&self, binding: u32) -> bool {
         self.uniform[binding as usize] > 0
     }
 
-    /// Bytes of a table that holds so many.
+    /// Size of the buffer for `contents` bytes.
     pub(super) fn bytes(&self, binding: u32, contents: usize) -> usize {
         match self.uniform[binding as usize] {
             0 => contents.max(256),
@@ -81,7 +82,7 @@ impl Bindings {
         }
     }
 
-    /// The bindings that depend on it, in WGSL, and `load_frame()`.
+    /// Declarations of the buffers in WGSL, and `load_frame()`.
     pub(super) fn declarations(&self, input: &RenderInput, program: &Program) -> String {
         let table = |binding: u32, name: &str, kind: &str| {
             let space = if self.is_uniform(binding) { "uniform" } else { "storage, read" };

@@ -1,6 +1,6 @@
 //! Composition of a kernel: bindings, configuration, the scene's field and materials, and the shader files of its mode.
 //!
-//! The configuration are constants, so that a scene pays for nothing that it does not use.
+//! The configuration is a set of constants, so that the compiler removes features that the scene does not use.
 
 use super::bindings::Bindings;
 use super::encode::{self, SceneData};
@@ -30,7 +30,7 @@ pub(super) fn program(input: &RenderInput) -> Program {
     program
 }
 
-/// Kernel of a picture, in WGSL.
+/// Source of a picture's kernel in WGSL.
 pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings, data: &SceneData) -> String {
     let mut code = String::from("// ---- bindings ----\n");
     code += &bindings.declarations(input, program);
@@ -126,7 +126,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
     }
     constant("RELAXATION", &format_args!("{:?}", config.relaxation));
     for (name, value) in [
-        ("LIGHT_SEARCH", config.light_search as u32),
+        ("DIRECT_LIGHTING", config.direct_lighting as u32),
         ("SAMPLER", input.frame.sampler),
         ("SPLITTING", config.splitting),
         ("SKY", encode::sky_kind(&scene.sky) as u32),
@@ -144,7 +144,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
     for (number, name) in ["NORMAL", "DEPTH", "ALBEDO", "STEPS", "VIOLATIONS"].into_iter().enumerate() {
         constant(&format!("VIEW_{name}"), &format_args!("{number}u"));
     }
-    // All other views show a colour of the leaf.
+    // All other views show a colour of each leaf.
     let view = views.iter().position(|&view| view == input.mode).unwrap_or(views.len());
     constant("VIEW", &format_args!("{view}u"));
     code

@@ -1,4 +1,4 @@
-//! A device with what was compiled for it.
+//! Device with its compiled kernels and passes.
 
 use super::device::Device;
 use super::display::DisplayPass;
@@ -18,7 +18,7 @@ impl GpuContext {
     /// Opens the preferred adapter, or the one whose name contains `adapter`, in any case.
     ///
     /// # Errors
-    /// [`RenderError`] where there is none, or the driver refuses.
+    /// [`RenderError`] if there is no such adapter, or the driver refuses.
     pub(crate) fn open(adapter: Option<&str>) -> Result<Self, RenderError> {
         Ok(Self { opened: Device::open(adapter)?, kernels: KernelCache::default(), display: OnceLock::new() })
     }

@@ -5,8 +5,8 @@ use crate::error::RenderError;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// Time after which work counts as hung.
-pub(super) const HUNG: Duration = Duration::from_secs(120);
+/// Time after which a submission counts as hung.
+pub(super) const TIMEOUT: Duration = Duration::from_secs(120);
 
 /// Opened adapter.
 pub(crate) struct Device {
@@ -18,7 +18,7 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    /// Opens the preferred adapter, or the one whose name contains `name` (whatever the case).
+    /// Opens the preferred adapter, or the one whose name contains `name`, in any case.
     pub(crate) fn open(name: Option<&str>) -> Result<Self, RenderError> {
         let adapters = enumerate();
         let usable: Vec<_> = adapters.iter().filter(|adapter| describe(adapter).unusable.is_none()).collect();
@@ -35,13 +35,13 @@ impl Device {
                 Some(AdapterDescription { name, unusable: Some(reason), .. }) => {
                     RenderError::NoAdapter { reason: format!("{name} cannot be used: {reason}") }
                 }
-                _ => RenderError::NoAdapter { reason: "no graphics driver offers one".to_owned() },
+                _ => RenderError::NoAdapter { reason: "no graphics driver reports one".to_owned() },
             })?,
         };
         let description = describe(adapter);
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pathmarch"),
-            // For measurements.
+            // Timestamps are for `GpuTimer`.
             required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             required_limits: adapter.limits(),
             ..Default::default()
@@ -65,7 +65,7 @@ impl Device {
         Ok(Self { device, queue, description, failure })
     }
 
-    /// Whether it runs on the processor.
+    /// True if the adapter is software, which runs on the CPU.
     pub(crate) fn is_software(&self) -> bool {
         self.description.kind == SOFTWARE
     }
@@ -73,7 +73,7 @@ impl Device {
     /// Allocates a buffer.
     ///
     /// # Errors
-    /// [`RenderError::Device`] where there is no memory for it.
+    /// [`RenderError::Device`] if the device is out of memory.
     pub(super) fn allocate(&self, descriptor: &wgpu::BufferDescriptor) -> Result<wgpu::Buffer, RenderError> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let buffer = self.device.create_buffer(descriptor);
@@ -96,7 +96,7 @@ impl Device {
             let _ = sender.send(result);
         });
         self.device
-            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(HUNG) })
+            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) })
             .map_err(|error| self.error(error))?;
         self.check()?;
         match receiver.try_recv() {

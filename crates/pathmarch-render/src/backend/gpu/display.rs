@@ -1,7 +1,7 @@
-//! The pass that shows a film: sums of radiance to the 8-bit codes of a screen, and back to the processor's memory.
+//! Display pass: tone-maps a film to 8-bit sRGB codes and reads them back.
 //!
-//! The picture comes back as four bytes a pixel, a quarter of the film, so that whatever draws the window (another device,
-//! another interface, another adapter) can take it. The tone curves are those of [`crate::output::tonemap`], printed.
+//! The readback has four bytes a pixel, a quarter of the film. Any window can show it, also one on another device, graphics
+//! API or adapter. The tone curves are printed from [`crate::output::tonemap`].
 
 use super::device::Device;
 use super::slice::Progress;
@@ -25,19 +25,19 @@ shared_struct! {
         gain: f32,
         /// Index of the tone curve.
         tonemap: u32,
-        /// Not 0 where the film holds moments of luminance.
+        /// Not 0 if the film contains moments of luminance.
         variance: u32,
     }
 }
 
-/// The compiled pass of a device.
+/// Compiled display pass of a device.
 pub(crate) struct DisplayPass {
     pipeline: wgpu::ComputePipeline,
     uniforms: wgpu::Buffer,
 }
 
-/// Buffers for films up to a size.
-pub(crate) struct Screen {
+/// Buffers of the display pass for films up to a size.
+pub(crate) struct DisplayBuffers {
     codes: wgpu::Buffer,
     copy: wgpu::Buffer,
     bindings: wgpu::BindGroup,
@@ -68,12 +68,12 @@ impl DisplayPass {
         Self { pipeline, uniforms }
     }
 
-    /// Room for the pictures of this film.
-    pub(crate) fn screen(&self, device: &Device, film: &wgpu::Buffer) -> Result<Screen, RenderError> {
+    /// Allocates the buffers for a film.
+    pub(crate) fn buffers(&self, device: &Device, film: &wgpu::Buffer) -> Result<DisplayBuffers, RenderError> {
         let gpu = &device.device;
         let size = film.size() / 4;
         let buffer = |usage| {
-            device.allocate(&wgpu::BufferDescriptor { label: Some("screen"), size, usage, mapped_at_creation: false })
+            device.allocate(&wgpu::BufferDescriptor { label: Some("display"), size, usage, mapped_at_creation: false })
         };
         let codes = buffer(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)?;
         let copy = buffer(wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ)?;
@@ -86,14 +86,14 @@ impl DisplayPass {
                 wgpu::BindGroupEntry { binding: 2, resource: codes.as_entire_binding() },
             ],
         });
-        Ok(Screen { codes, copy, bindings })
+        Ok(DisplayBuffers { codes, copy, bindings })
     }
 
-    /// The codes of a film, red, green, blue and 255 for each pixel; waits for the device.
+    /// Tone-maps a film: red, green, blue and 255 for each pixel. Waits for the device.
     pub(crate) fn show(
         &self,
         device: &Device,
-        screen: &Screen,
+        buffers: &DisplayBuffers,
         [width, height]: [u32; 2],
         Progress { samples, begun, row, column }: Progress,
         display: &Display,
@@ -109,12 +109,12 @@ impl DisplayPass {
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("display"), timestamp_writes: None });
             pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &screen.bindings, &[]);
+            pass.set_bind_group(0, &buffers.bindings, &[]);
             pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
         }
         let bytes = 4 * u64::from(width) * u64::from(height);
-        encoder.copy_buffer_to_buffer(&screen.codes, 0, &screen.copy, 0, bytes);
+        encoder.copy_buffer_to_buffer(&buffers.codes, 0, &buffers.copy, 0, bytes);
         device.queue.submit([encoder.finish()]);
-        device.read(&screen.copy, bytes, <[u8]>::to_vec)
+        device.read(&buffers.copy, bytes, <[u8]>::to_vec)
     }
 }

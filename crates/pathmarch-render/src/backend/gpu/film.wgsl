@@ -1,8 +1,8 @@
-// Samples as the film adds them.
+// Rejection of samples that are not finite.
 
 /// Sample for the film; one that is not finite becomes zero and is counted in the fourth number.
 fn kept(radiance: vec3f) -> vec4f {
-    // Comparisons with what is not a number are false, so this also catches NaN.
+    // Comparisons with NaN are false, so that this also catches NaN.
     if all(radiance >= vec3f(0.0)) && all(radiance < vec3f(1e30)) {
         return vec4f(radiance, 0.0);
     }

@@ -1,19 +1,19 @@
-//! A picture being rendered on the GPU.
+//! Picture being rendered on the GPU.
 //!
-//! The kernel ([`super::kernel`]) is source for the scene. A dispatch computes one sample, or those that share a ray of the camera, of
-//! a band of rows; bands and the number of dispatches in a submission adapt so that a submission takes about
-//! as long as it is asked to, which keeps displays alive on weak adapters and strong ones busy. Two submissions are in
-//! flight. The camera and the size of the picture may change without a new job.
+//! Each scene has its own kernel ([`super::compose`]). A dispatch computes one sample, or several that share a camera ray, of a
+//! band of rows. The job adapts the bands and the number of dispatches in a submission to a target time: weak adapters stay
+//! responsive, strong ones stay busy. Two submissions are in flight. The camera and the size of the picture may change without
+//! a new job.
 
 use super::GpuContext;
 use super::bindings;
-use super::device::HUNG;
-use super::display::Screen;
+use super::device::TIMEOUT;
+use super::display::DisplayBuffers;
 use super::encode::LightRecord;
 use super::kernel_cache::{Kernel, KernelSource};
 use super::loop_limit::{self, SuspendedPaths};
 use super::slice::{BAND, Progress, Slice};
-use super::stopwatch::Stopwatch;
+use super::timer::GpuTimer;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
 use crate::integrator::splitting;
@@ -26,13 +26,13 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Aim for the time of one submission where only the picture matters.
-pub(crate) const WHOLE: Duration = Duration::from_millis(25);
-/// Aim for the time of one submission while somebody looks on and may want something else at once.
+/// Target time of a submission for offline rendering.
+pub(crate) const OFFLINE: Duration = Duration::from_millis(25);
+/// Target time of a submission for live pictures, which must react to input.
 pub(crate) const LIVE: Duration = Duration::from_millis(10);
-/// The most dispatches in a submission.
+/// Largest number of dispatches in a submission.
 const MAX_DISPATCHES: usize = 256;
-/// Shapes that are code, not numbers, beyond which a field is too large to be compiled.
+/// Largest number of shapes that a kernel contains as code; shapes of a grid are data.
 pub(crate) const MAX_LEAVES: usize = 2048;
 
 /// Picture being rendered.
@@ -44,29 +44,29 @@ pub(crate) struct GpuJob {
     slices: wgpu::Buffer,
     slice_stride: u32,
     film: wgpu::Buffer,
-    screen: Option<Screen>,
+    display_buffers: Option<DisplayBuffers>,
     size: [u32; 2],
     first_sample: u32,
-    /// What was handed to the GPU.
+    /// Work submitted so far.
     submitted: Progress,
-    /// Aim for the time of one submission.
+    /// Target time of a submission.
     target: Duration,
-    /// Samples of single pixels that take about as long.
+    /// Work of a submission of about that time: samples, summed over pixels.
     quota: f64,
-    /// Paths that share a ray of the camera: samples that a dispatch computes at most.
+    /// Number of paths that share a camera ray: largest number of samples of a dispatch.
     splitting: u32,
-    /// With the number of such samples in each.
+    /// Submissions in flight: index, work and time of submission.
     in_flight: VecDeque<(wgpu::SubmissionIndex, f64, Instant)>,
     last_completion: Instant,
-    stopwatch: Option<Stopwatch>,
-    /// Paths that the adapter may cut short, where it may.
+    timer: Option<GpuTimer>,
+    /// Suspended paths, if the adapter limits loops.
     suspended: Option<SuspendedPaths>,
-    /// Bounces of the paths, where paths can be resumed.
+    /// Bounces of the paths, if paths can be resumed.
     bounces: Option<u32>,
     pub(crate) compile_time: Duration,
 }
 
-/// Why a picture of this size, or a field of so many shapes, is too large for the device.
+/// Fails if a picture of this size, or a field of so many shapes, is too large for the device.
 fn check_limits(device: &GpuContext, size: [u32; 2], shapes: usize) -> Result<(), RenderError> {
     let too_large = |what| Err(RenderError::TooLarge { adapter: device.description.name.clone(), what });
     let limits = device.device.limits();
@@ -74,17 +74,17 @@ fn check_limits(device: &GpuContext, size: [u32; 2], shapes: usize) -> Result<()
         return too_large(format!("a picture of {}x{} pixels", size[0], size[1]));
     }
     if shapes > MAX_LEAVES {
-        return too_large(format!("a field of {shapes} shapes (at most {MAX_LEAVES} are compiled)"));
+        return too_large(format!("a field of {shapes} shapes (the limit is {MAX_LEAVES})"));
     }
     Ok(())
 }
 
-/// Why the numbers of a field are too many for the device.
-fn check_numbers(device: &GpuContext, parameters: &[[f32; 4]]) -> Result<(), RenderError> {
+/// Fails if the parameters of a field exceed a binding of the device.
+fn check_parameters(device: &GpuContext, parameters: &[[f32; 4]]) -> Result<(), RenderError> {
     let limits = device.device.limits();
     let bytes = size_of_val(parameters) as u64;
     if bytes > limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) {
-        let what = format!("a field of {} MB of numbers", bytes >> 20);
+        let what = format!("a field with {} MB of parameters", bytes >> 20);
         return Err(RenderError::TooLarge { adapter: device.description.name.clone(), what });
     }
     Ok(())
@@ -95,7 +95,7 @@ fn film_bytes([width, height]: [u32; 2]) -> u64 {
 }
 
 impl GpuJob {
-    /// `target` is the aim for the time of one submission: [`WHOLE`] or [`LIVE`].
+    /// Starts a picture. `target` is the target time of a submission: [`OFFLINE`] or [`LIVE`].
     pub(crate) fn new(
         device: Arc<GpuContext>,
         input: &RenderInput,
@@ -107,7 +107,7 @@ impl GpuJob {
         Self::of_source(device, input, &source, first_sample, target)
     }
 
-    /// As [`new`](Self::new), with the kernel's text at hand.
+    /// Starts a picture, as [`new`](Self::new), with the source of its kernel.
     pub(crate) fn of_source(
         device: Arc<GpuContext>,
         input: &RenderInput,
@@ -118,7 +118,7 @@ impl GpuJob {
         let frame_record = &input.frame;
         let size = frame_record.size();
         check_limits(&device, size, input.scene.field.shapes_as_code())?;
-        check_numbers(&device, &source.parameters)?;
+        check_parameters(&device, &source.parameters)?;
         let started = Instant::now();
         let kernel = device.kernels.compile(&device, source)?;
         let gpu = &device.device;
@@ -128,7 +128,7 @@ impl GpuJob {
         let copied = wgpu::BufferUsages::COPY_DST;
         let constant = |binding, label, contents: &[u8]| {
             let bindings = &source.bindings;
-            // A binding may be neither empty nor shorter than what is declared.
+            // A binding must not be empty or smaller than its declaration.
             let size = bindings.bytes(binding, contents.len()) as u64;
             let kind = if bindings.is_uniform(binding) { uniform } else { storage };
             let descriptor =
@@ -194,7 +194,7 @@ impl GpuJob {
             slices,
             slice_stride,
             film,
-            screen: None,
+            display_buffers: None,
             size,
             first_sample,
             submitted: Progress::default(),
@@ -203,13 +203,13 @@ impl GpuJob {
             splitting: input.config.splitting,
             in_flight: VecDeque::new(),
             last_completion: Instant::now(),
-            stopwatch: None,
+            timer: None,
             suspended,
             bounces: may_resume.then_some(frame_record.bounces),
             compile_time: Duration::ZERO,
         };
         if !job.kernel.is_warm() {
-            // Drivers compile at the first dispatch: make one of no rows.
+            // Many drivers compile at the first dispatch: submits one without rows.
             job.submit(&[Slice { columns: 1, ..Slice::zeroed() }], 0);
             job.complete_oldest()?;
             job.kernel.set_warm();
@@ -218,7 +218,7 @@ impl GpuJob {
         Ok(job)
     }
 
-    /// Starts again with another camera or a smaller picture of the same scene; false where the film is too small.
+    /// Starts again with another frame of the same scene. Returns false if the film's buffer is too small.
     pub(crate) fn reframe(&mut self, frame: &FrameUniforms) -> Result<bool, RenderError> {
         let size = frame.size();
         if film_bytes(size) > self.film.size() {
@@ -236,16 +236,15 @@ impl GpuJob {
         Ok(true)
     }
 
-    /// The film so far as the codes of a screen, red, green, blue and 255 for each pixel; waits for what was handed to
-    /// the GPU.
+    /// Tone-maps the film so far to 8-bit codes: red, green, blue and 255 for each pixel. Waits for all submissions.
     pub(crate) fn show(&mut self, display: &Display, mode: Mode) -> Result<Vec<u8>, RenderError> {
         self.wait()?;
         let pass = self.device.display();
-        if self.screen.is_none() {
-            self.screen = Some(pass.screen(&self.device, &self.film)?);
+        if self.display_buffers.is_none() {
+            self.display_buffers = Some(pass.buffers(&self.device, &self.film)?);
         }
-        let Some(screen) = &self.screen else { return Ok(Vec::new()) };
-        pass.show(&self.device, screen, self.size, self.submitted, display, mode)
+        let Some(buffers) = &self.display_buffers else { return Ok(Vec::new()) };
+        pass.show(&self.device, buffers, self.size, self.submitted, display, mode)
     }
 
     /// Submits slices; a `round` after the first resumes their suspended paths.
@@ -261,7 +260,7 @@ impl GpuJob {
         self.device.queue.write_buffer(&self.slices, 0, &bytes);
         let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("trace") });
         {
-            let timestamp_writes = self.stopwatch.as_mut().map(Stopwatch::next);
+            let timestamp_writes = self.timer.as_mut().map(GpuTimer::next);
             let mut pass =
                 encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("trace"), timestamp_writes });
             pass.set_pipeline(&self.kernel.pipeline);
@@ -278,16 +277,16 @@ impl GpuJob {
         self.in_flight.push_back((index, samples, Instant::now()));
     }
 
-    /// Waits for the oldest submission and learns from its time.
+    /// Waits for the oldest submission; adapts the work of the next ones to its time.
     fn complete_oldest(&mut self) -> Result<(), RenderError> {
         let Some((index, samples, submitted)) = self.in_flight.pop_front() else { return Ok(()) };
         self.device
             .device
-            .poll(wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(HUNG) })
-            .map_err(|error| self.device.error(format!("{error} after {} s", HUNG.as_secs())))?;
+            .poll(wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(TIMEOUT) })
+            .map_err(|error| self.device.error(format!("{error} after {} s", TIMEOUT.as_secs())))?;
         self.device.check()?;
         let now = Instant::now();
-        // It ran from the completion of the one before, or from its own submission.
+        // It started after the one before was complete, or at its own submission.
         let took = now.duration_since(self.last_completion.max(submitted)).as_secs_f64().max(1e-6);
         self.last_completion = now;
         if samples > 0.0 {
@@ -298,8 +297,8 @@ impl GpuJob {
         Ok(())
     }
 
-    /// The next piece of work towards `upto` samples, of at most about `work` samples of single pixels: whole workgroups,
-    /// whole bands where there is room.
+    /// Next slice towards `upto` samples, of about `work` samples summed over pixels: whole workgroups, and whole bands if
+    /// they fit.
     fn next_slice(&mut self, upto: u32, work: f64) -> Slice {
         let [width, height] = self.size;
         let Progress { samples, row, column, .. } = self.submitted;
@@ -336,9 +335,9 @@ impl GpuJob {
         slice
     }
 
-    /// Does about a submission of work towards `samples` samples of every pixel.
+    /// Submits work towards `samples` samples of every pixel, for about the target time.
     pub(crate) fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
-        if self.stopwatch.as_ref().is_some_and(Stopwatch::is_full) {
+        if self.timer.as_ref().is_some_and(GpuTimer::is_full) {
             self.gpu_time()?;
         }
         let mut slices = Vec::new();
@@ -353,7 +352,7 @@ impl GpuJob {
         }
         if self.suspended.is_some() && !slices.is_empty() {
             loop_limit::assign_slots(&mut slices);
-            return self.follow_to_the_end(&slices);
+            return self.trace_to_the_end(&slices);
         }
         if !slices.is_empty() {
             self.submit(&slices, 0);
@@ -364,11 +363,11 @@ impl GpuJob {
         Ok(())
     }
 
-    /// Has the paths of slices traced and resumed until all are at their ends.
-    fn follow_to_the_end(&mut self, slices: &[Slice]) -> Result<(), RenderError> {
-        // Each round brings every path one surface on.
+    /// Traces the paths of slices and resumes them until all have ended.
+    fn trace_to_the_end(&mut self, slices: &[Slice]) -> Result<(), RenderError> {
+        // Each round advances every path by at least one surface.
         for round in 0..=self.bounces.map_or(0, |bounces| bounces + 2) {
-            if self.stopwatch.as_ref().is_some_and(Stopwatch::is_full) {
+            if self.timer.as_ref().is_some_and(GpuTimer::is_full) {
                 self.gpu_time()?;
             }
             self.submit(slices, round);
@@ -379,12 +378,12 @@ impl GpuJob {
             }
         }
         Err(self.device.error(
-            "it ends the loops of a shader after a number of turns (Mesa: 65,535), and this scene needs more of them, so \
-             that the picture would be wrong",
+            "it ends the loops of a shader after a number of iterations (Mesa: 65,535), and this scene needs more; the \
+             picture would be wrong",
         ))
     }
 
-    /// Samples of every pixel handed to the GPU, with a fraction for one that is begun.
+    /// Submitted samples of every pixel, with a fraction for one that is begun.
     pub(crate) fn samples_done(&self) -> f64 {
         let [width, height] = self.size.map(f64::from);
         let Progress { samples, begun, row, column } = self.submitted;
@@ -392,12 +391,12 @@ impl GpuJob {
         f64::from(samples) + f64::from(begun) * (f64::from(row) + band * f64::from(column) / width) / height
     }
 
-    /// Whether every pixel was handed over as often.
+    /// True if every pixel has the same number of submitted samples.
     pub(crate) fn is_whole(&self) -> bool {
         self.submitted.row == 0 && self.submitted.column == 0
     }
 
-    /// Waits for everything handed to the GPU.
+    /// Waits for all submissions.
     pub(crate) fn wait(&mut self) -> Result<(), RenderError> {
         while !self.in_flight.is_empty() {
             self.complete_oldest()?;
@@ -405,19 +404,19 @@ impl GpuJob {
         Ok(())
     }
 
-    /// From now on measures the device's own time; false where the adapter cannot.
+    /// Starts to measure the GPU time; returns false if the adapter does not support it.
     pub(crate) fn measure_gpu_time(&mut self) -> Result<bool, RenderError> {
-        self.stopwatch = Stopwatch::new(&self.device)?;
-        Ok(self.stopwatch.is_some())
+        self.timer = GpuTimer::new(&self.device)?;
+        Ok(self.timer.is_some())
     }
 
-    /// The device's own time since it is measured, if it is; waits for everything handed to the GPU.
+    /// GPU time since the measurement started; `None` without measurement. Waits for all submissions.
     pub(crate) fn gpu_time(&mut self) -> Result<Option<Duration>, RenderError> {
         self.wait()?;
-        self.stopwatch.as_mut().map(|stopwatch| stopwatch.read(&self.device)).transpose()
+        self.timer.as_mut().map(|timer| timer.read(&self.device)).transpose()
     }
 
-    /// Reads the film back; the caller has seen to it that no sample is half done.
+    /// Reads the film back. The caller ensures that no sample is half done.
     pub(crate) fn film(&mut self) -> Result<Film, RenderError> {
         self.wait()?;
         let bytes = film_bytes(self.size);
@@ -434,9 +433,9 @@ impl GpuJob {
         let sums: Vec<[f32; 4]> = self.device.read(&copy, bytes, |bytes| bytemuck::cast_slice(bytes).to_vec())?;
         let mut film = Film::new(self.size[0], self.size[1]);
         film.samples = self.submitted.samples;
-        for (pixel, [r, g, b, left_out]) in sums.into_iter().enumerate() {
+        for (pixel, [r, g, b, rejected]) in sums.into_iter().enumerate() {
             film.sums[pixel] = [r, g, b];
-            film.leave_out(pixel, left_out as u32);
+            film.leave_out(pixel, rejected as u32);
         }
         Ok(film)
     }

@@ -1,4 +1,4 @@
-//! KernelCache as a device has compiled them, kept so that what was shown once is shown again at once.
+//! Cache of compiled kernels, so that a device compiles each kernel once.
 
 use super::GpuContext;
 use super::bindings::{self, Bindings};
@@ -10,26 +10,26 @@ use crate::error::RenderError;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// KernelCache that a device keeps: more than a person goes back and forth between.
-const KEPT: usize = 24;
+/// Capacity of the cache: more kernels than a user switches between.
+const CAPACITY: usize = 24;
 
-/// A scene's kernel as text, and the numbers of its field. Scenes of one structure have the same text.
+/// Source of a scene's kernel, and the data that it reads. Scenes of the same structure have the same source.
 pub(crate) struct KernelSource {
     pub(crate) code: String,
     pub(super) parameters: Vec<[f32; 4]>,
     pub(super) data: SceneData,
     pub(crate) bindings: Bindings,
-    /// Whether no text of a user is in the code.
+    /// True if the code contains no code of a user.
     trusted: bool,
 }
 
 impl KernelSource {
-    /// As it suits a device.
+    /// Composes the kernel for a device.
     pub(crate) fn new(input: &RenderInput, device: &Device) -> Self {
         Self::for_adapter(input, device.is_software())
     }
 
-    /// Kernel for a software adapter or for a real GPU.
+    /// Composes the kernel for a software adapter or for a GPU.
     pub(crate) fn for_adapter(input: &RenderInput, software: bool) -> Self {
         let program = program(input);
         let trusted = input.scene.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
@@ -39,18 +39,18 @@ impl KernelSource {
         Self { code, parameters: program.parameters, data, bindings, trusted }
     }
 
-    /// Whether the device has it ready.
+    /// True if the device has compiled this kernel and dispatched it once.
     pub(crate) fn is_compiled(&self, gpu: &GpuContext) -> bool {
         gpu.kernels.get(&self.code).is_some_and(|kernel| kernel.is_warm())
     }
 }
 
-/// A kernel that a device has compiled.
+/// Compiled kernel.
 pub(super) struct Kernel {
     code: String,
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) layout: wgpu::BindGroupLayout,
-    /// Whether it was dispatched once: many drivers compile then.
+    /// True after the first dispatch, at which many drivers compile.
     warm: AtomicBool,
 }
 
@@ -63,20 +63,20 @@ impl Kernel {
     }
 }
 
-/// The kernels of a device, the one used last at the end.
+/// Compiled kernels of a device, the last used at the end.
 #[derive(Default)]
 pub(crate) struct KernelCache(Mutex<Vec<Arc<Kernel>>>);
 
 impl KernelCache {
     fn get(&self, code: &str) -> Option<Arc<Kernel>> {
         let mut kernels = self.0.lock().ok()?;
-        let place = kernels.iter().position(|kernel| kernel.code == code)?;
-        let kernel = kernels.remove(place);
+        let index = kernels.iter().position(|kernel| kernel.code == code)?;
+        let kernel = kernels.remove(index);
         kernels.push(kernel.clone());
         Some(kernel)
     }
 
-    /// The kernel of this text, compiled if it is new.
+    /// Returns the kernel of a source; compiles it if it is not in the cache.
     pub(super) fn compile(&self, device: &Device, source: &KernelSource) -> Result<Arc<Kernel>, RenderError> {
         if let Some(kernel) = self.get(&source.code) {
             return Ok(kernel);
@@ -90,8 +90,8 @@ impl KernelCache {
             source: wgpu::ShaderSource::Wgsl(source.code.as_str().into()),
         };
         let module = match source.trusted {
-            // SAFETY: every loop of the kernel counts to a constant or to `bounces`, lights or iterations checked on the
-            // CPU, and every index comes from tables built together with it; no text of a user is in it.
+            // SAFETY: every loop of the kernel counts to a constant, or to a number of bounces, lights or iterations that the
+            // CPU has checked. Every index comes from tables that were built with the kernel. It contains no code of a user.
             true => unsafe { gpu.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) },
             false => gpu.create_shader_module(descriptor),
         };
@@ -114,7 +114,7 @@ impl KernelCache {
         }
         let kernel = Arc::new(Kernel { code: source.code.clone(), pipeline, layout, warm: AtomicBool::new(false) });
         if let Ok(mut kernels) = self.0.lock() {
-            if kernels.len() == KEPT {
+            if kernels.len() == CAPACITY {
                 kernels.remove(0);
             }
             kernels.push(kernel.clone());

@@ -1,8 +1,9 @@
-//! Every kernel that can be composed is valid WGSL, and every backend of wgpu can translate it. No adapter is needed.
+//! Tests that every kernel is valid WGSL, and that every backend of wgpu can translate it. They need no adapter.
 //!
-//! Two groups of scenes: every scene of the gallery, and sets of the features below in which every two occur together and
-//! apart, because what two features declare may collide although each is valid alone. All modes are tried. Each kernel is parsed and validated by naga and then
-//! translated to MSL, HLSL, GLSL ES and SPIR-V. Where `spirv-val` (SPIRV-Tools) is installed, it checks the SPIR-V.
+//! There are two groups of scenes: every scene of the gallery, and sets of the features below. Every two features occur
+//! together and apart in these sets, because their declarations may collide although each is valid alone. All modes are
+//! tested. naga parses and validates each kernel and translates it to MSL, HLSL, GLSL ES and SPIR-V. If `spirv-val`
+//! (SPIRV-Tools) is installed, it checks the SPIR-V.
 
 use super::KernelSource;
 use crate::backend::RenderInput;
@@ -19,12 +20,12 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A part of a scene that adds code of its own to a kernel.
+/// Part of a scene that adds code to a kernel.
 struct Feature {
     name: String,
-    /// Nodes at the top of the scene file.
+    /// Nodes at the top level of the scene file.
     text: String,
-    /// Whether this is a sky, of which a scene has one.
+    /// True for a sky: a scene has only one.
     sky: bool,
     /// Settings inside `render { }`.
     render: &'static str,
@@ -39,7 +40,7 @@ impl Feature {
         Self::new(name, format!("object \"{name}\" {{ {solid} }}"))
     }
 
-    /// Material of this name on a box and on a blend, so that the kernel needs it for analytic and sphere-traced hits.
+    /// Material on a box and on a blend, so that the kernel needs it for analytic and sphere-traced hits.
     fn material(name: &str, material: &str) -> Self {
         let text = format!(
             "material \"{name}\" {{ {material} }}\nobject \"{name} box\" material=\"{name}\" {{ box 0.5 }}\n\
@@ -49,7 +50,7 @@ impl Feature {
     }
 }
 
-/// Every feature whose presence changes the kernel; `picture` is the path of an image file.
+/// All features that change the kernel; `picture` is the path of an image file.
 fn features(picture: &Path) -> Vec<Feature> {
     let mut all = Vec::new();
     for shape in shapes() {
@@ -148,14 +149,14 @@ fn features(picture: &Path) -> Vec<Feature> {
         (0..count).map(|k| format!("{before}{k}{after}")).collect::<Vec<_>>().join("\n")
     };
     let spheres = copies(30, "sphere 0.1 { at 0.", " 0 0 }");
-    all.push(Feature::object("union of many", &format!("union {{ {spheres} }}")));
-    all.push(Feature::object("blend of many", &format!("union smooth=0.05 {{ {spheres} }}")));
+    all.push(Feature::object("union of many spheres", &format!("union {{ {spheres} }}")));
+    all.push(Feature::object("blend of many spheres", &format!("union smooth=0.05 {{ {spheres} }}")));
     all.push(Feature::new("many objects", copies(60, "object \"o", "\" { sphere 0.1 }")));
-    all.push(Feature::new("many marched objects", copies(30, "object \"torus ", "\" { torus 0.3 0.1 }")));
+    all.push(Feature::new("many sphere-traced objects", copies(30, "object \"torus ", "\" { torus 0.3 0.1 }")));
     all
 }
 
-/// Scene that has all of these features, of the skies the first.
+/// Scene with all of these features; of several skies, it has the first.
 fn scene_of(features: &[&Feature], path: &str) -> Scene {
     let first_sky = features.iter().position(|feature| feature.sky);
     let mut text = String::from("pathmarch 1\ncamera { position 0 1 5; target 0 0.5 0 }\n");
@@ -174,13 +175,13 @@ fn scene_of(features: &[&Feature], path: &str) -> Scene {
     Scene::parse(path, &text).unwrap_or_else(|error| panic!("{names:?}: {error:?}\n{text}"))
 }
 
-/// Kernel text of a scene in a mode.
+/// Kernel source of a scene in a mode.
 fn kernel(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) -> String {
     let settings = Settings { size: [8, 8], mode, splitting, ..Settings::of(scene) };
     KernelSource::for_adapter(&RenderInput::new(scene, &settings), software).code
 }
 
-/// Parses and validates a kernel; what is wrong, with the line, where it is not valid.
+/// Parses and validates a kernel; returns the mistake with its line if it is not valid.
 fn validated(code: &str) -> Result<(Module, ModuleInfo), String> {
     let module = naga::front::wgsl::parse_str(code).map_err(|error| error.emit_to_string(code))?;
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
@@ -189,7 +190,7 @@ fn validated(code: &str) -> Result<(Module, ModuleInfo), String> {
     Ok((module, info))
 }
 
-/// Translates a kernel to the languages of the other drivers; the words of its SPIR-V.
+/// Translates a kernel to the languages of all backends; returns its SPIR-V words.
 fn translated(module: &Module, info: &ModuleInfo) -> Result<Vec<u32>, String> {
     let options = msl::Options { lang_version: (2, 0), ..msl::Options::default() };
     msl::write_string(module, info, &options, &msl::PipelineOptions::default())
@@ -213,7 +214,7 @@ fn translated(module: &Module, info: &ModuleInfo) -> Result<Vec<u32>, String> {
     spv::write_vec(module, info, &options, None).map_err(|error| format!("SPIR-V: {error}"))
 }
 
-/// Checks SPIR-V with `spirv-val`, where that is installed, as it must be where a GPU is required.
+/// Checks SPIR-V with `spirv-val`, if it is installed. It must be installed if `PATHMARCH_REQUIRE_GPU` is set.
 fn check_spirv(words: &[u32], folder: &Path, number: usize) -> Result<(), String> {
     let file = folder.join(format!("{number}.spv"));
     std::fs::write(&file, bytemuck::cast_slice(words)).map_err(|error| error.to_string())?;
@@ -228,7 +229,7 @@ fn check_spirv(words: &[u32], folder: &Path, number: usize) -> Result<(), String
     }
 }
 
-/// Checks every different kernel of these; how many there are.
+/// Checks all distinct kernels; returns their number.
 fn check_all(kernels: Vec<(String, String)>) -> usize {
     let mut seen = HashSet::new();
     let different: Vec<_> = kernels.into_iter().filter(|(_, code)| seen.insert(code.clone())).collect();
@@ -287,8 +288,8 @@ fn slow_every_scene_of_the_gallery_compiles_in_every_mode() {
     assert!(count > 500);
 }
 
-/// Sets of features such that every two of them occur together, and each without the other: a set takes a feature where a bit
-/// of a hash says so.
+/// Sets of features such that every two of them occur together, and each without the other. A bit of a hash decides whether a
+/// set contains a feature.
 fn covering_sets(features: usize) -> Vec<Vec<usize>> {
     const SETS: u32 = 40;
     // PCG hash (Jarzynski and Olano 2020).

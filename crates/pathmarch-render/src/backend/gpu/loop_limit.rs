@@ -1,17 +1,17 @@
-//! Long paths on adapters that end the loops of an invocation.
+//! Long paths on adapters that limit the loops of an invocation.
 //!
-//! Mesa's llvmpipe ends *every* loop of an invocation once all its loops together have taken 65,535 turns
-//! (`LP_MAX_TGSI_LOOP_ITERATIONS` in its source): the picture is then wrong, and nothing reports it. A path that is
-//! sphere-traced through fractals takes more.
+//! Mesa's llvmpipe ends *every* loop of an invocation after 65,535 iterations of all its loops together
+//! (`LP_MAX_TGSI_LOOP_ITERATIONS` in its source). The picture is then wrong, and no error is reported. Sphere-traced paths
+//! through fractals exceed the limit.
 //!
-//! **Idea.** Once the limit has struck, a loop of two turns takes only one, so that the kernel can tell. After each
-//! surface of a path it asks; where loops were ended, the path as it was before that surface is kept, and goes on from
-//! there in the next dispatch, which starts to count anew. So every dispatch brings every path at least one surface on, unless a
-//! single surface takes more turns than the limit: then the job fails with a sentence that says so. Modes that trace no paths,
-//! and paths that share a ray of the camera, are not resumed and fail likewise.
+//! **Idea.** Beyond the limit, a loop of two iterations takes only one, so that the kernel can detect it. The kernel checks
+//! after each surface of a path. If loops were ended, it stores the path's state before that surface, and the next dispatch
+//! resumes the path from there with a new count. Every dispatch advances every path by at least one surface, unless a single
+//! surface exceeds the limit: then the job fails with an error message. Modes that trace no paths, and paths that share a
+//! camera ray, are not resumed and fail likewise.
 //!
-//! **Cost.** Only software adapters have this in their kernels, and only scenes with loops ([`Field::has_loops`]): one
-//! question for each surface, 96 bytes for each path of a submission, and a wait for each submission.
+//! **Cost.** Only kernels for software adapters include this, and only for scenes with loops ([`Field::has_loops`]): one check
+//! for each surface, 96 bytes for each path of a submission, and a wait for each submission.
 
 use super::device::Device;
 use super::slice::Slice;
@@ -21,21 +21,21 @@ use bytemuck::{Pod, Zeroable};
 #[cfg(doc)]
 use pathmarch_field::Field;
 
-/// Paths of a submission at most.
+/// Largest number of paths of a submission.
 pub(super) const CAPACITY: u32 = 1 << 16;
 
-/// Header of the suspended paths; the paths follow it.
+/// Header of the buffer of suspended paths; the paths follow it.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Header {
     count: u32,
     round: u32,
-    turns: u32,
+    iterations: u32,
     padding: u32,
 }
 
 shared_struct! {
-    /// State of a path before a surface.
+    /// State of a suspended path, before a surface.
     pub(super) struct SuspendedPath as SuspendedPath {
         origin: [f32; 3],
         length: f32,
@@ -44,7 +44,7 @@ shared_struct! {
         previous_vertex: [f32; 3],
         index_square: f32,
         throughput: [f32; 3],
-        /// Number of surfaces that the path has left, or FINISHED.
+        /// Number of surfaces that the path has scattered at, or FINISHED.
         surfaces: u32,
         radiance: [f32; 3],
         passing: u32,
@@ -53,7 +53,7 @@ shared_struct! {
     }
 }
 
-/// Room for the paths of a submission that the adapter may cut short.
+/// Buffer for the paths of a submission that the adapter may interrupt.
 pub(super) struct SuspendedPaths {
     pub(super) buffer: wgpu::Buffer,
     copy: wgpu::Buffer,
@@ -76,16 +76,16 @@ impl SuspendedPaths {
 
     /// Sets the header for a submission.
     pub(super) fn begin(&self, device: &Device, round: u32) {
-        let header = Header { count: 0, round, turns: 2, padding: 0 };
+        let header = Header { count: 0, round, iterations: 2, padding: 0 };
         device.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(&header));
     }
 
-    /// Has the count of a submission copied at its end.
+    /// Copies the count at the end of a submission.
     pub(super) fn end(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.copy_buffer_to_buffer(&self.buffer, 0, &self.copy, 0, size_of::<Header>() as u64);
     }
 
-    /// Number of paths that the last submission left unfinished; waits for it.
+    /// Number of unfinished paths of the last submission; waits for it.
     pub(super) fn count(&self, device: &Device) -> Result<u32, RenderError> {
         let bytes = size_of::<Header>() as u64;
         device.read(&self.copy, bytes, |bytes| bytemuck::pod_read_unaligned::<Header>(bytes).count)

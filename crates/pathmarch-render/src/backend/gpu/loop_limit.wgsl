@@ -1,28 +1,28 @@
-// Limit that some software adapters set to the loops of an invocation. loop_limit.rs explains it.
+// Limit that some software adapters set to the loops of an invocation; see loop_limit.rs.
 
-/// Shared by the paths of a submission, one place for each.
+/// Suspended paths of a submission, one element for each path.
 struct Suspended {
-    /// Invocations whose loops were ended.
+    /// Number of invocations whose loops were ended.
     count: atomic<u32>,
-    /// 0 where paths begin, else how often they were resumed.
+    /// Number of times that the paths were resumed.
     round: u32,
-    /// Two. Read from storage, so that no compiler knows it.
-    turns: u32,
+    /// Two; in storage memory, so that the compiler does not know the value.
+    iterations: u32,
     paths: array<SuspendedPath>,
 }
 
 @group(0) @binding(9) var<storage, read_write> suspended: Suspended;
 
-/// Reports whether the adapter has ended loops of this invocation before their time: then it ends every loop after one turn.
+/// Reports whether the adapter has ended loops of this invocation early: it then ends every loop after one iteration.
 fn loops_ended() -> bool {
-    var turns = 0u;
-    for (var k = 0u; k < suspended.turns; k++) {
-        turns += 1u;
+    var iterations = 0u;
+    for (var k = 0u; k < suspended.iterations; k++) {
+        iterations += 1u;
     }
-    return turns < suspended.turns;
+    return iterations < suspended.iterations;
 }
 
-/// Leaves out what was computed after loops were ended, and counts it.
+/// Rejects and counts a sample that was computed after loops were ended.
 fn checked(sample: vec4f) -> vec4f {
     if loops_ended() {
         atomicAdd(&suspended.count, 1u);

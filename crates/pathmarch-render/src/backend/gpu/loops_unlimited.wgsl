@@ -1,4 +1,4 @@
-// Adapters that let loops run: nothing is to be checked. Takes the place of loop_limit.wgsl.
+// Adapters without a limit of loops: no check. Implements the same interface as loop_limit.wgsl.
 
 fn checked(sample: vec4f) -> vec4f {
     return sample;

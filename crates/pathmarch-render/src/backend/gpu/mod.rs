@@ -1,4 +1,4 @@
-//! The GPU backend, through wgpu: Vulkan, Metal, Direct3D 12, OpenGL, and software adapters.
+//! GPU backend, through wgpu: Vulkan, Metal, Direct3D 12, OpenGL, and software adapters.
 
 mod adapter;
 mod bindings;
@@ -14,10 +14,10 @@ mod kernel_tests;
 mod loop_limit;
 mod shaders;
 mod slice;
-mod stopwatch;
+mod timer;
 
 pub use adapter::{AdapterDescription, adapters};
 pub(crate) use bindings::{FRAME, LEAVES};
 pub(crate) use context::GpuContext;
-pub(crate) use job::{GpuJob, LIVE, WHOLE};
+pub(crate) use job::{GpuJob, LIVE, OFFLINE};
 pub(crate) use kernel_cache::KernelSource;

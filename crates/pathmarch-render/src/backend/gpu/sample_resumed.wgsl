@@ -1,5 +1,5 @@
 // import: backend/gpu/film, integrator/path, loop_check
-// One sample of a pixel whose path goes on in the next dispatch where the adapter ended its loops.
+// One sample of a pixel. If the adapter ends loops, the next dispatch resumes the path.
 
 /// Number of surfaces of a path that has ended.
 const FINISHED = 0xffffffffu;

@@ -1,4 +1,4 @@
-//! Shader files of the kernels and what they import.
+//! Shader files of the kernels, and their imports.
 //!
 //! A line `// import: a, b` at the top of a file names the files that it needs, by their paths in the crate, without extension.
 //! Some names are interfaces instead, such as `sampler`: the kernel chooses the file that implements them. Constants and
@@ -20,7 +20,7 @@ struct ShaderFile {
     /// Path in the crate, without extension.
     name: &'static str,
     text: &'static str,
-    /// Prints what it shares with Rust.
+    /// Prints the declarations that it shares with Rust.
     shared: fn() -> String,
 }
 
@@ -90,10 +90,10 @@ fn imports(text: &'static str) -> impl Iterator<Item = &'static str> {
     lines.flat_map(|names| names.split(',')).map(str::trim)
 }
 
-/// Text of a shader file and of all that it imports, each once; `implementation` gives the file of an interface.
+/// Text of a shader file and its imports, each file once; `implementation` maps an interface to a file.
 ///
 /// # Panics
-/// Where a file imports a name that is neither a file nor an interface: a mistake in the shaders, which every test of a kernel finds.
+/// If a file imports a name that is neither a file nor an interface. Every test of a kernel finds this mistake.
 pub(super) fn with_imports(name: &str, implementation: &dyn Fn(&str) -> Option<&'static str>) -> String {
     let mut code = String::new();
     append(name, implementation, &mut Vec::new(), &mut code);
@@ -172,7 +172,7 @@ mod tests {
         assert!(both.is_empty(), "share these with `shared_constants!`: {both:?}");
     }
 
-    /// Compares the layout of a structure in Rust with the one that naga gives its declaration.
+    /// Compares the layout of a structure in Rust with naga's layout of its declaration.
     fn check_layout<S: SharedStruct>() {
         let code = declaration::<S>() + &format!("@group(0) @binding(0) var<storage> all: array<{}>;\n", S::NAME);
         let module =

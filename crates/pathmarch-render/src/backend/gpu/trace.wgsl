@@ -1,8 +1,8 @@
 // import: backend/gpu/buffers, slice
-// Entry point: some samples of every pixel of a slice.
+// Entry point: samples of every pixel of a slice.
 
-// Eight lanes that run together, as in software, are a tile of 4x2 pixels and not a row: their rays part later. Thirty-two are
-// 8x4 either way.
+// Eight consecutive lanes, which software adapters run together, are a tile of 4x2 pixels and not a row: their rays diverge
+// later. Thirty-two lanes are 8x4 pixels either way.
 @compute @workgroup_size(8, 8)
 fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let within = vec2u((lane & 3u) | ((lane >> 1u) & 4u), ((lane >> 2u) & 1u) | ((lane >> 3u) & 6u));

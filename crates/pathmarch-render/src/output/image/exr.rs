@@ -1,15 +1,15 @@
-//! OpenEXR: linear radiance, lossless, with its provenance.
+//! OpenEXR: lossless linear radiance with its provenance.
 //!
-//! **Idea.** Going out, one part with 32-bit float channels R, G, B and any further channels, in blocks of 16 scanlines,
-//! deflated (ZIP): every bit survives. A layer is what the names of its channels say, as in `normal.X`.
-//! Coming in, the first part that has R, G and B is read, whatever its numbers (half, float, integer) and layout
-//! (scanlines, tiles, mip levels: the largest); alpha and other channels are left out.
+//! **Idea.** The writer produces one part with 32-bit float channels R, G, B and further channels, in blocks of 16 scanlines,
+//! with lossless ZIP compression. The names of channels define layers, as in `normal.X`. The reader takes the first part with
+//! R, G and B, of any number type (half, float, integer) and layout (scanlines, tiles, the largest mip level). It ignores
+//! alpha and other channels.
 //!
-//! **Source.** "OpenEXR File Layout", openexr.com, by way of the crate `exr`. The data window alone counts: where it is
-//! smaller than the display window, the picture is the smaller one.
+//! **Source.** "OpenEXR File Layout", openexr.com, through the crate `exr`. The picture is the data window, also if that is
+//! smaller than the display window.
 //!
-//! **Hostile files.** Sizes are checked in the header before anything is allocated for them. The decoder itself returned
-//! errors, and never panicked, on 250,000 randomly damaged files of all its compressions, in scanlines and in tiles.
+//! **Malicious files.** The reader checks the size in the header before it allocates memory. The decoder returned errors, and
+//! never panicked, on 250,000 randomly damaged files of all its compressions, in scanlines and in tiles.
 
 use std::io::{Cursor, Seek, Write};
 use std::path::Path;
@@ -21,7 +21,7 @@ use ::exr::prelude::*;
 
 use super::{Channel, ChannelValues, ImageError, Picture, Provenance, UNNAMED_MODE, check_size};
 
-/// Writes the picture and further channels; `path` only names it in errors.
+/// Writes the picture and further channels; errors name `path`.
 pub(super) fn write(
     path: &Path,
     writer: &mut (impl Write + Seek),
@@ -52,7 +52,7 @@ pub(super) fn write(
     })
 }
 
-/// Reads the picture and its provenance; `path` only names it in errors.
+/// Reads the picture and its provenance; errors name `path`.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> std::result::Result<(Picture, Option<Provenance>), ImageError> {
     let decode_error = |reason: Error| ImageError::Decode { path: path.to_owned(), reason: reason.to_string() };
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(decode_error)?;
@@ -60,14 +60,14 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> std::result::Result<(Picture, O
         check_size(path, header.layer_size.width() as u64, header.layer_size.height() as u64)?;
     }
     if !meta.headers.iter().any(has_rgb) {
-        return Err(decode_error(Error::NotSupported("it has no channels named R, G and B".into())));
+        return Err(decode_error(Error::NotSupported("there are no channels named R, G and B".into())));
     }
 
     let (picture, attributes) = read_rgb(bytes).map_err(decode_error)?;
     Ok((picture, provenance_in(&attributes)))
 }
 
-/// The first part with channels R, G and B.
+/// Reads the first part with channels R, G and B.
 fn read_rgb(bytes: &[u8]) -> Result<(Picture, LayerAttributes)> {
     let image = ::exr::prelude::read()
         .no_deep_data()
@@ -94,12 +94,12 @@ fn has_rgb(header: &Header) -> bool {
     !header.deep && has("R") && has("G") && has("B")
 }
 
-/// Name of the attribute that marks a file as ours.
+/// Attribute that only files of this program have.
 const SCENE_HASH: &str = "pathmarch:sceneHash";
 
 fn attributes_of(provenance: &Provenance) -> Vec<(Text, AttributeValue)> {
     let text = |name: &str, value: &str| (Text::from(name), AttributeValue::Text(text_of(value)));
-    // The integers of EXR are signed; one that does not fit is written out in digits.
+    // EXR integers are signed; larger values are written as text.
     let integer = |name: &str, value: u32| match i32::try_from(value) {
         Ok(value) => (Text::from(name), AttributeValue::I32(value)),
         Err(_) => text(name, &value.to_string()),
@@ -117,13 +117,13 @@ fn attributes_of(provenance: &Provenance) -> Vec<(Text, AttributeValue)> {
     ]
 }
 
-/// A string as EXR text, which is bytes without encoding: what is not printable ASCII becomes `?`.
+/// Converts a string to EXR text, which has no encoding; replaces characters other than printable ASCII by `?`.
 fn text_of(value: &str) -> Text {
     let bytes: Vec<u8> = value.chars().map(|c| if matches!(c, ' '..='~') { c as u8 } else { b'?' }).collect();
     Text::from_slice_unchecked(&bytes)
 }
 
-/// The provenance in a header; none unless every one of its attributes is there.
+/// Provenance in a header; `None` if an attribute is missing.
 fn provenance_in(attributes: &LayerAttributes) -> Option<Provenance> {
     let value = |name: &str| attributes.other.get(&Text::from(name));
     let text = |name: &str| match value(name)? {

@@ -1,12 +1,11 @@
-//! PNG and JPEG: 8-bit sRGB, the picture as a screen shows it.
+//! PNG and JPEG: tone-mapped 8-bit sRGB.
 //!
-//! **Idea.** Going out, radiance passes through exposure, tone curve and the sRGB curve and is rounded to 8 bits; coming in,
-//! codes are decoded to linear light in 0..=1 (the tone curve is not undone). A PNG says that it is sRGB in an `sRGB`
-//! chunk (PNG 3, section 11.3.2.5), so that viewers need not guess; the encoder has no word for it, so the 13 bytes of the
-//! chunk are put in after the header, whose length is fixed.
+//! **Idea.** The writer applies exposure, tone curve and the sRGB curve, and rounds to 8 bits. The reader decodes codes to
+//! linear light in 0..=1; it does not invert the tone curve. An `sRGB` chunk (PNG 3, section 11.3.2.5) declares the colour
+//! space of a PNG. The encoder does not support the chunk, so that the writer inserts its 13 bytes after the header, whose
+//! length is fixed.
 //!
-//! **Where we differ.** Colour profiles and gamma in files that are read are ignored: all are taken for sRGB. Alpha is
-//! dropped.
+//! **Limits.** The reader ignores colour profiles and gamma: all files count as sRGB. It drops alpha.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -19,16 +18,16 @@ use rayon::prelude::*;
 use super::{ImageError, ImageFormat, MAX_SIDE, Picture, check_size};
 use crate::output::tonemap::{Display, srgb_decode};
 
-/// JPEG quality, of 100.
+/// JPEG quality, from 1 to 100.
 const JPEG_QUALITY: u8 = 95;
 
-/// Bytes before the first chunk that may follow the header: the signature (8) and the chunk IHDR (25).
+/// Offset of the first chunk after the header, bytes: the signature (8) and the chunk IHDR (25).
 const PNG_HEADER_BYTES: usize = 33;
 
-/// A whole `sRGB` chunk: length 1, name, rendering intent 0 (perceptual), checksum.
+/// Complete `sRGB` chunk: length 1, name, rendering intent 0 (perceptual), checksum.
 const PNG_SRGB_CHUNK: [u8; 13] = [0, 0, 0, 1, b's', b'R', b'G', b'B', 0, 0xae, 0xce, 0x1c, 0xe9];
 
-/// A PNG file of the picture; `path` only names it in errors.
+/// Encodes the picture as a PNG file; errors name `path`.
 pub(super) fn encode_png(path: &Path, picture: &Picture, display: &Display) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
@@ -38,7 +37,7 @@ pub(super) fn encode_png(path: &Path, picture: &Picture, display: &Display) -> R
     Ok(bytes)
 }
 
-/// A JPEG file of the picture; `path` only names it in errors.
+/// Encodes the picture as a JPEG file; errors name `path`.
 pub(super) fn encode_jpeg(path: &Path, picture: &Picture, display: &Display) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
@@ -47,7 +46,7 @@ pub(super) fn encode_jpeg(path: &Path, picture: &Picture, display: &Display) -> 
     Ok(bytes)
 }
 
-/// A picture from the bytes of a PNG or JPEG file.
+/// Decodes the bytes of a PNG or JPEG file.
 pub(super) fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<Picture, ImageError> {
     let format = match format {
         ImageFormat::Jpeg => ::image::ImageFormat::Jpeg,
@@ -56,8 +55,8 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<P
     let decode_error =
         |error: ::image::ImageError| ImageError::Decode { path: path.to_owned(), reason: error.to_string() };
 
-    if format == ::image::ImageFormat::Jpeg && !jpeg_is_whole(bytes) {
-        return Err(ImageError::Decode { path: path.to_owned(), reason: "its end is missing".to_owned() });
+    if format == ::image::ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
+        return Err(ImageError::Decode { path: path.to_owned(), reason: "the end of the file is missing".to_owned() });
     }
     let (width, height) =
         ImageReader::with_format(Cursor::new(bytes), format).into_dimensions().map_err(decode_error)?;
@@ -73,14 +72,14 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<P
     Ok(Picture { width, height, pixels })
 }
 
-/// Whether the marker "end of image" follows the last "start of scan". The decoder fills what is cut off with grey and says
-/// nothing. Neither marker can occur in the coded data, where a zero follows every byte 0xff.
-fn jpeg_is_whole(bytes: &[u8]) -> bool {
+/// True if the marker "end of image" follows the last "start of scan". The decoder fills missing data with grey and reports no
+/// error. Neither marker can occur in the coded data, in which a zero follows every byte 0xff.
+fn jpeg_is_complete(bytes: &[u8]) -> bool {
     let last_scan = bytes.windows(2).rposition(|marker| marker == [0xff, 0xda]);
     last_scan.is_some_and(|at| bytes[at..].windows(2).any(|marker| marker == [0xff, 0xd9]))
 }
 
-/// 8-bit sRGB, three bytes a pixel.
+/// Tone-mapped 8-bit sRGB, three bytes a pixel.
 fn codes(picture: &Picture, display: &Display) -> Vec<u8> {
     picture.pixels.par_iter().flat_map_iter(|&pixel| display.encode_8bit(pixel)).collect()
 }

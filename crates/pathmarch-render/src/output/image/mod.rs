@@ -1,12 +1,12 @@
-//! Pictures, and the files they are kept in.
+//! Pictures and image files.
 //!
-//! **Idea.** A [`Picture`] is linear radiance. Saved as OpenEXR it stays what it is (32-bit float, lossless), carries its
-//! [`Provenance`], and may have further [`Channel`]s beside it; saved as PNG or JPEG it goes through the exposure and tone curve of a [`Display`]. A file is written
-//! under a temporary name beside its target and renamed when it is whole: whoever looks sees the old file or the new one,
-//! never half of one.
+//! **Idea.** A [`Picture`] is linear radiance. An OpenEXR file stores it without loss (32-bit float), with its [`Provenance`]
+//! and optional [`Channel`]s. PNG and JPEG files store it with the exposure and tone curve of a [`Display`]. Writes are
+//! atomic: a file is written under a temporary name beside its target and renamed when it is complete, so that readers see
+//! the old file or the new one.
 //!
 //! **Source.** OpenEXR 2 (Kainz, Bogart, Stanczyk, "Technical Introduction to OpenEXR", 2013), PNG 3 (W3C, 2025), JPEG
-//! (ITU-T T.81, 1992), by way of the crates `exr` and `image`.
+//! (ITU-T T.81, 1992), through the crates `exr` and `image`.
 //!
 //! **Cost.** Twelve bytes a pixel in memory; a 1280x720 picture takes 0.16 s to write as EXR on two cores and 0.06 s as PNG.
 
@@ -20,27 +20,27 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// The largest width or height that is read or written, in pixels.
+/// Largest width or height of a picture, pixels.
 pub const MAX_SIDE: u32 = 16_384;
 
-/// Linear Rec. 709 radiance, W/(m² sr), one triple a pixel.
+/// Picture of linear Rec. 709 radiance, W/(m² sr).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// `width * height` pixels, the top row first, each row from the left.
+    /// `width * height` RGB pixels, the top row first, each row from the left.
     pub pixels: Vec<[f32; 3]>,
 }
 
 impl Picture {
-    /// A black picture.
+    /// Black picture.
     pub fn new(width: u32, height: u32) -> Self {
         Picture { width, height, pixels: vec![[0.0; 3]; width as usize * height as usize] }
     }
 
-    /// A picture from a function of the pixel's column and row (row 0 is the top).
+    /// Picture from a function of the pixel's column and row; row 0 is the top.
     pub fn from_fn(width: u32, height: u32, mut pixel: impl FnMut(u32, u32) -> [f32; 3]) -> Self {
         let mut pixels = Vec::with_capacity(width as usize * height as usize);
         for y in 0..height {
@@ -51,7 +51,7 @@ impl Picture {
         Picture { width, height, pixels }
     }
 
-    /// The pixel in column `x` of row `y`, if there is one.
+    /// Pixel in column `x` of row `y`; `None` outside the picture.
     pub fn get(&self, x: u32, y: u32) -> Option<[f32; 3]> {
         if x >= self.width {
             return None;
@@ -59,7 +59,7 @@ impl Picture {
         self.pixels.get(y as usize * self.width as usize + x as usize).copied()
     }
 
-    /// The mean over all pixels, summed in 64-bit floats. Zero for a picture without pixels.
+    /// Mean over all pixels, summed in 64-bit floats; zero for a picture without pixels.
     pub fn mean_colour(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for pixel in &self.pixels {
@@ -70,22 +70,22 @@ impl Picture {
         sum.map(|channel| channel / self.pixels.len().max(1) as f64)
     }
 
-    /// How many pixels have a channel that is NaN or infinite.
+    /// Number of pixels with a channel that is NaN or infinite.
     pub fn non_finite(&self) -> u64 {
         self.pixels.iter().filter(|pixel| !pixel.iter().all(|channel| channel.is_finite())).count() as u64
     }
 }
 
-/// One more number for each pixel, kept in an OpenEXR file beside R, G and B.
+/// Further channel of an OpenEXR file, beside R, G and B.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// Its name in the file: a layer, a dot and what it is in the layer, as in `normal.X`. Printable ASCII.
+    /// Name in the file, printable ASCII: the layer, a dot and the channel of the layer, as in `normal.X`.
     pub name: String,
-    /// One value for each pixel, the top row first.
+    /// Value of each pixel, the top row first.
     pub values: ChannelValues,
 }
 
-/// The numbers of a [`Channel`].
+/// Values of a [`Channel`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum ChannelValues {
     /// 32-bit floats.
@@ -103,35 +103,35 @@ impl ChannelValues {
     }
 }
 
-/// Mode of files that do not name one: that of path tracing.
+/// Mode of files without the attribute: path tracing.
 pub(crate) const UNNAMED_MODE: &str = "path";
 
-/// Where a picture came from; kept in the header of an EXR file as attributes `pathmarch:sceneHash`, `pathmarch:samples`,
+/// Origin of a picture. The header of an EXR file stores it as the attributes `pathmarch:sceneHash`, `pathmarch:samples`,
 /// `pathmarch:firstSample`, `pathmarch:seed`, `pathmarch:bounces`, `pathmarch:mode`, `pathmarch:adapter`,
 /// `pathmarch:backend` and `pathmarch:version`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Provenance {
-    /// Hash of everything in the scene that bears on the light.
+    /// Hash of the scene, see [`scene_hash`](crate::scene_hash).
     pub scene_hash: String,
-    /// Samples per pixel in this picture.
+    /// Samples of each pixel.
     pub samples: u32,
-    /// Index of the first of them; more than 0 where the picture is a later part of a whole.
+    /// Index of the first sample; above 0 for a later range of a picture's samples.
     pub first_sample: u32,
-    /// Seed of the random numbers.
+    /// Seed of the sampler.
     pub seed: u32,
     /// Scattering events after the first hit.
     pub bounces: u32,
-    /// Name of the mode; `path` for files that do not name one.
+    /// Name of the mode; `path` for files without the attribute.
     pub mode: String,
-    /// The graphics adapter, or the processor.
+    /// Graphics adapter, or CPU.
     pub adapter: String,
-    /// The graphics interface ("vulkan", "metal", ...) or "cpu".
+    /// Graphics API ("vulkan", "metal", ...) or "cpu".
     pub backend: String,
-    /// Version of the program that rendered it.
+    /// Version of the program that rendered the picture.
     pub version: String,
 }
 
-/// The file formats that are read and written.
+/// Image file formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ImageFormat {
     /// OpenEXR: linear radiance, lossless.
@@ -143,7 +143,7 @@ pub enum ImageFormat {
 }
 
 impl ImageFormat {
-    /// The format that the name of a file asks for; upper and lower case are the same.
+    /// Format of a file name's extension, in any case.
     ///
     /// # Errors
     /// [`ImageError::UnknownExtension`], which names the accepted ones.
@@ -157,7 +157,7 @@ impl ImageFormat {
         }
     }
 
-    /// The format that the first bytes of a file show.
+    /// Format of a file's first bytes.
     fn from_magic(start: &[u8]) -> Option<Self> {
         match start {
             [0x76, 0x2f, 0x31, 0x01, ..] => Some(ImageFormat::Exr),
@@ -168,88 +168,88 @@ impl ImageFormat {
     }
 }
 
-/// Whether pixels are radiance without bound, or light between the black and the white of a screen.
+/// Dynamic range of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PictureKind {
-    /// High dynamic range: scene radiance.
+    /// High dynamic range: unbounded scene radiance.
     Hdr,
     /// Low dynamic range: display light in 0..=1.
     Ldr,
 }
 
-/// A picture read from a file.
+/// Picture read from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loaded {
-    /// The pixels, linear whatever the file held.
+    /// Pixels, converted to linear light.
     pub picture: Picture,
     /// `Hdr` from EXR, `Ldr` from PNG and JPEG.
     pub kind: PictureKind,
-    /// Where it came from; only an EXR file that pathmarch wrote says so.
+    /// Origin of the picture; only EXR files of pathmarch contain it.
     pub provenance: Option<Provenance>,
 }
 
-/// What went wrong with an image file. Every message names the file and says what to do.
+/// Failure of reading or writing an image file. Every message names the file and suggests a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
-    /// The name does not say which format is meant.
-    #[error("{path}: the name of an image ends in .exr, .png, .jpg or .jpeg; rename it to one of these", path = path.display())]
+    /// The extension of the name is not that of an image format.
+    #[error("{path}: the extension of an image must be .exr, .png, .jpg or .jpeg; rename the file", path = path.display())]
     UnknownExtension {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// The directory to write to is not there.
+    /// The directory of the file does not exist.
     #[error("{path}: the directory {directory} does not exist; create it first", path = path.display(), directory = directory.display())]
     MissingDirectory {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its directory.
+        /// Path of its directory.
         directory: PathBuf,
     },
-    /// The file could not be written.
-    #[error("{path}: cannot be written: {source}; check that its directory is writable and has room", path = path.display())]
+    /// The file cannot be written.
+    #[error("{path}: cannot be written: {source}; check the permissions of its directory and the free space", path = path.display())]
     Write {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The file could not be read.
-    #[error("{path}: cannot be read: {source}; check the name and its permissions", path = path.display())]
+    /// The file cannot be read.
+    #[error("{path}: cannot be read: {source}; check its name and permissions", path = path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The file is none of the formats.
+    /// The file has none of the supported formats.
     #[error("{path}: is not an OpenEXR, PNG or JPEG file; convert it to one of these", path = path.display())]
     NotAnImage {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// The file is damaged, cut short, or of a variety that is not read.
-    #[error("{path}: cannot be decoded: {reason}; it may be damaged or cut short, write it again", path = path.display())]
+    /// The file is damaged, truncated, or of an unsupported variant of its format.
+    #[error("{path}: cannot be decoded: {reason}; the file may be damaged or truncated, write it again", path = path.display())]
     Decode {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the decoder said.
+        /// Message of the decoder.
         reason: String,
     },
-    /// The picture could not be turned into that format.
+    /// The picture cannot be encoded in the format.
     #[error("{path}: cannot be encoded: {reason}", path = path.display())]
     Encode {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the encoder said.
+        /// Message of the encoder.
         reason: String,
     },
     /// The picture is empty or too large.
     #[error(
-        "{path}: a picture of {width}x{height} is out of range; width and height must be 1 to {limit} pixels",
+        "{path}: the picture has {width}x{height} pixels; width and height must be from 1 to {limit}",
         path = path.display(), limit = MAX_SIDE
     )]
     BadSize {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Width in pixels.
         width: u64,
@@ -258,7 +258,7 @@ pub enum ImageError {
     },
 }
 
-/// Refuses pictures with no pixels and pictures of absurd size, before anything is allocated for them.
+/// Refuses empty and excessively large pictures before memory is allocated for them.
 fn check_size(path: &Path, width: u64, height: u64) -> Result<(), ImageError> {
     let allowed = 1..=u64::from(MAX_SIDE);
     if allowed.contains(&width) && allowed.contains(&height) {
@@ -267,8 +267,8 @@ fn check_size(path: &Path, width: u64, height: u64) -> Result<(), ImageError> {
     Err(ImageError::BadSize { path: path.to_owned(), width, height })
 }
 
-/// Writes a picture in the format its name asks for: EXR keeps the radiance and the provenance, PNG and JPEG are seen
-/// through `display`. An existing file is replaced, at once and whole, or not at all.
+/// Writes a picture in the format of its extension: EXR stores the radiance and the provenance, PNG and JPEG the picture
+/// tone-mapped by `display`. Replaces an existing file atomically.
 ///
 /// # Errors
 /// [`ImageError`]: an unknown extension, a missing or unwritable directory, a full disk, a picture of bad size.
@@ -276,10 +276,10 @@ pub fn save(path: &Path, picture: &Picture, display: &Display, provenance: &Prov
     save_with(path, picture, Vec::new(), display, provenance)
 }
 
-/// As [`save`], with further channels, which only EXR can hold.
+/// Writes a picture, as [`save`], with further channels, which only EXR supports.
 ///
 /// # Errors
-/// Those of [`save`], and [`ImageError::Encode`] for channels in another format, of another size, or of one name.
+/// Those of [`save`], and [`ImageError::Encode`] for channels in another format, of another size, or with equal names.
 pub fn save_with(
     path: &Path,
     picture: &Picture,
@@ -291,7 +291,7 @@ pub fn save_with(
     check_size(path, picture.width.into(), picture.height.into())?;
     let encode_error = |reason| Err(ImageError::Encode { path: path.to_owned(), reason });
     if format != ImageFormat::Exr && !channels.is_empty() {
-        return encode_error("only OpenEXR can hold further channels; let its name end in .exr".to_owned());
+        return encode_error("only OpenEXR supports further channels; use the extension .exr".to_owned());
     }
     let (width, height) = (picture.width, picture.height);
     let needed = width as usize * height as usize;
@@ -318,15 +318,15 @@ pub fn save_with(
     Ok(())
 }
 
-/// Reads a picture; the format is told from the content, not from the name.
+/// Reads a picture; detects the format from the content, not from the name.
 ///
 /// # Errors
-/// [`ImageError`]: no such file, not an image, damaged, or larger than [`MAX_SIDE`] a side.
+/// [`ImageError`]: no such file, not an image, damaged, or a side longer than [`MAX_SIDE`].
 pub fn load(path: &Path) -> Result<Loaded, ImageError> {
     let read_error = |source| ImageError::Read { path: path.to_owned(), source };
     let mut bytes = Vec::new();
     let mut file = File::open(path).map_err(read_error)?;
-    // The format is known from the first few bytes: a huge file that is no image is not read to its end.
+    // The first bytes decide the format, so that a huge file of another kind is not read to its end.
     (&mut file).take(8).read_to_end(&mut bytes).map_err(read_error)?;
     let format = ImageFormat::from_magic(&bytes).ok_or_else(|| ImageError::NotAnImage { path: path.to_owned() })?;
     file.read_to_end(&mut bytes).map_err(read_error)?;

@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let renderer = Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
     let animation = Arc::new(Mutex::new(animation));
     let shutter = arguments.shutter(&scene, fps);
-    let mut job = renderer.start_exposure(&animation, &scene, &settings, shutter).map_err(render_failure)?;
+    let mut job = renderer.start_motion_blur(&animation, &scene, &settings, shutter).map_err(render_failure)?;
     print_settings(arguments, job.backend(), &settings);
     let started = Instant::now();
     // In units of 1/1000 sample, so that slow samples show progress.
@@ -109,7 +109,7 @@ fn run_frames(
         }
         warned.extend(scene.warnings.iter().map(|warning| warning.message.clone()));
         let settings = arguments.settings(&scene)?;
-        let job = renderer.start_exposure(&animation, &scene, &settings, arguments.shutter(&scene, fps));
+        let job = renderer.start_motion_blur(&animation, &scene, &settings, arguments.shutter(&scene, fps));
         let mut job = job.map_err(|error| in_frame(frame, render_failure(error)))?;
         if frame == first {
             print_settings(arguments, job.backend(), &settings);

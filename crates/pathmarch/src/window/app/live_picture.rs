@@ -4,7 +4,7 @@ use super::App;
 use crate::window::open_scene::OpenScene;
 use egui::{ColorImage, Context, TextureOptions};
 use pathmarch_render::Settings;
-use pathmarch_render::live::Order;
+use pathmarch_render::live::RenderRequest;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::Display;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ impl App {
     /// Uploads a new picture as a texture.
     pub(super) fn upload_picture(&mut self, ctx: &Context) {
         let (Some(open), Some(shown)) = (&mut self.open, self.live.picture()) else { return };
-        let is_other_scene = self.first_order.is_none_or(|first| shown.order < first);
+        let is_other_scene = self.first_order.is_none_or(|first| shown.request < first);
         if is_other_scene || open.view.picture.as_ref().is_some_and(|(_, serial, _)| *serial == shown.serial) {
             return;
         }
@@ -41,7 +41,7 @@ impl App {
         if open.view.available_pixels.contains(&0) {
             return;
         }
-        let order = Order {
+        let order = RenderRequest {
             settings: Self::settings(open, &scene),
             display: Self::display(open, &scene),
             scene,

@@ -24,7 +24,7 @@ use dialog::Dialog;
 use egui::{Context, Ui};
 use pathmarch_cli::AppDirs;
 use pathmarch_render::Backend;
-use pathmarch_render::live::{Live, Order};
+use pathmarch_render::live::{Live, RenderRequest};
 use pathmarch_render::pathmarch_scene::document::EditError;
 use performance::PerformanceHistory;
 use requests::{FileRequest, PendingAction};
@@ -69,7 +69,7 @@ pub(crate) struct App {
     pub(crate) last_typed_at: f64,
     /// A text field had the keyboard focus at the end of the last frame.
     typing: bool,
-    ordered: Option<Order>,
+    ordered: Option<RenderRequest>,
     /// Number of the first order for the open scene. Pictures of earlier orders show another scene.
     first_order: Option<u64>,
     started: Instant,

@@ -1,6 +1,6 @@
 //! History of frame times and sample rates, for the plots.
 
-use pathmarch_render::live::Shown;
+use pathmarch_render::live::LiveImage;
 use std::collections::VecDeque;
 use std::time::Instant;
 
@@ -16,7 +16,7 @@ pub(crate) struct PerformanceHistory {
 }
 
 impl PerformanceHistory {
-    pub(crate) fn picture(&mut self, shown: &Shown, samples_per_second: f64) {
+    pub(crate) fn picture(&mut self, shown: &LiveImage, samples_per_second: f64) {
         if let Some(last) = self.last {
             let milliseconds = shown.at.duration_since(last).as_secs_f64() * 1e3;
             self.history.push_back((milliseconds, samples_per_second));

@@ -294,7 +294,7 @@ impl<W: Fn()> Worker<'_, W> {
         check_output(output, &task.layers)?;
         let fail = |error: RenderError| error.to_string();
         let shutter = Shutter::of(scene);
-        let mut job = self.renderer.start_exposure(&self.animation, scene, &task.settings, shutter).map_err(fail)?;
+        let mut job = self.renderer.start_motion_blur(&self.animation, scene, &task.settings, shutter).map_err(fail)?;
         let stop = |done: f64| match shared.command() {
             CONTINUE => false,
             STOP_AND_KEEP if may_be_partial => done >= 1.0,

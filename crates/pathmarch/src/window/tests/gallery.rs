@@ -84,9 +84,9 @@ fn a_file_that_is_dropped_opens() {
 fn another_scene_never_shows_the_picture_of_the_one_before() {
     let mut person = Person::at_scene();
     person.rest();
-    let before = person.app().live.picture().expect("a picture").order;
+    let before = person.app().live.picture().expect("a picture").request;
     person.app_mut().run_pending(crate::window::app::requests::PendingAction::New);
     person.harness.step();
     person.until("there is a picture", |person| person.open().view.picture.is_some());
-    assert!(person.app().live.picture().expect("a picture").order > before);
+    assert!(person.app().live.picture().expect("a picture").request > before);
 }

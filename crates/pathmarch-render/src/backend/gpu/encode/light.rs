@@ -1,7 +1,7 @@
 //! Lights as records of one layout.
 
 use crate::scene::light::{BoxLight, Light, LightShape, SheetLight, SphereLight};
-use crate::settings::LightSearch;
+use crate::settings::DirectLighting;
 use crate::wgsl::{declaration, shared_struct, write_constant};
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -17,7 +17,7 @@ shared_struct! {
         pub(super) emission: [f32; 3],
         /// Probability of being chosen.
         pub(super) pmf: f32,
-        /// Alias table: share of the cell that is this light's own, and the light that has the rest.
+        /// Alias table: probability to keep this light in its cell, and the light chosen otherwise.
         pub(super) threshold: f32,
         pub(super) alias_light: u32,
         /// Leaf of the field that emits.
@@ -29,7 +29,7 @@ shared_struct! {
         /// Sharpness of shadows from near misses; 0 for exact shadows.
         pub(super) penumbra: f32,
         pub(super) y: [f32; 3],
-        /// Of a rectangle or a disc, square metres.
+        /// Area of a rectangle or a disc, square metres.
         pub(super) area: f32,
         pub(super) z: [f32; 3],
         /// One over `pmf`.
@@ -50,11 +50,11 @@ pub(crate) fn shared_wgsl() -> String {
     code
 }
 
-/// Values of `LIGHT_SEARCH` in WGSL.
+/// Values of `DIRECT_LIGHTING` in WGSL.
 pub(crate) fn search_wgsl() -> String {
     let mut code = String::new();
-    write_constant(&mut code, &[], "LIGHTS_SAMPLED", &(LightSearch::Sampled as u32));
-    write_constant(&mut code, &[], "LIGHTS_HIT", &(LightSearch::Met as u32));
+    write_constant(&mut code, &[], "LIGHT_SAMPLING", &(DirectLighting::LightSampling as u32));
+    write_constant(&mut code, &[], "BSDF_SAMPLING", &(DirectLighting::BsdfSampling as u32));
     code
 }
 

@@ -1,7 +1,7 @@
 //! Encoding of a scene for the kernel's buffers.
 //!
-//! Leaves and materials have one layout for both backends. The other tables are encoded here: lights as records, textures, the sky's
-//! sampling tables, the directional albedos of GGX and the data of the mode as words of one buffer.
+//! Leaves and materials have the same layout on both backends. This module encodes the other tables: lights as records, and
+//! textures, the sky's alias tables, the directional albedos of GGX and the data of the mode as words of one buffer.
 
 pub(super) mod light;
 pub(super) mod preview;
@@ -16,10 +16,10 @@ use crate::wgsl::write_constant;
 use pathmarch_scene::Sampler;
 use pathmarch_scene::materials::albedo;
 
-/// Words that the kernel reads, and the offset of each table in them.
+/// Words of the scene-data buffer, and the offset of each table.
 pub(crate) struct SceneData {
     pub(super) words: Vec<u32>,
-    /// Texels of the environment map, row by row from the zenith; fourth numbers are unused.
+    /// Texels of the environment map, row by row from the zenith; w is unused.
     pub(super) sky_texels: Vec<[f32; 4]>,
     /// Offset of the alias tables of the environment map.
     pub(super) sky: usize,

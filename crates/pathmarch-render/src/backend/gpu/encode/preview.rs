@@ -1,10 +1,10 @@
-//! Data of a preview, as `preview/preview.wgsl` reads them.
+//! Encoding of a preview's data, which `preview/preview.wgsl` decodes.
 
 use crate::preview::Preview;
 use crate::wgsl::shared_constants;
 
 shared_constants! {
-    /// Offset of the lights in the data: after nine colours, the reach and the number of lights. The preview materials follow them.
+    /// Offset of the lights in the data: after nine colours, the reach and the number of lights. The preview materials follow.
     pub(crate) const FIRST_LIGHT: u32 = 29;
 }
 

@@ -1,7 +1,7 @@
-//! Textured materials as words, as `shading/textured_material.wgsl` reads them.
+//! Encoding of textured materials, which `shading/textured_material.wgsl` decodes.
 //!
-//! For each leaf its pose; for each material the offset of its textures, or 0; then the textures. An offset counts from the start
-//! of the buffer.
+//! The words contain the pose of each leaf, then the offset of each material's textures (0 if it has none), then the textures.
+//! Offsets count from the start of the buffer.
 
 use crate::scene::textured_material::{Change, Layer, Source, TexturedMaterial};
 use crate::wgsl::shared_constants;
@@ -17,7 +17,7 @@ shared_constants! {
     const TEXTURE_SCALE: u32 = 13;
     const TEXTURE_STEP: u32 = 14;
     const TEXTURE_PARAMETERS: u32 = 15;
-    /// Kinds of textures that a point alone does not decide.
+    /// Kinds of textures that are not functions of the point alone.
     const ORBIT_SOURCE: u32 = 1000;
     const PICTURE_SOURCE: u32 = 1001;
     /// Words of a layer: texture, kind, place or number of places, preview materials, contents.
@@ -31,7 +31,7 @@ shared_constants! {
     const PACKED_LAYER: u32 = 2;
 }
 
-/// Words of a texture in all.
+/// Total number of words of a texture.
 const TEXTURE_WORDS: usize = TEXTURE_PARAMETERS as usize + textures::MAX_PARAMETERS;
 
 /// Index of a kind of computed texture.
@@ -88,7 +88,7 @@ impl<'a> Encoder<'a> {
         let at = self.offset();
         self.words.extend([layers.len() as u32, bump]);
         self.words.extend(layers);
-        // The kernel may read one word more.
+        // The kernel may read one word beyond the last.
         self.words.push(0);
         at
     }
@@ -165,7 +165,7 @@ impl<'a> Encoder<'a> {
         at
     }
 
-    /// Offset of the texels of a picture, which are encoded once.
+    /// Offset of a picture's texels; encodes each picture once.
     fn texels(&mut self, picture: &'a Picture) -> u32 {
         if let Some((_, at)) = self.pictures.iter().find(|(known, _)| std::ptr::eq(*known, picture)) {
             return *at;

@@ -1,33 +1,32 @@
-//! How long compute passes take on the device's own clock.
+//! GPU timer: duration of compute passes on the device's own clock.
 //!
-//! **Idea.** A pass writes a timestamp where it begins and one where it ends; their differences are summed. That leaves out
-//! what the processor does between passes, so that next to the time on the wall it tells whether a picture waits for its
-//! kernel or for us.
+//! **Idea.** A pass writes a timestamp at its beginning and one at its end; the timer sums their differences. The sum excludes
+//! the work of the CPU between passes. Next to the wall-clock time it shows whether the kernel or the CPU is the bottleneck.
 //!
-//! **Cost.** Two timestamps for each pass, and a buffer of 16 KiB read when somebody asks. Only a job that is asked to
-//! measure has one.
+//! **Cost.** Two timestamps for each pass, and a readback of 16 KiB on request. A job has a timer only if it is asked to
+//! measure.
 
 use super::device::Device;
 use crate::error::RenderError;
 use std::time::Duration;
 
-/// Passes between two readings.
+/// Largest number of passes between two readbacks.
 const PASSES: u32 = 1024;
-/// Bytes of a timestamp.
-const STAMP: u64 = wgpu::QUERY_SIZE as u64;
+/// Size of a timestamp, bytes.
+const TIMESTAMP_BYTES: u64 = wgpu::QUERY_SIZE as u64;
 
-/// A clock for compute passes.
-pub(super) struct Stopwatch {
-    stamps: wgpu::QuerySet,
+/// Timer of compute passes.
+pub(super) struct GpuTimer {
+    timestamps: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     copy: wgpu::Buffer,
-    /// Passes since the last reading.
+    /// Number of passes since the last readback.
     passes: u32,
     total: Duration,
 }
 
-impl Stopwatch {
-    /// None where the adapter has no timestamps.
+impl GpuTimer {
+    /// Creates a timer; `None` if the adapter does not support timestamps.
     pub(super) fn new(device: &Device) -> Result<Option<Self>, RenderError> {
         if !device.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
             return Ok(None);
@@ -35,13 +34,13 @@ impl Stopwatch {
         let buffer = |label, usage| {
             device.allocate(&wgpu::BufferDescriptor {
                 label: Some(label),
-                size: 2 * u64::from(PASSES) * STAMP,
+                size: 2 * u64::from(PASSES) * TIMESTAMP_BYTES,
                 usage,
                 mapped_at_creation: false,
             })
         };
         Ok(Some(Self {
-            stamps: device.device.create_query_set(&wgpu::QuerySetDescriptor {
+            timestamps: device.device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("timestamps"),
                 ty: wgpu::QueryType::Timestamp,
                 count: 2 * PASSES,
@@ -53,30 +52,30 @@ impl Stopwatch {
         }))
     }
 
-    /// Whether it must be read before another pass.
+    /// True if it must be read before the next pass.
     pub(super) fn is_full(&self) -> bool {
         self.passes == PASSES
     }
 
-    /// What the next pass has to write; it must not be full.
+    /// Timestamps that the next pass must write. The timer must not be full.
     pub(super) fn next(&mut self) -> wgpu::ComputePassTimestampWrites<'_> {
         let first = 2 * self.passes;
         self.passes += 1;
         wgpu::ComputePassTimestampWrites {
-            query_set: &self.stamps,
+            query_set: &self.timestamps,
             beginning_of_pass_write_index: Some(first),
             end_of_pass_write_index: Some(first + 1),
         }
     }
 
-    /// The time of all passes so far; waits for them.
+    /// Total time of all passes so far; waits for them.
     pub(super) fn read(&mut self, device: &Device) -> Result<Duration, RenderError> {
         if self.passes > 0 {
-            let stamps = 2 * self.passes;
-            let bytes = u64::from(stamps) * STAMP;
+            let timestamps = 2 * self.passes;
+            let bytes = u64::from(timestamps) * TIMESTAMP_BYTES;
             let mut encoder =
                 device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("timestamps") });
-            encoder.resolve_query_set(&self.stamps, 0..stamps, &self.resolved, 0);
+            encoder.resolve_query_set(&self.timestamps, 0..timestamps, &self.resolved, 0);
             encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.copy, 0, bytes);
             device.queue.submit([encoder.finish()]);
             let ticks = device.read(&self.copy, bytes, |bytes| {

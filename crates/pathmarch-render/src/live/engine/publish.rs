@@ -1,0 +1,83 @@
+//! Results of the renderer's thread: pictures, films and the status.
+
+use super::{Engine, LiveImage, PUBLISH_INTERVAL, Status};
+use crate::error::RenderError;
+use crate::job::tracer::Tracer;
+use crate::live::shared::{FilmReply, lock};
+use crate::settings::Settings;
+use std::sync::Arc;
+use std::time::Instant;
+
+impl Engine {
+    /// True if a picture with `done` of `target` samples is to be published: the first, the last, and some between.
+    pub(super) fn is_due(&self, done: f64, target: u32) -> bool {
+        let is_first = self.published_samples < 1.0 && done >= 1.0;
+        let is_better = done >= 1.0
+            && self.published_at.is_none_or(|at| at.elapsed() >= PUBLISH_INTERVAL)
+            && done > self.published_samples;
+        let is_last = done >= f64::from(target) && done > self.published_samples;
+        is_first || is_better || is_last
+    }
+
+    /// Publishes the picture so far.
+    pub(super) fn publish(&mut self) -> Result<(), RenderError> {
+        let (Some((number, request)), Some(tracer)) = (&self.request, &mut self.tracer) else { return Ok(()) };
+        let samples = tracer.samples_done();
+        let codes = tracer.show(&request.display, request.settings.mode)?;
+        let now = Instant::now();
+        self.serial += 1;
+        let image = LiveImage { size: self.level, codes, samples, request: *number, serial: self.serial, at: now };
+        *lock(&self.shared.picture) = Some(Arc::new(image));
+        self.published_at = Some(now);
+        self.published_samples = samples;
+        self.update_status();
+        (self.shared.notify)();
+        Ok(())
+    }
+
+    /// Film of the full-size picture, and its settings.
+    pub(super) fn film(&mut self) -> FilmReply {
+        let Some((_, request)) = self.request.clone() else { return Err("there is no picture yet".to_owned()) };
+        let Some(tracer) = &mut self.tracer else { return Err("there is no picture yet".to_owned()) };
+        if self.level != request.settings.size {
+            return Err("the picture is not rendered at its full size yet".to_owned());
+        }
+        let film = tracer.film().map_err(|error| error.to_string())?;
+        if film.samples == 0 {
+            return Err("no sample of the picture is done yet".to_owned());
+        }
+        let settings = Settings { samples: film.samples, ..request.settings };
+        Ok((film, settings))
+    }
+
+    /// Updates the status; calls the owner when the picture is finished or rendering resumes.
+    pub(super) fn update_status(&self) {
+        let mut status = lock(&self.shared.status);
+        let full_size = self.request.as_ref().map(|(_, request)| request.settings.size);
+        let Status { backend, adapter, samples, samples_per_second, compiling, resting, notice, .. } = &mut *status;
+        match (&self.tracer, self.gpu.device()) {
+            (Some(Tracer::Gpu(_)), Some(device)) => {
+                backend.clone_from(&device.description.backend);
+                adapter.clone_from(&device.description.name);
+                *notice = None;
+            }
+            (Some(_), _) => {
+                "CPU".clone_into(backend);
+                *adapter = format!("{} threads", rayon::current_num_threads());
+            }
+            (None, _) => {}
+        }
+        *samples = match &self.tracer {
+            Some(tracer) if full_size == Some(self.level) => tracer.samples_done(),
+            _ => 0.0,
+        };
+        *samples_per_second = full_size.map_or(0.0, |size| 1.0 / self.pace().seconds(size));
+        *compiling = self.gpu.is_compiling();
+        let was_resting = std::mem::replace(resting, self.tracer.is_some() && !self.has_work());
+        let changed = was_resting != *resting;
+        drop(status);
+        if changed {
+            (self.shared.notify)();
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Start of a request: reuse of the last one's scene and kernel, and levels of the picture's size.
+
+use super::{Engine, RenderRequest};
+use crate::backend::RenderInput;
+use crate::backend::cpu::CpuJob;
+use crate::error::RenderError;
+use crate::job::tracer::Tracer;
+use crate::live::shared::lock;
+use crate::settings::Settings;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Time within which a kernel must be compiled to be waited for; else the CPU starts to render.
+const COMPILE_WAIT: Duration = Duration::from_millis(30);
+
+/// True if both settings have one kernel, and only the view, the size or a limit differs.
+fn same_kernel(a: &Settings, b: &Settings) -> bool {
+    let rest = |settings: &Settings| Settings {
+        size: [1, 1],
+        samples: 1,
+        bounces: 0,
+        seed: 0,
+        clamp: None,
+        detail: 1.0,
+        camera: 0,
+        viewpoint: None,
+        ..settings.clone()
+    };
+    rest(a) == rest(b)
+}
+
+/// True if only the number of samples differs.
+fn same_picture(a: &Settings, b: &Settings) -> bool {
+    Settings { samples: 1, ..a.clone() } == Settings { samples: 1, ..b.clone() }
+}
+
+impl Engine {
+    /// Starts to render a request.
+    pub(super) fn start_request(&mut self, number: u64, request: RenderRequest) -> Result<(), RenderError> {
+        if let Err(error) = request.settings.check(&request.scene) {
+            self.request = Some((number, request));
+            self.fail(error.to_string());
+            return Ok(());
+        }
+        lock(&self.shared.status).error = None;
+        let old = self.request.replace((number, request.clone()));
+        let old = old.map(|(_, old)| old).filter(|_| self.input.is_some() && self.tracer.is_some());
+        let (same_scene, same_picture) = old.as_ref().map_or((false, false), |old| {
+            let scene = Arc::ptr_eq(&old.scene, &request.scene) && same_kernel(&old.settings, &request.settings);
+            (scene, scene && same_picture(&old.settings, &request.settings))
+        });
+        if same_picture {
+            // Only the number of samples, the display or `moving` has changed.
+            if old.is_some_and(|old| old.display != request.display) && self.published_at.is_some() {
+                self.publish()?;
+            }
+            return Ok(());
+        }
+        if self.first_image_since.is_some()
+            && let Some(tracer) = &self.tracer
+        {
+            // The last request was too slow; its pace decides the size of the next one.
+            let done = tracer.samples_done();
+            self.update_pace(done);
+            self.skipped_requests += 1;
+        }
+        self.level = self.first_level(&request);
+        self.first_image_since = Some(Instant::now());
+        let settings = self.level_settings(&request);
+        let reframed = same_scene && self.input.as_mut().is_some_and(|input| input.reframe(&request.scene, &settings));
+        if reframed {
+            return self.start_level();
+        }
+        self.input = Some(RenderInput::new(&request.scene, &settings));
+        self.gpu.start_scene();
+        self.compile();
+        // Most kernels are ready at once; the picture is then not rendered twice.
+        self.gpu.wait_for_kernel(COMPILE_WAIT, &self.shared);
+        self.tracer = None;
+        self.start_level()
+    }
+
+    /// Size of a request's first picture.
+    fn first_level(&self, request: &RenderRequest) -> [u32; 2] {
+        let time = if request.moving { request.frame_time } else { request.frame_time.max(Duration::from_millis(60)) };
+        let level = self.pace().size_within(request.settings.size, time);
+        if request.moving {
+            level
+        } else {
+            self.pace().next_level(level.map(|side| side.div_ceil(2)), request.settings.size)
+        }
+    }
+
+    /// Settings of the present level.
+    fn level_settings(&self, request: &RenderRequest) -> Settings {
+        Settings { size: self.level, ..request.settings.clone() }
+    }
+
+    /// Starts to compile the scene's kernel, if the GPU needs it.
+    pub(super) fn compile(&mut self) {
+        if let Some(input) = &self.input {
+            self.gpu.compile(input, &self.shared);
+        }
+    }
+
+    /// Takes a kernel that is ready, and moves the picture from the CPU to the GPU.
+    pub(super) fn poll_kernel(&mut self) -> Result<(), RenderError> {
+        if !self.gpu.poll_kernel(&self.shared) {
+            return Ok(());
+        }
+        // The scene may have changed during the compilation.
+        self.compile();
+        if self.gpu.has_kernel() && !matches!(self.tracer, Some(Tracer::Gpu(_))) {
+            self.tracer = None;
+            let Some((_, request)) = self.request.clone() else { return Ok(()) };
+            self.level = self.first_level(&request);
+            return self.start_level();
+        }
+        Ok(())
+    }
+
+    /// Starts the picture of the present level.
+    pub(super) fn start_level(&mut self) -> Result<(), RenderError> {
+        let Some((_, request)) = &self.request else { return Ok(()) };
+        let settings = self.level_settings(request);
+        let Some(input) = &mut self.input else { return Ok(()) };
+        if [input.frame.width, input.frame.height] != self.level && !input.reframe(&request.scene, &settings) {
+            *input = RenderInput::new(&request.scene, &settings);
+            self.tracer = None;
+        }
+        let reframed = match &mut self.tracer {
+            Some(tracer) => tracer.reframe(input)?,
+            None => false,
+        };
+        if !reframed && let Some(input) = &self.input {
+            let first = settings.first_sample;
+            let cpu = || Tracer::Cpu(Box::new(CpuJob::new(input.clone(), first)));
+            let tracer = match self.gpu.tracer(input, first) {
+                Some(Err(error @ RenderError::TooLarge { .. })) => {
+                    self.gpu.refuse(&error, &self.shared);
+                    cpu()
+                }
+                Some(tracer) => tracer?,
+                None => cpu(),
+            };
+            self.tracer = Some(tracer);
+        }
+        self.last_measurement = (0.0, Instant::now());
+        self.published_samples = 0.0;
+        Ok(())
+    }
+}
