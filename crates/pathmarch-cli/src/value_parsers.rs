@@ -1,10 +1,10 @@
 //! Value parsers for numbers on the command line, with their error messages.
 //!
 //! Options that override a setting of the scene use the ranges of the scene language
-//! ([`pathmarch_render::pathmarch_scene::limits`]). Numeric options accept values with a hyphen, so that the error for
+//! ([`pathmarch_render::pathmarch_scene::settings`]). Numeric options accept values with a hyphen, so that the error for
 //! `--seed -1` names the range of a seed instead of an unknown option `-1`.
 
-use pathmarch_render::pathmarch_scene::limits::Range;
+use pathmarch_render::pathmarch_scene::settings::Range;
 
 /// Parses an integer from `least` to `most`.
 pub fn whole((least, most): (u32, u32)) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync {
@@ -32,7 +32,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 
 /// Parses width and height in pixels, such as `1280x720`.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
-    use pathmarch_render::pathmarch_scene::limits::SIDE;
+    use pathmarch_render::pathmarch_scene::settings::SIDE;
     let side = |text: &str| {
         let text = text.trim();
         let digits = text.strip_prefix(['-', '+']).unwrap_or(text);
@@ -51,12 +51,12 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pathmarch_render::pathmarch_scene::limits;
+    use pathmarch_render::pathmarch_scene::settings;
     use pathmarch_render::{MAX_BOUNCES, image};
 
     #[test]
     fn limits_are_those_of_the_renderer() {
-        assert_eq!((limits::BOUNCES.1, limits::SIDE.1), (MAX_BOUNCES, image::MAX_SIDE));
+        assert_eq!((settings::BOUNCES.1, settings::SIDE.1), (MAX_BOUNCES, image::MAX_SIDE));
     }
 
     #[test]
@@ -72,16 +72,16 @@ mod tests {
 
     #[test]
     fn numbers_are_finite_and_within_their_range() {
-        let exposure = number(limits::EXPOSURE);
+        let exposure = number(settings::EXPOSURE);
         assert_eq!((exposure("-100"), exposure("1e2"), exposure("-2.5")), (Ok(-100.0), Ok(100.0), Ok(-2.5)));
         for wrong in ["", "nan", "NaN", "inf", "-inf", "infinity", "1e9", "-100.1", "1e999", "--seed", "2 stops"] {
             assert_eq!(exposure(wrong), Err("must be a number from -100 to 100".to_owned()), "{wrong}");
         }
-        let clamp = number(limits::CLAMP);
+        let clamp = number(settings::CLAMP);
         for wrong in ["0", "-1", "inf", "1e39", "1e-60", "nan"] {
             assert_eq!(clamp(wrong), Err("must be a finite number above 0".to_owned()), "{wrong}");
         }
-        let fps = number(limits::FPS);
+        let fps = number(settings::FPS);
         assert_eq!((fps("1000"), fps("1e-3")), (Ok(1000.0), Ok(1e-3)));
         assert_eq!(fps("1001"), Err("must be a number above 0 and at most 1000".to_owned()));
     }

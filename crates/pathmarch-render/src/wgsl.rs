@@ -20,7 +20,7 @@ impl FieldType for [f32; 3] {
     const WGSL: &'static str = "vec3f";
 }
 
-impl FieldType for pathmarch_scene::materials::Numbers {
+impl FieldType for pathmarch_scene::materials::BsdfParameters {
     const WGSL: &'static str = "array<vec4f, 8>";
 }
 

@@ -137,7 +137,7 @@ fn orders_that_come_faster_than_pictures_still_show_some(backend: Backend) {
 
 fn a_changed_scene_is_shown(backend: Backend) {
     let mut live = Live::new(backend, None, || {});
-    // Numbers; then structure, twice and back.
+    // BsdfParameters; then structure, twice and back.
     let texts = [
         SCENE.to_owned(),
         SCENE.replace("0.8 0.1 0.1", "0.1 0.8 0.1"),

@@ -1,4 +1,4 @@
-//! One text at many moments.
+//! Scenes of one text at several moments.
 //!
 //! The nodes of the text and what it refers to are read once; a scene of another moment costs only what its formulas, shapes
 //! and field do: about a third of reading the text, in a scene of 10,000 objects 20 ms.
@@ -7,10 +7,11 @@ use crate::assets::Assets;
 use crate::diagnostic::SceneError;
 use crate::language::tree::Block;
 use crate::language::{self, Read};
-use crate::scene::{Moment, Scene, read_text};
+use crate::scene::{Moment, Scene};
+use crate::source::read_text;
 use std::path::Path;
 
-/// A scene text that is read as of several moments.
+/// A scene text that is read at several moments.
 pub struct Animation {
     name: String,
     text: String,

@@ -1,15 +1,15 @@
-//! What a scene needs besides its text and is costly to make: pictures of the sky and of textures, computed days, and the
-//! files of fonts.
+//! Cache of what a scene needs besides its text and is costly to make: pictures of the sky and of textures, computed
+//! days, fonts, compiled custom SDFs.
 //!
-//! A text that is edited is read again after every change, and most changes leave the sky as it is. The cache holds what
-//! the last readings used: a picture as its file was when it was read, a day by its parameters. The same sky is the same
-//! `Arc`, so that others can tell by its address that it has not changed. The code of a scene's own field is kept by its text.
-//! Cost: the picture of the last sky, twice once its
-//! strength or turn has been changed, at most 192 MiB; 1.5 MiB for each day; of textures the last 16 pictures.
+//! An edited text is read again after every change, and most changes do not concern the sky. The cache contains what
+//! the last readings used: a picture by its file's path, size and time of change, a day by its parameters, a custom SDF
+//! by its text. An unchanged sky is the same `Arc`, so that renderers detect changes by its address. Cost: the picture
+//! of the last sky, twice once its strength or rotation has changed, at most 192 MiB; 1.5 MiB for each day; the last 16
+//! pictures of textures.
 
 use crate::atmosphere::Day;
 use crate::environment::{Environment, EnvironmentError, Loaded};
-use crate::scene::Light;
+use crate::light::Light;
 use crate::textures::{Picture as Texture, PictureError};
 use pathmarch_field::custom_sdf::{Code, CodeDiagnostic};
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ const MAX_FONT_BYTES: u64 = 64 << 20;
 /// Codes of fields that are kept: those of a scene, and steps back and forth.
 const CODES: usize = 128;
 
-/// What the code of a field is made of.
+/// Source of a custom SDF.
 #[derive(PartialEq)]
 struct CodeSource {
     identifier: String,
@@ -35,7 +35,7 @@ struct CodeSource {
     text: String,
 }
 
-/// A file as it was when it was read.
+/// Identity of a file when it was read.
 #[derive(PartialEq)]
 struct Source {
     path: PathBuf,
@@ -44,7 +44,7 @@ struct Source {
 }
 
 impl Source {
-    /// The file at `path` as it is.
+    /// Present identity of the file at `path`.
     fn now(path: &Path) -> Self {
         let meta = std::fs::metadata(path).ok();
         Self {
@@ -72,9 +72,9 @@ const TEXTURES: usize = 16;
 #[derive(Default)]
 pub(crate) struct Assets {
     source: Option<Source>,
-    /// The picture of `source` as it was used last, and its strength.
+    /// Picture of `source` as used last, with its strength.
     picture: Option<(f32, Picture)>,
-    /// The picture of `source` as it stands in the file, once it has been used in two ways.
+    /// Unscaled picture of `source`, once a second strength or rotation was used.
     original: Option<Environment>,
     days: Vec<(Day, Arc<Environment>, Option<Light>)>,
     codes: Vec<(CodeSource, Arc<Code>)>,
@@ -158,7 +158,7 @@ impl Assets {
                 return Err(format!("it is larger than {} MiB", MAX_FONT_BYTES >> 20));
             }
             // A folder or a pipe may give no end of bytes, or wait for them.
-            None if path.exists() && !path.is_file() => return Err("it is no file".to_owned()),
+            None if path.exists() && !path.is_file() => return Err("it is not a file".to_owned()),
             None => (source, std::fs::read(path).map_err(|error| error.to_string())?.into()),
         };
         self.fonts.truncate(FONTS - 1);

@@ -21,7 +21,7 @@
 //! About 85 ms of one core for the 512 by 256 texels, on all cores side by side.
 
 use crate::environment::{Environment, MAX_RADIANCE};
-use crate::scene::Light;
+use crate::light::Light;
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -42,9 +42,14 @@ pub struct Day {
     pub ground: [f32; 3],
 }
 
+impl Day {
+    /// A bright day with a clear sky.
+    pub const DEFAULT: Self = Self { elevation: 40.0, azimuth: 135.0, haze: 1.0, strength: 1.0, ground: [0.2; 3] };
+}
+
 impl Default for Day {
     fn default() -> Self {
-        Self { elevation: 40.0, azimuth: 135.0, haze: 1.0, strength: 1.0, ground: [0.2; 3] }
+        Self::DEFAULT
     }
 }
 
@@ -167,7 +172,8 @@ const REC709_FROM_XYZ: Mat3 = Mat3::from_cols(
     Vec3::new(-0.4986, 0.0415, 1.0570),
 );
 
-/// What a surface of this colour reflects of each band: the red, green and blue part of the spectrum each as a whole.
+/// Albedo of each band for a surface of this colour, with the red, green and blue parts of the spectrum each as a
+/// whole.
 fn albedo_of_bands([red, green, blue]: [f32; 3]) -> Bands {
     Bands::new([blue, blue, 0.5 * (blue + green), green, 0.5 * (green + red), red, red, red])
 }
@@ -262,7 +268,7 @@ impl Air {
         })
     }
 
-    /// What is left of the sun's light; 0 in the planet's shadow. `cosine` is that of its angle from the zenith.
+    /// Transmittance towards the sun; 0 in the planet's shadow. `cosine` is that of its angle from the zenith.
     fn sunlight(&self, radius: f64, cosine: f64) -> Bands {
         let sine = GROUND / radius;
         let horizon = -(1.0 - sine * sine).max(0.0).sqrt();
@@ -375,17 +381,17 @@ impl Air {
     }
 }
 
-/// Distance from the planet's centre after some way from `radius` in the direction of this cosine.
+/// Distance from the planet's centre after a distance `way` from `radius` in the direction of this cosine.
 fn along(radius: f64, cosine: f64, way: f64) -> f64 {
     (radius * radius + way * way + 2.0 * radius * way * cosine).max(0.0).sqrt()
 }
 
-/// Way to the upper end of the air.
+/// Distance to the top of the atmosphere.
 fn to_top(radius: f64, cosine: f64) -> f64 {
     (radius * radius * (cosine * cosine - 1.0) + TOP * TOP).max(0.0).sqrt() - radius * cosine
 }
 
-/// Way to the ground, if it is met.
+/// Distance to the ground, if the ray hits it.
 fn to_ground(radius: f64, cosine: f64) -> Option<f64> {
     let square = radius * radius * (cosine * cosine - 1.0) + GROUND * GROUND;
     (cosine < 0.0 && square >= 0.0).then(|| -radius * cosine - square.sqrt())

@@ -1,4 +1,4 @@
-//! Mistakes in a scene file: what is wrong, where, what was expected, and the nearest right name.
+//! Diagnostics of scene files: what is wrong, where, what was expected, and the nearest correct name.
 //!
 //! The shape of the report is miette's: one [`SceneError`] for a file, its [`Mistake`]s as related diagnostics, each
 //! with the text it complains of underlined. Printing is the caller's business.
@@ -15,15 +15,15 @@ pub struct Mistake {
     pub message: String,
     /// Stable name, as in `pathmarch::unknown_node`.
     pub code: &'static str,
-    /// What is wrong with the underlined text, or what was expected there.
+    /// Label of the underlined text: what is wrong, or what was expected.
     pub label: String,
-    /// What to do about it.
+    /// Help: what to do.
     pub help: Option<String>,
     /// Bytes of the text to underline.
     pub span: SourceSpan,
-    /// Another place and what it says, such as the first of two with the same name.
+    /// A second place with a label, such as the first of two nodes with the same name.
     pub also: Option<(SourceSpan, String)>,
-    /// Whether it only warns.
+    /// True for a warning.
     pub warning: bool,
     /// Name and text of the file.
     pub source_code: Arc<NamedSource<String>>,
@@ -62,9 +62,9 @@ pub enum SceneError {
     /// The text has mistakes.
     #[error("{}", count_in_words(.name, *.total, .mistakes.len()))]
     Mistakes {
-        /// Where the text came from.
+        /// Path or name of the text.
         name: String,
-        /// How many there are.
+        /// Number of mistakes.
         total: usize,
         /// The first hundred of them at most, in the order of the file.
         mistakes: Vec<Mistake>,
@@ -74,9 +74,9 @@ pub enum SceneError {
     Unreadable {
         /// Path of the file.
         name: String,
-        /// Why, in one sentence without a full stop.
+        /// Reason, a sentence without a full stop.
         reason: String,
-        /// What to do about it.
+        /// Help: what to do.
         help: String,
     },
 }

@@ -38,7 +38,7 @@ const MAX_TEXELS: u64 = 1 << 29;
 /// Radiance that no texel exceeds, W/(m² sr): its square and sums of it are finite in `f32`.
 pub(crate) const MAX_RADIANCE: f32 = 1e12;
 
-/// Radiance in every direction; the module says which texel is where.
+/// Radiance in every direction; see the module for the directions of texels.
 #[derive(Clone, PartialEq)]
 pub struct Environment {
     /// Texels in a row, all around the horizon.
@@ -66,26 +66,26 @@ pub struct Loaded {
     pub environment: Environment,
     /// Width and height in the file, texels.
     pub size: (u32, u32),
-    /// How many texels of the file had a channel that was not finite or negative.
+    /// Number of texels in the file with a negative or non-finite channel.
     pub repaired: u64,
 }
 
-/// Why a file is no environment.
+/// Error of a file that is no environment.
 #[derive(Debug, thiserror::Error)]
 pub enum EnvironmentError {
     /// Nothing has this name.
     #[error("no such file")]
     Missing,
     /// It is a directory, a pipe or a device.
-    #[error("a directory, or no file for other reasons")]
+    #[error("not a regular file")]
     NoFile,
-    /// The file is of a kind that holds colours of a screen, or no picture.
-    #[error("holds no radiance")]
+    /// The file is a picture of display colours, or no picture.
+    #[error("it contains no radiance")]
     NoRadiance,
     /// The system could not read it.
     #[error("not readable: {0}")]
     Unreadable(std::io::Error),
-    /// The file holds nothing.
+    /// The file is empty.
     #[error("an empty file")]
     Empty,
     /// The file is damaged, cut short, or of a variety that is not read.
@@ -95,12 +95,12 @@ pub enum EnvironmentError {
     #[error("{0} x {1} texels")]
     BadSize(u32, u32),
     /// Not a single number in it is finite.
-    #[error("not one of its values is finite")]
+    #[error("none of its values is finite")]
     NotFinite,
 }
 
 impl EnvironmentError {
-    /// What to do about it, a sentence.
+    /// Help: what to do, a sentence.
     pub fn help(&self) -> &'static str {
         match self {
             Self::Missing => "Check the name; the path is relative to the scene file.",
@@ -170,7 +170,7 @@ impl Environment {
 
 type Texels = (Vec<[f32; 3]>, (u32, u32));
 
-/// The texels of a file as they stand there, and its width and height.
+/// Reads the texels of a file unchanged, and its width and height.
 fn read(path: &Path) -> Result<Texels, EnvironmentError> {
     let system = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => EnvironmentError::Missing,
@@ -198,7 +198,7 @@ fn read(path: &Path) -> Result<Texels, EnvironmentError> {
 fn decode_hdr(file: BufReader<File>) -> Result<Texels, EnvironmentError> {
     let decoder = HdrDecoder::new_nonstrict(file).map_err(damaged)?;
     let meta = decoder.metadata();
-    // A file says by how much its radiance has been multiplied.
+    // The header contains the factor by which radiance has been multiplied.
     let exposure = meta.exposure.filter(|exposure| exposure.is_normal() && *exposure > 0.0).unwrap_or(1.0);
     let (mut texels, size) = decode(Ok(decoder))?;
     if exposure != 1.0 {
@@ -212,7 +212,7 @@ fn damaged(error: image::ImageError) -> EnvironmentError {
         return EnvironmentError::Damaged("it ends too early".to_owned());
     }
     let reason = error.to_string();
-    // Some decoders tell a story; its first line is the one that people understand.
+    // Some decoders return several lines, of which the first is the summary.
     EnvironmentError::Damaged(reason.lines().next().unwrap_or_default().chars().take(200).collect())
 }
 
@@ -233,7 +233,7 @@ fn decode(decoder: ImageResult<impl ImageDecoder>) -> Result<Texels, Environment
     Ok((texels, (width, height)))
 }
 
-/// Makes every channel finite and not negative; says how many texels needed it.
+/// Makes every channel finite and not negative. Returns the number of repaired texels.
 fn repair(texels: &mut [[f32; 3]]) -> Result<u64, EnvironmentError> {
     let finite = |v: &f32| v.is_finite();
     let largest = texels.as_flattened().iter().copied().filter(finite).reduce(f32::max);

@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
-//! [`Scene::parse`] turns the text of a scene file into a [`Scene`]: cameras, lights, materials, objects and their
-//! distance field, ready for a renderer, or into a [`SceneError`] that holds every mistake of the file at its place.
+//! [`Scene::parse`] turns the text of a scene file into a [`Scene`] (cameras, lights, materials, objects and their
+//! distance field) or into a [`SceneError`] with every mistake at its place.
 //! Shapes and operators come from `pathmarch_field`'s registry and materials from [`materials`]: this crate lists
 //! neither, so the language grows with them. No GPU, no file writing.
 
@@ -12,12 +12,13 @@ pub mod diagnostic;
 pub mod document;
 pub mod environment;
 mod language;
-pub mod limits;
+pub mod light;
 pub mod materials;
 pub mod parts;
-pub mod render_settings;
 pub mod scene;
+pub mod settings;
 pub mod sky;
+mod source;
 mod text;
 pub mod textures;
 
@@ -26,8 +27,10 @@ pub use atmosphere::Day;
 pub use diagnostic::{Mistake, SceneError};
 pub use document::Document;
 pub use environment::Environment;
+pub use light::Light;
 pub use materials::{Material, MaterialKind};
 pub use parts::{PartsError, SceneParts};
-pub use render_settings::{Caustics, RenderSettings, Sampler, Tonemap};
-pub use scene::{Camera, Light, Moment, Object, Parameter, Scene};
+pub use scene::{Camera, Moment, Object, Parameter, Scene};
+pub use settings::{Caustics, RenderSettings, Sampler, Tonemap};
 pub use sky::Sky;
+pub use source::read_text;

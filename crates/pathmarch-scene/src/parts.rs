@@ -1,21 +1,22 @@
 //! Scenes built in code: the same shapes, operators and materials as in the scene language, without a text.
 //!
-//! [`shape`], [`operator`] and [`modifier`] make the tree of an object, [`material`] what it is made of, and
-//! [`Scene::from_parts`] a scene of them. Names, parameters and ranges are those of the language; whatever a text would be
-//! refused for is refused here, too, with a [`PartsError`] that says what and where. Text, polygons and shapes in WGSL are
-//! only made by the language. Cost: linear in the parts.
+//! [`shape`], [`operator`] and [`modifier`] make the tree of an object, [`material`] makes materials, and
+//! [`Scene::from_parts`] makes a scene of them. Names, parameters and ranges are those of the language; everything that
+//! is a mistake in a text is refused here, too, with a [`PartsError`]. Texts, polygons and custom SDFs can only be made
+//! by the language. Cost: linear in the parts.
 
 use crate::language::{MAX_NESTING, MAX_SHAPES};
+use crate::light::Light;
 use crate::materials::{self, Material, MaterialKind};
-use crate::render_settings::RenderSettings;
-use crate::scene::{Camera, Light, Moment, Object, Scene};
+use crate::scene::{Camera, Moment, Object, Scene};
+use crate::settings::{RENDER, RenderSettings, Setting};
 use crate::sky::Sky;
 use glam::Vec3;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::{Blend, Field, Node, Param, Placement, Unit, registry};
 use std::collections::HashSet;
 
-/// Why parts make no scene: what is wrong, where, and what is expected.
+/// Error of parts that make no scene: the problem, its place, and what is expected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct PartsError(String);
@@ -24,7 +25,7 @@ fn refuse<T>(why: impl Into<String>) -> Result<T, PartsError> {
     Err(PartsError(why.into()))
 }
 
-/// Everything that a scene is made of.
+/// Parts of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct SceneParts {
     /// At least one, with names that differ; the first is the default. `up` may have any length but zero.
@@ -35,13 +36,13 @@ pub struct SceneParts {
     pub sky: Sky,
     /// Suns and points. The direction of a sun may have any length but zero.
     pub lights: Vec<Light>,
-    /// What objects are made of; a shape's tag is an index into these.
+    /// Materials; the tag of a shape is an index into these.
     pub materials: Vec<Material>,
     /// Solids with names that differ.
     pub objects: Vec<Object>,
 }
 
-/// A camera at `position` that looks at `target`, with the language's defaults for all else.
+/// A camera at `position` that looks at `target`, with defaults for the rest.
 pub fn camera(position: [f32; 3], target: [f32; 3]) -> Camera {
     Camera {
         name: "main".to_owned(),
@@ -59,7 +60,7 @@ pub fn camera(position: [f32; 3], target: [f32; 3]) -> Camera {
 /// defaults. The names of kinds and parameters are those of [`materials::kinds`].
 ///
 /// # Errors
-/// For a kind or parameter that is not there, and a value that is not allowed.
+/// For an unknown kind or parameter, and for a value out of range.
 pub fn material(name: &str, kind: &str, values: &[(&str, [f32; 3])]) -> Result<Material, PartsError> {
     let Some(kind) = materials::kind(kind) else {
         let known = materials::kinds().iter().map(|kind| kind.name);
@@ -81,11 +82,11 @@ pub fn material(name: &str, kind: &str, values: &[(&str, [f32; 3])]) -> Result<M
     Ok(material)
 }
 
-/// A shape of the registry with all its numbers, in the order of [`Shape::params`](pathmarch_field::Shape::params), of the
-/// material with this index. It stands at the origin; [`Node::placement`] moves it.
+/// A shape of the registry with all its parameters, in the order of [`Shape::params`](pathmarch_field::Shape::params),
+/// with the material of this index. It is at the origin; [`Node::placement`] moves it.
 ///
 /// # Errors
-/// For a shape that is not there, and numbers that it does not take.
+/// For an unknown shape, and for parameters out of range.
 pub fn shape(name: &str, numbers: &[f32], material: usize) -> Result<Node, PartsError> {
     let Some(shape) = registry::shape(name) else { return refuse(format!("there is no shape \"{name}\"")) };
     if shape.info().outline.is_some() {
@@ -99,7 +100,7 @@ pub fn shape(name: &str, numbers: &[f32], material: usize) -> Result<Node, Parts
 /// An operator of the registry, such as `union` and `subtract`, over its children, sharp or blended.
 ///
 /// # Errors
-/// For an operator that is not there, a blend that it does not do, and as many children as it does not take.
+/// For an unknown operator, an unsupported blend, and a wrong number of children.
 pub fn operator(name: &str, blend: Option<Blend>, children: Vec<Node>) -> Result<Node, PartsError> {
     let Some(operator) = registry::operator(name) else { return refuse(format!("there is no operator \"{name}\"")) };
     let node = placed(Kind::Operator { operator, smooth: blend, children });
@@ -107,10 +108,10 @@ pub fn operator(name: &str, blend: Option<Blend>, children: Vec<Node>) -> Result
     Ok(node)
 }
 
-/// An operator of the registry that changes the union of its children, such as `twist`, with all its numbers.
+/// A modifier of the registry, such as `twist`, over the union of its children, with all its parameters.
 ///
 /// # Errors
-/// For an operator that is not there, numbers that it does not take, and no children.
+/// For an unknown modifier, for parameters out of range, and for no children.
 pub fn modifier(name: &str, numbers: &[f32], children: Vec<Node>) -> Result<Node, PartsError> {
     let found = registry::modifiers().iter().copied().find(|modifier| &*modifier.info().name == name);
     let Some(modifier) = found else { return refuse(format!("there is no operator \"{name}\" that changes shapes")) };
@@ -219,19 +220,9 @@ fn check_camera(camera: &mut Camera) -> Result<(), PartsError> {
 }
 
 fn check_render(render: &RenderSettings) -> Result<(), PartsError> {
-    let RenderSettings { size, samples, bounces, clamp, detail, fps, shutter, .. } = *render;
-    let side = |side| (1..=16_384).contains(&side);
-    let sound = [
-        ("size", side(size.0) && side(size.1), "from 1 to 16384 each way"),
-        ("samples", (1..=1_000_000).contains(&samples), "from 1 to 1000000"),
-        ("bounces", bounces <= 64, "at most 64"),
-        ("clamp", clamp.is_none_or(|clamp| clamp > 0.0 && clamp.is_finite()), "above 0"),
-        ("detail", (0.001..=10.0).contains(&detail), "from 0.001 to 10"),
-        ("fps", fps > 0.0 && fps.is_finite(), "above 0"),
-        ("shutter", (0.0..=1.0).contains(&shutter), "from 0 to 1"),
-    ];
-    match sound.iter().find(|(_, sound, _)| !sound) {
-        Some((what, _, range)) => refuse(format!("render: {what} must be {range}")),
+    let accepts = |setting: &&Setting| render.get(setting.name).is_some_and(|value| setting.kind.accepts(value));
+    match RENDER.iter().find(|setting| !accepts(setting)) {
+        Some(setting) => refuse(format!("render: {} must be {}", setting.name, setting.kind.range_in_words())),
         None => Ok(()),
     }
 }
@@ -353,12 +344,12 @@ fn check_placement(placement: &Placement) -> Result<(), PartsError> {
     normal.map_or(Ok(()), |normal| unit("a placement's normal", normal).map(drop))
 }
 
-/// Where a node is in its object.
+/// Position of a node in its object.
 #[derive(Clone, Copy)]
 struct Place {
     /// Operators around it.
     depth: usize,
-    /// Whether an operator that makes solids of profiles is around it.
+    /// True within an operator that makes solids of profiles.
     in_profile: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What surrounds the scene.
+//! The sky: radiance of the surroundings.
 
 use crate::environment::Environment;
 use glam::Vec3;
@@ -51,7 +51,7 @@ impl Sky {
             Self::Map(environment) => environment.radiance(direction),
         }
     }
-    /// Whether no light comes from anywhere.
+    /// True if no light comes from any direction.
     pub fn is_black(&self) -> bool {
         let black = |radiance: &[f32; 3]| radiance.iter().all(|&v| v <= 0.0);
         match self {

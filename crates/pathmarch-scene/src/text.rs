@@ -1,4 +1,4 @@
-//! Texts as outlines: the glyphs of a font side by side, their curves as short segments.
+//! Outlines of texts: the glyphs of a font side by side, their curves as short segments.
 //!
 //! A glyph of a TrueType or OpenType font is closed contours of lines and Bézier curves, holes run the other way (OpenType
 //! 1.9, chapters "glyf" and "CFF"). A curve of which the second derivative is at most M is nowhere farther than M/8n² from
@@ -13,26 +13,26 @@ use ttf_parser::{Face, FaceParsingError, GlyphId, OutlineBuilder};
 pub(crate) const DEFAULT_FONT: &[u8] = include_bytes!("../fonts/Cantarell-Regular.ttf");
 /// The text where none is given.
 pub(crate) const DEFAULT_TEXT: &str = "Text";
-/// How far chords may be from their curve, as a share of the size.
+/// Largest distance of chords from their curve, as a fraction of the size.
 const TOLERANCE: f32 = 1e-4;
 /// The most chords of a curve.
 const MOST_CHORDS: f32 = 64.0;
 
-/// Why a text has no outline.
+/// Error of a text that has no outline.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum TextError {
-    #[error("this is no TrueType or OpenType font: {0}")]
+    #[error("this is not a TrueType or OpenType font: {0}")]
     NotAFont(#[from] FaceParsingError),
     #[error("the font has no glyph for `{0}`")]
     NoGlyph(char),
-    #[error("nothing of this text is to be seen")]
+    #[error("no glyph of this text is visible")]
     Empty,
     #[error("its outline has more than {MAX_SEGMENTS} segments")]
     TooLong,
 }
 
 impl TextError {
-    /// What to do.
+    /// Help: what to do.
     pub(crate) fn help(&self) -> &'static str {
         match self {
             Self::NotAFont(_) => "Choose a .ttf, .otf or .ttc file.",
@@ -43,8 +43,8 @@ impl TextError {
     }
 }
 
-/// The segments of a text, four numbers each, for a size of one metre: its lines are centred at x = 0, and the last one stands
-/// on y = 0.
+/// Segments of a text, four numbers each, for a size of one metre: lines are centred at x = 0, and the last one has its
+/// baseline at y = 0.
 pub(crate) fn segments(font: &[u8], text: &str) -> Result<Vec<f32>, TextError> {
     let face = Face::parse(font, 0)?;
     let unit = 1.0 / f32::from(face.units_per_em());
@@ -76,7 +76,7 @@ pub(crate) fn segments(font: &[u8], text: &str) -> Result<Vec<f32>, TextError> {
     if numbers.is_empty() { Err(TextError::Empty) } else { Ok(numbers) }
 }
 
-/// What two glyphs are moved by, units of the font.
+/// Kerning of two glyphs, units of the font.
 fn kerning(face: &Face, left: GlyphId, right: GlyphId) -> f32 {
     let Some(kern) = face.tables().kern else { return 0.0 };
     let usable = kern.subtables.into_iter().filter(|table| table.horizontal && !table.variable);
@@ -87,7 +87,7 @@ fn kerning(face: &Face, left: GlyphId, right: GlyphId) -> f32 {
 struct Pen<'n> {
     at: [f32; 2],
     unit: f32,
-    /// Of the contour so far.
+    /// Points of the contour so far.
     points: Vec<[f32; 2]>,
     numbers: &'n mut Vec<f32>,
 }

@@ -81,7 +81,7 @@ fn mistakes_are_told_in_their_file() {
             "scene.kdl:5: `metal` must be from 0 to 1. ",
             "a.kdl:3: The material `steel` is given twice. In /scene.kdl, line 5: first here.",
             "a.kdl:4: There is no `sphre` in a declared shape. Did you mean `sphere`?",
-            "a.kdl:5: `sphere` has an argument too many. Expected `sphere radius`.",
+            "a.kdl:5: `sphere` has one argument too many. Expected `sphere radius`.",
             "a.kdl:6: There is no `objekt` at the top of a scene. Did you mean `object`?",
             "a.kdl:7: `object` has too few arguments. ",
             "a.kdl:7: This { is never closed. ",
@@ -106,7 +106,7 @@ fn files_that_cannot_be_included_are_told() {
             "scene.kdl:8: `.` cannot be included: it is a directory. Name a .kdl file in it.",
             "new.kdl:1: This scene is written in version 2 of the language. Use a newer pathmarch.",
             "none.kdl:1: A scene starts with its version. Write `pathmarch 1` on the first line.",
-            "none.kdl:1: `sphere` cannot stand at the top of a scene. Shapes and operators stand in an object: object \"name\" { sphere … }.",
+            "none.kdl:1: `sphere` is not allowed at the top of a scene. Shapes and operators belong in an object: object \"name\" { sphere … }.",
         ]
     );
     let scene = format!("{HEAD}include \"a.kdl\"\n");

@@ -8,6 +8,7 @@ mod include;
 mod materials;
 mod mistakes;
 mod random;
+mod reference_page;
 mod robust;
 mod sky;
 mod textures;

@@ -3,13 +3,13 @@
 
 use crate::random::Random;
 use glam::Vec3;
-use pathmarch_scene::materials::{Bsdf, MaterialKind, Numbers, ParamKind, albedo, kinds};
+use pathmarch_scene::materials::{Bsdf, BsdfParameters, MaterialKind, ParamKind, albedo, kinds};
 use std::f32::consts::{PI, TAU};
 
 struct Variant {
     name: String,
     bsdf: &'static Bsdf,
-    numbers: Numbers,
+    numbers: BsdfParameters,
     transmits: bool,
     delta: bool,
 }

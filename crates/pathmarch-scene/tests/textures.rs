@@ -4,20 +4,20 @@
 use crate::random::Random;
 use glam::Vec3;
 use pathmarch_field::Placement;
-use pathmarch_scene::materials::{Meaning, Texturing, kinds};
-use pathmarch_scene::textures::{self, Pattern, Spot, Texture, TextureKind, TextureNumbers};
+use pathmarch_scene::materials::{TextureMapping, Texturing, kinds};
+use pathmarch_scene::textures::{self, Pattern, Spot, Texture, TextureKind, TextureParameters};
 use pathmarch_scene::{Material, Scene};
 
 fn spot(p: Vec3) -> Spot {
     Spot { p, normal: Vec3::Z, footprint: 0.0 }
 }
 
-fn defaults(kind: &TextureKind) -> TextureNumbers {
+fn defaults(kind: &TextureKind) -> TextureParameters {
     std::array::from_fn(|k| kind.params.get(k).map_or(0.0, |param| param.default))
 }
 
 fn texture(kind: &'static TextureKind, placement: Placement) -> Texture {
-    Texture { pattern: Pattern::Computed { kind, numbers: defaults(kind) }, pose: placement.pose() }
+    Texture { pattern: Pattern::Computed { kind, parameters: defaults(kind) }, pose: placement.pose() }
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn a_seed_is_another_one() {
 fn a_checker_is_exact_and_whole_on_its_lattice() {
     let kind = textures::kind("checker").expect("registered");
     let texture = Texture {
-        pattern: Pattern::Computed { kind, numbers: [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] },
+        pattern: Pattern::Computed { kind, parameters: [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] },
         pose: Placement::default().pose(),
     };
     for (x, y, z) in (-3..3).flat_map(|x| (-3..3).flat_map(move |y| (-3..3).map(move |z| (x, y, z)))) {
@@ -171,13 +171,13 @@ fn every_way_to_write_a_texture_is_read() {
         "principled { marble size=2 octaves=3 { colour 1 0.5 0; colour \"#000\"; at 1 2 3; scale 2 } }; roughness { fbm from=0.6 to=0.1 }; \
          metallic { checker }; bump { cracks height=-0.01 { rotate 0 90 0 } }",
     );
-    let names: Vec<_> = it.painted.iter().map(|painted| it.kind.params[painted.param].name).collect();
+    let names: Vec<_> = it.textured.iter().map(|painted| it.kind.params[painted.param].name).collect();
     assert_eq!(names, ["colour", "metallic", "roughness"]);
-    assert_eq!(it.painted[0].meaning, Meaning::Colours(vec![[1.0, 0.5, 0.0], [0.0; 3]]));
-    assert_eq!(it.painted[2].meaning, Meaning::Range([0.6, 0.1]));
+    assert_eq!(it.textured[0].mapping, TextureMapping::Ramp(vec![[1.0, 0.5, 0.0], [0.0; 3]]));
+    assert_eq!(it.textured[2].mapping, TextureMapping::Range([0.6, 0.1]));
     assert!((it.value("roughness").expect("a parameter")[0] - 0.35).abs() < 1e-6);
     assert_eq!(it.albedo(), [0.5, 0.25, 0.0]);
-    assert_eq!((it.painted[0].texture.pose.at, it.painted[0].texture.pose.scale), ([1.0, 2.0, 3.0], 2.0));
+    assert_eq!((it.textured[0].texture.pose.at, it.textured[0].texture.pose.scale), ([1.0, 2.0, 3.0], 2.0));
     assert_eq!(it.bump.expect("a relief").height, -0.01);
     for kind in textures::kinds() {
         let all: Vec<String> = kind.params.iter().map(|param| format!("{}={}", param.name, param.default)).collect();

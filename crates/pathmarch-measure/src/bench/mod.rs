@@ -18,7 +18,7 @@ use crate::measure::{self, Budget, Interrupt, ReferenceStore};
 use pathmarch_cli::{
     AppDirs, BackendArgument, DONE, FAILED, Failure, INTERRUPTED, catch_interrupts, check_directory, value_parsers,
 };
-use pathmarch_render::pathmarch_scene::{Scene, limits};
+use pathmarch_render::pathmarch_scene::{Scene, settings};
 use pathmarch_render::{Renderer, Settings, ray_stats};
 use report::{Entry, Quality, Results, Spread};
 use scenes::NamedScene;
@@ -47,7 +47,7 @@ pub struct Arguments {
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = value_parsers::size, allow_hyphen_values = true)]
     size: [u32; 2],
     /// Scattering events after the first hit, for timing
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = value_parsers::whole(limits::BOUNCES), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = value_parsers::whole(settings::BOUNCES), allow_hyphen_values = true)]
     bounces: u32,
     /// Number of rounds
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = value_parsers::whole((1, 1000)), allow_hyphen_values = true)]

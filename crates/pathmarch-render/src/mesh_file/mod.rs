@@ -134,7 +134,7 @@ pub fn save(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
     Ok(())
 }
 
-/// Numbers as bytes, the lowest first.
+/// BsdfParameters as bytes, the lowest first.
 fn write_numbers(writer: &mut dyn Write, numbers: impl IntoIterator<Item = f32>) -> io::Result<()> {
     numbers.into_iter().try_for_each(|number| writer.write_all(&number.to_le_bytes()))
 }

@@ -108,7 +108,8 @@ impl Preview {
         }
         let known: Vec<u32> = lights.iter().map(|(index, _)| *index).collect();
         let ambient = ambient_sh::ambient_sh(ctx, &known);
-        let materials = scene.materials.iter().map(|material| preview_material::to_numbers(&material.look())).collect();
+        let materials =
+            scene.materials.iter().map(|material| preview_material::to_numbers(&material.preview())).collect();
         Self { ambient, reach: reach(scene), lights, materials, occluders, neighbours }
     }
 
@@ -120,7 +121,7 @@ impl Preview {
     /// Whether any material reflects specularly.
     pub(crate) fn has_reflections(&self) -> bool {
         let reflects = |material: &PreviewNumbers| {
-            preview_material::from_numbers(material).mirrored.as_flattened().iter().any(|&share| share > 0.0)
+            preview_material::from_numbers(material).specular.as_flattened().iter().any(|&share| share > 0.0)
         };
         self.materials.iter().any(reflects)
     }
@@ -288,11 +289,11 @@ impl Follower<'_> {
             None => preview_material::from_numbers(&preview.materials[m]),
         };
         let n = textured.map_or(seen.normal, |textured| textured.normal(seen.outward(), seen.normal, -direction));
-        let transmitted = Vec3::from(look.transmitted);
+        let transmitted = Vec3::from(look.transmission);
         let clear = transmitted.max_element() > 0.0;
         let cosine = (-direction.dot(n)).clamp(0.0, 1.0);
-        let straight = Vec3::from(look.mirrored[0]);
-        let grazing = (Vec3::from(look.mirrored[1]) * (1.0 - look.roughness)).max(straight);
+        let straight = Vec3::from(look.specular[0]);
+        let grazing = (Vec3::from(look.specular[1]) * (1.0 - look.roughness)).max(straight);
         // What is mirrored within a clear solid is left out.
         let mirrored =
             if clear && seen.inside { Vec3::ZERO } else { straight + (grazing - straight) * (1.0 - cosine).powi(5) };

@@ -1,5 +1,5 @@
 //! Alias tables: sampling of a discrete distribution, in constant time (Walker 1977, "An Efficient Method for Generating
-//! Discrete PixelSampler Variables with General Distributions"; Vose 1991, "A Linear Algorithm for Generating PixelSampler Numbers
+//! Discrete PixelSampler Variables with General Distributions"; Vose 1991, "A Linear Algorithm for Generating PixelSampler BsdfParameters
 //! with a Given Distribution").
 
 /// Cell: the share of it that is the cell's own index, and the index that has the rest.

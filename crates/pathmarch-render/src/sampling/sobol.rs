@@ -119,7 +119,7 @@ impl PixelSampler {
         Self { independent, ..self }
     }
 
-    /// Numbers of another sample of the same pixel.
+    /// BsdfParameters of another sample of the same pixel.
     pub(crate) fn of_sample(self, sample: u32) -> Self {
         Self { sample, ..self }
     }

@@ -4,7 +4,7 @@ use super::textured_material::TexturedMaterial;
 use crate::wgsl::{shared_constants, shared_struct};
 use glam::Vec3;
 use pathmarch_scene::Material;
-use pathmarch_scene::materials::{self, Numbers};
+use pathmarch_scene::materials::{self, BsdfParameters};
 
 shared_struct! {
     /// Material.
@@ -18,7 +18,7 @@ shared_struct! {
         /// Index into [`materials::kinds`].
         pub(crate) kind: u32,
         /// Parameters of the BSDF.
-        pub(crate) numbers: Numbers,
+        pub(crate) numbers: BsdfParameters,
     }
 }
 
@@ -38,7 +38,7 @@ impl MaterialRecord {
     pub(super) fn new(material: &Material, textured: &TexturedMaterial) -> Self {
         let kind = materials::kinds().iter().position(|kind| std::ptr::eq(*kind, material.kind)).unwrap_or_default();
         let mut flags = EMITS * u32::from(material.emits());
-        let mut numbers = Numbers::default();
+        let mut numbers = BsdfParameters::default();
         if let Some(bsdf) = material.kind.bsdf {
             numbers = (bsdf.pack)(&material.values);
             let mut all = textured.extremes(&numbers);
@@ -58,7 +58,7 @@ impl MaterialRecord {
 }
 
 /// Transmittance of clear glass with these parameters for light that goes straight on; `cosine` is that outside.
-pub(crate) fn straight_transmittance(numbers: &Numbers, cosine: f32) -> Vec3 {
+pub(crate) fn straight_transmittance(numbers: &BsdfParameters, cosine: f32) -> Vec3 {
     let [r, g, b, _, ior, ..] = *numbers;
     Vec3::new(r, g, b) * (1.0 - materials::fresnel(cosine, ior))
 }

@@ -1,10 +1,10 @@
-//! Numbers of a material for previews, in the order of `preview/preview.wgsl`.
+//! BsdfParameters of a material for previews, in the order of `preview/preview.wgsl`.
 
 use crate::wgsl::shared_constants;
-use pathmarch_scene::materials::Look;
+use pathmarch_scene::materials::PreviewMaterial;
 
 shared_constants! {
-    /// Numbers of a preview material: diffuse albedo, roughness, reflectance straight on and at grazing angles, transmittance, index
+    /// BsdfParameters of a preview material: diffuse albedo, roughness, reflectance straight on and at grazing angles, transmittance, index
     /// of refraction.
     pub(crate) const PREVIEW_SIZE: usize = 14;
 }
@@ -12,26 +12,26 @@ shared_constants! {
 pub(crate) type PreviewNumbers = [f32; PREVIEW_SIZE];
 
 /// Encodes a preview material.
-pub(crate) fn to_numbers(material: &Look) -> PreviewNumbers {
-    let [straight, grazing] = material.mirrored;
+pub(crate) fn to_numbers(material: &PreviewMaterial) -> PreviewNumbers {
+    let [straight, grazing] = material.specular;
     let mut numbers = [0.0; PREVIEW_SIZE];
     numbers[..3].copy_from_slice(&material.diffuse);
     numbers[3] = material.roughness;
     numbers[4..7].copy_from_slice(&straight);
     numbers[7..10].copy_from_slice(&grazing);
-    numbers[10..13].copy_from_slice(&material.transmitted);
+    numbers[10..13].copy_from_slice(&material.transmission);
     numbers[13] = material.ior;
     numbers
 }
 
 /// Decodes a preview material.
-pub(crate) fn from_numbers(numbers: &PreviewNumbers) -> Look {
+pub(crate) fn from_numbers(numbers: &PreviewNumbers) -> PreviewMaterial {
     let three = |at: usize| [numbers[at], numbers[at + 1], numbers[at + 2]];
-    Look {
+    PreviewMaterial {
         diffuse: three(0),
         roughness: numbers[3],
-        mirrored: [three(4), three(7)],
-        transmitted: three(10),
+        specular: [three(4), three(7)],
+        transmission: three(10),
         ior: numbers[13],
     }
 }

@@ -8,7 +8,7 @@
 
 use super::preview_material::{self, PreviewNumbers};
 use crate::wgsl::shared_constants;
-use pathmarch_scene::materials::{Bsdf, Bump, Material, Meaning, Numbers, OrbitTrap, Texturing};
+use pathmarch_scene::materials::{Bsdf, BsdfParameters, Bump, Material, OrbitTrap, TextureMapping, Texturing};
 use pathmarch_scene::textures::Texture;
 
 shared_constants! {
@@ -29,7 +29,7 @@ pub(crate) enum Change {
     /// The three parameters from this place on: a colour of this ramp, or the texture's own.
     Colour { place: usize, colours: Option<Vec<[f32; 3]>> },
     /// The parameters at these places, for each knot.
-    Numbers { places: Vec<usize>, knots: Vec<Vec<f32>> },
+    BsdfParameters { places: Vec<usize>, knots: Vec<Vec<f32>> },
 }
 
 /// Texture or orbit trap that stands for parameters of a material.
@@ -54,14 +54,14 @@ impl TexturedMaterial {
     pub(crate) fn new(material: &Material) -> Self {
         let Some(bsdf) = material.kind.bsdf else { return Self::default() };
         let mut layers: Vec<Layer> = Vec::new();
-        for painted in &material.painted {
+        for painted in &material.textured {
             let source = Source::Texture(painted.texture.clone());
-            let layer = match (material.kind.params[painted.param].texturing, &painted.meaning) {
-                (Texturing::Colour(place), Meaning::Colours(colours)) => {
+            let layer = match (material.kind.params[painted.param].texturing, &painted.mapping) {
+                (Texturing::Colour(place), TextureMapping::Ramp(colours)) => {
                     Layer::of_colour(material, painted.param, place, source, Some(colours.clone()))
                 }
                 (Texturing::Colour(place), _) => Layer::of_colour(material, painted.param, place, source, None),
-                (_, Meaning::Range(range)) => Layer::of_number(material, bsdf, painted.param, source, *range),
+                (_, TextureMapping::Range(range)) => Layer::of_number(material, bsdf, painted.param, source, *range),
                 _ => continue,
             };
             layers.push(layer);
@@ -99,10 +99,10 @@ impl TexturedMaterial {
     }
 
     /// Parameters at all knots of all layers: what decides whether the material transmits or is a delta distribution.
-    pub(crate) fn extremes(&self, numbers: &Numbers) -> Vec<Numbers> {
+    pub(crate) fn extremes(&self, numbers: &BsdfParameters) -> Vec<BsdfParameters> {
         let mut all = Vec::new();
         for layer in &self.layers {
-            if let Change::Numbers { places, knots } = &layer.change {
+            if let Change::BsdfParameters { places, knots } = &layer.change {
                 all.extend(knots.iter().map(|knot| {
                     let mut own = *numbers;
                     places.iter().zip(knot).for_each(|(place, number)| own[*place] = *number);
@@ -125,7 +125,7 @@ impl Layer {
         let preview_of = |grey: f32| {
             let mut values = material.values.clone();
             values[param] = [grey; 3];
-            preview_material::to_numbers(&(material.kind.look)(&values))
+            preview_material::to_numbers(&(material.kind.preview)(&values))
         };
         let (black, white) = (preview_of(0.0), preview_of(1.0));
         // Roughness and index of refraction have no channels.
@@ -142,15 +142,15 @@ impl Layer {
                 values
             })
             .collect();
-        let packed: Vec<Numbers> = values.iter().map(|values| (bsdf.pack)(values)).collect();
+        let packed: Vec<BsdfParameters> = values.iter().map(|values| (bsdf.pack)(values)).collect();
         let places: Vec<usize> =
             (0..packed[0].len()).filter(|&k| packed.iter().any(|numbers| numbers[k] != packed[0][k])).collect();
         let knots = packed.iter().map(|numbers| places.iter().map(|&place| numbers[place]).collect()).collect();
-        let middle = preview_material::to_numbers(&material.look());
+        let middle = preview_material::to_numbers(&material.preview());
         let previews = values.iter().map(|values| {
-            let preview = preview_material::to_numbers(&(material.kind.look)(values));
+            let preview = preview_material::to_numbers(&(material.kind.preview)(values));
             std::array::from_fn(|k| preview[k] - middle[k])
         });
-        Self { source, change: Change::Numbers { places, knots }, previews: previews.collect(), base: [0.0; 3] }
+        Self { source, change: Change::BsdfParameters { places, knots }, previews: previews.collect(), base: [0.0; 3] }
     }
 }

@@ -15,7 +15,7 @@ use crate::scene::textured_material::{Change, KNOTS, Source, TexturedMaterial};
 use glam::Vec3;
 use pathmarch_field::graph::Coordinates;
 use pathmarch_field::number::Vec3 as FieldVec3;
-use pathmarch_scene::materials::Numbers;
+use pathmarch_scene::materials::BsdfParameters;
 use pathmarch_scene::textures::{Spot, ramp};
 
 /// The two knots around a value, and its place between them.
@@ -90,7 +90,7 @@ impl<'p> TexturedPoint<'p> {
     }
 
     /// Parameters of the BSDF at this point.
-    pub(crate) fn numbers(&self, numbers: &Numbers) -> Numbers {
+    pub(crate) fn numbers(&self, numbers: &BsdfParameters) -> BsdfParameters {
         let mut own = *numbers;
         for layer in &self.material.layers {
             match &layer.change {
@@ -99,7 +99,7 @@ impl<'p> TexturedPoint<'p> {
                         own[*place..*place + 3].copy_from_slice(&colour.to_array());
                     }
                 }
-                Change::Numbers { places, knots } => {
+                Change::BsdfParameters { places, knots } => {
                     let Some(value) = self.value(&layer.source) else { continue };
                     let (a, b, part) = interval(knots, value);
                     for ((place, a), b) in places.iter().zip(a).zip(b) {
@@ -130,7 +130,7 @@ impl<'p> TexturedPoint<'p> {
                     let change = colour - Vec3::from(layer.base);
                     (0..PREVIEW_SIZE).for_each(|k| own[k] += layer.previews[0][k] * change[channel(k)]);
                 }
-                Change::Numbers { .. } => {
+                Change::BsdfParameters { .. } => {
                     let Some(value) = self.value(&layer.source) else { continue };
                     let (a, b, part) = interval(&layer.previews, value);
                     (0..PREVIEW_SIZE).for_each(|k| own[k] += a[k] + (b[k] - a[k]) * part);

@@ -1,11 +1,12 @@
-//! What a person may change of a node: values, controls, and what may be added.
+//! Controls of nodes: their values, ranges and help; and additions.
 
+use crate::settings::Range;
 use std::borrow::Cow;
 
 /// The value of a control.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// Not given, and nothing stands for it: no limit, no material of its own.
+    /// Not given, without a default: no limit, no material of its own.
     None,
     /// One number.
     Number(f32),
@@ -19,19 +20,19 @@ pub enum Value {
     Text(String),
     /// Yes or no.
     Flag(bool),
-    /// Numbers of which one at least is a formula, each as text: one for a number, two for a size, three for a triple, one
-    /// or three for a colour. [`Control::present`] says what they are worth. A text that is a number becomes one.
+    /// Numbers of which at least one is a formula, each as text: one for a number, two for a size, three for a triple,
+    /// one or three for a colour. [`Control::present`] has their values. A text that is a number becomes one.
     Formulas(Vec<String>),
 }
 
-/// What a control holds, and which values it takes.
+/// Type of a control, with the values that it accepts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ControlKind {
     /// A [`Value::Number`].
     Number(NumberRange),
     /// A [`Value::Triple`] of any finite numbers.
     Triple {
-        /// Whether it is a direction, which may have any length but zero.
+        /// True for a direction, which has any length but zero.
         direction: bool,
     },
     /// A [`Value::Colour`], each channel from 0 to `max`; `f32::MAX` for radiance.
@@ -47,7 +48,7 @@ pub enum ControlKind {
     Picture,
     /// A [`Value::Flag`].
     Flag,
-    /// A [`Value::Text`], the name of one of these materials; or [`Value::None`] for that of what it stands in.
+    /// A [`Value::Text`], the name of one of these materials; or [`Value::None`] for the material of the parent.
     Material(Vec<String>),
     /// A [`Value::Size`].
     Size {
@@ -63,17 +64,17 @@ pub enum ControlKind {
 pub struct NumberRange {
     /// Smallest value; `f32::MIN` where there is no limit.
     pub min: f32,
-    /// Whether `min` itself is allowed.
+    /// True if `min` itself is allowed.
     pub min_allowed: bool,
     /// Largest value; `f32::MAX` where there is no limit.
     pub max: f32,
-    /// Whether `max` itself is allowed.
+    /// True if `max` itself is allowed.
     pub max_allowed: bool,
-    /// Whether only whole numbers are allowed.
+    /// True if only whole numbers are allowed.
     pub whole: bool,
     /// Smallest and largest value of a slider: within the limits, wide enough for most scenes.
     pub soft: (f32, f32),
-    /// Whether a slider is better logarithmic: sizes and intensities.
+    /// True if the slider should be logarithmic, for sizes and intensities.
     pub logarithmic: bool,
 }
 
@@ -81,30 +82,63 @@ pub struct NumberRange {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Control {
     /// Names the parameter to [`Document::set`](super::Document::set); unlike every other key of the node.
-    pub key: &'static str,
+    pub key: Cow<'static, str>,
     /// Name for people.
     pub label: Cow<'static, str>,
     /// One sentence: what it does.
     pub doc: Cow<'static, str>,
     /// As printed after a number; empty without unit.
     pub unit: &'static str,
-    /// What it holds.
+    /// Type and range.
     pub kind: ControlKind,
-    /// The present value: that in the text, else the default.
+    /// Value in the text, else the default.
     pub value: Value,
-    /// The value without formulas: what it is worth now. The default where that is not known.
+    /// Present value, without formulas. The default if that is unknown.
     pub present: Value,
-    /// The value when the text has none; [`Value::None`] where nothing stands for it.
+    /// Value if the text gives none; [`Value::None`] without a default.
     pub default: Value,
-    /// What to set when it is switched on: the default where there is one.
+    /// Value to set when it is switched on: the default, if any.
     pub initial: Value,
-    /// Whether it stands in the text.
+    /// True if the text gives the value.
     pub given: bool,
-    /// Whether it must stand in the text, so that it cannot be reset.
+    /// True if the text must give the value, so that it cannot be reset.
     pub required: bool,
 }
 
-/// What an addition, or a group of them in a menu, is.
+impl NumberRange {
+    fn range(&self) -> Range {
+        let Self { min, min_allowed, max, max_allowed, .. } = *self;
+        Range { min, min_allowed, max, max_allowed }
+    }
+    /// True if `value` is finite and in the range.
+    pub fn accepts(&self, value: f32) -> bool {
+        value.is_finite() && self.range().accepts(value) && (!self.whole || value.fract() == 0.0)
+    }
+    /// The range in words, as in "must be above 0".
+    pub fn in_words(&self) -> String {
+        format!("{}{}", if self.whole { "a whole number " } else { "" }, self.range().in_words())
+    }
+}
+
+impl Control {
+    /// A control without unit, whose value is the default.
+    pub(super) fn new(
+        key: impl Into<Cow<'static, str>>,
+        label: impl Into<Cow<'static, str>>,
+        doc: impl Into<Cow<'static, str>>,
+        kind: ControlKind,
+        default: Value,
+    ) -> Self {
+        let [value, present, initial] = std::array::from_fn(|_| default.clone());
+        let (key, label, doc) = (key.into(), label.into(), doc.into());
+        Self { key, label, doc, unit: "", kind, value, present, default, initial, given: false, required: false }
+    }
+    pub(super) fn required(self) -> Self {
+        Self { required: true, ..self }
+    }
+}
+
+/// Group of additions, as in a menu.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Group {
     /// An object that consists of a shape.
@@ -117,13 +151,13 @@ pub enum Group {
     Material,
     /// A sun or a point.
     Light,
-    /// What surrounds the scene.
+    /// The sky: radiance of the surroundings.
     Sky,
     /// A camera.
     Camera,
     /// Picture size and quality.
     Render,
-    /// A number with a name, which formulas use.
+    /// A parameter, which formulas use.
     Param,
 }
 
@@ -145,12 +179,12 @@ impl Group {
 }
 
 /// Something that may be added to a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Addition {
-    /// What it is.
+    /// Kind of the node.
     pub group: Group,
     /// Its name in the scene language: of the shape, operator, kind of material or of sky, or of the node.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// One sentence for people.
-    pub doc: &'static str,
+    pub doc: Cow<'static, str>,
 }

@@ -1,8 +1,8 @@
-//! Why an edit was refused. The text is then as it was.
+//! Errors of edits. A refused edit leaves the text unchanged.
 
-use super::path::Path;
+use super::tree::path::Path;
 
-/// Why an edit was refused, in sentences for people: what, where, what to do.
+/// Reason why an edit is refused, in sentences for people: what, where, what to do.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EditError {
     /// The path names no node of this text.
@@ -43,7 +43,7 @@ pub enum EditError {
     /// A name that is empty or taken, or a node that has none.
     #[error("{0}")]
     Name(String),
-    /// The node cannot stand where it should go, or not be what it should become.
+    /// The node cannot go to this place, or not become this kind.
     #[error("{0}")]
     NotHere(String),
     /// The node is needed where it is.
@@ -55,11 +55,11 @@ pub enum EditError {
     )]
     Unreadable(String),
     /// The scene would have a mistake that it has not now.
-    #[error("This would make a mistake of the scene: {message}{}", .help.as_ref().map(|help| format!(" {help}")).unwrap_or_default())]
+    #[error("This would make a mistake in the scene: {message}{}", .help.as_ref().map(|help| format!(" {help}")).unwrap_or_default())]
     Mistake {
         /// The first mistake.
         message: String,
-        /// What to do about it.
+        /// Help: what to do.
         help: Option<String>,
     },
 }

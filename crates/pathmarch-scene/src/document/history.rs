@@ -1,22 +1,22 @@
-//! Steps back and forth.
+//! Undo and redo.
 //!
-//! A step holds what it removed and what it inserted, so that it can be taken back and done again byte for byte. Cost:
-//! memory in proportion to what was changed; no limit on the number of steps.
+//! A step contains the text that it removed and inserted, so that it can be undone and redone byte for byte. Cost:
+//! memory in proportion to the changes; no limit on the number of steps.
 
-use super::patch::{Hunk, Patch, apply, compose, difference};
+use super::text::patch::{Hunk, Patch, apply, compose, difference};
 
-/// A piece of text that a step replaced by another.
+/// A replacement that a step made.
 #[derive(Clone, Debug)]
 struct Change {
-    /// Where it stood in the text before.
+    /// Start in the text before.
     old: usize,
     removed: String,
-    /// Where its replacement stands in the text after.
+    /// Start of the replacement in the text after.
     new: usize,
     inserted: String,
 }
 
-/// Changes that are made and taken back together.
+/// Replacements that are done and undone together.
 #[derive(Clone, Debug)]
 struct Step {
     label: String,
@@ -55,17 +55,17 @@ impl Step {
     }
 }
 
-/// What was done, and what was undone.
+/// Steps that were done, and steps that were undone.
 #[derive(Debug, Default)]
 pub(super) struct History {
     done: Vec<Step>,
     undone: Vec<Step>,
-    /// Whether the next step may join the last one.
+    /// True if the next step may join the last one.
     open: bool,
 }
 
 impl History {
-    /// A step from the text `old` to `new`; it joins the last one if that is of the same gesture.
+    /// Adds a step from the text `old` to `new`; it joins the last step of the same gesture.
     pub(super) fn push(&mut self, label: &str, gesture: Option<u64>, old: &str, new: &str, hunks: &[Hunk]) {
         self.undone.clear();
         let joined = self.done.pop_if(|last| self.open && gesture.is_some() && last.gesture == gesture);
@@ -82,7 +82,7 @@ impl History {
         }
         self.open = true;
     }
-    /// The text before the last step, and what the step was.
+    /// Undoes the last step. Returns the text before it, and its label.
     pub(super) fn undo(&mut self, text: &str) -> Option<(String, String)> {
         let step = self.done.pop()?;
         let result = (step.before(text), step.label.clone());
@@ -90,7 +90,7 @@ impl History {
         self.open = false;
         Some(result)
     }
-    /// The text after the step that was undone last, and what the step was.
+    /// Redoes the step that was undone last. Returns the text after it, and its label.
     pub(super) fn redo(&mut self, text: &str) -> Option<(String, String)> {
         let step = self.undone.pop()?;
         let result = (step.after(text), step.label.clone());
@@ -104,7 +104,7 @@ impl History {
     pub(super) fn next_redo(&self) -> Option<&str> {
         self.undone.last().map(|step| &*step.label)
     }
-    /// Bytes of text that are kept.
+    /// Number of bytes that the history keeps.
     #[cfg(test)]
     fn bytes(&self) -> usize {
         let changes = self.done.iter().chain(&self.undone).flat_map(|step| &step.changes);
@@ -114,7 +114,7 @@ impl History {
 
 #[cfg(test)]
 mod tests {
-    use super::super::patch::{Patch, apply};
+    use super::super::text::patch::{Patch, apply};
     use super::History;
 
     #[test]

@@ -1,38 +1,31 @@
-//! A scene text that can be edited without losing anything.
+//! Scene texts that are edited without losing comments, order or formatting.
 //!
-//! Idea: the text is the scene. A [`Document`] holds it with the tree of its nodes and where in the text each of them
-//! stands; an edit through a control is a *patch* of the few bytes that say what changed, so that comments, order and
-//! formatting stay. After each edit the text is read again by the same reader as every scene file: there is no second
-//! description of a scene that could come to differ from its text. What a control may hold comes from the registries of
-//! shapes, operators and materials and from the parser's own table of settings.
+//! Idea: the text is the scene. A [`Document`] contains the text and the tree of its nodes with their places; an edit
+//! through a control is a *patch* of the few bytes that change, so that comments, order and formatting stay. After each
+//! edit the reader of scene files reads the text again: there is no second description of a scene that could diverge
+//! from its text. The ranges of controls come from the registries of shapes, operators and materials and from the
+//! tables of settings.
 //!
-//! Undo: a step holds what its patches removed and inserted, so that history costs as much memory as what was changed and
-//! has no limit. Sets of one gesture, such as the drag of a slider, are one step.
+//! Undo: a step contains what its patches removed and inserted, so that history costs memory in proportion to the
+//! changes and has no limit. Sets of one gesture, such as the drag of a slider, are one step.
 //!
-//! Rules. A text that is a scene stays one: an edit that would make a mistake is refused, the text stays as it is, and
-//! [`EditError`] says why and what to do. A text with mistakes may be edited as long as that adds none. A node that is
-//! removed takes a comment behind it on its line with it; comments on lines of their own stay. A node that is moved
-//! carries both, a duplicate neither.
+//! Rules. A text that is a scene stays one: an edit that would make a mistake is refused, the text stays unchanged, and
+//! [`EditError`] has the reason and help. A text with mistakes may be edited as long as the edit adds none. A removed
+//! node takes a comment after it on its line with it; comments on lines of their own stay. A moved node carries both, a
+//! duplicate neither.
 //!
 //! Cost: an edit of a parameter is one reading of the text and half as much again, in a scene of 10,000 objects (0.7 MB)
 //! about 50 ms; an edit of the tree reads the form of the text once more for each step. Pictures of the sky and computed
 //! days are kept from one reading to the next.
 
-mod additions;
 mod control;
+mod edits;
 mod error;
 mod history;
-mod kinds;
-mod layout;
-mod number;
-mod outline;
-mod patch;
-mod path;
-mod slots;
-mod structure;
-mod textures;
-mod work;
-mod write;
+pub mod key;
+mod parameters;
+mod text;
+mod tree;
 
 use crate::assets::Assets;
 use crate::diagnostic::SceneError;
@@ -41,43 +34,20 @@ use crate::language::tree::Block;
 use crate::language::{Read, Values};
 use crate::scene::{Camera, Moment, Scene};
 pub use control::{Addition, Control, ControlKind, Group, NumberRange, Value};
+use edits::transaction::Transaction;
+use edits::write::check::{check, keeping_formulas};
+use edits::{additions, camera, kinds, structure};
 pub use error::EditError;
 use history::History;
-use layout::{Style, bytes};
-pub use outline::{Item, ItemKind};
-use patch::{Hunk, difference};
-pub use path::Path;
-use slots::{Place, Slot};
+use parameters::{Parameter, Place, parameters};
 use std::sync::Arc;
-use work::Work;
+use text::layout::{Style, bytes};
+use text::patch::{Hunk, difference};
+use tree::outline;
+pub use tree::outline::{Item, ItemKind};
+pub use tree::path::Path;
 
-/// Keys of controls that a front end has its own handles for. All others come with [`Document::controls`].
-pub mod key {
-    /// Name of a camera, a material or an object.
-    pub const NAME: &str = "name";
-    /// Kind of a material or a sky, or which shape or operator it is.
-    pub const KIND: &str = "kind";
-    /// Material of an object, a shape or an operator.
-    pub const MATERIAL: &str = "material";
-    /// Position of a shape or an operator.
-    pub const AT: &str = "place.at";
-    /// Turn of a shape or an operator.
-    pub const ROTATE: &str = "place.rotate";
-    /// Size of a shape or an operator.
-    pub const SCALE: &str = "place.scale";
-    /// Where a shape faces.
-    pub const NORMAL: &str = "place.normal";
-    /// What a text says.
-    pub const TEXT: &str = "text";
-    /// Number of a parameter.
-    pub const VALUE: &str = "value";
-    /// What a key ends with, behind a dot, that says which texture stands for a parameter.
-    pub const TEXTURE: &str = "texture";
-    /// File of a sky that is a picture. May be set for every sky, which then becomes a picture.
-    pub const PICTURE: &str = "picture";
-}
-
-/// A scene text that is edited.
+/// A scene text with its tree, controls and history.
 pub struct Document {
     name: String,
     text: String,
@@ -91,12 +61,12 @@ pub struct Document {
     assets: Assets,
 }
 
-/// What a text was read as.
+/// Result of reading a text.
 struct Reading {
     /// `None` where it was refused as a whole.
     file: Option<Block<'static>>,
     scene: Result<Arc<Scene>, SceneError>,
-    /// What the formulas of the text are worth.
+    /// Values of the formulas, and declarations.
     values: Values,
     outline: Vec<Item>,
     style: Style,
@@ -110,7 +80,7 @@ impl Reading {
         let style = Style::of(text, file.as_ref());
         Self { file, scene: scene.map(Arc::new), values, outline, style }
     }
-    /// How many mistakes there are.
+    /// Number of mistakes.
     fn mistakes(&self) -> usize {
         match &self.scene {
             Ok(_) => 0,
@@ -133,25 +103,25 @@ impl Document {
         let history = History::default();
         Self { name, text, moment, saved, is_saved: true, reading, last_good, revision: 0, history, assets }
     }
-    /// Where the text came from.
+    /// Path or name of the text.
     pub fn name(&self) -> &str {
         &self.name
     }
-    /// Says where the text is now; reads it again, for pictures are found from there.
+    /// Sets the path of the text and reads it again, because other files are relative to it.
     pub fn set_name(&mut self, name: impl Into<String>) {
         self.name = name.into();
         self.refresh();
     }
-    /// Reads the text again, for what it refers to may have changed on disk.
+    /// Reads the text again, because files that it names may have changed.
     pub fn refresh(&mut self) {
         self.reading = Reading::new(&self.name, &self.text, self.moment, &mut self.assets);
         self.keep_scene();
     }
-    /// The moment that the scene is of.
+    /// Moment of the scene.
     pub fn moment(&self) -> Moment {
         self.moment
     }
-    /// Looks at the scene at another moment. The text stays as it is.
+    /// Reads the scene at another moment. The text stays unchanged.
     pub fn set_moment(&mut self, moment: Moment) {
         if moment == self.moment {
             return;
@@ -172,7 +142,7 @@ impl Document {
     pub fn text(&self) -> &str {
         &self.text
     }
-    /// What the text means, or every mistake in it.
+    /// The scene, or every mistake of the text.
     pub fn scene(&self) -> Result<&Arc<Scene>, &SceneError> {
         self.reading.scene.as_ref()
     }
@@ -193,46 +163,47 @@ impl Document {
         let (&first, rest) = path.indexes().split_first()?;
         rest.iter().try_fold(self.reading.outline.get(first)?, |item, &index| item.children.get(index))
     }
-    /// Every parameter of that node; none for an unknown path.
+    /// Controls of a node; none for an unknown path.
     pub fn controls(&self, path: &Path) -> Vec<Control> {
-        self.slots(path).into_iter().map(|slot| slot.control).collect()
+        self.parameters(path).into_iter().map(|parameter| parameter.control).collect()
     }
-    /// One parameter of that node.
+    /// The control of this key.
     pub fn control(&self, path: &Path, key: &str) -> Option<Control> {
         self.controls(path).into_iter().find(|control| control.key == key)
     }
     /// Sets a parameter; [`Value::None`] resets it. Sets in a row with the same `gesture` are one step of undo, called as
     /// the first of them. The value that it has already changes nothing.
     pub fn set(&mut self, path: &Path, key: &str, value: Value, gesture: Option<u64>) -> Result<(), EditError> {
-        let work = self.work()?;
-        if key == key::PICTURE && work.find(path)?.kind == ItemKind::Sky {
+        let transaction = self.transaction()?;
+        if key == key::PICTURE && transaction.find(path)?.kind == ItemKind::Sky {
             let Value::Text(file) = &value else {
                 return Err(EditError::WrongValue { label: key.to_owned(), expected: "a text".to_owned() });
             };
-            return self.edit("Change picture of sky", gesture, |work| kinds::set_picture(work, path, file));
+            return self
+                .edit("Change picture of sky", gesture, |transaction| kinds::set_picture(transaction, path, file));
         }
-        let slot = work.slot(path, key)?;
+        let parameter = transaction.parameter(path, key)?;
         if value == Value::None {
-            return self.erase(path, slot, gesture);
+            return self.erase(path, parameter, gesture);
         }
-        write::check(&slot, &value)?;
-        let value = write::keeping_formulas(&slot, value)?;
-        if value == slot.control.value {
+        check(&parameter, &value)?;
+        let value = keeping_formulas(&parameter, value)?;
+        if value == parameter.control.value {
             return Ok(());
         }
-        let label = format!("Change {} of {}", slot.control.label, self.title(path));
-        match (slot.place, &value) {
+        let label = format!("Change {} of {}", parameter.control.label, self.title(path));
+        match (&parameter.place, &value) {
             (Place::Name, Value::Text(name)) => {
                 let label = format!("Rename {} to {name}", self.title(path));
-                self.edit(&label, gesture, |work| structure::rename(work, path, name))
+                self.edit(&label, gesture, |transaction| structure::rename(transaction, path, name))
             }
             (Place::Kind, Value::Text(kind)) => {
                 let label = format!("Make {} {kind}", self.title(path));
-                self.edit(&label, gesture, |work| kinds::set_kind(work, path, kind))
+                self.edit(&label, gesture, |transaction| kinds::set_kind(transaction, path, kind))
             }
-            _ => self.edit(&label, gesture, |work| {
-                let patches = work.writer(work.find(path)?).write(&slot, &value)?;
-                work.last(patches);
+            _ => self.edit(&label, gesture, |transaction| {
+                let patches = transaction.writer(transaction.find(path)?).write(&parameter, &value)?;
+                transaction.last(patches);
                 Ok(())
             }),
         }
@@ -240,64 +211,64 @@ impl Document {
     /// Removes a parameter from the text, so that it has its default; an argument that others follow is given that. What
     /// must be given cannot be reset.
     pub fn reset(&mut self, path: &Path, key: &str) -> Result<(), EditError> {
-        let slot = self.work()?.slot(path, key)?;
-        self.erase(path, slot, None)
+        let parameter = self.transaction()?.parameter(path, key)?;
+        self.erase(path, parameter, None)
     }
-    /// What may be added to that node, or to the file.
+    /// Additions to a node, or to the file.
     pub fn additions(&self, parent: Option<&Path>) -> Vec<Addition> {
-        let Ok(work) = self.work() else { return Vec::new() };
+        let Ok(transaction) = self.transaction() else { return Vec::new() };
         match parent {
             Some(parent) => {
-                self.item(parent).map_or_else(Vec::new, |item| additions::additions(&work, Some(item.kind)))
+                self.item(parent).map_or_else(Vec::new, |item| additions::additions(&transaction, Some(item.kind)))
             }
-            None => additions::additions(&work, None),
+            None => additions::additions(&transaction, None),
         }
     }
-    /// Adds something to that node, or to the file, and says where it is.
+    /// Adds something to a node, or to the file. Returns its path.
     pub fn add(&mut self, parent: Option<&Path>, addition: &Addition) -> Result<Path, EditError> {
         let label = format!("Add {}", addition.name);
-        self.edit(&label, None, |work| additions::add(work, parent, addition))
+        self.edit(&label, None, |transaction| additions::add(transaction, parent, addition))
     }
-    /// Removes a node with all that is in it; not the version, the only camera, a material in use, or all that an object or
-    /// an operator holds.
+    /// Removes a node with its children. Refused for the version, the only camera, a material in use, and the only
+    /// child of an object or an operator.
     pub fn remove(&mut self, path: &Path) -> Result<(), EditError> {
         let label = format!("Remove {}", self.title(path));
-        self.edit(&label, None, |work| structure::remove(work, path))
+        self.edit(&label, None, |transaction| structure::remove(transaction, path))
     }
-    /// Gives a camera, a material, an object or a parameter another name; what names a material or a parameter follows.
+    /// Renames a camera, a material, an object, a parameter or a shape, and its uses.
     pub fn rename(&mut self, path: &Path, new_name: &str) -> Result<(), EditError> {
         let label = format!("Rename {} to {new_name}", self.title(path));
-        self.edit(&label, None, |work| structure::rename(work, path, new_name))
+        self.edit(&label, None, |transaction| structure::rename(transaction, path, new_name))
     }
     /// Moves a node, with its comments, into `new_parent` (the file without one), where it then has this `index`; one past
     /// the end is the end. Says where it is.
     pub fn move_to(&mut self, path: &Path, new_parent: Option<&Path>, index: usize) -> Result<Path, EditError> {
         let label = format!("Move {}", self.title(path));
-        self.edit(&label, None, |work| structure::move_to(work, path, new_parent, index))
+        self.edit(&label, None, |transaction| structure::move_to(transaction, path, new_parent, index))
     }
     /// Puts siblings into the braces of a new operator, which takes the place of the first of them.
     pub fn group(&mut self, paths: &[Path], operator: &str) -> Result<Path, EditError> {
         let label = format!("Group into {operator}");
-        self.edit(&label, None, |work| structure::group(work, paths, operator))
+        self.edit(&label, None, |transaction| structure::group(transaction, paths, operator))
     }
-    /// Puts the children of an operator in its place, with its material where they have none; says where they are. Not for
-    /// an operator that is placed, for they would move.
+    /// Replaces an operator by its children, with its material where they have none. Returns their paths. Refused for
+    /// an operator with a placement, because the children would move.
     pub fn ungroup(&mut self, path: &Path) -> Result<Vec<Path>, EditError> {
         let label = format!("Ungroup {}", self.title(path));
-        self.edit(&label, None, |work| structure::ungroup(work, path))
+        self.edit(&label, None, |transaction| structure::ungroup(transaction, path))
     }
     /// Copies a node and puts the copy behind it, under a free name if it has one.
     pub fn duplicate(&mut self, path: &Path) -> Result<Path, EditError> {
         let label = format!("Duplicate {}", self.title(path));
-        self.edit(&label, None, |work| structure::duplicate(work, path))
+        self.edit(&label, None, |transaction| structure::duplicate(transaction, path))
     }
     /// Makes a material or a sky one of another kind, or a shape or an operator another. Parameters that the new one has,
     /// too, are kept where it takes their values.
     pub fn set_kind(&mut self, path: &Path, kind: &str) -> Result<(), EditError> {
         let label = format!("Make {} {kind}", self.title(path));
-        self.edit(&label, None, |work| kinds::set_kind(work, path, kind))
+        self.edit(&label, None, |transaction| kinds::set_kind(transaction, path, kind))
     }
-    /// Gives an object, a shape or an operator a material of its own; `None` takes it away.
+    /// Sets the material of an object, a shape or an operator; `None` removes it.
     pub fn set_material(&mut self, path: &Path, material: Option<&str>) -> Result<(), EditError> {
         let value = material.map_or(Value::None, |name| Value::Text(name.to_owned()));
         self.set(path, key::MATERIAL, value, None)
@@ -307,7 +278,7 @@ impl Document {
     pub fn write_camera(&mut self, camera: &Camera, into: Option<&Path>) -> Result<Path, EditError> {
         let name = into.and_then(|path| self.item(path)).map_or(&*camera.name, |item| item.title());
         let label = format!("Write camera {name}");
-        self.edit(&label, None, |work| structure::write_camera(work, camera, into))
+        self.edit(&label, None, |transaction| camera::write_camera(transaction, camera, into))
     }
     /// Replaces the text, as when the file has changed on disk. It may have mistakes. Replacements in a row with the same
     /// `gesture`, as of a run of typing, are one step of undo, called `label`.
@@ -320,31 +291,31 @@ impl Document {
         self.history.push(label, gesture, &self.text, &text, &[Hunk { old: patch.range, new }]);
         self.become_text(text);
     }
-    /// Takes back the last step; says which, as in "Change radius of sphere".
+    /// Undoes the last step. Returns its label, as in "Change radius of sphere".
     pub fn undo(&mut self) -> Option<String> {
         let (text, label) = self.history.undo(&self.text)?;
         self.become_text(text);
         Some(label)
     }
-    /// Does again what was undone last; says what.
+    /// Redoes the step that was undone last. Returns its label.
     pub fn redo(&mut self) -> Option<String> {
         let (text, label) = self.history.redo(&self.text)?;
         self.become_text(text);
         Some(label)
     }
-    /// The step that [`Self::undo`] would take back.
+    /// Label of the step that [`Self::undo`] would undo.
     pub fn can_undo(&self) -> Option<&str> {
         self.history.next_undo()
     }
-    /// The step that [`Self::redo`] would do again.
+    /// Label of the step that [`Self::redo`] would redo.
     pub fn can_redo(&self) -> Option<&str> {
         self.history.next_redo()
     }
-    /// Whether the text is the one that was saved last.
+    /// True if the text is the one that was saved last.
     pub fn is_saved(&self) -> bool {
         self.is_saved
     }
-    /// Says that the text has been saved.
+    /// Marks the text as saved.
     pub fn mark_saved(&mut self) {
         self.saved.clone_from(&self.text);
         self.is_saved = true;
@@ -406,13 +377,13 @@ impl Document {
     fn title(&self, path: &Path) -> String {
         self.item(path).map_or_else(String::new, |item| item.title().to_owned())
     }
-    fn slots(&self, path: &Path) -> Vec<Slot> {
+    fn parameters(&self, path: &Path) -> Vec<Parameter> {
         let found = self.reading.file.as_ref().and_then(|file| Some((file, outline::find(file, path)?)));
-        found.map_or_else(Vec::new, |(file, found)| slots::slots(file, &self.reading.values, found.kind, found.node))
+        found.map_or_else(Vec::new, |(file, found)| parameters(file, &self.reading.values, found.kind, found.node))
     }
-    fn work(&self) -> Result<Work<'_>, EditError> {
+    fn transaction(&self) -> Result<Transaction<'_>, EditError> {
         match &self.reading.file {
-            Some(file) => Ok(Work::new(&self.text, file, &self.reading.values, &self.reading.style)),
+            Some(file) => Ok(Transaction::new(&self.text, file, &self.reading.values, &self.reading.style)),
             None => Err(EditError::Unreadable("the scene".to_owned())),
         }
     }
@@ -422,11 +393,11 @@ impl Document {
         &mut self,
         label: &str,
         gesture: Option<u64>,
-        make: impl FnOnce(&mut Work) -> Result<T, EditError>,
+        make: impl FnOnce(&mut Transaction) -> Result<T, EditError>,
     ) -> Result<T, EditError> {
-        let mut work = self.work()?;
-        let result = make(&mut work)?;
-        let (text, hunks) = work.finish();
+        let mut transaction = self.transaction()?;
+        let result = make(&mut transaction)?;
+        let (text, hunks) = transaction.finish();
         if text == self.text {
             return Ok(result);
         }
@@ -450,8 +421,8 @@ impl Document {
         Ok(result)
     }
 
-    fn erase(&mut self, path: &Path, slot: Slot, gesture: Option<u64>) -> Result<(), EditError> {
-        let control = &slot.control;
+    fn erase(&mut self, path: &Path, parameter: Parameter, gesture: Option<u64>) -> Result<(), EditError> {
+        let control = &parameter.control;
         if control.required {
             let label = &control.label;
             return Err(EditError::Needed(format!("`{label}` must be given. Set it to another value instead.")));
@@ -460,9 +431,9 @@ impl Document {
             return Ok(());
         }
         let label = format!("Reset {} of {}", control.label, self.title(path));
-        self.edit(&label, gesture, |work| {
-            let patches = work.writer(work.find(path)?).erase(&slot)?;
-            work.last(patches);
+        self.edit(&label, gesture, |transaction| {
+            let patches = transaction.writer(transaction.find(path)?).erase(&parameter)?;
+            transaction.last(patches);
             Ok(())
         })
     }

@@ -1,23 +1,23 @@
 //! Classes of characters and the form of numbers in KDL 2 (<https://kdl.dev/spec>).
 
-/// Ends a line. (CR LF is one of them twice, which makes no difference here.)
+/// Characters that end a line. (CR LF counts as two, which makes no difference here.)
 pub(crate) fn is_newline(c: char) -> bool {
     matches!(c, '\r' | '\n' | '\u{85}' | '\u{b}' | '\u{c}' | '\u{2028}' | '\u{2029}')
 }
 
-/// White space within a line.
+/// Characters of white space within a line.
 pub(crate) fn is_space(c: char) -> bool {
     matches!(c, '\t' | ' ' | '\u{a0}' | '\u{1680}' | '\u{2000}'..='\u{200a}' | '\u{202f}' | '\u{205f}' | '\u{3000}')
 }
 
-/// Must not stand in a file at all: control characters, direction overrides, byte order marks inside the text.
+/// Characters that no file may contain: control characters, direction overrides, byte order marks inside the text.
 pub(crate) fn is_forbidden(c: char) -> bool {
     matches!(c,
         '\0'..='\u{8}' | '\u{e}'..='\u{1f}' | '\u{7f}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}'
         | '\u{2066}'..='\u{2069}' | '\u{feff}')
 }
 
-/// May stand in a bare word.
+/// Characters of bare words.
 pub(crate) fn is_word(c: char) -> bool {
     !matches!(c, '\\' | '/' | '(' | ')' | '{' | '}' | '[' | ']' | ';' | '"' | '#' | '=')
         && !is_space(c)
@@ -25,7 +25,7 @@ pub(crate) fn is_word(c: char) -> bool {
         && !is_forbidden(c)
 }
 
-/// Whether a word that starts like this is meant as a number.
+/// True for a word that starts like a number.
 pub(crate) fn looks_like_number(word: &str) -> bool {
     let unsigned = word.strip_prefix(['+', '-']).unwrap_or(word);
     let digits = unsigned.strip_prefix('.').unwrap_or(unsigned);

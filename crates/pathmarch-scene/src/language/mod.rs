@@ -1,92 +1,103 @@
-//! The scene language, version 1: text to [`Scene`].
+//! The scene language, version 1: from text to [`Scene`].
 //!
-//! Three steps: [`syntax`] reads the text as KDL 2 nodes, the modules beside it give the nodes meaning (materials first,
-//! so that they may be used before they are declared), and [`Field`] is built of the objects. Each step goes on after
-//! a mistake; a file is a scene only if none was found. Reference: docs/scene-language.md. Cost: linear in the text.
+//! Three steps: [`syntax`] parses the text into KDL 2 nodes, [`read`](mod@read) gives the nodes meaning (materials first, so that
+//! objects may use them before they are declared), and [`Field`] is built from the objects. [`checks`] then warn of what is
+//! most likely not intended. Each step continues after a mistake; a text is a scene only if it has none. Reference:
+//! docs/scene-language.md. Cost: linear in the text.
 
-pub(crate) mod arguments;
 pub(crate) mod characters;
-pub(crate) mod declared;
-mod drawings;
-pub(crate) mod expression;
-mod extent;
-pub(crate) mod fields;
-pub(crate) mod include;
-pub(crate) mod names;
-pub(crate) mod params;
-mod report;
-pub(crate) mod schema;
-mod scope;
-mod settings;
-mod skies;
-mod solids;
-mod strings;
-mod surfaces;
-mod syntax;
-#[cfg(test)]
-mod syntax_tests;
-pub(crate) mod textures;
+mod checks;
+pub(crate) mod diagnostics;
+pub(crate) mod formulas;
+pub(crate) mod keywords;
+pub(crate) mod read;
+pub(crate) mod syntax;
 pub(crate) mod tree;
-mod warnings;
 
 use crate::assets::Assets;
 use crate::diagnostic::SceneError;
-use crate::scene::{Light, Moment, Parameter, Scene};
+use crate::light::Light;
+use crate::scene::{Moment, Parameter, Scene};
 use crate::sky::Sky;
-use arguments::{Range, numbers, twice, wrong_type};
-use declared::Declarations;
-use drawings::Files;
-use fields::Fields;
-use include::Included;
-use names::{TOP, unexpected_node};
+use crate::source::{MAX_BYTES, read_text, too_large};
+use checks::{extent, warnings};
+use diagnostics::report::{Report, draft};
+use formulas::scope::Scope;
+use keywords::TOP;
 use pathmarch_field::Field;
-use report::{Report, draft};
-use scope::Scope;
-pub(crate) use solids::MAX_SHAPES;
-use solids::Solids;
+use read::arguments::twice;
+use read::context::{Context, Files};
+use read::custom_sdf::CustomSdfs;
+use read::declarations::Declarations;
+use read::include::Included;
+use read::materials::Materials;
+pub(crate) use read::objects::MAX_SHAPES;
+use read::objects::Solids;
+use read::unexpected::unexpected_node;
+use read::version::{Version, version};
+use read::{camera, lights, params, render, sky};
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::Arc;
-use surfaces::Materials;
 pub(crate) use syntax::MAX_NESTING;
-use tree::{Block, Span, Value};
+use tree::{Block, Span};
 
-/// The version of the language that this program reads.
-const VERSION: f32 = 1.0;
-/// Bytes; larger files are refused.
-pub(crate) const MAX_BYTES: usize = 16 << 20;
-
-/// Why a large file is refused, and what to do.
-pub(crate) fn too_large() -> (String, String) {
-    (format!("it is larger than {} MiB", MAX_BYTES >> 20), "Leave parts of the scene out.".to_owned())
-}
-
-/// The scene of `text`, which came from `name`, at a moment.
-pub(crate) fn parse(name: &str, text: &str, moment: Moment) -> Result<Scene, SceneError> {
-    read(name, text, moment, &mut Assets::default()).scene
-}
-
-/// What a text was read as.
+/// Result of reading a text.
 pub(crate) struct Read<'t> {
-    /// Its nodes, as far as they could be read.
+    /// Nodes of the text; `None` if it was refused as a whole.
     pub(crate) file: Option<Block<'t>>,
     pub(crate) scene: Result<Scene, SceneError>,
-    /// What it declares and computes.
     pub(crate) values: Values,
 }
 
-/// What a text declares and computes, as far as it could be read.
+/// Values and declarations of a text, as far as they could be read.
 #[derive(Clone, Default)]
 pub(crate) struct Values {
-    /// The value of each formula, by the byte where its string begins.
+    /// Value of each formula, by the byte at which its string starts.
     pub(crate) formulas: HashMap<u32, f64>,
-    /// Its own shapes.
-    pub(crate) fields: Fields,
-    /// What it includes from other files.
+    /// Custom SDFs.
+    pub(crate) fields: CustomSdfs,
+    /// Nodes of included files.
     pub(crate) included: Arc<Vec<tree::Node<'static>>>,
 }
 
-/// Reads a text, which came from `name`, as of a moment.
+/// Text of a scene and its name, for diagnostics and relative paths.
+#[derive(Clone, Copy)]
+struct Source<'s> {
+    name: &'s str,
+    text: &'s str,
+}
+
+impl Scene {
+    /// Parses `text`, or returns every mistake in it. `name` is the path of the text, for diagnostics and relative paths.
+    ///
+    /// # Errors
+    /// [`SceneError::Mistakes`] with all of them; [`SceneError::Unreadable`] for a text of more than 16 MiB.
+    pub fn parse(name: &str, text: &str) -> Result<Self, SceneError> {
+        Self::parse_at(name, text, Moment::default())
+    }
+
+    /// Parses `text` at a moment. For several moments of one text use [`Animation`](crate::Animation).
+    ///
+    /// # Errors
+    /// Those of [`Scene::parse`]. Diagnostics of animated values name the moment.
+    pub fn parse_at(name: &str, text: &str, moment: Moment) -> Result<Self, SceneError> {
+        read(name, text, moment, &mut Assets::default()).scene
+    }
+
+    /// Loads the scene file at `path`.
+    ///
+    /// # Errors
+    /// Those of [`Scene::parse`], and [`SceneError::Unreadable`] for a file that is missing, a directory, larger than
+    /// 16 MiB, or not UTF-8.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        Self::parse(&path.display().to_string(), &read_text(path)?)
+    }
+}
+
+/// Reads a text at a moment.
 pub(crate) fn read<'t>(name: &str, text: &'t str, moment: Moment, assets: &mut Assets) -> Read<'t> {
     if text.len() > MAX_BYTES {
         let (reason, help) = too_large();
@@ -97,64 +108,63 @@ pub(crate) fn read<'t>(name: &str, text: &'t str, moment: Moment, assets: &mut A
     let Some(file) = syntax::read(text, &mut report) else {
         return Read { file: None, scene: Err(report.into_error()), values: Values::default() };
     };
-    let (scene, values) = scene_of((name, text), &file, moment, assets, report);
+    let (scene, values) = read_nodes(Source { name, text }, &file, moment, assets, report);
     Read { file: Some(file), scene, values }
 }
 
-/// Reads the nodes of a text that is in form as of a moment.
+/// Reads the nodes of a text without mistakes of syntax at another moment.
 pub(crate) fn read_again(
-    source: (&str, &str),
-    file: &Block,
-    moment: Moment,
-    assets: &mut Assets,
-) -> (Result<Scene, SceneError>, Values) {
-    scene_of(source, file, moment, assets, Report::new(source.0, source.1))
-}
-
-/// Name and text, nodes, and the mistakes so far, to a scene.
-fn scene_of(
     (name, text): (&str, &str),
     file: &Block,
     moment: Moment,
     assets: &mut Assets,
-    mut report: Report,
 ) -> (Result<Scene, SceneError>, Values) {
-    report.scope = Scope::at(moment);
-    let included = Included::of(name, text, file, &mut report);
-    let mut fields = Fields::default();
-    let scene = meaning(name, text, file, &included, assets, &mut fields, &mut report);
-    let formulas = std::mem::take(&mut report.scope.values);
-    let values = Values { formulas, fields, included: Arc::new(included.nodes) };
+    read_nodes(Source { name, text }, file, moment, assets, Report::new(name, text))
+}
+
+/// Parses a text into nodes; `None` if it is refused as a whole.
+pub(crate) fn nodes(text: &str) -> Option<Block<'_>> {
+    syntax::read(text, &mut Report::new("", ""))
+}
+
+/// Reads nodes; `report` contains the mistakes of syntax.
+fn read_nodes(
+    source: Source,
+    file: &Block,
+    moment: Moment,
+    assets: &mut Assets,
+    report: Report,
+) -> (Result<Scene, SceneError>, Values) {
+    let mut context = Context { report, scope: Scope::at(moment) };
+    let included = Included::of(source.name, source.text, file, &mut context);
+    let mut fields = CustomSdfs::default();
+    let scene = complete_scene(source, file, &included, assets, &mut fields, &mut context);
+    let Context { report, scope } = context;
+    let values = Values { formulas: scope.values, fields, included: Arc::new(included.nodes) };
     match scene {
         Some(scene) if !report.has_mistakes() => (Ok(Scene { warnings: report.into_warnings(), ..scene }), values),
         _ => (Err(report.into_error()), values),
     }
 }
 
-/// The nodes of `text`, as far as they could be read.
-pub(crate) fn nodes(text: &str) -> Option<Block<'_>> {
-    syntax::read(text, &mut Report::new("", ""))
-}
-
-/// The scene of the nodes of `text`; nothing after a mistake.
-fn meaning(
-    name: &str,
-    text: &str,
+/// Reads a scene with its sky and field, and checks it; `None` after a mistake.
+fn complete_scene(
+    source: Source,
     file: &Block,
     included: &Included,
     assets: &mut Assets,
-    fields: &mut Fields,
-    report: &mut Report,
+    fields: &mut CustomSdfs,
+    context: &mut Context,
 ) -> Option<Scene> {
-    if version(file, report) == Version::Other {
+    if version(file, context) == Version::Other {
         return None;
     }
     let mut all = Cow::Borrowed(file);
     if !included.nodes.is_empty() {
         all.to_mut().nodes.extend(included.nodes.iter().cloned());
     }
-    let (mut scene, sky) = scene((name, text), file, &all, included, assets, fields, report);
-    if report.has_mistakes() {
+    let (mut scene, sky) = scene(source, file, &all, included, assets, fields, context);
+    if context.report.has_mistakes() {
         return None;
     }
     let (sky, sun) = sky.finish(assets);
@@ -162,107 +172,42 @@ fn meaning(
     scene.lights.extend(sun);
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
     scene.field = Field::new(&roots);
-    extent::check(&scene, &all, report);
-    warnings::warn(&scene, &all, report);
+    extent::check(&scene, &all, &mut context.report);
+    warnings::warn(&scene, &all, &mut context.report);
     Some(scene)
 }
 
-#[derive(PartialEq)]
-enum Version {
-    /// Ours, or missing: worth reading on.
-    This,
-    /// Another, whose words we do not know.
-    Other,
-}
-
-/// Checks the first node of the file.
-fn version(file: &Block, report: &mut Report) -> Version {
-    let Some(first) = file.nodes.first().filter(|first| first.name.value == "pathmarch") else {
-        if !file.broken || file.nodes.iter().any(|node| node.name.value == "pathmarch") {
-            let later = file.nodes.iter().find(|node| node.name.value == "pathmarch");
-            let span = file.nodes.first().map_or(Span::new(0, 0), |first| first.name.span);
-            let mistake = draft("pathmarch::version", span, "A scene starts with its version.");
-            let mistake = mistake.label("expected `pathmarch 1` before it");
-            report.add(match later {
-                Some(later) => mistake.also(later.name.span, "move this to the top of the file"),
-                None => mistake.help("Write `pathmarch 1` on the first line."),
-            });
-        }
-        return Version::This;
-    };
-    if let Some(entry) = first.entries.iter().find(|entry| matches!(entry.value, Value::Text(_))) {
-        wrong_type(entry, "The version", "a number", report);
-        return Version::This;
-    }
-    let Some([given]) = numbers::<1>(first, "`pathmarch 1`", Range::ANY, report) else { return Version::This };
-    if given == VERSION {
-        return Version::This;
-    }
-    let span = first.entries[0].value_span;
-    if given > VERSION && given.fract() == 0.0 {
-        let message = format!("This scene is written in version {given} of the language.");
-        let mistake = draft("pathmarch::version", span, message).label(format!("this program reads version {VERSION}"));
-        report.add(mistake.help("Use a newer pathmarch."));
-        return Version::Other;
-    }
-    let message = format!("There is no version {given} of the language.");
-    report.add(draft("pathmarch::version", span, message).label("expected 1"));
-    Version::This
-}
-
-/// What the nodes of the file, and those of `all` with what it includes, say; the field is still empty, and the sky black.
+/// Reads the nodes of a file and, in `all`, of the files that it includes. The field of the scene is still empty, and the
+/// sky black.
 fn scene(
-    (name, text): (&str, &str),
+    source: Source,
     file: &Block,
     all: &Block,
     included: &Included,
     assets: &mut Assets,
-    fields: &mut Fields,
-    report: &mut Report,
-) -> (Scene, skies::Described) {
-    let nodes = |name: &'static str| file.nodes.iter().filter(move |node| node.name.value == name);
+    fields: &mut CustomSdfs,
+    context: &mut Context,
+) -> (Scene, sky::SkyNode) {
+    let of_file = |name: &'static str| file.nodes.iter().filter(move |node| node.name.value == name);
     let of_all = |name: &'static str| all.nodes.iter().filter(move |node| node.name.value == name);
-    for node in &file.nodes {
-        if !TOP.contains(&&*node.name.value) {
-            unexpected_node(&node.name, TOP, "at the top of a scene", report);
-        }
-    }
-    for unique in ["pathmarch", "render", "sky"] {
-        let mut all = nodes(unique);
-        let first = all.next();
-        for again in all {
-            let first = first.map_or(again.name.span, |first| first.name.span);
-            twice(&format!("`{unique}`"), again.name.span, first, report);
-        }
-    }
-    let params = params::declare(params::nodes(&included.nodes).chain(params::nodes(&file.nodes)), &[], &[], report);
+    check_top(file, context);
+    let params = params::declare(params::nodes(&included.nodes).chain(params::nodes(&file.nodes)), &[], &[], context);
     let mut names = HashMap::new();
-    let cameras: Vec<_> = nodes("camera").filter_map(|node| settings::camera(node, &mut names, report)).collect();
-    if nodes("camera").next().is_none() && !file.broken {
-        let span = file.nodes.first().map_or(Span::new(0, 0), |first| first.name.span);
-        let mistake =
-            draft("pathmarch::missing_node", span, "The scene has no camera.").label("expected a `camera` below");
-        report.add(mistake.help("For example: camera { position 0 1.5 6; target 0 1 0 }."));
+    let cameras: Vec<_> = of_file("camera").filter_map(|node| camera::camera(node, &mut names, context)).collect();
+    if of_file("camera").next().is_none() && !file.broken {
+        report_missing_camera(file, context);
     }
-    let render = nodes("render").next().and_then(|node| settings::render(node, report));
-    let sky = nodes("sky").next().and_then(|node| skies::sky(node, name, assets, report)).unwrap_or_default();
-    let lights: Vec<Light> = all
-        .nodes
-        .iter()
-        .filter_map(|node| match &*node.name.value {
-            "sun" => settings::sun(node, report),
-            "point" => settings::point(node, report),
-            _ => None,
-        })
-        .collect();
+    let render = of_file("render").next().map(|node| render::render(node, context));
+    let sky = of_file("sky").next().and_then(|node| sky::sky(node, source.name, assets, context)).unwrap_or_default();
+    let lights = all.nodes.iter().filter_map(|node| light(node, context)).collect();
     let mut materials = Materials::default();
-    let mut files = textures::Files { scene: name, assets };
-    of_all("material").for_each(|node| materials.add(node, &mut files, report));
-    *fields = Fields::new(all, assets, report);
-    let mut declared = Declarations::gather(&all.nodes, fields, report);
-    Solids::check(&mut materials, &mut declared, fields, (name, assets), report);
-    let mut solids = Solids::new(&mut materials, &declared, fields, Files { scene: name, assets });
-    let objects = of_all("object").filter_map(|node| solids.object(node, report)).collect();
+    let mut files = Files { scene: source.name, assets };
+    of_all("material").for_each(|node| materials.add(node, &mut files, context));
+    *fields = CustomSdfs::new(all, assets, context);
+    let mut declared = Declarations::gather(&all.nodes, fields, context);
+    Solids::check(&mut materials, &mut declared, fields, (source.name, assets), context);
+    let mut solids = Solids::new(&mut materials, &declared, fields, Files { scene: source.name, assets });
+    let objects = of_all("object").filter_map(|node| solids.object(node, context)).collect();
     let scene = Scene {
         cameras,
         render: render.unwrap_or_default(),
@@ -273,11 +218,42 @@ fn scene(
         field: Field::new(&[]),
         params: params.into_iter().map(Parameter::from).collect(),
         includes: included.files.clone(),
-        moment: report.scope.moment,
-        animated: report.scope.animated,
+        moment: context.scope.moment,
+        animated: context.scope.animated,
         warnings: Vec::new(),
-        source_name: name.to_owned(),
-        source_text: text.to_owned(),
+        source_name: source.name.to_owned(),
+        source_text: source.text.to_owned(),
     };
     (scene, sky)
+}
+
+/// Reports unknown nodes at the top of a file, and repeated ones that may stand there only once.
+fn check_top(file: &Block, context: &mut Context) {
+    for node in &file.nodes {
+        if !TOP.contains(&&*node.name.value) {
+            unexpected_node(&node.name, TOP, "at the top of a scene", context);
+        }
+    }
+    for unique in ["pathmarch", "render", "sky"] {
+        let mut nodes = file.nodes.iter().filter(|node| node.name.value == unique);
+        let first = nodes.next();
+        for again in nodes {
+            let first = first.map_or(again.name.span, |first| first.name.span);
+            twice(&format!("`{unique}`"), again.name.span, first, context);
+        }
+    }
+}
+
+fn report_missing_camera(file: &Block, context: &mut Context) {
+    let span = file.nodes.first().map_or(Span::new(0, 0), |first| first.name.span);
+    let mistake = draft("pathmarch::missing_node", span, "The scene has no camera.").label("expected a `camera` below");
+    context.report.add(mistake.help("For example: camera { position 0 1.5 6; target 0 1 0 }."));
+}
+
+fn light(node: &tree::Node, context: &mut Context) -> Option<Light> {
+    match &*node.name.value {
+        "sun" => lights::sun(node, context),
+        "point" => lights::point(node, context),
+        _ => None,
+    }
 }

@@ -1,4 +1,4 @@
-//! The tree of nodes that [`super::syntax`] makes of a text. Names and strings borrow from the text where they can.
+//! Tree of nodes, which [`super::syntax`] parses. Names and strings borrow from the text where possible.
 
 use miette::SourceSpan;
 use std::borrow::Cow;
@@ -14,7 +14,7 @@ impl Span {
     pub(crate) fn new(start: usize, end: usize) -> Self {
         Self { start: start as u32, end: end as u32 }
     }
-    /// From the start of this to the end of that.
+    /// Span from the start of this one to the end of `last`.
     pub(crate) fn to(self, last: Self) -> Self {
         Self { start: self.start, end: last.end.max(self.end) }
     }
@@ -26,14 +26,14 @@ impl From<Span> for SourceSpan {
     }
 }
 
-/// A string and where it stands, quotes included.
+/// A string with its span, quotes included.
 #[derive(Clone, Debug)]
 pub(crate) struct Text<'t> {
     pub(crate) value: Cow<'t, str>,
     pub(crate) span: Span,
 }
 
-/// What stands behind a node's name.
+/// Value of an argument or a property.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Value<'t> {
     Text(Cow<'t, str>),
@@ -49,7 +49,7 @@ pub(crate) enum Value<'t> {
 pub(crate) struct Entry<'t> {
     pub(crate) name: Option<Text<'t>>,
     pub(crate) value: Value<'t>,
-    /// Of the value alone.
+    /// Span of the value alone.
     pub(crate) value_span: Span,
     pub(crate) span: Span,
 }
@@ -60,7 +60,7 @@ pub(crate) struct Node<'t> {
     pub(crate) name: Text<'t>,
     pub(crate) entries: Vec<Entry<'t>>,
     pub(crate) children: Option<Block<'t>>,
-    /// From its first character to its last, braces and what is commented out with `/-` behind its name included.
+    /// Span of the whole node, including braces and anything that `/-` comments out after its name.
     pub(crate) whole: Span,
 }
 
@@ -68,16 +68,16 @@ pub(crate) struct Node<'t> {
 #[derive(Clone, Debug)]
 pub(crate) struct Block<'t> {
     pub(crate) nodes: Vec<Node<'t>>,
-    /// Whether a node in it could not be read, so that something may seem missing that is not.
+    /// True if a node in it could not be read, so that something may seem to be missing.
     pub(crate) broken: bool,
-    /// The braces and what is between them; of the file, all of it but a byte order mark.
+    /// Span of the braces and their contents; for the file, all of it without a byte order mark.
     pub(crate) span: Span,
-    /// Whether the brace at its end is there.
+    /// True if its closing brace exists.
     pub(crate) closed: bool,
 }
 
 impl<'t> Node<'t> {
-    /// The name and what stands behind it, without braces.
+    /// Span of the name, arguments and properties, without braces.
     pub(crate) fn span(&self) -> Span {
         self.entries.last().map_or(self.name.span, |last| self.name.span.to(last.span))
     }
@@ -85,7 +85,7 @@ impl<'t> Node<'t> {
     pub(crate) fn child_nodes(&self) -> &[Node<'t>] {
         self.children.as_ref().map_or(&[], |block| &block.nodes)
     }
-    /// Whether something in its braces could not be read, or its braces themselves.
+    /// True if its braces, or something in them, could not be read.
     pub(crate) fn broken(&self) -> bool {
         match &self.children {
             Some(block) => block.broken,
@@ -118,7 +118,7 @@ impl Entry<'_> {
 }
 
 impl Block<'_> {
-    /// Moves all places, as of a text that stands behind another.
+    /// Shifts all spans, for a text that follows another.
     pub(crate) fn shift(&mut self, by: u32) {
         let moved = |span: &mut Span| *span = Span { start: span.start + by, end: span.end + by };
         moved(&mut self.span);

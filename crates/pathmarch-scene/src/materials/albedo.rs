@@ -1,11 +1,11 @@
-//! How much a GGX surface reflects of what falls in from one direction, as a table: what energy-conserving layers and the
-//! light lost between facets are computed from.
+//! Directional albedo of GGX surfaces, as a table, for energy-conserving layers and for the light that is lost between
+//! facets.
 //!
 //! With Schlick's Fresnel factor the directional albedo is linear in both of its ends, E(F0, F90) = F0 a + F90 b, so two
 //! numbers for each cosine and roughness are exact for every colour (Karis 2013, "Real Shading in Unreal Engine 4", stores
 //! the same split). Computed once, when first asked for, in about ten milliseconds.
 
-use super::microfacet::{fifth_power, reflect, unshadowed, visible_normal};
+use super::microfacet::{MIN_ALPHA, fifth_power, reflect, unshadowed, visible_normal};
 use glam::Vec3;
 use std::sync::OnceLock;
 
@@ -23,7 +23,7 @@ pub fn table() -> &'static [[f32; 2]] {
         let cell = |index: usize| {
             let root = (index % COSINES) as f32 / (COSINES - 1) as f32;
             let roughness = (index / COSINES) as f32 / (ROUGHNESSES - 1) as f32;
-            let (cosine, alpha) = ((root * root).max(1e-4), (roughness * roughness).max(super::principled::MIN_ALPHA));
+            let (cosine, alpha) = ((root * root).max(1e-4), (roughness * roughness).max(MIN_ALPHA));
             let grazing = |cosine: f32| fifth_power(1.0 - cosine);
             [integrate(cosine, alpha, |c| 1.0 - grazing(c)), integrate(cosine, alpha, grazing)]
         };
@@ -31,7 +31,7 @@ pub fn table() -> &'static [[f32; 2]] {
     })
 }
 
-/// What a surface reflects of what falls in at a cosine, under a Fresnel factor of the cosine to its facets.
+/// Directional albedo at a cosine, for a Fresnel factor as a function of the cosine to the facets.
 pub(super) fn integrate(cosine: f32, alpha: f32, factor: impl Fn(f32) -> f32) -> f32 {
     let wo = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
     let facet = |k: usize| {

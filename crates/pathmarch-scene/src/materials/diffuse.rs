@@ -1,8 +1,11 @@
-//! Lambert's surface: the same radiance in every direction, whatever the direction of the light (Lambert 1760,
-//! "Photometria"). BRDF albedo / π, sampled by the cosine (Malley's method; Pharr, Jakob and Humphreys, "Physically Based
-//! Rendering", 4th ed. 2023, section A.5.3), so that the weight of a sample is the albedo itself.
+//! Lambertian reflection: the same radiance in every direction (Lambert 1760, "Photometria"). BRDF albedo / π, sampled
+//! by the cosine (Malley's method; Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th ed. 2023, section
+//! A.5.3), so that the weight of a sample is the albedo.
 
-use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, Texturing};
+use super::{
+    Bsdf, BsdfParameters, Eval, MaterialKind, MaterialParam, ParamKind, PreviewMaterial, Scattered, Texturing, black,
+    colour_of,
+};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
@@ -22,13 +25,13 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: |values| values[0],
     emission: black,
     absorption: black,
-    look: |values| Look { diffuse: values[0], ..Look::default() },
+    preview: |values| PreviewMaterial { diffuse: values[0], ..PreviewMaterial::default() },
     bsdf: Some(&Bsdf {
         pack: |values| {
             let [r, g, b] = values[0];
-            let mut numbers = Numbers::default();
-            numbers[..3].copy_from_slice(&[r, g, b]);
-            numbers
+            let mut parameters = BsdfParameters::default();
+            parameters[..3].copy_from_slice(&[r, g, b]);
+            parameters
         },
         is_delta: |_| false,
         transmits: |_| false,
@@ -40,14 +43,14 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     }),
 };
 
-fn eval(numbers: &Numbers, _wo: Vec3, wi: Vec3, _inside: bool) -> Eval {
+fn eval(parameters: &BsdfParameters, _wo: Vec3, wi: Vec3, _inside: bool) -> Eval {
     let pdf = wi.z.max(0.0) / PI;
-    Eval { value: colour_of(numbers) * pdf, pdf }
+    Eval { value: colour_of(parameters) * pdf, pdf }
 }
 
-fn sample(numbers: &Numbers, _wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Option<Scattered> {
+fn sample(parameters: &BsdfParameters, _wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Option<Scattered> {
     let wi = cosine_direction([u, v]);
-    Some(Scattered { wi, weight: colour_of(numbers), pdf: wi.z / PI, eta: 1.0 })
+    Some(Scattered { wi, weight: colour_of(parameters), pdf: wi.z / PI, eta: 1.0 })
 }
 
 /// A direction about z, its density cosine/π over solid angle.

@@ -1,7 +1,7 @@
-//! A lamp: the same radiance in every outward direction, reflecting nothing. Power of a surface of area A is π A times
-//! the radiance.
+//! Emitter: the same radiance in every outward direction, no reflection. Its power is π A times the radiance, for a
+//! surface of area A.
 
-use super::{Look, MaterialKind, MaterialParam, ParamKind, black, Texturing};
+use super::{MaterialKind, MaterialParam, ParamKind, PreviewMaterial, Texturing, black};
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "emit",
@@ -19,6 +19,6 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: black,
     emission: |values| values[0],
     absorption: black,
-    look: |_| Look::default(),
+    preview: |_| PreviewMaterial::default(),
     bsdf: None,
 };

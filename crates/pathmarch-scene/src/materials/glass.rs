@@ -10,10 +10,13 @@
 //! `roughness` below 0.01, or an `ior` within 0.001 of 1, is perfectly smooth.
 
 use super::microfacet::{
-    MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, unhidden, unshadowed,
-    visible_normal,
+    MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, unhidden,
+    unshadowed, visible_normal,
 };
-use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, ior, roughness, Texturing};
+use super::{
+    Bsdf, BsdfParameters, Eval, MaterialKind, MaterialParam, ParamKind, PreviewMaterial, Scattered, Texturing, black,
+    colour_of, ior, roughness,
+};
 use glam::Vec3;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
@@ -45,24 +48,24 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: |values| values[0],
     emission: black,
     absorption: |values| values[3],
-    look: |values| Look {
-        mirrored: [[head_on(values[1][0]); 3], if values[1][0] > 1.0 { [1.0; 3] } else { [0.0; 3] }],
+    preview: |values| PreviewMaterial {
+        specular: [[head_on(values[1][0]); 3], if values[1][0] > 1.0 { [1.0; 3] } else { [0.0; 3] }],
         roughness: values[2][0],
-        transmitted: values[0],
+        transmission: values[0],
         ior: values[1][0],
-        ..Look::default()
+        ..PreviewMaterial::default()
     },
     bsdf: Some(&Bsdf {
         pack: |values| {
             let (ior, roughness) = (values[1][0], values[2][0]);
             let smooth = (ior - 1.0).abs() < 1e-3;
-            let mut numbers = Numbers::default();
-            numbers[..3].copy_from_slice(&values[0]);
-            numbers[3] = if smooth { 0.0 } else { roughness * roughness };
-            numbers[4] = ior;
-            numbers
+            let mut parameters = BsdfParameters::default();
+            parameters[..3].copy_from_slice(&values[0]);
+            parameters[3] = if smooth { 0.0 } else { roughness * roughness };
+            parameters[4] = ior;
+            parameters
         },
-        is_delta: |numbers| numbers[3] < MIRROR_ALPHA,
+        is_delta: |parameters| parameters[3] < MIRROR_ALPHA,
         transmits: |_| true,
         chooses_lobes: true,
         reads_albedos: false,
@@ -72,12 +75,12 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     }),
 };
 
-fn relative_index(numbers: &Numbers, inside: bool) -> f32 {
-    if inside { 1.0 / numbers[4] } else { numbers[4] }
+fn relative_index(parameters: &BsdfParameters, inside: bool) -> f32 {
+    if inside { 1.0 / parameters[4] } else { parameters[4] }
 }
 
-fn eval(numbers: &Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
-    let (alpha, eta) = (numbers[3], relative_index(numbers, inside));
+fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
+    let (alpha, eta) = (parameters[3], relative_index(parameters, inside));
     if alpha < MIRROR_ALPHA || wi.z == 0.0 {
         return Eval::NONE;
     }
@@ -90,11 +93,11 @@ fn eval(numbers: &Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
     let Some(h) = refracting_normal(wo, wi, eta) else { return Eval::NONE };
     let refracted = 1.0 - fresnel(wo.dot(h), eta);
     let pdf = refracted * refraction_pdf(wo, wi, h, alpha, eta);
-    Eval { value: colour_of(numbers) * (pdf * unhidden(wi, alpha) / (eta * eta)), pdf }
+    Eval { value: colour_of(parameters) * (pdf * unhidden(wi, alpha) / (eta * eta)), pdf }
 }
 
-fn sample(numbers: &Numbers, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -> Option<Scattered> {
-    let (alpha, eta) = (numbers[3], relative_index(numbers, inside));
+fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -> Option<Scattered> {
+    let (alpha, eta) = (parameters[3], relative_index(parameters, inside));
     let smooth = alpha < MIRROR_ALPHA;
     let h = if smooth { Vec3::Z } else { visible_normal(wo, alpha, [u, v]) };
     let reflected = fresnel(wo.dot(h), eta);
@@ -113,7 +116,7 @@ fn sample(numbers: &Numbers, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -
     if wi.z >= 0.0 {
         return None;
     }
-    let weight = colour_of(numbers) / (eta * eta);
+    let weight = colour_of(parameters) / (eta * eta);
     if smooth {
         return Some(Scattered { wi, weight, pdf: 0.0, eta });
     }

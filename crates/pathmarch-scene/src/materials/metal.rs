@@ -3,7 +3,10 @@
 //! roughness 1 up to half of it (`principled` makes up for it). A `roughness` below 0.01 is a perfect mirror.
 
 use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
-use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, roughness, Texturing};
+use super::{
+    Bsdf, BsdfParameters, Eval, MaterialKind, MaterialParam, ParamKind, PreviewMaterial, Scattered, Texturing, black,
+    colour_of, roughness,
+};
 use glam::Vec3;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
@@ -34,16 +37,20 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: |values| values[0],
     emission: black,
     absorption: black,
-    look: |values| Look { mirrored: [values[0], values[1]], roughness: values[2][0], ..Look::default() },
+    preview: |values| PreviewMaterial {
+        specular: [values[0], values[1]],
+        roughness: values[2][0],
+        ..PreviewMaterial::default()
+    },
     bsdf: Some(&Bsdf {
         pack: |values| {
-            let mut numbers = Numbers::default();
-            numbers[..3].copy_from_slice(&values[0]);
-            numbers[3] = values[2][0] * values[2][0];
-            numbers[4..7].copy_from_slice(&values[1]);
-            numbers
+            let mut parameters = BsdfParameters::default();
+            parameters[..3].copy_from_slice(&values[0]);
+            parameters[3] = values[2][0] * values[2][0];
+            parameters[4..7].copy_from_slice(&values[1]);
+            parameters
         },
-        is_delta: |numbers| numbers[3] < MIRROR_ALPHA,
+        is_delta: |parameters| parameters[3] < MIRROR_ALPHA,
         transmits: |_| false,
         chooses_lobes: false,
         reads_albedos: false,
@@ -53,25 +60,25 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     }),
 };
 
-fn fresnel(numbers: &Numbers, cosine: f32) -> Vec3 {
-    schlick(colour_of(numbers), Vec3::from_slice(&numbers[4..7]), cosine)
+fn fresnel(parameters: &BsdfParameters, cosine: f32) -> Vec3 {
+    schlick(colour_of(parameters), Vec3::from_slice(&parameters[4..7]), cosine)
 }
 
-fn eval(numbers: &Numbers, wo: Vec3, wi: Vec3, _inside: bool) -> Eval {
-    let alpha = numbers[3];
+fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, _inside: bool) -> Eval {
+    let alpha = parameters[3];
     if wi.z <= 0.0 || alpha < MIRROR_ALPHA {
         return Eval::NONE;
     }
     let h = (wo + wi).normalize();
     let (value, pdf) = reflection(wo, wi, h, alpha);
-    Eval { value: fresnel(numbers, wo.dot(h)) * value, pdf }
+    Eval { value: fresnel(parameters, wo.dot(h)) * value, pdf }
 }
 
-fn sample(numbers: &Numbers, wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Option<Scattered> {
-    let alpha = numbers[3];
+fn sample(parameters: &BsdfParameters, wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Option<Scattered> {
+    let alpha = parameters[3];
     if alpha < MIRROR_ALPHA {
         let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-        return Some(Scattered { wi, weight: fresnel(numbers, wo.z), pdf: 0.0, eta: 1.0 });
+        return Some(Scattered { wi, weight: fresnel(parameters, wo.z), pdf: 0.0, eta: 1.0 });
     }
     let h = visible_normal(wo, alpha, [u, v]);
     let wi = reflect(wo, h);
@@ -79,5 +86,5 @@ fn sample(numbers: &Numbers, wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Op
         return None;
     }
     let (_, pdf) = reflection(wo, wi, h, alpha);
-    Some(Scattered { wi, weight: fresnel(numbers, wo.dot(h)) * unshadowed(wo, wi, alpha), pdf, eta: 1.0 })
+    Some(Scattered { wi, weight: fresnel(parameters, wo.dot(h)) * unshadowed(wo, wi, alpha), pdf, eta: 1.0 })
 }

@@ -13,6 +13,9 @@ use std::f32::consts::{PI, TAU};
 /// Below this, a surface is a mirror: its lobe is narrower than anything a picture resolves.
 pub(super) const MIRROR_ALPHA: f32 = 1e-4;
 
+/// Smallest alpha of layered materials, roughness 0.0316: narrower lobes cannot be distinguished.
+pub(super) const MIN_ALPHA: f32 = 1e-3;
+
 /// Density of normals `h` over solid angle, projected: GGX.
 pub(super) fn distribution(h: Vec3, alpha: f32) -> f32 {
     let slope = (h.x * h.x + h.y * h.y) / (alpha * alpha) + h.z * h.z;
@@ -68,7 +71,7 @@ pub(super) fn schlick(f0: Vec3, f90: Vec3, cosine: f32) -> Vec3 {
     f0 + (f90 - f0) * fifth_power(1.0 - cosine)
 }
 
-/// Of a number from 0 to 1.
+/// Fifth power of a number, clamped to 0 to 1.
 pub(super) fn fifth_power(x: f32) -> f32 {
     let x = x.clamp(0.0, 1.0);
     x * x * x * x * x

@@ -1,8 +1,8 @@
-//! What surfaces do with light.
+//! Materials: scattering, emission and absorption.
 //!
-//! A material is one file that declares a [`MaterialKind`]: its name, documentation, source and parameters. The name in
-//! the list below is the file and its registration; the parser, the reference page, both renderers and the tests read
-//! [`kinds`]. A kind that scatters light brings a [`Bsdf`]: `eval` and `sample` in Rust, and the same in the WGSL file of
+//! A material is one file that declares a [`MaterialKind`]: name, documentation, source and parameters. The name in the
+//! list below is the file and its registration; the parser, the reference page, both renderers and the tests read
+//! [`kinds`]. A kind that scatters light has a [`Bsdf`]: `eval` and `sample` in Rust, and the same in the WGSL file of
 //! its name.
 
 pub mod albedo;
@@ -13,8 +13,9 @@ use crate::textures::{Pattern, Texture};
 use glam::Vec3;
 pub use microfacet::fresnel;
 pub use orbit_trap::{OrbitTrap, Trap};
+use pathmarch_field::Param;
 
-/// What a parameter of a material holds.
+/// Type of a material's parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParamKind {
     /// Linear Rec. 709; one number stands for three equal ones.
@@ -23,15 +24,15 @@ pub enum ParamKind {
     Number,
 }
 
-/// Whether a texture may stand for a parameter, and what it changes then.
+/// Effect of a texture on a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Texturing {
     /// None may.
     None,
-    /// A colour, which is three of the material's [`Numbers`] as it is, from this one on.
+    /// A colour that is copied to three of the [`BsdfParameters`], starting at this index.
     Colour(usize),
-    /// A number, of which [`Bsdf::pack`] makes some of the material's [`Numbers`], and no other parameter that may be
-    /// textured makes these.
+    /// A number from which [`Bsdf::pack`] computes some of the [`BsdfParameters`]; no other textured parameter may
+    /// change those.
     Packed,
 }
 
@@ -50,7 +51,7 @@ pub struct MaterialParam {
     pub max: f32,
     /// One line for people, with the unit.
     pub doc: &'static str,
-    /// Whether a texture may stand for it.
+    /// Effect of a texture.
     pub texturing: Texturing,
 }
 
@@ -69,11 +70,11 @@ impl MaterialParam {
 /// A colour for each set of parameter values, in the order of [`MaterialKind::params`].
 pub type ColourOf = fn(values: &[[f32; 3]]) -> [f32; 3];
 
-/// The numbers of a material as its scattering functions read them, in Rust and in WGSL (there as the vectors a, b, c, d and
-/// the array `table` of four more).
-pub type Numbers = [f32; 32];
+/// Parameters of a BSDF as its functions read them, in Rust and in WGSL (there as the vectors a, b, c, d and the array
+/// `table` of four more).
+pub type BsdfParameters = [f32; 32];
 
-/// What a kind of material says of itself.
+/// A kind of material.
 #[derive(Debug)]
 pub struct MaterialKind {
     /// Name in the scene language.
@@ -85,55 +86,55 @@ pub struct MaterialKind {
     /// The parameters. The first is written after the kind's own name (`metal 1 0.8 0.3`), the others as nodes beside
     /// it (`roughness 0.2`).
     pub params: &'static [MaterialParam],
-    /// The colour of the surface for people and denoisers, 0 to 1.
+    /// Albedo for display and denoisers, 0 to 1.
     pub albedo: ColourOf,
     /// Radiance in every outward direction, W/(m² sr).
     pub emission: ColourOf,
-    /// What its inside absorbs, per metre.
+    /// Absorption coefficient of the inside, 1/m.
     pub absorption: ColourOf,
-    /// What a quick picture shows of it.
-    pub look: fn(values: &[[f32; 3]]) -> Look,
-    /// How it scatters light; `None` for what only emits.
+    /// Its preview.
+    pub preview: fn(values: &[[f32; 3]]) -> PreviewMaterial,
+    /// Scattering; `None` for pure emitters.
     pub bsdf: Option<&'static Bsdf>,
 }
 
-/// A material in the few numbers of a quick picture, which scatters nothing at random: Lambert's surface under one glossy
-/// reflection, and what passes. Colours are linear Rec. 709.
+/// A material as previews show it, without random scattering: a Lambertian surface under one glossy reflection, and
+/// transmission. Colours are linear Rec. 709.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Look {
-    /// Albedo of what scatters in all directions.
+pub struct PreviewMaterial {
+    /// Diffuse albedo.
     pub diffuse: [f32; 3],
-    /// What is mirrored straight on (F0), and grazing (F90).
-    pub mirrored: [[f32; 3]; 2],
-    /// How blurred that is; 0 is a mirror.
+    /// Specular reflectance at normal incidence (F0) and at grazing incidence (F90).
+    pub specular: [[f32; 3]; 2],
+    /// Roughness of the specular reflection; 0 is a mirror.
     pub roughness: f32,
-    /// Share of what is not mirrored that passes the surface.
-    pub transmitted: [f32; 3],
-    /// Refractive index, by which that is bent.
+    /// Transmitted fraction of the light that is not reflected specularly.
+    pub transmission: [f32; 3],
+    /// Refractive index.
     pub ior: f32,
 }
 
-/// How a kind of material scatters light.
+/// Scattering functions of a kind of material (BSDF).
 ///
 /// Directions are unit vectors in a frame whose z is the normal on the side of `wo`, so that `wo.z` is above 0; both point
 /// away from the surface, `wo` along the path back to the camera. `inside` says that this side is the inside of the solid.
 /// Values are of radiance that travels from `wi` to `wo`.
 pub struct Bsdf {
-    /// The numbers of a set of parameter values.
-    pub pack: fn(values: &[[f32; 3]]) -> Numbers,
-    /// Whether it scatters in single directions only, which [`eval`](Self::eval) never meets.
-    pub is_delta: fn(&Numbers) -> bool,
-    /// Whether light passes to the other side.
-    pub transmits: fn(&Numbers) -> bool,
-    /// Whether [`sample`](Self::sample) uses its third number.
+    /// Packs the values of parameters.
+    pub pack: fn(values: &[[f32; 3]]) -> BsdfParameters,
+    /// True if it scatters in single directions only, for which [`eval`](Self::eval) returns zero.
+    pub is_delta: fn(&BsdfParameters) -> bool,
+    /// True if light passes to the other side.
+    pub transmits: fn(&BsdfParameters) -> bool,
+    /// True if [`sample`](Self::sample) uses its third random number.
     pub chooses_lobes: bool,
-    /// Whether its WGSL reads the table of [`albedo`].
+    /// True if its WGSL reads the table of [`albedo`].
     pub reads_albedos: bool,
     /// The value and density of one direction.
-    pub eval: fn(&Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval,
+    pub eval: fn(&BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval,
     /// A random direction of three uniform numbers in 0..1, the first two of them its position; `None` where the light
     /// is lost.
-    pub sample: fn(&Numbers, wo: Vec3, inside: bool, random: [f32; 3]) -> Option<Scattered>,
+    pub sample: fn(&BsdfParameters, wo: Vec3, inside: bool, random: [f32; 3]) -> Option<Scattered>,
     /// The same in WGSL: `NAME_eval(m, wo, wi, inside) -> vec4f` (value, density) and
     /// `NAME_sample(m, wo, inside, random) -> Scattered`, where `m` is the index of the material.
     pub wgsl: &'static str,
@@ -148,7 +149,7 @@ impl std::fmt::Debug for Bsdf {
 /// WGSL that the scattering functions share: microfacets, and `Scattered` as in Rust.
 pub const SHARED_WGSL: [&str; 2] = [include_str!("scattering.wgsl"), include_str!("microfacet.wgsl")];
 
-/// What scatters from one direction into another.
+/// Result of evaluating a BSDF for two directions.
 #[derive(Clone, Copy, Debug)]
 pub struct Eval {
     /// BSDF times the cosine of `wi`, 1/sr.
@@ -175,9 +176,9 @@ pub struct Scattered {
     pub eta: f32,
 }
 
-/// The colour in the first three numbers.
-fn colour_of(numbers: &Numbers) -> Vec3 {
-    Vec3::new(numbers[0], numbers[1], numbers[2])
+/// Colour in the first three parameters.
+fn colour_of(parameters: &BsdfParameters) -> Vec3 {
+    Vec3::new(parameters[0], parameters[1], parameters[2])
 }
 
 /// Black, whatever the values: for a kind that emits or absorbs nothing.
@@ -236,66 +237,70 @@ pub fn kind(name: &str) -> Option<&'static MaterialKind> {
     kinds().iter().copied().find(|kind| kind.name == name)
 }
 
-/// A kind of material with its numbers.
+/// A kind of material with values of its parameters.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// Its name in the scene.
     pub name: String,
-    /// What kind it is.
+    /// Kind of the material.
     pub kind: &'static MaterialKind,
     /// The value of each of the kind's parameters, in order; a number is the first of the three.
     pub values: Vec<[f32; 3]>,
-    /// What takes the place of its colour, the first parameter, on fractals.
+    /// Colours of fractals, in place of the first parameter.
     pub orbit_trap: Option<OrbitTrap>,
-    /// The parameters that vary along the surface. Their values above are those in the middle.
-    pub painted: Vec<Painted>,
-    /// What the surface's normals follow instead of the shape's.
+    /// Textured parameters. Their entries in `values` are averages.
+    pub textured: Vec<TexturedParameter>,
+    /// Bump texture that perturbs the normals.
     pub bump: Option<Bump>,
 }
 
-/// A parameter that a texture stands for.
+/// A parameter with a texture in place of a value.
 #[derive(Clone, Debug)]
-pub struct Painted {
+pub struct TexturedParameter {
     /// Index into the kind's parameters.
     pub param: usize,
-    /// What varies.
+    /// Varying values.
     pub texture: Texture,
-    /// What its values mean.
-    pub meaning: Meaning,
+    /// Mapping from values of the texture to values of the parameter.
+    pub mapping: TextureMapping,
 }
 
-impl Painted {
-    /// The value of the parameter in the middle, for who knows no textures.
-    pub fn middle(&self) -> [f32; 3] {
-        match (&self.meaning, &self.texture.pattern) {
-            (Meaning::Colours(colours), _) => {
+impl TexturedParameter {
+    /// Average value of the parameter, for uses without textures.
+    pub fn average(&self) -> [f32; 3] {
+        match (&self.mapping, &self.texture.pattern) {
+            (TextureMapping::Ramp(colours), _) => {
                 let sum = colours.iter().fold(Vec3::ZERO, |sum, colour| sum + Vec3::from(*colour));
                 (sum / colours.len().max(1) as f32).into()
             }
-            (Meaning::OwnColours, Pattern::Picture { picture, .. }) => picture.mean().into(),
-            (Meaning::OwnColours, _) => [0.5; 3],
-            (Meaning::Range([from, to]), _) => [0.5 * (from + to), 0.0, 0.0],
+            (TextureMapping::Direct, Pattern::Picture { picture, .. }) => picture.mean().into(),
+            (TextureMapping::Direct, _) => [0.5; 3],
+            (TextureMapping::Range([from, to]), _) => [0.5 * (from + to), 0.0, 0.0],
         }
     }
 }
 
-/// What the values of a texture mean to a parameter.
+/// Mapping from values of a texture to values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Meaning {
-    /// Places in a row of colours, as in [`ramp`](crate::textures::ramp); at least one.
-    Colours(Vec<[f32; 3]>),
-    /// The texture has colours of its own.
-    OwnColours,
-    /// Numbers from the first to the second.
+pub enum TextureMapping {
+    /// Positions on a colour ramp, see [`ramp`](crate::textures::ramp); at least one colour.
+    Ramp(Vec<[f32; 3]>),
+    /// The colours of the texture itself.
+    Direct,
+    /// Linear from the first number, for 0, to the second, for 1.
     Range([f32; 2]),
 }
 
-/// A relief that light sees and the shape does not have (Blinn 1978).
+/// Height of a bump texture.
+pub static BUMP_HEIGHT: Param =
+    Param::any("height", 0.005, "Height of a value of 1 above one of 0, outwards; below 0 it is inwards.");
+
+/// Bump mapping: a texture that perturbs normals, without changing the shape (Blinn 1978).
 #[derive(Clone, Debug)]
 pub struct Bump {
-    /// What varies.
+    /// Varying values.
     pub texture: Texture,
-    /// How far outwards a value of 1 is from a value of 0, metres.
+    /// Height of a value of 1 above a value of 0, outwards, metres.
     pub height: f32,
 }
 
@@ -303,9 +308,9 @@ impl Material {
     /// A material of this kind with its defaults.
     pub fn new(name: &str, kind: &'static MaterialKind) -> Self {
         let values = kind.params.iter().map(|param| param.default).collect();
-        Self { name: name.to_owned(), kind, values, orbit_trap: None, painted: Vec::new(), bump: None }
+        Self { name: name.to_owned(), kind, values, orbit_trap: None, textured: Vec::new(), bump: None }
     }
-    /// What an object without `material=` is made of: white, diffuse 0.8, named `default`.
+    /// The material of objects without `material=`: white, diffuse 0.8, named `default`.
     pub fn default_white() -> Self {
         Self { values: vec![[0.8; 3]], ..Self::new("default", &diffuse::KIND) }
     }
@@ -313,27 +318,27 @@ impl Material {
     pub fn value(&self, name: &str) -> Option<[f32; 3]> {
         self.kind.params.iter().position(|param| param.name == name).map(|index| self.values[index])
     }
-    /// The colour of the surface for people and denoisers, 0 to 1.
+    /// Albedo for display and denoisers, 0 to 1.
     pub fn albedo(&self) -> [f32; 3] {
         (self.kind.albedo)(&self.values)
     }
-    /// What its inside absorbs, per metre.
+    /// Absorption coefficient of the inside, 1/m.
     pub fn absorption(&self) -> [f32; 3] {
         (self.kind.absorption)(&self.values)
     }
-    /// What a quick picture shows of it.
-    pub fn look(&self) -> Look {
-        (self.kind.look)(&self.values)
+    /// Its preview.
+    pub fn preview(&self) -> PreviewMaterial {
+        (self.kind.preview)(&self.values)
     }
     /// Radiance in every outward direction, W/(m² sr); black for what is no light.
     pub fn emission(&self) -> [f32; 3] {
         (self.kind.emission)(&self.values)
     }
-    /// Whether light passes to its other side.
+    /// True if light passes to the other side.
     pub fn transmits(&self) -> bool {
         self.kind.bsdf.is_some_and(|bsdf| (bsdf.transmits)(&(bsdf.pack)(&self.values)))
     }
-    /// Whether it emits at all.
+    /// True if it emits.
     pub fn emits(&self) -> bool {
         self.emission().iter().any(|&v| v > 0.0)
     }

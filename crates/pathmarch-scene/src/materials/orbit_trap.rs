@@ -3,7 +3,7 @@
 
 use crate::textures::ramp;
 
-/// What the orbit comes near to: the numbers of [`Shape::orbit`](pathmarch_field::Shape::orbit), in their order.
+/// Geometry that traps orbits: the numbers of [`Shape::orbit`](pathmarch_field::Shape::orbit), in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trap {
     /// The origin: least distance.
@@ -14,7 +14,7 @@ pub enum Trap {
     Plane,
     /// The sphere of radius one about the origin: least distance.
     Sphere,
-    /// No trap, but the part of all iterations after which the orbit escaped, 0 to 1.
+    /// Not a trap: fraction of all iterations after which the orbit escaped, 0 to 1.
     Iterations,
 }
 
@@ -37,16 +37,16 @@ impl Trap {
 /// The colour of a fractal's surface by its orbit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrbitTrap {
-    /// What counts.
+    /// Geometry of the trap.
     pub trap: Trap,
-    /// Its values at the first and at the last colour.
+    /// Values of the trap at the first and the last colour.
     pub range: [f32; 2],
     /// Linear Rec. 709, evenly spaced over the range; at least one.
     pub colours: Vec<[f32; 3]>,
 }
 
 impl OrbitTrap {
-    /// Where the numbers of an orbit are between both ends of the range, 0 to 1.
+    /// Position of an orbit's value in the range, 0 to 1.
     pub fn place(&self, orbit: &[f32]) -> f32 {
         let value = orbit.get(self.trap as usize).copied().unwrap_or_default();
         let [from, to] = self.range;

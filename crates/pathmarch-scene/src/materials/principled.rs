@@ -15,15 +15,16 @@
 use super::albedo::{self, hemisphere_mean, lookup};
 use super::diffuse::cosine_direction;
 use super::microfacet::{
-    fifth_power, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, schlick, unhidden,
-    visible_normal,
+    MIN_ALPHA, fifth_power, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, schlick,
+    unhidden, visible_normal,
 };
-use super::{Bsdf, Eval, Look, MaterialKind, MaterialParam, Numbers, ParamKind, Scattered, black, colour_of, fraction, ior, roughness, Texturing};
+use super::{
+    Bsdf, BsdfParameters, Eval, MaterialKind, MaterialParam, ParamKind, PreviewMaterial, Scattered, Texturing, black,
+    colour_of, fraction, ior, roughness,
+};
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// Roughness 0.0316: narrower lobes are not told apart.
-pub(super) const MIN_ALPHA: f32 = 1e-3;
 /// Reflection of the coat at normal incidence: index 1.5.
 const COAT_F0: f32 = 0.04;
 
@@ -51,11 +52,11 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: |values| values[0],
     emission: black,
     absorption: black,
-    look,
+    preview,
     bsdf: Some(&Bsdf {
         pack,
         is_delta: |_| false,
-        transmits: |numbers| numbers[TRANSMISSION] * (1.0 - numbers[METALLIC]) > 0.0,
+        transmits: |parameters| parameters[TRANSMISSION] * (1.0 - parameters[METALLIC]) > 0.0,
         chooses_lobes: true,
         reads_albedos: true,
         eval,
@@ -65,7 +66,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
 };
 
 /// Coat and interface as one, as rough as the one that reflects more.
-fn look(values: &[[f32; 3]]) -> Look {
+fn preview(values: &[[f32; 3]]) -> PreviewMaterial {
     let [colour, [metallic, ..], [roughness, ..], [ior, ..], [coat, ..], [coat_roughness, ..], [transmission, ..]] =
         std::array::from_fn(|k| values[k]);
     let below = colour.map(|channel| metallic * channel + (1.0 - metallic) * head_on(ior));
@@ -73,11 +74,11 @@ fn look(values: &[[f32; 3]]) -> Look {
     // What the eye takes from a sharp reflection over a blurred one is more than its share of the light.
     let (sharp, blurred) = (4.0 * COAT_F0 * coat, strongest);
     let share = sharp / (sharp + blurred).max(1e-6);
-    Look {
+    PreviewMaterial {
         diffuse: colour.map(|channel| channel * (1.0 - metallic) * (1.0 - transmission)),
-        mirrored: [below.map(|channel| channel + (1.0 - channel) * COAT_F0 * coat), [1.0; 3]],
+        specular: [below.map(|channel| channel + (1.0 - channel) * COAT_F0 * coat), [1.0; 3]],
         roughness: roughness + (coat_roughness - roughness) * share,
-        transmitted: colour.map(|channel| channel * (1.0 - metallic) * transmission),
+        transmission: colour.map(|channel| channel * (1.0 - metallic) * transmission),
         ior,
     }
 }
@@ -94,27 +95,27 @@ const COAT_MEAN: usize = 10;
 const TRANSMISSION: usize = 11;
 const TABLE: usize = 16;
 
-fn pack(values: &[[f32; 3]]) -> Numbers {
+fn pack(values: &[[f32; 3]]) -> BsdfParameters {
     let [metallic, rough, ior, coat, coat_rough, transmission] = std::array::from_fn(|k| values[k + 1][0]);
     let ior = ior.max(1.001);
     let f0 = head_on(ior);
     let least = MIN_ALPHA.sqrt();
     let (rough, coat_rough) = (rough.max(least), coat_rough.max(least));
-    let mut numbers = Numbers::default();
-    numbers[..3].copy_from_slice(&values[0]);
-    numbers[METALLIC] = metallic;
-    numbers[ROUGHNESS] = rough;
-    numbers[IOR] = ior;
-    numbers[F0] = f0;
+    let mut parameters = BsdfParameters::default();
+    parameters[..3].copy_from_slice(&values[0]);
+    parameters[METALLIC] = metallic;
+    parameters[ROUGHNESS] = rough;
+    parameters[IOR] = ior;
+    parameters[F0] = f0;
     for k in 0..SHARES {
-        numbers[TABLE + k] = integrated_albedo(k, rough, ior, f0);
+        parameters[TABLE + k] = integrated_albedo(k, rough, ior, f0);
     }
-    numbers[SPECULAR_MEAN] = hemisphere_mean(|cosine| specular_albedo(&numbers, cosine));
-    numbers[COAT] = coat;
-    numbers[COAT_ROUGHNESS] = coat_rough;
-    numbers[COAT_MEAN] = hemisphere_mean(|cosine| coat_albedo(cosine, coat_rough));
-    numbers[TRANSMISSION] = transmission;
-    numbers
+    parameters[SPECULAR_MEAN] = hemisphere_mean(|cosine| specular_albedo(&parameters, cosine));
+    parameters[COAT] = coat;
+    parameters[COAT_ROUGHNESS] = coat_rough;
+    parameters[COAT_MEAN] = hemisphere_mean(|cosine| coat_albedo(cosine, coat_rough));
+    parameters[TRANSMISSION] = transmission;
+    parameters
 }
 
 /// Factor that gives back what is lost between the facets; the same for light of any colour but for its F0.
@@ -126,14 +127,14 @@ fn compensation(f0: f32, [a, b]: [f32; 2]) -> f32 {
 const SHARES: usize = 16;
 
 /// Share of the light from a direction that the dielectric interface reflects.
-fn specular_albedo(numbers: &Numbers, cosine: f32) -> f32 {
+fn specular_albedo(parameters: &BsdfParameters, cosine: f32) -> f32 {
     let place = cosine.clamp(0.0, 1.0).sqrt() * (SHARES - 1) as f32;
     let k = (place as usize).min(SHARES - 2);
-    let share = |k: usize| numbers[TABLE + k];
+    let share = |k: usize| parameters[TABLE + k];
     share(k) + (share(k + 1) - share(k)) * (place - k as f32)
 }
 
-/// That share at the cosine of a place in the table, by integration.
+/// Reflected fraction at the cosine of table entry `k`, by integration.
 fn integrated_albedo(k: usize, roughness: f32, ior: f32, f0: f32) -> f32 {
     let root = k as f32 / (SHARES - 1) as f32;
     let cosine = (root * root).max(1e-4);
@@ -148,11 +149,11 @@ fn coat_albedo(cosine: f32, roughness: f32) -> f32 {
 }
 
 /// Fresnel's factor of the dielectric.
-fn dielectric(numbers: &Numbers, cosine: f32, inside: bool) -> f32 {
-    fresnel(cosine, if inside { 1.0 / numbers[IOR] } else { numbers[IOR] })
+fn dielectric(parameters: &BsdfParameters, cosine: f32, inside: bool) -> f32 {
+    fresnel(cosine, if inside { 1.0 / parameters[IOR] } else { parameters[IOR] })
 }
 
-/// What is the same for all light that leaves towards `wo`.
+/// Terms that depend on `wo` only.
 struct View {
     alpha: f32,
     coat_alpha: f32,
@@ -168,13 +169,13 @@ struct View {
     interface_chance: f32,
 }
 
-fn view(numbers: &Numbers, wo: Vec3, inside: bool) -> View {
-    let (metallic, rough, transmission) = (numbers[METALLIC], numbers[ROUGHNESS], numbers[TRANSMISSION]);
-    let coat = if inside { 0.0 } else { numbers[COAT] };
-    let coat_reflects = coat * coat_albedo(wo.z, numbers[COAT_ROUGHNESS]);
+fn view(parameters: &BsdfParameters, wo: Vec3, inside: bool) -> View {
+    let (metallic, rough, transmission) = (parameters[METALLIC], parameters[ROUGHNESS], parameters[TRANSMISSION]);
+    let coat = if inside { 0.0 } else { parameters[COAT] };
+    let coat_reflects = coat * coat_albedo(wo.z, parameters[COAT_ROUGHNESS]);
     let split = lookup(wo.z, rough);
-    let specular = specular_albedo(numbers, wo.z);
-    let colour = colour_of(numbers).max_element();
+    let specular = specular_albedo(parameters, wo.z);
+    let colour = colour_of(parameters).max_element();
     let interface = metallic * colour.max(split[1]) + (1.0 - metallic) * (specular + transmission * (1.0 - specular));
     let scattered = (1.0 - metallic) * (1.0 - transmission) * (1.0 - specular) * colour;
     let scattered = if inside { 0.0 } else { scattered };
@@ -183,7 +184,7 @@ fn view(numbers: &Numbers, wo: Vec3, inside: bool) -> View {
     let interface_chance = (1.0 - coat_chance) * interface / (interface + scattered).max(1e-6);
     View {
         alpha: rough * rough,
-        coat_alpha: numbers[COAT_ROUGHNESS] * numbers[COAT_ROUGHNESS],
+        coat_alpha: parameters[COAT_ROUGHNESS] * parameters[COAT_ROUGHNESS],
         coat,
         below_coat: 1.0 - coat_reflects,
         split,
@@ -194,48 +195,48 @@ fn view(numbers: &Numbers, wo: Vec3, inside: bool) -> View {
 }
 
 /// Chance that a facet at this cosine reflects rather than refracts.
-fn reflect_chance(numbers: &Numbers, dielectric: f32) -> f32 {
-    let reflected = numbers[METALLIC] + (1.0 - numbers[METALLIC]) * dielectric;
-    let refracted = (1.0 - numbers[METALLIC]) * numbers[TRANSMISSION] * (1.0 - dielectric);
+fn reflect_chance(parameters: &BsdfParameters, dielectric: f32) -> f32 {
+    let reflected = parameters[METALLIC] + (1.0 - parameters[METALLIC]) * dielectric;
+    let refracted = (1.0 - parameters[METALLIC]) * parameters[TRANSMISSION] * (1.0 - dielectric);
     reflected / (reflected + refracted).max(1e-6)
 }
 
-fn eval(numbers: &Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
-    let view = view(numbers, wo, inside);
-    let (colour, metallic, transmission) = (colour_of(numbers), numbers[METALLIC], numbers[TRANSMISSION]);
+fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
+    let view = view(parameters, wo, inside);
+    let (colour, metallic, transmission) = (colour_of(parameters), parameters[METALLIC], parameters[TRANSMISSION]);
     if wi.z < 0.0 {
-        let eta = if inside { 1.0 / numbers[IOR] } else { numbers[IOR] };
+        let eta = if inside { 1.0 / parameters[IOR] } else { parameters[IOR] };
         let Some(h) = refracting_normal(wo, wi, eta) else { return Eval::NONE };
-        let facet = dielectric(numbers, wo.dot(h), inside);
+        let facet = dielectric(parameters, wo.dot(h), inside);
         let density = refraction_pdf(wo, wi, h, view.alpha, eta);
         let share = (1.0 - metallic) * transmission * (1.0 - facet) * view.below_coat;
         let value = colour * (share * density * unhidden(wi, view.alpha) / (eta * eta));
-        return Eval { value, pdf: view.interface_chance * (1.0 - reflect_chance(numbers, facet)) * density };
+        return Eval { value, pdf: view.interface_chance * (1.0 - reflect_chance(parameters, facet)) * density };
     }
     if wi.z == 0.0 {
         return Eval::NONE;
     }
     let h = (wo + wi).normalize();
     let cosine = wo.dot(h);
-    let coat_reflects = view.coat * coat_albedo(wi.z, numbers[COAT_ROUGHNESS]);
+    let coat_reflects = view.coat * coat_albedo(wi.z, parameters[COAT_ROUGHNESS]);
     let through_coat = view.below_coat * (1.0 - coat_reflects);
 
-    let facet = dielectric(numbers, cosine, inside);
+    let facet = dielectric(parameters, cosine, inside);
     let [a, b] = view.split;
     let metal = schlick(colour, Vec3::ONE, cosine) * (Vec3::ONE + colour * (1.0 / (a + b) - 1.0));
-    let interface = metal * metallic + Vec3::splat((1.0 - metallic) * facet * compensation(numbers[F0], view.split));
+    let interface = metal * metallic + Vec3::splat((1.0 - metallic) * facet * compensation(parameters[F0], view.split));
     let (value, density) = reflection(wo, wi, h, view.alpha);
     let mut sum = interface * (value * through_coat);
-    let mut pdf = view.interface_chance * reflect_chance(numbers, facet) * density;
+    let mut pdf = view.interface_chance * reflect_chance(parameters, facet) * density;
 
     let (coat_value, coat_density) = reflection(wo, wi, h, view.coat_alpha);
     sum += Vec3::splat(view.coat * (COAT_F0 + (1.0 - COAT_F0) * fifth_power(1.0 - cosine)) * coat_value);
     pdf += view.coat_chance * coat_density;
 
     if !inside {
-        let below = (1.0 - view.specular) * (1.0 - specular_albedo(numbers, wi.z))
-            / (1.0 - numbers[SPECULAR_MEAN]).max(1e-3);
-        let below_coat = through_coat / (1.0 - view.coat * numbers[COAT_MEAN]);
+        let below = (1.0 - view.specular) * (1.0 - specular_albedo(parameters, wi.z))
+            / (1.0 - parameters[SPECULAR_MEAN]).max(1e-3);
+        let below_coat = through_coat / (1.0 - view.coat * parameters[COAT_MEAN]);
         let share = (1.0 - metallic) * (1.0 - transmission) * below * below_coat;
         sum += colour * (share * wi.z / PI);
         pdf += (1.0 - view.coat_chance - view.interface_chance) * wi.z / PI;
@@ -243,18 +244,18 @@ fn eval(numbers: &Numbers, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
     Eval { value: sum, pdf }
 }
 
-fn sample(numbers: &Numbers, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -> Option<Scattered> {
-    let view = view(numbers, wo, inside);
+fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -> Option<Scattered> {
+    let view = view(parameters, wo, inside);
     let mut eta = 1.0;
     let wi = if choice < view.coat_chance {
         reflect(wo, visible_normal(wo, view.coat_alpha, [u, v]))
     } else if choice < view.coat_chance + view.interface_chance {
         let h = visible_normal(wo, view.alpha, [u, v]);
         let facet_choice = (choice - view.coat_chance) / view.interface_chance;
-        if facet_choice < reflect_chance(numbers, dielectric(numbers, wo.dot(h), inside)) {
+        if facet_choice < reflect_chance(parameters, dielectric(parameters, wo.dot(h), inside)) {
             reflect(wo, h)
         } else {
-            eta = if inside { 1.0 / numbers[IOR] } else { numbers[IOR] };
+            eta = if inside { 1.0 / parameters[IOR] } else { parameters[IOR] };
             refract(wo, h, eta)
         }
     } else {
@@ -263,6 +264,6 @@ fn sample(numbers: &Numbers, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -
     if (wi.z > 0.0) != (eta == 1.0) {
         return None;
     }
-    let Eval { value, pdf } = eval(numbers, wo, wi, inside);
+    let Eval { value, pdf } = eval(parameters, wo, wi, inside);
     (pdf > 0.0).then(|| Scattered { wi, weight: value / pdf, pdf, eta })
 }

@@ -2,7 +2,7 @@
 //! Mortar is 0; a brick is 1 or, each by its own random number, less (Ebert et al. 2003, chapter 2).
 
 use super::noise::{random, smoothstep};
-use super::{Param, SEED, Spot, TextureKind, TextureNumbers};
+use super::{Param, SEED, Spot, TextureKind, TextureParameters};
 use glam::Vec3;
 
 pub(super) static KIND: TextureKind = TextureKind {
@@ -22,7 +22,7 @@ pub(super) static KIND: TextureKind = TextureKind {
     wgsl: include_str!("brick.wgsl"),
 };
 
-fn value(spot: &Spot, &[length, height, mortar, shift, variation, seed, ..]: &TextureNumbers) -> f32 {
+fn value(spot: &Spot, &[length, height, mortar, shift, variation, seed, ..]: &TextureParameters) -> f32 {
     let n = spot.normal.abs();
     let on_floor = n.y > n.x.max(n.z);
     let along = if !on_floor && n.x > n.z { spot.p.z } else { spot.p.x };

@@ -1,7 +1,7 @@
 //! Cells around random points, each of a value of its own (Worley 1996): mosaics, flagstones, lizards.
 
 use super::noise::{nearest_points, random};
-use super::{JITTER, Param, SEED, Spot, TextureKind, TextureNumbers};
+use super::{JITTER, Param, SEED, Spot, TextureKind, TextureParameters};
 
 pub(super) static KIND: TextureKind = TextureKind {
     name: "cells",
@@ -13,7 +13,7 @@ pub(super) static KIND: TextureKind = TextureKind {
     wgsl: include_str!("cells.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, jitter, seed, ..]: &TextureNumbers) -> f32 {
+fn value(spot: &Spot, &[size, jitter, seed, ..]: &TextureParameters) -> f32 {
     let (_, _, cell) = nearest_points(spot.p / size, jitter, seed as u32);
     random(cell, (seed as u32).wrapping_add(1)).x
 }

@@ -1,7 +1,7 @@
 //! Cubes of two values by turns. The lattice lies a thousandth of a cube beside the origin, so that a face that lies in it,
 //! such as a floor at y = 0, is of one side and not torn by rounding.
 
-use super::{Param, Spot, TextureKind, TextureNumbers};
+use super::{Param, Spot, TextureKind, TextureParameters};
 
 pub(super) static KIND: TextureKind = TextureKind {
     name: "checker",
@@ -13,7 +13,7 @@ pub(super) static KIND: TextureKind = TextureKind {
     wgsl: include_str!("checker.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, ..]: &TextureNumbers) -> f32 {
+fn value(spot: &Spot, &[size, ..]: &TextureParameters) -> f32 {
     let cell = (spot.p / size + 0.001).floor();
     let sum = cell.x + cell.y + cell.z;
     sum - 2.0 * (0.5 * sum).floor()

@@ -1,24 +1,19 @@
 //! The borders between cells around random points (Worley 1996, F2 - F1): dry mud, scales, glaze.
 
 use super::noise::{nearest_points, smoothstep};
-use super::{JITTER, Param, SEED, Spot, TextureKind, TextureNumbers};
+use super::{JITTER, Param, SEED, Spot, TextureKind, TextureParameters};
 
 pub(super) static KIND: TextureKind = TextureKind {
     name: "cracks",
     doc: "Borders between cells: 0 in a crack, 1 on the cells.",
     source: "Worley 1996",
-    params: &[
-        Param::length("size", 0.2, "Of a cell."),
-        Param::length("width", 0.02, "Of the cracks."),
-        JITTER,
-        SEED,
-    ],
+    params: &[Param::length("size", 0.2, "Of a cell."), Param::length("width", 0.02, "Of the cracks."), JITTER, SEED],
     step: |[size, width, ..]| 0.05 * size.min(*width),
     value,
     wgsl: include_str!("cracks.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, width, jitter, seed, ..]: &TextureNumbers) -> f32 {
+fn value(spot: &Spot, &[size, width, jitter, seed, ..]: &TextureParameters) -> f32 {
     let (first, second, _) = nearest_points(spot.p / size, jitter, seed as u32);
     smoothstep(0.0, 1.0, (second - first) * size / width)
 }

@@ -2,7 +2,7 @@
 //! chapter 16).
 
 use super::noise::octaves;
-use super::{GAIN, OCTAVES, Param, SEED, Spot, TextureKind, TextureNumbers};
+use super::{GAIN, OCTAVES, Param, SEED, Spot, TextureKind, TextureParameters};
 
 pub(super) static KIND: TextureKind = TextureKind {
     name: "fbm",
@@ -12,7 +12,13 @@ pub(super) static KIND: TextureKind = TextureKind {
         Param::length("size", 0.2, "Of the largest features."),
         OCTAVES,
         GAIN,
-        Param::between("contrast", 1.0, 0.0, 100.0, "0 is flat, 1 mostly between the ends, above it has areas of both."),
+        Param::between(
+            "contrast",
+            1.0,
+            0.0,
+            100.0,
+            "0 is flat, 1 mostly between the ends, above it has areas of both.",
+        ),
         SEED,
     ],
     step: |[size, octaves, ..]| 0.05 * size * 0.5f32.powf(octaves - 1.0),
@@ -20,6 +26,6 @@ pub(super) static KIND: TextureKind = TextureKind {
     wgsl: include_str!("fbm.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, count, gain, contrast, seed, ..]: &TextureNumbers) -> f32 {
+fn value(spot: &Spot, &[size, count, gain, contrast, seed, ..]: &TextureParameters) -> f32 {
     0.5 + 0.8 * contrast * octaves(spot.p / size, count, gain, seed as u32)
 }

@@ -1,7 +1,7 @@
 //! Veins across x, bent by octaves of noise (Perlin 1985, "An Image Synthesizer").
 
 use super::noise::octaves;
-use super::{OCTAVES, Param, SEED, Spot, TextureKind, TextureNumbers};
+use super::{OCTAVES, Param, SEED, Spot, TextureKind, TextureParameters};
 use std::f32::consts::PI;
 
 pub(super) static KIND: TextureKind = TextureKind {
@@ -20,7 +20,7 @@ pub(super) static KIND: TextureKind = TextureKind {
     wgsl: include_str!("marble.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, turbulence, sharpness, count, seed, ..]: &TextureNumbers) -> f32 {
+fn value(spot: &Spot, &[size, turbulence, sharpness, count, seed, ..]: &TextureParameters) -> f32 {
     let q = spot.p / size;
     let place = q.x + turbulence * octaves(q, count, 0.5, seed as u32);
     // Within a quarter turn, where the sine is as exact on every device.

@@ -1,10 +1,10 @@
-//! What varies along a surface: values from 0 to 1 in space, and pictures.
+//! Textures: computed values from 0 to 1 in space, and pictures.
 //!
 //! A texture is one file that declares a [`TextureKind`], a pair `x.rs` and `x.wgsl`; the name in the list below is its
-//! registration. The parser, the window, both renderers and the tests read [`kinds`]. A texture lives in the coordinates of
-//! the shape that shows it ([`Field::coordinates`](pathmarch_field::Field::coordinates)), so that it stays with a shape that
-//! is moved, and may be placed there. What its values mean is said by the parameter that they stand for: a place in a row of
-//! colours ([`ramp`]), a number of a range, a height.
+//! registration. The parser, the window, both renderers and the tests read [`kinds`]. A texture is evaluated in the
+//! coordinates of its shape ([`Field::coordinates`](pathmarch_field::Field::coordinates)), so that it moves with the
+//! shape, and may be placed there. The textured parameter maps its values: to positions on a colour ramp ([`ramp`]), to
+//! a range of numbers, to heights.
 
 mod noise;
 mod picture;
@@ -15,11 +15,11 @@ use pathmarch_field::graph::Pose;
 pub use picture::{Picture, PictureError};
 use std::sync::Arc;
 
-/// The most numbers of a texture.
-pub const MOST_NUMBERS: usize = 8;
+/// Largest number of parameters of a texture.
+pub const MAX_PARAMETERS: usize = 8;
 
-/// The numbers of a texture, in the order of [`TextureKind::params`].
-pub type TextureNumbers = [f32; MOST_NUMBERS];
+/// Parameters of a texture, in the order of [`TextureKind::params`].
+pub type TextureParameters = [f32; MAX_PARAMETERS];
 
 /// A kind of texture.
 pub struct TextureKind {
@@ -29,12 +29,12 @@ pub struct TextureKind {
     pub doc: &'static str,
     /// Author, work, year; a key of REFERENCES.md where there is one.
     pub source: &'static str,
-    /// Its numbers.
+    /// Parameters.
     pub params: &'static [Param],
-    /// Length over which its slope is found, metres: short against its features.
-    pub step: fn(&TextureNumbers) -> f32,
-    /// Its value, 0 to 1; what is beyond these is cut.
-    pub value: fn(&Spot, &TextureNumbers) -> f32,
+    /// Step of finite differences, metres: short compared to its features.
+    pub step: fn(&TextureParameters) -> f32,
+    /// Value, clamped to 0 to 1.
+    pub value: fn(&Spot, &TextureParameters) -> f32,
     /// The same in WGSL: `NAME_texture(spot: Spot, k: array<f32, 8>) -> f32`.
     pub wgsl: &'static str,
 }
@@ -45,14 +45,14 @@ impl std::fmt::Debug for TextureKind {
     }
 }
 
-/// Where a texture is looked at.
+/// Point at which a texture is evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct Spot {
-    /// In the coordinates of the shape, or of the texture once it is placed.
+    /// Position in the coordinates of the shape, or of a placed texture.
     pub p: Vec3,
-    /// The surface's there, of length one.
+    /// Unit normal of the surface.
     pub normal: Vec3,
-    /// What a pixel covers there, in these coordinates.
+    /// Footprint of a pixel, in these coordinates.
     pub footprint: f32,
 }
 
@@ -81,20 +81,30 @@ pub fn kinds() -> &'static [&'static TextureKind] {
     ALL
 }
 
+/// Name of a picture in the scene language.
+pub const PICTURE: &str = "picture";
+/// Width of a picture.
+pub static PICTURE_SIZE: Param = Param::length("size", 1.0, "Width of the picture.");
+
+/// Names of all textures, computed ones and pictures.
+pub fn names() -> Vec<&'static str> {
+    kinds().iter().map(|kind| kind.name).chain([PICTURE]).collect()
+}
+
 /// The kind of this name.
 pub fn kind(name: &str) -> Option<&'static TextureKind> {
     kinds().iter().copied().find(|kind| kind.name == name)
 }
 
-/// What a texture shows.
+/// Source of a texture's values.
 #[derive(Clone, Debug)]
 pub enum Pattern {
-    /// What is computed.
+    /// A computed texture.
     Computed {
-        /// What it is.
+        /// Kind of the node.
         kind: &'static TextureKind,
-        /// Its numbers; those behind its parameters are zero.
-        numbers: TextureNumbers,
+        /// Values of the parameters; the rest is zero.
+        parameters: TextureParameters,
     },
     /// A picture, projected along the three axes and blended by the normal.
     Picture {
@@ -105,12 +115,12 @@ pub enum Pattern {
     },
 }
 
-/// A texture and where it is.
+/// A texture with its placement.
 #[derive(Clone, Debug)]
 pub struct Texture {
-    /// What it shows.
+    /// Source of its values.
     pub pattern: Pattern,
-    /// Where its coordinates are in those of the shape.
+    /// Pose of its coordinates in those of the shape.
     pub pose: Pose,
 }
 
@@ -134,7 +144,7 @@ impl Texture {
     /// Its value at a spot of the shape, 0 to 1; of a picture, its luminance.
     pub fn value(&self, spot: &Spot) -> f32 {
         let value = match &self.pattern {
-            Pattern::Computed { kind, numbers } => (kind.value)(&self.placed(spot), numbers),
+            Pattern::Computed { kind, parameters } => (kind.value)(&self.placed(spot), parameters),
             Pattern::Picture { .. } => self.colour(spot).dot(Vec3::from(LUMINANCE)),
         };
         // What is not a number is 0.
@@ -153,7 +163,7 @@ impl Texture {
     /// texture asks for.
     pub fn slope(&self, spot: &Spot) -> Vec3 {
         let own = match &self.pattern {
-            Pattern::Computed { kind, numbers } => (kind.step)(numbers),
+            Pattern::Computed { kind, parameters } => (kind.step)(parameters),
             Pattern::Picture { picture, size } => size / picture.width as f32,
         };
         let step = (own * self.pose.scale).max(0.5 * spot.footprint);
@@ -163,7 +173,7 @@ impl Texture {
     }
 }
 
-/// Of linear Rec. 709.
+/// Luminance weights of linear Rec. 709.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// The colour at a place from 0 to 1 of a row of colours that are evenly spaced; at least one.

@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-/// Lattice coordinates beyond this are not told apart.
+/// Lattice coordinates are clamped to this.
 const FARTHEST: f32 = 1e9;
 
 /// Three random words of a cell.

@@ -26,14 +26,14 @@ const MAX_SIDE: u32 = 32_768;
 /// The most texels that are read.
 const MAX_TEXELS: u64 = 1 << 28;
 
-/// A picture as a texture shows it.
+/// A picture with its levels of detail.
 #[derive(Clone, PartialEq)]
 pub struct Picture {
     /// Texels in a row.
     pub width: u32,
     /// Rows, from the top.
     pub height: u32,
-    /// Whether its codes are sRGB.
+    /// True if its codes are sRGB.
     pub encoded: bool,
     /// Red, green and blue codes of a byte each, the lowest first; all levels, the whole picture first, each half as wide and high
     /// (rounded down, at least 1) as the one before, to the last of one texel.
@@ -47,7 +47,7 @@ impl std::fmt::Debug for Picture {
     }
 }
 
-/// Why a file is no texture.
+/// Error of a file that is no texture.
 #[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
 pub enum PictureError {
     /// It is not there.
@@ -71,7 +71,7 @@ pub enum PictureError {
 }
 
 impl PictureError {
-    /// What to do.
+    /// Help: what to do.
     pub fn help(&self) -> &'static str {
         match self {
             Self::Missing | Self::Directory => "Its path is relative to the scene file.",
@@ -84,10 +84,10 @@ impl PictureError {
 }
 
 impl Picture {
-    /// The picture in the file at `path`; `encoded` where its codes stand for colours, in sRGB.
+    /// Loads the picture in the file at `path`; `encoded` for colours in sRGB.
     ///
     /// # Errors
-    /// [`PictureError`] says why it is none.
+    /// [`PictureError`] if the file is no picture.
     pub fn load(path: &Path, encoded: bool) -> Result<Self, PictureError> {
         let unreadable = |error: std::io::Error| match error.kind() {
             ErrorKind::NotFound => PictureError::Missing,
@@ -137,7 +137,7 @@ impl Picture {
         Ok(Self { width, height, encoded, texels })
     }
 
-    /// How many levels there are.
+    /// Number of levels.
     pub fn levels(&self) -> u32 {
         1 + self.width.max(self.height).ilog2()
     }

@@ -1,7 +1,7 @@
 //! The distance to the nearest of random points, of cells that fill space (Worley 1996): bubbles, pebbles, hammered metal.
 
 use super::noise::nearest_points;
-use super::{JITTER, Param, SEED, Spot, TextureKind, TextureNumbers};
+use super::{JITTER, Param, SEED, Spot, TextureKind, TextureParameters};
 
 pub(super) static KIND: TextureKind = TextureKind {
     name: "voronoi",
@@ -13,6 +13,6 @@ pub(super) static KIND: TextureKind = TextureKind {
     wgsl: include_str!("voronoi.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, jitter, seed, ..]: &TextureNumbers) -> f32 {
+fn value(spot: &Spot, &[size, jitter, seed, ..]: &TextureParameters) -> f32 {
     nearest_points(spot.p / size, jitter, seed as u32).0
 }

@@ -2,7 +2,7 @@
 //! them (after Peachey 1985, "Solid Texturing of Complex Surfaces", and Ebert et al. 2003, chapter 2).
 
 use super::noise::{noise, smoothstep};
-use super::{Param, SEED, Spot, TextureKind, TextureNumbers};
+use super::{Param, SEED, Spot, TextureKind, TextureParameters};
 use glam::Vec3;
 
 pub(super) static KIND: TextureKind = TextureKind {
@@ -20,7 +20,7 @@ pub(super) static KIND: TextureKind = TextureKind {
     wgsl: include_str!("wood.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, waviness, fibres, seed, ..]: &TextureNumbers) -> f32 {
+fn value(spot: &Spot, &[size, waviness, fibres, seed, ..]: &TextureParameters) -> f32 {
     let seed = seed as u32;
     let q = spot.p / size;
     let wide = noise(q * Vec3::new(0.15, 0.02, 0.15), seed);

@@ -217,7 +217,7 @@ impl Number for Value {
 pub(super) fn meaning(scene: &Scene) -> String {
     let Scene { cameras, render, sky, lights, materials, objects, field, params, .. } = scene;
     let materials: Vec<_> =
-        materials.iter().map(|m| (&m.name, m.kind.name, &m.values, &m.orbit_trap, &m.painted, &m.bump)).collect();
+        materials.iter().map(|m| (&m.name, m.kind.name, &m.values, &m.orbit_trap, &m.textured, &m.bump)).collect();
     let sky = match sky {
         pathmarch_scene::Sky::Map(map) => format!("{map:?} {:?}", &map.texels[map.texels.len() / 3]),
         sky => format!("{sky:?}"),
@@ -227,10 +227,13 @@ pub(super) fn meaning(scene: &Scene) -> String {
 }
 
 /// What each control of each node holds.
-fn all_values(document: &Document) -> Vec<(String, &'static str, Value)> {
+fn all_values(document: &Document) -> Vec<(String, String, Value)> {
     let items: Vec<Item> = all_items(document);
     let controls = items.iter().flat_map(|item| {
-        document.controls(&item.path).into_iter().map(|control| (item.path.to_string(), control.key, control.value))
+        document
+            .controls(&item.path)
+            .into_iter()
+            .map(|control| (item.path.to_string(), control.key.to_string(), control.value))
     });
     controls.collect()
 }
@@ -242,7 +245,7 @@ fn setting_a_control_changes_it_alone() {
         let original = document(&node);
         let at = path(&original, title);
         let controls = original.controls(&at);
-        let keys: HashSet<&str> = controls.iter().map(|control| control.key).collect();
+        let keys: HashSet<&str> = controls.iter().map(|control| &*control.key).collect();
         assert_eq!(keys.len(), controls.len(), "keys of {title}: {controls:?}");
         let before = all_values(&original);
         for control in &controls {
@@ -251,7 +254,7 @@ fn setting_a_control_changes_it_alone() {
             for value in bad {
                 let mut document = document(&node);
                 assert!(
-                    document.set(&at, control.key, value.clone(), None).is_err(),
+                    document.set(&at, &control.key, value.clone(), None).is_err(),
                     "{} = {value:?} in {node}",
                     control.key
                 );
@@ -261,11 +264,11 @@ fn setting_a_control_changes_it_alone() {
                 let mut document = document(&node);
                 let context = format!("{} = {value:?} in {node}", control.key);
                 document
-                    .set(&at, control.key, value.clone(), None)
+                    .set(&at, &control.key, value.clone(), None)
                     .unwrap_or_else(|error| panic!("{context}: {error}"));
                 count += 1;
                 assert_eq!(
-                    document.control(&at, control.key).map(|control| control.value),
+                    document.control(&at, &control.key).map(|control| control.value),
                     Some(value.clone()),
                     "{context}"
                 );
@@ -274,21 +277,22 @@ fn setting_a_control_changes_it_alone() {
                 // A texture and an orbit trap bring controls of their own.
                 let brings = control.key.ends_with(key::TEXTURE) || control.key == "orbit-trap";
                 assert!(brings || before.len() == after.len(), "{context}");
-                let find = |old: &(String, &str, Value)| after.iter().find(|new| (&new.0, new.1) == (&old.0, old.1));
+                let find =
+                    |old: &(String, String, Value)| after.iter().find(|new| (&new.0, &new.1) == (&old.0, &old.1));
                 let owner = control.key.split('.').next();
-                let is_beside = |old: &&(String, &str, Value)| old.1.split('.').next() != owner;
+                let is_beside = |old: &&(String, String, Value)| old.1.split('.').next() != owner;
                 let pairs: Vec<_> = match brings {
                     true => before.iter().filter(is_beside).filter_map(|old| Some((old, find(old)?))).collect(),
                     false => before.iter().zip(&after).collect(),
                 };
                 for (old, new) in pairs {
-                    let same = old == new || (&old.0, old.1) == (&at.to_string(), control.key);
+                    let same = old == new || (&*old.0, &*old.1) == (&*at.to_string(), &*control.key);
                     assert!(same || renamed, "{context}: {old:?} became {new:?}\n{}", document.text());
                 }
                 let scene = document.scene().unwrap();
                 let changed = meaning(scene) != meaning(original.scene().unwrap());
                 // The material of an object whose shapes have their own is nothing in the picture, but is in the object.
-                let idle = ["profile", "steps"].contains(&control.key) && !node.contains("smooth=");
+                let idle = ["profile", "steps"].contains(&&*control.key) && !node.contains("smooth=");
                 assert_eq!(changed, value != control.value && !idle, "{context}\n{}", document.text());
                 if document.text() != original.text() {
                     assert!(document.undo().is_some());
@@ -309,14 +313,14 @@ fn resetting_a_control_gives_its_default() {
         for control in original.controls(&at) {
             let mut document = document(&node);
             let context = format!("{} in {node}", control.key);
-            let result = document.reset(&at, control.key);
+            let result = document.reset(&at, &control.key);
             assert_eq!(result.is_err(), control.required, "{context}");
             let stays = control.required || !control.given;
             assert!(!stays || document.text() == original.text(), "{context}");
             if control.required {
                 continue;
             }
-            let now = document.control(&at, control.key).unwrap();
+            let now = document.control(&at, &control.key).unwrap();
             assert_eq!(now.value, control.default, "{context}\n{}", document.text());
             let brings = control.key.ends_with(key::TEXTURE) || control.key == "orbit-trap";
             for (old, new) in before.iter().zip(&all_values(&document)).filter(|_| !brings) {
@@ -347,7 +351,7 @@ fn limits_are_those_of_the_parser() {
             };
             let marker = if control.value == Value::Number(candidates[0]) { candidates[1] } else { candidates[0] };
             let mut document = document(&node);
-            document.set(&at, control.key, Value::Number(marker), None).unwrap();
+            document.set(&at, &control.key, Value::Number(marker), None).unwrap();
             let (before, written) = (original.text(), document.text());
             let number = marker.to_string();
             let differs = before.bytes().zip(written.bytes()).take_while(|(a, b)| a == b).count();
@@ -394,7 +398,8 @@ fn every_word_of_the_parser_has_a_control() {
         let words: Vec<&str> = help.split('`').skip(1).step_by(2).collect();
         assert!(help.starts_with("Expected") && !words.is_empty(), "{help}");
         let document = document(&node.replace("; ZZ", "").replace("ZZ=1", "").replace(" { ZZ }", ""));
-        let keys: Vec<&str> = document.controls(&path(&document, title)).iter().map(|control| control.key).collect();
+        let controls = document.controls(&path(&document, title));
+        let keys: Vec<&str> = controls.iter().map(|control| &*control.key).collect();
         for word in words {
             let kinds = materials::kinds().iter().any(|kind| kind.name == word);
             let known = keys
@@ -424,14 +429,14 @@ fn the_registries_are_what_can_be_added() {
             fn is_in(name: &str, item: &Item) -> bool {
                 item.word == name || item.children.iter().any(|child| is_in(name, child))
             }
-            let named = item.material.as_deref() == Some(addition.name)
-                || is_in(addition.name, item)
+            let named = item.material.as_deref() == Some(&*addition.name)
+                || is_in(&addition.name, item)
                 || item.kind == ItemKind::Sky;
             assert!(named, "{addition:?}: {item:?}");
         }
     }
-    let names: Vec<&str> =
-        document.additions(Some(&path(&document, "it"))).iter().map(|addition| addition.name).collect();
+    let names: Vec<_> =
+        document.additions(Some(&path(&document, "it"))).into_iter().map(|addition| addition.name).collect();
     assert_eq!(names, registry::solids().map(|solid| &*solid.info().name).collect::<Vec<_>>());
 }
 

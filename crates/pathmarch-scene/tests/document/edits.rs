@@ -49,7 +49,7 @@ fn text(value: &str) -> Value {
 }
 fn addition(group: Group, name: &str, document: &Document, parent: Option<&Path>) -> Addition {
     let all = document.additions(parent);
-    *all.iter().find(|addition| addition.group == group && addition.name == name).expect("may be added")
+    all.iter().find(|addition| addition.group == group && addition.name == name).expect("may be added").clone()
 }
 
 #[test]
@@ -362,13 +362,13 @@ fn what_is_needed_stays() {
         remove("m"),
         "`m` is the material of `a`, `b` and `c`, and 1 more. Give them another first, or remove them."
     );
-    assert_eq!(remove("subtract"), "`subtract` is all that `a` holds. Remove `a` instead.");
+    assert_eq!(remove("subtract"), "`subtract` is all that `a` contains. Remove `a` instead.");
     assert_eq!(
         remove("box"),
-        "This would make a mistake of the scene: `subtract` of a single shape. It needs at least two: the first child without what the others hold."
+        "This would make a mistake in the scene: `subtract` of a single shape. It needs at least two: the first child without what the others hold."
     );
     let camera = refused(scene, |document| document.set(&Path::top(1), "target", Value::Triple([0.0, 1.0, 5.0]), None));
-    assert_eq!(camera, "This would make a mistake of the scene: The camera looks at the point where it stands.");
+    assert_eq!(camera, "This would make a mistake in the scene: The `target` of the camera equals its `position`.");
     let reset = refused(scene, |document| document.reset(&Path::top(1), "target"));
     assert_eq!(reset, "`target` must be given. Set it to another value instead.");
     let range = refused(scene, |document| document.set(&path(document, "sphere"), "radius", number(0.0), None));
@@ -454,15 +454,15 @@ fn nodes_move_with_their_comments() {
         })
     };
     assert_eq!(into("union", Some("union")), "`union` cannot be moved into itself.");
-    assert_eq!(into("a", Some("b")), "`a` cannot stand in `b`: objects and operators hold shapes and operators.");
+    assert_eq!(into("a", Some("b")), "`a` cannot be in `b`: objects and operators contain shapes and operators.");
     assert_eq!(
         into("plane", Some("sphere")),
-        "`plane` cannot stand in `sphere`: objects and operators hold shapes and operators."
+        "`plane` cannot be in `sphere`: objects and operators contain shapes and operators."
     );
-    assert_eq!(into("plane", None), "`plane` must stand in an object or an operator: add an object and move it there.");
+    assert_eq!(into("plane", None), "`plane` must be in an object or an operator: add an object and move it there.");
     assert_eq!(
         into("plane", Some("union")),
-        "`plane` is all that `b` holds. Add something to that first, or move all of it."
+        "`plane` is all that `b` contains. Add something to that first, or move all of it."
     );
     assert_eq!(into("pathmarch", None), "The version stays at the top of the file.");
 }
@@ -524,14 +524,14 @@ fn siblings_are_grouped_and_set_free() {
     );
     let scene = "object \"a\" { union { sphere; at 0 1 0 }; box }\nobject \"b\" { plane }\n";
     let placed = refused(scene, |document| document.ungroup(&path(document, "union")));
-    assert_eq!(placed, "The `at` of this `union` moves all that it holds. Reset it first, or move it to the shapes.");
+    assert_eq!(placed, "The `at` of this `union` moves everything in it. Reset it first, or move it to the shapes.");
     let apart =
         refused(scene, |document| document.group(&[path(document, "sphere"), path(document, "plane")], "union"));
     assert!(apart.starts_with("Only shapes and operators of one object or operator can be grouped."), "{apart}");
     let operator = refused(scene, |document| document.group(&[path(document, "sphere")], "sphere"));
     assert!(operator.starts_with("There is no operator `sphere`. Expected `union`, `subtract`, "), "{operator}");
     let single = refused(scene, |document| document.group(&[path(document, "box")], "subtract"));
-    assert!(single.starts_with("This would make a mistake of the scene: `subtract` of a single shape."), "{single}");
+    assert!(single.starts_with("This would make a mistake in the scene: `subtract` of a single shape."), "{single}");
 }
 
 #[test]
@@ -681,7 +681,11 @@ fn things_are_added_where_they_belong() {
     assert_eq!(groups(None), [Group::Object, Group::Material, Group::Light, Group::Camera, Group::Param]);
     assert_eq!(groups(Some("a")), [Group::Shape, Group::Operator]);
     assert_eq!(groups(Some("sphere")), []);
-    let sky = Addition { group: Group::Sky, name: "day", doc: "The sky of a clear day, computed, with its sun." };
+    let sky = Addition {
+        group: Group::Sky,
+        name: "day".into(),
+        doc: "The sky of a clear day, computed, with its sun.".into(),
+    };
     let message = refused("sky 1", |document| document.add(None, &sky));
     assert_eq!(message, "`day` cannot be added here, or there is one already.");
 }
@@ -769,7 +773,7 @@ fn a_text_with_mistakes_can_be_edited_as_far_as_it_is_read() {
     assert_eq!(document.text(), open);
     let mut refused = Document::new("", "{".repeat(100));
     assert_eq!(refused.outline(), []);
-    assert!(refused.add(None, &Addition { group: Group::Sky, name: "day", doc: "" }).is_err());
+    assert!(refused.add(None, &Addition { group: Group::Sky, name: "day".into(), doc: "".into() }).is_err());
 }
 
 const BOLTS: &str = "material \"steel\" { metal 0.6 }\n\

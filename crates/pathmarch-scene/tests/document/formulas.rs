@@ -31,15 +31,15 @@ fn every_number_may_become_a_formula_and_a_number_again() {
             let texts: Vec<String> = now.iter().map(|number| format!("({number})*1")).collect();
             let mut document = document(&node);
             let formulas = Value::Formulas(texts);
-            document.set(&at, control.key, formulas.clone(), None).unwrap_or_else(|error| panic!("{what}: {error}"));
+            document.set(&at, &control.key, formulas.clone(), None).unwrap_or_else(|error| panic!("{what}: {error}"));
             // A place that is written differs from none.
             let same = meaning(document.scene().unwrap()) == before;
             assert!(same || !control.given, "{what}: {}", document.text());
-            let read = document.control(&at, control.key).unwrap();
+            let read = document.control(&at, &control.key).unwrap();
             assert_eq!((&read.value, &read.present, read.given), (&formulas, &control.value, true), "{what}");
             // What it is worth changes nothing; other numbers do not take its place.
-            document.set(&at, control.key, control.value.clone(), None).unwrap();
-            assert_eq!(document.control(&at, control.key).unwrap().value, formulas, "{what}");
+            document.set(&at, &control.key, control.value.clone(), None).unwrap();
+            assert_eq!(document.control(&at, &control.key).unwrap().value, formulas, "{what}");
             let other = match &control.value {
                 Value::Number(number) => Value::Number(number * 0.75),
                 Value::Triple(numbers) => Value::Triple(numbers.map(|number| number * 0.75 + 0.1)),
@@ -48,14 +48,14 @@ fn every_number_may_become_a_formula_and_a_number_again() {
             };
             let text = document.text().to_owned();
             assert!(
-                numbers(&other) == Some(now.clone()) || document.set(&at, control.key, other, None).is_err(),
+                numbers(&other) == Some(now.clone()) || document.set(&at, &control.key, other, None).is_err(),
                 "{what}"
             );
             assert_eq!(document.text(), text);
             // Typed numbers do.
             let plain = Value::Formulas(now.iter().map(f32::to_string).collect());
-            document.set(&at, control.key, plain, None).unwrap();
-            let back = document.control(&at, control.key).unwrap();
+            document.set(&at, &control.key, plain, None).unwrap();
+            let back = document.control(&at, &control.key).unwrap();
             assert_eq!((back.value, back.present), (control.value.clone(), control.value), "{what}");
             assert!(!document.text().contains(")*1"), "{}", document.text());
             count += 1;
@@ -83,7 +83,7 @@ fn handles_move_what_is_no_formula() {
     let error = document.set(&at, key::AT, wrong, None).unwrap_err().to_string();
     assert_eq!(
         error,
-        "This would make a mistake of the scene: There is no parameter `tt`. Declare it at the top: param tt 1."
+        "This would make a mistake in the scene: There is no parameter `tt`. Declare it at the top: param tt 1."
     );
     document.reset(&at, key::ROTATE).unwrap();
     assert!(!document.text().contains("rotate"), "{}", document.text());
@@ -112,7 +112,7 @@ fn parameters_are_controls() {
     assert_eq!(document.item(&copy).unwrap().title(), "turn_2");
     assert!(document.rename(&copy, "sin").is_err() && document.rename(&copy, "a b").is_err());
     let error = document.remove(&at).unwrap_err().to_string();
-    assert!(error.starts_with("This would make a mistake of the scene: There is no parameter `turn`."), "{error}");
+    assert!(error.starts_with("This would make a mistake in the scene: There is no parameter `turn`."), "{error}");
     document.remove(&copy).unwrap();
 }
 

@@ -138,7 +138,7 @@ fn edit(document: &mut Document, dice: &mut Dice) -> Result<bool, EditError> {
             let Some(control) = dice.pick(&controls) else { return Ok(true) };
             let value = dice.value(control);
             let gesture = [None, Some(1), Some(2)][dice.below(3)];
-            document.set(path, control.key, value, gesture)?;
+            document.set(path, &control.key, value, gesture)?;
             // Another kind of thing has other parameters.
             return Ok(control.key != "kind");
         }
@@ -146,7 +146,7 @@ fn edit(document: &mut Document, dice: &mut Dice) -> Result<bool, EditError> {
             let controls = document.controls(path);
             let Some(control) = dice.pick(&controls) else { return Ok(true) };
             // A setting goes with the comment behind it.
-            document.reset(path, control.key)?;
+            document.reset(path, &control.key)?;
         }
         7 => {
             let parent = [Some(path), None][dice.below(2)];

@@ -67,7 +67,7 @@ fn they_are_added_and_shapes_become_them() {
     for (group, parent) in [(Group::Shape, Some(Path::top(4))), (Group::Object, None)] {
         let additions = document.additions(parent.as_ref());
         let addition = additions.iter().find(|addition| addition.name == "gyroid").expect("among the shapes");
-        assert_eq!((addition.group, addition.doc), (group, "A wall without end."));
+        assert_eq!((addition.group, &*addition.doc), (group, "A wall without end."));
         document.add(parent.as_ref(), &addition.clone()).expect("added");
         assert!(document.scene().is_ok());
     }

@@ -63,7 +63,7 @@ impl Bindings {
         Self { uniform, software, loops_are_limited }
     }
 
-    /// Numbers of the bindings that the kernel has.
+    /// BsdfParameters of the bindings that the kernel has.
     pub(super) fn all(&self) -> std::ops::Range<u32> {
         0..if self.loops_are_limited { BINDINGS } else { SUSPENDED }
     }

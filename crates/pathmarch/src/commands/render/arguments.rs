@@ -5,7 +5,7 @@ use crate::frames::{self, FrameRange};
 use pathmarch_cli::{BackendArgument, Failure, check_directory, value_parsers};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
-use pathmarch_render::pathmarch_scene::{Caustics, Sampler, Scene, limits};
+use pathmarch_render::pathmarch_scene::{Caustics, Sampler, Scene, settings};
 use pathmarch_render::tonemap::Tonemap;
 use pathmarch_render::{MAX_SPLITTING, Mode, Settings, Shutter};
 use std::path::PathBuf;
@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = named_value(Mode::ALL, Mode::name), verbatim_doc_comment)]
     pub(super) mode: Option<Mode>,
     /// Samples per pixel [default: the scene's; 16 in modes that trace no paths]
-    #[arg(long, value_name = "N", value_parser = value_parsers::whole(limits::SAMPLES), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole(settings::SAMPLES), allow_hyphen_values = true)]
     pub(super) samples: Option<u32>,
     /// Stop after this many seconds, at most 86400, but not before the first sample is done
     #[arg(long, value_name = "N", value_parser = value_parsers::seconds, allow_hyphen_values = true)]
@@ -44,7 +44,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = value_parsers::whole((0, 2_000_000_000)), allow_hyphen_values = true)]
     pub(super) first_sample: u32,
     /// Scattering events after the first hit; 0 renders emitted and direct light only [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = value_parsers::whole(limits::BOUNCES), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole(settings::BOUNCES), allow_hyphen_values = true)]
     pub(super) bounces: Option<u32>,
     /// Random seed; pictures with different seeds have independent noise
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = value_parsers::whole((0, u32::MAX)), allow_hyphen_values = true)]
@@ -62,16 +62,16 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = named_value(Caustics::ALL, Caustics::name))]
     pub(super) caustics: Option<Caustics>,
     /// Clamp the radiance of indirect light to this: fewer fireflies, but darker [default: the scene's]
-    #[arg(long, value_name = "RADIANCE", value_parser = value_parsers::number(limits::CLAMP), allow_hyphen_values = true)]
+    #[arg(long, value_name = "RADIANCE", value_parser = value_parsers::number(settings::CLAMP), allow_hyphen_values = true)]
     pub(super) clamp: Option<f32>,
     /// Paths per camera ray, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     pub(super) splitting: Option<u32>,
     /// Hit distance of a ray, in pixels: smaller shows finer detail and needs more steps [default: the scene's]
-    #[arg(long, value_name = "PIXELS", value_parser = value_parsers::number(limits::DETAIL), allow_hyphen_values = true)]
+    #[arg(long, value_name = "PIXELS", value_parser = value_parsers::number(settings::DETAIL), allow_hyphen_values = true)]
     pub(super) detail: Option<f32>,
     /// Exposure of PNG and JPEG in stops, -100 to 100 [default: the camera's]
-    #[arg(long, value_name = "EV", value_parser = value_parsers::number(limits::EXPOSURE), allow_hyphen_values = true)]
+    #[arg(long, value_name = "EV", value_parser = value_parsers::number(settings::EXPOSURE), allow_hyphen_values = true)]
     pub(super) exposure: Option<f32>,
     /// Write noise-free layers beside R, G and B; .exr only [default: all; or a list such as albedo,normal]
     ///
@@ -94,13 +94,13 @@ pub struct Arguments {
     #[arg(long, requires = "frames")]
     pub(super) skip_existing: bool,
     /// Frames per second [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = value_parsers::number(limits::FPS), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = value_parsers::number(settings::FPS), allow_hyphen_values = true)]
     pub(super) fps: Option<f32>,
     /// Time of the picture: seconds since frame 0
     #[arg(long, value_name = "SECONDS", conflicts_with = "frames", value_parser = parse_time, allow_hyphen_values = true)]
     pub(super) time: Option<f64>,
     /// Fraction of the frame time that the shutter is open, 0 to 1: motion blur [default: the scene's]
-    #[arg(long, value_name = "PART", value_parser = value_parsers::number(limits::SHUTTER), allow_hyphen_values = true)]
+    #[arg(long, value_name = "PART", value_parser = value_parsers::number(settings::SHUTTER), allow_hyphen_values = true)]
     pub(super) shutter: Option<f32>,
     /// Render backend
     #[arg(long, value_enum, default_value = "auto")]

@@ -11,7 +11,7 @@ use crate::window::files::recovery::RecoveredWork;
 use crate::window::open_scene::OpenScene;
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
-use pathmarch_render::pathmarch_scene::scene::read_text;
+use pathmarch_render::pathmarch_scene::read_text;
 use pathmarch_render::{BackendInfo, Settings};
 use std::path::{Path, PathBuf};
 

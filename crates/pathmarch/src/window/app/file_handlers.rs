@@ -9,7 +9,7 @@ use crate::window::files::atomic_file::write_atomically;
 use crate::window::open_scene::OpenScene;
 use egui::Context;
 use pathmarch_render::pathmarch_scene::SceneError;
-use pathmarch_render::pathmarch_scene::scene::read_text;
+use pathmarch_render::pathmarch_scene::read_text;
 use std::path::{Path, PathBuf};
 
 /// Scene of the command *New*: a sphere on a floor.

@@ -8,7 +8,7 @@ use crate::window::files::relative_time::relative_time;
 use crate::window::open_scene::playback::LAST_FRAME;
 use egui::{Context, Id, Modal, RichText, Ui};
 use pathmarch_render::image::ImageFormat;
-use pathmarch_render::pathmarch_scene::limits;
+use pathmarch_render::pathmarch_scene::settings;
 use std::time::SystemTime;
 
 impl App {
@@ -135,16 +135,16 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
         let label = ui.label("size");
         ui.horizontal(|ui| {
             for side in &mut render.size {
-                ui.add(egui::DragValue::new(side).range(limits::SIDE.0..=limits::SIDE.1)).labelled_by(label.id);
+                ui.add(egui::DragValue::new(side).range(settings::SIDE.0..=settings::SIDE.1)).labelled_by(label.id);
             }
         });
         ui.end_row();
         let label = ui.label("samples");
-        ui.add(egui::DragValue::new(&mut render.samples).range(limits::SAMPLES.0..=limits::SAMPLES.1))
+        ui.add(egui::DragValue::new(&mut render.samples).range(settings::SAMPLES.0..=settings::SAMPLES.1))
             .labelled_by(label.id);
         ui.end_row();
         let label = ui.label("bounces");
-        ui.add(egui::DragValue::new(&mut render.bounces).range(limits::BOUNCES.0..=limits::BOUNCES.1))
+        ui.add(egui::DragValue::new(&mut render.bounces).range(settings::BOUNCES.0..=settings::BOUNCES.1))
             .labelled_by(label.id);
         ui.end_row();
         if render.may_choose_viewpoint {

@@ -66,7 +66,7 @@ impl App {
             ui.menu_button(group.name(), |ui| {
                 egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
                     for addition in additions {
-                        if ui.button(addition.name).on_hover_text(addition.doc).clicked() {
+                        if ui.button(&*addition.name).on_hover_text(&*addition.doc).clicked() {
                             actions.push(TreeAction::Add(parent.cloned(), addition));
                             ui.close();
                         }

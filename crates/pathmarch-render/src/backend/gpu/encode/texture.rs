@@ -32,7 +32,7 @@ shared_constants! {
 }
 
 /// Words of a texture in all.
-const TEXTURE_WORDS: usize = TEXTURE_PARAMETERS as usize + textures::MOST_NUMBERS;
+const TEXTURE_WORDS: usize = TEXTURE_PARAMETERS as usize + textures::MAX_PARAMETERS;
 
 /// Index of a kind of computed texture.
 pub(crate) fn computed_kind(kind: &'static TextureKind) -> usize {
@@ -119,7 +119,7 @@ impl<'a> Encoder<'a> {
             Change::Colour { place, colours: None } => {
                 self.words.extend([texture, OWN_COLOURS_LAYER, *place as u32, previews]);
             }
-            Change::Numbers { places, knots } => {
+            Change::BsdfParameters { places, knots } => {
                 self.words.extend([texture, PACKED_LAYER, places.len() as u32, previews]);
                 self.words.extend(places.iter().map(|place| *place as u32));
                 self.floats(knots.iter().flatten().copied());
@@ -132,10 +132,10 @@ impl<'a> Encoder<'a> {
     fn texture(&mut self, texture: &'a Texture) -> u32 {
         let mut record = [0; TEXTURE_WORDS];
         let step = match &texture.pattern {
-            Pattern::Computed { kind, numbers } => {
+            Pattern::Computed { kind, parameters } => {
                 record[0] = computed_kind(kind) as u32;
-                record[PARAMETERS..].copy_from_slice(&numbers.map(f32::to_bits));
-                (kind.step)(numbers)
+                record[PARAMETERS..].copy_from_slice(&parameters.map(f32::to_bits));
+                (kind.step)(parameters)
             }
             Pattern::Picture { picture, size } => {
                 let texels = self.texels(picture);

@@ -2,7 +2,7 @@
 
 use crate::window::app::App;
 use egui::{ComboBox, DragValue, Slider, SliderClamping, Ui};
-use pathmarch_render::pathmarch_scene::limits;
+use pathmarch_render::pathmarch_scene::settings;
 
 impl App {
     /// Controls of the view: it starts as the scene's camera and stays separate until it is written to the scene.
@@ -71,7 +71,7 @@ impl App {
         camera.focus = camera.focus.filter(|focus| focus.is_finite());
         camera.fov = camera.fov.clamp(0.1, 179.0);
         camera.lens_radius = camera.lens_radius.max(0.0);
-        camera.exposure = camera.exposure.clamp(limits::EXPOSURE.min, limits::EXPOSURE.max);
+        camera.exposure = camera.exposure.clamp(settings::EXPOSURE.min, settings::EXPOSURE.max);
         if *camera != before {
             open.view.mark_moving();
         }

@@ -108,7 +108,7 @@ impl App {
         egui::Grid::new(("controls", path)).num_columns(2).spacing([8.0, 5.0]).striped(true).show(ui, |ui| {
             for control in &controls {
                 if let Some(changed) = row(ui, path, control) {
-                    change = Some((control.key, changed));
+                    change = Some((&*control.key, changed));
                 }
                 ui.end_row();
             }

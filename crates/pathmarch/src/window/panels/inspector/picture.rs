@@ -66,8 +66,8 @@ impl App {
         ui.horizontal_wrapped(|ui| {
             ui.weak(if word == "render" { "Samples, bounces, size:" } else { "Background:" });
             for addition in additions.iter().filter(|addition| addition.group.name() == group) {
-                if ui.button(format!("Add {}", addition.name)).on_hover_text(addition.doc).clicked() {
-                    chosen = Some(*addition);
+                if ui.button(format!("Add {}", addition.name)).on_hover_text(&*addition.doc).clicked() {
+                    chosen = Some(addition.clone());
                 }
             }
         });

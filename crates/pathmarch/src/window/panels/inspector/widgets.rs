@@ -14,7 +14,7 @@ pub(super) fn row(ui: &mut Ui, path: &Path, control: &Control) -> Option<Change>
     let words = if control.given { RichText::new(&*control.label) } else { RichText::new(&*control.label).weak() };
     let label = ui.label(words).on_hover_text(tooltip(control));
     let mut change = None;
-    let typing = ui.scope_id().with(("formula", path, control.key));
+    let typing = ui.scope_id().with(("formula", path, &*control.key));
     let numbers = numbers_of(&control.value);
     if numbers.is_some() {
         label.context_menu(|ui| {
@@ -113,14 +113,14 @@ fn widget(ui: &mut Ui, path: &Path, control: &Control, label: &Response) -> Opti
         (ControlKind::Colour { max }, Value::Colour(value)) => colour(ui, *value, *max, label).map(Value::Colour),
         (ControlKind::Choice(names), Value::Text(value)) => {
             let names = names.iter().map(|name| (name.to_string(), name.to_string()));
-            choose(ui, control.key, path, value, names, label).map(Value::Text)
+            choose(ui, &control.key, path, value, names, label).map(Value::Text)
         }
         (ControlKind::Material(names), value) => {
             let of_parent = "inherited".to_owned();
             let shown = if let Value::Text(name) = value { name.as_str() } else { "" };
             let names = names.iter().map(|name| (name.clone(), name.clone()));
             let names = std::iter::once((String::new(), of_parent)).chain(names);
-            let chosen = choose(ui, control.key, path, shown, names, label)?;
+            let chosen = choose(ui, &control.key, path, shown, names, label)?;
             Some(if chosen.is_empty() { Value::None } else { Value::Text(chosen) })
         }
         (ControlKind::Flag, Value::Flag(value)) => {
@@ -136,7 +136,7 @@ fn widget(ui: &mut Ui, path: &Path, control: &Control, label: &Response) -> Opti
             }
             changed.then_some(Value::Size(value))
         }
-        (ControlKind::Text | ControlKind::Picture, Value::Text(value)) => text(ui, path, control.key, value, label),
+        (ControlKind::Text | ControlKind::Picture, Value::Text(value)) => text(ui, path, &control.key, value, label),
         // The value does not match its control: the scene text contains an error here.
         _ => {
             ui.weak("see the source");

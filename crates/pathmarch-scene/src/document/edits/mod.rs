@@ -1,0 +1,9 @@
+//! Edits of a document, each a series of patches of its text.
+
+pub(super) mod additions;
+pub(super) mod camera;
+pub(super) mod kinds;
+mod naming;
+pub(super) mod structure;
+pub(super) mod transaction;
+pub(super) mod write;

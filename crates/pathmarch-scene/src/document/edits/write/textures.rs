@@ -1,0 +1,79 @@
+//! Writing of textures.
+
+use super::Writer;
+use crate::document::control::Value;
+use crate::document::error::EditError;
+use crate::document::parameters::{Inside, holder, target};
+use crate::document::text::layout::{before_spaces, bytes};
+use crate::document::text::literals::fresh;
+use crate::document::text::patch::Patch;
+use crate::document::tree::nodes::{arguments, child, property, texture_node};
+use crate::materials::{self, BUMP_HEIGHT};
+use crate::textures;
+
+impl<'d> Writer<'d> {
+    /// Patches that set a parameter of a texture or a colour ramp.
+    pub(crate) fn write_inside(&self, owner: &str, inside: Inside, value: &Value) -> Result<Vec<Patch>, EditError> {
+        let Some(holder) = holder(self.node, owner) else { return Ok(Vec::new()) };
+        match (inside, target(self.node, owner, inside)) {
+            (Inside::Property(word), Some(node)) => Ok(self.of(node).write_property(word, value)),
+            (_, Some(node)) => Ok(self.of(node).write_arguments(value)),
+            (Inside::Node(name), None) => self.of(holder).insert(&format!("{name} {}", fresh(value))),
+            (_, None) => Ok(Vec::new()),
+        }
+    }
+
+    /// Patches that reset it to its default.
+    pub(crate) fn erase_inside(&self, owner: &str, inside: Inside) -> Result<Vec<Patch>, EditError> {
+        let Some(holder) = holder(self.node, owner) else { return Ok(Vec::new()) };
+        match inside {
+            Inside::Property(word) => {
+                let entry = property(holder, word);
+                Ok(entry.map(|entry| self.of(holder).remove(entry)).into_iter().collect())
+            }
+            Inside::Node(name) => self.of(holder).erase_node(name),
+            Inside::Argument | Inside::Colour(_) => Ok(Vec::new()),
+        }
+    }
+
+    /// Patches that give a parameter a texture of this kind. Placement and colours of a previous texture stay.
+    pub(crate) fn write_texture(&self, owner: &str, kind: &str) -> Result<Vec<Patch>, EditError> {
+        let Some(node) = child(self.node, owner) else { return self.insert(&format!("{owner} {{ {kind} }}")) };
+        if let Some(texture) = texture_node(self.node, owner) {
+            let known: Vec<&str> =
+                textures::kind(kind).into_iter().flat_map(|kind| kind.params).map(|p| &*p.name).collect();
+            let stays = |name: &str| known.contains(&name) || ["from", "to", &BUMP_HEIGHT.name].contains(&name);
+            let mut patches = vec![Patch::replace(bytes(texture.name.span), kind)];
+            for entry in &texture.entries {
+                if !entry.name.as_ref().is_some_and(|name| stays(&name.value)) {
+                    let span = bytes(entry.span);
+                    patches.push(Patch::remove(before_spaces(self.text, span.start)..span.end));
+                }
+            }
+            return Ok(patches);
+        }
+        let mut patches: Vec<Patch> = arguments(node)
+            .map(|entry| {
+                let span = bytes(entry.span);
+                Patch::remove(before_spaces(self.text, span.start)..span.end)
+            })
+            .collect();
+        match &node.children {
+            Some(_) => patches.extend(self.of(node).insert(kind)?),
+            None => patches.push(Patch::insert(node.whole.end as usize, format!(" {{ {kind} }}"))),
+        }
+        Ok(patches)
+    }
+
+    /// Patches that replace a texture by the default of its parameter.
+    pub(crate) fn erase_texture(&self, owner: &str) -> Result<Vec<Patch>, EditError> {
+        let is_kind = materials::kind(owner).is_some();
+        match child(self.node, owner).and_then(|node| node.children.as_ref()) {
+            Some(block) if is_kind => {
+                let start = before_spaces(self.text, block.span.start as usize);
+                Ok(vec![Patch::remove(start..block.span.end as usize)])
+            }
+            _ => self.erase_node(owner),
+        }
+    }
+}

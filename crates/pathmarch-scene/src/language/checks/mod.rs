@@ -1,0 +1,4 @@
+//! Checks of a scene that has been read: limits of 32-bit numbers, and warnings.
+
+pub(crate) mod extent;
+pub(crate) mod warnings;

@@ -1,0 +1,113 @@
+//! Warnings: what is allowed, but most likely not intended.
+
+use crate::language::diagnostics::report::{Report, draft, shown};
+use crate::language::tree::Block;
+use crate::light::Light;
+use crate::scene::{Object, Scene};
+use pathmarch_field::number::Vec3;
+
+/// Warns of what is most likely not intended.
+pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
+    let Some(first) = file.nodes.first() else { return };
+    let emits = |tag: u32| scene.materials[tag as usize].emits();
+    if scene.objects.is_empty() {
+        let warning = draft("pathmarch::no_objects", first.name.span, "The scene has no objects.");
+        report.warn(warning.label("in this file"));
+    }
+    let bright = |colour: [f32; 3]| colour.iter().any(|&v| v > 0.0);
+    let lit = !scene.sky.is_black()
+        || scene.field.leaves().iter().any(|leaf| emits(leaf.tag))
+        || scene.lights.iter().any(|light| match light {
+            Light::Sun { irradiance, .. } => bright(*irradiance),
+            Light::Point { intensity, .. } => bright(*intensity),
+        });
+    if !lit {
+        let warning =
+            draft("pathmarch::no_light", first.name.span, "Nothing lights the scene: the picture will be black.");
+        let help = "Add a `sky`, a `sun`, a `point` light, or an object whose material emits.";
+        report.warn(warning.label("in this file").help(help));
+    }
+    let mut emitting = vec![false; scene.objects.len()];
+    for leaf in scene.field.leaves() {
+        emitting[leaf.object as usize] |= emits(leaf.tag);
+    }
+    // Without mistakes every object node has become an object, and every object a part of the field.
+    let objects = file.nodes.iter().filter(|node| node.name.value == "object");
+    let bounds = scene.field.object_bounds().iter();
+    let endless = objects.zip(bounds.zip(emitting)).filter(|(_, (bounds, emitting))| *emitting && !bounds.is_finite());
+    for (node, _) in endless {
+        let warning = draft("pathmarch::endless_light", node.name.span, "This object emits light and has no end.");
+        let help = "It is not sampled as a light, only found by chance; give it an end, or use `sky`.";
+        report.warn(warning.label("endless").help(help));
+    }
+    clear_sheets(scene, file, report);
+    hidden_points(scene, file, report);
+    hidden_cameras(scene, file, report);
+}
+
+/// Warns of cameras inside opaque solids, whose pictures are black.
+fn hidden_cameras(scene: &Scene, file: &Block, report: &mut Report) {
+    // Those of the file come first; cameras of included files are left out.
+    let nodes = file.nodes.iter().filter(|node| node.name.value == "camera");
+    let transparent = transparency(scene);
+    for (node, camera) in nodes.zip(&scene.cameras) {
+        let Some(object) = opaque_object_around(scene, &transparent, camera.position) else { continue };
+        let (camera, object) = (shown(&camera.name), shown(&object.name));
+        let message =
+            format!("The camera {camera} is inside the object {object}, which is opaque: it sees only its inside.");
+        let warning = draft("pathmarch::hidden_camera", node.name.span, message).label("inside a solid");
+        report
+            .warn(warning.help("Move the camera out, hollow the object with `shell` or `subtract`, or make it glass."));
+    }
+}
+
+/// For each object, whether light passes some part of it.
+fn transparency(scene: &Scene) -> Vec<bool> {
+    let transmits = |material: usize| scene.materials[material].transmits();
+    let mut transparent: Vec<bool> = scene.objects.iter().map(|object| transmits(object.material)).collect();
+    for leaf in scene.field.leaves() {
+        transparent[leaf.object as usize] |= transmits(leaf.tag as usize);
+    }
+    transparent
+}
+
+/// First opaque object that contains this point.
+fn opaque_object_around<'s>(scene: &'s Scene, transparent: &[bool], [x, y, z]: [f32; 3]) -> Option<&'s Object> {
+    let distances = scene.field.object_distances(Vec3 { x, y, z });
+    let mut around = scene.objects.iter().zip(transparent).zip(distances);
+    around.find(|((_, transparent), distance)| !**transparent && *distance < 0.0).map(|((object, _), _)| object)
+}
+
+/// Warns of glass on surfaces that have no inside.
+fn clear_sheets(scene: &Scene, file: &Block, report: &mut Report) {
+    let mut clear = vec![false; scene.objects.len()];
+    for leaf in scene.field.leaves() {
+        clear[leaf.object as usize] |= leaf.shape.info().sheet && scene.materials[leaf.tag as usize].transmits();
+    }
+    let objects = file.nodes.iter().filter(|node| node.name.value == "object");
+    for (node, _) in objects.zip(clear).filter(|(_, clear)| *clear) {
+        let message = "This object is of a clear material and has no inside: light that enters it never leaves.";
+        let warning = draft("pathmarch::clear_sheet", node.name.span, message).label("a rect or a disc");
+        report.warn(warning.help("Use a thin `box` or `cylinder`."));
+    }
+}
+
+/// Warns of point lights inside solids, as far as the time for it is bounded: for the first of very many points.
+fn hidden_points(scene: &Scene, file: &Block, report: &mut Report) {
+    const EVALUATIONS: usize = 10_000_000;
+    let leaves = scene.field.leaves();
+    let points = scene.lights.iter().filter_map(|light| match light {
+        Light::Point { at, .. } => Some(*at),
+        Light::Sun { .. } => None,
+    });
+    // Without mistakes every point node has become a light.
+    let nodes = file.nodes.iter().filter(|node| node.name.value == "point");
+    let transparent = transparency(scene);
+    for (node, [x, y, z]) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
+        if let Some(object) = opaque_object_around(scene, &transparent, [x, y, z]) {
+            let message = format!("This point light is inside the object {}, which hides it.", shown(&object.name));
+            let warning = draft("pathmarch::hidden_light", node.name.span, message).label("shines nowhere");
+            report.warn(warning.help("Move it out, or make the object emit."));
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Diagnostics: mistakes and warnings at their places in the text, and suggestions for misspelt names.
+
+pub(crate) mod report;
+pub(crate) mod spelling;

@@ -1,0 +1,42 @@
+//! Names of nodes and properties that are not settings of a table.
+
+use crate::settings;
+use pathmarch_field::registry;
+
+/// Node that includes a file.
+pub(crate) const INCLUDE: &str = "include";
+/// Node that declares a parameter.
+pub(crate) const PARAM: &str = "param";
+/// Node that declares a custom SDF in WGSL.
+pub(crate) const FIELD: &str = "field";
+/// Node that declares a shape made of others.
+pub(crate) const SHAPE: &str = "shape";
+/// Property that names a material.
+pub(crate) const MATERIAL: &str = "material";
+/// Nodes at the top of a file.
+pub(crate) const TOP: &[&str] =
+    &["pathmarch", INCLUDE, PARAM, "camera", "render", "sky", "sun", "point", "material", FIELD, SHAPE, "object"];
+
+/// Nodes in every shape and operator.
+pub(crate) const PLACEMENT: &[&str] =
+    &[settings::PLACEMENT[0].name, settings::PLACEMENT[1].name, settings::PLACEMENT[2].name];
+/// Node in shapes that may face a direction.
+pub(crate) const NORMAL: &str = settings::NORMAL.name;
+/// Node in polygons.
+pub(crate) const POINT: &str = "point";
+/// Property of texts that names a font.
+pub(crate) const FONT: &str = "font";
+/// Names of the axes, in the order of the values of [`Unit::Axis`](pathmarch_field::Unit::Axis).
+pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Node of a material that perturbs its normals.
+pub(crate) const BUMP: &str = "bump";
+/// Node of a colour ramp.
+pub(crate) const COLOUR: &str = "colour";
+/// Node of a material that colours fractals by their orbits.
+pub(crate) const ORBIT_TRAP: &str = "orbit-trap";
+
+/// Names of all shapes and operators of the registry.
+pub(crate) fn solids<'a>() -> impl Iterator<Item = &'a str> {
+    registry::solids().map(|solid| &*solid.info().name)
+}

@@ -1,0 +1,181 @@
+//! Materials.
+//!
+//! The parameters of a material come from [`crate::materials`]: the node that names its kind carries the first, nodes
+//! beside it carry the others.
+
+use super::arguments::{arguments, missing_arguments, name, properties, string, twice};
+use super::colours::colour;
+use super::context::{Context, Files};
+use super::numbers::{in_range, numbers};
+use super::settings::NodesByName;
+use super::textures::{self, DEFAULT_COLOURS, Use};
+use super::unexpected::unexpected_node;
+use crate::language::diagnostics::report::{draft, shown};
+use crate::language::diagnostics::spelling::{listed, suggestion};
+use crate::language::keywords::{BUMP, COLOUR, ORBIT_TRAP};
+use crate::language::tree::{Node, Span};
+use crate::materials::{
+    self, Bump, Material, MaterialParam, OrbitTrap, ParamKind, TextureMapping, TexturedParameter, Texturing, Trap,
+};
+use crate::settings::Range;
+use std::collections::HashMap;
+
+/// The materials of a file and where each name was given.
+#[derive(Default)]
+pub(crate) struct Materials {
+    pub(crate) list: Vec<Material>,
+    pub(crate) index: HashMap<String, u32>,
+    spans: Vec<Span>,
+}
+
+impl Materials {
+    /// Adds the material of `node`, with defaults in place of mistakes, so that its users find it.
+    pub(crate) fn add(&mut self, node: &Node, files: &mut Files, context: &mut Context) {
+        let usage = "`material \"name\" { … }`";
+        properties(node, &[], context);
+        if !node.entries.iter().any(|entry| entry.name.is_none()) {
+            missing_arguments(node, usage, context);
+        }
+        let given = name(node, usage, context);
+        let described = describe(node, files, context);
+        let Some((name, span)) = given else { return };
+        if let Some(&first) = self.index.get(name) {
+            twice(&format!("The material {}", shown(name)), span, self.spans[first as usize], context);
+            return;
+        }
+        let material = described.unwrap_or_else(Material::default_white);
+        self.index.insert(name.to_owned(), self.list.len() as u32);
+        self.spans.push(span);
+        self.list.push(Material { name: name.to_owned(), ..material });
+    }
+}
+
+/// The material of a node, without its name.
+fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Material> {
+    let children = node.child_nodes();
+    let mut kinds = children.iter().filter_map(|child| Some((child, materials::kind(&child.name.value)?)));
+    let Some((kind_node, kind)) = kinds.next() else {
+        let names: Vec<&str> = materials::kinds().iter().map(|kind| kind.name).collect();
+        for child in children {
+            unexpected_node(&child.name, &names, "in a material", context);
+        }
+        if children.is_empty() && !node.broken() {
+            let mistake = draft("pathmarch::missing_node", node.name.span, "This material has no kind.");
+            let label = format!("expected {} in its braces", listed(names, "or"));
+            context.report.add(mistake.label(label).help("For example: material \"white\" { diffuse 0.8 }."));
+        }
+        return None;
+    };
+    if let Some((second, _)) =
+        kinds.find(|(second, other)| other.name != kind.name && !std::ptr::eq(*second, kind_node))
+    {
+        let message = "A material is of one kind.";
+        let mistake = draft("pathmarch::duplicate", second.name.span, message).label("a second kind");
+        context.report.add(mistake.also(kind_node.name.span, "the first"));
+    }
+    let beside = kind.params.get(1..).unwrap_or_default().iter().map(|param| param.name);
+    let mut known: Vec<&str> = std::iter::once(kind.name).chain(beside).collect();
+    known.extend(materials::kinds().iter().map(|kind| kind.name).filter(|name| *name != kind.name));
+    if kind.bsdf.is_some() {
+        known.extend([ORBIT_TRAP, BUMP]);
+    }
+    let settings = NodesByName::new(node, &known, &format!("in a `{}` material", kind.name), context);
+    let mut material = Material::new("", kind);
+    for (index, param) in kind.params.iter().enumerate() {
+        let Some(node) = settings.get(if index == 0 { kind.name } else { param.name }) else { continue };
+        let is_textured = !node.child_nodes().is_empty() || node.children.is_some() && node.entries.is_empty();
+        let has_value = param.texturing == Texturing::None && node.child_nodes().is_empty();
+        if !is_textured || has_value {
+            material.values[index] = value(node, param, context).unwrap_or(param.default);
+        } else if param.texturing == Texturing::None {
+            textures::refuse(node, context);
+        } else if let Some(painted) = painted(node, index, param, files, context) {
+            material.values[index] = painted.average();
+            material.textured.push(painted);
+        }
+    }
+    if kind.params.is_empty() {
+        arguments(kind_node, 0, &format!("`{}`", kind.name), context);
+    }
+    material.orbit_trap = settings.get(ORBIT_TRAP).and_then(|node| orbit_trap(node, context));
+    material.bump = settings.get(BUMP).and_then(|node| {
+        properties(node, &[], context);
+        arguments(node, 0, "`bump { fbm size=0.05 height=0.005 }`", context);
+        match textures::texture(node, Use::Height, files, context)? {
+            (texture, TextureMapping::Range([_, height])) => Some(Bump { texture, height }),
+            _ => None,
+        }
+    });
+    Some(material)
+}
+
+/// The texture in the braces of a parameter's node.
+fn painted(
+    node: &Node,
+    index: usize,
+    param: &MaterialParam,
+    files: &mut Files,
+    context: &mut Context,
+) -> Option<TexturedParameter> {
+    properties(node, &[], context);
+    if let Some(entry) = node.entries.iter().find(|entry| entry.name.is_none()) {
+        let message = format!("`{}` has a value and a texture.", node.name.value);
+        let mistake = draft("pathmarch::unexpected_argument", entry.span, message).label("unused");
+        context.report.add(mistake.help("The texture replaces the value. Delete one of them."));
+    }
+    let to = match param.kind {
+        ParamKind::Colour => Use::Colour,
+        ParamKind::Number => Use::Number(Range::from_to(param.min, param.max)),
+    };
+    let (texture, mapping) = textures::texture(node, to, files, context)?;
+    Some(TexturedParameter { param: index, texture, mapping })
+}
+
+/// `orbit-trap "point" from=0 to=1 { colour …; colour … }`.
+fn orbit_trap(node: &Node, context: &mut Context) -> Option<OrbitTrap> {
+    let usage = "`orbit-trap \"point\" from=0 to=1 { colour 0; colour 1 }`";
+    let entries = arguments(node, 1, usage, context);
+    let mut range = [Some(0.0), Some(1.0)];
+    for (word, entry) in properties(node, &["from", "to"], context) {
+        range[usize::from(word == "to")] = in_range(entry, &format!("`{word}`"), Range::ANY, context);
+    }
+    for child in node.child_nodes().iter().filter(|child| child.name.value != COLOUR) {
+        unexpected_node(&child.name, &[COLOUR], "in an `orbit-trap`", context);
+    }
+    let colours = textures::colours(node, context);
+    let trap = match entries.first() {
+        Some(entry) => {
+            let word = string(entry, "the trap", context)?;
+            let trap = Trap::ALL.into_iter().find(|trap| trap.name() == word);
+            if trap.is_none() {
+                let names: Vec<&str> = Trap::ALL.map(Trap::name).to_vec();
+                let message = format!("There is no orbit trap {}.", shown(word));
+                let mistake = draft("pathmarch::unknown_trap", entry.value_span, message).label("unknown trap");
+                context.report.add(mistake.help(suggestion(word, &names)));
+            }
+            trap?
+        }
+        None => Trap::Point,
+    };
+    let [from, to] = [range[0]?, range[1]?];
+    let mut colours = colours?;
+    if colours.is_empty() {
+        colours = DEFAULT_COLOURS.to_vec();
+    }
+    Some(OrbitTrap { trap, range: [from, to], colours })
+}
+
+/// The value that a node gives a parameter; the default without arguments.
+fn value(node: &Node, param: &MaterialParam, context: &mut Context) -> Option<[f32; 3]> {
+    if node.entries.is_empty() && node.children.is_none() {
+        return None;
+    }
+    let range = Range::from_to(param.min, param.max);
+    match param.kind {
+        ParamKind::Colour => colour(node, range, context),
+        ParamKind::Number => {
+            let usage = format!("`{} {}`", node.name.value, param.default[0]);
+            numbers(node, &usage, range, context).map(|[value]| [value, 0.0, 0.0])
+        }
+    }
+}
