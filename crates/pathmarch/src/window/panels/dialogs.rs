@@ -8,7 +8,7 @@ use crate::window::files::relative_time::relative_time;
 use crate::window::open_scene::playback::LAST_FRAME;
 use egui::{Context, Id, Modal, RichText, Ui};
 use pathmarch_render::image::ImageFormat;
-use pathmarch_render::pathmarch_scene::settings;
+use pathmarch_render::pathmarch_scene::settings::{self, SettingKind};
 use std::time::SystemTime;
 
 impl App {
@@ -121,6 +121,19 @@ fn recovered(ui: &mut Ui, left: &[RecoveredWork], answer: &mut Answer) {
     }
 }
 
+/// Row of a grid for a render setting of whole numbers; label, range and help are those of the table of settings.
+fn setting_row(ui: &mut Ui, name: &str, values: &mut [&mut u32]) {
+    let Some(setting) = settings::RENDER.iter().find(|setting| setting.name == name) else { return };
+    let (SettingKind::Whole { range, .. } | SettingKind::Size { range, .. }) = setting.kind else { return };
+    let label = ui.label(setting.label).on_hover_text(setting.doc);
+    ui.horizontal(|ui| {
+        for value in values {
+            ui.add(egui::DragValue::new(*value).range(range.0..=range.1)).labelled_by(label.id);
+        }
+    });
+    ui.end_row();
+}
+
 fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) {
     ui.heading("Render to file");
     egui::Grid::new("render").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
@@ -132,21 +145,10 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
             }
         });
         ui.end_row();
-        let label = ui.label("size");
-        ui.horizontal(|ui| {
-            for side in &mut render.size {
-                ui.add(egui::DragValue::new(side).range(settings::SIDE.0..=settings::SIDE.1)).labelled_by(label.id);
-            }
-        });
-        ui.end_row();
-        let label = ui.label("samples");
-        ui.add(egui::DragValue::new(&mut render.samples).range(settings::SAMPLES.0..=settings::SAMPLES.1))
-            .labelled_by(label.id);
-        ui.end_row();
-        let label = ui.label("bounces");
-        ui.add(egui::DragValue::new(&mut render.bounces).range(settings::BOUNCES.0..=settings::BOUNCES.1))
-            .labelled_by(label.id);
-        ui.end_row();
+        let [width, height] = &mut render.size;
+        setting_row(ui, "size", &mut [width, height]);
+        setting_row(ui, "samples", &mut [&mut render.samples]);
+        setting_row(ui, "bounces", &mut [&mut render.bounces]);
         if render.may_choose_viewpoint {
             let label = ui.label("camera");
             ui.horizontal(|ui| {
