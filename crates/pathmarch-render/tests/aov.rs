@@ -177,7 +177,7 @@ fn layers_become_channels() {
     let aovs = render(&scene, [3, 1]);
     let mut film = Film::new(3, 1);
     film.samples = 4;
-    film.leave_out(1, 3);
+    film.count_rejected(1, 3);
     let channels: Vec<_> = Layer::ALL.iter().flat_map(|layer| layer.channels(&aovs, &film)).collect();
     let names: Vec<_> = channels.iter().map(|channel| channel.name.as_str()).collect();
     let expected = "albedo.R albedo.G albedo.B normal.X normal.Y normal.Z depth.Z position.X position.Y position.Z \

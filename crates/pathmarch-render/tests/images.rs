@@ -426,10 +426,13 @@ fn a_comparison_contains_all_metrics() {
     let found = metrics::compare(&image, &reference, PictureKind::Hdr).expect("same size");
     assert_eq!(found.relmse, metrics::relmse(&image, &reference).expect("same size"));
     assert_eq!(found.mse, metrics::mse(&image, &reference).expect("same size"));
-    assert_eq!((found.mean_a, found.mean_b), (metrics::mean_colour(&image), metrics::mean_colour(&reference)));
+    assert_eq!(
+        (found.image_mean, found.reference_mean),
+        (metrics::mean_colour(&image), metrics::mean_colour(&reference))
+    );
     assert!((found.flip - 0.129984).abs() < 1e-3);
-    assert_eq!((found.width, found.height, found.non_finite_a, found.non_finite_b), (WIDTH, HEIGHT, 0, 0));
-    assert!((found.mean_a[1] / found.mean_b[1] - 1.1).abs() < 1e-5);
+    assert_eq!((found.width, found.height, found.image_non_finite, found.reference_non_finite), (WIDTH, HEIGHT, 0, 0));
+    assert!((found.image_mean[1] / found.reference_mean[1] - 1.1).abs() < 1e-5);
 }
 
 tests! {
