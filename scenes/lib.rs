@@ -1,7 +1,7 @@
-//! The example scenes of [pathmarch](https://docs.rs/pathmarch), each with its text and a picture of it.
+//! Example scenes of [pathmarch](https://docs.rs/pathmarch), each with its text and a rendered picture.
 //!
-//! This folder is both what people browse and a crate, so that programs carry the scenes without a copy of any file: the
-//! window's gallery, and the program that measures. [`EXAMPLES`] lists all but those of `benchmarks/`.
+//! This folder is for people to browse, and it is a crate, so that programs include the scenes without copies of the files:
+//! the window's gallery and the measurement program. [`EXAMPLES`] lists all scenes but those of `benchmarks/`.
 //!
 //! ```
 //! let scene = pathmarch_gallery::EXAMPLES.iter().find(|example| example.name == "ten-lines").expect("there");
@@ -11,17 +11,17 @@
 
 use std::path::Path;
 
-/// An example scene.
+/// Example scene.
 pub struct Example {
-    /// Name of its file, without extension.
+    /// Name of the file, without extension.
     pub name: &'static str,
-    /// One line for people.
+    /// Description, one line.
     pub doc: &'static str,
-    /// Path of its file in [`folder`].
+    /// Path of the file, relative to [`folder`].
     pub file: &'static str,
-    /// Its text.
+    /// Text of the scene.
     pub text: &'static str,
-    /// A picture of it, as the bytes of a PNG or JPEG file.
+    /// Rendered picture, as the bytes of a PNG or JPEG file.
     pub picture: &'static [u8],
 }
 
@@ -37,7 +37,7 @@ macro_rules! examples {
     };
 }
 
-/// Every example, in the order of the gallery.
+/// All examples, in the order of the gallery.
 pub static EXAMPLES: &[Example] = examples! {
     "fractals/" "mandelbulb" "jpg" "The mandelbulb, coloured by its orbits.";
     "fractals/" "kleinian" "jpg" "Halls of a pseudo-Kleinian group.";
@@ -92,10 +92,10 @@ pub static EXAMPLES: &[Example] = examples! {
     "thesis/" "diffuse-sphere" "png" "The simplest: a ball and a floor.";
 };
 
-/// Other files that examples read, by their names in [`folder`]: pictures of the sky.
+/// Other files that examples read, by their names in [`folder`]: environment maps.
 pub static ASSETS: &[(&str, &[u8])] = &[("environment.exr", include_bytes!("environment.exr"))];
 
-/// Folder of the scenes where this crate was built. It may not exist on another machine.
+/// Folder of the scenes on the machine that built this crate. It may not exist on another machine.
 pub fn folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }

@@ -1,4 +1,4 @@
-//! Is WGSL printed from Rust as fast as WGSL written by hand? And are gradients of dual numbers as fast as differences?
+//! Speed of WGSL printed from Rust compared with WGSL written by hand, and of dual-number gradients compared with differences.
 //!
 //! Five very different distances, each printed by the generic route and written by hand as a shader author would, run
 //! over the same points in turn; prints the median milliseconds of each and their ratio. Then shapes by their printed gradient
@@ -15,7 +15,7 @@ const SIDE: u32 = 1024;
 const EVALUATIONS: u32 = 64;
 const ROUNDS: usize = 15;
 
-/// A 4-iteration loop: a Menger-like sponge by repeated folding.
+/// Loop of four iterations: a Menger-like sponge by repeated folding.
 fn sponge<N: Real>(p: Vec3<N>) -> N {
     let half = N::constant(0.5);
     let cube = p.abs() - Vec3::splat(half);
@@ -104,7 +104,7 @@ fn cases() -> Vec<(&'static str, String, String)> {
     ]
 }
 
-/// The printed gradient of a shape, and what a loop of four taps of its distance takes for it.
+/// Printed gradient of a shape, and the same gradient by a loop of four taps of its distance.
 fn gradient_case(name: &str) -> Option<(String, String)> {
     let any = shape(name)?;
     let values: Vec<f32> = any.params().iter().map(|param| param.default).collect();
@@ -174,7 +174,7 @@ impl Gpu {
             compilation_options: Default::default(),
             cache: None,
         });
-        // A function that reads no parameters drops the binding.
+        // The layout of a function that reads no parameters has no binding for them.
         let mut entries = vec![wgpu::BindGroupEntry { binding: 1, resource: self.sums.as_entire_binding() }];
         if source.matches("parameters[").count() > 0 {
             entries.push(wgpu::BindGroupEntry { binding: 0, resource: self.parameters.as_entire_binding() });
@@ -187,7 +187,7 @@ impl Gpu {
         (pipeline, bindings)
     }
 
-    /// Milliseconds of one dispatch.
+    /// Time of one dispatch, milliseconds.
     fn time(&self, (pipeline, bindings): &(wgpu::ComputePipeline, wgpu::BindGroup)) -> f64 {
         let started = Instant::now();
         let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -204,7 +204,7 @@ impl Gpu {
 }
 
 impl Gpu {
-    /// Prints what two functions take in turn.
+    /// Measures two functions in turn and prints their times.
     fn compare(&self, name: &str, generated: &str, hand: &str) {
         let printed = self.pipeline(&kernel(generated, "generated"));
         let written = self.pipeline(&kernel(hand, "hand"));

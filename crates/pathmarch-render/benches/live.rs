@@ -1,9 +1,10 @@
-//! How soon a live picture is there, and what it costs once nothing happens.
+//! Latency of live pictures, and processor time at rest.
 //!
-//! `cargo bench -p pathmarch-render --bench live -- [--size WIDTHxHEIGHT] [--gpu-only] [SCENE…]` prints, for each scene and backend, medians of: the time from the
-//! request to the first picture and to the whole one (with a kernel that is not compiled yet), from a change of a number to
-//! its picture, from a change of structure to its picture and to the kernel's own, the size and time of pictures while the
-//! camera moves, pictures of the whole size a second while it moves, and the processor time used in a second of rest.
+//! `cargo bench -p pathmarch-render --bench live -- [--size WIDTHxHEIGHT] [--gpu-only] [SCENE…]` prints medians for each scene
+//! and backend: the time from the request to the first picture and to the full-size one (with a kernel that is not compiled
+//! yet), from a change of a parameter to its picture, from a change of structure to its picture and to that of its kernel, the
+//! size and time of pictures while the camera moves, full-size pictures a second while it moves, and the processor time in a
+//! second of rest.
 
 use pathmarch_render::live::{Live, LiveImage, RenderRequest, Status};
 use pathmarch_render::pathmarch_scene::Scene;
@@ -15,8 +16,8 @@ use std::time::{Duration, Instant};
 
 const REPEATS: usize = 5;
 const FRAME_TIME: Duration = Duration::from_millis(33);
-/// Time for a picture in which the whole size is always chosen.
-const WHOLE_SIZE: Duration = Duration::from_secs(1000);
+/// Frame time at which the full size is always chosen.
+const UNLIMITED_TIME: Duration = Duration::from_secs(1000);
 
 fn request(scene: &Arc<Scene>, samples: u32, size: [u32; 2]) -> RenderRequest {
     RenderRequest {
@@ -28,10 +29,10 @@ fn request(scene: &Arc<Scene>, samples: u32, size: [u32; 2]) -> RenderRequest {
     }
 }
 
-/// Waits for a picture as wished; gives it, and the time since `since`.
-fn until(live: &Live, since: Instant, wished: impl Fn(&LiveImage, &Status) -> bool) -> (Arc<LiveImage>, Duration) {
+/// Waits for a picture that fulfils a condition; returns it and the time from `since`.
+fn until(live: &Live, since: Instant, condition: impl Fn(&LiveImage, &Status) -> bool) -> (Arc<LiveImage>, Duration) {
     loop {
-        if let Some(shown) = live.picture().filter(|shown| wished(shown, &live.status())) {
+        if let Some(shown) = live.picture().filter(|shown| condition(shown, &live.status())) {
             return (shown.clone(), shown.at.saturating_duration_since(since));
         }
         assert!(since.elapsed() < Duration::from_secs(300), "no picture: {:?}", live.status());
@@ -44,15 +45,15 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// Processor time of this process so far, seconds, where the system says so.
+/// Processor time of this process so far, seconds; `None` if the system does not report it.
 fn processor_seconds() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
-    // User and system time, in hundredths of a second on every Linux of today.
+    // User and system time, in hundredths of a second on every current Linux.
     Some((fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?) / 100.0)
 }
 
-/// The scene with another albedo-like number, and with one more shape.
+/// Scene with another parameter, and scene with another structure.
 fn variants(text: &str, turn: usize) -> (String, String) {
     let ball = format!("\nobject \"bench {turn}\" {{ sphere 0.1 {{ at 0 0.5 0 }} }}\n");
     let box_ = format!("\nobject \"bench {turn}\" {{ link 0.1 0.1 0.0{} {{ at 0 0.5 0 }} }}\n", turn % 9 + 1);
@@ -68,7 +69,7 @@ struct Row {
     compiled: Vec<f64>,
     frame: Vec<f64>,
     size: [u32; 2],
-    /// Milliseconds for each picture of the whole size.
+    /// Time of each full-size picture, milliseconds.
     full: Vec<f64>,
     rest: Option<f64>,
 }
@@ -125,7 +126,7 @@ fn measure(path: &Path, backend: Backend, full_size: [u32; 2]) -> Row {
             let still = request(&scene, 1);
             let settings = Settings { viewpoint: Some(camera.clone()), ..still.settings };
             let since = Instant::now();
-            let asked = live.show(RenderRequest { settings, moving: true, frame_time: WHOLE_SIZE, ..still });
+            let asked = live.show(RenderRequest { settings, moving: true, frame_time: UNLIMITED_TIME, ..still });
             let (_, time) = until(&live, since, |shown, _| shown.request == asked);
             full.push(milliseconds(time));
         }

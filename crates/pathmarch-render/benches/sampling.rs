@@ -1,8 +1,8 @@
-//! What does the sampler save?
+//! Noise of the samplers.
 //!
 //! Renders scenes with independent random numbers and with Sobol' points, and prints relMSE against a converged picture,
-//! of the pixels and after a Gaussian blur of two pixels' deviation, which stands for the eye. The gain is how many times
-//! as many independent samples it takes to be as good. `cargo bench -p pathmarch-render --bench sampling [-- SCENE...]`
+//! of the pixels and after a Gaussian blur of two pixels' deviation, a model of the eye. The gain is the ratio of the errors:
+//! the factor of independent samples that are needed for the same error. `cargo bench -p pathmarch-render --bench sampling [-- SCENE...]`
 
 use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::relmse;
@@ -15,7 +15,7 @@ const REFERENCE_SAMPLES: u32 = 4096;
 const COUNTS: [u32; 7] = [1, 2, 3, 4, 8, 16, 64];
 const SEEDS: u32 = 8;
 
-/// A Gaussian of two pixels' deviation; beyond the edge stands the picture's mirror image.
+/// Filters a picture by a Gaussian of two pixels' deviation; the picture is mirrored at its edges.
 fn blurred(picture: &Picture) -> Picture {
     let (width, height) = (picture.width as i32, picture.height as i32);
     let weights: Vec<f32> = (-6..=6).map(|d| (-(d * d) as f32 / 8.0).exp()).collect();

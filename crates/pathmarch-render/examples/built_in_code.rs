@@ -1,5 +1,5 @@
-//! A scene built in code, without a text: `cargo run --release -p pathmarch-render --example built_in_code` writes
-//! `spiral.png` here, a spiral of balls that melt into each other on a floor.
+//! Scene built in code, without scene text: `cargo run --release -p pathmarch-render --example built_in_code` writes
+//! `spiral.png` here, a spiral of blended balls on a floor.
 
 use pathmarch_render::pathmarch_field::{Node, Placement};
 use pathmarch_render::pathmarch_scene::parts::{camera, material, operator, shape};

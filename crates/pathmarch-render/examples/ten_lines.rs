@@ -1,4 +1,4 @@
-//! A picture in ten lines: `cargo run --release -p pathmarch-render --example ten_lines` writes `ball.png` here.
+//! Picture in ten lines: `cargo run --release -p pathmarch-render --example ten_lines` writes `ball.png` here.
 
 use pathmarch_render::{Backend, Renderer, Settings, image, pathmarch_scene::Scene, tonemap::Display};
 

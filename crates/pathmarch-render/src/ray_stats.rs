@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct RayStats {
     /// Camera rays, path segments and shadow rays.
     pub rays: u64,
-    /// Rays that entered the bounds of the sphere-traced objects.
-    pub marched_rays: u64,
-    /// Evaluations of the sphere-traced field by all of them, without those for normals, one for each hit.
+    /// Sphere-traced rays: those that enter the bounds of the sphere-traced objects.
+    pub sphere_traced_rays: u64,
+    /// Field evaluations of these rays, excluding those for normals: one for each hit.
     pub evaluations: u64,
 }
 
@@ -35,17 +35,17 @@ pub(crate) struct MarchStats {
 #[derive(Debug, Default)]
 pub(crate) struct RayCounters {
     rays: AtomicU64,
-    marched_rays: AtomicU64,
+    sphere_traced_rays: AtomicU64,
     evaluations: AtomicU64,
 }
 
 impl RayCounters {
     /// Adds the statistics of some rays.
     pub(crate) fn add(&self, stats: &[MarchStats]) {
-        let marched = stats.iter().filter(|ray| ray.evaluations > 0).count() as u64;
+        let sphere_traced = stats.iter().filter(|ray| ray.evaluations > 0).count() as u64;
         let evaluations = stats.iter().map(|ray| u64::from(ray.evaluations)).sum();
         self.rays.fetch_add(stats.len() as u64, Ordering::Relaxed);
-        self.marched_rays.fetch_add(marched, Ordering::Relaxed);
+        self.sphere_traced_rays.fetch_add(sphere_traced, Ordering::Relaxed);
         self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
     }
 
@@ -53,7 +53,7 @@ impl RayCounters {
     pub(crate) fn total(&self) -> RayStats {
         RayStats {
             rays: self.rays.load(Ordering::Relaxed),
-            marched_rays: self.marched_rays.load(Ordering::Relaxed),
+            sphere_traced_rays: self.sphere_traced_rays.load(Ordering::Relaxed),
             evaluations: self.evaluations.load(Ordering::Relaxed),
         }
     }

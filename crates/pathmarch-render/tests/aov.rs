@@ -1,4 +1,4 @@
-//! What the camera sees besides light, against surfaces known in closed form.
+//! AOVs, compared with surfaces in closed form.
 
 use pathmarch_render::aov::{self, Aovs, Layer};
 use pathmarch_render::film::Film;
@@ -26,7 +26,7 @@ fn render(scene: &Scene, size: [u32; 2]) -> Aovs {
 const SIZE: [u32; 2] = [81, 61];
 const GROUND: f64 = 0.25;
 const BALL: f64 = 0.5;
-/// The camera's distance from the middle of the ball; both are one metre above the ground.
+/// Distance of the camera from the ball's centre, metres; both are one metre above the ground.
 const DISTANCE: f64 = 6.0;
 
 fn ball_on_ground(ball: &str, camera: &str) -> Scene {
@@ -37,7 +37,7 @@ fn ball_on_ground(ball: &str, camera: &str) -> Scene {
     ))
 }
 
-/// Depth and object at a position of the picture, in pixels from its top left corner.
+/// Depth and object at a point of the picture, pixels from its top left corner.
 fn expected(x: f64, y: f64) -> (f64, u32) {
     let [width, height] = SIZE.map(f64::from);
     let half = 20f64.to_radians().tan();
@@ -54,9 +54,9 @@ fn expected(x: f64, y: f64) -> (f64, u32) {
     }
 }
 
-fn a_ball_on_the_ground_is_seen_where_it_is() {
-    // The same ball met directly, marched, and through a wide lens, which has no effect.
-    // A march ends up to a tenth of a pixel before an edge, and so may meet it from the next pixel: at four positions.
+fn aovs_of_a_ball_on_the_ground_match_the_closed_form() {
+    // The same ball, analytic, sphere-traced, and through a wide lens, which has no effect.
+    // Sphere tracing ends up to a tenth of a pixel before an edge, and so may hit it from the next pixel: at four positions.
     for (ball, camera, tolerance) in [
         ("sphere 1 { at 0 1 0 }", "", 1e-6),
         ("union { sphere 1 { at 0 1 0 }; sphere 0.001 { at 0 1 0 } }", "", 4.0 / 16.0 * BALL + 1e-6),
@@ -69,15 +69,15 @@ fn a_ball_on_the_ground_is_seen_where_it_is() {
                 let k = (y * SIZE[0] + x) as usize;
                 let (column, row) = (f64::from(x), f64::from(y));
                 let (depth, object) = expected(column + 0.5, row + 0.5);
-                let places = (0..16).map(|place| {
-                    expected(column + (f64::from(place % 4) + 0.5) / 4.0, row + (f64::from(place / 4) + 0.5) / 4.0).1
+                let points = (0..16).map(|point| {
+                    expected(column + (f64::from(point % 4) + 0.5) / 4.0, row + (f64::from(point / 4) + 0.5) / 4.0).1
                 });
-                let places: Vec<u32> = places.collect();
-                let albedo = places.iter().map(|&object| [0.0, GROUND, BALL][object as usize]).sum::<f64>() / 16.0;
+                let points: Vec<u32> = points.collect();
+                let albedo = points.iter().map(|&object| [0.0, GROUND, BALL][object as usize]).sum::<f64>() / 16.0;
                 let error = (f64::from(aovs.albedo[k][1]) - albedo).abs();
                 off += error;
-                assert!(error < tolerance || places.iter().any(|&place| place != object), "{x}, {y}: {error}");
-                if error > 1e-6 || places.iter().any(|&place| place != object) {
+                assert!(error < tolerance || points.iter().any(|&point| point != object), "{x}, {y}: {error}");
+                if error > 1e-6 || points.iter().any(|&point| point != object) {
                     edges += 1;
                     continue;
                 }
@@ -101,7 +101,7 @@ fn a_ball_on_the_ground_is_seen_where_it_is() {
                     }
                 }
                 if object > 0 {
-                    // A march may be off by a tenth of a pixel.
+                    // Sphere tracing may be off by a tenth of a pixel.
                     let around = [(-0.1, -0.1), (0.1, -0.1), (-0.1, 0.1), (0.1, 0.1)]
                         .map(|(dx, dy)| expected(column + 0.5 + dx, row + 0.5 + dy).0);
                     let nearest = around.iter().copied().fold(f64::INFINITY, f64::min);
@@ -177,7 +177,7 @@ fn layers_become_channels() {
     let aovs = render(&scene, [3, 1]);
     let mut film = Film::new(3, 1);
     film.samples = 4;
-    film.leave_out(1, 3);
+    film.count_rejected(1, 3);
     let channels: Vec<_> = Layer::ALL.iter().flat_map(|layer| layer.channels(&aovs, &film)).collect();
     let names: Vec<_> = channels.iter().map(|channel| channel.name.as_str()).collect();
     let expected = "albedo.R albedo.G albedo.B normal.X normal.Y normal.Z depth.Z position.X position.Y position.Z \
@@ -193,7 +193,7 @@ fn layers_become_channels() {
 
 tests! {
     plain: [
-        a_ball_on_the_ground_is_seen_where_it_is,
+        aovs_of_a_ball_on_the_ground_match_the_closed_form,
         samples_bounces_and_seed_have_no_effect,
         normals_face_a_camera_inside,
         lamps_show_their_clipped_radiance_on_the_side_that_emits,

@@ -1,4 +1,4 @@
-//! The light is right, and both backends agree.
+//! Light in closed form, agreement of both backends, and the choice between them.
 
 use crate::common::{
     data, mean, on_both_backends, on_each_backend, on_one_and_both_backends, parse, render, scenes, with_gpu,
@@ -40,7 +40,7 @@ fn a_point_light_falls_off_by_the_square_and_the_cosine(renderer: &Renderer) {
     }
 }
 
-fn the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide(renderer: &Renderer) {
+fn the_sun_has_its_irradiance_at_every_angle(renderer: &Renderer) {
     for angle in [0.0, 0.53, 20.0] {
         let scene = parse(&format!(
             "pathmarch 1\ncamera {{ position 0 5 0; target 0 0 0; up 0 0 -1; fov 0.1 }}\n\
@@ -68,7 +68,7 @@ fn a_sheet_emits_on_the_side_it_faces_only(renderer: &Renderer) {
     }
 }
 
-fn samples_that_are_not_finite_are_left_out_of_their_pixels_mean(renderer: &Renderer) {
+fn samples_that_are_not_finite_are_excluded_from_the_mean(renderer: &Renderer) {
     // A lamp too bright for a film, before a part of the sky.
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 5; target 0 0 0; fov 40 }\nsky 0.5\nmaterial \"lamp\" { emit 1e35 }\n\
@@ -116,8 +116,8 @@ fn every_scene_renders_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
         let share = differing as f64 / cpu.pixels.len() as f64;
         let (a, b) = (cpu.mean_colour()[1], gpu.mean_colour()[1]);
         println!("{}: {:.2} % of pixels differ by over 1 %, means {a:.5} {b:.5}", path.display(), share * 100.0);
-        // Gradients of own fields are differences, whose rounding turns normals by 0.0002, and a fractal multiplies rounding by
-        // the scale of all its iterations: some of the paths that go on from there are others.
+        // Gradients of custom fields are differences, whose rounding turns normals by 0.0002, and a fractal multiplies rounding
+        // errors by the scale of all its iterations. Some paths then continue differently.
         let is_rough = |leaf: &Leaf| matches!(leaf.shape, ShapeRef::Custom(_)) || leaf.shape.has_orbit();
         let limit = if scene.field.leaves().iter().any(is_rough) { 0.1 } else { 0.02 };
         failures.extend((share >= limit).then(|| format!("{}: {share}", path.display())));
@@ -127,24 +127,24 @@ fn every_scene_renders_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
-fn marched_shapes_look_as_those_met_in_closed_form(renderer: &Renderer) {
-    // A blend of one sphere and a small one within must be marched; the picture is that of the plain sphere.
+fn sphere_traced_shapes_look_like_analytic_ones(renderer: &Renderer) {
+    // A blend of a sphere with a small one inside is sphere-traced; the picture is that of the plain sphere.
     let text = |ball: &str| {
         format!(
             "pathmarch 1\ncamera {{ position 0 3 6; target 0 0.8 0; fov 35 }}\nsky 0.3 0.375 0.5\n\
              point {{ at 4 6 4; intensity 120 }}\nobject \"floor\" {{ plane }}\nobject \"ball\" {{ {ball} }}"
         )
     };
-    let direct = parse(&text("sphere 1 { at 0 1 0 }"));
-    let marched = parse(&text("union smooth=1e-6 { sphere 1 { at 0 1 0 }; sphere 0.001 { at 0 1 0 } }"));
-    let settings = Settings { size: [160, 90], samples: 256, ..Settings::of(&direct) };
-    let [a, b] = [&direct, &marched].map(|scene| render(renderer, scene, &settings).mean());
+    let analytic = parse(&text("sphere 1 { at 0 1 0 }"));
+    let sphere_traced = parse(&text("union smooth=1e-6 { sphere 1 { at 0 1 0 }; sphere 0.001 { at 0 1 0 } }"));
+    let settings = Settings { size: [160, 90], samples: 256, ..Settings::of(&analytic) };
+    let [a, b] = [&analytic, &sphere_traced].map(|scene| render(renderer, scene, &settings).mean());
     let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
     println!("{}: relMSE {:.2e}, FLIP {:.4}", renderer.backend().name, result.relmse, result.flip);
     assert!(result.relmse < 1e-3);
 }
 
-/// Every registered shape, turned and scaled, once by itself and once in a blend, which must be marched.
+/// Every registered shape, rotated and scaled, once by itself and once in a blend, which is sphere-traced.
 fn every_shape_renders_alike_on_both_backends_and_in_closed_form(renderers: &mut [Renderer]) {
     for shape in shapes() {
         let name = &*shape.info().name;
@@ -158,13 +158,17 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form(renderers: &mut
         let (open, close) = if shape.info().profile { ("extrude {", ";") } else { ("", "{") };
         let placed = format!("{open} {name} {close} rotate 25 30 10; scale 1.2; at 0 0.1 0 }}");
         let alone = parse(&text(&placed));
-        let marched = parse(&text(&format!("union smooth=1e-6 {{ {placed}; sphere 0.001 {{ at 0 0.1 0 }} }}")));
+        let sphere_traced = parse(&text(&format!("union smooth=1e-6 {{ {placed}; sphere 0.001 {{ at 0 0.1 0 }} }}")));
         let settings = Settings { size: [96, 54], samples: 16, ..Settings::of(&alone) };
         let mut pictures = Vec::new();
         for renderer in &mut *renderers {
-            let [a, b] = [&alone, &marched].map(|scene| render(renderer, scene, &settings).mean());
+            let [a, b] = [&alone, &sphere_traced].map(|scene| render(renderer, scene, &settings).mean());
             let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
-            println!("{name} on {}: by itself against marched relMSE {:.1e}", renderer.backend().name, result.relmse);
+            println!(
+                "{name} on {}: analytic against sphere-traced relMSE {:.1e}",
+                renderer.backend().name,
+                result.relmse
+            );
             assert!(result.relmse < 5e-4, "{name}: {:.1e}", result.relmse);
             pictures.push([a, b]);
         }
@@ -172,7 +176,7 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form(renderers: &mut
             for (cpu, gpu) in cpu.iter().zip(gpu) {
                 let result = compare(cpu, gpu, PictureKind::Hdr).expect("two of a size");
                 println!("{name}: CPU against GPU relMSE {:.1e}", result.relmse);
-                // An orbit that is followed for long tells roundings apart.
+                // The orbits of fractals amplify rounding errors.
                 let limit = if shape.has_orbit() { 2e-4 } else { 1e-5 };
                 assert!(result.relmse < limit, "{name}: {:.1e}", result.relmse);
             }
@@ -180,7 +184,7 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form(renderers: &mut
     }
 }
 
-fn settings_out_of_range_are_refused_in_words() {
+fn settings_out_of_range_are_refused_with_a_message() {
     let scene = Scene::load(data("furnace_050.kdl")).expect("a valid scene");
     let good = Settings::of(&scene);
     let bad = [
@@ -197,7 +201,7 @@ fn settings_out_of_range_are_refused_in_words() {
     }
 }
 
-/// Scene of `count` balls; the GPU refuses more than 2,048 shapes that are code.
+/// Scene of `count` balls; the GPU refuses more than 2,048 shapes as code.
 fn balls(count: usize) -> Scene {
     let mut text = String::from("pathmarch 1\ncamera { position 0 0 4; target 0 0 0 }\n");
     (0..count).for_each(|k| text += &format!("object \"o{k}\" {{ sphere 0.01 {{ at 0 {} 0 }} }}\n", k as f32 * 1e-3));
@@ -207,7 +211,7 @@ fn balls(count: usize) -> Scene {
 }
 
 fn a_refused_scene_leaves_the_backend_as_it_was() {
-    // A software adapter would be compared with the CPU instead.
+    // A software adapter would be compared with the CPU.
     let renderer = testing::auto_renderer_as("discrete GPU").expect("opens");
     let settings = |scene: &Scene| Settings { size: [8, 8], samples: 1, ..Settings::of(scene) };
     let backend_of = |scene: &Scene| renderer.start(scene, &settings(scene)).expect("starts").backend().clone();
@@ -223,26 +227,26 @@ fn a_refused_scene_leaves_the_backend_as_it_was() {
 fn software_adapters_are_compared_with_the_cpu() {
     let renderer = testing::auto_renderer_as("software").expect("opens");
     let scene = parse("pathmarch 1\ncamera { position 0 0 4; target 0 0 0 }\nobject \"o\" { torus 1 0.3 }\n");
-    // Quick on the CPU, so that nothing is compiled.
+    // Fast on the CPU, so that no kernel is compiled.
     let settings = Settings { size: [8, 8], samples: 1, ..Settings::of(&scene) };
     let backend = renderer.start(&scene, &settings).expect("starts").backend().clone();
     assert_eq!(backend.name, "CPU");
     assert!(backend.notice.is_some_and(|notice| notice.contains("software")));
-    // Long enough to be measured; either may be quicker.
+    // Slow enough to be measured; either may be faster.
     let settings = Settings { size: [640, 360], samples: 4096, ..settings };
     let job = renderer.start(&scene, &settings).expect("starts");
     assert_eq!(job.backend().name == "CPU", job.backend().notice.is_some(), "{:?}", job.backend());
-    // A GPU that is asked for is used.
+    // A requested GPU is used.
     let asked = Renderer::open(Backend::Gpu, None).expect("opens");
     assert_ne!(asked.start(&scene, &settings).expect("starts").backend().name, "CPU");
 }
 
-/// The device's own time is there where the adapter has timestamps and somebody asks, and it grows with the samples.
-fn the_gpus_own_time_is_measured(renderer: &Renderer) {
+/// GPU time is measured on request, if the adapter has timestamps, and grows with the samples.
+fn gpu_time_is_measured(renderer: &Renderer) {
     let scene = parse("pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject \"ball\" { sphere 1 }");
     let settings = Settings { size: [64, 36], samples: 8, ..Settings::of(&scene) };
     let mut job = renderer.start(&scene, &settings).expect("starts");
-    assert_eq!(job.gpu_time().expect("works"), None, "nobody has asked");
+    assert_eq!(job.gpu_time().expect("works"), None, "not requested");
     let measured = job.measure_gpu_time().expect("works");
     assert!(!measured || renderer.backend().name != "CPU");
     let mut before = std::time::Duration::ZERO;
@@ -258,16 +262,16 @@ fn the_gpus_own_time_is_measured(renderer: &Renderer) {
 }
 
 tests! {
-    plain: [settings_out_of_range_are_refused_in_words],
+    plain: [settings_out_of_range_are_refused_with_a_message],
     on_each_backend: [
         a_white_furnace_shows_the_albedo,
         a_point_light_falls_off_by_the_square_and_the_cosine,
-        the_sun_gives_its_irradiance_and_its_shadow_is_as_soft_as_it_is_wide,
+        the_sun_has_its_irradiance_at_every_angle,
         a_sheet_emits_on_the_side_it_faces_only,
-        samples_that_are_not_finite_are_left_out_of_their_pixels_mean,
+        samples_that_are_not_finite_are_excluded_from_the_mean,
         ranges_of_samples_add_up_to_the_whole_and_seeds_differ,
-        marched_shapes_look_as_those_met_in_closed_form,
-        the_gpus_own_time_is_measured,
+        sphere_traced_shapes_look_like_analytic_ones,
+        gpu_time_is_measured,
     ],
     on_one_and_both_backends slow: [every_shape_renders_alike_on_both_backends_and_in_closed_form],
     on_both_backends slow: [every_scene_renders_alike_on_both_backends],

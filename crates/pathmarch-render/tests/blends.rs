@@ -1,4 +1,4 @@
-//! Blended materials that emit or transmit carry as much light as what they are blended of.
+//! Energy of blended materials that emit or transmit: it equals that of the materials in the blend.
 
 use crate::common::{on_each_backend, parse, render};
 use pathmarch_render::{Renderer, Settings};
@@ -11,9 +11,9 @@ fn mean(scene: &str, renderer: &Renderer, samples: u32) -> f64 {
     picture.pixels.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / picture.pixels.len() as f64
 }
 
-/// Two balls in one place blend half and half, and the blend is a ball that is larger by a quarter of `smooth`. It lights the
-/// floor as much as one that is met in closed form: a march that ends before its surface made it 0.6 % too bright.
-fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does(renderer: &Renderer) {
+/// Two coincident balls blend in equal parts, and the blend is a ball that is larger by a quarter of `smooth`. It lights the
+/// floor as much as an analytic one: sphere tracing that ended before the surface made it 0.6 % too bright.
+fn a_blended_lamp_lights_its_surroundings_like_a_plain_one(renderer: &Renderer) {
     let scene = |ball: &str| {
         format!(
             "pathmarch 1\ncamera {{ position 0 1.5 5; target 0 0.7 0; fov 40 }}\nrender {{ bounces 4 }}\nsky 0.1\n\
@@ -36,8 +36,8 @@ fn a_blended_lamp_lights_its_surroundings_as_a_plain_one_does(renderer: &Rendere
     }
 }
 
-/// Where all that surrounds a solid has the radiance 1, every blend of what emits 1, reflects all and transmits all has it, too.
-/// Balls in one place: no light is trapped in them by total internal reflection.
+/// In surroundings of radiance 1, every blend of materials that emit 1, reflect all or transmit all has radiance 1, too. The
+/// balls coincide, so that total internal reflection traps no light in them.
 fn every_blend_vanishes_in_a_furnace(renderer: &Renderer) {
     let materials =
         [("lamp", "emit 1"), ("white", "diffuse 1"), ("glass", "glass 1; ior 1.5"), ("mirror", "metal 1; roughness 0")];
@@ -56,5 +56,5 @@ fn every_blend_vanishes_in_a_furnace(renderer: &Renderer) {
 }
 
 tests! {
-    on_each_backend slow: [a_blended_lamp_lights_its_surroundings_as_a_plain_one_does, every_blend_vanishes_in_a_furnace],
+    on_each_backend slow: [a_blended_lamp_lights_its_surroundings_like_a_plain_one, every_blend_vanishes_in_a_furnace],
 }

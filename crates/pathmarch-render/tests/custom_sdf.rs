@@ -1,4 +1,4 @@
-//! Fields of a scene's own are the same on the CPU and the GPU, and hang neither.
+//! Custom distance fields of a scene: they agree on the CPU and the GPU, and hang neither.
 
 #[path = "../../pathmarch-field/tests/sampling/fields.rs"]
 mod fields;
@@ -19,7 +19,7 @@ use wgpu::util::DeviceExt;
 
 const POINTS: usize = 4096;
 
-/// Gradient and distance of a shape at points, by a device.
+/// Computes gradient and distance of a shape at points on a device.
 fn on_device(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -96,7 +96,7 @@ fn device() -> (wgpu::Device, wgpu::Queue) {
     pollster::block_on(adapter.request_device(&Default::default())).expect("a device")
 }
 
-/// A repeatable number of 0..1.
+/// Reproducible random number in 0..1.
 fn random(state: &mut u32) -> f32 {
     *state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     (*state >> 8) as f32 / 16_777_216.0
@@ -122,12 +122,12 @@ fn the_cpu_and_the_gpu_agree_at_random_points() {
         }
         println!("{}: {distance_apart:.1e} apart, {gradients_apart} gradients of {POINTS} differ", declared.name);
         assert!(distance_apart < 2e-5, "{}", declared.name);
-        // At edges the differences fall on this side or that.
+        // At edges, rounding decides on which side the differences are taken.
         assert!(gradients_apart < POINTS as u32 / 50, "{}", declared.name);
     }
 }
 
-/// The budget counts what arrays copy on a device as it does on the CPU: a loop has as many passes.
+/// The loop budget counts copies of arrays on a device as on the CPU: a loop has as many passes.
 fn copies_of_arrays_are_counted_alike() {
     let (device, queue) = device();
     let points = vec![[1.0, 2.0, 3.0, 0.0]; POINTS];
@@ -143,7 +143,7 @@ fn copies_of_arrays_are_counted_alike() {
     }
 }
 
-/// What would take a device minutes and gigabytes is refused when the scene is read.
+/// Parsing refuses arrays that would take a device minutes and gigabytes.
 fn scenes_of_large_arrays_are_refused() {
     let calls: String = (0..255).map(|k| format!("sum += g()[{}];", k % 60)).collect();
     for (size, said) in [(10_000, "`a` has 10000 numbers"), (60, "arrays of this function come to")] {
@@ -156,35 +156,35 @@ fn scenes_of_large_arrays_are_refused() {
     }
 }
 
-/// A scene of a field; `use_it` stands in an object.
-fn scene(field: &str, use_it: &str) -> pathmarch_render::pathmarch_scene::Scene {
+/// Scene with a custom field; `solid` is the content of an object.
+fn scene(field: &str, solid: &str) -> pathmarch_render::pathmarch_scene::Scene {
     parse(&format!(
         "pathmarch 1\ncamera {{ position 1 2 5; target 0 0 0; fov 35 }}\nsky 0.3 0.375 0.5\n\
          sun {{ direction 1 2 1.5; irradiance 2; angle 0 }}\n{field}\nobject \"floor\" {{ plane {{ at 0 -1.2 0 }} }}\n\
-         object \"solid\" {{ {use_it} }}"
+         object \"solid\" {{ {solid} }}"
     ))
 }
 
 fn fields_render_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     let gyroid = "field \"gyroid\" { param cell 0.8; param wall 0.05; lipschitz 1.75; bounds 2 2 2; wgsl \"fn distance(p: vec3f) -> \
                   f32 { let k = 6.2831853 / cell; return abs(dot(sin(p * k), cos(p.yzx * k))) / k - wall; }\" }";
-    for use_it in [
+    for solid in [
         "gyroid cell=0.7 { rotate 25 30 10; scale 1.1 }",
         "intersect { gyroid; sphere 1 }",
         "union smooth=0.2 { gyroid 0.9 0.06; sphere 0.4 { at 0 1 0 } }",
         "repeat 2.5 0 0 count=3 { intersect { gyroid; sphere 0.9 } }",
         "twist 0.1 { gyroid { scale 0.7 } }",
     ] {
-        let scene = scene(gyroid, use_it);
+        let scene = scene(gyroid, solid);
         let settings = Settings { size: [96, 54], samples: 16, ..Settings::of(&scene) };
         let [cpu, gpu] = [0, 1].map(|k| render(&mut renderers[k], &scene, &settings).mean());
         let result = compare(&cpu, &gpu, PictureKind::Hdr).expect("two of a size");
-        println!("{use_it}: CPU against GPU relMSE {:.1e}", result.relmse);
-        assert!(result.relmse < 5e-4, "{use_it}: {:.1e}", result.relmse);
+        println!("{solid}: CPU against GPU relMSE {:.1e}", result.relmse);
+        assert!(result.relmse < 5e-4, "{solid}: {:.1e}", result.relmse);
     }
 }
 
-/// A value that is nowhere or hardly finite, and loops that never end: the picture is made, and soon.
+/// Fields with values that are not finite, or with endless loops, are rendered in limited time.
 fn hostile_fields_are_rendered(renderer: &Renderer) {
     for text in [
         "fn distance(p: vec3f) -> f32 { return p.x / (p.y - p.y); }",
@@ -194,7 +194,7 @@ fn hostile_fields_are_rendered(renderer: &Renderer) {
         "fn distance(p: vec3f) -> f32 { var n = p.x; for (var i = 0; i < 2000000000; i++) { for (var j = 0; j < 2000000000; j++) { n = \
          cos(n); } } return n; }",
         "fn distance(p: vec3f) -> f32 { return fract(sin(dot(p, vec3f(12.9, 78.2, 37.7))) * 43758.5) - 0.5; }",
-        // Arrays that are copied: without any loop, and in one that never ends.
+        // Copied arrays: without a loop, and in an endless loop.
         "fn distance(p: vec3f) -> f32 { var a: array<f32, 24>; var b: array<f32, 24>; a[i32(p.x * 1e3)] = p.y; b = a; \
          a[i32(p.z)] = 1.0; return b[i32(p.y * 1e3)] + length(p) - 0.5; }",
         "fn distance(p: vec3f) -> f32 { var a: array<f32, 24>; var b: array<f32, 24>; loop { a[i32(p.x * 1e3)] = p.y; b = a; \
@@ -215,7 +215,7 @@ fn hostile_fields_are_rendered(renderer: &Renderer) {
     }
 }
 
-/// The examples of the documentation, one of which is a scene of the gallery to the letter.
+/// The examples of the documentation are rendered, and one of them equals a scene of the gallery.
 fn the_examples_of_the_documentation_are_rendered(renderer: &Renderer) {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let docs = std::fs::read_to_string(root.join("docs/own-fields.md")).expect("the page");

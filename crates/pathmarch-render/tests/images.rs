@@ -1,4 +1,4 @@
-//! Image files and picture metrics, from outside: round trips, damaged files, and FLIP against NVIDIA's implementation.
+//! Image files and metrics: round trips, damaged files, and FLIP compared with NVIDIA's implementation.
 
 use pathmarch_testing::{plain, tests};
 use std::fs;
@@ -25,7 +25,7 @@ fn provenance() -> Provenance {
     }
 }
 
-/// Radiance over many orders of magnitude, with no two pixels alike.
+/// Radiance over many orders of magnitude; all pixels differ.
 fn radiance(width: u32, height: u32) -> Picture {
     Picture::from_fn(width, height, |x, y| {
         let value = ((x as f32 * 0.37 + y as f32 * 0.11).sin() * 12.0).exp2();
@@ -67,11 +67,11 @@ fn exr_keeps_every_bit_and_the_provenance() {
     assert!(fs::metadata(flat).expect("written").len() < 20_000, "not compressed");
 }
 
-fn exr_of_other_programs_is_read_whatever_its_numbers_and_layout() {
+fn exr_of_other_programs_is_read_in_every_number_type_and_layout() {
     use exr::prelude::*;
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = directory.path().join("out.exr");
-    // Values that half floats hold exactly.
+    // Values that half floats represent exactly.
     let pixel = |at: Vec2<usize>| [at.x() as f32, at.y() as f32 / 4.0, -0.5].map(f16::from_f32);
     for compression in [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::PIZ] {
         for blocks in [Blocks::ScanLines, Blocks::Tiles(Vec2(16, 16))] {
@@ -94,7 +94,7 @@ fn exr_of_other_programs_is_read_whatever_its_numbers_and_layout() {
     assert!(error.to_string().contains("no channels named R, G and B"), "{error}");
 }
 
-fn exr_holds_further_channels_as_they_are() {
+fn exr_stores_further_channels_unchanged() {
     use exr::prelude::*;
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = directory.path().join("out.exr");
@@ -129,7 +129,7 @@ fn exr_holds_further_channels_as_they_are() {
     assert!(error.is_err_and(|error| error.to_string().contains(".exr")));
 }
 
-fn odd_text_in_the_provenance_is_kept_as_far_as_exr_can() {
+fn odd_text_in_the_provenance_is_stored_as_far_as_exr_can() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = directory.path().join("out.exr");
     let mut odd = provenance();
@@ -146,7 +146,7 @@ fn png_and_jpeg_show_the_picture_through_tone_curve_and_exposure() {
     for tonemap in Tonemap::ALL {
         let display = Display { tonemap, exposure_stops: 1.0 };
         let expected = picture.pixels.iter().map(|&pixel| display.encode(pixel));
-        // JPEG halves the resolution of colour: single pixels may be off, the mean may not.
+        // JPEG halves the resolution of chroma: single pixels may be off, the mean may not.
         for (name, code_tolerance, mean_tolerance) in
             [("a.png", 0.5 / 255.0, 2e-4), ("a.jpg", 0.1, 2e-3), ("a.JPEG", 0.1, 2e-3)]
         {
@@ -169,7 +169,7 @@ fn png_and_jpeg_show_the_picture_through_tone_curve_and_exposure() {
     }
 }
 
-fn png_says_that_it_is_srgb() {
+fn png_declares_srgb() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let bytes = fs::read(saved(directory.path(), "a.png", &radiance(5, 4))).expect("just written");
     assert_eq!(&bytes[12..16], b"IHDR");
@@ -178,7 +178,7 @@ fn png_says_that_it_is_srgb() {
     assert!(load(&directory.path().join("a.png")).is_ok());
 }
 
-fn formats_are_told_by_extension_when_writing_and_by_content_when_reading() {
+fn writing_chooses_the_format_by_extension_and_reading_by_content() {
     for (name, format) in [
         ("a.exr", ImageFormat::Exr),
         ("b/a.PNG", ImageFormat::Png),
@@ -240,13 +240,13 @@ fn a_save_that_fails_leaves_the_old_file_and_nothing_else() {
 }
 
 #[cfg(target_os = "linux")]
-fn a_directory_that_takes_no_files_is_an_error_that_says_so() {
+fn a_read_only_directory_is_reported() {
     // /proc takes no new files, not even from root.
     let error = save(Path::new("/proc/a.exr"), &radiance(4, 4), &srgb(), &provenance()).expect_err("not writable");
     assert!(error.to_string().starts_with("/proc/a.exr: cannot be written: "), "{error}");
 }
 
-fn what_is_no_image_is_refused_with_its_name() {
+fn files_other_than_images_are_refused_by_name() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = directory.path().join("note.exr");
     assert!(matches!(load(&path), Err(ImageError::Read { .. })));
@@ -259,7 +259,7 @@ fn what_is_no_image_is_refused_with_its_name() {
     }
 }
 
-fn files_cut_short_are_errors() {
+fn truncated_files_are_errors() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     for name in ["a.exr", "a.png", "a.jpg"] {
         let path = saved(directory.path(), name, &radiance(40, 40));
@@ -276,7 +276,7 @@ fn absurd_sizes_are_refused_before_anything_is_allocated() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = saved(directory.path(), "a.exr", &radiance(8, 8));
     let mut bytes = fs::read(&path).expect("just written");
-    // The value of dataWindow: four little-endian integers after its name, type and length.
+    // Value of dataWindow: four little-endian integers after its name, type and length.
     let name = b"dataWindow\0box2i\0\x10\0\0\0";
     let at = bytes.windows(name.len()).position(|window| window == name).expect("every EXR has one") + name.len();
     bytes[at + 8..at + 12].copy_from_slice(&100_000i32.to_le_bytes());
@@ -308,7 +308,7 @@ fn damaged_files_are_errors_or_pictures_never_a_panic() {
         for _ in 0..1500 {
             let mut bytes = whole.clone();
             for _ in 0..1 + random(4) {
-                // Headers get half of the damage.
+                // Half of the damage is in the header.
                 let range = if random(2) == 0 { bytes.len().min(600) } else { bytes.len() };
                 let at = random(range);
                 bytes[at] = [0, 1, 0x7f, 0x80, 0xff, random(256) as u8][random(6)];
@@ -395,7 +395,7 @@ fn flip_agrees_with_the_implementation_of_its_authors() {
     }
 }
 
-fn flip_is_zero_for_equal_pictures_and_sees_where_they_differ() {
+fn flip_is_zero_for_equal_pictures_and_finds_differences() {
     let mut image = gradient();
     for kind in [PictureKind::Ldr, PictureKind::Hdr] {
         let map = flip::flip(&image, &image, kind).expect("same size");
@@ -421,36 +421,39 @@ fn hdr_flip_is_defined_for_black_constant_and_extreme_references() {
     assert!((0.05..0.95).contains(&lit), "light where there should be none shows: {lit}");
 }
 
-fn a_comparison_holds_all_the_figures() {
+fn a_comparison_contains_all_metrics() {
     let (image, reference) = (ramp(1.1), ramp(1.0));
     let found = metrics::compare(&image, &reference, PictureKind::Hdr).expect("same size");
     assert_eq!(found.relmse, metrics::relmse(&image, &reference).expect("same size"));
     assert_eq!(found.mse, metrics::mse(&image, &reference).expect("same size"));
-    assert_eq!((found.mean_a, found.mean_b), (metrics::mean_colour(&image), metrics::mean_colour(&reference)));
+    assert_eq!(
+        (found.image_mean, found.reference_mean),
+        (metrics::mean_colour(&image), metrics::mean_colour(&reference))
+    );
     assert!((found.flip - 0.129984).abs() < 1e-3);
-    assert_eq!((found.width, found.height, found.non_finite_a, found.non_finite_b), (WIDTH, HEIGHT, 0, 0));
-    assert!((found.mean_a[1] / found.mean_b[1] - 1.1).abs() < 1e-5);
+    assert_eq!((found.width, found.height, found.image_non_finite, found.reference_non_finite), (WIDTH, HEIGHT, 0, 0));
+    assert!((found.image_mean[1] / found.reference_mean[1] - 1.1).abs() < 1e-5);
 }
 
 tests! {
     plain: [
         exr_keeps_every_bit_and_the_provenance,
-        exr_of_other_programs_is_read_whatever_its_numbers_and_layout,
-        exr_holds_further_channels_as_they_are,
-        odd_text_in_the_provenance_is_kept_as_far_as_exr_can,
+        exr_of_other_programs_is_read_in_every_number_type_and_layout,
+        exr_stores_further_channels_unchanged,
+        odd_text_in_the_provenance_is_stored_as_far_as_exr_can,
         png_and_jpeg_show_the_picture_through_tone_curve_and_exposure,
-        png_says_that_it_is_srgb,
-        formats_are_told_by_extension_when_writing_and_by_content_when_reading,
+        png_declares_srgb,
+        writing_chooses_the_format_by_extension_and_reading_by_content,
         a_saved_file_has_the_permissions_of_any_other,
         a_save_that_fails_leaves_the_old_file_and_nothing_else,
-        a_directory_that_takes_no_files_is_an_error_that_says_so,
-        what_is_no_image_is_refused_with_its_name,
-        files_cut_short_are_errors,
+        a_read_only_directory_is_reported,
+        files_other_than_images_are_refused_by_name,
+        truncated_files_are_errors,
         absurd_sizes_are_refused_before_anything_is_allocated,
         damaged_files_are_errors_or_pictures_never_a_panic,
         flip_agrees_with_the_implementation_of_its_authors,
-        flip_is_zero_for_equal_pictures_and_sees_where_they_differ,
+        flip_is_zero_for_equal_pictures_and_finds_differences,
         hdr_flip_is_defined_for_black_constant_and_extreme_references,
-        a_comparison_holds_all_the_figures,
+        a_comparison_contains_all_metrics,
     ],
 }

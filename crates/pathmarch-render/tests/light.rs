@@ -1,5 +1,5 @@
-//! What the estimator promises beyond single pictures: all ways of finding light agree, nothing leaks, no scale is special,
-//! and each approximation is what it says it is.
+//! Properties of the estimator: all direct-light estimators agree, no light leaks, pictures do not depend on the scale, and each
+//! approximation does what it documents.
 
 use crate::common::{mean, on_each_backend, parse, render};
 use pathmarch_render::image::Picture;
@@ -13,7 +13,7 @@ fn cpu() -> Renderer {
     Renderer::open(Backend::Cpu, None).expect("the CPU is there")
 }
 
-/// A room with every kind of light that paths can meet, and surfaces of several widths of lobe.
+/// Room with every kind of light that paths can hit, and with BSDF lobes of several widths.
 const LIT_ROOM: &str = r##"pathmarch 1
 camera { position 0 1.2 4; target 0 0.8 0; fov 45 }
 render { bounces 3 }
@@ -38,12 +38,13 @@ object "disc" material="warm" { disc 0.3 { rotate 120 0 0; at -0.4 1.5 -1 } }
 "##;
 
 /// Mean and variance of the mean of every block's channels over pictures of different seeds.
-fn blocks(scene: &Scene, search: DirectLighting, samples: u32) -> Vec<(f64, f64)> {
+fn blocks(scene: &Scene, estimator: DirectLighting, samples: u32) -> Vec<(f64, f64)> {
     const SEEDS: u32 = 12;
     let renderer = cpu();
     let pictures: Vec<Picture> = (0..SEEDS)
         .map(|seed| {
-            let settings = Settings { size: [96, 64], samples, seed, direct_lighting: search, ..Settings::of(scene) };
+            let settings =
+                Settings { size: [96, 64], samples, seed, direct_lighting: estimator, ..Settings::of(scene) };
             block_means(&render(&renderer, scene, &settings).mean(), 16)
         })
         .collect();
@@ -57,13 +58,13 @@ fn blocks(scene: &Scene, search: DirectLighting, samples: u32) -> Vec<(f64, f64)
         .collect()
 }
 
-/// A Z-test over the blocks of the picture: with the right estimator, Z² is one on average.
-fn lights_sampled_met_and_both_make_the_same_picture() {
+/// Z-test over the blocks of the picture: with an unbiased estimator, Z² is one on average.
+fn all_direct_light_estimators_make_the_same_picture() {
     let environment = format!("{LIT_ROOM}\nobject \"roof\" {{ rect 1 1 {{ at 0 9 0 }} }}");
     let mut scene = parse(&environment);
-    for with_picture in [false, true] {
-        if with_picture {
-            // A picture of a sky with a bright spot instead of the constant one.
+    for with_map in [false, true] {
+        if with_map {
+            // Environment map with a bright spot instead of a constant sky.
             let texels = (0..32 * 16).map(|k| if k % 32 == 20 && k / 32 == 4 { [60.0; 3] } else { [0.1, 0.15, 0.2] });
             let picture = pathmarch_render::pathmarch_scene::Environment {
                 width: 32,
@@ -74,21 +75,21 @@ fn lights_sampled_met_and_both_make_the_same_picture() {
             scene.sky = Sky::Map(std::sync::Arc::new(picture));
         }
         let both = blocks(&scene, DirectLighting::Mis, 16);
-        for (search, samples) in [(DirectLighting::LightSampling, 32), (DirectLighting::BsdfSampling, 256)] {
-            let other = blocks(&scene, search, samples);
+        for (estimator, samples) in [(DirectLighting::LightSampling, 32), (DirectLighting::BsdfSampling, 256)] {
+            let other = blocks(&scene, estimator, samples);
             let z: Vec<f64> =
                 both.iter().zip(&other).map(|(a, b)| (a.0 - b.0) / (a.1 + b.1).sqrt().max(1e-9)).collect();
             let square = z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64;
             let worst = z.iter().fold(0.0f64, |worst, z| worst.max(z.abs()));
             let bias = z.iter().sum::<f64>() / z.len() as f64;
-            println!("{search:?}, picture {with_picture}: mean Z² {square:.2}, mean Z {bias:.2}, worst {worst:.1}");
-            assert!(square < 2.0 && worst < 6.0, "{search:?}: {square} {worst}");
+            println!("{estimator:?}, picture {with_map}: mean Z² {square:.2}, mean Z {bias:.2}, worst {worst:.1}");
+            assert!(square < 2.0 && worst < 6.0, "{estimator:?}: {square} {worst}");
         }
     }
 }
 
-/// What is refracted in and out again in a uniform surrounding is that surrounding: nothing is lost, nothing leaks, at any
-/// scale, whether the surface is met in closed form or marched.
+/// Clear glass in uniform surroundings has their radiance: no light is lost or leaks, at any scale, for analytic and
+/// sphere-traced surfaces.
 fn clear_glass_is_invisible_in_a_furnace_at_every_scale(renderer: &Renderer) {
     for scale in ["0.001", "1", "1000"] {
         for shape in
@@ -107,15 +108,15 @@ fn clear_glass_is_invisible_in_a_furnace_at_every_scale(renderer: &Renderer) {
             let picture = render(renderer, &scene, &settings).mean();
             let mean = mean_colour(&picture)[1];
             let darkest = picture.pixels.iter().map(|p| p[1]).fold(1.0, f32::min);
-            // Light that creeps along the inside runs out of bounces, a little.
+            // Some light that travels along the inside runs out of bounces.
             assert!((mean - 1.0).abs() < 4e-3, "{shape} at {scale} on {}: {mean}", renderer.backend().name);
             assert!(darkest > 0.7, "{shape} at {scale} on {}: {darkest}", renderer.backend().name);
         }
     }
 }
 
-/// The same scene in millimetres, metres and kilometres is the same picture.
-fn no_scale_is_special() {
+/// A scene in millimetres, metres and kilometres has the same picture.
+fn pictures_do_not_depend_on_the_scale() {
     let at = |scale: f32| {
         let [s, s2] = [scale, scale * scale];
         let n = |v: f32| v * s;
@@ -165,7 +166,7 @@ fn no_scale_is_special() {
     }
 }
 
-/// A far, small light out of focus is a disc of the diameter that the thin lens formula says.
+/// A small, distant light out of focus is a disc of the diameter of the thin lens formula.
 fn the_lens_blurs_by_its_formula(renderer: &Renderer) {
     let (radius, focus, distance, fov) = (0.05f32, 2.0f32, 10.0f32, 20.0f32);
     let scene = parse(&format!(
@@ -173,10 +174,10 @@ fn the_lens_blurs_by_its_formula(renderer: &Renderer) {
          render {{ bounces 0 }}\nmaterial \"l\" {{ emit 10 }}\nobject \"l\" material=\"l\" {{ sphere 0.05 }}"
     ));
     const SIZE: u32 = 128;
-    // Radii in the plane of focus, in pixels: of the lens seen from the light, and of the light.
+    // Radii in the plane of focus, pixels: of the lens as seen from the light, and of the light.
     let pixel = 2.0 * focus * (0.5 * fov.to_radians()).tan() / SIZE as f32;
     let (blur, light) = (radius * (distance - focus) / distance / pixel, 0.05 * focus / distance / pixel);
-    // Mean squares add up; that of a disc is half of its squared radius, that of a pixel a sixth.
+    // Mean squared radii add up: half of the squared radius for a disc, a sixth for a pixel.
     let expected = 0.5 * (blur * blur + light * light) + 1.0 / 6.0;
     let settings = Settings { size: [SIZE, SIZE], samples: 256, ..Settings::of(&scene) };
     let picture = render(renderer, &scene, &settings).mean();
@@ -192,7 +193,7 @@ fn the_lens_blurs_by_its_formula(renderer: &Renderer) {
     assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
 }
 
-/// Straight down through a slab of glass: two interfaces at right angles, and what the slab absorbs.
+/// Light straight down through a slab of glass: two interfaces at normal incidence, and absorption.
 fn fast_caustics_weigh_by_fresnel_and_absorption(renderer: &Renderer) {
     let scene = |caustics: &str| {
         parse(&format!(
@@ -214,9 +215,9 @@ fn fast_caustics_weigh_by_fresnel_and_absorption(renderer: &Renderer) {
     }
 }
 
-/// With `fast`, light that shadow rays let through is not counted again by paths that meet it through glass.
+/// With `fast`, paths that hit a light through glass do not count it again: shadow rays have counted it.
 fn fast_caustics_count_no_light_twice(renderer: &Renderer) {
-    // A glass whose index is almost that of air bends nothing: both ways must agree.
+    // Glass with almost the index of air does not refract: both modes must agree.
     let scene = parse(
         "pathmarch 1\ncamera { position 0 1 5; target 0 0.5 0; fov 40 }\nrender { bounces 4; caustics \"fast\" }\n\
          material \"g\" { glass 0.8; ior 1.002 }\nmaterial \"l\" { emit 8 }\nsun { direction 0 1 0.2; irradiance 1; angle 8 }\n\
@@ -231,8 +232,8 @@ fn fast_caustics_count_no_light_twice(renderer: &Renderer) {
     assert!((fast / traced - 1.0).abs() < 0.01, "{fast} {traced}");
 }
 
-/// What is not sampled as a light stays to be met, behind clear glass, too.
-fn fast_caustics_leave_what_is_not_sampled(renderer: &Renderer) {
+/// Paths still hit emitters that are not sampled as lights, also behind clear glass.
+fn fast_caustics_keep_emitters_that_are_not_sampled(renderer: &Renderer) {
     let scene = |caustics: &str| {
         parse(&format!(
             "pathmarch 1\ncamera {{ position 0 1 4; target 0 0 0; fov 30 }}\nrender {{ bounces 6; caustics \"{caustics}\" }}\n\
@@ -249,7 +250,7 @@ fn fast_caustics_leave_what_is_not_sampled(renderer: &Renderer) {
     assert!((fast / traced - 1.0).abs() < 0.01, "{fast} {traced}");
 }
 
-/// A sun whose disc near misses stand for is not met as well.
+/// A sun whose disc is approximated by near misses is not hit by paths as well.
 fn a_penumbra_counts_no_light_twice(renderer: &Renderer) {
     let scene = |penumbra: &str| {
         parse(&format!(
@@ -280,7 +281,7 @@ fn a_penumbra_softens_a_hard_shadow_and_leaves_the_rest(renderer: &Renderer) {
         render(renderer, &scene, &settings).mean()
     };
     let (hard, soft) = (shadow(""), shadow("penumbra 4"));
-    // The slab is seen up to the middle of the picture and beyond; what lies behind its edge is floor.
+    // The slab covers the picture up to just beyond its middle; the rest is floor.
     let row = |picture: &Picture| (33..60).map(|x| picture.pixels[4 * 64 + x][1]).collect::<Vec<_>>();
     let (hard, soft) = (row(&hard), row(&soft));
     println!("{}: {soft:.2?}", renderer.backend().name);
@@ -288,7 +289,7 @@ fn a_penumbra_softens_a_hard_shadow_and_leaves_the_rest(renderer: &Renderer) {
     assert!(soft[0] < 0.9 * hard[0] && (soft[26] / hard[26] - 1.0).abs() < 0.02, "{hard:?} {soft:?}");
 }
 
-fn the_camera_may_stand_in_what_absorbs(renderer: &Renderer) {
+fn the_camera_may_be_inside_an_absorbing_medium(renderer: &Renderer) {
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 0; target 0 0 -1; fov 1 }\nrender { bounces 4 }\n\
          material \"water\" { glass 1; ior 1.33; absorb 0.5 0.1 0 }\nmaterial \"lamp\" { emit 1 }\n\
@@ -301,8 +302,8 @@ fn the_camera_may_stand_in_what_absorbs(renderer: &Renderer) {
     }
 }
 
-/// Each object keeps its own surface, so that what lies in clear glass is seen, marched or not.
-fn what_lies_in_glass_is_seen(renderer: &Renderer) {
+/// Each object keeps its own surface, so that objects inside clear glass are visible, analytic or sphere-traced.
+fn objects_inside_glass_are_visible(renderer: &Renderer) {
     for (glass, inner) in
         [("sphere 1", "sphere 0.4"), ("rounded-box 2 2 2 0.2", "torus 0.3 0.2"), ("box 2", "torus 0.3 0.2")]
     {
@@ -314,15 +315,15 @@ fn what_lies_in_glass_is_seen(renderer: &Renderer) {
         let settings = Settings { size: [64, 64], samples: 16, ..Settings::of(&scene) };
         let picture = render(renderer, &scene, &settings).mean();
         let at = |x: u32, y: u32| mean(&picture, |a, b| a == x && b == y);
-        // The ring's hole is clear in its middle; the ball is not.
+        // The ring has a clear hole in its middle; the ball has none.
         let dark = (16..48).flat_map(|y| (16..48).map(move |x| (x, y))).filter(|&(x, y)| at(x, y) < 0.2).count();
         assert!(dark > 60, "{inner} in {glass} on {}: {dark} dark pixels", renderer.backend().name);
         assert!(at(1, 1) > 0.99);
     }
 }
 
-/// A ray that leaves a marched surface does not start beyond what lies a millimetre off it.
-fn nothing_leaks_through_a_thin_gap(renderer: &Renderer) {
+/// A ray that leaves a sphere-traced surface does not start beyond a surface at a distance of a millimetre.
+fn no_light_leaks_through_a_thin_gap(renderer: &Renderer) {
     for floor in ["rect 400 400", "box 400 0.2 400 { at 0 -0.1 0 }", "rounded-box 400 0.2 400 0.05 { at 0 -0.1 0 }"] {
         let scene = parse(&format!(
             "pathmarch 1\ncamera {{ position 2.2 1.6 3.2; target -0.5 0.1 0; fov 16 }}\nrender {{ bounces 16 }}\n\
@@ -336,12 +337,12 @@ fn nothing_leaks_through_a_thin_gap(renderer: &Renderer) {
         let tinted = picture.pixels.iter().map(tint).sum::<f32>() / picture.pixels.len() as f32;
         let darkest = block_means(&picture, 6).pixels.iter().map(|p| p[1]).fold(1.0, f32::min);
         println!("{floor} on {}: tint {tinted:.4}, darkest block {darkest:.2}", renderer.backend().name);
-        // Two that are marched, closer than what is negligible at this size, are one: dark, but no leak.
+        // Two sphere-traced surfaces closer than the detail at this size merge: dark, but no leak.
         assert!(tinted < 0.01 && (darkest > 0.7 || floor.starts_with("rounded")), "{floor}: {tinted} {darkest}");
     }
 }
 
-/// A mirror shows the sun's disc as bright as it is.
+/// A mirror shows the sun's disc with its radiance.
 fn mirrors_show_the_sun(renderer: &Renderer) {
     let scene = parse(
         "pathmarch 1\ncamera { position 0 0 4; target 0 0 0; fov 2 }\nrender { bounces 1 }\n\
@@ -354,22 +355,22 @@ fn mirrors_show_the_sun(renderer: &Renderer) {
     assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
 }
 
-fn a_limit_takes_fireflies_and_nothing_else(renderer: &Renderer) {
+fn the_clamp_removes_fireflies_and_nothing_else(renderer: &Renderer) {
     let scene = parse(LIT_ROOM);
     let settings = Settings { size: [48, 32], samples: 64, ..Settings::of(&scene) };
     let free = render(renderer, &scene, &settings).mean();
     let high = render(renderer, &scene, &Settings { clamp: Some(1e6), ..settings.clone() }).mean();
     let low = render(renderer, &scene, &Settings { clamp: Some(0.02), ..settings.clone() }).mean();
-    assert!(relmse(&free, &high).expect("two of a size") < 1e-9, "a limit that nothing meets changes nothing");
+    assert!(relmse(&free, &high).expect("two of a size") < 1e-9, "a limit above all contributions changes nothing");
     assert!(low.pixels.iter().zip(&free.pixels).all(|(l, f)| (0..3).all(|k| l[k] <= f[k] + 1e-4)));
-    // Light that is seen or falls on what is seen stays as it is.
+    // The limit does not apply to emitted and direct light.
     let direct = Settings { bounces: 0, ..settings.clone() };
     let limited = render(renderer, &scene, &Settings { clamp: Some(0.02), ..direct.clone() }).mean();
     assert!(relmse(&limited, &render(renderer, &scene, &direct).mean()).expect("two of a size") < 1e-9);
 }
 
-fn a_rough_fractal_is_no_brighter_than_what_lights_it(renderer: &Renderer) {
-    // Its normals look away from rays in places, where a material seen from below once gave pixels of thousands.
+fn a_rough_fractal_is_no_brighter_than_its_lights(renderer: &Renderer) {
+    // Some of its normals face away from rays, where the BSDF once produced pixels of thousands.
     let scene = parse(
         "pathmarch 1\ncamera { position 2.25 1.45 2.5; target 0 0 0; fov 42 }\nrender { bounces 4 }\nsky 1\n\
          sun { direction 0.8 0.75 0.25; irradiance 3; angle 3 }\nmaterial \"it\" { principled 0.8; roughness 0.45 }\n\
@@ -383,21 +384,21 @@ fn a_rough_fractal_is_no_brighter_than_what_lights_it(renderer: &Renderer) {
 }
 
 tests! {
-    plain: [no_scale_is_special],
-    plain slow: [lights_sampled_met_and_both_make_the_same_picture],
+    plain: [pictures_do_not_depend_on_the_scale],
+    plain slow: [all_direct_light_estimators_make_the_same_picture],
     on_each_backend: [
         clear_glass_is_invisible_in_a_furnace_at_every_scale,
         the_lens_blurs_by_its_formula,
         fast_caustics_weigh_by_fresnel_and_absorption,
         fast_caustics_count_no_light_twice,
-        fast_caustics_leave_what_is_not_sampled,
+        fast_caustics_keep_emitters_that_are_not_sampled,
         a_penumbra_counts_no_light_twice,
         a_penumbra_softens_a_hard_shadow_and_leaves_the_rest,
-        the_camera_may_stand_in_what_absorbs,
-        what_lies_in_glass_is_seen,
-        nothing_leaks_through_a_thin_gap,
+        the_camera_may_be_inside_an_absorbing_medium,
+        objects_inside_glass_are_visible,
+        no_light_leaks_through_a_thin_gap,
         mirrors_show_the_sun,
-        a_limit_takes_fireflies_and_nothing_else,
-        a_rough_fractal_is_no_brighter_than_what_lights_it,
+        the_clamp_removes_fireflies_and_nothing_else,
+        a_rough_fractal_is_no_brighter_than_its_lights,
     ],
 }

@@ -1,4 +1,4 @@
-//! A picture that follows its scene: it comes, gets better, rests, follows changes, and survives the loss of a device.
+//! Live pictures: first picture, refinement, rest, changes of the scene, and loss of the device.
 
 use crate::common::{for_each_backend, parse, with_gpu};
 use pathmarch_render::live::{Live, LiveImage, RenderRequest, Status};
@@ -13,8 +13,8 @@ const SCENE: &str = "pathmarch 1\ncamera { position 0 1 4; target 0 0.5 0 }\nsky
     sun { direction 1 2 1; irradiance 2 }\nmaterial \"red\" { diffuse 0.8 0.1 0.1 }\n\
     object \"ball\" material=\"red\" { sphere 1 { at 0 0.5 0 } }\nobject \"floor\" { plane { at 0 -0.5 0 } }";
 
-/// Long enough for any machine that is not stuck.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Time after which a test fails; long enough for any machine.
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 fn scene() -> Arc<Scene> {
     Arc::new(parse(SCENE))
@@ -30,20 +30,20 @@ fn request(scene: &Arc<Scene>, size: [u32; 2], samples: u32) -> RenderRequest {
     }
 }
 
-/// Waits for a picture and state that are as wished.
-fn until(live: &Live, what: &str, wished: impl Fn(&LiveImage, &Status) -> bool) -> Arc<LiveImage> {
+/// Waits until a picture and the status fulfil a condition.
+fn until(live: &Live, what: &str, condition: impl Fn(&LiveImage, &Status) -> bool) -> Arc<LiveImage> {
     let started = Instant::now();
     loop {
         let (picture, status) = (live.picture(), live.status());
-        if let Some(picture) = picture.filter(|picture| wished(picture, &status)) {
+        if let Some(picture) = picture.filter(|picture| condition(picture, &status)) {
             return picture;
         }
-        assert!(started.elapsed() < PATIENCE, "waited too long for {what}: {status:?}");
+        assert!(started.elapsed() < TIMEOUT, "waited too long for {what}: {status:?}");
         std::thread::sleep(Duration::from_millis(2));
     }
 }
 
-fn the_picture_is_that_of_render_and_then_rests(backend: Backend) {
+fn the_picture_equals_that_of_render_and_then_rests(backend: Backend) {
     let scene = scene();
     let request = request(&scene, [96, 54], 12);
     let mut live = Live::new(backend, None, || {});
@@ -65,11 +65,11 @@ fn the_picture_is_that_of_render_and_then_rests(backend: Backend) {
         }
         assert_eq!(codes[3], 255);
     }
-    // Nothing happens any more.
+    // No further picture is published.
     let serial = live.picture().expect("a picture").serial;
     std::thread::sleep(Duration::from_millis(300));
     assert_eq!(live.picture().expect("a picture").serial, serial);
-    // More samples go on where it stopped.
+    // More samples continue the same film.
     live.show(RenderRequest { settings: Settings { samples: 16, ..request.settings.clone() }, ..request.clone() });
     until(&live, "more samples", |shown, status| shown.samples == 16.0 && status.resting);
     // Another exposure shows the same film.
@@ -114,13 +114,13 @@ fn a_moving_picture_is_small_and_grows_when_it_rests(backend: Backend) {
     assert!(film == expected.expect("a film"), "{backend:?}: moving leaves traces");
 }
 
-fn orders_that_come_faster_than_pictures_still_show_some(backend: Backend) {
+fn requests_faster_than_pictures_still_show_some(backend: Backend) {
     let scene = scene();
     let mut live = Live::new(backend, None, || {});
     let mut camera = scene.cameras[0].clone();
     let mut serials = std::collections::BTreeSet::new();
     let started = Instant::now();
-    // Each of these takes longer than the pause between them: without waiting for any, none would be seen.
+    // Each picture takes longer than the pause between requests: if none were waited for, none would be published.
     while serials.len() < 5 {
         camera.position[0] += 0.001;
         let request = request(&scene, [1920, 1080], 1);
@@ -132,13 +132,13 @@ fn orders_that_come_faster_than_pictures_still_show_some(backend: Backend) {
         });
         std::thread::sleep(Duration::from_millis(2));
         serials.extend(live.picture().map(|shown| shown.serial));
-        assert!(started.elapsed() < PATIENCE, "{backend:?}: {} pictures", serials.len());
+        assert!(started.elapsed() < TIMEOUT, "{backend:?}: {} pictures", serials.len());
     }
 }
 
 fn a_changed_scene_is_shown(backend: Backend) {
     let mut live = Live::new(backend, None, || {});
-    // BsdfParameters; then structure, twice and back.
+    // Changes of parameters; then of structure, twice and back.
     let texts = [
         SCENE.to_owned(),
         SCENE.replace("0.8 0.1 0.1", "0.1 0.8 0.1"),
@@ -159,7 +159,7 @@ fn a_changed_scene_is_shown(backend: Backend) {
     }
 }
 
-fn a_lost_device_loses_no_picture() {
+fn a_lost_device_is_replaced() {
     let scene = scene();
     let mut live = Live::new(Backend::Gpu, None, || {});
     let request = request(&scene, [64, 36], 64);
@@ -177,9 +177,9 @@ fn a_lost_device_loses_no_picture() {
     assert!(film == expected.expect("a film"));
 }
 
-fn what_the_gpu_cannot_hold_is_rendered_on_the_cpu() {
+fn the_cpu_renders_scenes_that_the_gpu_refuses() {
     let mut live = Live::new(Backend::Gpu, None, || {});
-    // More shapes than are compiled as code, in a space of their own, where they are no numbers.
+    // More shapes than a kernel may contain; the modifier around them prevents a shape grid.
     let balls: String = (0..2100).map(|k| format!("sphere 0.01 {{ at {} {} 0 }};", k % 50, k / 50)).collect();
     let many = Arc::new(parse(&format!("{SCENE}\nobject \"many\" {{ round 0.001 {{ {balls} }} }}")));
     let number = live.show(request(&many, [32, 18], 1));
@@ -187,13 +187,13 @@ fn what_the_gpu_cannot_hold_is_rendered_on_the_cpu() {
         shown.request == number && shown.samples >= 1.0 && status.backend == "CPU" && status.notice.is_some()
     });
     assert!(live.status().notice.is_some_and(|notice| notice.contains("2102 shapes")), "{:?}", live.status());
-    // The next scene is the GPU's again.
+    // The GPU renders the next scene again.
     let number = live.show(request(&scene(), [32, 18], 1));
     until(&live, "few shapes", |shown, status| shown.request == number && status.resting && status.backend != "CPU");
     assert_eq!(live.status().notice, None);
 }
 
-fn what_cannot_be_rendered_is_said_and_done_with() {
+fn an_invalid_request_is_reported_and_the_next_one_renders() {
     let scene = scene();
     let mut live = Live::new(Backend::Cpu, None, || {});
     assert!(live.film().recv().expect("an answer").is_err());
@@ -201,7 +201,7 @@ fn what_cannot_be_rendered_is_said_and_done_with() {
     live.show(bad.clone());
     let started = Instant::now();
     while live.status().error.is_none() {
-        assert!(started.elapsed() < PATIENCE, "no error");
+        assert!(started.elapsed() < TIMEOUT, "no error");
         std::thread::sleep(Duration::from_millis(2));
     }
     assert!(live.status().error.expect("an error").contains("0x0"));
@@ -210,12 +210,12 @@ fn what_cannot_be_rendered_is_said_and_done_with() {
 }
 
 tests! {
-    plain: [what_cannot_be_rendered_is_said_and_done_with],
+    plain: [an_invalid_request_is_reported_and_the_next_one_renders],
     for_each_backend: [
-        the_picture_is_that_of_render_and_then_rests,
+        the_picture_equals_that_of_render_and_then_rests,
         a_moving_picture_is_small_and_grows_when_it_rests,
-        orders_that_come_faster_than_pictures_still_show_some,
+        requests_faster_than_pictures_still_show_some,
         a_changed_scene_is_shown,
     ],
-    with_gpu: [a_lost_device_loses_no_picture, what_the_gpu_cannot_hold_is_rendered_on_the_cpu],
+    with_gpu: [a_lost_device_is_replaced, the_cpu_renders_scenes_that_the_gpu_refuses],
 }

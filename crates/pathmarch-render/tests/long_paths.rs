@@ -1,17 +1,17 @@
-//! Long paths through expensive fields look alike on both backends.
+//! Long paths through expensive fields: both backends agree.
 //!
-//! Mesa's software Vulkan ends the loops of an invocation after 65,535 turns: pictures of such scenes were wrong there, and
-//! nothing reported it (see src/gpu/loop_limit.rs).
+//! Mesa's software Vulkan ends the loops of an invocation after 65,535 iterations. Without a remedy, pictures of such scenes are
+//! wrong, and no error is reported (see src/backend/gpu/loop_limit.rs).
 
 use crate::common::random_scenes::random_scene;
 use crate::common::{on_both_backends, parse, render};
 use pathmarch_render::{RenderError, Renderer, Settings};
 use pathmarch_testing::tests;
 
-/// Scenes that are tried, unless `PATHMARCH_RANDOM_SCENES` gives another number.
+/// Number of random scenes, unless `PATHMARCH_RANDOM_SCENES` sets another.
 const SCENES: u64 = 40;
 
-/// A path through copies of copies takes more turns of loops than Mesa allows: it was 7 % too dark there.
+/// A path through copies of copies takes more loop iterations than Mesa allows; the picture was 7 % too dark.
 fn copies_of_copies_render_alike([cpu, gpu]: &mut [Renderer; 2]) {
     let scene = parse(
         "pathmarch 1\ncamera { position 3 2 6; target 0 0 0; fov 45 }\nrender { bounces 12 }\nsky 0.6\n\
@@ -54,7 +54,7 @@ fn random_scenes_render_alike([cpu, gpu]: &mut [Renderer; 2]) {
     }
     println!("{count} scenes: {refused} refused, means differ by at most {:.3} %", 100.0 * worst);
     assert!(wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
-    // A surface that alone takes more turns than the limit is rare.
+    // A single surface rarely exceeds the limit.
     assert!(refused * 10 <= count, "{refused} of {count} were refused");
 }
 

@@ -1,4 +1,4 @@
-//! All tests of pictures in one program: they share opened devices, and are linked once.
+//! All tests of pictures in one program, so that they share opened devices and are linked once.
 
 mod aov;
 mod backends;

@@ -1,4 +1,4 @@
-//! Mesh files: what other readers find in them.
+//! Mesh files, read by other programs' readers.
 
 use glam::Vec3;
 use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
@@ -11,7 +11,7 @@ use ply_rs_bw::ply::{DefaultElement, Property};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Two boxes side by side, one red and one grey.
+/// Mesh of two adjoining boxes, one red and one grey.
 fn example() -> Mesh {
     let text = "pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nmaterial \"red\" { diffuse 0.8 0.1 0.05 }\n\
                 object \"left\" material=\"red\" { box 1 { at -0.5 0 0 } }\nobject \"right\" { box 1 { at 0.5 0 0 } }";
@@ -21,7 +21,7 @@ fn example() -> Mesh {
     made.expect("a mesh")
 }
 
-/// Volume of triangles, and their area.
+/// Volume and area of triangles.
 fn measure(triangles: impl Iterator<Item = [Vec3; 3]>) -> [f32; 2] {
     triangles.fold([0.0; 2], |[volume, area], [a, b, c]| {
         [volume + a.dot(b.cross(c)) / 6.0, area + 0.5 * (b - a).cross(c - a).length()]
@@ -40,7 +40,7 @@ fn written(format: MeshFormat, mesh: &Mesh, directory: &Path) -> std::path::Path
     path
 }
 
-fn stl_is_read_elsewhere() {
+fn stl_is_read_by_other_programs() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     let path = written(MeshFormat::Stl, &mesh, directory.path());
     let read = stl_io::read_stl(&mut std::fs::File::open(path).expect("there")).expect("read");
@@ -55,7 +55,7 @@ fn stl_is_read_elsewhere() {
     }
 }
 
-fn ply_is_read_elsewhere() {
+fn ply_is_read_by_other_programs() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     let path = written(MeshFormat::Ply, &mesh, directory.path());
     let mut file = std::io::BufReader::new(std::fs::File::open(path).expect("there"));
@@ -83,7 +83,7 @@ fn ply_is_read_elsewhere() {
     }
 }
 
-fn obj_is_read_elsewhere() {
+fn obj_is_read_by_other_programs() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     let path = written(MeshFormat::Obj, &mesh, directory.path());
     let (models, _) = tobj::load_obj(path, &tobj::LoadOptions::default()).expect("read");
@@ -91,7 +91,7 @@ fn obj_is_read_elsewhere() {
     assert_eq!((models.len(), read.positions.len()), (1, 3 * mesh.positions.len()));
     let corner = |vertex: u32| Vec3::from_slice(&read.positions[3 * vertex as usize..]);
     check("obj", read.indices.chunks(3).map(|triangle| [triangle[0], triangle[1], triangle[2]].map(corner)));
-    // The reader numbers vertices anew, in the order of the triangles.
+    // The reader renumbers the vertices in the order of the triangles.
     for (&found, &vertex) in read.indices.iter().zip(mesh.triangles.as_flattened()) {
         assert_eq!(corner(found), Vec3::from(mesh.positions[vertex as usize]), "nothing is rounded");
         let colour = Vec3::from_slice(&read.vertex_color[3 * found as usize..]);
@@ -99,7 +99,7 @@ fn obj_is_read_elsewhere() {
     }
 }
 
-fn glb_is_read_elsewhere() {
+fn glb_is_read_by_other_programs() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     let path = written(MeshFormat::Glb, &mesh, directory.path());
     let read = gltf::Gltf::open(path).expect("valid");
@@ -133,7 +133,7 @@ fn glb_is_read_elsewhere() {
     }
 }
 
-fn names_and_places_that_cannot_be_written_are_refused() {
+fn unknown_extensions_and_missing_directories_are_refused() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     for name in ["mesh", "mesh.fbx", ".stl"] {
         let error = save(&directory.path().join(name), &mesh).expect_err("no such format").to_string();
@@ -156,10 +156,10 @@ fn vertices_have_the_colours_of_textures_and_orbits() {
         made.expect("a mesh")
     };
     let checker = "diffuse { checker size=0.5 { colour 0.8 0.1 0.1; colour 0.1 0.1 0.8 } }";
-    let painted = coloured(checker, "box 2 2 2 { at 0.25 0.25 0.25 }");
+    let textured = coloured(checker, "box 2 2 2 { at 0.25 0.25 0.25 }");
     let count = |colour: [f32; 3]| {
         let near = |found: &&[f32; 3]| (0..3).all(|k| (found[k] - colour[k]).abs() < 1e-4);
-        painted.colours.iter().filter(near).count() as f64 / painted.colours.len() as f64
+        textured.colours.iter().filter(near).count() as f64 / textured.colours.len() as f64
     };
     let [red, blue] = [count([0.8, 0.1, 0.1]), count([0.1, 0.1, 0.8])];
     println!("{red:.3} red, {blue:.3} blue");
@@ -175,11 +175,11 @@ fn vertices_have_the_colours_of_textures_and_orbits() {
 
 tests! {
     plain: [
-        stl_is_read_elsewhere,
-        ply_is_read_elsewhere,
-        obj_is_read_elsewhere,
-        glb_is_read_elsewhere,
-        names_and_places_that_cannot_be_written_are_refused,
+        stl_is_read_by_other_programs,
+        ply_is_read_by_other_programs,
+        obj_is_read_by_other_programs,
+        glb_is_read_by_other_programs,
+        unknown_extensions_and_missing_directories_are_refused,
         vertices_have_the_colours_of_textures_and_orbits,
     ],
 }

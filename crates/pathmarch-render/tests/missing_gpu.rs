@@ -1,19 +1,19 @@
 //! Tests that need a GPU are ignored on a machine without one, and fail where one is required.
 //!
-//! This program runs itself again with its drivers hidden, which only Linux allows.
+//! This program runs itself again with hidden drivers, which only Linux allows.
 
 use crate::common::GPU;
 use pathmarch_testing::{ignore, plain, tests};
 use std::process::{Command, Output};
 
-/// A test that needs a GPU and takes no time.
+/// Fast test that needs a GPU.
 const TEST: &str = "backends::a_sheet_emits_on_the_side_it_faces_only";
 
-/// Tests of this program, where no driver can be found.
+/// Runs tests of this program without graphics drivers.
 fn without_drivers(arguments: &[&str], required: bool) -> Output {
     let mut command = Command::new(std::env::current_exe().expect("this program"));
     command.args(arguments).env_remove(GPU.variable);
-    // Vulkan's, under its old name, too, and OpenGL's.
+    // Drivers of Vulkan (under the current and the old name) and of OpenGL.
     for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES", "__EGL_VENDOR_LIBRARY_FILENAMES"] {
         command.env(variable, "/nonexistent.json");
     }

@@ -1,4 +1,4 @@
-//! Modes show what they say, on both backends alike.
+//! Modes of a picture: their values, and agreement of both backends.
 
 use crate::common::{cpu, data, mean, on_both_backends, on_each_backend, parse, render, scenes};
 use pathmarch_render::aov;
@@ -11,7 +11,7 @@ use pathmarch_render::{Mode, Renderer, Settings, clearance, pick, relative_error
 use pathmarch_testing::{plain, tests};
 use std::collections::HashSet;
 
-/// The codes that a screen shows at a place of a mode's picture.
+/// Display codes of a pixel of a mode's picture.
 fn codes(film: &Film, mode: Mode, x: u32, y: u32) -> [u8; 3] {
     let display = mode.display(Display { tonemap: Tonemap::Agx, exposure_stops: 3.0 });
     display.encode_8bit(mode.picture(film).get(x, y).expect("in the picture"))
@@ -36,7 +36,7 @@ fn every_mode_looks_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
                 share * 100.0
             );
             assert!(share < 0.03, "{} {}: {share}", path.display(), mode.name());
-            // Squares of rare bright paths differ by whole paths.
+            // The squares of rare bright paths dominate the differences.
             let tolerance = if mode == Mode::Variance { 0.2 } else { 5e-3 };
             for k in 0..3 {
                 assert!((a[k] - b[k]).abs() <= tolerance * b[k].max(1e-3), "{} {}", path.display(), mode.name());
@@ -66,7 +66,7 @@ fn previews_are_about_as_bright_as_pictures() {
     }
 }
 
-fn modes_without_noise_know_no_seed_and_their_ranges_add_up(renderer: &Renderer) {
+fn modes_without_noise_ignore_the_seed_and_their_ranges_add_up(renderer: &Renderer) {
     let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
     for mode in Mode::ALL.into_iter().filter(|mode| !mode.traces_paths()) {
         let settings = Settings { size: [64, 36], samples: 1, mode, ..Settings::of(&scene) };
@@ -81,7 +81,7 @@ fn modes_without_noise_know_no_seed_and_their_ranges_add_up(renderer: &Renderer)
     }
 }
 
-/// A ball of radius 1 about the origin, five metres before the camera, on nothing; and a wall four metres behind it.
+/// Ball of radius 1 around the origin, five metres in front of the camera, and a wall four metres behind it; no floor.
 fn ball(shape: &str) -> Scene {
     parse(&format!(
         "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 40 }}\nsky 1\n\
@@ -91,11 +91,11 @@ fn ball(shape: &str) -> Scene {
     ))
 }
 
-const DIRECT: &str = "sphere 1";
-const MARCHED: &str = "union smooth=1e-6 { sphere 1; sphere 0.001 }";
+const ANALYTIC: &str = "sphere 1";
+const SPHERE_TRACED: &str = "union smooth=1e-6 { sphere 1; sphere 0.001 }";
 
-fn views_show_a_ball_as_it_is(renderer: &Renderer) {
-    for shape in [DIRECT, MARCHED] {
+fn views_of_a_ball_match_the_closed_form(renderer: &Renderer) {
+    for shape in [ANALYTIC, SPHERE_TRACED] {
         let scene = ball(shape);
         let show = |mode, [x, y]: [u32; 2]| {
             let film = render(renderer, &scene, &Settings { size: [81, 61], samples: 1, mode, ..Settings::of(&scene) });
@@ -107,24 +107,24 @@ fn views_show_a_ball_as_it_is(renderer: &Renderer) {
             assert!(close, "{shape}: {found:?} for {expected:?}");
         };
         near(show(Mode::Normal, middle), [0.5, 0.5, 1.0]);
-        // The limb of the ball on the right of the middle row: a column further left, the normal leans by its sine.
+        // Right limb of the ball in the middle row; the normal from the intersection with the ray.
         let half = 20f32.to_radians().tan();
         let across = half * 81.0 / 61.0 * (2.0 * 52.5 / 81.0 - 1.0);
         let along = 1.0 / (1.0 + across * across).sqrt();
         let t = 5.0 * along - (1.0 - (5.0 * across * along).powi(2)).sqrt();
         near(show(Mode::Normal, [52, 30]), [0.5 + 0.5 * across * along * t, 0.5, 0.5 + 0.5 * (5.0 - along * t)]);
         near(show(Mode::Albedo, middle), [0.735_357, 0.537_099, 0.388_573]);
-        // The scene is larger than the way to the target, which is then middle grey; the ball's front is at 4 m of 5.
+        // The scene is larger than the distance to the target, which is then middle grey; the ball's front is at 4 m of 5.
         near(show(Mode::Depth, middle), [1.0 / (1.0 + 0.64); 3]);
         for mode in Mode::ALL.into_iter().filter(|mode| !mode.traces_paths() && *mode != Mode::Preview) {
-            assert_eq!(show(mode, corner), [0; 3], "{}: nothing is there", mode.name());
+            assert_eq!(show(mode, corner), [0; 3], "{}: the background is black", mode.name());
         }
-        let marched = show(Mode::Steps, middle).iter().any(|&code| code > 0);
-        assert_eq!(marched, shape == MARCHED, "{shape}");
+        let is_sphere_traced = show(Mode::Steps, middle).iter().any(|&code| code > 0);
+        assert_eq!(is_sphere_traced, shape == SPHERE_TRACED, "{shape}");
     }
 }
 
-fn violations_show_where_a_field_lies(renderer: &Renderer) {
+fn violations_show_a_wrong_lipschitz_constant(renderer: &Renderer) {
     let scene = |lipschitz: f32| {
         parse(&format!(
             "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 40 }}\n\
@@ -172,7 +172,7 @@ fn every_object_and_material_has_its_colour(renderer: &Renderer) {
     }
 }
 
-fn a_lamp_shows_on_the_side_that_shines(renderer: &Renderer) {
+fn a_lamp_is_visible_on_the_side_that_emits(renderer: &Renderer) {
     for (facing, expected) in [(1, [2.0, 0.5, 0.25]), (-1, [0.0; 3])] {
         let scene = parse(&format!(
             "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nmaterial \"lamp\" {{ emit 2 0.5 0.25 }}\n\
@@ -188,7 +188,7 @@ fn a_lamp_shows_on_the_side_that_shines(renderer: &Renderer) {
 }
 
 fn a_preview_of_a_lit_floor_is_exact_where_it_can_be(renderer: &Renderer) {
-    // Under a point, a sun, a square lamp: nothing hides anything, and nothing is all around.
+    // A point, a sun and a square lamp, without occlusion and without a sky.
     let cases = [
         ("point { at 0 2 0; intensity 10 }", 10.0 / 4.0),
         ("sun { direction 0 1 0; irradiance 3; angle 0.53 }", 3.0),
@@ -211,7 +211,7 @@ fn a_preview_of_a_lit_floor_is_exact_where_it_can_be(renderer: &Renderer) {
 }
 
 fn a_white_furnace_looks_white_in_a_preview(renderer: &Renderer) {
-    // Under a constant sky a ball in the air shows its albedo, but for what occlusion guesses.
+    // Under a constant sky a ball in the air shows its albedo, except for the approximation of occlusion.
     let scene = Scene::load(data("furnace_050.kdl")).expect("a valid scene");
     let settings = Settings { size: [64, 64], samples: 1, mode: Mode::Preview, ..Settings::of(&scene) };
     let picture = render(renderer, &scene, &settings).mean();
@@ -234,7 +234,7 @@ fn uncertainty_falls_with_the_root_of_the_samples(renderer: &Renderer) {
     assert!((few / many / 4.0 - 1.0).abs() < 0.1, "{few} {many}");
 }
 
-/// The mean is that of the path-traced picture's luminance, to rounding.
+/// The mean equals the luminance of the path-traced picture, up to rounding.
 fn the_mean_of_variance_is_that_of_the_picture() {
     let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
     let base = Settings { size: [48, 27], sampler: scene.render.sampler, mode: Mode::Variance, ..Settings::of(&scene) };
@@ -248,7 +248,7 @@ fn the_mean_of_variance_is_that_of_the_picture() {
 }
 
 fn later_samples_smooth_the_edges(renderer: &Renderer) {
-    let scene = ball(MARCHED);
+    let scene = ball(SPHERE_TRACED);
     let settings = Settings { size: [81, 61], samples: 16, mode: Mode::Albedo, ..Settings::of(&scene) };
     let one = render(renderer, &scene, &Settings { samples: 1, ..settings.clone() }).mean();
     let all = render(renderer, &scene, &settings).mean();
@@ -259,7 +259,7 @@ fn later_samples_smooth_the_edges(renderer: &Renderer) {
     assert!(result.flip < 0.1, "{}", result.flip);
 }
 
-fn a_pick_is_what_the_layers_say() {
+fn picks_agree_with_aovs() {
     for name in ["cornell.kdl", "depth-of-field.kdl", "ten-lines.kdl"] {
         let scene = Scene::load(data("../../../../scenes").join(name)).expect("a valid scene");
         let settings = Settings { size: [64, 36], ..Settings::of(&scene) };
@@ -285,7 +285,7 @@ fn a_pick_is_what_the_layers_say() {
 }
 
 fn picks_and_clearances_of_a_ball_are_exact() {
-    let scene = ball(DIRECT);
+    let scene = ball(ANALYTIC);
     let settings = Settings { size: [81, 61], ..Settings::of(&scene) };
     let picked = pick(&scene, &settings, [40.5, 30.5]).expect("the ball");
     assert_eq!((picked.object, picked.leaf), (0, 0));
@@ -300,18 +300,18 @@ fn picks_and_clearances_of_a_ball_are_exact() {
 
 tests! {
     plain: [
-        a_pick_is_what_the_layers_say,
+        picks_agree_with_aovs,
         picks_and_clearances_of_a_ball_are_exact,
         the_mean_of_variance_is_that_of_the_picture,
     ],
     plain slow: [previews_are_about_as_bright_as_pictures],
     on_each_backend: [
-        modes_without_noise_know_no_seed_and_their_ranges_add_up,
-        views_show_a_ball_as_it_is,
-        violations_show_where_a_field_lies,
+        modes_without_noise_ignore_the_seed_and_their_ranges_add_up,
+        views_of_a_ball_match_the_closed_form,
+        violations_show_a_wrong_lipschitz_constant,
         the_depth_of_a_plane_across_the_view_is_one_grey,
         every_object_and_material_has_its_colour,
-        a_lamp_shows_on_the_side_that_shines,
+        a_lamp_is_visible_on_the_side_that_emits,
         a_preview_of_a_lit_floor_is_exact_where_it_can_be,
         a_white_furnace_looks_white_in_a_preview,
         later_samples_smooth_the_edges,

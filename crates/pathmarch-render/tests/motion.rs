@@ -1,4 +1,4 @@
-//! Motion blur: what moves is the mean of where it is while the shutter is open, on both backends.
+//! Motion blur: the picture is the mean over the time that the shutter is open, on both backends.
 
 use crate::common::{cpu, on_each_backend, worst_block};
 use pathmarch_render::film::Film;
@@ -7,7 +7,7 @@ use pathmarch_render::{Renderer, Settings, Shutter};
 use pathmarch_testing::{plain, tests};
 use std::sync::{Arc, Mutex};
 
-/// A lit ball that crosses half of the picture in a second, over a ground that stays.
+/// Lit ball that crosses half of the picture in a second, over a static ground.
 const SCENE: &str = "pathmarch 1
 camera { position 0 0.5 5; target 0 0.5 0; fov 40 }
 render { size 64 36; samples 256; bounces 1 }
@@ -45,7 +45,7 @@ fn still(renderer: &Renderer, seconds: f64, settings: &Settings) -> Film {
 
 fn blur_is_the_mean_over_the_time(renderer: &Renderer) {
     let name = renderer.backend().name;
-    // Sixty-four still pictures, each by few samples of its own.
+    // Sixty-four still pictures with few samples each.
     let mut mean = Film::new(64, 36);
     for k in 0..64 {
         let at = (f64::from(k) + 0.5) / 64.0;
@@ -54,10 +54,10 @@ fn blur_is_the_mean_over_the_time(renderer: &Renderer) {
     let film = blurred(renderer, &settings(256, 0, 1), OPEN);
     let (blur, mean) = (film.mean(), mean.mean());
     let error = worst_block(&blur, &mean, 4);
-    let unmoved = worst_block(&still(renderer, 0.5, &settings(256, 0, 1)).mean(), &mean, 4);
-    println!("{name}: worst block {error:.4}, of the ball at rest {unmoved:.4}");
-    assert!(error < 0.05 && unmoved > 0.5, "{name}: {error} {unmoved}");
-    // A shutter that is open for no time shows the moment at which it opens.
+    let still_error = worst_block(&still(renderer, 0.5, &settings(256, 0, 1)).mean(), &mean, 4);
+    println!("{name}: worst block {error:.4}, of the ball at rest {still_error:.4}");
+    assert!(error < 0.05 && still_error > 0.5, "{name}: {error} {still_error}");
+    // An exposure time of zero shows the moment at which the shutter opens.
     let shut = Shutter { opens: Moment { seconds: 0.5, frame: 0 }, seconds: 0.0 };
     let frozen = worst_block(
         &blurred(renderer, &settings(16, 0, 1), shut).mean(),
@@ -75,7 +75,7 @@ fn ranges_of_samples_add_up(renderer: &Renderer) {
     assert!(error < 1e-4, "{}: {error}", renderer.backend().name);
 }
 
-fn mistakes_of_a_moment_are_told() {
+fn mistakes_of_a_moment_are_reported() {
     let mut animation = Animation::new("motion.kdl", SCENE.replace("sphere 0.5", "sphere \"0.9 - t\""));
     let scene = animation.at(OPEN.opens).expect("a scene");
     let animation = Arc::new(Mutex::new(animation));
@@ -86,6 +86,6 @@ fn mistakes_of_a_moment_are_told() {
 }
 
 tests! {
-    plain: [mistakes_of_a_moment_are_told],
+    plain: [mistakes_of_a_moment_are_reported],
     on_each_backend: [blur_is_the_mean_over_the_time, ranges_of_samples_add_up],
 }

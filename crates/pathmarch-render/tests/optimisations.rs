@@ -1,4 +1,4 @@
-//! What makes pictures faster leaves them as they are: with it and without, on both backends.
+//! Optimisations do not change pictures: comparisons with and without them, on both backends.
 
 use crate::common::{for_each_backend, parse, with_gpu};
 use pathmarch_render::film::Film;
@@ -24,19 +24,19 @@ object "ball" material="glass" { torus 0.4 0.15 { at 0 0.3 0 } }
 object "lamp" material="lamp" { sphere 0.2 { at 0.6 1 -0.5 } }
 "#,
     );
-    let prepared = Picture::new(&scene, &Settings { size: [24, 16], ..Settings::of(&scene) });
+    let picture = Picture::new(&scene, &Settings { size: [24, 16], ..Settings::of(&scene) });
     let [a, b] = ["software", "discrete GPU"].map(|kind| {
         let device = Device::open_as(kind).expect("a GPU, as before");
-        let uniform = device.has_uniform_frame_and_leaves(&prepared);
+        let uniform = device.has_uniform_frame_and_leaves(&picture);
         assert_eq!(uniform, [!device.is_software(), device.is_software()]);
-        prepared.on_gpu(&device, 2).expect("renders").sums
+        picture.on_gpu(&device, 2).expect("renders").sums
     });
     assert!(a.iter().flatten().sum::<f32>() > 0.0);
     let difference = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
     assert!(difference.fold(0.0, f32::max) < 1e-3);
 }
 
-/// Wires of half a millimetre, a thin shell and a needle between large shapes: what long steps would miss.
+/// Wires of a few millimetres, a thin shell and a needle between large shapes, which long steps could miss.
 const THIN: &str = r#"pathmarch 1
 camera "main" { position 0.4 1.3 4; target 0 0.55 0; fov 36 }
 sky 0.7 0.8 1
@@ -56,34 +56,34 @@ object "cut" material="grey" { subtract { box 0.5 0.5 0.5; sphere 0.3; cylinder 
 object "needle" material="red" { cone 0.01 1.2 { at -0.15 0.6 0.7 } }
 "#;
 
-/// Reference, and the pictures that are made faster, by `render`.
+/// Compares pictures with optimisations, rendered by `render`, with a reference without.
 fn compare_optimisations(backend: &str, render: impl Fn(&Picture, u32) -> Film) {
     let scene = parse(THIN);
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
-    let marched = Scene { field: Field::all_sphere_traced(&roots), ..scene.clone() };
-    assert!(marched.field.analytic_hit::<f32>(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, -1.0, 0.0)).1 < 0.0);
+    let sphere_traced = Scene { field: Field::all_sphere_traced(&roots), ..scene.clone() };
+    assert!(sphere_traced.field.analytic_hit::<f32>(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, -1.0, 0.0)).1 < 0.0);
     const SAMPLES: u32 = 256;
     let settings = Settings { size: [80, 45], samples: SAMPLES, bounces: 2, detail: 0.005, ..Settings::of(&scene) };
-    let reference = Picture::new(&marched, &settings).without_relaxation().on_cpu(SAMPLES).mean();
-    let relaxed = Picture::new(&marched, &settings);
+    let reference = Picture::new(&sphere_traced, &settings).without_relaxation().on_cpu(SAMPLES).mean();
+    let relaxed = Picture::new(&sphere_traced, &settings);
     let whole = Picture::new(&scene, &settings);
-    for (name, prepared) in [("long steps", &relaxed), ("long steps and closed forms", &whole)] {
-        let error = relmse(&render(prepared, SAMPLES).mean(), &reference).expect("of one size");
+    for (name, picture) in [("long steps", &relaxed), ("long steps and analytic hits", &whole)] {
+        let error = relmse(&render(picture, SAMPLES).mean(), &reference).expect("of one size");
         println!("{name} on {backend}: relMSE {error:.1e}");
         assert!(error < 5e-4, "{name} on {backend}: {error:.1e}");
     }
 }
 
-fn pictures_do_not_depend_on_long_steps_and_closed_forms(backend: Backend) {
+fn pictures_do_not_depend_on_long_steps_and_analytic_hits(backend: Backend) {
     if backend == Backend::Cpu {
         compare_optimisations("CPU", Picture::on_cpu);
     } else {
         let device = Device::open().expect("a GPU, as before");
-        compare_optimisations("GPU", |prepared, samples| prepared.on_gpu(&device, samples).expect("renders"));
+        compare_optimisations("GPU", |picture, samples| picture.on_gpu(&device, samples).expect("renders"));
     }
 }
 
 tests! {
-    for_each_backend slow: [pictures_do_not_depend_on_long_steps_and_closed_forms],
+    for_each_backend slow: [pictures_do_not_depend_on_long_steps_and_analytic_hits],
     with_gpu: [pictures_do_not_depend_on_the_kind_of_memory],
 }

@@ -1,5 +1,5 @@
-//! Pictures against those of an established path tracer, and both backends against each other on them.
-//! `data/README.md` says what each reference is and where a match is not exact.
+//! Pictures compared with those of an established path tracer, and both backends compared with each other on these scenes.
+//! `data/README.md` describes each reference and the expected differences.
 
 use crate::common::{data, on_both_backends, render, worst_block};
 use pathmarch_render::image::{self, PictureKind};
@@ -8,14 +8,14 @@ use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings};
 use pathmarch_testing::{plain, tests};
 
-/// Each reference, the samples that bring our own noise well below the limits, and the limit for the mean of a block of 16
-/// by 16 pixels.
+/// References: name, number of samples at which our noise is well below the limits, and limit of the relative difference of a
+/// block of 16 by 16 pixels.
 const REFERENCES: [(&str, u32, f32); 17] = [
     ("furnace_050", 256, 0.005),
     ("diffuse_sphere_plane", 256, 0.01),
     ("diffuse_sphere_plane_area", 256, 0.01),
     ("cornell", 192, 0.03),
-    // A separable Smith term there: 2 % less on the roughest ball, more at its edge.
+    // Mitsuba uses a separable Smith term: 2 % less on the roughest ball, more at its edge.
     ("rough_metal", 512, 0.04),
     ("rough_metal_correlated", 512, 0.02),
     ("mirror", 512, 0.02),
@@ -26,7 +26,7 @@ const REFERENCES: [(&str, u32, f32); 17] = [
     ("environment_rotated", 512, 0.02),
     ("sun", 512, 0.02),
     ("many_lights", 512, 0.02),
-    // No compensation for single scattering there: 0.6 % less on the metal.
+    // Mitsuba does not compensate for single scattering: 0.6 % less on the metal.
     ("principled", 512, 0.03),
     ("lens", 256, 0.02),
     ("box_light", 512, 0.02),
@@ -66,7 +66,7 @@ fn references_render_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
         let mean = (0..3).map(|k| (a[k] / b[k] - 1.0).abs()).fold(0.0, f64::max);
         let line = format!("{name}: relMSE {difference:.1e}, means {:.3} % apart", mean * 100.0);
         println!("{line}");
-        // Paths through glass and over mirrors part by rounding, now and then.
+        // Paths through glass and over mirrors occasionally diverge by rounding.
         if difference > 5e-3 || mean > 2e-3 {
             wrong.push(line);
         }

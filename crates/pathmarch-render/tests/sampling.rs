@@ -1,4 +1,4 @@
-//! Samplers: the same picture in the mean, on every backend.
+//! Samplers converge to the same picture, on every backend.
 
 use crate::common::{cpu, data, on_both_backends};
 use pathmarch_render::image::Picture;
@@ -7,7 +7,7 @@ use pathmarch_render::pathmarch_scene::{Sampler, Scene};
 use pathmarch_render::{Renderer, Settings};
 use pathmarch_testing::{plain, tests};
 
-/// The picture of a scene with a lamp.
+/// Picture of a scene with a lamp.
 fn picture(renderer: &Renderer, sampler: Sampler, samples: u32, seed: u32) -> Picture {
     let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
     let settings = Settings { size: [96, 54], samples, seed, sampler, ..Settings::of(&scene) };

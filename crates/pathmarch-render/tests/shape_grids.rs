@@ -1,4 +1,4 @@
-//! Scenes of many shapes, which are numbers and not code.
+//! Shape grids: scenes of many shapes, which are data of the kernel and not code.
 
 use crate::common::{on_each_backend, parse, render};
 use pathmarch_render::metrics::relmse;
@@ -8,7 +8,7 @@ use pathmarch_render::{Backend, Mode, Renderer, Settings};
 use pathmarch_testing::tests;
 use std::fmt::Write;
 
-/// A smooth union of shapes of two colours, spheres and tori that are objects of their own, lamps, and a floor.
+/// Scene of a smooth union of shapes of two colours, spheres and tori as separate objects, lamps, and a floor.
 fn scene() -> Scene {
     let mut text = String::from(
         "pathmarch 1\ncamera { position 3 4 9; target 0 0.8 0; fov 40 }\nsky 0.5 0.6 0.7\n\
@@ -43,29 +43,29 @@ fn scene() -> Scene {
     parse(&text)
 }
 
-/// The same scene as code.
-fn as_code(scene: &Scene) -> Scene {
+/// Same scene without shape grids: every shape is code.
+fn without_grids(scene: &Scene) -> Scene {
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
     Scene { field: Field::with_shape_grids_from(&roots, usize::MAX), ..scene.clone() }
 }
 
-fn many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends(renderer: &Renderer) {
+fn pictures_do_not_depend_on_shape_grids(renderer: &Renderer) {
     let scene = scene();
-    assert_eq!((scene.field.shapes_as_code(), as_code(&scene).field.shapes_as_code()), (1, 271));
+    assert_eq!((scene.field.shapes_as_code(), without_grids(&scene).field.shapes_as_code()), (1, 271));
     let settings = Settings { size: [128, 72], samples: 64, ..Settings::of(&scene) };
     let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
-    let reference = render(&mut cpu, &as_code(&scene), &settings).mean();
+    let reference = render(&mut cpu, &without_grids(&scene), &settings).mean();
     let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("sizes agree");
     println!("{}: relMSE {error:.6} to the same as code", renderer.backend().name);
     assert!(error < 0.0005, "{}: {error}", renderer.backend().name);
 }
 
-fn previews_and_views_of_many_shapes_are_alike_on_both_backends(renderer: &Renderer) {
+fn previews_and_views_do_not_depend_on_shape_grids(renderer: &Renderer) {
     let scene = scene();
     for mode in [Mode::Preview, Mode::Normal, Mode::Depth, Mode::Albedo] {
         let settings = Settings { size: [128, 72], samples: 4, mode, ..Settings::of(&scene) };
         let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
-        let code = render(&mut cpu, &as_code(&scene), &settings).mean();
+        let code = render(&mut cpu, &without_grids(&scene), &settings).mean();
         let error = relmse(&render(renderer, &scene, &settings).mean(), &code).expect("sizes agree");
         println!("{mode:?} {}: relMSE {error:.6} to the same as code", renderer.backend().name);
         assert!(error < 0.005, "{mode:?} {}: {error}", renderer.backend().name);
@@ -74,7 +74,7 @@ fn previews_and_views_of_many_shapes_are_alike_on_both_backends(renderer: &Rende
 
 tests! {
     on_each_backend slow: [
-        many_shapes_look_alike_as_numbers_and_as_code_and_on_both_backends,
-        previews_and_views_of_many_shapes_are_alike_on_both_backends,
+        pictures_do_not_depend_on_shape_grids,
+        previews_and_views_do_not_depend_on_shape_grids,
     ],
 }

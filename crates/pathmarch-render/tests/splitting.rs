@@ -1,11 +1,11 @@
-//! Paths that share a ray of the camera: the same picture, however many, and every sample counted once.
+//! Splitting: pictures do not depend on the number of paths that share a camera ray, and every sample counts once.
 
 use crate::common::{on_each_backend, parse, render};
 use pathmarch_render::metrics::relmse;
 use pathmarch_render::{MAX_SPLITTING, Renderer, Settings};
 use pathmarch_testing::tests;
 
-/// A closed room with glass, metal, a lamp that is seen, and something that is marched.
+/// Closed room with glass, metal, a visible lamp and a sphere-traced object.
 const ROOM: &str = r#"pathmarch 1
 camera { position 0 1 2.8; target 0 0.9 0; fov 50 }
 render { bounces 5 }
@@ -40,7 +40,7 @@ fn paths_that_share_a_ray_make_the_same_picture(renderer: &Renderer) {
     }
 }
 
-fn ranges_of_samples_add_up_whatever_shares_a_ray(renderer: &Renderer) {
+fn ranges_of_samples_add_up_with_splitting(renderer: &Renderer) {
     let scene = parse(ROOM);
     let settings = Settings { size: [32, 20], samples: 23, splitting: Some(4), ..Settings::of(&scene) };
     let whole = render(renderer, &scene, &settings);
@@ -55,7 +55,7 @@ fn ranges_of_samples_add_up_whatever_shares_a_ray(renderer: &Renderer) {
 
 fn a_picture_that_is_stopped_has_as_many_samples_everywhere(renderer: &Renderer) {
     let scene = parse(ROOM);
-    // Far more than are waited for, so that the last samples are begun and not finished.
+    // Far more samples than the test renders, so that the last ones are begun and not finished.
     let settings = Settings { size: [320, 200], samples: 4096, splitting: Some(8), ..Settings::of(&scene) };
     let mut job = renderer.start(&scene, &settings).expect("starts");
     while job.samples_done() <= 24.0 {
@@ -69,7 +69,7 @@ fn a_picture_that_is_stopped_has_as_many_samples_everywhere(renderer: &Renderer)
 }
 
 tests! {
-    on_each_backend: [ranges_of_samples_add_up_whatever_shares_a_ray],
+    on_each_backend: [ranges_of_samples_add_up_with_splitting],
     on_each_backend slow: [
         paths_that_share_a_ray_make_the_same_picture,
         a_picture_that_is_stopped_has_as_many_samples_everywhere,

@@ -1,4 +1,4 @@
-//! What varies along surfaces: both backends agree on every texture, everywhere that one may stand; light is kept.
+//! Textures: both backends agree on every texture and every use of one, and bump maps conserve energy.
 
 use crate::common::{mean, on_both_backends, on_each_backend, on_one_and_both_backends, parse, render};
 use pathmarch_render::image::{Picture, PictureKind};
@@ -7,22 +7,22 @@ use pathmarch_render::pathmarch_scene::{Scene, textures};
 use pathmarch_render::{Mode, Renderer, Settings};
 use pathmarch_testing::tests;
 
-/// The picture of each renderer.
+/// Pictures of a scene by each renderer.
 fn pictures(renderers: &mut [Renderer], scene: &Scene, mode: Mode, samples: u32, size: [u32; 2]) -> Vec<Picture> {
     let settings = Settings { size, samples, mode, ..Settings::of(scene) };
     let show = |renderer: &mut _| mode.picture(&render(renderer, scene, &settings));
     renderers.iter_mut().map(show).collect()
 }
 
-/// The share of pixels with a channel that differs by more than this, where there are two backends.
+/// Fraction of pixels with a channel that differs by more than `more_than`; 0 for a single backend.
 fn differing(pictures: &[Picture], more_than: f32) -> f64 {
     let [a, b] = pictures else { return 0.0 };
     let differ = |(a, b): &(&[f32; 3], &[f32; 3])| (0..3).any(|k| (a[k] - b[k]).abs() > more_than);
     a.pixels.iter().zip(&b.pixels).filter(differ).count() as f64 / a.pixels.len() as f64
 }
 
-/// A turned and scaled shape of a material, and one that is held in a twisted ring of three.
-fn shown(material: &str) -> Scene {
+/// Scene of a material on a rotated and scaled ball, and on a twisted ring of three boxes.
+fn textured_scene(material: &str) -> Scene {
     parse(&format!(
         "pathmarch 1\ncamera {{ position 1 2 4; target 0.6 0.1 0; fov 40 }}\nsky 1\nmaterial \"m\" {{ {material} }}\n\
          object \"ball\" material=\"m\" {{ sphere 1 {{ rotate 20 30 40; scale 0.9; at -0.5 0.1 0.2 }} }}\n\
@@ -35,19 +35,20 @@ fn both_backends_show_every_texture_alike(renderers: &mut [Renderer]) {
         for (place, sizes) in [("", 0.2), ("at 0.1 0.2 0.3; rotate 10 20 30; scale 0.3;", 1.0)] {
             let name = kind.name;
             let size = if name == "brick" { String::new() } else { format!("size={sizes}") };
-            let scene = shown(&format!("diffuse {{ {name} {size} {{ {place} colour 0.1 0.9 0.2; colour 1 0 1 }} }}"));
+            let scene =
+                textured_scene(&format!("diffuse {{ {name} {size} {{ {place} colour 0.1 0.9 0.2; colour 1 0 1 }} }}"));
             let pictures = pictures(renderers, &scene, Mode::Albedo, 1, [96, 64]);
             let differing = differing(&pictures, 2e-3);
             println!("{name} {place}: {differing}");
-            // Rounding decides on which side of an edge a point is.
+            // At edges, rounding decides on which side a point is.
             assert!(differing < 5e-3, "{name}: {differing} of the pixels");
-            let shown = mean(&pictures[0], |_, _| true);
-            assert!(shown > 0.005 && shown < 0.6, "{name}: {shown}");
+            let textured_scene = mean(&pictures[0], |_, _| true);
+            assert!(textured_scene > 0.005 && textured_scene < 0.6, "{name}: {textured_scene}");
         }
     }
 }
 
-/// Everything that varies at once: on a blend, on a fractal in a modifier, in glass.
+/// Textures of every parameter: on a blend, on a fractal in a modifier, in glass.
 const EVERYTHING: &str = "pathmarch 1
 camera { position 0 2 6; target 0 0.6 0; fov 40 }
 render { bounces 6; caustics \"fast\" }
@@ -71,7 +72,7 @@ object \"sponge\" material=\"flesh\" { twist 0.1 { menger 3 { scale 0.45 }; at 1
 object \"pane\" material=\"pane\" { box 0.8 1 0.06 { at 0.4 0.6 1.2; rotate 0 20 0 } }
 object \"lens\" material=\"wavy\" { sphere 0.3 { at -0.3 0.35 1.6 } }";
 
-fn both_backends_trace_what_varies_alike(renderers: &mut [Renderer; 2]) {
+fn both_backends_trace_textures_alike(renderers: &mut [Renderer; 2]) {
     let scene = parse(EVERYTHING);
     let pictures = pictures(renderers, &scene, Mode::Path, 8, [60, 40]);
     if let [cpu, gpu] = &pictures[..] {
@@ -81,7 +82,7 @@ fn both_backends_trace_what_varies_alike(renderers: &mut [Renderer; 2]) {
     }
 }
 
-fn both_backends_preview_what_varies_alike(renderers: &mut [Renderer; 2]) {
+fn both_backends_preview_textures_alike(renderers: &mut [Renderer; 2]) {
     let scene = parse(EVERYTHING);
     let pictures = pictures(renderers, &scene, Mode::Preview, 1, [96, 64]);
     let differing = differing(&pictures, 0.02);
@@ -91,7 +92,7 @@ fn both_backends_preview_what_varies_alike(renderers: &mut [Renderer; 2]) {
 
 fn pictures_are_shown_alike_and_upright(renderers: &mut [Renderer]) {
     let folder = tempfile::tempdir().expect("a folder");
-    // Red to the right, green upwards.
+    // Red increases to the right, green upwards.
     let picture = image::RgbImage::from_fn(64, 32, |x, y| image::Rgb([(x * 4) as u8, ((31 - y) * 8) as u8, 40]));
     picture.save(folder.path().join("p.png")).expect("saved");
     let name = folder.path().join("scene.kdl").display().to_string();
@@ -102,12 +103,12 @@ fn pictures_are_shown_alike_and_upright(renderers: &mut [Renderer]) {
     );
     let differing = differing(&pictures(renderers, &all_around, Mode::Albedo, 1, [96, 64]), 4e-3);
     assert!(differing < 2e-3, "{differing} of the pixels");
-    // A wall as large as the picture fills the view.
+    // A wall of the picture's size fills the view.
     let wall = load(
         "pathmarch 1\ncamera { position 1 0.5 10; target 1 0.5 0; fov 5.7 }\nmaterial \"m\" { diffuse { picture \"p.png\" size=2 } }\n\
          object \"wall\" material=\"m\" { box 8 8 1 { at 0 0 -0.5 } }",
     );
-    // Coordinates are the box's own: its middle is at the picture's corner.
+    // Coordinates are in the box's space: its middle is at the picture's corner.
     for picture in pictures(renderers, &wall, Mode::Albedo, 1, [64, 32]) {
         let [left, right] = [8, 56].map(|x| picture.pixels[16 * 64 + x]);
         let [top, bottom] = [4, 28].map(|y| picture.pixels[y * 64 + 32]);
@@ -116,7 +117,7 @@ fn pictures_are_shown_alike_and_upright(renderers: &mut [Renderer]) {
     }
 }
 
-fn a_relief_makes_no_light_and_loses_little(renderer: &Renderer) {
+fn a_bump_map_adds_no_light_and_loses_little(renderer: &Renderer) {
     for (material, least) in [("diffuse 1", 0.93), ("metal 1; roughness 0", 0.93), ("principled 1; roughness 0.3", 0.9)]
     {
         let scene = parse(&format!(
@@ -135,9 +136,9 @@ fn a_relief_makes_no_light_and_loses_little(renderer: &Renderer) {
 }
 
 tests! {
-    on_each_backend: [a_relief_makes_no_light_and_loses_little],
+    on_each_backend: [a_bump_map_adds_no_light_and_loses_little],
     on_one_and_both_backends: [pictures_are_shown_alike_and_upright],
     on_one_and_both_backends slow: [both_backends_show_every_texture_alike],
-    on_both_backends: [both_backends_preview_what_varies_alike],
-    on_both_backends slow: [both_backends_trace_what_varies_alike],
+    on_both_backends: [both_backends_preview_textures_alike],
+    on_both_backends slow: [both_backends_trace_textures_alike],
 }

@@ -267,7 +267,7 @@ impl SceneBench<'_> {
                 rays_per_pixel: ray_stats.rays as f64 / pixels,
                 evaluations_per_ray: ray_stats.evaluations_per_ray(),
                 evaluations_per_pixel: Some(ray_stats.evaluations as f64 / pixels),
-                steps_per_marched_ray: Some(ray_stats.evaluations as f64 / ray_stats.marched_rays.max(1) as f64),
+                steps_per_marched_ray: Some(ray_stats.evaluations as f64 / ray_stats.sphere_traced_rays.max(1) as f64),
                 peak_mib: None,
                 quality: None,
             });

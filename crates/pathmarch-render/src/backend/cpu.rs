@@ -123,7 +123,7 @@ impl CpuJob {
         let rejected: Vec<usize> = tiles.par_iter().flat_map_iter(add).collect();
         self.done += tiles.len();
         for pixel in rejected {
-            self.film.leave_out(pixel, 1);
+            self.film.count_rejected(pixel, 1);
         }
         if self.done == self.tiles.len() {
             self.done = 0;

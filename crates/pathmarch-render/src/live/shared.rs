@@ -75,7 +75,7 @@ pub(super) struct Inbox {
     pub(super) lose_device: bool,
     /// True if the thread must end.
     pub(super) stop: bool,
-    /// True if the thread must look for messages or results.
+    /// True if there may be messages or results.
     pub(super) woken: bool,
 }
 

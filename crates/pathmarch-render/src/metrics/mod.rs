@@ -57,20 +57,20 @@ pub enum MetricError {
 /// Result of [`compare`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// Mean of (a - r)² / (r² + 0.01).
+    /// relMSE: mean of (i - r)² / (r² + 0.01).
     pub relmse: f64,
-    /// Mean of (a - r)².
+    /// MSE: mean of (i - r)².
     pub mse: f64,
     /// Mean FLIP error, 0 (no visible difference) to 1.
     pub flip: f64,
     /// Mean colour of the picture.
-    pub mean_a: [f64; 3],
+    pub image_mean: [f64; 3],
     /// Mean colour of the reference.
-    pub mean_b: [f64; 3],
+    pub reference_mean: [f64; 3],
     /// Number of pixels of the picture that are NaN or infinite.
-    pub non_finite_a: u64,
+    pub image_non_finite: u64,
     /// Number of pixels of the reference that are NaN or infinite.
-    pub non_finite_b: u64,
+    pub reference_non_finite: u64,
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
@@ -82,11 +82,11 @@ pub struct Comparison {
 ///
 /// # Errors
 /// [`MetricError::SizeMismatch`], [`MetricError::Empty`].
-pub fn compare(a: &Picture, reference: &Picture, kind: PictureKind) -> Result<Comparison, MetricError> {
-    check_sizes(a, reference)?;
+pub fn compare(image: &Picture, reference: &Picture, kind: PictureKind) -> Result<Comparison, MetricError> {
+    check_sizes(image, reference)?;
     let (mut relmse, mut mse, mut finite) = (0.0, 0.0, 0u64);
-    let (mut mean_a, mut mean_b) = ([0.0; 3], [0.0; 3]);
-    for (pixel, expected) in a.pixels.iter().zip(&reference.pixels) {
+    let (mut image_mean, mut reference_mean) = ([0.0; 3], [0.0; 3]);
+    for (pixel, expected) in image.pixels.iter().zip(&reference.pixels) {
         if !is_finite(pixel) || !is_finite(expected) {
             continue;
         }
@@ -95,8 +95,8 @@ pub fn compare(a: &Picture, reference: &Picture, kind: PictureKind) -> Result<Co
             let (i, r) = (f64::from(pixel[channel]), f64::from(expected[channel]));
             relmse += relative_square(i, r);
             mse += (i - r) * (i - r);
-            mean_a[channel] += i;
-            mean_b[channel] += r;
+            image_mean[channel] += i;
+            reference_mean[channel] += r;
         }
     }
     let pixels = finite.max(1) as f64;
@@ -104,13 +104,13 @@ pub fn compare(a: &Picture, reference: &Picture, kind: PictureKind) -> Result<Co
     Ok(Comparison {
         relmse: relmse / (3.0 * pixels) + worst,
         mse: mse / (3.0 * pixels) + worst,
-        flip: flip::error_map(a, reference, kind).mean(),
-        mean_a: mean_a.map(|sum| sum / pixels),
-        mean_b: mean_b.map(|sum| sum / pixels),
-        non_finite_a: a.non_finite(),
-        non_finite_b: reference.non_finite(),
-        width: a.width,
-        height: a.height,
+        flip: flip::error_map(image, reference, kind).mean(),
+        image_mean: image_mean.map(|sum| sum / pixels),
+        reference_mean: reference_mean.map(|sum| sum / pixels),
+        image_non_finite: image.non_finite(),
+        reference_non_finite: reference.non_finite(),
+        width: image.width,
+        height: image.height,
     })
 }
 
@@ -259,12 +259,12 @@ mod tests {
         assert!(flip::flip(&image, &reference, PictureKind::Ldr).is_err());
         for kind in [PictureKind::Ldr, PictureKind::Hdr] {
             let found = compare(&image, &reference, kind).expect("same size");
-            assert_eq!((found.non_finite_a, found.non_finite_b), (2, 0));
-            assert_eq!((found.relmse, found.mse, found.mean_a), (0.0, 0.0, found.mean_b));
+            assert_eq!((found.image_non_finite, found.reference_non_finite), (2, 0));
+            assert_eq!((found.relmse, found.mse, found.image_mean), (0.0, 0.0, found.reference_mean));
             assert!((found.flip - 2.0 / 480.0).abs() < 1e-6, "{}", found.flip);
         }
         let broken = constant(f32::NAN);
         let found = compare(&broken, &broken, PictureKind::Hdr).expect("same size");
-        assert_eq!((found.flip, found.relmse, found.non_finite_b), (1.0, f64::INFINITY, 480));
+        assert_eq!((found.flip, found.relmse, found.reference_non_finite), (1.0, f64::INFINITY, 480));
     }
 }

@@ -66,7 +66,7 @@ impl Film {
     ///
     /// # Panics
     /// If there is no pixel of this index.
-    pub fn leave_out(&mut self, pixel: usize, samples: u32) {
+    pub fn count_rejected(&mut self, pixel: usize, samples: u32) {
         if samples > 0 {
             self.rejected.resize(self.sums.len(), 0);
             self.rejected[pixel] += samples;
@@ -115,7 +115,7 @@ impl Film {
             .checked_add(other.samples)
             .ok_or(FilmError::TooManySamples { samples: self.samples, other_samples: other.samples })?;
         for (pixel, &samples) in other.rejected.iter().enumerate() {
-            self.leave_out(pixel, samples);
+            self.count_rejected(pixel, samples);
         }
         for (sum, more) in self.sums.iter_mut().zip(&other.sums) {
             for channel in 0..3 {
@@ -158,7 +158,7 @@ mod tests {
             let mut part = Film::new(3, 1);
             part.samples = 2;
             for pixel in 0..3 {
-                part.leave_out(pixel, rejected[pixel]);
+                part.count_rejected(pixel, rejected[pixel]);
                 part.sums[pixel] = [sum[pixel]; 3];
             }
             whole.add(&part).expect("same size");

@@ -1,7 +1,7 @@
-//! What the tests of rendering share.
+//! Helpers of the rendering tests.
 //!
-//! GPU tests need an adapter (Mesa's software Vulkan will do). Without one they are reported as ignored, unless
-//! `PATHMARCH_REQUIRE_GPU` is set, as in CI: then they fail.
+//! GPU tests need an adapter (Mesa's software Vulkan is enough). Without one they are reported as ignored; they fail if
+//! `PATHMARCH_REQUIRE_GPU` is set, as in CI.
 
 pub mod random_scenes;
 
@@ -32,19 +32,19 @@ pub fn scenes() -> Vec<PathBuf> {
     found
 }
 
-/// The CPU backend, which is always there.
+/// CPU backend, which is always available.
 pub fn cpu() -> Renderer {
     Renderer::open(Backend::Cpu, None).expect("the CPU is there")
 }
 
-/// GPU backends that are open and that no test uses: opening one takes a while.
+/// Opened GPU backends that no test uses at present; opening one is slow.
 static IDLE: Mutex<Vec<Renderer>> = Mutex::new(Vec::new());
 
 fn idle() -> MutexGuard<'static, Vec<Renderer>> {
     IDLE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A GPU adapter that can be opened.
+/// Requirement of a GPU adapter that can be opened.
 pub static GPU: Requirement = Requirement {
     variable: "PATHMARCH_REQUIRE_GPU",
     missing: || {
@@ -54,7 +54,7 @@ pub static GPU: Requirement = Requirement {
     },
 };
 
-/// Lends the GPU backend to a test. One that fails does not give it back.
+/// Lends the GPU backend to a test. A failed test does not return it.
 fn lend_gpu(test: impl FnOnce(Renderer) -> Renderer) {
     let open = idle().pop();
     let renderer = test(open.unwrap_or_else(|| Renderer::open(Backend::Gpu, None).expect("a GPU, as before")));
@@ -71,7 +71,7 @@ fn lend_both(test: impl FnOnce(&mut [Renderer; 2])) {
     });
 }
 
-/// Tests of one backend, twice: on the CPU and on the GPU.
+/// Registers a test of one backend twice: on the CPU and on the GPU.
 pub fn on_each_backend(name: &str, test: fn(&Renderer)) -> [Test; 2] {
     let on_gpu = move || {
         lend_gpu(|mut gpu| {
@@ -85,7 +85,7 @@ pub fn on_each_backend(name: &str, test: fn(&Renderer)) -> [Test; 2] {
     ]
 }
 
-/// The same for tests that open their backend themselves.
+/// Registers a test that opens its own backend twice: for the CPU and for the GPU.
 pub fn for_each_backend(name: &str, test: fn(Backend)) -> [Test; 2] {
     [
         Test::new(&format!("{name}::cpu"), move || test(Backend::Cpu)),
@@ -93,12 +93,12 @@ pub fn for_each_backend(name: &str, test: fn(Backend)) -> [Test; 2] {
     ]
 }
 
-/// Tests that compare backends: the CPU's and the GPU's, in this order.
+/// Registers a test that compares the CPU's and the GPU's backend, in this order.
 pub fn on_both_backends(name: &str, test: fn(&mut [Renderer; 2])) -> [Test; 1] {
     [Test::requiring(name, &GPU, move || lend_both(test))]
 }
 
-/// Tests of any number of backends, twice: with the CPU's alone, and with the CPU's and the GPU's.
+/// Registers a test of any number of backends twice: with the CPU's alone, and with both, the CPU's first.
 pub fn on_one_and_both_backends(name: &str, test: fn(&mut [Renderer])) -> [Test; 2] {
     [
         Test::new(&format!("{name}::cpu"), move || test(&mut [cpu()])),
@@ -106,7 +106,7 @@ pub fn on_one_and_both_backends(name: &str, test: fn(&mut [Renderer])) -> [Test;
     ]
 }
 
-/// Tests that open a GPU themselves.
+/// Registers a test that opens a GPU itself.
 pub fn with_gpu(name: &str, test: fn()) -> [Test; 1] {
     [Test::requiring(name, &GPU, test)]
 }
@@ -134,7 +134,7 @@ pub fn mean(picture: &Picture, inside: impl Fn(u32, u32) -> bool) -> f64 {
     sum / f64::from(count)
 }
 
-/// The largest relative difference of a channel's mean over a block of pixels; blocks darker than 0.01 count as that dark.
+/// Largest relative difference of a channel's mean over a block of pixels; darker blocks count as 0.01.
 pub fn worst_block(picture: &Picture, reference: &Picture, side: u32) -> f32 {
     let (a, b) = (block_means(picture, side), block_means(reference, side));
     let pairs = a.pixels.iter().zip(&b.pixels);

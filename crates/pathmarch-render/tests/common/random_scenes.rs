@@ -1,17 +1,17 @@
 //! Random scenes for the tests, as text: fractals, repetitions, smooth operators and warps in all combinations.
 //!
-//! A scene is a function of its number. All but a floor ends within [`FARTHEST`] metres of the origin, at most
-//! [`MOST_SHAPES`] shapes are in it, no operator that makes copies contains another, and the camera is outside of everything.
+//! A scene is a function of its number. Everything but a floor is within [`MAX_EXTENT`] metres of the origin. A scene has at most
+//! [`MAX_SHAPES`] shapes. No operator that makes copies contains another, and the camera is outside of all objects.
 #![allow(dead_code)]
 
 use std::fmt::Write;
 
-/// The boxes of all objects but the floor end nearer to the origin along each axis, metres.
-pub const FARTHEST: f32 = 12.0;
-/// The most shapes of a scene, the floor included.
-pub const MOST_SHAPES: usize = 40;
+/// Limit of the bounds of all objects but the floor, metres from the origin along each axis.
+pub const MAX_EXTENT: f32 = 12.0;
+/// Largest number of shapes of a scene, the floor included.
+pub const MAX_SHAPES: usize = 40;
 
-/// Random numbers (PCG; O'Neill 2014), the same in every run.
+/// Random number generator (PCG; O'Neill 2014), the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -20,16 +20,16 @@ impl Random {
         let word = (((self.0 >> 18) ^ self.0) >> 27) as u32;
         word.rotate_right((self.0 >> 59) as u32)
     }
-    /// From 0 to `count - 1`.
+    /// Random integer from 0 to `count - 1`.
     fn below(&mut self, count: usize) -> usize {
         ((u64::from(self.word()) * count as u64) >> 32) as usize
     }
-    /// Three digits, so that texts stay short.
+    /// Random number in a range, rounded to three decimals so that texts stay short.
     fn within(&mut self, low: f32, high: f32) -> f32 {
         let share = (self.word() >> 8) as f32 / 16_777_216.0;
         ((low + (high - low) * share) * 1000.0).round() / 1000.0
     }
-    fn happens(&mut self, share: f32) -> bool {
+    fn chance(&mut self, share: f32) -> bool {
         self.within(0.0, 1.0) < share
     }
     fn of<'a>(&mut self, list: &[&'a str]) -> &'a str {
@@ -37,21 +37,21 @@ impl Random {
     }
 }
 
-/// How many materials a scene has, `m0` and so on.
+/// Number of materials of a scene, `m0` and so on.
 const MATERIALS: usize = 5;
 
 struct Writer {
     random: Random,
     text: String,
-    /// Shapes that may still be written.
+    /// Number of shapes that may still be written.
     shapes: usize,
 }
 
-/// The text of the random scene of this number.
+/// Text of a random scene.
 pub fn random_scene(number: u64) -> String {
     let mut random = Random(number.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d);
     random.word();
-    let mut writer = Writer { random, text: String::new(), shapes: MOST_SHAPES - 1 };
+    let mut writer = Writer { random, text: String::new(), shapes: MAX_SHAPES - 1 };
     writer.surroundings();
     for k in 0..MATERIALS {
         writer.material(k);
@@ -63,7 +63,7 @@ pub fn random_scene(number: u64) -> String {
         writer.solid(3, true);
         writeln!(writer.text, "; at {x} {y} {z} }} }}").expect("a string takes it");
     }
-    if writer.random.happens(0.6) {
+    if writer.random.chance(0.6) {
         writer.text += "object \"floor\" material=\"m0\" { plane { at 0 -2.5 0 } }\n";
     }
     writer.text
@@ -82,14 +82,14 @@ impl Writer {
             self.number(low, high);
         }
     }
-    /// A whole number.
+    /// Writes an integer.
     fn count(&mut self, low: usize, high: usize) {
         let value = low + self.random.below(high - low + 1);
         write!(self.text, " {value}").expect("a string takes it");
     }
 
     fn surroundings(&mut self) {
-        // From above, at least 10 m off: outside of everything.
+        // At least 10 m away: outside of all objects.
         let turn = self.random.within(0.0, std::f32::consts::TAU);
         let (far, height) = (self.random.within(10.0, 13.0), self.random.within(-1.5, 6.0));
         let (x, z) = (far * turn.sin(), far * turn.cos());
@@ -124,7 +124,7 @@ impl Writer {
 
     fn material(&mut self, k: usize) {
         write!(self.text, "material \"m{k}\" {{ ").expect("a string takes it");
-        // The first is the floor's.
+        // The first material is the floor's.
         match if k == 0 { 0 } else { self.random.below(6) } {
             0 | 1 => {
                 self.put("diffuse");
@@ -154,7 +154,7 @@ impl Writer {
         self.put(" }\n");
     }
 
-    /// A solid of about a metre, of at most so many operators around each other; `may_copy` allows one that makes copies.
+    /// Writes a solid of about a metre with at most `depth` nested operators; `may_copy` allows one that makes copies.
     fn solid(&mut self, depth: usize, may_copy: bool) {
         if depth == 0 || self.shapes < 4 {
             return self.shape();
@@ -183,7 +183,7 @@ impl Writer {
                         write!(self.text, "mirror \"{axis}\"").expect("a string takes it");
                     }
                 }
-                self.held(depth, false);
+                self.child(depth, false);
             }
             4..9 => {
                 match self.random.below(6) {
@@ -212,22 +212,22 @@ impl Writer {
                         self.numbers(&[(0.0, 0.05), (0.5, 3.0)]);
                     }
                 }
-                self.held(depth, may_copy);
+                self.child(depth, may_copy);
             }
-            _ => self.of_profile(),
+            _ => self.profile(),
         }
     }
 
-    fn held(&mut self, depth: usize, may_copy: bool) {
+    fn child(&mut self, depth: usize, may_copy: bool) {
         self.put(" { ");
         self.solid(depth - 1, may_copy);
         self.placement(0.4);
         self.put(" }");
     }
 
-    /// Where a child stands, and what it is made of.
+    /// Writes the placement of a child.
     fn placement(&mut self, reach: f32) {
-        // Behind what was written last, which ends with its own braces or with its numbers.
+        // The text before ends with braces or with numbers.
         self.put("; at");
         self.numbers(&[(-reach, reach); 3]);
         self.put("; rotate");
@@ -241,7 +241,7 @@ impl Writer {
             self.number(0.1, 0.9);
             2
         } else {
-            if self.random.happens(0.8) {
+            if self.random.chance(0.8) {
                 let smooth = self.random.within(0.02, 0.4);
                 let profile = self.random.of(&["soft", "soft", "round", "chamfer", "stairs"]);
                 write!(self.text, " smooth={smooth} profile=\"{profile}\"").expect("a string takes it");
@@ -253,7 +253,7 @@ impl Writer {
             if k > 0 {
                 self.put("; ");
             }
-            // Each in a union of its own, which has a placement and a material.
+            // Each child is a union with a placement and a material.
             let material = self.random.below(2 * MATERIALS);
             self.put("union");
             if material < MATERIALS {
@@ -267,9 +267,9 @@ impl Writer {
         self.put(" }");
     }
 
-    fn of_profile(&mut self) {
+    fn profile(&mut self) {
         self.shapes = self.shapes.saturating_sub(1);
-        if self.random.happens(0.5) {
+        if self.random.chance(0.5) {
             self.put("extrude");
             self.number(0.1, 0.8);
         } else {
@@ -296,7 +296,7 @@ impl Writer {
 
     fn shape(&mut self) {
         self.shapes = self.shapes.saturating_sub(1);
-        if self.random.happens(0.4) {
+        if self.random.chance(0.4) {
             return self.fractal();
         }
         const SHAPES: [(&str, &[(f32, f32)]); 13] = [
@@ -319,7 +319,7 @@ impl Writer {
         self.numbers(ranges);
     }
 
-    /// A fractal of about a metre; each is scaled from the size it has.
+    /// Writes a fractal, scaled to about a metre.
     fn fractal(&mut self) {
         let (size, name) = [
             (0.8, "mandelbulb"),

@@ -36,10 +36,12 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     println!("relMSE     {:.3e}", result.relmse);
     println!("MSE        {:.3e}", result.mse);
     println!("FLIP       {:.5}", result.flip);
-    println!("mean       {}  {}", colour(result.mean_a), arguments.picture.display());
-    println!("mean       {}  {}", colour(result.mean_b), arguments.reference.display());
+    println!("mean       {}  {}", colour(result.image_mean), arguments.picture.display());
+    println!("mean       {}  {}", colour(result.reference_mean), arguments.reference.display());
     let mut code = DONE;
-    for (count, path) in [(result.non_finite_a, &arguments.picture), (result.non_finite_b, &arguments.reference)] {
+    for (count, path) in
+        [(result.image_non_finite, &arguments.picture), (result.reference_non_finite, &arguments.reference)]
+    {
         if count > 0 {
             eprintln!("pathmarch: {}: {count} non-finite pixels were ignored", path.display());
             code = FAILED;

@@ -435,7 +435,7 @@ impl GpuJob {
         film.samples = self.submitted.samples;
         for (pixel, [r, g, b, rejected]) in sums.into_iter().enumerate() {
             film.sums[pixel] = [r, g, b];
-            film.leave_out(pixel, rejected as u32);
+            film.count_rejected(pixel, rejected as u32);
         }
         Ok(film)
     }

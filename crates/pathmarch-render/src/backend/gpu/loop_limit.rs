@@ -44,7 +44,7 @@ shared_struct! {
         previous_vertex: [f32; 3],
         index_square: f32,
         throughput: [f32; 3],
-        /// Number of surfaces that the path has scattered at, or FINISHED.
+        /// Number of surfaces from which the path has continued, or FINISHED.
         surfaces: u32,
         radiance: [f32; 3],
         passing: u32,

@@ -14,7 +14,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time for which the CPU renders between two looks at the inbox.
+/// Time for which the CPU renders before it checks the inbox.
 const CPU_SLICE: Duration = Duration::from_millis(12);
 /// Longest time between two pictures of an accumulating film.
 const PUBLISH_INTERVAL: Duration = Duration::from_millis(150);
