@@ -8,8 +8,15 @@ use crate::common::{on_both_backends, parse, render};
 use pathmarch_render::{RenderError, Renderer, Settings};
 use pathmarch_testing::tests;
 
-/// Number of random scenes, unless `PATHMARCH_RANDOM_SCENES` sets another.
-const SCENES: u64 = 40;
+/// Seeds of the random scenes, unless `PATHMARCH_RANDOM_SCENES` sets others: a number of them, or a range such as `800-1000`.
+const SEEDS: std::ops::Range<u64> = 0..40;
+
+fn seeds() -> std::ops::Range<u64> {
+    let Ok(text) = std::env::var("PATHMARCH_RANDOM_SCENES") else { return SEEDS };
+    let (first, end) = text.split_once('-').unwrap_or(("0", &text));
+    let seed = |text: &str| text.parse().expect("PATHMARCH_RANDOM_SCENES is a number, or a range such as 800-1000");
+    seed(first)..seed(end)
+}
 
 /// A path through copies of copies takes more loop iterations than Mesa allows; the picture was 7 % too dark.
 fn copies_of_copies_render_alike([cpu, gpu]: &mut [Renderer; 2]) {
@@ -26,10 +33,11 @@ fn copies_of_copies_render_alike([cpu, gpu]: &mut [Renderer; 2]) {
 }
 
 fn random_scenes_render_alike([cpu, gpu]: &mut [Renderer; 2]) {
-    let count = std::env::var("PATHMARCH_RANDOM_SCENES").ok().and_then(|text| text.parse().ok()).unwrap_or(SCENES);
+    let seeds = seeds();
+    let count = seeds.end - seeds.start;
     let (mut refused, mut worst) = (0, 0.0f64);
     let mut wrong = Vec::new();
-    for seed in 0..count {
+    for seed in seeds {
         let scene = parse(&random_scene(seed));
         let settings = Settings { size: [16, 16], samples: 16, ..Settings::of(&scene) };
         let mean = |renderer: &Renderer| {

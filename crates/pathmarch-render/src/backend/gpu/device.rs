@@ -5,8 +5,10 @@ use crate::error::RenderError;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// Time after which a submission counts as hung.
-pub(super) const TIMEOUT: Duration = Duration::from_secs(120);
+/// Time after which a submission to a GPU counts as hung.
+const GPU_TIMEOUT: Duration = Duration::from_secs(120);
+/// The same for software adapters, which other programs slow down without limit.
+const SOFTWARE_TIMEOUT: Duration = Duration::from_secs(1800);
 
 /// Opened adapter.
 pub(crate) struct Device {
@@ -70,6 +72,11 @@ impl Device {
         self.description.kind == SOFTWARE
     }
 
+    /// Time after which a submission counts as hung.
+    pub(super) fn timeout(&self) -> Duration {
+        if self.is_software() { SOFTWARE_TIMEOUT } else { GPU_TIMEOUT }
+    }
+
     /// Allocates a buffer.
     ///
     /// # Errors
@@ -96,7 +103,7 @@ impl Device {
             let _ = sender.send(result);
         });
         self.device
-            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) })
+            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(self.timeout()) })
             .map_err(|error| self.error(error))?;
         self.check()?;
         match receiver.try_recv() {

@@ -7,7 +7,6 @@
 
 use super::GpuContext;
 use super::bindings;
-use super::device::TIMEOUT;
 use super::display::DisplayBuffers;
 use super::encode::LightRecord;
 use super::kernel_cache::{Kernel, KernelSource};
@@ -280,10 +279,11 @@ impl GpuJob {
     /// Waits for the oldest submission; adapts the work of the next ones to its time.
     fn complete_oldest(&mut self) -> Result<(), RenderError> {
         let Some((index, samples, submitted)) = self.in_flight.pop_front() else { return Ok(()) };
+        let timeout = self.device.timeout();
         self.device
             .device
-            .poll(wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(TIMEOUT) })
-            .map_err(|error| self.device.error(format!("{error} after {} s", TIMEOUT.as_secs())))?;
+            .poll(wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(timeout) })
+            .map_err(|error| self.device.error(format!("{error} after {} s", timeout.as_secs())))?;
         self.device.check()?;
         let now = Instant::now();
         // It started after the one before was complete, or at its own submission.
