@@ -237,7 +237,7 @@ fn preview_radius(k: u32) -> f32 {
 /// How hard the edge of a shadow is. The surface itself is not taken for a near miss.
 fn shadow_sharpness(falls: UnoccludedLight, penumbra: f32, n: vec3f) -> f32 {
     let seen = sqrt(max(1.0 - falls.sine * falls.sine, 0.0)) / max(falls.sine, 1.0 / HARDEST);
-    let sharpness = select(at, penumbra, penumbra > 0.0);
+    let sharpness = select(seen, penumbra, penumbra > 0.0);
     return min(max(sharpness, 1.0 / max(dot(falls.direction, n), 0.1)), HARDEST);
 }
 
