@@ -17,7 +17,7 @@ pub(crate) fn pixel_sampler(frame: &FrameUniforms, x: u32, y: u32, sample: u32) 
 /// Camera ray of one sample of each of these pixels (x, y); row 0 is the top.
 pub(crate) fn camera_rays(frame: &FrameUniforms, pixels: &[(u32, u32)], samplers: &[PixelSampler]) -> Vec<Ray> {
     let position = Vec3::from(frame.position);
-    let jitters = PixelSampler::pairs(samplers, pair::PAIR_PIXEL);
+    let jitters = PixelSampler::samples_2d(samplers, pair::PAIR_PIXEL);
     let views = pixels.iter().zip(jitters).map(|(&(x, y), [dx, dy])| view(frame, x as f32 + dx, y as f32 + dy));
     if frame.lens_radius == 0.0 {
         return views.map(|view| Ray { origin: position, direction: view.normalize() }).collect();
@@ -28,7 +28,7 @@ pub(crate) fn camera_rays(frame: &FrameUniforms, pixels: &[(u32, u32)], samplers
         let offset = (right * cosine + up * sine) * u.sqrt();
         Ray { origin: position + offset, direction: (view * frame.focus - offset).normalize() }
     };
-    views.zip(PixelSampler::pairs(samplers, pair::PAIR_LENS)).map(through).collect()
+    views.zip(PixelSampler::samples_2d(samplers, pair::PAIR_LENS)).map(through).collect()
 }
 
 /// Ray through the middle of the lens and a position in the picture, in pixels from its top left corner.

@@ -286,7 +286,7 @@ mod tests {
                 let mut weight = 0.0;
                 let n = 4000;
                 for k in 0..n {
-                    let u = PixelSampler::new(0, 0, k, 1).pair(0);
+                    let u = PixelSampler::new(0, 0, k, 1).sample_2d(0);
                     let Some(sample) = sample(&input.context(None), p, 0.5, u) else { continue };
                     let direction =
                         pathmarch_field::number::Vec3::new(sample.direction.x, sample.direction.y, sample.direction.z);
@@ -351,7 +351,7 @@ mod tests {
         let n = 400_000;
         let mut sum = 0.0;
         for k in 0..n {
-            let [u, v] = PixelSampler::new(0, 0, k, 1).pair(0);
+            let [u, v] = PixelSampler::new(0, 0, k, 1).sample_2d(0);
             let (sine, cosine) = (TAU * v).sin_cos();
             let direction = Vec3::new(u.sqrt() * sine, (1.0 - u).sqrt(), u.sqrt() * cosine);
             sum += PI * sun_radiance(&input.context(None), direction, 0.0).x / n as f32;

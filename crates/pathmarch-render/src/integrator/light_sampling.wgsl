@@ -35,7 +35,7 @@ fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
         return LightSample(direction, AT_INFINITY, power * (2.0 / (2.0 - light.radius)), pdf, NO_TARGET, light.penumbra);
     }
     if HAS_ENVIRONMENT && light.kind == ENVIRONMENT {
-        let sample = environment_sample(position);
+        let sample = sample_environment(position);
         // This pdf includes the choice of the light.
         let irradiance = select(vec3f(0.0), sample.radiance / sample.pdf, sample.pdf > 0.0);
         return LightSample(sample.direction, AT_INFINITY, irradiance, sample.pdf, NO_TARGET, 0.0);

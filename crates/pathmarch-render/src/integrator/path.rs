@@ -82,7 +82,7 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
     let radiance = radiance.iter().flat_map(|&ended| repeat_n(ended, samples as usize)).collect();
     let split = paths.iter().flat_map(|path| {
         (0..samples).map(|k| {
-            let (slot, random) = (path.slot * samples as usize + k as usize, path.random.of_sample(first + k));
+            let (slot, random) = (path.slot * samples as usize + k as usize, path.random.with_sample(first + k));
             Path { slot, random, ..path.clone() }
         })
     });
@@ -157,7 +157,7 @@ struct Drawn {
 fn drawn(ctx: &TraceContext, paths: &[Path], surface_index: u32) -> impl Iterator<Item = Drawn> + use<> {
     let randoms: Vec<PixelSampler> = paths.iter().map(|path| path.random).collect();
     let of = |number: u32| {
-        PixelSampler::pairs(&randoms, pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + number)
+        PixelSampler::samples_2d(&randoms, pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + number)
     };
     let lobes = if ctx.config.chooses_lobes { of(pair::PAIR_LOBE) } else { vec![[0.0; 2]; randoms.len()] };
     let numbers = of(pair::PAIR_CHOICE).into_iter().zip(of(pair::PAIR_LIGHT)).zip(of(pair::PAIR_SCATTER)).zip(lobes);
@@ -248,8 +248,8 @@ fn shade(
     }
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
     let textured = TexturedPoint::new(ctx, surface.leaf, p, surface.outward(), path.length);
-    let own = textured.as_ref().map(|textured| textured.numbers(&material.numbers));
-    let numbers = own.as_ref().unwrap_or(&material.numbers);
+    let own = textured.as_ref().map(|textured| textured.numbers(&material.parameters));
+    let numbers = own.as_ref().unwrap_or(&material.parameters);
     // What light sees; that of the shape says on which side a direction is.
     let shaded = textured.map_or(normal, |textured| textured.normal(surface.outward(), normal, -path.ray.direction));
     let crosses = |wi: Vec3, direction: Vec3| ctx.config.bump && (wi.z < 0.0) != (direction.dot(normal) < 0.0);

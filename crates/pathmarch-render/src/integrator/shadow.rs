@@ -116,7 +116,7 @@ fn passes(ctx: &TraceContext, connection: &mut Connection, t: f32, obstacle: &Su
     }
     let cosine = obstacle.normal.dot(connection.ray.direction).abs();
     let textured = TexturedPoint::new(ctx, obstacle.leaf, obstacle.p, obstacle.outward(), connection.path_length);
-    let numbers = textured.map_or(material.numbers, |textured| textured.numbers(&material.numbers));
+    let numbers = textured.map_or(material.parameters, |textured| textured.numbers(&material.parameters));
     connection.radiance *= straight_transmittance(&numbers, cosine.min(1.0));
     connection.medium = medium_beyond(connection.medium, Vec3::from(material.absorption), obstacle.inside);
     // No path finds this light again.

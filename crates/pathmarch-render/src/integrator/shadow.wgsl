@@ -35,7 +35,7 @@ fn light_transmittance(start: Ray, path_length: f32, light: LightSample, scatter
         }
         let cosine = min(abs(dot(at.normal, ray.direction)), 1.0);
         let colour = glass_colour(m, at.leaf, at.p, outward_normal(at), path_length);
-        passed *= colour * (1.0 - fresnel(cosine, materials[m].numbers[1].x));
+        passed *= colour * (1.0 - fresnel(cosine, materials[m].parameters[1].x));
         medium = medium_beyond(medium, materials[m].absorption, at.inside);
         // No path finds this light again.
         weight = 1.0;

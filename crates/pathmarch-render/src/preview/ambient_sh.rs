@@ -17,7 +17,7 @@ use crate::integrator::path;
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
 use crate::sampling::basis;
-use crate::sampling::r2_sequence::HEAVIER;
+use crate::sampling::r2_sequence::EQUAL_WEIGHTS;
 use crate::sampling::sobol::{PixelSampler, unit};
 use crate::scene::light::{SphereLight, luminance};
 use crate::scene::{FrameUniforms, TraceContext};
@@ -75,7 +75,7 @@ pub(super) fn ambient_sh(ctx: &TraceContext, known: &[u32]) -> [Vec3; 9] {
         .flat_map_iter(|(index, &point)| {
             let rays = (0..DIRECTIONS).map(|k| {
                 let random = PixelSampler::new(index as u32, 0, k, 0);
-                (Ray { origin: point, direction: direction(random.pair(0)) }, random)
+                (Ray { origin: point, direction: direction(random.sample_2d(0)) }, random)
             });
             let rays: Vec<(Ray, PixelSampler)> = rays.collect();
             let directions: Vec<Vec3> = rays.iter().map(|(ray, _)| ray.direction).collect();
@@ -135,7 +135,7 @@ fn radiance(ctx: &TraceContext, rays: Vec<(Ray, PixelSampler)>, known: &[u32], b
             None => found[slot] = ctx.scene.sky.radiance(rays[slot].0.direction).0,
         }
     }
-    let seen = interactions(ctx, &met, |_, _| HEAVIER);
+    let seen = interactions(ctx, &met, |_, _| EQUAL_WEIGHTS);
     let counted = |leaf: usize| {
         if !ctx.scene.material_of(leaf).emits() {
             return bounces;
@@ -159,8 +159,8 @@ pub(super) fn visible_share(ctx: &TraceContext, sphere: &SphereLight) -> f32 {
     let marches: Vec<RaySegment> = (0..RAYS)
         .map(|k| {
             let random = PixelSampler::new(0, 0, k, 0);
-            let towards = direction(random.pair(0));
-            let [u, v] = random.pair(1);
+            let towards = direction(random.sample_2d(0));
+            let [u, v] = random.sample_2d(1);
             let (sine, cosine) = (TAU * v).sin_cos();
             let across = basis::basis(towards) * Vec3::new(u.sqrt() * cosine, u.sqrt() * sine, -1.0);
             let ray = Ray { origin: middle + across * sphere.radius, direction: towards };
@@ -169,6 +169,7 @@ pub(super) fn visible_share(ctx: &TraceContext, sphere: &SphereLight) -> f32 {
         .collect();
     let hits = march(ctx, &marches);
     let met: Vec<_> = marches.into_iter().zip(hits).filter_map(|(march, hit)| Some((march, hit?))).collect();
-    let shining = interactions(ctx, &met, |_, _| HEAVIER).iter().filter(|seen| seen.leaf as u32 == sphere.leaf).count();
+    let shining =
+        interactions(ctx, &met, |_, _| EQUAL_WEIGHTS).iter().filter(|seen| seen.leaf as u32 == sphere.leaf).count();
     (shining as f32 / RAYS as f32).max(unit(1 << 30))
 }

@@ -32,7 +32,7 @@ use crate::integrator::medium::{medium_beyond, transmittance};
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment, lanes};
 use crate::sampling::r2_sequence;
-use crate::scene::preview_material::{self, PreviewNumbers};
+use crate::scene::preview_material::{self, PreviewParameters};
 use crate::scene::{LightShape, TraceContext};
 use crate::settings::LightSearch;
 use crate::shading::surface_interaction::{SurfaceInteraction, interactions};
@@ -74,7 +74,7 @@ pub(crate) struct Preview {
     /// Indices of lights, and the radius of the sphere that stands for each, metres.
     pub(crate) lights: Vec<(u32, f32)>,
     /// Preview material of each material.
-    pub(crate) materials: Vec<PreviewNumbers>,
+    pub(crate) materials: Vec<PreviewParameters>,
     /// Objects that cast shadows.
     pub(crate) occluders: Vec<bool>,
     /// Objects that count for ambient occlusion.
@@ -108,7 +108,7 @@ impl Preview {
         }
         let known: Vec<u32> = lights.iter().map(|(index, _)| *index).collect();
         let ambient = ambient_sh::ambient_sh(ctx, &known);
-        let materials = scene.materials.iter().map(|material| preview_material::to_numbers(&material.look())).collect();
+        let materials = scene.materials.iter().map(|material| preview_material::encode(&material.look())).collect();
         Self { ambient, reach: reach(scene), lights, materials, occluders, neighbours }
     }
 
@@ -119,8 +119,8 @@ impl Preview {
 
     /// Whether any material reflects specularly.
     pub(crate) fn has_reflections(&self) -> bool {
-        let reflects = |material: &PreviewNumbers| {
-            preview_material::from_numbers(material).mirrored.as_flattened().iter().any(|&share| share > 0.0)
+        let reflects = |material: &PreviewParameters| {
+            preview_material::decode(material).mirrored.as_flattened().iter().any(|&share| share > 0.0)
         };
         self.materials.iter().any(reflects)
     }
@@ -181,7 +181,7 @@ struct Hidable {
 /// One sample of each of these pixels.
 pub(crate) fn trace(ctx: &TraceContext, preview: &Preview, pixels: &[(u32, u32)], sample: u32) -> Vec<Vec3> {
     let mut colours = vec![Vec3::ZERO; pixels.len()];
-    let [dx, dy] = r2_sequence::position(sample);
+    let [dx, dy] = r2_sequence::sample_2d(sample);
     let frame = ctx.frame;
     let walks: Vec<Walk> = pixels
         .iter()
@@ -243,7 +243,7 @@ impl Follower<'_> {
                     }
                 }
             }
-            let seen = interactions(ctx, &met, |_, blend| r2_sequence::threshold(self.sample, blend));
+            let seen = interactions(ctx, &met, |_, blend| r2_sequence::choice(self.sample, blend));
             let open = self.unoccluded(&seen);
             // By rank, so that the rays of a chunk go towards one light.
             let mut hidable = std::array::from_fn(|_| Vec::new());
@@ -284,8 +284,8 @@ impl Follower<'_> {
         let direction = walk.ray.direction;
         let textured = TexturedPoint::new(ctx, seen.leaf, seen.p, seen.outward(), walk.path_length);
         let look = match &textured {
-            Some(textured) => preview_material::from_numbers(&textured.preview(preview.materials[m])),
-            None => preview_material::from_numbers(&preview.materials[m]),
+            Some(textured) => preview_material::decode(&textured.preview(preview.materials[m])),
+            None => preview_material::decode(&preview.materials[m]),
         };
         let n = textured.map_or(seen.normal, |textured| textured.normal(seen.outward(), seen.normal, -direction));
         let transmitted = Vec3::from(look.transmitted);

@@ -28,7 +28,7 @@ fn preview_colour(k: u32) -> vec3f {
 }
 
 fn preview_material(m: u32) -> PreviewMaterial {
-    let k = FIRST_LIGHT + 2u * scene_data[MODE_DATA + FIRST_LIGHT - 1u] + PREVIEW_SIZE * m;
+    let k = FIRST_LIGHT + 2u * scene_data[MODE_DATA + FIRST_LIGHT - 1u] + PREVIEW_PARAMETERS * m;
     return PreviewMaterial(preview_colour(k), preview_number(k + 3u), preview_colour(k + 4u), preview_colour(k + 7u), preview_colour(k + 10u), preview_number(k + 13u));
 }
 

@@ -9,7 +9,7 @@ fn packed(m: u32, k: u32) -> vec4f {
 }
 
 fn begin_textures(m: u32) {
-    textured_parameters = materials[m].numbers;
+    textured_parameters = materials[m].parameters;
 }
 
 fn apply_layer(layer: u32, shown: vec4f) {

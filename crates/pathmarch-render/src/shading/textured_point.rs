@@ -10,7 +10,7 @@
 //! A height scales with the shape. **Cost.** One evaluation for each texture, four for a bump map; nothing for materials without.
 
 use crate::scene::TraceContext;
-use crate::scene::preview_material::{PREVIEW_SIZE, PreviewNumbers, channel};
+use crate::scene::preview_material::{PREVIEW_PARAMETERS, PreviewParameters, channel};
 use crate::scene::textured_material::{Change, KNOTS, Source, TexturedMaterial};
 use glam::Vec3;
 use pathmarch_field::graph::Coordinates;
@@ -81,8 +81,8 @@ impl<'p> TexturedPoint<'p> {
         }
     }
 
-    fn colour_of(&self, source: &Source, colours: Option<&Vec<[f32; 3]>>) -> Option<Vec3> {
-        match (colours, source) {
+    fn colour_of(&self, source: &Source, ramp_colours: Option<&Vec<[f32; 3]>>) -> Option<Vec3> {
+        match (ramp_colours, source) {
             (None, Source::Texture(texture)) => Some(texture.colour(&self.spot)),
             (Some(colours), _) => Some(ramp(colours, self.value(source)?).into()),
             (None, Source::Orbit(_)) => None,
@@ -94,16 +94,16 @@ impl<'p> TexturedPoint<'p> {
         let mut own = *numbers;
         for layer in &self.material.layers {
             match &layer.change {
-                Change::Colour { place, colours } => {
-                    if let Some(colour) = self.colour_of(&layer.source, colours.as_ref()) {
-                        own[*place..*place + 3].copy_from_slice(&colour.to_array());
+                Change::Colour { first, ramp } => {
+                    if let Some(colour) = self.colour_of(&layer.source, ramp.as_ref()) {
+                        own[*first..*first + 3].copy_from_slice(&colour.to_array());
                     }
                 }
-                Change::Numbers { places, knots } => {
+                Change::Parameters { indices, knots } => {
                     let Some(value) = self.value(&layer.source) else { continue };
                     let (a, b, part) = interval(knots, value);
-                    for ((place, a), b) in places.iter().zip(a).zip(b) {
-                        own[*place] = a + (b - a) * part;
+                    for ((index, a), b) in indices.iter().zip(a).zip(b) {
+                        own[*index] = a + (b - a) * part;
                     }
                 }
             }
@@ -114,26 +114,26 @@ impl<'p> TexturedPoint<'p> {
     /// Colour of the material, its first parameter, where it varies.
     pub(crate) fn colour(&self) -> Option<Vec3> {
         let mut colours = self.material.layers.iter().filter_map(|layer| match &layer.change {
-            Change::Colour { place: 0, colours } => self.colour_of(&layer.source, colours.as_ref()),
+            Change::Colour { first: 0, ramp } => self.colour_of(&layer.source, ramp.as_ref()),
             _ => None,
         });
         colours.next_back()
     }
 
     /// Parameters of the preview material at this point.
-    pub(crate) fn preview(&self, preview: PreviewNumbers) -> PreviewNumbers {
+    pub(crate) fn preview(&self, preview: PreviewParameters) -> PreviewParameters {
         let mut own = preview;
         for layer in &self.material.layers {
             match &layer.change {
-                Change::Colour { colours, .. } => {
-                    let Some(colour) = self.colour_of(&layer.source, colours.as_ref()) else { continue };
+                Change::Colour { ramp, .. } => {
+                    let Some(colour) = self.colour_of(&layer.source, ramp.as_ref()) else { continue };
                     let change = colour - Vec3::from(layer.base);
-                    (0..PREVIEW_SIZE).for_each(|k| own[k] += layer.previews[0][k] * change[channel(k)]);
+                    (0..PREVIEW_PARAMETERS).for_each(|k| own[k] += layer.previews[0][k] * change[channel(k)]);
                 }
-                Change::Numbers { .. } => {
+                Change::Parameters { .. } => {
                     let Some(value) = self.value(&layer.source) else { continue };
                     let (a, b, part) = interval(&layer.previews, value);
-                    (0..PREVIEW_SIZE).for_each(|k| own[k] += a[k] + (b[k] - a[k]) * part);
+                    (0..PREVIEW_PARAMETERS).for_each(|k| own[k] += a[k] + (b[k] - a[k]) * part);
                 }
             }
         }

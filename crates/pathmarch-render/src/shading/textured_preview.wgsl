@@ -1,26 +1,26 @@
 // Textures of preview materials. Twin of `TexturedPoint::preview`.
 
 /// Changes of the preview material at the surface that was evaluated last.
-var<private> preview_changes: array<f32, PREVIEW_SIZE>;
+var<private> preview_changes: array<f32, PREVIEW_PARAMETERS>;
 
 fn begin_textures(m: u32) {
-    preview_changes = array<f32, PREVIEW_SIZE>();
+    preview_changes = array<f32, PREVIEW_PARAMETERS>();
 }
 
 fn apply_layer(layer: u32, shown: vec4f) {
     let previews = scene_data[layer + LAYER_PREVIEWS];
     if scene_data[layer + LAYER_KIND] != PACKED_LAYER {
         let change = layer_colour(layer, shown) - texture_vector(previews);
-        for (var k = 0u; k < PREVIEW_SIZE; k++) {
+        for (var k = 0u; k < PREVIEW_PARAMETERS; k++) {
             preview_changes[k] += texture_number(previews + 3u + k) * change[select((max(k, 4u) - 4u) % 3u, k, k < 3u)];
         }
         return;
     }
     let at = shown.w * f32(KNOTS - 1u);
     let first = min(u32(at), KNOTS - 2u);
-    for (var k = 0u; k < PREVIEW_SIZE; k++) {
-        let a = texture_number(previews + PREVIEW_SIZE * first + k);
-        let b = texture_number(previews + PREVIEW_SIZE * (first + 1u) + k);
+    for (var k = 0u; k < PREVIEW_PARAMETERS; k++) {
+        let a = texture_number(previews + PREVIEW_PARAMETERS * first + k);
+        let b = texture_number(previews + PREVIEW_PARAMETERS * (first + 1u) + k);
         preview_changes[k] += a + (b - a) * (at - f32(first));
     }
 }

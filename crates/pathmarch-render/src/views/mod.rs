@@ -105,7 +105,7 @@ pub(crate) fn display_colour(scene: &Scene, material: u32) -> [f32; 3] {
 
 /// One sample of a view through each of these pixels.
 pub(crate) fn view(ctx: &TraceContext, mode: Mode, table: &[f32], pixels: &[(u32, u32)], sample: u32) -> Vec<Vec3> {
-    let [dx, dy] = r2_sequence::position(sample);
+    let [dx, dy] = r2_sequence::sample_2d(sample);
     let frame = ctx.frame;
     let marches: Vec<RaySegment> = pixels
         .iter()
@@ -127,8 +127,7 @@ pub(crate) fn view(ctx: &TraceContext, mode: Mode, table: &[f32], pixels: &[(u32
     let (slots, met): (Vec<usize>, Vec<_>) =
         hits.iter().enumerate().filter_map(|(slot, hit)| Some((slot, (marches[slot], (*hit)?)))).unzip();
     let mut colours = vec![Vec3::ZERO; pixels.len()];
-    for (slot, seen) in slots.into_iter().zip(interactions(ctx, &met, |_, blend| r2_sequence::threshold(sample, blend)))
-    {
+    for (slot, seen) in slots.into_iter().zip(interactions(ctx, &met, |_, blend| r2_sequence::choice(sample, blend))) {
         colours[slot] = match mode {
             Mode::Normal => Vec3::from((Vec3::splat(0.5) + 0.5 * seen.normal).to_array().map(srgb_decode)),
             Mode::Depth => {

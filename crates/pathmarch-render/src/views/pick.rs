@@ -4,7 +4,7 @@ use super::ViewScene;
 use crate::integrator::camera::central_ray;
 use crate::intersect::march::march;
 use crate::intersect::ray::RaySegment;
-use crate::sampling::r2_sequence::HEAVIER;
+use crate::sampling::r2_sequence::EQUAL_WEIGHTS;
 use crate::settings::Settings;
 use crate::shading::surface_interaction::interactions;
 use glam::Vec3;
@@ -40,7 +40,7 @@ pub fn pick(scene: &Scene, settings: &Settings, pixel: [f32; 2]) -> Option<Picke
     let ray = central_ray(ctx.frame, pixel[0], pixel[1]);
     let rays = [RaySegment { ray, path_length: 0.0, limit: f32::INFINITY }];
     let hit = march(ctx, &rays)[0]?;
-    let seen = &interactions(ctx, &[(rays[0], hit)], |_, _| HEAVIER)[0];
+    let seen = &interactions(ctx, &[(rays[0], hit)], |_, _| EQUAL_WEIGHTS)[0];
     let from_camera = seen.p - Vec3::from(ctx.frame.position);
     Some(Picked {
         object: ctx.scene.field.leaves()[seen.leaf].object as usize,
