@@ -11,17 +11,17 @@ pub const MAX_BOUNCES: u32 = 64;
 /// The largest number of paths that may share a ray of the camera.
 pub const MAX_SPLITTING: u32 = 8;
 
-/// How the light of what paths can meet, that is of all lights but points, is found. All ways converge to the same
-/// picture; the others are there to be compared with.
+/// Sampling strategy for lights that rays can hit, all but points. All strategies converge to the same picture; the default has
+/// the least noise, the others are for comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightSearch {
-    /// Lights are sampled and met by chance, weighed by multiple importance sampling.
+    /// Light sampling and BSDF sampling, weighted by multiple importance sampling.
     #[default]
     Both,
-    /// Lights are sampled at every surface that scatters in more than single directions.
+    /// Light sampling at every surface whose BSDF is no delta distribution.
     Sampled,
-    /// Lights are met by chance.
-    Met,
+    /// BSDF sampling: paths hit the lights.
+    Hit,
 }
 
 /// Size, samples and limits of one picture. A picture is a pure function of the scene and these on one adapter.
@@ -45,7 +45,7 @@ pub struct Settings {
     pub clamp: Option<f32>,
     /// How near to a surface a ray ends, pixels as seen along the path so far, above 0.
     pub detail: f32,
-    /// How lights are found.
+    /// Sampling strategy for lights.
     pub light_search: LightSearch,
     /// Index into the scene's cameras.
     pub camera: usize,

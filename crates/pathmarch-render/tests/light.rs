@@ -74,7 +74,7 @@ fn lights_sampled_met_and_both_make_the_same_picture() {
             scene.sky = Sky::Map(std::sync::Arc::new(picture));
         }
         let both = blocks(&scene, LightSearch::Both, 16);
-        for (search, samples) in [(LightSearch::Sampled, 32), (LightSearch::Met, 256)] {
+        for (search, samples) in [(LightSearch::Sampled, 32), (LightSearch::Hit, 256)] {
             let other = blocks(&scene, search, samples);
             let z: Vec<f64> =
                 both.iter().zip(&other).map(|(a, b)| (a.0 - b.0) / (a.1 + b.1).sqrt().max(1e-9)).collect();

@@ -34,7 +34,7 @@ use wide::f32x8;
 
 shared_constants! {
     /// Excess of a change in distance over its Lipschitz bound that is not reported, in rounding errors.
-    const NOISE: f32 = 16.0;
+    const TOLERATED_ROUNDING_ERRORS: f32 = 16.0;
     /// Largest number of steps of a ray.
     pub(crate) const MAX_STEPS: u32 = 256;
     /// Smallest estimated slope of the distance along a ray.
@@ -175,7 +175,8 @@ fn sphere_trace<const STATS: bool>(
             let hit_tolerance = (tolerance_factor * (path_length + t)).fast_max(rounding * extent);
             if STATS {
                 let [previous_t, previous_distance, steepest] = evaluated;
-                let change = (distance - previous_distance).abs() - f32x8::splat(NOISE) * rounding * extent;
+                let change =
+                    (distance - previous_distance).abs() - f32x8::splat(TOLERATED_ROUNDING_ERRORS) * rounding * extent;
                 let steepness = change / (t - previous_t).abs().fast_max(f32x8::splat(f32::MIN_POSITIVE));
                 let first = lanes(|lane| f32::from(steps[lane] == 0));
                 let steepest =

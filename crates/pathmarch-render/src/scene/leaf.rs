@@ -13,7 +13,7 @@ shared_struct! {
         /// Index of the material.
         pub(crate) material: u32,
         /// Origin of the local coordinates, in world space.
-        pub(crate) at: [f32; 3],
+        pub(crate) origin: [f32; 3],
         /// [`SHEET`], [`ANALYTIC`] and [`IN_GLASS`]. The bits from [`LIGHT_SHIFT`] on are one more than the index of its light, or zero.
         pub(crate) flags: u32,
     }
@@ -58,7 +58,7 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
             facing: leaf.pose.axes[1],
             material: leaf.tag,
             // A modifier bends space, so that the leaf has no single origin in world space.
-            at: if leaf.modified { [0.0; 3] } else { leaf.pose.at },
+            origin: if leaf.modified { [0.0; 3] } else { leaf.pose.at },
             flags: flag(SHEET, leaf.shape.info().sheet && !leaf.modified)
                 | flag(ANALYTIC, field.is_analytic_leaf(index))
                 | flag(IN_GLASS, in_glass[leaf.object as usize])

@@ -54,7 +54,7 @@ pub(crate) fn shared_wgsl() -> String {
 pub(crate) fn search_wgsl() -> String {
     let mut code = String::new();
     write_constant(&mut code, &[], "LIGHTS_SAMPLED", &(LightSearch::Sampled as u32));
-    write_constant(&mut code, &[], "LIGHTS_HIT", &(LightSearch::Met as u32));
+    write_constant(&mut code, &[], "LIGHTS_HIT", &(LightSearch::Hit as u32));
     code
 }
 
