@@ -124,8 +124,8 @@ fn subtended_cone(square: f32, radius: f32) -> f32 {
 fn cone_direction(axis: Vec3, one_minus_cos: f32, position: [f32; 2]) -> Vec3 {
     let one_minus_cos_theta = one_minus_cos * position[0];
     let sine = (one_minus_cos_theta * (2.0 - one_minus_cos_theta)).max(0.0).sqrt();
-    let (s, c) = (TAU * position[1]).sin_cos();
-    (basis(axis) * Vec3::new(sine * c, sine * s, 1.0 - one_minus_cos_theta)).normalize()
+    let (sin_phi, cos_phi) = (TAU * position[1]).sin_cos();
+    (basis(axis) * Vec3::new(sine * cos_phi, sine * sin_phi, 1.0 - one_minus_cos_theta)).normalize()
 }
 
 /// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at which it leaves.
@@ -146,8 +146,8 @@ fn sample_area(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f3
         }
         LightShape::Disc(SheetLight { centre, axes: [x, z], normal, radius, area, .. }) => {
             let radius = radius * u.sqrt();
-            let (s, c) = (TAU * v).sin_cos();
-            (*centre + *x * (radius * c) + *z * (radius * s), *normal, *area)
+            let (sin_phi, cos_phi) = (TAU * v).sin_cos();
+            (*centre + *x * (radius * cos_phi) + *z * (radius * sin_phi), *normal, *area)
         }
         LightShape::Box(light) => {
             let (areas, total) = visible_areas(light, p);

@@ -190,7 +190,7 @@ fn intersect_paths(
     let segment_of = |path: &Path| RaySegment { ray: path.ray, path_length: path.length, limit: f32::INFINITY };
     let segments: Vec<RaySegment> = paths.iter().map(segment_of).collect();
     let hits = march(ctx, &segments);
-    let mut path_hits = Vec::with_capacity(paths.len());
+    let mut segment_hits = Vec::with_capacity(paths.len());
     let mut results = segments.into_iter().zip(hits);
     paths.retain_mut(|path| {
         let end = results.next().and_then(|(segment, hit)| Some((segment, hit?)));
@@ -205,11 +205,11 @@ fn intersect_paths(
             // Light that a ray hits counts as direct light of the previous surface.
             radiance[path.slot] += clamped(ctx, contribution, surface_index.saturating_sub(1));
         }
-        path_hits.extend(end);
+        segment_hits.extend(end);
         end.is_some()
     });
     let seed = |k: usize| paths[k].sampler.unstratified_seed(surface_index);
-    surface_interactions(ctx, &path_hits, |k, blend| f32::choice(seed(k), blend))
+    surface_interactions(ctx, &segment_hits, |k, blend| f32::choice(seed(k), blend))
 }
 
 /// Radiance of the sky and the suns for an escaping path, times its MIS weight.
@@ -283,12 +283,12 @@ fn shade(
             let wi = local_from_world * light.direction;
             let is_transmission = wi.z < 0.0;
             if (wi.z > 0.0 || transmits) && !crosses_surface(wi, light.direction) {
-                let bsdf_value = (bsdf.eval)(parameters, wo, wi, inside);
-                if bsdf_value.value.max_element() > 0.0 {
+                let evaluated = (bsdf.eval)(parameters, wo, wi, inside);
+                if evaluated.value.max_element() > 0.0 {
                     shadow_tests.push(ShadowTest {
                         slot: path.slot,
-                        radiance: path.throughput * bsdf_value.value * light.irradiance,
-                        scatter_pdf: bsdf_value.pdf,
+                        radiance: path.throughput * evaluated.value * light.irradiance,
+                        scatter_pdf: evaluated.pdf,
                         ray: Ray {
                             origin: p + if is_transmission { -normal_offset } else { normal_offset },
                             direction: light.direction,

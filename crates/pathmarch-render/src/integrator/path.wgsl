@@ -114,18 +114,18 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
         let is_transmission = wi.z < 0.0;
         let crosses_surface = HAS_BUMP && is_transmission != (dot(light.direction, interaction.normal) < 0.0);
         if (wi.z > 0.0 || transmits) && !crosses_surface && largest(light.irradiance) > 0.0 {
-            let bsdf_value = bsdf_eval(materials[m].kind, m, wo, wi, interaction.inside);
-            if largest(bsdf_value.xyz) > 0.0 {
+            let evaluated = bsdf_eval(materials[m].kind, m, wo, wi, interaction.inside);
+            if largest(evaluated.xyz) > 0.0 {
                 let attenuation = light_transmittance(
                     Ray(spawn_origin(interaction, is_transmission), light.direction),
                     (*path).length,
                     light,
-                    bsdf_value.w,
+                    evaluated.w,
                     select((*path).medium, medium_beyond_surface, is_transmission),
                     unstratified_seed((*path).sampler, surface_index),
                 );
                 (*path).radiance +=
-                    clamped((*path).throughput * bsdf_value.xyz * light.irradiance * attenuation, surface_index);
+                    clamped((*path).throughput * evaluated.xyz * light.irradiance * attenuation, surface_index);
             }
         }
     }

@@ -64,8 +64,8 @@ pub(crate) fn best_splitting(
     let frame = FrameUniforms { seed: hash(frame.seed), sampler: Sampler::Independent as u32, ..*frame };
     let pixels: Vec<(u32, u32)> = (0..PROBE_GRID[0] * PROBE_GRID[1])
         .map(|k| {
-            let jittered = |cell: u32, cells: u32, length: u32, random: u32| {
-                let within = f64::from(hash(2 * k + random)) / f64::from(u32::MAX);
+            let jittered = |cell: u32, cells: u32, length: u32, dimension: u32| {
+                let within = f64::from(hash(2 * k + dimension)) / f64::from(u32::MAX);
                 ((f64::from(cell) + within) / f64::from(cells) * f64::from(length)) as u32
             };
             let x = jittered(k % PROBE_GRID[0], PROBE_GRID[0], width, 0).min(width - 1);
@@ -142,7 +142,7 @@ fn variance_components(groups: &[&[Vec3]], component: impl Fn(Vec3) -> f64) -> [
     // The variance within groups adds to that of their means.
     let between = variance(&means) - within / groups[0].len() as f64;
     let scale = 1.0 / (mean(&means).powi(2) + RELMSE_EPSILON);
-    [between * scale, within * scale].map(|part| part.clamp(-LIMIT, LIMIT))
+    [between * scale, within * scale].map(|component| component.clamp(-LIMIT, LIMIT))
 }
 
 #[cfg(test)]

@@ -39,20 +39,20 @@ pub(crate) struct Rays8 {
 impl Rays8 {
     /// Packs one to eight rays.
     pub(crate) fn new<'a>(rays: impl Iterator<Item = &'a RaySegment>) -> Self {
-        let mut parts = [[0.0; 8]; 7];
+        let mut components = [[0.0; 8]; 7];
         let mut count = 0;
         for RaySegment { ray: Ray { origin, direction }, limit, .. } in rays {
             let values = [origin.x, origin.y, origin.z, direction.x, direction.y, direction.z, *limit];
-            for (part, value) in parts.iter_mut().zip(values) {
-                part[count] = value;
+            for (component, value) in components.iter_mut().zip(values) {
+                component[count] = value;
             }
             count += 1;
         }
-        for part in &mut parts {
-            let first = part[0];
-            part[count..].fill(first);
+        for component in &mut components {
+            let first = component[0];
+            component[count..].fill(first);
         }
-        let [ox, oy, oz, dx, dy, dz, limit] = parts.map(f32x8::from);
+        let [ox, oy, oz, dx, dy, dz, limit] = components.map(f32x8::from);
         Self { origin: FieldVec3::new(ox, oy, oz), direction: FieldVec3::new(dx, dy, dz), limit }
     }
 }

@@ -128,17 +128,17 @@ fn radiance(ctx: &TraceContext, rays: Vec<(Ray, PixelSampler)>, excluded_lights:
     let segments: Vec<RaySegment> =
         rays.iter().map(|(ray, _)| RaySegment { ray: *ray, path_length: 0.0, limit: f32::INFINITY }).collect();
     let mut radiances = vec![Vec3::ZERO; rays.len()];
-    let (mut slots, mut hits_of_slots) = (Vec::new(), Vec::new());
+    let (mut slots, mut segment_hits) = (Vec::new(), Vec::new());
     for (slot, hit) in march(ctx, &segments).into_iter().enumerate() {
         match hit {
             Some(hit) => {
                 slots.push(slot);
-                hits_of_slots.push((segments[slot], hit));
+                segment_hits.push((segments[slot], hit));
             }
             None => radiances[slot] = ctx.scene.sky.radiance(rays[slot].0.direction).0,
         }
     }
-    let interactions = surface_interactions(ctx, &hits_of_slots, |_, _| EQUAL_WEIGHTS);
+    let interactions = surface_interactions(ctx, &segment_hits, |_, _| EQUAL_WEIGHTS);
     let contributes = |leaf: usize| {
         if !ctx.scene.material_of(leaf).emits() {
             return bounces;
@@ -175,9 +175,9 @@ pub(super) fn visible_share(ctx: &TraceContext, sphere: &SphereLight) -> f32 {
         })
         .collect();
     let hits = march(ctx, &segments);
-    let hits_of_slots: Vec<_> =
+    let segment_hits: Vec<_> =
         segments.into_iter().zip(hits).filter_map(|(segment, hit)| Some((segment, hit?))).collect();
-    let hit_count = surface_interactions(ctx, &hits_of_slots, |_, _| EQUAL_WEIGHTS)
+    let hit_count = surface_interactions(ctx, &segment_hits, |_, _| EQUAL_WEIGHTS)
         .iter()
         .filter(|interaction| interaction.leaf as u32 == sphere.leaf)
         .count();

@@ -104,8 +104,8 @@ impl Preview {
             neighbours[object] &= !material.emits();
             occluders[object] &= !material.emits() && !material.transmits();
         }
-        let light_indices: Vec<u32> = lights.iter().map(|(index, _)| *index).collect();
-        let ambient = ambient_sh::ambient_sh(ctx, &light_indices);
+        let indices: Vec<u32> = lights.iter().map(|(index, _)| *index).collect();
+        let ambient = ambient_sh::ambient_sh(ctx, &indices);
         let materials = scene.materials.iter().map(|material| preview_material::encode(&material.look())).collect();
         Self { ambient, occlusion_distance: occlusion_distance(scene), lights, materials, occluders, neighbours }
     }
@@ -125,7 +125,8 @@ impl Preview {
 
     /// Ambient irradiance on a surface with this normal, W/m².
     fn ambient_irradiance(&self, n: Vec3) -> Vec3 {
-        let sum: Vec3 = self.ambient.iter().zip(ambient_sh::sh_basis(n)).map(|(factor, value)| *factor * value).sum();
+        let sum: Vec3 =
+            self.ambient.iter().zip(ambient_sh::sh_basis(n)).map(|(coefficient, value)| *coefficient * value).sum();
         sum.max(Vec3::ZERO)
     }
 
@@ -235,14 +236,15 @@ impl PreviewTracer<'_> {
                 .collect();
             let mut hits = Vec::with_capacity(preview_rays.len());
             let mut hit_rays = Vec::with_capacity(preview_rays.len());
-            for ((mut preview_ray, hit), march) in preview_rays.into_iter().zip(march(ctx, &segments)).zip(&segments) {
+            for ((mut preview_ray, hit), segment) in preview_rays.into_iter().zip(march(ctx, &segments)).zip(&segments)
+            {
                 if ctx.config.absorption {
                     preview_ray.weight *= transmittance(preview_ray.medium, hit.map_or(f32::INFINITY, |hit| hit.t));
                 }
                 match hit {
                     Some(hit) => {
                         preview_ray.path_length += hit.t;
-                        hits.push((*march, hit));
+                        hits.push((*segment, hit));
                         hit_rays.push(preview_ray);
                     }
                     None => {
@@ -253,12 +255,12 @@ impl PreviewTracer<'_> {
                     }
                 }
             }
-            let interaction = surface_interactions(ctx, &hits, |_, blend| r2_sequence::choice(self.sample, blend));
-            let visibility = self.ambient_visibility(&interaction);
+            let interactions = surface_interactions(ctx, &hits, |_, blend| r2_sequence::choice(self.sample, blend));
+            let visibilities = self.ambient_visibility(&interactions);
             // By rank of the light, so that most shadow rays of a chunk go to the same light.
             let mut shadow_tests = std::array::from_fn(|_| Vec::new());
             preview_rays = Vec::new();
-            for ((preview_ray, interaction), visibility) in hit_rays.iter().zip(&interaction).zip(visibility) {
+            for ((preview_ray, interaction), visibility) in hit_rays.iter().zip(&interactions).zip(visibilities) {
                 let next = self.shade(
                     preview_ray,
                     interaction,
@@ -384,13 +386,13 @@ impl PreviewTracer<'_> {
         let origin = interaction.p
             + interaction.normal_offset
             + interaction.normal * (10.0 * ctx.frame.tolerance * preview_ray.path_length);
-        let unoccluded = |(index, radius): (u32, f32)| {
+        let unoccluded_light_of = |(index, radius): (u32, f32)| {
             let light = &ctx.scene.lights[index as usize];
             (light, unoccluded_light(&light.shape, radius, interaction.p, interaction.normal))
         };
         let mut strongest = [(Vec3::ZERO, 0); MAX_SHADOWS];
-        for (k, &light_indices) in self.preview.lights.iter().enumerate() {
-            let (light, unoccluded) = unoccluded(light_indices);
+        for (k, &light_and_radius) in self.preview.lights.iter().enumerate() {
+            let (light, unoccluded) = unoccluded_light_of(light_and_radius);
             if unoccluded.irradiance.max_element() <= 0.0 {
                 continue;
             }
@@ -402,20 +404,20 @@ impl PreviewTracer<'_> {
                 let highlight = highlight(&unoccluded, -preview_ray.ray.direction, interaction.normal, specular);
                 scattered += highlight * if is_reflected { specular.untraced } else { 1.0 };
             }
-            let mut shaded = (preview_ray.weight * scattered * unoccluded.irradiance, k);
+            let mut contribution = (preview_ray.weight * scattered * unoccluded.irradiance, k);
             for entry in &mut strongest {
-                if shaded.0.max_element() > entry.0.max_element() {
-                    std::mem::swap(entry, &mut shaded);
+                if contribution.0.max_element() > entry.0.max_element() {
+                    std::mem::swap(entry, &mut contribution);
                 }
             }
-            self.radiances[preview_ray.slot] += shaded.0;
+            self.radiances[preview_ray.slot] += contribution.0;
         }
         for (rank, &(radiance, k)) in strongest.iter().enumerate() {
             if radiance.max_element() <= MIN_SHADOWED_LIGHT * strongest[0].0.max_element() || rank >= shadows {
                 self.radiances[preview_ray.slot] += radiance;
                 continue;
             }
-            let (light, unoccluded) = unoccluded(self.preview.lights[k]);
+            let (light, unoccluded) = unoccluded_light_of(self.preview.lights[k]);
             let shadow_ray = ShadowRay {
                 ray: Ray { origin, direction: lifted(unoccluded.direction, interaction.normal) },
                 leaf: interaction.leaf,
@@ -427,9 +429,9 @@ impl PreviewTracer<'_> {
     }
 
     /// Ambient visibility of surfaces, from a few distances along their normals.
-    fn ambient_visibility(&self, interaction: &[SurfaceInteraction]) -> Vec<f32> {
-        let mut result = Vec::with_capacity(interaction.len());
-        for chunk in interaction.chunks(8) {
+    fn ambient_visibility(&self, interactions: &[SurfaceInteraction]) -> Vec<f32> {
+        let mut result = Vec::with_capacity(interactions.len());
+        for chunk in interactions.chunks(8) {
             let lane = |k: usize| chunk.get(k).unwrap_or(&chunk[0]);
             let vector = |value: fn(&SurfaceInteraction) -> Vec3| {
                 let component = |k: usize| lanes(|lane_index| value(lane(lane_index))[k]);
@@ -461,9 +463,9 @@ impl PreviewTracer<'_> {
         let (ctx, preview) = (self.ctx, self.preview);
         for chunk in shadow_tests.chunks(8) {
             let lane = |k: usize| chunk.get(k).unwrap_or(&chunk[0]);
-            let left = soft_shadows(ctx, &preview.occluders, std::array::from_fn(|k| lane(k).shadow_ray));
-            for (shaded, left) in chunk.iter().zip(left) {
-                self.radiances[shaded.slot] += shaded.radiance * left;
+            let visibilities = soft_shadows(ctx, &preview.occluders, std::array::from_fn(|k| lane(k).shadow_ray));
+            for (test, visibility) in chunk.iter().zip(visibilities) {
+                self.radiances[test.slot] += test.radiance * visibility;
             }
         }
     }
@@ -490,9 +492,9 @@ fn lifted(direction: Vec3, n: Vec3) -> Vec3 {
 
 /// Sharpness of the shadow of a light, limited so that the surface itself is no near miss.
 fn shadow_sharpness(unoccluded: &UnoccludedLight, penumbra: f32, n: Vec3) -> f32 {
-    let interaction =
+    let cone_sharpness =
         (1.0 - unoccluded.sine * unoccluded.sine).max(0.0).sqrt() / unoccluded.sine.max(1.0 / MAX_SHARPNESS);
-    let sharpness = if penumbra > 0.0 { penumbra } else { interaction };
+    let sharpness = if penumbra > 0.0 { penumbra } else { cone_sharpness };
     sharpness.max(1.0 / unoccluded.direction.dot(n).max(0.1)).min(MAX_SHARPNESS)
 }
 

@@ -57,7 +57,7 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
         LeafRecord {
             facing: leaf.pose.axes[1],
             material: leaf.tag,
-            // A modifier bends space, so that the leaf has no single origin in world space.
+            // A modifier bends space, so that the leaf has neither an origin nor a facing direction in world space.
             origin: if leaf.modified { [0.0; 3] } else { leaf.pose.at },
             flags: flag(SHEET, leaf.shape.info().sheet && !leaf.modified)
                 | flag(ANALYTIC, field.is_analytic_leaf(index))

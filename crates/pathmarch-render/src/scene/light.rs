@@ -186,7 +186,7 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent) -> Vec<Ligh
     let leaves = scene.field.leaves().iter().enumerate();
     let emitters = leaves.filter_map(|(index, leaf)| {
         let material = &scene.materials[leaf.tag as usize];
-        if material.emits() { emitting_leaf(&scene.field, index, material.emission().into()) } else { None }
+        if material.emits() { leaf_light(&scene.field, index, material.emission().into()) } else { None }
     });
     let mut weighted: Vec<(LightShape, f32)> =
         declared.chain(emitters).map(|shape| (shape, shape.weight(extent))).collect();
@@ -226,7 +226,7 @@ fn declared_light(light: &SceneLight) -> LightShape {
 }
 
 /// Light of an emitting leaf; `None` if the leaf is infinite.
-fn emitting_leaf(field: &Field, index: usize, radiance: Vec3) -> Option<LightShape> {
+fn leaf_light(field: &Field, index: usize, radiance: Vec3) -> Option<LightShape> {
     let source = &field.leaves()[index];
     let (centre, leaf, scale) = (Vec3::from(source.pose.at), index as u32, source.pose.scale);
     let units = source.pose.axes.map(Vec3::from);

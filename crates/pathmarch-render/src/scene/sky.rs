@@ -95,8 +95,9 @@ impl SkyLight {
         let (sine, cosine) = (TAU * (column as f32 + 0.5 + u_in_column) / width as f32).sin_cos();
         let radius = 2.0 * (q * (1.0 - q)).max(0.0).sqrt();
         let (x, y, z) = (radius * sine, 1.0 - 2.0 * q, -radius * cosine);
-        let (s, c) = environment.rotate.rem_euclid(360.0).to_radians().sin_cos();
-        let direction = Vec3::new(x * c + z * s, y, z * c - x * s).normalize();
+        let (sin_rotation, cos_rotation) = environment.rotate.rem_euclid(360.0).to_radians().sin_cos();
+        let direction =
+            Vec3::new(x * cos_rotation + z * sin_rotation, y, z * cos_rotation - x * sin_rotation).normalize();
         let (radiance, luminance) = bilinear_lookup(environment, direction);
         Some(EnvironmentSample { direction, radiance, pdf: self.pdf_scale * luminance })
     }
@@ -130,13 +131,19 @@ impl EnvironmentDistribution {
     /// Builds the tables; `None` for a black map.
     fn new(environment: &Environment) -> Option<Self> {
         let (width, height) = (environment.width as usize, environment.height as usize);
-        let at = |column: usize, row: usize| f64::from(luminance(environment.texels[row * width + column % width]));
+        let luminance_at =
+            |column: usize, row: usize| f64::from(luminance(environment.texels[row * width + column % width]));
         let mut rows = Vec::with_capacity(height + 1);
         let mut columns = Vec::with_capacity((height + 1) * width);
         for row in 0..=height {
             let (upper, lower) = (row.saturating_sub(1), row.min(height - 1));
             let weights: Vec<f64> = (0..width)
-                .map(|c| 0.25 * (at(c, upper) + at(c + 1, upper) + at(c, lower) + at(c + 1, lower)))
+                .map(|c| {
+                    0.25 * (luminance_at(c, upper)
+                        + luminance_at(c + 1, upper)
+                        + luminance_at(c, lower)
+                        + luminance_at(c + 1, lower))
+                })
                 .collect();
             let cos_polar = |row: f64| (std::f64::consts::PI * row.clamp(0.0, height as f64) / height as f64).cos();
             let cos_extent = cos_polar(row as f64 - 0.5) - cos_polar(row as f64 + 0.5);

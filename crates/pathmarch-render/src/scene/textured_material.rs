@@ -38,7 +38,7 @@ pub(crate) struct Layer {
     pub(crate) change: Change,
     /// Change of the preview material: its derivative by the colour, or its values at the knots minus those without the texture.
     pub(crate) previews: Vec<PreviewParameters>,
-    /// Colour without the texture.
+    /// Colour of the material without the texture.
     pub(crate) base: [f32; 3],
 }
 
@@ -98,18 +98,18 @@ impl TexturedMaterial {
     }
 
     /// Parameters at all knots of all layers. They decide whether the material transmits or is a delta distribution.
-    pub(crate) fn knot_parameters(&self, numbers: &Numbers) -> Vec<Numbers> {
-        let mut all = Vec::new();
+    pub(crate) fn knot_parameters(&self, untextured: &Numbers) -> Vec<Numbers> {
+        let mut all_parameters = Vec::new();
         for layer in &self.layers {
             if let Change::Parameters { indices, knots } = &layer.change {
-                all.extend(knots.iter().map(|knot| {
-                    let mut parameters = *numbers;
+                all_parameters.extend(knots.iter().map(|knot| {
+                    let mut parameters = *untextured;
                     indices.iter().zip(knot).for_each(|(index, parameter)| parameters[*index] = *parameter);
                     parameters
                 }));
             }
         }
-        all
+        all_parameters
     }
 }
 
@@ -139,8 +139,8 @@ impl Layer {
             .collect();
         let packed: Vec<Numbers> = values.iter().map(|values| (bsdf.pack)(values)).collect();
         let indices: Vec<usize> =
-            (0..packed[0].len()).filter(|&k| packed.iter().any(|numbers| numbers[k] != packed[0][k])).collect();
-        let knots = packed.iter().map(|numbers| indices.iter().map(|&index| numbers[index]).collect()).collect();
+            (0..packed[0].len()).filter(|&k| packed.iter().any(|parameters| parameters[k] != packed[0][k])).collect();
+        let knots = packed.iter().map(|parameters| indices.iter().map(|&index| parameters[index]).collect()).collect();
         let untextured = preview_material::encode(&material.look());
         let previews = values.iter().map(|values| {
             let preview = preview_material::encode(&(material.kind.look)(values));

@@ -5,55 +5,55 @@
 var<private> bump_gradient: vec3f;
 
 /// Float at an offset in the scene data.
-fn texture_number(at: u32) -> f32 {
-    return bitcast<f32>(scene_data[at]);
+fn texture_number(index: u32) -> f32 {
+    return bitcast<f32>(scene_data[index]);
 }
 
 /// Three floats at an offset in the scene data.
-fn texture_vector(at: u32) -> vec3f {
-    return vec3f(texture_number(at), texture_number(at + 1u), texture_number(at + 2u));
+fn texture_vector(index: u32) -> vec3f {
+    return vec3f(texture_number(index), texture_number(index + 1u), texture_number(index + 2u));
 }
 
 /// Coordinates of `p` in the space of a leaf.
 fn leaf_coordinates(leaf: u32, p: vec3f) -> Coordinates {
-    let at = TEXTURE_DATA + LEAF_WORDS * leaf;
-    let outer = modifier_coordinates(scene_data[at + 12u], p);
-    let x = texture_vector(at + 3u);
-    let y = texture_vector(at + 6u);
-    let z = texture_vector(at + 9u);
-    let offset = outer.p - texture_vector(at);
+    let leaf_offset = TEXTURE_DATA + LEAF_WORDS * leaf;
+    let outer = modifier_coordinates(scene_data[leaf_offset + 12u], p);
+    let x = texture_vector(leaf_offset + 3u);
+    let y = texture_vector(leaf_offset + 6u);
+    let z = texture_vector(leaf_offset + 9u);
+    let offset = outer.p - texture_vector(leaf_offset);
     return coordinates_inside(outer, vec3f(dot(x, offset), dot(y, offset), dot(z, offset)), x, y, z);
 }
 
-/// Colour (xyz) and value (w) of the texture at offset `at`. The value of an orbit trap is below 0 on a shape without orbit.
-fn texture_at(at: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
-    let kind = scene_data[at];
+/// Colour (xyz) and value (w) of the texture at offset `texture_offset`. The value of an orbit trap is below 0 on a shape without orbit.
+fn texture_at(texture_offset: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
+    let kind = scene_data[texture_offset];
     if HAS_ORBITS && kind == ORBIT_SOURCE {
         if !has_orbit(leaf) {
             return vec4f(0.0, 0.0, 0.0, -1.0);
         }
         var values = orbit(leaf, leaf_spot.p);
-        let range_start = texture_number(at + TEXTURE_PARAMETERS + 1u);
-        let to = texture_number(at + TEXTURE_PARAMETERS + 2u);
+        let range_start = texture_number(texture_offset + TEXTURE_PARAMETERS + 1u);
+        let to = texture_number(texture_offset + TEXTURE_PARAMETERS + 2u);
         let range = select(to - range_start, 1e-20, to == range_start);
-        return vec4f(clamp((values[scene_data[at + TEXTURE_PARAMETERS]] - range_start) / range, 0.0, 1.0));
+        return vec4f(clamp((values[scene_data[texture_offset + TEXTURE_PARAMETERS]] - range_start) / range, 0.0, 1.0));
     }
-    let x = texture_vector(at + TEXTURE_ROWS);
-    let y = texture_vector(at + TEXTURE_ROWS + 3u);
-    let z = texture_vector(at + TEXTURE_ROWS + 6u);
-    let scale = texture_number(at + TEXTURE_SCALE);
-    let offset = leaf_spot.p - texture_vector(at + TEXTURE_POSITION);
+    let x = texture_vector(texture_offset + TEXTURE_ROWS);
+    let y = texture_vector(texture_offset + TEXTURE_ROWS + 3u);
+    let z = texture_vector(texture_offset + TEXTURE_ROWS + 6u);
+    let scale = texture_number(texture_offset + TEXTURE_SCALE);
+    let offset = leaf_spot.p - texture_vector(texture_offset + TEXTURE_POSITION);
     let n = leaf_spot.normal;
     let p = vec3f(dot(x, offset), dot(y, offset), dot(z, offset));
     let spot = Spot(p, vec3f(dot(x, n), dot(y, n), dot(z, n)) * scale, leaf_spot.footprint / scale);
     if HAS_PICTURES && kind == PICTURE_SOURCE {
-        let picture = TexturePicture(scene_data[at + TEXTURE_PARAMETERS], scene_data[at + TEXTURE_PARAMETERS + 1u], scene_data[at + TEXTURE_PARAMETERS + 2u], scene_data[at + TEXTURE_PARAMETERS + 3u], scene_data[at + TEXTURE_PARAMETERS + 5u] != 0u);
-        let colour = picture_projected(picture, spot, texture_number(at + TEXTURE_PARAMETERS + 4u));
+        let picture = TexturePicture(scene_data[texture_offset + TEXTURE_PARAMETERS], scene_data[texture_offset + TEXTURE_PARAMETERS + 1u], scene_data[texture_offset + TEXTURE_PARAMETERS + 2u], scene_data[texture_offset + TEXTURE_PARAMETERS + 3u], scene_data[texture_offset + TEXTURE_PARAMETERS + 5u] != 0u);
+        let colour = picture_projected(picture, spot, texture_number(texture_offset + TEXTURE_PARAMETERS + 4u));
         return vec4f(colour, clamp(dot(colour, vec3f(0.2126, 0.7152, 0.0722)), 0.0, 1.0));
     }
     var parameters: array<f32, 8>;
     for (var k = 0u; k < 8u; k++) {
-        parameters[k] = texture_number(at + TEXTURE_PARAMETERS + k);
+        parameters[k] = texture_number(texture_offset + TEXTURE_PARAMETERS + k);
     }
     let value = computed_texture(kind, spot, parameters);
     // NaN becomes 0.

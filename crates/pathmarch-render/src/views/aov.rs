@@ -174,11 +174,11 @@ fn render_batch(ctx: &TraceContext, colours: &[Vec3], range: std::ops::Range<u32
         })
         .collect();
     let hits = march(ctx, &segments);
-    let (indices, hits_of_rays): (Vec<usize>, Vec<_>) =
+    let (indices, segment_hits): (Vec<usize>, Vec<_>) =
         hits.iter().enumerate().filter_map(|(index, hit)| Some((index, (segments[index], (*hit)?)))).unzip();
     let position_index = |index: usize| index as u32 % (GRID_POSITIONS + 1);
     let interactions =
-        surface_interactions(ctx, &hits_of_rays, |k, blend| blend_threshold(position_index(indices[k]), blend));
+        surface_interactions(ctx, &segment_hits, |k, blend| blend_threshold(position_index(indices[k]), blend));
     let no_hit = PixelAovs {
         albedo: Vec3::ZERO,
         normal: Vec3::ZERO,
@@ -203,8 +203,8 @@ fn blend_threshold(position_index: u32, blend: u32) -> f32 {
     if position_index == CENTRE {
         return 0.5;
     }
-    let stride = 2 * (blend % GRID_POSITIONS) + 1;
-    (((position_index * stride) % GRID_POSITIONS) as f32 + 0.5) / GRID_POSITIONS as f32
+    let multiplier = 2 * (blend % GRID_POSITIONS) + 1;
+    (((position_index * multiplier) % GRID_POSITIONS) as f32 + 0.5) / GRID_POSITIONS as f32
 }
 
 /// Adds the hit of the ray through a position of a pixel to the pixel.

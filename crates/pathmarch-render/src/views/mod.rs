@@ -127,11 +127,11 @@ pub(crate) fn view(ctx: &TraceContext, mode: Mode, table: &[f32], pixels: &[(u32
         let violation = |ray: &MarchStats| if ray.evaluations > 0 { colour(index(ray) as usize) } else { Vec3::ZERO };
         return stats.iter().map(violation).collect();
     }
-    let (slots, hits_of_slots): (Vec<usize>, Vec<_>) =
+    let (slots, segment_hits): (Vec<usize>, Vec<_>) =
         hits.iter().enumerate().filter_map(|(slot, hit)| Some((slot, (segments[slot], (*hit)?)))).unzip();
     let mut colours = vec![Vec3::ZERO; pixels.len()];
     for (slot, interaction) in
-        slots.into_iter().zip(surface_interactions(ctx, &hits_of_slots, |_, blend| r2_sequence::choice(sample, blend)))
+        slots.into_iter().zip(surface_interactions(ctx, &segment_hits, |_, blend| r2_sequence::choice(sample, blend)))
     {
         colours[slot] = match mode {
             Mode::Normal => Vec3::from((Vec3::splat(0.5) + 0.5 * interaction.normal).to_array().map(srgb_decode)),
