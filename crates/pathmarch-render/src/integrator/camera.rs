@@ -1,5 +1,5 @@
-//! Camera rays: a thin lens (Potmesil and Chakravarty 1981, "A Lens and Aperture Camera Model"), or a pinhole if its radius is
-//! zero. The pixel filter is a box: positions are uniformly distributed in the pixel.
+//! Camera rays: a thin lens (Potmesil and Chakravarty 1981, "A Lens and Aperture Camera Model"), or a pinhole if its
+//! radius is zero. The pixel filter is a box: positions are uniformly distributed in the pixel.
 
 use crate::intersect::ray::Ray;
 use crate::sampling::sobol::{PixelSampler, pair};

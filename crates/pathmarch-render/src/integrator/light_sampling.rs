@@ -1,11 +1,11 @@
 //! Light sampling: next-event estimation (Kajiya 1986, "The Rendering Equation") with multiple importance sampling.
 //!
-//! An alias table chooses one light at each surface, in proportion to its irradiance at the centre of the scene, so that the cost
-//! does not depend on the number of lights. A sphere is sampled uniformly in the cone that it subtends (Shirley, Wang and
-//! Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"); a rectangle, a disc and the visible faces of a box
-//! are sampled by area. Any other shape is sampled in the cone of its bounding sphere, so that the shadow ray may miss it. BSDF
-//! sampling hits the same lights; the power heuristic weights both strategies (Veach and Guibas 1995, "Optimally Combining
-//! Sampling Techniques for Monte Carlo Rendering").
+//! An alias table chooses one light at each surface, in proportion to its irradiance at the centre of the scene, so
+//! that the cost does not depend on the number of lights. A sphere is sampled uniformly in the cone that it subtends
+//! (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"); a rectangle, a disc
+//! and the visible faces of a box are sampled by area. Any other shape is sampled in the cone of its bounding sphere,
+//! so that the shadow ray may miss it. BSDF sampling hits the same lights; the power heuristic weights both strategies
+//! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
 use crate::sampling::basis::basis;
 use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight};
@@ -20,7 +20,8 @@ use std::f32::consts::{PI, TAU};
 pub(crate) struct LightSample {
     /// Unit vector towards the light, in world space.
     pub(crate) direction: Vec3,
-    /// Largest distance of an occluder, metres; infinite for suns, the environment and lights with a [`target`](Self::target).
+    /// Largest distance of an occluder, metres; infinite for suns, the environment and lights with a
+    /// [`target`](Self::target).
     pub(crate) distance: f32,
     /// Monte Carlo estimate of the irradiance on a surface that faces the light: radiance divided by pdf, W/m².
     pub(crate) irradiance: Vec3,
@@ -101,20 +102,21 @@ pub(crate) fn sample_light(ctx: &TraceContext, p: Vec3, choice: f32, position: [
 }
 
 shared_constants! {
-    /// Length of a shadow ray divided by the distance of the light's surface, so that the ray does not hit the light itself.
+    /// Length of a shadow ray divided by the distance of the light's surface, so that the ray does not hit the light
+    /// itself.
     const SHADOW_RAY_SHARE: f32 = 0.9999;
 }
 
-/// Samples a direction from `p` in the cone that a sphere subtends. Returns it, 1 - cosine of the cone's half angle, and the
-/// offset of the sphere's centre.
+/// Samples a direction from `p` in the cone that a sphere subtends. Returns it, 1 - cosine of the cone's half angle,
+/// and the offset of the sphere's centre.
 fn sample_sphere_cone(sphere: &SphereLight, p: Vec3, position: [f32; 2]) -> (Vec3, f32, Vec3) {
     let offset = sphere.centre - p;
     let one_minus_cos = subtended_cone(offset.length_squared(), sphere.radius);
     (cone_direction(offset.normalize_or(Vec3::Y), one_minus_cos, position), one_minus_cos, offset)
 }
 
-/// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre. Inside the sphere
-/// it is 2, all directions.
+/// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre. Inside the
+/// sphere it is 2, all directions.
 fn subtended_cone(square: f32, radius: f32) -> f32 {
     let sine_square = radius * radius / square.max(1e-30);
     if sine_square >= 1.0 { 2.0 } else { sine_square / (1.0 + (1.0 - sine_square).sqrt()) }
@@ -128,7 +130,8 @@ fn cone_direction(axis: Vec3, one_minus_cos: f32, position: [f32; 2]) -> Vec3 {
     (basis(axis) * Vec3::new(sine * cos_phi, sine * sin_phi, 1.0 - one_minus_cos_theta)).normalize()
 }
 
-/// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at which it leaves.
+/// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at
+/// which it leaves.
 fn sphere_entry(offset: Vec3, direction: Vec3, radius: f32) -> f32 {
     let along = offset.dot(direction);
     let across = offset - direction * along;
@@ -136,8 +139,8 @@ fn sphere_entry(offset: Vec3, direction: Vec3, radius: f32) -> f32 {
     if along > half_chord { along - half_chord } else { along + half_chord }
 }
 
-/// Samples a point by area on the part of a rectangle, disc or box that may be visible from `p`. Returns the point, its normal
-/// and the area of that part, square metres.
+/// Samples a point by area on the part of a rectangle, disc or box that may be visible from `p`. Returns the point, its
+/// normal and the area of that part, square metres.
 fn sample_area(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
     match shape {
         LightShape::Rect(SheetLight { centre, axes: [x, z], normal, area, .. }) => {
@@ -189,8 +192,8 @@ fn visible_areas(light: &BoxLight, p: Vec3) -> ([f32; 3], f32) {
     (areas, areas[0] + areas[1] + areas[2])
 }
 
-/// Pdf over solid angle of [`sample_light`] for the direction from `p` to the point `hit` on the light, the choice of the light
-/// included; `cosine` is that of the angle at the light's normal.
+/// Pdf over solid angle of [`sample_light`] for the direction from `p` to the point `hit` on the light, the choice of
+/// the light included; `cosine` is that of the angle at the light's normal.
 pub(crate) fn light_pdf(light: &Light, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
     let t = p.distance(hit);
     let area = match &light.shape {
@@ -217,8 +220,8 @@ fn power_heuristic(a: f32, b: f32) -> f32 {
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// MIS weight of BSDF sampling: a ray with pdf `scatter_pdf` hit a light that light sampling chooses with `light_pdf`. 1 after
-/// a delta distribution, for which no light is sampled.
+/// MIS weight of BSDF sampling: a ray with pdf `scatter_pdf` hit a light that light sampling chooses with `light_pdf`.
+/// 1 after a delta distribution, for which no light is sampled.
 pub(crate) fn hit_weight(search: LightSearch, scatter_pdf: f32, light_pdf: f32) -> f32 {
     match search {
         _ if scatter_pdf <= 0.0 => 1.0,
@@ -228,7 +231,8 @@ pub(crate) fn hit_weight(search: LightSearch, scatter_pdf: f32, light_pdf: f32) 
     }
 }
 
-/// MIS weight of light sampling with pdf `light_pdf`, where BSDF sampling has `scatter_pdf`. 1 for lights that no ray hits.
+/// MIS weight of light sampling with pdf `light_pdf`, where BSDF sampling has `scatter_pdf`. 1 for lights that no ray
+/// hits.
 pub(crate) fn sample_weight(search: LightSearch, light_pdf: f32, scatter_pdf: f32) -> f32 {
     match search {
         _ if light_pdf <= 0.0 => 1.0,

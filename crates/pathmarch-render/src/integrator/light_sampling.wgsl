@@ -20,8 +20,8 @@ struct LightSample {
 /// Target of a light that the shadow ray cannot miss.
 const NO_TARGET = 0xffffffffu;
 
-/// Samples a light with the uniform number `choice`, and a direction from `p` to it with those of `position`. The scene must have
-/// a light.
+/// Samples a light with the uniform number `choice`, and a direction from `p` to it with those of `position`. The scene
+/// must have a light.
 fn sample_light(p: vec3f, choice: f32, position: vec2f) -> LightSample {
     let cell = choice * f32(frame.light_count);
     var index = min(u32(cell), frame.light_count - 1u);
@@ -66,8 +66,8 @@ fn sample_light(p: vec3f, choice: f32, position: vec2f) -> LightSample {
     return LightSample(vec3f(0.0), 0.0, vec3f(0.0), 0.0, NO_TARGET, 0.0);
 }
 
-/// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre. Inside the sphere
-/// it is 2, all directions.
+/// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre. Inside the
+/// sphere it is 2, all directions.
 fn subtended_cone(square: f32, radius: f32) -> f32 {
     let sine_square = radius * radius / max(square, 1e-30);
     return select(sine_square / (1.0 + sqrt(max(1.0 - sine_square, 0.0))), 2.0, sine_square >= 1.0);
@@ -81,7 +81,8 @@ fn cone_direction(axis: vec3f, one_minus_cos: f32, position: vec2f) -> vec3f {
     return normalize(basis(axis) * vec3f(sine * cos(angle), sine * sin(angle), 1.0 - one_minus_cos_theta));
 }
 
-/// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at which it leaves.
+/// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at
+/// which it leaves.
 fn sphere_entry(offset: vec3f, direction: vec3f, radius: f32) -> f32 {
     let along = dot(offset, direction);
     let across = offset - direction * along;

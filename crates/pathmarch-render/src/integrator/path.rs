@@ -1,19 +1,21 @@
 //! Path tracing: a unidirectional path tracer with next-event estimation (Kajiya 1986; Carvalho 2020, chapter 4).
 //!
-//! A path scatters at most `bounces + 1` times, first at the surface that the camera ray hits. At every surface whose BSDF is no
-//! delta distribution, one light is sampled: a point, a sun, an emitting surface or the environment map. BSDF sampling hits all
-//! of these but points and suns without size, and multiple importance sampling weights both strategies. Only BSDF sampling
-//! contributes a constant or gradient sky. After the fourth bounce, Russian roulette (Arvo and Kirk 1990) ends paths with a survival
-//! probability of min(1, 3 x throughput). The estimator is unbiased but for sphere tracing (its tolerance of a tenth of a pixel,
-//! its number of steps, its far end), unless `clamp`, `caustics "fast"` or a `penumbra` is set.
+//! A path scatters at most `bounces + 1` times, first at the surface that the camera ray hits. At every surface whose
+//! BSDF is no delta distribution, one light is sampled: a point, a sun, an emitting surface or the environment map.
+//! BSDF sampling hits all of these but points and suns without size, and multiple importance sampling weights both
+//! strategies. Only BSDF sampling contributes a constant or gradient sky. After the fourth bounce, Russian roulette
+//! (Arvo and Kirk 1990) ends paths with a survival probability of min(1, 3 x throughput). The estimator is unbiased but
+//! for sphere tracing (its tolerance of a tenth of a pixel, its number of steps, its far end), unless `clamp`,
+//! `caustics "fast"` or a `penumbra` is set.
 //!
-//! **Media.** A surface that transmits starts the next ray on its other side. The absorption coefficient of a solid is added
-//! where a path enters it and subtracted where it leaves, so that solids may overlap.
+//! **Media.** A surface that transmits starts the next ray on its other side. The absorption coefficient of a solid is
+//! added where a path enters it and subtracted where it leaves, so that solids may overlap.
 //!
-//! An emitter that is blended with glass is also hit from inside. There, equilibrium demands n² times the radiance that it emits
-//! into air, and only BSDF sampling contributes it.
+//! An emitter that is blended with glass is also hit from inside. There, equilibrium demands n² times the radiance that
+//! it emits into air, and only BSDF sampling contributes it.
 //!
-//! All paths of a tile advance side by side, one surface at a time: intersect all rays, shade each hit, trace all shadow rays.
+//! All paths of a tile advance side by side, one surface at a time: intersect all rays, shade each hit, trace all
+//! shadow rays.
 
 use super::camera::{camera_rays, pixel_sampler};
 use super::light_sampling;
@@ -35,7 +37,8 @@ use pathmarch_field::graph::Batch;
 use std::iter::repeat_n;
 
 shared_constants! {
-    /// Survival probability of a path divided by its throughput: Russian roulette never ends a path of throughput 1/3 or more.
+    /// Survival probability of a path divided by its throughput: Russian roulette never ends a path of throughput 1/3
+    /// or more.
     const SURVIVAL_FACTOR: f32 = 3.0;
     /// Number of bounces without Russian roulette.
     const ROULETTE_DEPTH: u32 = 4;
@@ -71,8 +74,8 @@ fn clamped(ctx: &TraceContext, contribution: Vec3, bounces: u32) -> Vec3 {
     contribution * (ctx.frame.clamp / contribution.max_element().max(ctx.frame.clamp))
 }
 
-/// Radiance of `samples` samples of each of these pixels from sample `first` on, pixel by pixel. More than one sample only if they
-/// share a camera ray.
+/// Radiance of `samples` samples of each of these pixels from sample `first` on, pixel by pixel. More than one sample
+/// only if they share a camera ray.
 pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
     let ray_index = camera_ray_index(first, ctx.config.splitting);
     let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, ray_index)).collect();
@@ -179,8 +182,8 @@ fn surface_samples(
     samples.map(|(((choice, light), scatter), [lobe, _])| SurfaceSamples { choice, light, scatter, lobe })
 }
 
-/// Intersects the rays of paths. Removes paths without a hit and adds the radiance of the sky to them. Returns the interactions of
-/// the others.
+/// Intersects the rays of paths. Removes paths without a hit and adds the radiance of the sky to them. Returns the
+/// interactions of the others.
 fn intersect_paths(
     ctx: &TraceContext,
     paths: &mut Vec<Path>,

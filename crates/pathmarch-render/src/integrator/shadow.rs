@@ -1,11 +1,12 @@
 //! Shadow tests: direct light of light samples, after visibility.
 //!
-//! A shadow ray is traced towards the light. An occluder blocks it completely, but for two settings. With `caustics "fast"`,
-//! the ray passes straight through clear glass, weighted by Fresnel transmittance, tint and absorption (the simplification of
-//! Carvalho 2020, section 4.4, with the physics of the interface). That is biased but free of noise, and the only way for light
-//! of a `point` or of a `sun` without size through glass. A `penumbra` on such a light softens its shadows by the near misses of
-//! the shadow ray (Quilez 2010, "Soft shadows in raymarched SDFs"). This approximation depends neither on the size of the light
-//! nor on its distance, and glass casts the shadow of an opaque solid.
+//! A shadow ray is traced towards the light. An occluder blocks it completely, but for two settings. With `caustics
+//! "fast"`, the ray passes straight through clear glass, weighted by Fresnel transmittance, tint and absorption (the
+//! simplification of Carvalho 2020, section 4.4, with the physics of the interface). That is biased but free of noise,
+//! and the only way for light of a `point` or of a `sun` without size through glass. A `penumbra` on such a light
+//! softens its shadows by the near misses of the shadow ray (Quilez 2010, "Soft shadows in raymarched SDFs"). This
+//! approximation depends neither on the size of the light nor on its distance, and glass casts the shadow of an opaque
+//! solid.
 
 use super::light_sampling::{self, LightSample};
 use super::medium::{medium_beyond, transmittance};
@@ -45,7 +46,8 @@ pub(super) struct ShadowTest {
     pub(super) sampler: PixelSampler,
 }
 
-/// Traces the shadow rays of surface `surface_index` of all paths. Returns slot and radiance of the tests with any light.
+/// Traces the shadow rays of surface `surface_index` of all paths. Returns slot and radiance of the tests with any
+/// light.
 pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_index: u32) -> Vec<(usize, Vec3)> {
     let mut direct_light = Vec::with_capacity(tests.len());
     let mut pending = tests;
@@ -110,8 +112,8 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
     direct_light
 }
 
-/// Continues a shadow ray through an occluder at distance `t` if it is clear glass, and attenuates its light. Returns false if the
-/// occluder blocks the ray.
+/// Continues a shadow ray through an occluder at distance `t` if it is clear glass, and attenuates its light. Returns
+/// false if the occluder blocks the ray.
 fn pass_clear_glass(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder: &SurfaceInteraction) -> bool {
     let leaf = &ctx.scene.leaves[occluder.leaf];
     let material = &ctx.scene.materials[leaf.material as usize];
@@ -130,8 +132,8 @@ fn pass_clear_glass(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder:
     true
 }
 
-/// Share of a light that the near misses of its shadow ray leave. All objects are sphere-traced: an analytic intersection has no
-/// near misses.
+/// Share of a light that the near misses of its shadow ray leave. All objects are sphere-traced: an analytic
+/// intersection has no near misses.
 fn near_misses(ctx: &TraceContext, ray: Ray, limit: f32, sharpness: f32) -> f32 {
     let frame = ctx.frame;
     let mut visibility = 1.0f32;

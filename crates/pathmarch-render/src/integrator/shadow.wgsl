@@ -1,8 +1,8 @@
 // import: integrator/light_sampling, integrator/medium, near_misses, shading/surface_interaction, textures
 // Shadow tests of light samples. Twin of shadow.rs, which explains them.
 
-/// Transmittance of a shadow ray to a sampled light, times the MIS weight of the light. `first_medium` is the absorption coefficient
-/// around the origin of the ray, per metre.
+/// Transmittance of a shadow ray to a sampled light, times the MIS weight of the light. `first_medium` is the
+/// absorption coefficient around the origin of the ray, per metre.
 fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, scatter_pdf: f32, first_medium: vec3f, seed: u32) -> vec3f {
     if PENUMBRA && light.penumbra > 0.0 {
         return near_misses(first_ray, light.distance, light.penumbra) * transmittance(first_medium, light.distance);

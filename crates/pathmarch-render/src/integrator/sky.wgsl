@@ -72,7 +72,8 @@ fn sample_environment(position: vec2f) -> EnvironmentSample {
     return EnvironmentSample(direction, frame.sky_pdf_scale * sky.w, sky.xyz);
 }
 
-/// Samples an index with an alias table of `count` cells and a uniform number. Returns the index and the number remapped to 0..1.
+/// Samples an index with an alias table of `count` cells and a uniform number. Returns the index and the number
+/// remapped to 0..1.
 fn sample_alias_table(table: u32, count: u32, u: f32) -> vec2f {
     let scaled = u * f32(count);
     let cell = min(u32(scaled), count - 1u);

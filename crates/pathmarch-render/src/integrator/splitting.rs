@@ -1,14 +1,15 @@
 //! Splitting: paths that share a camera ray.
 //!
-//! Where most of the noise is indirect light, a new camera ray for each path hits the same surface again. Instead, k consecutive
-//! samples start at the hit of one camera ray. Each is a path with its own random numbers from there on, so that the expected
-//! picture is the same for any k. In a kernel, a lane whose path has ended takes the next path of its camera ray and does not
-//! wait for its neighbours. [`splitting_choice`](super::splitting_choice) chooses k.
+//! Where most of the noise is indirect light, a new camera ray for each path hits the same surface again. Instead, k
+//! consecutive samples start at the hit of one camera ray. Each is a path with its own random numbers from there on, so
+//! that the expected picture is the same for any k. In a kernel, a lane whose path has ended takes the next path of its
+//! camera ray and does not wait for its neighbours. [`splitting_choice`](super::splitting_choice) chooses k.
 
 use crate::wgsl::shared_constants;
 
 shared_constants! {
-    /// Number of first samples of a pixel with a camera ray each, so that pictures that are stopped early have smooth edges.
+    /// Number of first samples of a pixel with a camera ray each, so that pictures that are stopped early have smooth
+    /// edges.
     pub(super) const UNSPLIT_SAMPLES: u32 = 16;
 }
 

@@ -1,17 +1,17 @@
 //! Choice of the splitting: the number of paths that share a camera ray.
 //!
-//! **Idea.** Splitting ([`splitting`](super::splitting)) reduces the noise of indirect light. Edges, depth of field and motion
-//! blur converge with the number of camera rays, so splitting makes them noisier. With variance B between camera rays and W
-//! within one, and costs c₀ of a camera ray and c₁ of a path from its hit on, the error after a given time is proportional to
-//! (B + W/k) (c₀ + k c₁). [`best_splitting`] estimates all four with a few thousand paths of the picture itself. It counts
-//! operations and measures no time, so that the same picture always has the same splitting. Lanes that run together take as
-//! long as the slowest of them: the longest of eight sums of k lengths is k + 1.4 s √k mean path lengths, with s the standard
-//! deviation of a path's length in mean lengths.
+//! **Idea.** Splitting ([`splitting`](super::splitting)) reduces the noise of indirect light. Edges, depth of field and
+//! motion blur converge with the number of camera rays, so splitting makes them noisier. With variance B between camera
+//! rays and W within one, and costs c₀ of a camera ray and c₁ of a path from its hit on, the error after a given time
+//! is proportional to (B + W/k) (c₀ + k c₁). [`best_splitting`] estimates all four with a few thousand paths of the
+//! picture itself. It counts operations and measures no time, so that the same picture always has the same splitting.
+//! Lanes that run together take as long as the slowest of them: the longest of eight sums of k lengths is k + 1.4 s √k
+//! mean path lengths, with s the standard deviation of a path's length in mean lengths.
 //!
-//! **Sources.** Splitting: Arvo and Kirk 1990, "Particle Transport and Image Synthesis", section 5. Best number of paths from
-//! the variances and costs of both parts: Bolin and Meyer 1997, "An Error Metric for Monte Carlo Ray Tracing", section 4;
-//! Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting". Regeneration of paths in idle lanes: Novák, Havran
-//! and Dachsbacher 2010, "Path Regeneration for Interactive Path Tracing".
+//! **Sources.** Splitting: Arvo and Kirk 1990, "Particle Transport and Image Synthesis", section 5. Best number of
+//! paths from the variances and costs of both parts: Bolin and Meyer 1997, "An Error Metric for Monte Carlo Ray
+//! Tracing", section 4; Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting". Regeneration of
+//! paths in idle lanes: Novák, Havran and Dachsbacher 2010, "Path Regeneration for Interactive Path Tracing".
 //!
 //! **Cost.** 20,000 paths on the CPU, for pictures of at least 200 times as many.
 
@@ -45,8 +45,8 @@ const LANE_WAIT: f64 = 0.9;
 /// Smallest relative reduction of the error that justifies a larger splitting, because edges are less smooth with it.
 const MIN_GAIN: f64 = 0.05;
 
-/// Best number of paths that share a camera ray, in a picture with `samples` samples a pixel. With `in_lanes`, paths wait for
-/// their neighbours, as in a kernel.
+/// Best number of paths that share a camera ray, in a picture with `samples` samples a pixel. With `in_lanes`, paths
+/// wait for their neighbours, as in a kernel.
 pub(crate) fn best_splitting(
     scene: &RenderScene,
     frame: &FrameUniforms,
@@ -126,8 +126,8 @@ fn variances(ctx: &TraceContext, pixels: &[(u32, u32)]) -> [f64; 2] {
     sums
 }
 
-/// Variance between and within groups of [`PROBE_PATHS`] values, relative to their mean as in relMSE, and clamped so that no pixel
-/// dominates the sum.
+/// Variance between and within groups of [`PROBE_PATHS`] values, relative to their mean as in relMSE, and clamped so
+/// that no pixel dominates the sum.
 fn variance_components(groups: &[&[Vec3]], component: impl Fn(Vec3) -> f64) -> [f64; 2] {
     const LIMIT: f64 = 10.0;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;

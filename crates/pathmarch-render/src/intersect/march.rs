@@ -1,23 +1,25 @@
 //! Sphere tracing: step along the ray by the distance to the nearest surface until that distance is below a tolerance
 //! (Hart 1996, "Sphere tracing: a geometric method for the antialiased ray tracing of implicit surfaces"). Objects of a
-//! single shape with a closed-form ray intersection are intersected analytically. All others are sphere-traced, within their
-//! common bounds and up to the nearest analytic hit.
+//! single shape with a closed-form ray intersection are intersected analytically. All others are sphere-traced, within
+//! their common bounds and up to the nearest analytic hit.
 //!
-//! **Tolerance.** The hit tolerance is a fraction (`Settings::detail`, a tenth) of the footprint of a pixel at the length of the
-//! path so far, and at least the rounding error of `f32` at the point: far surfaces do not shimmer, near ones keep their detail.
-//! A ray starts off its surface by three rounding errors and a twentieth of the distance at the hit. That is far less than the
-//! tolerance, so that the ray cannot pass through a surface that touches the first one. While the distance rises from there,
-//! a small distance is no hit. The magnitude of the field is traced, so that rays hit solids from inside. A ray that runs out
-//! of steps hits the surface if its distance is below a hundredth of the path length, as towards a horizon; else it misses.
+//! **Tolerance.** The hit tolerance is a fraction (`Settings::detail`, a tenth) of the footprint of a pixel at the
+//! length of the path so far, and at least the rounding error of `f32` at the point: far surfaces do not shimmer, near
+//! ones keep their detail. A ray starts off its surface by three rounding errors and a twentieth of the distance at the
+//! hit. That is far less than the tolerance, so that the ray cannot pass through a surface that touches the first one.
+//! While the distance rises from there, a small distance is no hit. The magnitude of the field is traced, so that rays
+//! hit solids from inside. A ray that runs out of steps hits the surface if its distance is below a hundredth of the
+//! path length, as towards a horizon; else it misses.
 //!
-//! **Over-relaxation.** When the distance drops by less than the step, step further (Bán and Valasek 2023, "Automatic Step
-//! Size Relaxation in Sphere Tracing", after Keinert et al. 2014, section 3.1). As long as the unbounding spheres around two
-//! points touch, no surface is between them. If they are disjoint, the ray retreats to the end of the first sphere, so that it
-//! never passes through a surface that plain sphere tracing would hit.
+//! **Over-relaxation.** When the distance drops by less than the step, step further (Bán and Valasek 2023, "Automatic
+//! Step Size Relaxation in Sphere Tracing", after Keinert et al. 2014, section 3.1). As long as the unbounding spheres
+//! around two points touch, no surface is between them. If they are disjoint, the ray retreats to the end of the first
+//! sphere, so that it never passes through a surface that plain sphere tracing would hit.
 //!
-//! **Grazing rays.** The tolerance enlarges every surface. That is visible around a sphere-traced emitter: a sphere of 64
-//! pixels lit its surroundings by 0.6 % too much. In scenes with such an emitter, the tolerance of a grazing ray is sixteen times
-//! smaller ([`KernelConfig::refined_grazing`]). Scenes with fractals are excluded: their surface *is* where rays end.
+//! **Grazing rays.** The tolerance enlarges every surface. That is visible around a sphere-traced emitter: a sphere of
+//! 64 pixels lit its surroundings by 0.6 % too much. In scenes with such an emitter, the tolerance of a grazing ray is
+//! sixteen times smaller ([`KernelConfig::refined_grazing`]). Scenes with fractals are excluded: their surface *is*
+//! where rays end.
 //!
 //! On the CPU, eight rays are traced side by side. A lane whose ray has ended takes the next one.
 
@@ -136,8 +138,8 @@ fn sphere_trace<const STATS: bool>(
     let mut queue = pending.into_iter();
     let mut lane_ray = [IDLE; 8];
     let mut steps = [0u32; 8];
-    // Per lane: origin, direction, t, end, path length; last distance, infinite once the ray has left the surface that it
-    // starts on; radius of the unbounding sphere at the last point, and the step from there.
+    // Per lane: origin, direction, t, end, path length; last distance, infinite once the ray has left the surface that
+    // it starts on; radius of the unbounding sphere at the last point, and the step from there.
     let mut state = [[0.0f32; 8]; 12];
     // For the statistics: t and distance of the last evaluation, and the steepest change so far.
     let mut evaluated = [f32x8::ZERO; 3];

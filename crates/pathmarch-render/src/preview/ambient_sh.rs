@@ -1,14 +1,15 @@
 //! Ambient light of previews: spherical harmonics of the radiance near the visible surfaces.
 //!
-//! **Idea.** Paths start just in front of the hits of a coarse grid of camera rays and go into all directions. Their radiance, as
-//! a function of direction, is projected on nine spherical harmonics and convolved with the cosine lobe, so that the result is
-//! the irradiance for a normal (Ramamoorthi and Hanrahan 2001, "An Efficient Representation for Irradiance Environment Maps").
-//! So a preview of a closed room is as bright as its path-traced picture, and surfaces take colour from the surfaces opposite.
-//! Direct light of the sampled lights is left out, because the preview computes it analytically. The sky is included.
+//! **Idea.** Paths start just in front of the hits of a coarse grid of camera rays and go into all directions. Their
+//! radiance, as a function of direction, is projected on nine spherical harmonics and convolved with the cosine lobe,
+//! so that the result is the irradiance for a normal (Ramamoorthi and Hanrahan 2001, "An Efficient Representation for
+//! Irradiance Environment Maps"). So a preview of a closed room is as bright as its path-traced picture, and surfaces
+//! take colour from the surfaces opposite. Direct light of the sampled lights is left out, because the preview computes
+//! it analytically. The sky is included.
 //!
-//! **Differences.** One function serves the whole picture instead of one for each position. That is cheap and has no seams, but
-//! is wrong where parts of a picture have different lighting. Paths brighter than [`MAX_RELATIVE_LUMINANCE`] times the mean are
-//! clamped, so that no outlier tints the picture. The random numbers are the same for every seed.
+//! **Differences.** One function serves the whole picture instead of one for each position. That is cheap and has no
+//! seams, but is wrong where parts of a picture have different lighting. Paths brighter than [`MAX_RELATIVE_LUMINANCE`]
+//! times the mean are clamped, so that no outlier tints the picture. The random numbers are the same for every seed.
 //!
 //! **Cost.** 4,096 paths of at most five surfaces on the CPU, for both backends: 5 to 20 ms on two cores.
 
@@ -59,7 +60,8 @@ const NORMS: [f32; 9] = {
     ]
 };
 
-/// Ambient irradiance as coefficients of the [`sh_basis`] of a normal, W/m², without the direct light of `excluded_lights`.
+/// Ambient irradiance as coefficients of the [`sh_basis`] of a normal, W/m², without the direct light of
+/// `excluded_lights`.
 pub(super) fn ambient_sh(ctx: &TraceContext, excluded_lights: &[u32]) -> [Vec3; 9] {
     let points = points(ctx);
     if points.is_empty() {
@@ -123,7 +125,8 @@ fn sample_sphere([u, v]: [f32; 2]) -> Vec3 {
     Vec3::new(radius * cosine, y, radius * sine)
 }
 
-/// Radiance along rays, without the direct light of `excluded_lights`. Without `bounces`, also without that of other surfaces.
+/// Radiance along rays, without the direct light of `excluded_lights`. Without `bounces`, also without that of other
+/// surfaces.
 fn radiance(ctx: &TraceContext, rays: Vec<(Ray, PixelSampler)>, excluded_lights: &[u32], bounces: bool) -> Vec<Vec3> {
     let segments: Vec<RaySegment> =
         rays.iter().map(|(ray, _)| RaySegment { ray: *ray, path_length: 0.0, limit: f32::INFINITY }).collect();

@@ -1,12 +1,12 @@
 //! Irradiance of unoccluded lights in closed form, for previews.
 //!
 //! - **Points and suns**: exact.
-//! - **Spheres**: π L sin² times the cosine, smoothly clipped where the horizon cuts the sphere. A box is approximated by a
-//!   sphere of the same surface area, any other shape by a sphere of the same average visible area.
-//! - **Rectangles**: exact above the horizon, by Lambert's sum over edges (Lambert 1760; Baum, Rushmeier and Winget 1989) with
-//!   the approximated terms of Heitz, Dupuy, Hill and Neubelt 2016 ("Real-Time Polygonal-Light Shading with Linearly
-//!   Transformed Cosines"). The horizon clips a sphere of the same form factor (Hill and Heitz 2017). Discs are approximated by
-//!   squares of the same area.
+//! - **Spheres**: π L sin² times the cosine, smoothly clipped where the horizon cuts the sphere. A box is approximated
+//!   by a sphere of the same surface area, any other shape by a sphere of the same average visible area.
+//! - **Rectangles**: exact above the horizon, by Lambert's sum over edges (Lambert 1760; Baum, Rushmeier and Winget
+//!   1989) with the approximated terms of Heitz, Dupuy, Hill and Neubelt 2016 ("Real-Time Polygonal-Light Shading with
+//!   Linearly Transformed Cosines"). The horizon clips a sphere of the same form factor (Hill and Heitz 2017). Discs
+//!   are approximated by squares of the same area.
 
 use crate::scene::light::{LightShape, SheetLight};
 use glam::Vec3;
@@ -25,7 +25,8 @@ pub(super) struct UnoccludedLight {
     pub(super) sine: f32,
 }
 
-/// Unoccluded light at the point `p` of a surface with normal `n`. A sphere of `radius` replaces boxes and bounded lights.
+/// Unoccluded light at the point `p` of a surface with normal `n`. A sphere of `radius` replaces boxes and bounded
+/// lights.
 pub(super) fn unoccluded_light(light: &LightShape, radius: f32, p: Vec3, n: Vec3) -> UnoccludedLight {
     match light {
         LightShape::Sun(sun) => {

@@ -13,7 +13,8 @@ struct UnoccludedLight {
     sine: f32,
 }
 
-/// Unoccluded light at the point `p` of a surface with normal `n`. A sphere of `radius` replaces boxes and bounded lights.
+/// Unoccluded light at the point `p` of a surface with normal `n`. A sphere of `radius` replaces boxes and bounded
+/// lights.
 fn unoccluded_light(light: Light, radius: f32, p: vec3f, n: vec3f) -> UnoccludedLight {
     if HAS_SUN && light.kind == SUN {
         let sine = sqrt(max(light.radius * (2.0 - light.radius), 0.0));

@@ -1,22 +1,24 @@
 //! Preview: a noise-free approximation of the path-traced picture, in real time.
 //!
 //! **Idea.** One camera ray a sample. At its hit: unoccluded direct light of every light, soft shadows of the strongest
-//! [`MAX_SHADOWS`], one glossy highlight for each light, ambient light times ambient occlusion, and one mirror reflection that
-//! is shaded in the same way. Rays refract through clear surfaces by Snell's law. There are no random numbers: a sample is the same for
-//! every seed, and the first one goes through the centre of the pixel.
+//! [`MAX_SHADOWS`], one glossy highlight for each light, ambient light times ambient occlusion, and one mirror
+//! reflection that is shaded in the same way. Rays refract through clear surfaces by Snell's law. There are no random
+//! numbers: a sample is the same for every seed, and the first one goes through the centre of the pixel.
 //!
-//! **Sources.** Carvalho 2020, section 3.3. Soft shadows: [`soft_shadow`], as wide as the angle that the light subtends. Ambient
-//! occlusion from a few evaluations of the field along the normal: Quilez 2008, "Rendering Worlds with Two Triangles".
-//! Highlights: Blinn 1977 with a normalised exponent that follows roughness, widened by the angle that the light subtends (Karis
-//! 2013, "Real Shading in Unreal Engine 4"). Schlick 1994 for Fresnel reflectance. Ambient light: [`ambient_sh`].
+//! **Sources.** Carvalho 2020, section 3.3. Soft shadows: [`soft_shadow`], as wide as the angle that the light
+//! subtends. Ambient occlusion from a few evaluations of the field along the normal: Quilez 2008, "Rendering Worlds
+//! with Two Triangles". Highlights: Blinn 1977 with a normalised exponent that follows roughness, widened by the angle
+//! that the light subtends (Karis 2013, "Real Shading in Unreal Engine 4"). Schlick 1994 for Fresnel reflectance.
+//! Ambient light: [`ambient_sh`].
 //!
-//! **Limits.** Ambient light is one function of the normal for the whole picture, and its occlusion is an estimate. Emitters and
-//! glass cast no shadows. Near misses darken only the outside of a shadow's edge. Within clear solids, rays reflect only by total
-//! internal reflection. A rough reflection is a mixture of a sharp one and of ambient light. Only the strongest lights at a
-//! point have shadows there, and at most [`MAX_LIGHTS`] lights count. An environment map contributes ambient light without shadows.
+//! **Limits.** Ambient light is one function of the normal for the whole picture, and its occlusion is an estimate.
+//! Emitters and glass cast no shadows. Near misses darken only the outside of a shadow's edge. Within clear solids,
+//! rays reflect only by total internal reflection. A rough reflection is a mixture of a sharp one and of ambient light.
+//! Only the strongest lights at a point have shadows there, and at most [`MAX_LIGHTS`] lights count. An environment map
+//! contributes ambient light without shadows.
 //!
-//! **Cost.** Up to [`MAX_SURFACES`] + [`MAX_REFLECTED_SURFACES`] rays, and for each shaded surface [`MAX_SHADOWS`] shadow rays and
-//! five evaluations of the field.
+//! **Cost.** Up to [`MAX_SURFACES`] + [`MAX_REFLECTED_SURFACES`] rays, and for each shaded surface [`MAX_SHADOWS`]
+//! shadow rays and five evaluations of the field.
 
 pub(crate) mod ambient_sh;
 mod light_irradiance;
@@ -371,7 +373,8 @@ impl PreviewTracer<'_> {
         })
     }
 
-    /// Adds direct light. That of the `shadows` strongest lights goes to `shadow_tests`, that of the others to the pixel.
+    /// Adds direct light. That of the `shadows` strongest lights goes to `shadow_tests`, that of the others to the
+    /// pixel.
     fn add_direct_light(
         &mut self,
         preview_ray: &PreviewRay,
@@ -477,8 +480,8 @@ fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Refracted direction; `eta` is the index of refraction before the surface divided by that behind it. `None` for total internal
-/// reflection.
+/// Refracted direction; `eta` is the index of refraction before the surface divided by that behind it. `None` for total
+/// internal reflection.
 fn refract(direction: Vec3, n: Vec3, eta: f32) -> Option<Vec3> {
     let cosine = direction.dot(n);
     let square = 1.0 - eta * eta * (1.0 - cosine * cosine);

@@ -1,11 +1,13 @@
 //! Soft shadows in few steps, for previews.
 //!
-//! **Idea.** As for a `penumbra` ([`shadow`](crate::integrator::shadow)), near misses of a shadow ray dim the light, relative to
-//! the cone that the light subtends. Here, steps are at least half the radius of that cone, so that rays along a surface do not
-//! use up their steps. A surface that such a step may skip counts as occluder. The nearest miss between two steps is estimated
-//! from the distances at both; without it, long steps would cause bands. A convex surface does not shadow itself.
+//! **Idea.** As for a `penumbra` ([`shadow`](crate::integrator::shadow)), near misses of a shadow ray dim the light,
+//! relative to the cone that the light subtends. Here, steps are at least half the radius of that cone, so that rays
+//! along a surface do not use up their steps. A surface that such a step may skip counts as occluder. The nearest miss
+//! between two steps is estimated from the distances at both; without it, long steps would cause bands. A convex
+//! surface does not shadow itself.
 //!
-//! **Source.** Quilez 2010, "Soft shadows in raymarched SDFs", with the improvement by Aaltonen that he describes there.
+//! **Source.** Quilez 2010, "Soft shadows in raymarched SDFs", with the improvement by Aaltonen that he describes
+//! there.
 //!
 //! **Cost.** At most 96 evaluations of the occluders, eight rays at a time; ten to twenty for most rays.
 

@@ -1,5 +1,5 @@
-//! Random numbers, discrete distributions and bases. Code for both backends is a pair of files: `x.rs` for the CPU, `x.wgsl` for
-//! kernels.
+//! Random numbers, discrete distributions and bases. Code for both backends is a pair of files: `x.rs` for the CPU,
+//! `x.wgsl` for kernels.
 
 pub(crate) mod alias_table;
 pub(crate) mod basis;

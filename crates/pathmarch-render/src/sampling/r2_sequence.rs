@@ -1,13 +1,13 @@
 //! Quasirandom numbers of the modes without noise: one sequence for all pixels and seeds.
 //!
-//! **Idea.** The position of a sample in its pixel is a point of a low-discrepancy sequence that starts at the centre of the
-//! pixel. One sample is a complete picture, and every further sample refines its edges. All pixels share the sequence, so that
-//! the picture has no noise. The camera is a pinhole. Where a smooth operator blends two materials, the first sample uses the
-//! material with the larger weight. The thresholds of the following samples are evenly distributed, so that the mean
-//! converges to the blend.
+//! **Idea.** The position of a sample in its pixel is a point of a low-discrepancy sequence that starts at the centre
+//! of the pixel. One sample is a complete picture, and every further sample refines its edges. All pixels share the
+//! sequence, so that the picture has no noise. The camera is a pinhole. Where a smooth operator blends two materials,
+//! the first sample uses the material with the larger weight. The thresholds of the following samples are evenly
+//! distributed, so that the mean converges to the blend.
 //!
-//! **Source.** Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2): positions are multiples of the
-//! inverse of the plastic number and of its square; thresholds are multiples of the golden ratio.
+//! **Source.** Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2): positions are multiples of
+//! the inverse of the plastic number and of its square; thresholds are multiples of the golden ratio.
 
 use super::sobol::unit;
 

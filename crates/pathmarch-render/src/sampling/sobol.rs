@@ -1,26 +1,29 @@
-//! Random numbers: Owen-scrambled Sobol' points in pairs of dimensions, with an error that is blue noise over the pixels.
+//! Random numbers: Owen-scrambled Sobol' points in pairs of dimensions, with an error that is blue noise over the
+//! pixels.
 //!
-//! **Idea.** The two coordinates of a Sobol' point are the digits of one polynomial s over the field of two elements, whose
-//! coefficients are the bits of the sample's index: at z = 0, and at z = 1 (the Pascal matrix). Here the polynomial is
-//! s Q^8 + g with Q = z² + z + 1. The pixel chooses g: eight digits in base Q, polynomials of degree below two. They are
-//! the digits of the pixel's index on a space-filling curve, the coarsest level first. In an aligned block of 2^m by 2^m pixels and a run
-//! of 2^k samples, two such polynomials differ by Q^(8-m) times one of degree below k + 2m, which cannot vanish k + 2m
-//! times at 0 and 1, where Q does not vanish. So **in every such block and run, each elementary interval of area 2^-(k + 2m)
-//! contains exactly one point**, for all m up to 8 and k up to 16 at once; beyond, this is true of runs of 2^16. Each pixel is as
-//! well stratified as alone, and its neighbours sample the intervals that it misses. So the error has a high spatial frequency
-//! after 1, 2, 4, 8, … samples, and their final number need not be known in advance. Hashes of (seed, pair) scramble the order
-//! of the samples, the order of the pixels (which keeps blocks) and the coordinates (Owen scrambling), so that pairs are
-//! independent. A number is a pure function of (seed, pixel, sample, pair).
+//! **Idea.** The two coordinates of a Sobol' point are the digits of one polynomial s over the field of two elements,
+//! whose coefficients are the bits of the sample's index: at z = 0, and at z = 1 (the Pascal matrix). Here the
+//! polynomial is s Q^8 + g with Q = z² + z + 1. The pixel chooses g: eight digits in base Q, polynomials of degree
+//! below two. They are the digits of the pixel's index on a space-filling curve, the coarsest level first. In an
+//! aligned block of 2^m by 2^m pixels and a run of 2^k samples, two such polynomials differ by Q^(8-m) times one of
+//! degree below k + 2m, which cannot vanish k + 2m times at 0 and 1, where Q does not vanish. So **in every such block
+//! and run, each elementary interval of area 2^-(k + 2m) contains exactly one point**, for all m up to 8 and k up to 16
+//! at once; beyond, this is true of runs of 2^16. Each pixel is as well stratified as alone, and its neighbours sample
+//! the intervals that it misses. So the error has a high spatial frequency after 1, 2, 4, 8, … samples, and their final
+//! number need not be known in advance. Hashes of (seed, pair) scramble the order of the samples, the order of the
+//! pixels (which keeps blocks) and the coordinates (Owen scrambling), so that pairs are independent. A number is a pure
+//! function of (seed, pixel, sample, pair).
 //!
-//! **Sources.** Sobol' points in five steps of integer arithmetic: Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence Fast,
-//! Elegant, and Compact". Owen scrambling by hashing: Burley 2020, "Practical Hash-based Owen Scrambling", after Laine and
-//! Karras 2011, with the constants of Vegdahl 2021. Blue noise by scrambled blocks of pixels: Ahmed and Wonka 2020,
-//! "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels"; there each pixel
-//! takes a run of one sequence, here the curve index is separate from the sample index, so that the run may have any length.
-//! Nets from places of a function field, with Q a place of degree two: the survey of Niederreiter 2005. Georgiev and Fajardo 2016
-//! and Heitz et al. 2019 reach the same end by tables. The ranks of a void-and-cluster array (Ulichney 1993) instead of the curve
-//! were tried. They were better at one sample (blurred variance over eight integrands fell by 7.6, with the curve by 5.9), worse
-//! at 4 (2.4, 7.2) and almost without gain at 16 (1.2, 6.4), because complementary pixels are then far from each other.
+//! **Sources.** Sobol' points in five steps of integer arithmetic: Ahmed 2024, "An Implementation Algorithm of 2D Sobol
+//! Sequence Fast, Elegant, and Compact". Owen scrambling by hashing: Burley 2020, "Practical Hash-based Owen
+//! Scrambling", after Laine and Karras 2011, with the constants of Vegdahl 2021. Blue noise by scrambled blocks of
+//! pixels: Ahmed and Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical
+//! Ordering of Pixels"; there each pixel takes a run of one sequence, here the curve index is separate from the sample
+//! index, so that the run may have any length. Nets from places of a function field, with Q a place of degree two: the
+//! survey of Niederreiter 2005. Georgiev and Fajardo 2016 and Heitz et al. 2019 reach the same end by tables. The ranks
+//! of a void-and-cluster array (Ulichney 1993) instead of the curve were tried. They were better at one sample (blurred
+//! variance over eight integrands fell by 7.6, with the curve by 5.9), worse at 4 (2.4, 7.2) and almost without gain at
+//! 16 (1.2, 6.4), because complementary pixels are then far from each other.
 //!
 //! **Cost.** About 85 integer operations a pair, a third of them the same for all pixels. No memory.
 
@@ -98,7 +101,8 @@ fn spread_bits(mut x: u32) -> u32 {
 pub(crate) struct PixelSampler {
     /// Hash of the seed.
     seed_hash: u32,
-    /// Index of the pixel on a space-filling curve, bits reversed: two bits for each level, the finest level in the highest bits.
+    /// Index of the pixel on a space-filling curve, bits reversed: two bits for each level, the finest level in the
+    /// highest bits.
     curve_index: u32,
     sample: u32,
     independent: bool,
@@ -108,7 +112,8 @@ impl PixelSampler {
     /// Sobol' points of sample `sample` of the pixel (`x`, `y`), both below 2^16, for a seed.
     pub(crate) fn new(x: u32, y: u32, sample: u32, seed: u32) -> Self {
         let morton = (spread_bits(x) | (spread_bits(y) << 1)).reverse_bits();
-        // A hash decides for each block if its curve runs along x or y first, so that the noise has no preferred direction.
+        // A hash decides for each block if its curve runs along x or y first, so that the noise has no preferred
+        // direction.
         let flips = (scramble_reversed(morton, 0x9e37_79b9) ^ morton) & 0x5555_5555;
         let swap = (morton ^ (morton >> 1)) & flips;
         Self { seed_hash: hash(seed), curve_index: morton ^ swap ^ (swap << 1), sample, independent: false }
@@ -302,7 +307,8 @@ mod tests {
         along(&rows, &|p, d| wrap(p / SIDE, d) * SIDE + p % SIDE)
     }
 
-    /// Sums of the squared error after 1, 2, 4, … 64 samples, blurred and not. `sampler_of` maps a pixel to x, y and seed of its sampler.
+    /// Sums of the squared error after 1, 2, 4, … 64 samples, blurred and not. `sampler_of` maps a pixel to x, y and
+    /// seed of its sampler.
     fn errors(f: fn(f32, f32) -> f32, sampler_of: impl Fn(u32, u32) -> [u32; 3]) -> [[f64; 2]; 7] {
         let expected = integral(f);
         let mut result = [[0.0; 2]; 7];

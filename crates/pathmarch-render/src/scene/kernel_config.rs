@@ -8,10 +8,12 @@ use crate::mode::Mode;
 use crate::settings::{LightSearch, Settings};
 use pathmarch_scene::Caustics;
 
-/// Over-relaxation factor. With 2, a step ends where two neighbouring unbounding spheres just touch by the estimated slope.
+/// Over-relaxation factor. With 2, a step ends where two neighbouring unbounding spheres just touch by the estimated
+/// slope.
 pub(crate) const RELAXATION: f32 = 1.9;
 
-/// Configuration of the estimator. Its values are constants of a kernel, so that a scene pays only for the features it uses.
+/// Configuration of the estimator. Its values are constants of a kernel, so that a scene pays only for the features it
+/// uses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KernelConfig {
     /// Some solid absorbs.
@@ -35,8 +37,8 @@ pub(crate) struct KernelConfig {
     pub(crate) relaxation: f32,
     /// Paths that share a camera ray.
     pub(crate) splitting: u32,
-    /// Grazing rays use a smaller hit tolerance. True where some sphere-traced object emits and none is a fractal, because the
-    /// tolerance enlarges every emitter.
+    /// Grazing rays use a smaller hit tolerance. True where some sphere-traced object emits and none is a fractal,
+    /// because the tolerance enlarges every emitter.
     pub(crate) refined_grazing: bool,
 }
 

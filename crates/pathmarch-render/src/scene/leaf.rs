@@ -14,7 +14,8 @@ shared_struct! {
         pub(crate) material: u32,
         /// Origin of the local coordinates, in world space.
         pub(crate) origin: [f32; 3],
-        /// [`SHEET`], [`ANALYTIC`] and [`IN_GLASS`]. The bits from [`LIGHT_SHIFT`] on are one more than the index of its light, or zero.
+        /// [`SHEET`], [`ANALYTIC`] and [`IN_GLASS`]. The bits from [`LIGHT_SHIFT`] on are one more than the index of
+        /// its light, or zero.
         pub(crate) flags: u32,
     }
 }

@@ -147,7 +147,8 @@ impl LightShape {
         }
     }
 
-    /// Weight of the light in the choice of lights: the approximate luminance of its irradiance at the centre of the scene, W/m².
+    /// Weight of the light in the choice of lights: the approximate luminance of its irradiance at the centre of the
+    /// scene, W/m².
     fn weight(&self, extent: &Extent) -> f32 {
         let falloff =
             |position: Vec3| position.distance_squared(extent.centre).max(extent.radius * extent.radius).max(1e-12);
@@ -180,7 +181,8 @@ fn one_minus_cosine(diameter_degrees: f32) -> f32 {
     2.0 * half.sin() * half.sin()
 }
 
-/// Lights of a scene with power above zero, suns first. `sky_power` is the mean irradiance of the environment map, W/m².
+/// Lights of a scene with power above zero, suns first. `sky_power` is the mean irradiance of the environment map,
+/// W/m².
 pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent) -> Vec<Light> {
     let declared = scene.lights.iter().map(declared_light);
     let leaves = scene.field.leaves().iter().enumerate();

@@ -58,7 +58,8 @@ impl MaterialRecord {
     }
 }
 
-/// Transmittance of clear glass with these parameters for an unrefracted ray; `cosine` is that of the angle of incidence.
+/// Transmittance of clear glass with these parameters for an unrefracted ray; `cosine` is that of the angle of
+/// incidence.
 pub(crate) fn straight_transmittance(parameters: &Numbers, cosine: f32) -> Vec3 {
     let [r, g, b, _, ior, ..] = *parameters;
     Vec3::new(r, g, b) * (1.0 - materials::fresnel(cosine, ior))

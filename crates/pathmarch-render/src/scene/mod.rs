@@ -1,7 +1,8 @@
 //! Render scene: flat tables for the integrators, on the CPU, shared and immutable.
 //!
-//! [`RenderScene`] does not depend on the size or the settings of the picture. [`FrameUniforms`] change with the camera.
-//! [`KernelConfig`] lists the features of the estimator that the scene uses. Each backend encodes the tables for its memory.
+//! [`RenderScene`] does not depend on the size or the settings of the picture. [`FrameUniforms`] change with the
+//! camera. [`KernelConfig`] lists the features of the estimator that the scene uses. Each backend encodes the tables
+//! for its memory.
 
 mod context;
 pub(crate) mod frame;
@@ -89,7 +90,8 @@ impl RenderScene {
     }
 }
 
-/// Bounding sphere of the finite objects. Without any, it is centred at the camera's target and passes through the camera.
+/// Bounding sphere of the finite objects. Without any, it is centred at the camera's target and passes through the
+/// camera.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
     /// Centre in world space, metres.

@@ -4,8 +4,8 @@ use crate::wgsl::shared_constants;
 use pathmarch_scene::materials::Look;
 
 shared_constants! {
-    /// Number of parameters of a preview material: diffuse albedo, roughness, specular reflectance at normal incidence and at
-    /// grazing angles, transmittance, index of refraction.
+    /// Number of parameters of a preview material: diffuse albedo, roughness, specular reflectance at normal incidence
+    /// and at grazing angles, transmittance, index of refraction.
     pub(crate) const PREVIEW_PARAMETERS: usize = 14;
 }
 

@@ -1,11 +1,11 @@
 //! Light of the sky: a constant, a gradient or an environment map.
 //!
-//! An environment map is sampled like other lights, in proportion to its luminance (Pharr, Jakob and Humphreys, "Physically
-//! Based Rendering", 4th ed. 2023, section 12.5). One alias table chooses the row, and one table for each row chooses the column.
-//! Cells lie *between* the centres of texels, where radiance is bilinear. The probability of a cell is proportional to the mean
-//! of its four corners times its solid angle; within a cell, samples are uniform. So the pdf of a direction is proportional to
-//! the mean of the four texels around it. Constants and gradients are not sampled: BSDF sampling is as good where light arrives
-//! from everywhere.
+//! An environment map is sampled like other lights, in proportion to its luminance (Pharr, Jakob and Humphreys,
+//! "Physically Based Rendering", 4th ed. 2023, section 12.5). One alias table chooses the row, and one table for each
+//! row chooses the column. Cells lie *between* the centres of texels, where radiance is bilinear. The probability of a
+//! cell is proportional to the mean of its four corners times its solid angle; within a cell, samples are uniform. So
+//! the pdf of a direction is proportional to the mean of the four texels around it. Constants and gradients are not
+//! sampled: BSDF sampling is as good where light arrives from everywhere.
 
 use super::light::luminance;
 use crate::sampling::alias_table::{self, Cell};
@@ -52,7 +52,8 @@ impl SkyLight {
         Self { source: scene.sky.clone(), distribution, pdf_scale: 0.0 }
     }
 
-    /// Mean irradiance of the environment map, W/m², its weight in the choice of lights; 0 for a sky that is not sampled.
+    /// Mean irradiance of the environment map, W/m², its weight in the choice of lights; 0 for a sky that is not
+    /// sampled.
     pub(crate) fn sampled_power(&self) -> f32 {
         self.distribution.as_ref().map_or(0.0, |distribution| 0.5 * distribution.integral as f32)
     }
@@ -70,7 +71,8 @@ impl SkyLight {
         self.pdf_scale
     }
 
-    /// Radiance of a direction, W/(m² sr), and the pdf of light sampling over solid angle; no pdf for a sky that is not sampled.
+    /// Radiance of a direction, W/(m² sr), and the pdf of light sampling over solid angle; no pdf for a sky that is not
+    /// sampled.
     pub(crate) fn radiance(&self, direction: Vec3) -> (Vec3, Option<f32>) {
         match &self.source {
             Sky::Map(environment) if self.pdf_scale > 0.0 => {

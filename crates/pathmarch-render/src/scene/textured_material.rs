@@ -1,9 +1,10 @@
 //! Textured materials: the parameters of a material that vary along surfaces.
 //!
-//! A material is packed into the parameters of its BSDF. Textures and orbit traps ([`OrbitTrap`]) replace some of them at each
-//! surface interaction. A colour is replaced directly. For any other parameter, the material is packed in advance for [`KNOTS`]
-//! values, and parameters between two knots are interpolated: the parameters of `principled` are integrals that take too long
-//! for a path. The flags of a material (transmission, delta distribution) are the same everywhere on it.
+//! A material is packed into the parameters of its BSDF. Textures and orbit traps ([`OrbitTrap`]) replace some of them
+//! at each surface interaction. A colour is replaced directly. For any other parameter, the material is packed in
+//! advance for [`KNOTS`] values, and parameters between two knots are interpolated: the parameters of `principled` are
+//! integrals that take too long for a path. The flags of a material (transmission, delta distribution) are the same
+//! everywhere on it.
 
 use super::preview_material::{self, PreviewParameters};
 use crate::wgsl::shared_constants;
@@ -36,7 +37,8 @@ pub(crate) enum Change {
 pub(crate) struct Layer {
     pub(crate) source: Source,
     pub(crate) change: Change,
-    /// Change of the preview material: its derivative by the colour, or its values at the knots minus those without the texture.
+    /// Change of the preview material: its derivative by the colour, or its values at the knots minus those without the
+    /// texture.
     pub(crate) previews: Vec<PreviewParameters>,
     /// Colour of the material without the texture.
     pub(crate) base: [f32; 3],

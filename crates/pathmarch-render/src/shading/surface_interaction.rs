@@ -33,8 +33,8 @@ impl SurfaceInteraction {
     }
 }
 
-/// Surface interactions of hits. Where materials blend, the second one is chosen if its weight exceeds `threshold`, a function of
-/// the hit's index and the blend's index.
+/// Surface interactions of hits. Where materials blend, the second one is chosen if its weight exceeds `threshold`, a
+/// function of the hit's index and the blend's index.
 pub(crate) fn surface_interactions(
     ctx: &TraceContext,
     hits: &[(RaySegment, Hit)],
@@ -62,7 +62,8 @@ pub(crate) fn surface_interactions(
         let outward = field.gradient * inverse;
         let residual = field.value * inverse;
         let rounding = rounding_at(ctx.frame, hit_point, origin);
-        // Within rounding of the surface, the direction of the ray decides the side; elsewhere the sign of the field does.
+        // Within rounding of the surface, the direction of the ray decides the side; elsewhere the sign of the field
+        // does.
         let side_tolerance = rounding + f32x8::splat(ctx.frame.rounding) * t;
         let on_surface = Mask8(f32x8::ZERO.simd_lt(is_analytic)) | Mask8(field.value.abs().simd_le(side_tolerance));
         let inside = Real::select(on_surface, -outward.dot(rays.direction), field.value).simd_lt(f32x8::ZERO);

@@ -25,7 +25,8 @@ fn leaf_coordinates(leaf: u32, p: vec3f) -> Coordinates {
     return coordinates_inside(outer, vec3f(dot(x, offset), dot(y, offset), dot(z, offset)), x, y, z);
 }
 
-/// Colour (xyz) and value (w) of the texture at offset `texture_offset`. The value of an orbit trap is below 0 on a shape without orbit.
+/// Colour (xyz) and value (w) of the texture at offset `texture_offset`. The value of an orbit trap is below 0 on a
+/// shape without orbit.
 fn texture_at(texture_offset: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
     let kind = scene_data[texture_offset];
     if HAS_ORBITS && kind == ORBIT_SOURCE {
@@ -73,7 +74,8 @@ fn layer_colour(layer: u32, texel: vec4f) -> vec3f {
     return a + (b - a) * (position - f32(first));
 }
 
-/// Evaluates the textures of material `m` at `p` on a leaf with this outward normal, at the end of a path of this length.
+/// Evaluates the textures of material `m` at `p` on a leaf with this outward normal, at the end of a path of this
+/// length.
 fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) {
     bump_gradient = vec3f(0.0);
     begin_textures(m);
@@ -96,7 +98,8 @@ fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f
         step = max(texture_number(texture + TEXTURE_STEP) * texture_number(texture + TEXTURE_SCALE), 0.5 * spot.footprint);
     }
     var heights = vec4f(0.0);
-    // The bump map is evaluated at four points. A single loop keeps one copy of the code of every texture in the kernel.
+    // The bump map is evaluated at four points. A single loop keeps one copy of the code of every texture in the
+    // kernel.
     for (var k = 0u; k < layers + select(0u, 4u, HAS_BUMP && bump != 0u); k++) {
         var sample_spot = spot;
         let layer = select(bump, scene_data[material + 2u + min(k, max(layers, 1u) - 1u)], k < layers);
@@ -116,7 +119,8 @@ fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f
     }
 }
 
-/// Shading normal on the side of the geometric `normal`, after `evaluate_textures`; `view` is the unit vector towards the viewer.
+/// Shading normal on the side of the geometric `normal`, after `evaluate_textures`; `view` is the unit vector towards
+/// the viewer.
 fn shading_normal(outward: vec3f, normal: vec3f, view: vec3f) -> vec3f {
     if !HAS_BUMP || all(bump_gradient == vec3f(0.0)) {
         return normal;

@@ -1,13 +1,13 @@
 //! Textures at a surface interaction: parameters of the BSDF and the shading normal.
 //!
-//! **Bump maps.** The normal follows the slope of a height: n' = n - (∇h - n (n·∇h)), normalised (Blinn 1978, "Simulation of
-//! Wrinkled Surfaces"; in this form Mikkelsen 2010). It is then rotated towards the geometric normal until the mirrored view
-//! direction leaves the surface, so that no mirror is black (Schüßler et al. 2017, section 3, describe the problem; Cycles also
-//! rotates the normal). Light that scatters through the geometric surface to the wrong side is lost. Bump maps change neither
-//! silhouettes nor shadows.
+//! **Bump maps.** The normal follows the slope of a height: n' = n - (∇h - n (n·∇h)), normalised (Blinn 1978,
+//! "Simulation of Wrinkled Surfaces"; in this form Mikkelsen 2010). It is then rotated towards the geometric normal
+//! until the mirrored view direction leaves the surface, so that no mirror is black (Schüßler et al. 2017, section 3,
+//! describe the problem; Cycles also rotates the normal). Light that scatters through the geometric surface to the
+//! wrong side is lost. Bump maps change neither silhouettes nor shadows.
 //!
-//! **Space.** Textures are evaluated in the coordinates of the leaf ([`Field::coordinates`](pathmarch_field::Field::coordinates)).
-//! Heights scale with the shape.
+//! **Space.** Textures are evaluated in the coordinates of the leaf
+//! ([`Field::coordinates`](pathmarch_field::Field::coordinates)). Heights scale with the shape.
 //!
 //! **Cost.** One evaluation for each texture, four for a bump map, none for materials without textures.
 
@@ -38,8 +38,8 @@ pub(crate) struct TexturedPoint<'p> {
 }
 
 impl<'p> TexturedPoint<'p> {
-    /// Texture coordinates of the point `p` on a leaf, with its outward normal, at the end of a path of this length. `None` for a
-    /// material without textures.
+    /// Texture coordinates of the point `p` on a leaf, with its outward normal, at the end of a path of this length.
+    /// `None` for a material without textures.
     #[inline]
     pub(crate) fn new(ctx: &TraceContext<'p>, leaf: usize, p: Vec3, outward: Vec3, path_length: f32) -> Option<Self> {
         let scene = ctx.scene;
@@ -157,8 +157,9 @@ impl<'p> TexturedPoint<'p> {
 
 /// Normal nearest to `bumped`, between it and the geometric normal, whose mirrored view direction leaves the surface.
 ///
-/// In the plane of both normals, θ is the angle between them, φ that from the geometric normal to the view, and A the length of
-/// the projected view. The mirrored view is at 2θ - φ. It is at least t above the surface if cos(2θ - φ) ≥ t/A.
+/// In the plane of both normals, θ is the angle between them, φ that from the geometric normal to the view, and A the
+/// length of the projected view. The mirrored view is at 2θ - φ. It is at least t above the surface if cos(2θ - φ) ≥
+/// t/A.
 fn visible_normal(bumped: Vec3, normal: Vec3, view: Vec3) -> Vec3 {
     let view_height = view.dot(normal).max(1e-5);
     let bumped_height = bumped.dot(normal);

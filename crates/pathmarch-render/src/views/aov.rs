@@ -1,13 +1,13 @@
-//! Arbitrary output variables (AOVs): albedo, normal, depth, position and indices of the first hits, for compositing and
-//! denoising.
+//! Arbitrary output variables (AOVs): albedo, normal, depth, position and indices of the first hits, for compositing
+//! and denoising.
 //!
-//! **Idea.** One ray through the centre of each pixel, and sixteen through a regular grid of four by four positions in it, all
-//! through the centre of the lens. Albedo and normal are means over the grid, so that edges are smooth. Depth, position and
-//! indices have no meaningful mean; they are those at the centre. There are no random numbers: the layers have no noise and are
-//! the same for both backends. Out of focus, they are sharper than the picture.
+//! **Idea.** One ray through the centre of each pixel, and sixteen through a regular grid of four by four positions in
+//! it, all through the centre of the lens. Albedo and normal are means over the grid, so that edges are smooth. Depth,
+//! position and indices have no meaningful mean; they are those at the centre. There are no random numbers: the layers
+//! have no noise and are the same for both backends. Out of focus, they are sharper than the picture.
 //!
-//! **Source.** Features of first hits as guides of a denoiser: Rousselle, Manzi, Zwicker, "Robust Denoising using Feature
-//! and Color Information", 2013. Names of channels are those of layers in OpenEXR ("Technical Introduction to
+//! **Source.** Features of first hits as guides of a denoiser: Rousselle, Manzi, Zwicker, "Robust Denoising using
+//! Feature and Color Information", 2013. Names of channels are those of layers in OpenEXR ("Technical Introduction to
 //! OpenEXR", 2013), with the suffixes of Blender's passes.
 //!
 //! **Cost.** Seventeen rays a pixel, eight at a time, on all cores: 1.7 s for 1280x720 pixels of
@@ -96,8 +96,8 @@ pub struct Aovs {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Albedo of the material, linear Rec. 709, 0 to 1; of an emitter, its radiance clipped to 1. Black without a hit. Blended
-    /// materials are blended in sixteenths.
+    /// Albedo of the material, linear Rec. 709, 0 to 1; of an emitter, its radiance clipped to 1. Black without a hit.
+    /// Blended materials are blended in sixteenths.
     pub albedo: Vec<[f32; 3]>,
     /// Unit normal in world space, on the side of the camera; zero without a hit.
     pub normal: Vec<[f32; 3]>,
@@ -107,7 +107,8 @@ pub struct Aovs {
     pub position: Vec<[f32; 3]>,
     /// One more than the index into [`Scene::objects`]; 0 without a hit.
     pub object: Vec<u32>,
-    /// One more than the index into [`Scene::materials`]; where materials blend, that with the largest weight; 0 without a hit.
+    /// One more than the index into [`Scene::materials`]; where materials blend, that with the largest weight; 0
+    /// without a hit.
     pub material: Vec<u32>,
 }
 
@@ -197,8 +198,8 @@ fn render_batch(ctx: &TraceContext, colours: &[Vec3], range: std::ops::Range<u32
     pixels
 }
 
-/// Weight above which the second material of a blend is chosen at a position. Over the grid, the thresholds of each blend are evenly
-/// spaced, so that the mean is the blend; those of two blends form a lattice.
+/// Weight above which the second material of a blend is chosen at a position. Over the grid, the thresholds of each
+/// blend are evenly spaced, so that the mean is the blend; those of two blends form a lattice.
 fn blend_threshold(position_index: u32, blend: u32) -> f32 {
     if position_index == CENTRE {
         return 0.5;

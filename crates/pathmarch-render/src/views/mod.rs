@@ -1,19 +1,19 @@
 //! Views: albedo, normal, depth, object and material of the first hit of camera rays, and the cost of sphere tracing.
 //!
-//! **Idea.** One camera ray a sample and no light transport. Colours are looked up in a table that is computed once for both backends:
-//! a colour for each leaf (albedo, object, material) or for each number of steps. Normals and depths are display codes. They are
-//! decoded to linear light with the inverse of the sRGB transfer function, so that a screen shows the codes and a pixel is a mean
-//! of light.
+//! **Idea.** One camera ray a sample and no light transport. Colours are looked up in a table that is computed once for
+//! both backends: a colour for each leaf (albedo, object, material) or for each number of steps. Normals and depths are
+//! display codes. They are decoded to linear light with the inverse of the sRGB transfer function, so that a screen
+//! shows the codes and a pixel is a mean of light.
 //!
-//! - **Depth** z, along the camera's axis, has the code 1 / (1 + ((z - a)/s)²) for z beyond a, else 1. With D the distance
-//!   from the camera to its target and R the radius of the finite objects, s = min(R, D) and a = D - s: white at the near end of
-//!   the scene, middle grey at the target, a fifth at the far end, black at infinity.
+//! - **Depth** z, along the camera's axis, has the code 1 / (1 + ((z - a)/s)²) for z beyond a, else 1. With D the
+//!   distance from the camera to its target and R the radius of the finite objects, s = min(R, D) and a = D - s: white
+//!   at the near end of the scene, middle grey at the target, a fifth at the far end, black at infinity.
 //! - **Steps** are evaluations of the sphere-traced field, at most 256, on the scale of [`heat`](crate::mode::heat):
-//!   log2(1 + steps) / 8. Rays without any evaluation are black, also those with an analytic hit. On the GPU, the distance
-//!   function of the field counts its calls; the code of sphere tracing is unchanged.
-//! - **Violations** are of |f(a) - f(b)| ≤ L |a - b| for consecutive points a and b of a ray (Hart 1996, section 2.2): the
-//!   largest ratio of both sides along the ray, less the effect of rounding. Grey up to 1, then [`heat`](crate::mode::heat) of
-//!   1/2 + log2(ratio)/4, so that a ratio of four is dark red.
+//!   log2(1 + steps) / 8. Rays without any evaluation are black, also those with an analytic hit. On the GPU, the
+//!   distance function of the field counts its calls; the code of sphere tracing is unchanged.
+//! - **Violations** are of |f(a) - f(b)| ≤ L |a - b| for consecutive points a and b of a ray (Hart 1996, section 2.2):
+//!   the largest ratio of both sides along the ray, less the effect of rounding. Grey up to 1, then
+//!   [`heat`](crate::mode::heat) of 1/2 + log2(ratio)/4, so that a ratio of four is dark red.
 //!
 //! **Cost.** One ray and one evaluation of the gradient a sample.
 

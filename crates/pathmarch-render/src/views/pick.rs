@@ -1,4 +1,5 @@
-//! Picking: the surface at a position of the picture, for selection; and the distance to the nearest surface, for navigation.
+//! Picking: the surface at a position of the picture, for selection; and the distance to the nearest surface, for
+//! navigation.
 
 use super::ViewScene;
 use crate::integrator::camera::central_ray;
@@ -28,9 +29,9 @@ pub struct Picked {
     pub depth: f32,
 }
 
-/// First hit of the ray through the centre of the lens and a position of the picture. `pixel` is in pixels from the top left corner
-/// of the picture, so that the centre of the first pixel is at 0.5, 0.5. Of the settings, only size and camera matter. `None` if the
-/// ray hits nothing, or if settings are out of range.
+/// First hit of the ray through the centre of the lens and a position of the picture. `pixel` is in pixels from the top
+/// left corner of the picture, so that the centre of the first pixel is at 0.5, 0.5. Of the settings, only size and
+/// camera matter. `None` if the ray hits nothing, or if settings are out of range.
 ///
 /// Cost: the preparation of the scene and one ray on the CPU, well below a millisecond for typical scenes.
 pub fn pick(scene: &Scene, settings: &Settings, pixel: [f32; 2]) -> Option<Picked> {
@@ -52,8 +53,8 @@ pub fn pick(scene: &Scene, settings: &Settings, pixel: [f32; 2]) -> Option<Picke
     })
 }
 
-/// Distance from a point to the nearest surface of any object, from outside or inside, metres; infinite in an empty scene. A
-/// lower bound near shapes whose distance is a lower bound.
+/// Distance from a point to the nearest surface of any object, from outside or inside, metres; infinite in an empty
+/// scene. A lower bound near shapes whose distance is a lower bound.
 pub fn clearance(scene: &Scene, point: [f32; 3]) -> f32 {
     let [x, y, z] = point;
     scene.field.object_distances(FieldVec3::new(x, y, z)).map(f32::abs).fold(f32::INFINITY, f32::min)
