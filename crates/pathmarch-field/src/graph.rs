@@ -14,6 +14,7 @@ mod build;
 pub(crate) mod bvh;
 mod coordinates;
 mod distance;
+mod far_field;
 mod leaf;
 mod node;
 mod pose;
@@ -30,8 +31,8 @@ pub use batch::Batch;
 use bvh::Bvh;
 pub use coordinates::Coordinates;
 pub use leaf::Leaf;
-pub use node::{Kind, Node, Placement};
-pub use pose::{Pose, Turn};
+pub use node::{Kind, Node};
+pub use pose::{Placement, Pose, Turn};
 use shape_grid::ShapeGrid;
 pub use surface::Surface;
 

@@ -1,6 +1,6 @@
 //! Distances of a field on the CPU: to all objects, to sphere-traced ones, to chosen ones; and analytic hits.
 
-use super::shape_grid::FarField;
+use super::far_field::FarField;
 use super::{Batch, EvalStrategy, Field, Modified, SPHERE_TRACED, Tree};
 use crate::number::Vec3;
 use crate::ray_interval::T_MAX;

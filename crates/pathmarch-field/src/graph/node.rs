@@ -1,30 +1,10 @@
 //! Tree of a scene: shapes, operators and modifiers, each placed relative to its parent.
 
-use super::pose::{Frame, Pose};
+use super::pose::Placement;
 use crate::blend::Blend;
 use crate::modifiers::Modifier;
 use crate::operators::Operator;
 use crate::shapes::ShapeRef;
-
-/// Placement of a node: scale, then rotation, then translation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Placement {
-    /// Direction to which the shape's +y is turned first; any length above zero.
-    pub normal: Option<[f32; 3]>,
-    /// Uniform scale, above zero.
-    pub scale: Option<f32>,
-    /// Rotation about the fixed x, then y, then z axis, degrees, right-handed.
-    pub rotate: Option<[f32; 3]>,
-    /// Translation, metres.
-    pub at: Option<[f32; 3]>,
-}
-
-impl Placement {
-    /// Local coordinates of the node.
-    pub fn pose(&self) -> Pose {
-        Frame::WORLD.inside(self).pose()
-    }
-}
 
 /// Node of a scene's tree.
 #[derive(Clone, Debug)]

@@ -1,9 +1,28 @@
 //! Local coordinates: placements composed to one similarity, which transforms points, lengths and boxes.
 
-use super::Placement;
 use crate::bounds::Aabb;
 use crate::number::{Dual, Real, Vec3};
 use glam::{EulerRot, Mat3, Quat};
+
+/// Placement of a node: scale, then rotation, then translation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Placement {
+    /// Direction to which the shape's +y is turned first; any length above zero.
+    pub normal: Option<[f32; 3]>,
+    /// Uniform scale, above zero.
+    pub scale: Option<f32>,
+    /// Rotation about the fixed x, then y, then z axis, degrees, right-handed.
+    pub rotate: Option<[f32; 3]>,
+    /// Translation, metres.
+    pub at: Option<[f32; 3]>,
+}
+
+impl Placement {
+    /// Local coordinates of the node.
+    pub fn pose(&self) -> Pose {
+        Frame::WORLD.inside(self).pose()
+    }
+}
 
 /// Rotation and scale of local coordinates, which decide on the printed code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -17,6 +17,7 @@
 mod sparse_grid;
 
 use super::bvh::{self, Bvh};
+use super::far_field::FarField;
 use super::{Batch, EvalStrategy, Field, Surface, Tree};
 use crate::blend::{Blend, BlendProfile};
 use crate::bounds::Aabb;
@@ -44,17 +45,6 @@ pub(crate) struct ShapeGrid {
     /// Bounds of all shapes.
     pub(crate) bounds: Aabb,
     grid: Arc<OnceLock<SparseGrid>>,
-}
-
-/// Value of the distance far from all surfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum FarField {
-    /// A bound: nearer to zero than the distance, of the same sign.
-    Bound,
-    /// An estimate of the distance.
-    Estimate,
-    /// The exact fold of all shapes.
-    Exact,
 }
 
 /// Largest offset of the surface of a fold beyond its shapes, metres: a result that is so far below the next distance does not

@@ -1,6 +1,6 @@
 //! Surfaces of a field on the CPU: distance, gradient, and the leaf whose material shows.
 
-use super::shape_grid::FarField;
+use super::far_field::FarField;
 use super::{Batch, EvalStrategy, Field, Modified, Tree};
 use crate::number::{Dual, Real, Vec3};
 

@@ -113,7 +113,7 @@ impl LiveGpu {
         };
         if let Some(device) = &device {
             let source = KernelSource::new(input, device);
-            let ready = source.is_compiled(device);
+            let ready = source.is_compiled(&device.kernels);
             self.source = Some(source);
             if ready {
                 return;
@@ -166,7 +166,7 @@ impl LiveGpu {
     /// Device and kernel of the present scene, if it is compiled.
     fn kernel(&self) -> Option<(&Arc<GpuContext>, &KernelSource)> {
         let (device, source) = (self.device()?, self.source.as_ref()?);
-        (!self.refused && source.is_compiled(device)).then_some((device, source))
+        (!self.refused && source.is_compiled(&device.kernels)).then_some((device, source))
     }
 
     /// True if the kernel of the present scene is compiled.

@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 /// Opened device, its kernels and passes.
 pub(crate) struct GpuContext {
     pub(crate) opened: Device,
-    pub(super) kernels: KernelCache,
+    pub(crate) kernels: KernelCache,
     display: OnceLock<DisplayPass>,
 }
 

@@ -1,6 +1,5 @@
 //! Cache of compiled kernels, so that a device compiles each kernel once.
 
-use super::GpuContext;
 use super::bindings::{self, Bindings};
 use super::compose::{kernel, program};
 use super::device::Device;
@@ -40,8 +39,8 @@ impl KernelSource {
     }
 
     /// True if the device has compiled this kernel and dispatched it once.
-    pub(crate) fn is_compiled(&self, gpu: &GpuContext) -> bool {
-        gpu.kernels.get(&self.code).is_some_and(|kernel| kernel.is_warm())
+    pub(crate) fn is_compiled(&self, kernels: &KernelCache) -> bool {
+        kernels.get(&self.code).is_some_and(|kernel| kernel.is_warm())
     }
 }
 
