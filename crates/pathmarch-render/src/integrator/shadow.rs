@@ -1,7 +1,7 @@
 //! Shadow tests: direct light of light samples, after visibility.
 //!
-//! A shadow ray is traced towards the light. An occluder blocks it completely, but for two settings. With `caustics
-//! "fast"`, the ray passes straight through clear glass, weighted by Fresnel transmittance, tint and absorption (the
+//! A shadow ray is traced towards the light. An occluder blocks it completely, but for two settings. With
+//! `caustics "fast"`, the ray passes straight through clear glass, weighted by Fresnel transmittance, tint and absorption (the
 //! simplification of Carvalho 2020, section 4.4, with the physics of the interface). That is biased but free of noise,
 //! and the only way for light of a `point` or of a `sun` without size through glass. A `penumbra` on such a light
 //! softens its shadows by the near misses of the shadow ray (Quilez 2010, "Soft shadows in raymarched SDFs"). This

@@ -1,4 +1,4 @@
-//! Preview: a noise-free approximation of the path-traced picture, in real time.
+//! Preview: a quick approximation without noise, as ray marchers rendered before path tracing.
 //!
 //! **Idea.** One camera ray a sample. At its hit: unoccluded direct light of every light, soft shadows of the strongest
 //! [`MAX_SHADOWS`], one glossy highlight for each light, ambient light times ambient occlusion, and one mirror
