@@ -73,7 +73,7 @@ fn modes_without_noise_ignore_the_seed_and_their_ranges_add_up(renderer: &Render
         let first = render(renderer, &scene, &settings);
         assert_eq!(first, render(renderer, &scene, &Settings { seed: 7, ..settings.clone() }), "{}", mode.name());
         let mut parts = render(renderer, &scene, &Settings { first_sample: 1, samples: 4, ..settings.clone() });
-        parts.add(&first).expect("of one size");
+        parts.add(&first).expect("equal sizes");
         let whole = render(renderer, &scene, &Settings { samples: 5, seed: 3, ..settings });
         for (a, b) in parts.sums.iter().flatten().zip(whole.sums.iter().flatten()) {
             assert!((a - b).abs() <= 1e-5 * b.abs(), "{}: {a} for {b}", mode.name());
@@ -255,7 +255,7 @@ fn later_samples_smooth_the_edges(renderer: &Renderer) {
     let partial = |pixel: &[f32; 3]| pixel[0] > 0.02 && pixel[0] < 0.18;
     assert!(!one.pixels.iter().any(partial), "one sample is a plain picture");
     assert!(all.pixels.iter().filter(|pixel| partial(pixel)).count() > 20);
-    let result = compare(&one, &all, PictureKind::Hdr).expect("two of a size");
+    let result = compare(&one, &all, PictureKind::Hdr).expect("equal sizes");
     assert!(result.flip < 0.1, "{}", result.flip);
 }
 

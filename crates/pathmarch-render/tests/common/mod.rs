@@ -34,7 +34,7 @@ pub fn scenes() -> Vec<PathBuf> {
 
 /// CPU backend, which is always available.
 pub fn cpu() -> Renderer {
-    Renderer::open(Backend::Cpu, None).expect("the CPU is there")
+    Renderer::open(Backend::Cpu, None).expect("the CPU backend")
 }
 
 /// Opened GPU backends that no test uses at present; opening one is slow.
@@ -57,7 +57,7 @@ pub static GPU: Requirement = Requirement {
 /// Lends the GPU backend to a test. A failed test does not return it.
 fn lend_gpu(test: impl FnOnce(Renderer) -> Renderer) {
     let open = idle().pop();
-    let renderer = test(open.unwrap_or_else(|| Renderer::open(Backend::Gpu, None).expect("a GPU, as before")));
+    let renderer = test(open.unwrap_or_else(|| Renderer::open(Backend::Gpu, None).expect("a GPU adapter")));
     idle().push(renderer);
 }
 
