@@ -106,7 +106,7 @@ fn every_scene_renders_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     for path in scenes() {
         let scene = Scene::load(&path).expect("a valid scene");
         let settings = Settings { size: [96, 54], samples: 4, ..Settings::of(&scene) };
-        let [cpu, gpu] = [0, 1].map(|k| render(&mut renderers[k], &scene, &settings).mean());
+        let [cpu, gpu] = [0, 1].map(|k| render(&renderers[k], &scene, &settings).mean());
         let differing = cpu
             .pixels
             .iter()

@@ -156,7 +156,7 @@ fn pictures_do_not_depend_on_the_scale() {
     };
     let mut pictures = [0.001, 1.0, 1000.0].map(|scale| {
         let scene = at(scale);
-        render(&mut cpu(), &scene, &Settings { size: [96, 64], samples: 64, ..Settings::of(&scene) }).mean()
+        render(&cpu(), &scene, &Settings { size: [96, 64], samples: 64, ..Settings::of(&scene) }).mean()
     });
     let [small, metres, large] = &mut pictures;
     for (name, other) in [("millimetres", small), ("kilometres", large)] {

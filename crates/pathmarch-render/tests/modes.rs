@@ -23,7 +23,7 @@ fn every_mode_looks_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
         let scene = Scene::load(path).expect("a valid scene");
         for mode in Mode::ALL {
             let settings = Settings { size: [96, 54], samples: 4, mode, ..Settings::of(&scene) };
-            let [cpu, gpu] = [0, 1].map(|k| render(&mut renderers[k], &scene, &settings).mean());
+            let [cpu, gpu] = [0, 1].map(|k| render(&renderers[k], &scene, &settings).mean());
             let differs =
                 |a: &[f32; 3], b: &[f32; 3]| (0..3).any(|k| (a[k] - b[k]).abs() > 0.02 * b[k].abs().max(0.02));
             let differing = cpu.pixels.iter().zip(&gpu.pixels).filter(|(a, b)| differs(a, b)).count();
@@ -238,10 +238,10 @@ fn uncertainty_falls_with_the_root_of_the_samples(renderer: &Renderer) {
 fn the_mean_of_variance_is_that_of_the_picture() {
     let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
     let base = Settings { size: [48, 27], sampler: scene.render.sampler, mode: Mode::Variance, ..Settings::of(&scene) };
-    let mut cpu = cpu();
+    let cpu = cpu();
     let of = |mode| Settings { samples: 16, mode, ..base.clone() };
-    let traced = render(&mut cpu, &scene, &of(Mode::Path)).mean();
-    for (moments, traced) in render(&mut cpu, &scene, &of(Mode::Variance)).mean().pixels.iter().zip(traced.pixels) {
+    let traced = render(&cpu, &scene, &of(Mode::Path)).mean();
+    for (moments, traced) in render(&cpu, &scene, &of(Mode::Variance)).mean().pixels.iter().zip(traced.pixels) {
         let luminance = 0.2126 * traced[0] + 0.7152 * traced[1] + 0.0722 * traced[2];
         assert!((moments[0] - luminance).abs() <= 1e-4 * luminance, "{moments:?} {luminance}");
     }

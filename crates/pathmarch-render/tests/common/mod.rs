@@ -74,15 +74,12 @@ fn lend_both(test: impl FnOnce(&mut [Renderer; 2])) {
 /// Registers a test of one backend twice: on the CPU and on the GPU.
 pub fn on_each_backend(name: &str, test: fn(&Renderer)) -> [Test; 2] {
     let on_gpu = move || {
-        lend_gpu(|mut gpu| {
-            test(&mut gpu);
+        lend_gpu(|gpu| {
+            test(&gpu);
             gpu
         });
     };
-    [
-        Test::new(&format!("{name}::cpu"), move || test(&mut cpu())),
-        Test::requiring(&format!("{name}::gpu"), &GPU, on_gpu),
-    ]
+    [Test::new(&format!("{name}::cpu"), move || test(&cpu())), Test::requiring(&format!("{name}::gpu"), &GPU, on_gpu)]
 }
 
 /// Registers a test that opens its own backend twice: for the CPU and for the GPU.
