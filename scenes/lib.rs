@@ -4,7 +4,7 @@
 //! the window's gallery and the measurement program. [`EXAMPLES`] lists all scenes but those of `benchmarks/`.
 //!
 //! ```
-//! let scene = pathmarch_gallery::EXAMPLES.iter().find(|example| example.name == "ten-lines").expect("there");
+//! let scene = pathmarch_gallery::EXAMPLES.iter().find(|example| example.name == "ten-lines").expect("listed");
 //! assert_eq!(scene.file, "ten-lines.kdl");
 //! assert!(scene.text.starts_with("pathmarch 1\n"));
 //! ```
@@ -107,10 +107,10 @@ mod tests {
 
     /// Every scene of the repository is listed and valid, and its picture can be read.
     #[test]
-    fn the_gallery_is_all_scenes() {
+    fn the_gallery_lists_all_scenes() {
         let mut files = Vec::new();
         for folder in ["", "thesis/", "fractals/"] {
-            for entry in std::fs::read_dir(super::folder().join(folder)).expect("the scenes are there") {
+            for entry in std::fs::read_dir(super::folder().join(folder)).expect("the folder of scenes") {
                 let name = entry.expect("a file").file_name().to_string_lossy().into_owned();
                 if name.ends_with(".kdl") {
                     files.push(format!("{folder}{name}"));

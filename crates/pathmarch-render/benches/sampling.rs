@@ -47,7 +47,7 @@ fn main() {
             .into();
         scenes.push(root.join("tests/data/diffuse_sphere_plane_area.kdl"));
     }
-    let renderer = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+    let renderer = Renderer::open(Backend::Cpu, None).expect("the CPU backend");
     println!("{:36}{:>8}{:>24}{:>24}", "", "", "relMSE of pixels", "relMSE of blurred");
     println!(
         "{:36}{:>8}{:>10}{:>8}{:>6}{:>10}{:>8}{:>6}",
@@ -66,8 +66,8 @@ fn main() {
                 let mut errors = [0.0; 2];
                 for seed in 0..SEEDS {
                     let picture = render(samples, seed, sampler);
-                    errors[0] += relmse(&picture, &reference).expect("two of a size") / f64::from(SEEDS);
-                    errors[1] += relmse(&blurred(&picture), &smooth).expect("two of a size") / f64::from(SEEDS);
+                    errors[0] += relmse(&picture, &reference).expect("equal sizes") / f64::from(SEEDS);
+                    errors[1] += relmse(&blurred(&picture), &smooth).expect("equal sizes") / f64::from(SEEDS);
                 }
                 errors
             });

@@ -27,7 +27,7 @@ impl RayStats {
 pub(crate) struct MarchStats {
     /// Evaluations of the field.
     pub(crate) evaluations: u32,
-    /// Largest change of the distance between two evaluations, over what the Lipschitz constant allows.
+    /// Largest slope of the field between two evaluations, relative to its Lipschitz constant.
     pub(crate) steepest: f32,
 }
 

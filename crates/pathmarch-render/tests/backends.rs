@@ -93,7 +93,7 @@ fn ranges_of_samples_add_up_to_the_whole_and_seeds_differ(renderer: &Renderer) {
     assert_eq!(whole, render(renderer, &scene, &settings), "the same again, to the bit");
     let mut parts = render(renderer, &scene, &Settings { samples: 9, ..settings.clone() });
     let rest = Settings { first_sample: 9, samples: 15, ..settings.clone() };
-    parts.add(&render(renderer, &scene, &rest)).expect("of one size");
+    parts.add(&render(renderer, &scene, &rest)).expect("equal sizes");
     assert_eq!(parts.samples, 24);
     for (a, b) in parts.sums.iter().flatten().zip(whole.sums.iter().flatten()) {
         assert!((a - b).abs() <= 1e-5 * b.abs(), "{a} for {b}");
@@ -106,7 +106,7 @@ fn every_scene_renders_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     for path in scenes() {
         let scene = Scene::load(&path).expect("a valid scene");
         let settings = Settings { size: [96, 54], samples: 4, ..Settings::of(&scene) };
-        let [cpu, gpu] = [0, 1].map(|k| render(&mut renderers[k], &scene, &settings).mean());
+        let [cpu, gpu] = [0, 1].map(|k| render(&renderers[k], &scene, &settings).mean());
         let differing = cpu
             .pixels
             .iter()
@@ -139,7 +139,7 @@ fn sphere_traced_shapes_look_like_analytic_ones(renderer: &Renderer) {
     let sphere_traced = parse(&text("union smooth=1e-6 { sphere 1 { at 0 1 0 }; sphere 0.001 { at 0 1 0 } }"));
     let settings = Settings { size: [160, 90], samples: 256, ..Settings::of(&analytic) };
     let [a, b] = [&analytic, &sphere_traced].map(|scene| render(renderer, scene, &settings).mean());
-    let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
+    let result = compare(&b, &a, PictureKind::Hdr).expect("equal sizes");
     println!("{}: relMSE {:.2e}, FLIP {:.4}", renderer.backend().name, result.relmse, result.flip);
     assert!(result.relmse < 1e-3);
 }
@@ -163,7 +163,7 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form(renderers: &mut
         let mut pictures = Vec::new();
         for renderer in &mut *renderers {
             let [a, b] = [&alone, &sphere_traced].map(|scene| render(renderer, scene, &settings).mean());
-            let result = compare(&b, &a, PictureKind::Hdr).expect("two of a size");
+            let result = compare(&b, &a, PictureKind::Hdr).expect("equal sizes");
             println!(
                 "{name} on {}: analytic against sphere-traced relMSE {:.1e}",
                 renderer.backend().name,
@@ -174,7 +174,7 @@ fn every_shape_renders_alike_on_both_backends_and_in_closed_form(renderers: &mut
         }
         if let [cpu, gpu] = pictures.as_slice() {
             for (cpu, gpu) in cpu.iter().zip(gpu) {
-                let result = compare(cpu, gpu, PictureKind::Hdr).expect("two of a size");
+                let result = compare(cpu, gpu, PictureKind::Hdr).expect("equal sizes");
                 println!("{name}: CPU against GPU relMSE {:.1e}", result.relmse);
                 // The orbits of fractals amplify rounding errors.
                 let limit = if shape.has_orbit() { 2e-4 } else { 1e-5 };
@@ -196,7 +196,7 @@ fn settings_out_of_range_are_refused_with_a_message() {
         Settings { camera: 1, ..good },
     ];
     for settings in bad {
-        let renderer = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+        let renderer = Renderer::open(Backend::Cpu, None).expect("the CPU backend");
         assert!(renderer.start(&scene, &settings).is_err_and(|error| error.to_string().len() > 10), "{settings:?}");
     }
 }

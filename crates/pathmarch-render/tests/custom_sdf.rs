@@ -177,8 +177,8 @@ fn fields_render_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     ] {
         let scene = scene(gyroid, solid);
         let settings = Settings { size: [96, 54], samples: 16, ..Settings::of(&scene) };
-        let [cpu, gpu] = [0, 1].map(|k| render(&mut renderers[k], &scene, &settings).mean());
-        let result = compare(&cpu, &gpu, PictureKind::Hdr).expect("two of a size");
+        let [cpu, gpu] = [0, 1].map(|k| render(&renderers[k], &scene, &settings).mean());
+        let result = compare(&cpu, &gpu, PictureKind::Hdr).expect("equal sizes");
         println!("{solid}: CPU against GPU relMSE {:.1e}", result.relmse);
         assert!(result.relmse < 5e-4, "{solid}: {:.1e}", result.relmse);
     }

@@ -389,7 +389,7 @@ fn flip_agrees_with_the_implementation_of_its_authors() {
         ("disc on black", Hdr, disc(50.0, [4.0, 3.0, 1.0], [0.0; 3]), disc(47.0, [4.0, 3.0, 1.0], [0.0; 3]), 0.080632),
     ];
     for (name, kind, image, reference, expected) in cases {
-        let found = flip::flip(&image, &reference, kind).expect("same size").mean();
+        let found = flip::flip(&image, &reference, kind).expect("equal sizes").mean();
         println!("FLIP {kind:?} {name}: {found:.6}, NVIDIA {expected:.6}, difference {:.1e}", found - expected);
         assert!((found - expected).abs() < 1e-3, "{kind:?} {name}: {found}, expected {expected}");
     }
@@ -398,11 +398,11 @@ fn flip_agrees_with_the_implementation_of_its_authors() {
 fn flip_is_zero_for_equal_pictures_and_finds_differences() {
     let mut image = gradient();
     for kind in [PictureKind::Ldr, PictureKind::Hdr] {
-        let map = flip::flip(&image, &image, kind).expect("same size");
+        let map = flip::flip(&image, &image, kind).expect("equal sizes");
         assert!(map.errors.iter().all(|&error| error == 0.0));
     }
     image.pixels[(40 * WIDTH + 20) as usize] = [1.0; 3];
-    let map = flip::flip(&image, &gradient(), PictureKind::Ldr).expect("same size");
+    let map = flip::flip(&image, &gradient(), PictureKind::Ldr).expect("equal sizes");
     let worst = map.errors.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).expect("not empty").0 as u32;
     let (x, y) = (worst % WIDTH, worst / WIDTH);
     assert!(x.abs_diff(20) <= 3 && y.abs_diff(40) <= 3, "{x}, {y}");
@@ -413,19 +413,19 @@ fn hdr_flip_is_defined_for_black_constant_and_extreme_references() {
     let extreme = picture(|x, _| [f64::from(f32::MAX), x * 1e-38, -1.0]);
     for reference in [constant([0.0; 3]), constant([1.0; 3]), constant([-1.0; 3]), constant([1e30; 3]), extreme] {
         for image in [constant([0.0; 3]), constant([2.0; 3]), gradient()] {
-            let map = flip::flip(&image, &reference, PictureKind::Hdr).expect("same size");
+            let map = flip::flip(&image, &reference, PictureKind::Hdr).expect("equal sizes");
             assert!(map.errors.iter().all(|error| (0.0..=1.0).contains(error)));
         }
     }
-    let lit = flip::flip(&constant([0.2; 3]), &constant([0.0; 3]), PictureKind::Hdr).expect("same size").mean();
+    let lit = flip::flip(&constant([0.2; 3]), &constant([0.0; 3]), PictureKind::Hdr).expect("equal sizes").mean();
     assert!((0.05..0.95).contains(&lit), "light where there should be none shows: {lit}");
 }
 
 fn a_comparison_contains_all_metrics() {
     let (image, reference) = (ramp(1.1), ramp(1.0));
-    let found = metrics::compare(&image, &reference, PictureKind::Hdr).expect("same size");
-    assert_eq!(found.relmse, metrics::relmse(&image, &reference).expect("same size"));
-    assert_eq!(found.mse, metrics::mse(&image, &reference).expect("same size"));
+    let found = metrics::compare(&image, &reference, PictureKind::Hdr).expect("equal sizes");
+    assert_eq!(found.relmse, metrics::relmse(&image, &reference).expect("equal sizes"));
+    assert_eq!(found.mse, metrics::mse(&image, &reference).expect("equal sizes"));
     assert_eq!(
         (found.image_mean, found.reference_mean),
         (metrics::mean_colour(&image), metrics::mean_colour(&reference))

@@ -10,7 +10,7 @@ use pathmarch_testing::{plain, tests};
 use std::f32::consts::PI;
 
 fn cpu() -> Renderer {
-    Renderer::open(Backend::Cpu, None).expect("the CPU is there")
+    Renderer::open(Backend::Cpu, None).expect("the CPU backend")
 }
 
 /// Room with every kind of light that paths can hit, and with BSDF lobes of several widths.
@@ -156,11 +156,11 @@ fn pictures_do_not_depend_on_the_scale() {
     };
     let mut pictures = [0.001, 1.0, 1000.0].map(|scale| {
         let scene = at(scale);
-        render(&mut cpu(), &scene, &Settings { size: [96, 64], samples: 64, ..Settings::of(&scene) }).mean()
+        render(&cpu(), &scene, &Settings { size: [96, 64], samples: 64, ..Settings::of(&scene) }).mean()
     });
     let [small, metres, large] = &mut pictures;
     for (name, other) in [("millimetres", small), ("kilometres", large)] {
-        let difference = relmse(other, metres).expect("two of a size");
+        let difference = relmse(other, metres).expect("equal sizes");
         println!("{name}: relMSE {difference:.1e}");
         assert!(difference < 1e-3, "{name}: {difference}");
     }
@@ -361,12 +361,12 @@ fn the_clamp_removes_fireflies_and_nothing_else(renderer: &Renderer) {
     let free = render(renderer, &scene, &settings).mean();
     let high = render(renderer, &scene, &Settings { clamp: Some(1e6), ..settings.clone() }).mean();
     let low = render(renderer, &scene, &Settings { clamp: Some(0.02), ..settings.clone() }).mean();
-    assert!(relmse(&free, &high).expect("two of a size") < 1e-9, "a limit above all contributions changes nothing");
+    assert!(relmse(&free, &high).expect("equal sizes") < 1e-9, "a limit above all contributions changes nothing");
     assert!(low.pixels.iter().zip(&free.pixels).all(|(l, f)| (0..3).all(|k| l[k] <= f[k] + 1e-4)));
     // The limit does not apply to emitted and direct light.
     let direct = Settings { bounces: 0, ..settings.clone() };
     let limited = render(renderer, &scene, &Settings { clamp: Some(0.02), ..direct.clone() }).mean();
-    assert!(relmse(&limited, &render(renderer, &scene, &direct).mean()).expect("two of a size") < 1e-9);
+    assert!(relmse(&limited, &render(renderer, &scene, &direct).mean()).expect("equal sizes") < 1e-9);
 }
 
 fn a_rough_fractal_is_no_brighter_than_its_lights(renderer: &Renderer) {

@@ -23,7 +23,7 @@ fn every_mode_looks_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
         let scene = Scene::load(path).expect("a valid scene");
         for mode in Mode::ALL {
             let settings = Settings { size: [96, 54], samples: 4, mode, ..Settings::of(&scene) };
-            let [cpu, gpu] = [0, 1].map(|k| render(&mut renderers[k], &scene, &settings).mean());
+            let [cpu, gpu] = [0, 1].map(|k| render(&renderers[k], &scene, &settings).mean());
             let differs =
                 |a: &[f32; 3], b: &[f32; 3]| (0..3).any(|k| (a[k] - b[k]).abs() > 0.02 * b[k].abs().max(0.02));
             let differing = cpu.pixels.iter().zip(&gpu.pixels).filter(|(a, b)| differs(a, b)).count();
@@ -73,7 +73,7 @@ fn modes_without_noise_ignore_the_seed_and_their_ranges_add_up(renderer: &Render
         let first = render(renderer, &scene, &settings);
         assert_eq!(first, render(renderer, &scene, &Settings { seed: 7, ..settings.clone() }), "{}", mode.name());
         let mut parts = render(renderer, &scene, &Settings { first_sample: 1, samples: 4, ..settings.clone() });
-        parts.add(&first).expect("of one size");
+        parts.add(&first).expect("equal sizes");
         let whole = render(renderer, &scene, &Settings { samples: 5, seed: 3, ..settings });
         for (a, b) in parts.sums.iter().flatten().zip(whole.sums.iter().flatten()) {
             assert!((a - b).abs() <= 1e-5 * b.abs(), "{}: {a} for {b}", mode.name());
@@ -238,10 +238,10 @@ fn uncertainty_falls_with_the_root_of_the_samples(renderer: &Renderer) {
 fn the_mean_of_variance_is_that_of_the_picture() {
     let scene = Scene::load(data("diffuse_sphere_plane_area.kdl")).expect("a valid scene");
     let base = Settings { size: [48, 27], sampler: scene.render.sampler, mode: Mode::Variance, ..Settings::of(&scene) };
-    let mut cpu = cpu();
+    let cpu = cpu();
     let of = |mode| Settings { samples: 16, mode, ..base.clone() };
-    let traced = render(&mut cpu, &scene, &of(Mode::Path)).mean();
-    for (moments, traced) in render(&mut cpu, &scene, &of(Mode::Variance)).mean().pixels.iter().zip(traced.pixels) {
+    let traced = render(&cpu, &scene, &of(Mode::Path)).mean();
+    for (moments, traced) in render(&cpu, &scene, &of(Mode::Variance)).mean().pixels.iter().zip(traced.pixels) {
         let luminance = 0.2126 * traced[0] + 0.7152 * traced[1] + 0.0722 * traced[2];
         assert!((moments[0] - luminance).abs() <= 1e-4 * luminance, "{moments:?} {luminance}");
     }
@@ -255,7 +255,7 @@ fn later_samples_smooth_the_edges(renderer: &Renderer) {
     let partial = |pixel: &[f32; 3]| pixel[0] > 0.02 && pixel[0] < 0.18;
     assert!(!one.pixels.iter().any(partial), "one sample is a plain picture");
     assert!(all.pixels.iter().filter(|pixel| partial(pixel)).count() > 20);
-    let result = compare(&one, &all, PictureKind::Hdr).expect("two of a size");
+    let result = compare(&one, &all, PictureKind::Hdr).expect("equal sizes");
     assert!(result.flip < 0.1, "{}", result.flip);
 }
 

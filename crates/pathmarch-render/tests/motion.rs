@@ -49,7 +49,7 @@ fn blur_is_the_mean_over_the_time(renderer: &Renderer) {
     let mut mean = Film::new(64, 36);
     for k in 0..64 {
         let at = (f64::from(k) + 0.5) / 64.0;
-        mean.add(&still(renderer, at, &settings(8, 0, 100 + k))).expect("one size");
+        mean.add(&still(renderer, at, &settings(8, 0, 100 + k))).expect("equal sizes");
     }
     let film = blurred(renderer, &settings(256, 0, 1), OPEN);
     let (blur, mean) = (film.mean(), mean.mean());
@@ -70,7 +70,7 @@ fn blur_is_the_mean_over_the_time(renderer: &Renderer) {
 fn ranges_of_samples_add_up(renderer: &Renderer) {
     let whole = blurred(renderer, &settings(24, 0, 5), OPEN);
     let mut parts = blurred(renderer, &settings(10, 0, 5), OPEN);
-    parts.add(&blurred(renderer, &settings(14, 10, 5), OPEN)).expect("one size");
+    parts.add(&blurred(renderer, &settings(14, 10, 5), OPEN)).expect("equal sizes");
     let error = worst_block(&parts.mean(), &whole.mean(), 1);
     assert!(error < 1e-4, "{}: {error}", renderer.backend().name);
 }

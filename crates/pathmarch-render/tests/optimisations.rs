@@ -26,7 +26,7 @@ object "lamp" material="lamp" { sphere 0.2 { at 0.6 1 -0.5 } }
     );
     let picture = Picture::new(&scene, &Settings { size: [24, 16], ..Settings::of(&scene) });
     let [a, b] = ["software", "discrete GPU"].map(|kind| {
-        let device = Device::open_as(kind).expect("a GPU, as before");
+        let device = Device::open_as(kind).expect("a GPU adapter");
         let uniform = device.has_uniform_frame_and_leaves(&picture);
         assert_eq!(uniform, [!device.is_software(), device.is_software()]);
         picture.on_gpu(&device, 2).expect("renders").sums
@@ -68,7 +68,7 @@ fn compare_optimisations(backend: &str, render: impl Fn(&Picture, u32) -> Film) 
     let relaxed = Picture::new(&sphere_traced, &settings);
     let whole = Picture::new(&scene, &settings);
     for (name, picture) in [("long steps", &relaxed), ("long steps and analytic hits", &whole)] {
-        let error = relmse(&render(picture, SAMPLES).mean(), &reference).expect("of one size");
+        let error = relmse(&render(picture, SAMPLES).mean(), &reference).expect("equal sizes");
         println!("{name} on {backend}: relMSE {error:.1e}");
         assert!(error < 5e-4, "{name} on {backend}: {error:.1e}");
     }
@@ -78,7 +78,7 @@ fn pictures_do_not_depend_on_long_steps_and_analytic_hits(backend: Backend) {
     if backend == Backend::Cpu {
         compare_optimisations("CPU", Picture::on_cpu);
     } else {
-        let device = Device::open().expect("a GPU, as before");
+        let device = Device::open().expect("a GPU adapter");
         compare_optimisations("GPU", |picture, samples| picture.on_gpu(&device, samples).expect("renders"));
     }
 }

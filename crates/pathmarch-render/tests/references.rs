@@ -33,13 +33,13 @@ const REFERENCES: [(&str, u32, f32); 17] = [
 ];
 
 fn pictures_agree_with_mitsuba() {
-    let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
+    let cpu = Renderer::open(Backend::Cpu, None).expect("the CPU backend");
     let mut wrong = Vec::new();
     for (name, samples, limit) in REFERENCES {
         let scene = Scene::load(data(&format!("{name}.kdl"))).expect("a valid scene");
         let reference = image::load(&data(&format!("{name}.exr"))).expect("a picture").picture;
-        let picture = render(&mut cpu, &scene, &Settings { samples, ..Settings::of(&scene) }).mean();
-        let result = compare(&picture, &reference, PictureKind::Hdr).expect("two of a size");
+        let picture = render(&cpu, &scene, &Settings { samples, ..Settings::of(&scene) }).mean();
+        let result = compare(&picture, &reference, PictureKind::Hdr).expect("equal sizes");
         let worst = worst_block(&picture, &reference, 16);
         let line = format!(
             "{name}, {samples} samples: relMSE {:.2e}, FLIP {:.4}, worst 16x16 block {:.2} %",
@@ -60,8 +60,8 @@ fn references_render_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     for (name, ..) in REFERENCES {
         let scene = Scene::load(data(&format!("{name}.kdl"))).expect("a valid scene");
         let settings = Settings { size: [128, 96], samples: 8, ..Settings::of(&scene) };
-        let [a, b] = [0, 1].map(|k| render(&mut renderers[k], &scene, &settings).mean());
-        let difference = relmse(&a, &b).expect("two of a size");
+        let [a, b] = [0, 1].map(|k| render(&renderers[k], &scene, &settings).mean());
+        let difference = relmse(&a, &b).expect("equal sizes");
         let (a, b) = (mean_colour(&a), mean_colour(&b));
         let mean = (0..3).map(|k| (a[k] / b[k] - 1.0).abs()).fold(0.0, f64::max);
         let line = format!("{name}: relMSE {difference:.1e}, means {:.3} % apart", mean * 100.0);

@@ -15,13 +15,13 @@ fn picture(renderer: &Renderer, sampler: Sampler, samples: u32, seed: u32) -> Pi
 }
 
 fn samplers_agree_with_each_other() {
-    let mut cpu = cpu();
-    let reference = picture(&mut cpu, Sampler::Sobol, 512, 1);
+    let cpu = cpu();
+    let reference = picture(&cpu, Sampler::Sobol, 512, 1);
     let errors = Sampler::ALL.map(|sampler| {
-        let picture = picture(&mut cpu, sampler, 64, 0);
+        let picture = picture(&cpu, sampler, 64, 0);
         let (a, b) = (picture.mean_colour()[1], reference.mean_colour()[1]);
         assert!((a / b - 1.0).abs() < 5e-3, "{}: {a} for {b}", sampler.name());
-        relmse(&picture, &reference).expect("two of a size")
+        relmse(&picture, &reference).expect("equal sizes")
     });
     println!("relMSE of 64 samples: Sobol' {:.1e}, independent {:.1e}", errors[0], errors[1]);
     assert!(errors[0] < 0.6 * errors[1]);
@@ -29,8 +29,8 @@ fn samplers_agree_with_each_other() {
 
 fn samplers_agree_on_both_backends(renderers: &mut [Renderer; 2]) {
     for sampler in Sampler::ALL {
-        let [a, b] = [0, 1].map(|k| picture(&mut renderers[k], sampler, 4, 0));
-        let difference = relmse(&a, &b).expect("two of a size");
+        let [a, b] = [0, 1].map(|k| picture(&renderers[k], sampler, 4, 0));
+        let difference = relmse(&a, &b).expect("equal sizes");
         println!("{} on both backends: relMSE {difference:.1e}", sampler.name());
         assert!(difference < 1e-4, "{}: {difference:.1e}", sampler.name());
     }

@@ -53,9 +53,9 @@ fn pictures_do_not_depend_on_shape_grids(renderer: &Renderer) {
     let scene = scene();
     assert_eq!((scene.field.shapes_as_code(), without_grids(&scene).field.shapes_as_code()), (1, 271));
     let settings = Settings { size: [128, 72], samples: 64, ..Settings::of(&scene) };
-    let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
-    let reference = render(&mut cpu, &without_grids(&scene), &settings).mean();
-    let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("sizes agree");
+    let cpu = Renderer::open(Backend::Cpu, None).expect("the CPU backend");
+    let reference = render(&cpu, &without_grids(&scene), &settings).mean();
+    let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("equal sizes");
     println!("{}: relMSE {error:.6} to the same as code", renderer.backend().name);
     assert!(error < 0.0005, "{}: {error}", renderer.backend().name);
 }
@@ -64,9 +64,9 @@ fn previews_and_views_do_not_depend_on_shape_grids(renderer: &Renderer) {
     let scene = scene();
     for mode in [Mode::Preview, Mode::Normal, Mode::Depth, Mode::Albedo] {
         let settings = Settings { size: [128, 72], samples: 4, mode, ..Settings::of(&scene) };
-        let mut cpu = Renderer::open(Backend::Cpu, None).expect("the CPU is there");
-        let code = render(&mut cpu, &without_grids(&scene), &settings).mean();
-        let error = relmse(&render(renderer, &scene, &settings).mean(), &code).expect("sizes agree");
+        let cpu = Renderer::open(Backend::Cpu, None).expect("the CPU backend");
+        let code = render(&cpu, &without_grids(&scene), &settings).mean();
+        let error = relmse(&render(renderer, &scene, &settings).mean(), &code).expect("equal sizes");
         println!("{mode:?} {}: relMSE {error:.6} to the same as code", renderer.backend().name);
         assert!(error < 0.005, "{mode:?} {}: {error}", renderer.backend().name);
     }

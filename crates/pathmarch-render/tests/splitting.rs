@@ -32,9 +32,9 @@ fn paths_that_share_a_ray_make_the_same_picture(renderer: &Renderer) {
         render(renderer, &scene, &settings).mean()
     };
     let reference = picture(1, 1);
-    let noise = relmse(&picture(1, 2), &reference).expect("same size");
+    let noise = relmse(&picture(1, 2), &reference).expect("equal sizes");
     for splitting in [3, MAX_SPLITTING] {
-        let error = relmse(&picture(splitting, 2), &reference).expect("same size");
+        let error = relmse(&picture(splitting, 2), &reference).expect("equal sizes");
         println!("{splitting} paths to a ray: relMSE {error:.2e}, of one {noise:.2e}");
         assert!(error < 1.6 * noise + 1e-5, "{splitting} paths to a ray: {error:.2e}, of one {noise:.2e}");
     }
@@ -46,7 +46,7 @@ fn ranges_of_samples_add_up_with_splitting(renderer: &Renderer) {
     let whole = render(renderer, &scene, &settings);
     let mut parts = render(renderer, &scene, &Settings { samples: 18, ..settings.clone() });
     let rest = Settings { first_sample: 18, samples: 5, ..settings.clone() };
-    parts.add(&render(renderer, &scene, &rest)).expect("same size");
+    parts.add(&render(renderer, &scene, &rest)).expect("equal sizes");
     assert_eq!((whole.samples, parts.samples), (23, 23));
     for (a, b) in whole.sums.iter().flatten().zip(parts.sums.iter().flatten()) {
         assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{a} {b}");

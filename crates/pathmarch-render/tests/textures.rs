@@ -76,7 +76,7 @@ fn both_backends_trace_textures_alike(renderers: &mut [Renderer; 2]) {
     let scene = parse(EVERYTHING);
     let pictures = pictures(renderers, &scene, Mode::Path, 8, [60, 40]);
     if let [cpu, gpu] = &pictures[..] {
-        let comparison = compare(gpu, cpu, PictureKind::Hdr).expect("of one size");
+        let comparison = compare(gpu, cpu, PictureKind::Hdr).expect("equal sizes");
         println!("relMSE {}", comparison.relmse);
         assert!(comparison.relmse < 5e-3, "{}", comparison.relmse);
     }

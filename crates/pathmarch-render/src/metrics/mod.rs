@@ -203,11 +203,11 @@ mod tests {
     fn relmse_and_mse_have_their_known_values() {
         let (image, reference) = (constant(1.1), constant(1.0));
         let expected = (0.01 / 1.01 + 0.04 / 4.01) / 3.0;
-        assert!((relmse(&image, &reference).expect("same size") - expected).abs() < 1e-8);
-        assert!((mse(&image, &reference).expect("same size") - 0.05 / 3.0).abs() < 1e-8);
+        assert!((relmse(&image, &reference).expect("equal sizes") - expected).abs() < 1e-8);
+        assert!((mse(&image, &reference).expect("equal sizes") - 0.05 / 3.0).abs() < 1e-8);
         assert_eq!(relmse(&reference, &reference), Ok(0.0));
         // Black is not divided by zero.
-        assert!((relmse(&constant(0.1), &constant(0.0)).expect("same size") - 5.0 / 3.0).abs() < 1e-6);
+        assert!((relmse(&constant(0.1), &constant(0.0)).expect("equal sizes") - 5.0 / 3.0).abs() < 1e-6);
     }
 
     #[test]
@@ -221,7 +221,7 @@ mod tests {
         };
         let image = Picture::from_fn(256, 256, |x, y| [0, 1, 2].map(|channel| noise(x, y, channel)));
         let reference = Picture::from_fn(256, 256, |_, _| [1.0; 3]);
-        let found = relmse(&image, &reference).expect("same size");
+        let found = relmse(&image, &reference).expect("equal sizes");
         assert!((found * 12.0 * 1.01 - 1.0).abs() < 0.02, "{found}");
     }
 
@@ -258,13 +258,13 @@ mod tests {
         assert_eq!(relmse(&image, &reference), Err(MetricError::NonFinite { image: 2, reference: 0 }));
         assert!(flip::flip(&image, &reference, PictureKind::Ldr).is_err());
         for kind in [PictureKind::Ldr, PictureKind::Hdr] {
-            let found = compare(&image, &reference, kind).expect("same size");
+            let found = compare(&image, &reference, kind).expect("equal sizes");
             assert_eq!((found.image_non_finite, found.reference_non_finite), (2, 0));
             assert_eq!((found.relmse, found.mse, found.image_mean), (0.0, 0.0, found.reference_mean));
             assert!((found.flip - 2.0 / 480.0).abs() < 1e-6, "{}", found.flip);
         }
         let broken = constant(f32::NAN);
-        let found = compare(&broken, &broken, PictureKind::Hdr).expect("same size");
+        let found = compare(&broken, &broken, PictureKind::Hdr).expect("equal sizes");
         assert_eq!((found.flip, found.relmse, found.reference_non_finite), (1.0, f64::INFINITY, 480));
     }
 }

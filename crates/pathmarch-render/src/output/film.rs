@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn sample_ranges_add_up_to_the_whole() {
         let mut parts = film_of(0..3);
-        parts.add(&film_of(3..8)).expect("same size");
+        parts.add(&film_of(3..8)).expect("equal sizes");
         assert_eq!(parts, film_of(0..8));
         assert_eq!(parts.mean().pixels[4], [4.875, 9.75, 2.4375]);
     }
@@ -161,7 +161,7 @@ mod tests {
                 part.count_rejected(pixel, rejected[pixel]);
                 part.sums[pixel] = [sum[pixel]; 3];
             }
-            whole.add(&part).expect("same size");
+            whole.add(&part).expect("equal sizes");
         }
         assert_eq!((whole.samples, whole.non_finite()), (4, 5));
         assert_eq!(whole.sample_counts(), [3, 4, 0]);

@@ -34,7 +34,7 @@ pub fn scenes() -> Vec<PathBuf> {
 
 /// CPU backend, which is always available.
 pub fn cpu() -> Renderer {
-    Renderer::open(Backend::Cpu, None).expect("the CPU is there")
+    Renderer::open(Backend::Cpu, None).expect("the CPU backend")
 }
 
 /// Opened GPU backends that no test uses at present; opening one is slow.
@@ -57,7 +57,7 @@ pub static GPU: Requirement = Requirement {
 /// Lends the GPU backend to a test. A failed test does not return it.
 fn lend_gpu(test: impl FnOnce(Renderer) -> Renderer) {
     let open = idle().pop();
-    let renderer = test(open.unwrap_or_else(|| Renderer::open(Backend::Gpu, None).expect("a GPU, as before")));
+    let renderer = test(open.unwrap_or_else(|| Renderer::open(Backend::Gpu, None).expect("a GPU adapter")));
     idle().push(renderer);
 }
 
@@ -74,15 +74,12 @@ fn lend_both(test: impl FnOnce(&mut [Renderer; 2])) {
 /// Registers a test of one backend twice: on the CPU and on the GPU.
 pub fn on_each_backend(name: &str, test: fn(&Renderer)) -> [Test; 2] {
     let on_gpu = move || {
-        lend_gpu(|mut gpu| {
-            test(&mut gpu);
+        lend_gpu(|gpu| {
+            test(&gpu);
             gpu
         });
     };
-    [
-        Test::new(&format!("{name}::cpu"), move || test(&mut cpu())),
-        Test::requiring(&format!("{name}::gpu"), &GPU, on_gpu),
-    ]
+    [Test::new(&format!("{name}::cpu"), move || test(&cpu())), Test::requiring(&format!("{name}::gpu"), &GPU, on_gpu)]
 }
 
 /// Registers a test that opens its own backend twice: for the CPU and for the GPU.

@@ -59,9 +59,9 @@ pub fn random_scene(number: u64) -> String {
     for k in 0..1 + writer.random.below(3) {
         let [x, y, z] = [0; 3].map(|_| writer.random.within(-1.0, 1.0));
         let material = writer.random.below(MATERIALS);
-        write!(writer.text, "object \"o{k}\" material=\"m{material}\" {{ union {{ ").expect("a string takes it");
+        write!(writer.text, "object \"o{k}\" material=\"m{material}\" {{ union {{ ").expect("writing to a string");
         writer.solid(3, true);
-        writeln!(writer.text, "; at {x} {y} {z} }} }}").expect("a string takes it");
+        writeln!(writer.text, "; at {x} {y} {z} }} }}").expect("writing to a string");
     }
     if writer.random.chance(0.6) {
         writer.text += "object \"floor\" material=\"m0\" { plane { at 0 -2.5 0 } }\n";
@@ -75,7 +75,7 @@ impl Writer {
     }
     fn number(&mut self, low: f32, high: f32) {
         let value = self.random.within(low, high);
-        write!(self.text, " {value}").expect("a string takes it");
+        write!(self.text, " {value}").expect("writing to a string");
     }
     fn numbers(&mut self, ranges: &[(f32, f32)]) {
         for &(low, high) in ranges {
@@ -85,7 +85,7 @@ impl Writer {
     /// Writes an integer.
     fn count(&mut self, low: usize, high: usize) {
         let value = low + self.random.below(high - low + 1);
-        write!(self.text, " {value}").expect("a string takes it");
+        write!(self.text, " {value}").expect("writing to a string");
     }
 
     fn surroundings(&mut self) {
@@ -123,7 +123,7 @@ impl Writer {
     }
 
     fn material(&mut self, k: usize) {
-        write!(self.text, "material \"m{k}\" {{ ").expect("a string takes it");
+        write!(self.text, "material \"m{k}\" {{ ").expect("writing to a string");
         // The first material is the floor's.
         match if k == 0 { 0 } else { self.random.below(6) } {
             0 | 1 => {
@@ -168,11 +168,11 @@ impl Writer {
                         let spacing = self.random.within(0.7, 1.4);
                         let axes = [[1, 0, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 0]][self.random.below(5)];
                         for axis in axes {
-                            write!(self.text, " {}", spacing * axis as f32).expect("a string takes it");
+                            write!(self.text, " {}", spacing * axis as f32).expect("writing to a string");
                         }
                         self.put(" count=");
                         let count = 2 + self.random.below(2);
-                        write!(self.text, "{count}").expect("a string takes it");
+                        write!(self.text, "{count}").expect("writing to a string");
                     }
                     2 => {
                         self.put("polar");
@@ -180,7 +180,7 @@ impl Writer {
                     }
                     _ => {
                         let axis = self.random.of(&["x", "y", "z"]);
-                        write!(self.text, "mirror \"{axis}\"").expect("a string takes it");
+                        write!(self.text, "mirror \"{axis}\"").expect("writing to a string");
                     }
                 }
                 self.child(depth, false);
@@ -244,7 +244,7 @@ impl Writer {
             if self.random.chance(0.8) {
                 let smooth = self.random.within(0.02, 0.4);
                 let profile = self.random.of(&["soft", "soft", "round", "chamfer", "stairs"]);
-                write!(self.text, " smooth={smooth} profile=\"{profile}\"").expect("a string takes it");
+                write!(self.text, " smooth={smooth} profile=\"{profile}\"").expect("writing to a string");
             }
             2 + self.random.below(2)
         };
@@ -257,7 +257,7 @@ impl Writer {
             let material = self.random.below(2 * MATERIALS);
             self.put("union");
             if material < MATERIALS {
-                write!(self.text, " material=\"m{material}\"").expect("a string takes it");
+                write!(self.text, " material=\"m{material}\"").expect("writing to a string");
             }
             self.put(" { ");
             self.solid(depth - 1, may_copy && k == 0);
@@ -358,6 +358,6 @@ impl Writer {
                 self.numbers(&[(-40.0, 40.0), (-40.0, 40.0), (-40.0, 40.0), (0.3, 1.0), (0.0, 0.6), (0.0, 0.6)]);
             }
         }
-        write!(self.text, " {{ scale {size} }}").expect("a string takes it");
+        write!(self.text, " {{ scale {size} }}").expect("writing to a string");
     }
 }

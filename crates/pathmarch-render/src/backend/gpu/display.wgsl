@@ -1,6 +1,6 @@
 // Display pass: sums of a film to the 8-bit sRGB codes of a screen, four bytes a pixel. Twin of display.rs.
 
-// Storage instead of a uniform, for the reason given in bindings.rs.
+// Storage instead of uniform memory, see bindings.rs.
 @group(0) @binding(0) var<storage, read> uniforms: DisplayUniforms;
 @group(0) @binding(1) var<storage, read> film: array<vec4f>;
 @group(0) @binding(2) var<storage, read_write> picture: array<u32>;

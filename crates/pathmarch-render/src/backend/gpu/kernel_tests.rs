@@ -59,7 +59,7 @@ fn features(picture: &Path) -> Vec<Feature> {
             true => format!("extrude {{ {} }}", info.name),
             false => info.name.to_string(),
         };
-        all.push(Feature::object(&info.name, &solid));
+        all.push(Feature::object(info.name.as_ref(), &solid));
     }
     for operator in operators() {
         let name = &*operator.info().name;
