@@ -314,7 +314,7 @@ fn random_scenes_are_valid() {
         let objects = scene.objects.iter().zip(scene.field.object_bounds());
         for (_, bounds) in objects.filter(|(object, _)| object.name != "floor") {
             let farthest = bounds.min.into_iter().chain(bounds.max).fold(0.0_f32, |most, v| most.max(v.abs()));
-            assert!(farthest <= random_scenes::MAX_DISTANCE, "number {number}: {farthest} m\n{text}");
+            assert!(farthest <= random_scenes::MAX_EXTENT, "number {number}: {farthest} m\n{text}");
         }
         shapes.extend(text.split([' ', '"']).filter(|word| registry::solid(word).is_some()).map(str::to_owned));
         assert_eq!(text, random_scenes::random_scene(number));

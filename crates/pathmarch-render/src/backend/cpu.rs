@@ -93,7 +93,7 @@ impl CpuJob {
         let sample = self.first_sample + self.film.samples;
         if self.is_whole() {
             let left = upto.saturating_sub(self.film.samples);
-            self.begun = splitting::together(sample, self.input.config.splitting, left);
+            self.begun = splitting::samples_sharing_ray(sample, self.input.config.splitting, left);
         }
         let begun = self.begun;
         let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];

@@ -62,7 +62,8 @@ impl RenderInput {
     /// Chooses the number of paths that share a camera ray such that the picture converges soonest; `in_lanes` on a GPU.
     pub(crate) fn choose_splitting(&mut self, samples: u32, in_lanes: bool) {
         if self.mode == Mode::Path {
-            self.config.splitting = splitting_choice::best(&self.scene, &self.frame, &self.config, samples, in_lanes);
+            self.config.splitting =
+                splitting_choice::best_splitting(&self.scene, &self.frame, &self.config, samples, in_lanes);
         }
     }
 

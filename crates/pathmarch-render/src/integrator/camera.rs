@@ -1,5 +1,5 @@
-//! Camera rays: a thin lens (Potmesil and Chakravarty 1981, "A Lens and Aperture Camera Model"),
-//! a pinhole when its radius is zero. A pixel is the mean over uniformly distributed positions inside it (box filter).
+//! Camera rays: a thin lens (Potmesil and Chakravarty 1981, "A Lens and Aperture Camera Model"), or a pinhole if its
+//! radius is zero. The pixel filter is a box: positions are uniformly distributed in the pixel.
 
 use crate::intersect::ray::Ray;
 use crate::sampling::sobol::{PixelSampler, pair};
@@ -8,36 +8,37 @@ use glam::Vec3;
 use pathmarch_scene::Sampler;
 use std::f32::consts::TAU;
 
-/// Random numbers of sample `sample` of the pixel (`x`, `y`), of the frame's seed and sampler.
+/// Random numbers of sample `sample` of the pixel (`x`, `y`), with the seed and the sampler of the frame.
 pub(crate) fn pixel_sampler(frame: &FrameUniforms, x: u32, y: u32, sample: u32) -> PixelSampler {
     let independent = frame.sampler == Sampler::Independent as u32;
     PixelSampler::new(x, y, sample, frame.seed).independent(independent)
 }
 
-/// Camera ray of one sample of each of these pixels (x, y); row 0 is the top.
+/// Camera ray of one sample of each of these pixels (x, y); row 0 is at the top.
 pub(crate) fn camera_rays(frame: &FrameUniforms, pixels: &[(u32, u32)], samplers: &[PixelSampler]) -> Vec<Ray> {
     let position = Vec3::from(frame.position);
-    let jitters = PixelSampler::pairs(samplers, pair::PAIR_PIXEL);
-    let views = pixels.iter().zip(jitters).map(|(&(x, y), [dx, dy])| view(frame, x as f32 + dx, y as f32 + dy));
+    let pixel_offsets = PixelSampler::samples_2d(samplers, pair::PAIR_PIXEL);
+    let view_vectors =
+        pixels.iter().zip(pixel_offsets).map(|(&(x, y), [dx, dy])| view_vector(frame, x as f32 + dx, y as f32 + dy));
     if frame.lens_radius == 0.0 {
-        return views.map(|view| Ray { origin: position, direction: view.normalize() }).collect();
+        return view_vectors.map(|view_vector| Ray { origin: position, direction: view_vector.normalize() }).collect();
     }
     let [right, up] = [frame.right, frame.up].map(|axis| Vec3::from(axis).normalize() * frame.lens_radius);
-    let through = |(view, [u, v]): (Vec3, [f32; 2])| {
+    let lens_ray = |(view_vector, [u, v]): (Vec3, [f32; 2])| {
         let (sine, cosine) = (TAU * v).sin_cos();
         let offset = (right * cosine + up * sine) * u.sqrt();
-        Ray { origin: position + offset, direction: (view * frame.focus - offset).normalize() }
+        Ray { origin: position + offset, direction: (view_vector * frame.focus - offset).normalize() }
     };
-    views.zip(PixelSampler::pairs(samplers, pair::PAIR_LENS)).map(through).collect()
+    view_vectors.zip(PixelSampler::samples_2d(samplers, pair::PAIR_LENS)).map(lens_ray).collect()
 }
 
-/// Ray through the middle of the lens and a position in the picture, in pixels from its top left corner.
+/// Ray through the centre of the lens and a position in the picture, in pixels from its top left corner.
 pub(crate) fn central_ray(frame: &FrameUniforms, x: f32, y: f32) -> Ray {
-    Ray { origin: Vec3::from(frame.position), direction: view(frame, x, y).normalize() }
+    Ray { origin: Vec3::from(frame.position), direction: view_vector(frame, x, y).normalize() }
 }
 
-/// Vector from the lens to a position in the picture, at distance one from the lens.
-fn view(frame: &FrameUniforms, x: f32, y: f32) -> Vec3 {
+/// Vector from the lens to a position in the picture, in the plane at distance one.
+fn view_vector(frame: &FrameUniforms, x: f32, y: f32) -> Vec3 {
     let across = 2.0 * x / frame.width as f32 - 1.0;
     let up = 1.0 - 2.0 * y / frame.height as f32;
     Vec3::from(frame.forward) + Vec3::from(frame.right) * across + Vec3::from(frame.up) * up

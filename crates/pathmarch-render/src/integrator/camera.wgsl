@@ -1,17 +1,18 @@
 // import: intersect/ray, sampler
 // Camera rays. Twin of camera.rs.
 
+/// Camera ray of a sample of the pixel (`x`, `y`); row 0 is at the top.
 fn camera_ray(x: u32, y: u32, sampler: PixelSampler) -> Ray {
-    let jitter = sample_2d(sampler, PAIR_PIXEL);
-    let across = 2.0 * (f32(x) + jitter.x) / f32(frame.width) - 1.0;
-    let up = 1.0 - 2.0 * (f32(y) + jitter.y) / f32(frame.height);
-    let view = frame.forward + frame.right * across + frame.up * up;
+    let pixel_offset = sample_2d(sampler, PAIR_PIXEL);
+    let across = 2.0 * (f32(x) + pixel_offset.x) / f32(frame.width) - 1.0;
+    let up = 1.0 - 2.0 * (f32(y) + pixel_offset.y) / f32(frame.height);
+    let view_vector = frame.forward + frame.right * across + frame.up * up;
     if frame.lens_radius == 0.0 {
-        return Ray(frame.position, normalize(view));
+        return Ray(frame.position, normalize(view_vector));
     }
     let u = sample_2d(sampler, PAIR_LENS);
     let radius = frame.lens_radius * sqrt(u.x);
     let angle = 6.2831853 * u.y;
     let offset = normalize(frame.right) * (radius * cos(angle)) + normalize(frame.up) * (radius * sin(angle));
-    return Ray(frame.position + offset, normalize(view * frame.focus - offset));
+    return Ray(frame.position + offset, normalize(view_vector * frame.focus - offset));
 }

@@ -1,10 +1,11 @@
 //! Light sampling: next-event estimation (Kajiya 1986, "The Rendering Equation") with multiple importance sampling.
 //!
-//! An alias table chooses one light for each surface, in proportion to its irradiance at the middle of the scene, so the cost does not
-//! grow with the number of lights. A sphere is sampled uniformly in the cone that it subtends (Shirley, Wang and Zimmerman
-//! 1996, "Monte Carlo Techniques for Direct Lighting Calculations"), a rectangle, a disc and the visible faces of a box by
-//! area. Any other shape is sampled in the cone of its bounding sphere; the ray may miss it. Paths find the same lights;
-//! the power heuristic weighs both (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
+//! An alias table chooses one light at each surface, in proportion to its irradiance at the centre of the scene, so
+//! that the cost does not depend on the number of lights. A sphere is sampled uniformly in the cone that it subtends
+//! (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"); a rectangle, a disc
+//! and the visible faces of a box are sampled by area. Any other shape is sampled in the cone of its bounding sphere,
+//! so that the shadow ray may miss it. BSDF sampling hits the same lights; the power heuristic weights both strategies
+//! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
 use crate::sampling::basis::basis;
 use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight};
@@ -17,24 +18,25 @@ use std::f32::consts::{PI, TAU};
 
 /// Sample of a light, before visibility.
 pub(crate) struct LightSample {
-    /// Unit vector towards the light.
+    /// Unit vector towards the light, in world space.
     pub(crate) direction: Vec3,
-    /// Largest distance of an occluder, metres; infinite for suns and for [`target`](Self::target).
+    /// Largest distance of an occluder, metres; infinite for suns, the environment and lights with a
+    /// [`target`](Self::target).
     pub(crate) distance: f32,
-    /// Irradiance on a surface that faces the light, divided by the pdf of the sample, W/m².
+    /// Monte Carlo estimate of the irradiance on a surface that faces the light: radiance divided by pdf, W/m².
     pub(crate) irradiance: Vec3,
     /// Pdf of the sample over solid angle; zero for lights that no ray hits.
     pub(crate) pdf: f32,
-    /// Leaf that the ray must hit, for a light that it may miss.
+    /// Leaf that the shadow ray must hit, for a light that it may miss.
     pub(crate) target: Option<u32>,
     /// Sharpness of shadows from near misses; 0 for exact shadows.
     pub(crate) penumbra: f32,
-    /// Weight of multiple importance sampling.
+    /// Weight of multiple importance sampling (MIS).
     pub(crate) weight: f32,
 }
 
-/// Samples a light with `choice` and a point on it with `position`, as seen from `p`.
-pub(crate) fn sample(ctx: &TraceContext, p: Vec3, choice: f32, position: [f32; 2]) -> Option<LightSample> {
+/// Samples a light with the uniform number `choice`, and a direction from `p` to it with the two numbers of `position`.
+pub(crate) fn sample_light(ctx: &TraceContext, p: Vec3, choice: f32, position: [f32; 2]) -> Option<LightSample> {
     let lights = &ctx.scene.lights;
     let cell = choice * lights.len() as f32;
     let mut index = (cell as usize).min(lights.len().checked_sub(1)?);
@@ -55,11 +57,11 @@ pub(crate) fn sample(ctx: &TraceContext, p: Vec3, choice: f32, position: [f32; 2
             sample(offset * inverse, distance, intensity * (inverse * inverse), 0.0, None)
         }
         LightShape::Sun(SunLight { direction, irradiance, one_minus_cos, .. }) => {
-            let sampled = cone_direction(*direction, *one_minus_cos, position);
-            // Radiance times the solid angle: the irradiance over the mean cosine of the disc's directions.
+            let sampled_direction = cone_direction(*direction, *one_minus_cos, position);
+            // Radiance times solid angle: the irradiance divided by the mean cosine over the disc.
             let pdf = if *one_minus_cos > 0.0 { 1.0 / (TAU * one_minus_cos) } else { 0.0 };
             let irradiance = *irradiance * light.inverse_pmf;
-            sample(sampled, f32::INFINITY, irradiance * (2.0 / (2.0 - one_minus_cos)), pdf, None)
+            sample(sampled_direction, f32::INFINITY, irradiance * (2.0 / (2.0 - one_minus_cos)), pdf, None)
         }
         LightShape::Environment => {
             let EnvironmentSample { direction, radiance, pdf } = ctx.scene.sky.sample(position)?;
@@ -67,18 +69,18 @@ pub(crate) fn sample(ctx: &TraceContext, p: Vec3, choice: f32, position: [f32; 2
             sample(direction, f32::INFINITY, radiance / pdf, pdf / light.pmf, None)
         }
         LightShape::Sphere(sphere) => {
-            let (direction, one_minus_cos, offset) = towards_sphere(sphere, p, position);
+            let (direction, one_minus_cos, offset) = sample_sphere_cone(sphere, p, position);
             let distance = sphere_entry(offset, direction, sphere.radius);
             let irradiance = sphere.radiance * light.inverse_pmf * (TAU * one_minus_cos);
-            sample(direction, distance * SHORT_OF_LIGHT, irradiance, 1.0 / (TAU * one_minus_cos), None)
+            sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / (TAU * one_minus_cos), None)
         }
         LightShape::Bounded(sphere) => {
-            let (direction, one_minus_cos, _) = towards_sphere(sphere, p, position);
+            let (direction, one_minus_cos, _) = sample_sphere_cone(sphere, p, position);
             let irradiance = sphere.radiance * light.inverse_pmf * (TAU * one_minus_cos);
             sample(direction, f32::INFINITY, irradiance, 1.0 / (TAU * one_minus_cos), Some(sphere.leaf))
         }
         LightShape::Rect(_) | LightShape::Disc(_) | LightShape::Box(_) => {
-            let (point, normal, area) = point_on(&light.shape, p, position);
+            let (point, normal, area) = sample_area(&light.shape, p, position);
             let offset = point - p;
             let square = offset.length_squared();
             let distance = square.sqrt();
@@ -94,25 +96,27 @@ pub(crate) fn sample(ctx: &TraceContext, p: Vec3, choice: f32, position: [f32; 2
             }
             let solid_angle = area * cosine / square;
             let irradiance = radiance * light.inverse_pmf * solid_angle;
-            sample(direction, distance * SHORT_OF_LIGHT, irradiance, 1.0 / solid_angle, None)
+            sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / solid_angle, None)
         }
     }
 }
 
 shared_constants! {
-    /// Shadow rays end at this share of the distance to a light's surface, so that they do not hit the light itself.
-    const SHORT_OF_LIGHT: f32 = 0.9999;
+    /// Length of a shadow ray divided by the distance of the light's surface, so that the ray does not hit the light
+    /// itself.
+    const SHADOW_RAY_SHARE: f32 = 0.9999;
 }
 
-/// Direction from `p` in the cone that a sphere subtends, 1 - cosine of the cone's half angle, and the offset of its centre.
-fn towards_sphere(sphere: &SphereLight, p: Vec3, position: [f32; 2]) -> (Vec3, f32, Vec3) {
+/// Samples a direction from `p` in the cone that a sphere subtends. Returns it, 1 - cosine of the cone's half angle,
+/// and the offset of the sphere's centre.
+fn sample_sphere_cone(sphere: &SphereLight, p: Vec3, position: [f32; 2]) -> (Vec3, f32, Vec3) {
     let offset = sphere.centre - p;
     let one_minus_cos = subtended_cone(offset.length_squared(), sphere.radius);
     (cone_direction(offset.normalize_or(Vec3::Y), one_minus_cos, position), one_minus_cos, offset)
 }
 
-/// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre; 2,
-/// all directions, from within.
+/// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre. Inside the
+/// sphere it is 2, all directions.
 fn subtended_cone(square: f32, radius: f32) -> f32 {
     let sine_square = radius * radius / square.max(1e-30);
     if sine_square >= 1.0 { 2.0 } else { sine_square / (1.0 + (1.0 - sine_square).sqrt()) }
@@ -120,13 +124,14 @@ fn subtended_cone(square: f32, radius: f32) -> f32 {
 
 /// Uniform direction in the cone around `axis` with this 1 - cosine of its half angle.
 fn cone_direction(axis: Vec3, one_minus_cos: f32, position: [f32; 2]) -> Vec3 {
-    let below = one_minus_cos * position[0];
-    let sine = (below * (2.0 - below)).max(0.0).sqrt();
-    let (s, c) = (TAU * position[1]).sin_cos();
-    (basis(axis) * Vec3::new(sine * c, sine * s, 1.0 - below)).normalize()
+    let one_minus_cos_theta = one_minus_cos * position[0];
+    let sine = (one_minus_cos_theta * (2.0 - one_minus_cos_theta)).max(0.0).sqrt();
+    let (sin_phi, cos_phi) = (TAU * position[1]).sin_cos();
+    (basis(axis) * Vec3::new(sine * cos_phi, sine * sin_phi, 1.0 - one_minus_cos_theta)).normalize()
 }
 
-/// Distance at which a ray enters a sphere whose centre is at `offset`, metres; at which it leaves it, from within.
+/// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at
+/// which it leaves.
 fn sphere_entry(offset: Vec3, direction: Vec3, radius: f32) -> f32 {
     let along = offset.dot(direction);
     let across = offset - direction * along;
@@ -134,8 +139,9 @@ fn sphere_entry(offset: Vec3, direction: Vec3, radius: f32) -> f32 {
     if along > half_chord { along - half_chord } else { along + half_chord }
 }
 
-/// Uniform point on the part of a rectangle, disc or box that may be visible from `p`, its normal, and the area of that part.
-fn point_on(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
+/// Samples a point by area on the part of a rectangle, disc or box that may be visible from `p`. Returns the point, its
+/// normal and the area of that part, square metres.
+fn sample_area(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
     match shape {
         LightShape::Rect(SheetLight { centre, axes: [x, z], normal, area, .. }) => {
             let point = *centre + *x * (2.0 * u - 1.0) + *z * (2.0 * v - 1.0);
@@ -143,8 +149,8 @@ fn point_on(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) 
         }
         LightShape::Disc(SheetLight { centre, axes: [x, z], normal, radius, area, .. }) => {
             let radius = radius * u.sqrt();
-            let (s, c) = (TAU * v).sin_cos();
-            (*centre + *x * (radius * c) + *z * (radius * s), *normal, *area)
+            let (sin_phi, cos_phi) = (TAU * v).sin_cos();
+            (*centre + *x * (radius * cos_phi) + *z * (radius * sin_phi), *normal, *area)
         }
         LightShape::Box(light) => {
             let (areas, total) = visible_areas(light, p);
@@ -161,7 +167,7 @@ fn point_on(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) 
             let axes = light.axes;
             let (axis, a, b) = (axes[k], axes[(k + 1) % 3], axes[(k + 2) % 3]);
             let along = offset.dot(axis) / axis.length_squared();
-            // From within, either side; from outside, the visible side.
+            // Outside the box, the visible side; inside, both sides.
             let mut side = if along < 0.0 { -1.0 } else { 1.0 };
             if along.abs() < 1.0 {
                 side = if u < 0.5 { -1.0 } else { 1.0 };
@@ -173,7 +179,7 @@ fn point_on(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) 
     }
 }
 
-/// Area of a face of a box across each axis, zero where none is visible from `p`, and of all visible faces.
+/// Area of a face of a box across each axis, zero where none is visible from `p`, and the area of all visible faces.
 fn visible_areas(light: &BoxLight, p: Vec3) -> ([f32; 3], f32) {
     let [x, y, z] = light.axes;
     let offset = p - light.centre;
@@ -186,9 +192,9 @@ fn visible_areas(light: &BoxLight, p: Vec3) -> ([f32; 3], f32) {
     (areas, areas[0] + areas[1] + areas[2])
 }
 
-/// Pdf over solid angle, the choice of the light included, with which [`sample`] chooses the direction from `p` to the point
-/// `hit` of the light; `cosine` is that at the light's normal.
-pub(crate) fn pdf(light: &Light, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
+/// Pdf over solid angle of [`sample_light`] for the direction from `p` to the point `hit` on the light, the choice of
+/// the light included; `cosine` is that of the angle at the light's normal.
+pub(crate) fn light_pdf(light: &Light, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
     let t = p.distance(hit);
     let area = match &light.shape {
         LightShape::Sphere(sphere) => {
@@ -197,7 +203,7 @@ pub(crate) fn pdf(light: &Light, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
         LightShape::Bounded(sphere) => {
             let offset = sphere.centre - p;
             let one_minus_cos = subtended_cone(offset.length_squared(), sphere.radius);
-            // A blend may carry the light's material beyond its sphere.
+            // A blend may extend the light beyond its bounding sphere.
             let outside = (hit - p).dot(offset) < (1.0 - one_minus_cos) * t * offset.length();
             return if outside { 0.0 } else { light.pmf / (TAU * one_minus_cos) };
         }
@@ -208,14 +214,14 @@ pub(crate) fn pdf(light: &Light, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
     light.pmf * t * t / (area * cosine.max(1e-6))
 }
 
-/// Power heuristic: weight of a sample of density `a` where another strategy has density `b`.
+/// Power heuristic: weight of a sample with pdf `a`, where another strategy has pdf `b`.
 fn power_heuristic(a: f32, b: f32) -> f32 {
     let ratio = b / a.max(1e-30);
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// Weight of light that a ray of density `scatter_pdf` hit, where light sampling has density `light_pdf`; 1 where the ray has
-/// a single direction or no light was sampled.
+/// MIS weight of BSDF sampling: a ray with pdf `scatter_pdf` hit a light that light sampling chooses with `light_pdf`.
+/// 1 after a delta distribution, for which no light is sampled.
 pub(crate) fn hit_weight(search: DirectLighting, scatter_pdf: f32, light_pdf: f32) -> f32 {
     match search {
         _ if scatter_pdf <= 0.0 => 1.0,
@@ -225,8 +231,8 @@ pub(crate) fn hit_weight(search: DirectLighting, scatter_pdf: f32, light_pdf: f3
     }
 }
 
-/// Weight of a light sampled with density `light_pdf`, where scattering has density `scatter_pdf`; 1 where no ray hits the
-/// light.
+/// MIS weight of light sampling with pdf `light_pdf`, where BSDF sampling has `scatter_pdf`. 1 for lights that no ray
+/// hits.
 pub(crate) fn sample_weight(search: DirectLighting, light_pdf: f32, scatter_pdf: f32) -> f32 {
     match search {
         _ if light_pdf <= 0.0 => 1.0,
@@ -236,7 +242,7 @@ pub(crate) fn sample_weight(search: DirectLighting, light_pdf: f32, scatter_pdf:
     }
 }
 
-/// Weighted radiance of the sky in the direction of a ray of density `scatter_pdf`.
+/// Radiance of the sky in the direction of a ray with pdf `scatter_pdf`, times its MIS weight.
 pub(crate) fn sky_radiance(sky: &SkyLight, search: DirectLighting, direction: Vec3, scatter_pdf: f32) -> Vec3 {
     match sky.radiance(direction) {
         (radiance, Some(pdf)) => radiance * hit_weight(search, scatter_pdf, pdf),
@@ -244,7 +250,7 @@ pub(crate) fn sky_radiance(sky: &SkyLight, search: DirectLighting, direction: Ve
     }
 }
 
-/// Weighted radiance of the suns' discs in the direction of a ray of density `scatter_pdf`.
+/// Radiance of the suns in the direction of a ray with pdf `scatter_pdf`, times its MIS weight.
 pub(crate) fn sun_radiance(ctx: &TraceContext, direction: Vec3, scatter_pdf: f32) -> Vec3 {
     let mut radiance = Vec3::ZERO;
     for light in &ctx.scene.lights[..ctx.frame.sun_count as usize] {
@@ -253,7 +259,7 @@ pub(crate) fn sun_radiance(ctx: &TraceContext, direction: Vec3, scatter_pdf: f32
         // |a - b|²/2 = 1 - cosine of the angle between unit vectors, without cancellation.
         if 0.5 * (direction - sun.direction).length_squared() < x {
             let weight = hit_weight(ctx.config.direct_lighting, scatter_pdf, light.pmf / (TAU * x));
-            // Irradiance / (π sin²) of the disc facing a surface: sin² = x(2 - x).
+            // Radiance of the disc: irradiance / (π sin²), with sin² = x(2 - x).
             radiance += sun.irradiance * (weight / (PI * x * (2.0 - x)));
         }
     }
@@ -273,9 +279,9 @@ mod tests {
         RenderInput::new(&scene, &crate::Settings::of(&scene))
     }
 
-    /// Every kind of surface that emits, seen from near, far, aside and within.
+    /// Tests every kind of emitting surface from near, far and from the side.
     #[test]
-    fn a_lights_density_is_the_one_it_is_sampled_with() {
+    fn light_pdf_is_that_of_the_samples() {
         let shapes = ["sphere 0.5", "rect 1 0.6", "disc 0.4", "box 0.5 0.8 0.3", "torus 0.4 0.1"];
         for shape in shapes {
             let input = input(&format!(
@@ -286,15 +292,15 @@ mod tests {
                 let mut weight = 0.0;
                 let n = 4000;
                 for k in 0..n {
-                    let u = PixelSampler::new(0, 0, k, 1).pair(0);
-                    let Some(sample) = sample(&input.context(None), p, 0.5, u) else { continue };
+                    let u = PixelSampler::new(0, 0, k, 1).sample_2d(0);
+                    let Some(sample) = sample_light(&input.context(None), p, 0.5, u) else { continue };
                     let direction =
                         pathmarch_field::number::Vec3::new(sample.direction.x, sample.direction.y, sample.direction.z);
                     let origin = pathmarch_field::number::Vec3::new(p.x, p.y, p.z);
                     let (t, _) = input.scene.field.analytic_hit(origin, direction);
                     if sample.target.is_none() {
                         assert!(
-                            (t * SHORT_OF_LIGHT / sample.distance - 1.0).abs() < 2e-3,
+                            (t * SHADOW_RAY_SHARE / sample.distance - 1.0).abs() < 2e-3,
                             "{shape}: {t} {}",
                             sample.distance
                         );
@@ -308,13 +314,13 @@ mod tests {
                         let normal = Vec3::new(surface.x, surface.y, surface.z).normalize();
                         let cosine = normal.dot(sample.direction).abs();
                         if cosine > 0.05 && !matches!(light.shape, LightShape::Box(_)) {
-                            let density = pdf(light, p, hit, cosine);
-                            assert!((density / sample.pdf - 1.0).abs() < 0.02, "{shape}: {density} {}", sample.pdf);
+                            let pdf = light_pdf(light, p, hit, cosine);
+                            assert!((pdf / sample.pdf - 1.0).abs() < 0.02, "{shape}: {pdf} {}", sample.pdf);
                         }
                     }
                     weight += 1.0 / (sample.pdf * n as f32);
                 }
-                // The mean of 1/density is the solid angle, at most all directions.
+                // The mean of 1/pdf is the solid angle, at most all directions.
                 assert!(weight > 0.0 && weight < 4.0 * PI, "{shape}: {weight}");
             }
         }
@@ -329,9 +335,9 @@ mod tests {
         let mut counts = [0.0f32; 4];
         let n = 20_000;
         for k in 0..n {
-            let sample = sample(&input.context(None), Vec3::ZERO, (k as f32 + 0.5) / n as f32, [0.5; 2])
+            let sample = sample_light(&input.context(None), Vec3::ZERO, (k as f32 + 0.5) / n as f32, [0.5; 2])
                 .expect("there are lights");
-            // Every choice gives the same product of power over probability.
+            // The quotient of power and probability is the same for every choice.
             assert!((sample.irradiance.x * 100.0 - 20.0).abs() < 1e-3);
             let cell = (k as f32 + 0.5) / n as f32 * 4.0;
             let index = cell as usize;
@@ -345,13 +351,13 @@ mod tests {
     }
 
     #[test]
-    fn the_suns_disc_integrates_to_its_irradiance() {
+    fn the_radiance_of_a_sun_integrates_to_its_irradiance() {
         let input = input("sun { direction 0 1 0; irradiance 3; angle 10 }");
-        // Cosine-distributed directions: the mean of π L estimates the irradiance.
+        // Directions are cosine-distributed, so that the mean of π L estimates the irradiance.
         let n = 400_000;
         let mut sum = 0.0;
         for k in 0..n {
-            let [u, v] = PixelSampler::new(0, 0, k, 1).pair(0);
+            let [u, v] = PixelSampler::new(0, 0, k, 1).sample_2d(0);
             let (sine, cosine) = (TAU * v).sin_cos();
             let direction = Vec3::new(u.sqrt() * sine, (1.0 - u).sqrt(), u.sqrt() * cosine);
             sum += PI * sun_radiance(&input.context(None), direction, 0.0).x / n as f32;

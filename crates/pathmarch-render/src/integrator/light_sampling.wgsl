@@ -1,41 +1,48 @@
 // import: sampling/basis, integrator/light_weights, integrator/sky
 // Light sampling. Twin of light_sampling.rs, which explains it.
 
+/// Sample of a light, before visibility.
 struct LightSample {
+    /// Unit vector towards the light, in world space.
     direction: vec3f,
+    /// Largest distance of an occluder, metres.
     distance: f32,
+    /// Monte Carlo estimate of the irradiance on a surface that faces the light, W/m².
     irradiance: vec3f,
+    /// Pdf of the sample over solid angle; zero for lights that no ray hits.
     pdf: f32,
-    /// Leaf that the ray must hit, or NO_TARGET.
+    /// Leaf that the shadow ray must hit, or NO_TARGET.
     target_leaf: u32,
+    /// Sharpness of shadows from near misses; 0 for exact shadows.
     penumbra: f32,
 }
 
-/// Leaf of a light that its shadow ray cannot miss.
+/// Target of a light that the shadow ray cannot miss.
 const NO_TARGET = 0xffffffffu;
 
-/// Samples a light and a point on it, as seen from `p`; there must be a light.
-fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
+/// Samples a light with the uniform number `choice`, and a direction from `p` to it with those of `position`. The scene
+/// must have a light.
+fn sample_light(p: vec3f, choice: f32, position: vec2f) -> LightSample {
     let cell = choice * f32(frame.light_count);
     var index = min(u32(cell), frame.light_count - 1u);
     if cell - f32(index) >= lights[index].threshold {
         index = lights[index].alias_light;
     }
     let light = lights[index];
-    let power = light.emission * light.inverse_pmf;
+    let emission = light.emission * light.inverse_pmf;
     let offset = light.position - p;
     let square = dot(offset, offset);
     if HAS_POINT && light.kind == POINT {
         let distance = sqrt(square);
-        return LightSample(offset / distance, distance, power / square, 0.0, NO_TARGET, light.penumbra);
+        return LightSample(offset / distance, distance, emission / square, 0.0, NO_TARGET, light.penumbra);
     }
     if HAS_SUN && light.kind == SUN {
         let direction = cone_direction(light.position, light.radius, position);
         let pdf = select(0.0, light.pmf / (6.2831853 * light.radius), light.radius > 0.0);
-        return LightSample(direction, AT_INFINITY, power * (2.0 / (2.0 - light.radius)), pdf, NO_TARGET, light.penumbra);
+        return LightSample(direction, AT_INFINITY, emission * (2.0 / (2.0 - light.radius)), pdf, NO_TARGET, light.penumbra);
     }
     if HAS_ENVIRONMENT && light.kind == ENVIRONMENT {
-        let sample = environment_sample(position);
+        let sample = sample_environment(position);
         // This pdf includes the choice of the light.
         let irradiance = select(vec3f(0.0), sample.radiance / sample.pdf, sample.pdf > 0.0);
         return LightSample(sample.direction, AT_INFINITY, irradiance, sample.pdf, NO_TARGET, 0.0);
@@ -48,18 +55,19 @@ fn light_sample(p: vec3f, choice: f32, position: vec2f) -> LightSample {
         var distance = AT_INFINITY;
         var leaf = light.leaf;
         if HAS_SPHERE && light.kind == SPHERE {
-            distance = sphere_entry(offset, direction, light.radius) * SHORT_OF_LIGHT;
+            distance = sphere_entry(offset, direction, light.radius) * SHADOW_RAY_SHARE;
             leaf = NO_TARGET;
         }
-        return LightSample(direction, distance, power / pdf, pdf * light.pmf, leaf, 0.0);
+        return LightSample(direction, distance, emission / pdf, pdf * light.pmf, leaf, 0.0);
     }
     if HAS_RECT || HAS_DISC || HAS_BOX {
-        return area_sample(light, p, power, position);
+        return sample_area(light, p, emission, position);
     }
     return LightSample(vec3f(0.0), 0.0, vec3f(0.0), 0.0, NO_TARGET, 0.0);
 }
 
-/// 1 - cosine of the half angle of the cone that a sphere subtends; 2, all directions, from within.
+/// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre. Inside the
+/// sphere it is 2, all directions.
 fn subtended_cone(square: f32, radius: f32) -> f32 {
     let sine_square = radius * radius / max(square, 1e-30);
     return select(sine_square / (1.0 + sqrt(max(1.0 - sine_square, 0.0))), 2.0, sine_square >= 1.0);
@@ -67,13 +75,14 @@ fn subtended_cone(square: f32, radius: f32) -> f32 {
 
 /// Uniform direction in the cone around `axis` with this 1 - cosine of its half angle.
 fn cone_direction(axis: vec3f, one_minus_cos: f32, position: vec2f) -> vec3f {
-    let below = one_minus_cos * position.x;
-    let sine = sqrt(max(below * (2.0 - below), 0.0));
+    let one_minus_cos_theta = one_minus_cos * position.x;
+    let sine = sqrt(max(one_minus_cos_theta * (2.0 - one_minus_cos_theta), 0.0));
     let angle = 6.2831853 * position.y;
-    return normalize(basis(axis) * vec3f(sine * cos(angle), sine * sin(angle), 1.0 - below));
+    return normalize(basis(axis) * vec3f(sine * cos(angle), sine * sin(angle), 1.0 - one_minus_cos_theta));
 }
 
-/// Distance at which a ray enters a sphere whose centre is at `offset`, metres; at which it leaves it, from within.
+/// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at
+/// which it leaves.
 fn sphere_entry(offset: vec3f, direction: vec3f, radius: f32) -> f32 {
     let along = dot(offset, direction);
     let across = offset - direction * along;
@@ -81,8 +90,8 @@ fn sphere_entry(offset: vec3f, direction: vec3f, radius: f32) -> f32 {
     return select(along + half_chord, along - half_chord, along > half_chord);
 }
 
-/// A uniform point on the part of a light that may be seen from `p`.
-fn area_sample(light: Light, p: vec3f, power: vec3f, position: vec2f) -> LightSample {
+/// Samples a point by area on the part of a rectangle, disc or box that may be visible from `p`.
+fn sample_area(light: Light, p: vec3f, emission: vec3f, position: vec2f) -> LightSample {
     var point = light.position;
     var normal = light.y;
     var area = light.area;
@@ -127,37 +136,37 @@ fn area_sample(light: Light, p: vec3f, power: vec3f, position: vec2f) -> LightSa
     let square = dot(offset, offset);
     let distance = sqrt(square);
     let direction = offset / distance;
-    let toward = -dot(normal, direction);
-    let cosine = select(toward, abs(toward), light.kind == BOX);
+    let signed_cosine = -dot(normal, direction);
+    let cosine = select(signed_cosine, abs(signed_cosine), light.kind == BOX);
     if cosine <= 0.0 {
         return LightSample(direction, 0.0, vec3f(0.0), 0.0, NO_TARGET, 0.0);
     }
     let pdf = square / (area * cosine);
-    return LightSample(direction, distance * SHORT_OF_LIGHT, power / pdf, pdf * light.pmf, NO_TARGET, 0.0);
+    return LightSample(direction, distance * SHADOW_RAY_SHARE, emission / pdf, pdf * light.pmf, NO_TARGET, 0.0);
 }
 
-/// Area of a face of a box across each axis, zero where none is visible from `p`, and of all visible faces.
+/// Area of a face of a box across each axis, zero where none is visible from `p`, and the area of all visible faces.
 fn visible_areas(light: Light, p: vec3f) -> vec4f {
     let offset = p - light.position;
     let size = vec3f(length(light.x), length(light.y), length(light.z));
     let areas = 4.0 * size.yzx * size.zxy;
     let along = abs(vec3f(dot(offset, light.x), dot(offset, light.y), dot(offset, light.z)));
-    let seen = along > size * size;
-    if !any(seen) {
+    let visible = along > size * size;
+    if !any(visible) {
         return vec4f(areas, 2.0 * (areas.x + areas.y + areas.z));
     }
-    let shown = select(vec3f(0.0), areas, seen);
-    return vec4f(shown, shown.x + shown.y + shown.z);
+    let face_areas = select(vec3f(0.0), areas, visible);
+    return vec4f(face_areas, face_areas.x + face_areas.y + face_areas.z);
 }
 
-/// Pdf over solid angle with which `light_sample` chooses the direction from `p` to a hit of the light.
-fn light_pdf(light: Light, p: vec3f, reached: vec3f, cosine: f32) -> f32 {
-    let t = distance(p, reached);
+/// Pdf over solid angle of `sample_light` for the direction from `p` to the point `hit` on the light.
+fn light_pdf(light: Light, p: vec3f, hit: vec3f, cosine: f32) -> f32 {
+    let t = distance(p, hit);
     if (HAS_SPHERE || HAS_BOUNDED) && (light.kind == SPHERE || light.kind == BOUNDED) {
         let offset = light.position - p;
         let one_minus_cos = subtended_cone(dot(offset, offset), light.radius);
-        // A blend may carry the light's material beyond its sphere.
-        let outside = light.kind == BOUNDED && dot(reached - p, offset) < (1.0 - one_minus_cos) * t * length(offset);
+        // A blend may extend the light beyond its bounding sphere.
+        let outside = light.kind == BOUNDED && dot(hit - p, offset) < (1.0 - one_minus_cos) * t * length(offset);
         return select(light.pmf / (6.2831853 * one_minus_cos), 0.0, outside);
     }
     var area = light.area;
@@ -167,7 +176,7 @@ fn light_pdf(light: Light, p: vec3f, reached: vec3f, cosine: f32) -> f32 {
     return light.pmf * t * t / (area * max(cosine, 1e-6));
 }
 
-/// Weighted radiance of the suns' discs in the direction of a ray of this density.
+/// Radiance of the suns in the direction of a ray with this pdf, times its MIS weight.
 fn sun_radiance(direction: vec3f, scatter_pdf: f32) -> vec3f {
     var radiance = vec3f(0.0);
     if !HAS_SUN {

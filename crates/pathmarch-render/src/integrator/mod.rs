@@ -1,8 +1,8 @@
 //! Light transport, written twice on purpose.
 //!
-//! Each part is a pair of one name: `x.wgsl` runs in the kernel, `x.rs` in the CPU backend, which is an independent
-//! path tracer in plain Rust and the oracle that the kernels are tested against. Both draw the same random numbers in the same
-//! order, so pictures of one seed differ only by rounding.
+//! Each part is a pair of files: `x.wgsl` for the kernel and `x.rs` for the CPU backend. The CPU backend is an
+//! independent path tracer in plain Rust; tests compare the kernels with it. Both use the same random numbers in the
+//! same order, so pictures of one seed differ only by rounding.
 
 pub(crate) mod camera;
 pub(crate) mod light_sampling;

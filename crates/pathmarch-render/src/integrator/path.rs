@@ -1,25 +1,27 @@
-//! The estimator: unidirectional path tracing with next-event estimation (Kajiya 1986; Carvalho 2020, chapter 4).
+//! Path tracing: a unidirectional path tracer with next-event estimation (Kajiya 1986; Carvalho 2020, chapter 4).
 //!
-//! A path scatters at most `bounces + 1` times, the first time at the surface the camera sees. At every surface that
-//! scatters in more than single directions a light is sampled: points, suns, emitting surfaces, the environment. The path
-//! meets all of these but points and suns without size, too, and both ways are weighed by multiple importance sampling. A constant or gradient
-//! sky is found by the path alone. Beyond the fourth bounce a path goes on with the probability of three times its throughput (Russian
-//! roulette; Arvo and Kirk 1990). Unbiased but for the march (its tolerance of a tenth of a pixel, its steps, its end), unless `clamp`,
+//! A path scatters at most `bounces + 1` times, first at the surface that the camera ray hits. At every surface whose
+//! BSDF is no delta distribution, one light is sampled: a point, a sun, an emitting surface or the environment map.
+//! BSDF sampling hits all of these but points and suns without size, and multiple importance sampling weights both
+//! strategies. Only BSDF sampling contributes a constant or gradient sky. After the fourth bounce, Russian roulette
+//! (Arvo and Kirk 1990) ends paths with a survival probability of min(1, 3 x throughput). The estimator is unbiased but
+//! for sphere tracing (its tolerance of a tenth of a pixel, its number of steps, its far end), unless `clamp`,
 //! `caustics "fast"` or a `penumbra` is set.
 //!
-//! Clear solids: a surface that transmits starts the path on its other side. What the medium absorbs is added where a path
-//! enters a solid and taken off where it leaves it, so that solids may lie in one another.
+//! **Media.** A surface that transmits starts the next ray on its other side. The absorption coefficient of a solid is
+//! added where a path enters it and subtracted where it leaves, so that solids may overlap.
 //!
-//! A lamp that is blended with glass is met from inside, too, where equilibrium demands n² times the radiance that it emits into air;
-//! there paths alone find it.
+//! An emitter that is blended with glass is also hit from inside. There, equilibrium demands n² times the radiance that
+//! it emits into air, and only BSDF sampling contributes it.
 //!
-//! Here the paths of a tile go side by side, one surface at a time: march all, shade each, march all shadow rays.
+//! All paths of a tile advance side by side, one surface at a time: intersect all rays, shade each hit, trace all
+//! shadow rays.
 
 use super::camera::{camera_rays, pixel_sampler};
 use super::light_sampling;
 use super::medium::{medium_beyond, transmittance};
-use super::shadow::{self, Connection};
-use super::splitting::ray_of;
+use super::shadow::{self, ShadowTest};
+use super::splitting::camera_ray_index;
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
 use crate::sampling::basis::basis;
@@ -27,7 +29,7 @@ use crate::sampling::sobol::{PixelSampler, pair};
 use crate::scene::TraceContext;
 use crate::scene::leaf::IN_GLASS;
 use crate::scene::material::{DELTA, TRANSMITS};
-use crate::shading::surface_interaction::{SurfaceInteraction, interactions};
+use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::TexturedPoint;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
@@ -35,82 +37,87 @@ use pathmarch_field::graph::Batch;
 use std::iter::repeat_n;
 
 shared_constants! {
-    /// Survival probability of a path over its throughput: Russian roulette spares paths that carry a third of their light.
-    const SURVIVAL: f32 = 3.0;
-    /// Bounce after which Russian roulette begins.
+    /// Survival probability of a path divided by its throughput: Russian roulette never ends a path of throughput 1/3
+    /// or more.
+    const SURVIVAL_FACTOR: f32 = 3.0;
+    /// Number of bounces without Russian roulette.
     const ROULETTE_DEPTH: u32 = 4;
 }
 
+/// Path before its next surface.
 #[derive(Clone)]
 struct Path {
+    /// Index into the radiances of all paths.
     slot: usize,
-    random: PixelSampler,
+    sampler: PixelSampler,
     ray: Ray,
-    /// Where the lights of the last surface were seen from.
+    /// Point that the light at the previous surface was sampled from, in world space.
     previous_vertex: Vec3,
     throughput: Vec3,
+    /// Length from the camera, metres.
     length: f32,
-    /// Density of the ray's direction over solid angle; 0 for a single direction.
+    /// Pdf of the ray's direction over solid angle; 0 for a delta distribution.
     scatter_pdf: f32,
-    /// What the medium that the path is in absorbs, per metre.
+    /// Absorption coefficient of the medium around the path, per metre.
     medium: Vec3,
-    /// Whether the path went straight through clear glass, as shadow rays do, since it last sampled a light.
-    passing: bool,
-    /// Square of the refractive index where the path is.
+    /// True if the path has only passed through clear glass, as shadow rays do, since it last sampled a light.
+    passed_clear_glass: bool,
+    /// Square of the refractive index around the path.
     index_square: f32,
 }
 
-/// A contribution of light after this many bounces, within the limit that is set.
-fn limited(ctx: &TraceContext, contribution: Vec3, bounces: u32) -> Vec3 {
+/// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
+fn clamped(ctx: &TraceContext, contribution: Vec3, bounces: u32) -> Vec3 {
     if bounces == 0 {
         return contribution;
     }
     contribution * (ctx.frame.clamp / contribution.max_element().max(ctx.frame.clamp))
 }
 
-/// The radiance of so many samples from this one on of each of these pixels, those of a pixel in a row; more than one only
-/// where they share a ray of the camera.
+/// Radiance of `samples` samples of each of these pixels from sample `first` on, pixel by pixel. More than one sample
+/// only if they share a camera ray.
 pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
-    let shared = ray_of(first, ctx.config.splitting);
-    let randoms: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, shared)).collect();
-    let rays = camera_rays(ctx.frame, pixels, &randoms).into_iter().zip(randoms);
+    let ray_index = camera_ray_index(first, ctx.config.splitting);
+    let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, ray_index)).collect();
+    let rays = camera_rays(ctx.frame, pixels, &samplers).into_iter().zip(samplers);
     if ctx.config.splitting == 1 {
         return radiance_along(ctx, rays);
     }
-    let (mut paths, mut radiance) = start(ctx, rays);
-    let reached = arrive(ctx, &mut paths, 0, &mut radiance);
-    let radiance = radiance.iter().flat_map(|&ended| repeat_n(ended, samples as usize)).collect();
-    let split = paths.iter().flat_map(|path| {
+    let (mut paths, mut radiance) = start_paths(ctx, rays);
+    let interactions = intersect_paths(ctx, &mut paths, 0, &mut radiance);
+    let radiance = radiance.iter().flat_map(|&value| repeat_n(value, samples as usize)).collect();
+    let split_paths = paths.iter().flat_map(|path| {
         (0..samples).map(|k| {
-            let (slot, random) = (path.slot * samples as usize + k as usize, path.random.of_sample(first + k));
-            Path { slot, random, ..path.clone() }
+            let (slot, sampler) = (path.slot * samples as usize + k as usize, path.sampler.with_sample(first + k));
+            Path { slot, sampler, ..path.clone() }
         })
     });
-    let reached = reached.into_iter().flat_map(|surface| repeat_n(surface, samples as usize)).collect();
-    go_on(ctx, split.collect(), reached, radiance)
+    let interactions =
+        interactions.into_iter().flat_map(|interaction| repeat_n(interaction, samples as usize)).collect();
+    continue_paths(ctx, split_paths.collect(), interactions, radiance)
 }
 
-/// The radiance along each of these rays, which start where the camera is or in the same medium.
+/// Radiance along each of these rays. They must start in the medium around the camera.
 pub(crate) fn radiance_along(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> Vec<Vec3> {
-    let (mut paths, mut radiance) = start(ctx, rays);
-    let reached = arrive(ctx, &mut paths, 0, &mut radiance);
-    go_on(ctx, paths, reached, radiance)
+    let (mut paths, mut radiance) = start_paths(ctx, rays);
+    let interactions = intersect_paths(ctx, &mut paths, 0, &mut radiance);
+    continue_paths(ctx, paths, interactions, radiance)
 }
 
-/// The paths that begin with these rays, and the radiance of each so far.
-fn start(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> (Vec<Path>, Vec<Vec3>) {
+/// Starts a path with each of these rays. Returns the paths and the radiance of each so far.
+fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> (Vec<Path>, Vec<Vec3>) {
     let paths: Vec<Path> = rays
         .enumerate()
-        .map(|(slot, (ray, random))| Path {
+        .map(|(slot, (ray, sampler))| Path {
             slot,
-            random,
+            sampler,
             ray,
             previous_vertex: ray.origin,
             throughput: Vec3::ONE,
             length: 0.0,
             scatter_pdf: 0.0,
             medium: Vec3::from(ctx.frame.medium),
-            passing: false,
+            passed_clear_glass: false,
             index_square: 1.0,
         })
         .collect();
@@ -118,66 +125,78 @@ fn start(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) ->
     (paths, radiance)
 }
 
-/// Follows paths from the surfaces that they have reached to their ends; gives the radiance of all.
-fn go_on(
+/// Continues paths from their current surface interactions to their ends. Returns the radiance of all.
+fn continue_paths(
     ctx: &TraceContext,
     mut paths: Vec<Path>,
-    mut reached: Vec<SurfaceInteraction>,
+    mut interactions: Vec<SurfaceInteraction>,
     mut radiance: Vec<Vec3>,
 ) -> Vec<Vec3> {
     for surface_index in 0.. {
         if paths.is_empty() {
             break;
         }
-        let mut connections = Vec::with_capacity(paths.len());
-        let mut met = reached.iter().zip(drawn(ctx, &paths, surface_index));
+        let mut shadow_tests = Vec::with_capacity(paths.len());
+        let mut shading_inputs = interactions.iter().zip(surface_samples(ctx, &paths, surface_index));
         paths.retain_mut(|path| {
-            met.next().is_some_and(|(surface, drawn)| {
-                shade(ctx, path, surface, &drawn, surface_index, &mut radiance, &mut connections).is_some()
+            shading_inputs.next().is_some_and(|(interaction, samples)| {
+                shade(ctx, path, interaction, &samples, surface_index, &mut radiance, &mut shadow_tests).is_some()
             })
         });
-        for (slot, arriving) in shadow::arriving(ctx, connections, surface_index) {
-            radiance[slot] += limited(ctx, arriving, surface_index);
+        for (slot, direct_light) in shadow::direct_light(ctx, shadow_tests, surface_index) {
+            radiance[slot] += clamped(ctx, direct_light, surface_index);
         }
-        reached = arrive(ctx, &mut paths, surface_index + 1, &mut radiance);
+        interactions = intersect_paths(ctx, &mut paths, surface_index + 1, &mut radiance);
     }
     radiance
 }
 
-/// The random numbers of a surface.
-struct Drawn {
-    /// Chooses the light, and whether the path goes on.
+/// Random numbers of a path at a surface.
+struct SurfaceSamples {
+    /// Choice of the light (x) and Russian roulette (y).
     choice: [f32; 2],
+    /// Position on the light.
     light: [f32; 2],
+    /// Direction of the scattered ray.
     scatter: [f32; 2],
+    /// Choice of the lobe.
     lobe: f32,
 }
 
-/// What each of these paths draws at its surface.
-fn drawn(ctx: &TraceContext, paths: &[Path], surface_index: u32) -> impl Iterator<Item = Drawn> + use<> {
-    let randoms: Vec<PixelSampler> = paths.iter().map(|path| path.random).collect();
-    let of = |number: u32| {
-        PixelSampler::pairs(&randoms, pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + number)
+/// Random numbers of each of these paths at its surface.
+fn surface_samples(
+    ctx: &TraceContext,
+    paths: &[Path],
+    surface_index: u32,
+) -> impl Iterator<Item = SurfaceSamples> + use<> {
+    let samplers: Vec<PixelSampler> = paths.iter().map(|path| path.sampler).collect();
+    let samples_of = |pair: u32| {
+        PixelSampler::samples_2d(&samplers, pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + pair)
     };
-    let lobes = if ctx.config.chooses_lobes { of(pair::PAIR_LOBE) } else { vec![[0.0; 2]; randoms.len()] };
-    let numbers = of(pair::PAIR_CHOICE).into_iter().zip(of(pair::PAIR_LIGHT)).zip(of(pair::PAIR_SCATTER)).zip(lobes);
-    numbers.map(|(((choice, light), scatter), [lobe, _])| Drawn { choice, light, scatter, lobe })
+    let lobes = if ctx.config.chooses_lobes { samples_of(pair::PAIR_LOBE) } else { vec![[0.0; 2]; samplers.len()] };
+    let samples = samples_of(pair::PAIR_CHOICE)
+        .into_iter()
+        .zip(samples_of(pair::PAIR_LIGHT))
+        .zip(samples_of(pair::PAIR_SCATTER))
+        .zip(lobes);
+    samples.map(|(((choice, light), scatter), [lobe, _])| SurfaceSamples { choice, light, scatter, lobe })
 }
 
-/// Follows the rays of paths to their next surface, after so many, and gives it for each; those that meet none end.
-fn arrive(
+/// Intersects the rays of paths. Removes paths without a hit and adds the radiance of the sky to them. Returns the
+/// interactions of the others.
+fn intersect_paths(
     ctx: &TraceContext,
     paths: &mut Vec<Path>,
     surface_index: u32,
     radiance: &mut [Vec3],
 ) -> Vec<SurfaceInteraction> {
-    let march_of = |path: &Path| RaySegment { ray: path.ray, path_length: path.length, limit: f32::INFINITY };
-    let marches: Vec<RaySegment> = paths.iter().map(march_of).collect();
-    let hits = march(ctx, &marches);
-    let mut met = Vec::with_capacity(paths.len());
-    let mut ends = marches.into_iter().zip(hits);
+    let segment_of = |path: &Path| RaySegment { ray: path.ray, path_length: path.length, limit: f32::INFINITY };
+    let segments: Vec<RaySegment> = paths.iter().map(segment_of).collect();
+    let hits = march(ctx, &segments);
+    let mut segment_hits = Vec::with_capacity(paths.len());
+    let mut results = segments.into_iter().zip(hits);
     paths.retain_mut(|path| {
-        let end = ends.next().and_then(|(march, hit)| Some((march, hit?)));
+        let end = results.next().and_then(|(segment, hit)| Some((segment, hit?)));
         if ctx.config.absorption {
             path.throughput *= transmittance(path.medium, end.map_or(f32::INFINITY, |(_, hit)| hit.t));
         }
@@ -185,22 +204,22 @@ fn arrive(
             path.length += hit.t;
             path.ray.origin += path.ray.direction * hit.t;
         } else {
-            let contribution = path.throughput * beyond(ctx, path);
-            // Light that a ray meets fell on the surface before.
-            radiance[path.slot] += limited(ctx, contribution, surface_index.saturating_sub(1));
+            let contribution = path.throughput * escaped_radiance(ctx, path);
+            // Light that a ray hits counts as direct light of the previous surface.
+            radiance[path.slot] += clamped(ctx, contribution, surface_index.saturating_sub(1));
         }
-        met.extend(end);
+        segment_hits.extend(end);
         end.is_some()
     });
-    let seed = |k: usize| paths[k].random.unstratified_seed(surface_index);
-    interactions(ctx, &met, |k, blend| f32::choice(seed(k), blend))
+    let seed = |k: usize| paths[k].sampler.unstratified_seed(surface_index);
+    surface_interactions(ctx, &segment_hits, |k, blend| f32::choice(seed(k), blend))
 }
 
-/// Weighted radiance of the sky and the suns for a path that leaves the scene.
-fn beyond(ctx: &TraceContext, path: &Path) -> Vec3 {
+/// Radiance of the sky and the suns for an escaping path, times its MIS weight.
+fn escaped_radiance(ctx: &TraceContext, path: &Path) -> Vec3 {
     let (sky, direction) = (&ctx.scene.sky, path.ray.direction);
-    if path.passing {
-        // Shadow rays have counted a sampled sky.
+    if path.passed_clear_glass {
+        // Shadow rays have already contributed suns and a sampled sky.
         return match sky.radiance(direction) {
             (radiance, None) => radiance,
             _ => Vec3::ZERO,
@@ -210,36 +229,36 @@ fn beyond(ctx: &TraceContext, path: &Path) -> Vec3 {
         + light_sampling::sun_radiance(ctx, direction, path.scatter_pdf)
 }
 
-/// What happens at a surface; `None` where the path ends there.
+/// Shades a surface interaction: adds emitted light, samples a light and samples the next ray. `None` ends the path.
 fn shade(
     ctx: &TraceContext,
     path: &mut Path,
-    surface: &SurfaceInteraction,
-    drawn: &Drawn,
+    interaction: &SurfaceInteraction,
+    samples: &SurfaceSamples,
     surface_index: u32,
     radiance: &mut [Vec3],
-    connections: &mut Vec<Connection>,
+    shadow_tests: &mut Vec<ShadowTest>,
 ) -> Option<()> {
     let frame = ctx.frame;
-    let &SurfaceInteraction { p, normal, inside, normal_offset, .. } = surface;
-    let leaf = &ctx.scene.leaves[surface.leaf];
+    let &SurfaceInteraction { p, normal, inside, normal_offset, .. } = interaction;
+    let leaf = &ctx.scene.leaves[interaction.leaf];
     let material = &ctx.scene.materials[leaf.material as usize];
     if material.emits() {
         let light = leaf.light();
-        // Shadow rays have counted it already.
-        let counted = path.passing && light.is_some();
-        if ctx.scene.emits_towards(surface.leaf, normal) && !counted {
+        // Shadow rays have already contributed it.
+        let counted = path.passed_clear_glass && light.is_some();
+        if ctx.scene.emits_towards(interaction.leaf, normal) && !counted {
             let mut weight = 1.0;
             if inside && leaf.has(IN_GLASS) {
                 weight = path.index_square;
             } else if let Some(light) = light {
                 let cosine = normal.dot(path.ray.direction).abs();
                 let light = &ctx.scene.lights[light];
-                let light_pdf = light_sampling::pdf(light, path.previous_vertex, path.ray.origin, cosine);
+                let light_pdf = light_sampling::light_pdf(light, path.previous_vertex, path.ray.origin, cosine);
                 weight = light_sampling::hit_weight(ctx.config.direct_lighting, path.scatter_pdf, light_pdf);
             }
             let contribution = path.throughput * Vec3::from(material.emission) * weight;
-            radiance[path.slot] += limited(ctx, contribution, surface_index.saturating_sub(1));
+            radiance[path.slot] += clamped(ctx, contribution, surface_index.saturating_sub(1));
         }
         return None;
     }
@@ -247,67 +266,68 @@ fn shade(
         return None;
     }
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
-    let textured = TexturedPoint::new(ctx, surface.leaf, p, surface.outward(), path.length);
-    let own = textured.as_ref().map(|textured| textured.numbers(&material.numbers));
-    let numbers = own.as_ref().unwrap_or(&material.numbers);
-    // What light sees; that of the shape says on which side a direction is.
-    let shaded = textured.map_or(normal, |textured| textured.normal(surface.outward(), normal, -path.ray.direction));
-    let crosses = |wi: Vec3, direction: Vec3| ctx.config.bump && (wi.z < 0.0) != (direction.dot(normal) < 0.0);
-    let world_from_local = basis(shaded);
+    let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), path.length);
+    let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
+    let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
+    // Shading normal; the geometric normal decides on which side a direction is.
+    let ns = textured.map_or(normal, |textured| textured.normal(interaction.outward(), normal, -path.ray.direction));
+    let crosses_surface = |wi: Vec3, direction: Vec3| ctx.config.bump && (wi.z < 0.0) != (direction.dot(normal) < 0.0);
+    let world_from_local = basis(ns);
     let local_from_world = world_from_local.transpose();
-    let back = local_from_world * -path.ray.direction;
-    // Where the field is so rough that its normal looks normal_offset from the ray, the surface is met from the mirrored direction.
-    let wo = back.with_z(back.z.abs().max(1e-5));
+    let wo_unclamped = local_from_world * -path.ray.direction;
+    // The normal of a rough field may point away from the ray: then its mirrored direction replaces it.
+    let wo = wo_unclamped.with_z(wo_unclamped.z.abs().max(1e-5));
     let transmits = material.flags & TRANSMITS != 0;
-    let beyond = medium_beyond(path.medium, Vec3::from(material.absorption), inside);
-    let [choose_light, go_on] = drawn.choice;
+    let medium_beyond_surface = medium_beyond(path.medium, Vec3::from(material.absorption), inside);
+    let [light_choice, roulette] = samples.choice;
     if material.flags & DELTA == 0 {
         path.previous_vertex = if transmits { p } else { p + normal_offset };
-        if let Some(light) = light_sampling::sample(ctx, path.previous_vertex, choose_light, drawn.light) {
+        if let Some(light) = light_sampling::sample_light(ctx, path.previous_vertex, light_choice, samples.light) {
             let wi = local_from_world * light.direction;
-            let below = wi.z < 0.0;
-            if (wi.z > 0.0 || transmits) && !crosses(wi, light.direction) {
-                let scattering = (bsdf.eval)(numbers, wo, wi, inside);
-                if scattering.value.max_element() > 0.0 {
-                    connections.push(Connection {
+            let is_transmission = wi.z < 0.0;
+            if (wi.z > 0.0 || transmits) && !crosses_surface(wi, light.direction) {
+                let evaluated = (bsdf.eval)(parameters, wo, wi, inside);
+                if evaluated.value.max_element() > 0.0 {
+                    shadow_tests.push(ShadowTest {
                         slot: path.slot,
-                        radiance: path.throughput * scattering.value * light.irradiance,
-                        scatter_pdf: scattering.pdf,
+                        radiance: path.throughput * evaluated.value * light.irradiance,
+                        scatter_pdf: evaluated.pdf,
                         ray: Ray {
-                            origin: p + if below { -normal_offset } else { normal_offset },
+                            origin: p + if is_transmission { -normal_offset } else { normal_offset },
                             direction: light.direction,
                         },
                         light,
                         path_length: path.length,
-                        medium: if below { beyond } else { path.medium },
-                        random: path.random,
+                        medium: if is_transmission { medium_beyond_surface } else { path.medium },
+                        sampler: path.sampler,
                     });
                 }
             }
         }
     }
-    let [u, v] = drawn.scatter;
-    let scattered = (bsdf.sample)(numbers, wo, inside, [u, v, drawn.lobe])?;
+    let [u, v] = samples.scatter;
+    let scattered = (bsdf.sample)(parameters, wo, inside, [u, v, samples.lobe])?;
     let direction = (world_from_local * scattered.wi).normalize();
-    if crosses(scattered.wi, direction) {
+    if crosses_surface(scattered.wi, direction) {
         return None;
     }
     path.throughput *= scattered.weight;
     path.index_square *= scattered.eta * scattered.eta;
     if surface_index > ROULETTE_DEPTH {
-        let survival = (SURVIVAL * path.throughput.max_element() * path.index_square).min(1.0);
-        if go_on >= survival {
+        let survival_probability = (SURVIVAL_FACTOR * path.throughput.max_element() * path.index_square).min(1.0);
+        if roulette >= survival_probability {
             return None;
         }
-        path.throughput /= survival;
+        path.throughput /= survival_probability;
     }
-    let below = scattered.wi.z < 0.0;
-    let straight = scattered.pdf == 0.0 && below && (path.passing || path.scatter_pdf > 0.0);
-    path.passing = ctx.config.fast_caustics && straight;
-    path.ray = Ray { origin: p + if below { -normal_offset } else { normal_offset }, direction };
+    let is_transmission = scattered.wi.z < 0.0;
+    let straight_transmission =
+        scattered.pdf == 0.0 && is_transmission && (path.passed_clear_glass || path.scatter_pdf > 0.0);
+    path.passed_clear_glass = ctx.config.fast_caustics && straight_transmission;
+    path.ray = Ray { origin: p + if is_transmission { -normal_offset } else { normal_offset }, direction };
     path.scatter_pdf = scattered.pdf;
-    if below {
-        path.medium = beyond;
+    if is_transmission {
+        path.medium = medium_beyond_surface;
     }
     Some(())
 }

@@ -1,37 +1,39 @@
 // import: film_value, integrator/camera, integrator/light_sampling, integrator/shadow, integrator/sky
 // import: sampler, sampling/basis, shading/surface_interaction, textures
-// Path tracing. Twin of path.rs, which explains the estimator.
+// Path tracing. Twin of path.rs, which explains it.
 
-/// Contribution of light after this many bounces, within the limit of the frame.
-fn limited(contribution: vec3f, bounces: u32) -> vec3f {
+/// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
+fn clamped(contribution: vec3f, bounces: u32) -> vec3f {
     if bounces == 0u {
         return contribution;
     }
     return contribution * (frame.clamp / max(largest(contribution), frame.clamp));
 }
 
-/// Path at the surface that it has reached.
+/// Path at its current surface interaction.
 struct Path {
     ray: Ray,
     sampler: PixelSampler,
-    /// Point that the lights of the previous surface were sampled from.
+    /// Point that the light at the previous surface was sampled from, in world space.
     previous_vertex: vec3f,
     radiance: vec3f,
     throughput: vec3f,
+    /// Length from the camera, metres.
     length: f32,
     /// Pdf of the ray's direction over solid angle; 0 for a delta distribution.
     scatter_pdf: f32,
-    /// Absorption coefficient of the medium around it, per metre.
+    /// Absorption coefficient of the medium around the path, per metre.
     medium: vec3f,
-    /// Whether it has gone straight through clear glass, as shadow rays do, since it last sampled a light.
-    passing: bool,
-    /// Square of the refractive index around it.
+    /// True if the path has only passed through clear glass, as shadow rays do, since it last sampled a light.
+    passed_clear_glass: bool,
+    /// Square of the refractive index around the path.
     index_square: f32,
-    /// Number of surfaces that it has left.
+    /// Number of surfaces at which the path was scattered.
     surfaces: u32,
-    at: SurfaceInteraction,
+    interaction: SurfaceInteraction,
 }
 
+/// Path that starts with a camera ray.
 fn path_from(camera: Ray, sampler: PixelSampler) -> Path {
     var path: Path;
     path.ray = camera;
@@ -43,9 +45,9 @@ fn path_from(camera: Ray, sampler: PixelSampler) -> Path {
     return path;
 }
 
-/// Follows the path's ray to the next surface and adds what it emits; returns false where the path ends.
-fn path_arrive(path: ptr<function, Path>) -> bool {
-    // Light that a ray hits was reflected one bounce before.
+/// Intersects the ray of a path and adds emitted light, or that of the sky. Returns false if the path ends.
+fn path_intersect(path: ptr<function, Path>) -> bool {
+    // Light that a ray hits counts as direct light of the previous surface.
     let bounces = max((*path).surfaces, 1u) - 1u;
     let ray = (*path).ray;
     let hit = march(ray, (*path).length, AT_INFINITY);
@@ -53,77 +55,77 @@ fn path_arrive(path: ptr<function, Path>) -> bool {
         (*path).throughput *= transmittance((*path).medium, select(hit.t, UNBOUNDED_LENGTH, hit.t < 0.0));
     }
     if hit.t < 0.0 {
-        if !(FAST_CAUSTICS && (*path).passing) {
-            let beyond = sky_radiance(ray.direction, (*path).scatter_pdf) + sun_radiance(ray.direction, (*path).scatter_pdf);
-            (*path).radiance += limited((*path).throughput * beyond, bounces);
+        if !(FAST_CAUSTICS && (*path).passed_clear_glass) {
+            let escaped_radiance = sky_radiance(ray.direction, (*path).scatter_pdf) + sun_radiance(ray.direction, (*path).scatter_pdf);
+            (*path).radiance += clamped((*path).throughput * escaped_radiance, bounces);
         } else {
-            (*path).radiance += limited((*path).throughput * unsampled_sky_radiance(ray.direction), bounces);
+            (*path).radiance += clamped((*path).throughput * unsampled_sky_radiance(ray.direction), bounces);
         }
         return false;
     }
     (*path).length += hit.t;
-    (*path).at = surface_interaction(ray, hit, unstratified_seed((*path).sampler, (*path).surfaces));
-    let at = (*path).at;
-    let leaf = leaves[at.leaf];
+    (*path).interaction = surface_interaction(ray, hit, unstratified_seed((*path).sampler, (*path).surfaces));
+    let interaction = (*path).interaction;
+    let leaf = leaves[interaction.leaf];
     let m = leaf.material;
     if HAS_EMITTERS && (materials[m].flags & EMITS) != 0u {
         let light = leaf.flags >> LIGHT_SHIFT;
-        // Shadow rays have counted it already.
-        let counted = FAST_CAUSTICS && (*path).passing && light > 0u;
-        if emits_towards(at.leaf, at.normal) && !counted {
+        // Shadow rays have already contributed it.
+        let counted = FAST_CAUSTICS && (*path).passed_clear_glass && light > 0u;
+        if emits_towards(interaction.leaf, interaction.normal) && !counted {
             var weight = 1.0;
-            if TRANSMISSION && at.inside && (leaf.flags & IN_GLASS) != 0u {
+            if TRANSMISSION && interaction.inside && (leaf.flags & IN_GLASS) != 0u {
                 weight = (*path).index_square;
             } else if HAS_SURFACE_LIGHTS && light > 0u {
-                let cosine = abs(dot(at.normal, ray.direction));
-                let reached = ray.origin + ray.direction * hit.t;
-                weight = hit_weight((*path).scatter_pdf, light_pdf(lights[light - 1u], (*path).previous_vertex, reached, cosine));
+                let cosine = abs(dot(interaction.normal, ray.direction));
+                let hit_point = ray.origin + ray.direction * hit.t;
+                weight = hit_weight((*path).scatter_pdf, light_pdf(lights[light - 1u], (*path).previous_vertex, hit_point, cosine));
             }
-            (*path).radiance += limited((*path).throughput * materials[m].emission * weight, bounces);
+            (*path).radiance += clamped((*path).throughput * materials[m].emission * weight, bounces);
         }
         return false;
     }
     return (*path).surfaces <= frame.bounces;
 }
 
-/// Samples a light at the surface that the path has reached, and its next direction; returns false where the path ends.
+/// Samples a light at the surface of a path, and the next ray. Returns false if the path ends.
 fn path_scatter(path: ptr<function, Path>) -> bool {
     let surface_index = (*path).surfaces;
     let incoming = (*path).ray.direction;
-    let at = (*path).at;
-    let m = leaves[at.leaf].material;
+    let interaction = (*path).interaction;
+    let m = leaves[interaction.leaf].material;
     let flags = materials[m].flags;
-    let outward = outward_normal(at);
-    evaluate_textures(m, at.leaf, at.p, outward, (*path).length);
-    // The shading normal; the geometric one decides on which side a direction is.
-    let shaded = shading_normal(outward, at.normal, -incoming);
-    let world_from_local = basis(shaded);
-    let back = -incoming * world_from_local;
-    // Where the field is so rough that its normal looks away from the ray, the mirrored direction stands for the ray.
-    let wo = vec3f(back.xy, max(abs(back.z), 1e-5));
+    let outward = outward_normal(interaction);
+    evaluate_textures(m, interaction.leaf, interaction.p, outward, (*path).length);
+    // Shading normal; the geometric normal decides on which side a direction is.
+    let ns = shading_normal(outward, interaction.normal, -incoming);
+    let world_from_local = basis(ns);
+    let wo_unclamped = -incoming * world_from_local;
+    // The normal of a rough field may point away from the ray: then its mirrored direction replaces it.
+    let wo = vec3f(wo_unclamped.xy, max(abs(wo_unclamped.z), 1e-5));
     let transmits = TRANSMISSION && (flags & TRANSMITS) != 0u;
-    let beyond = medium_beyond((*path).medium, materials[m].absorption, at.inside);
+    let medium_beyond_surface = medium_beyond((*path).medium, materials[m].absorption, interaction.inside);
     let pair = PAIR_SURFACE + PAIRS_PER_SURFACE * surface_index;
     let choice = sample_2d((*path).sampler, pair + PAIR_CHOICE);
     if HAS_LIGHTS && (flags & DELTA) == 0u {
-        (*path).previous_vertex = select(spawn_origin(at, false), at.p, transmits);
-        let light = light_sample((*path).previous_vertex, choice.x, sample_2d((*path).sampler, pair + PAIR_LIGHT));
+        (*path).previous_vertex = select(spawn_origin(interaction, false), interaction.p, transmits);
+        let light = sample_light((*path).previous_vertex, choice.x, sample_2d((*path).sampler, pair + PAIR_LIGHT));
         let wi = light.direction * world_from_local;
-        let below = wi.z < 0.0;
-        let crosses = HAS_BUMP && below != (dot(light.direction, at.normal) < 0.0);
-        if (wi.z > 0.0 || transmits) && !crosses && largest(light.irradiance) > 0.0 {
-            let scattering = bsdf_eval(materials[m].kind, m, wo, wi, at.inside);
-            if largest(scattering.xyz) > 0.0 {
-                let arrives = light_transmittance(
-                    Ray(spawn_origin(at, below), light.direction),
+        let is_transmission = wi.z < 0.0;
+        let crosses_surface = HAS_BUMP && is_transmission != (dot(light.direction, interaction.normal) < 0.0);
+        if (wi.z > 0.0 || transmits) && !crosses_surface && largest(light.irradiance) > 0.0 {
+            let evaluated = bsdf_eval(materials[m].kind, m, wo, wi, interaction.inside);
+            if largest(evaluated.xyz) > 0.0 {
+                let attenuation = light_transmittance(
+                    Ray(spawn_origin(interaction, is_transmission), light.direction),
                     (*path).length,
                     light,
-                    scattering.w,
-                    select((*path).medium, beyond, below),
+                    evaluated.w,
+                    select((*path).medium, medium_beyond_surface, is_transmission),
                     unstratified_seed((*path).sampler, surface_index),
                 );
                 (*path).radiance +=
-                    limited((*path).throughput * scattering.xyz * light.irradiance * arrives, surface_index);
+                    clamped((*path).throughput * evaluated.xyz * light.irradiance * attenuation, surface_index);
             }
         }
     }
@@ -131,12 +133,12 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     if CHOOSES_LOBES {
         u.z = sample_2d((*path).sampler, pair + PAIR_LOBE).x;
     }
-    let scattered = bsdf_sample(materials[m].kind, m, wo, at.inside, u);
+    let scattered = bsdf_sample(materials[m].kind, m, wo, interaction.inside, u);
     if scattered.pdf < 0.0 {
         return false;
     }
     let direction = normalize(world_from_local * scattered.wi);
-    if HAS_BUMP && (scattered.wi.z < 0.0) != (dot(direction, at.normal) < 0.0) {
+    if HAS_BUMP && (scattered.wi.z < 0.0) != (dot(direction, interaction.normal) < 0.0) {
         return false;
     }
     (*path).throughput *= scattered.weight;
@@ -144,30 +146,30 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
         (*path).index_square *= scattered.eta * scattered.eta;
     }
     if surface_index > ROULETTE_DEPTH {
-        let survival = min(SURVIVAL * largest((*path).throughput) * (*path).index_square, 1.0);
-        if choice.y >= survival {
+        let survival_probability = min(SURVIVAL_FACTOR * largest((*path).throughput) * (*path).index_square, 1.0);
+        if choice.y >= survival_probability {
             return false;
         }
-        (*path).throughput /= survival;
+        (*path).throughput /= survival_probability;
     }
-    let crossing = TRANSMISSION && scattered.wi.z < 0.0;
-    (*path).ray = Ray(spawn_origin(at, crossing), direction);
-    if crossing {
-        (*path).medium = beyond;
+    let is_transmission = TRANSMISSION && scattered.wi.z < 0.0;
+    (*path).ray = Ray(spawn_origin(interaction, is_transmission), direction);
+    if is_transmission {
+        (*path).medium = medium_beyond_surface;
     }
     if FAST_CAUSTICS {
-        (*path).passing =
-            scattered.pdf == 0.0 && scattered.wi.z < 0.0 && ((*path).passing || (*path).scatter_pdf > 0.0);
+        (*path).passed_clear_glass =
+            scattered.pdf == 0.0 && scattered.wi.z < 0.0 && ((*path).passed_clear_glass || (*path).scatter_pdf > 0.0);
     }
     (*path).scatter_pdf = scattered.pdf;
     (*path).surfaces += 1u;
     return true;
 }
 
-/// Value of one sample of a pixel, for the film.
+/// Film value of one sample of a pixel.
 fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
     var path = path_from(camera, sampler);
-    while path_arrive(&path) && path_scatter(&path) {
+    while path_intersect(&path) && path_scatter(&path) {
     }
     return film_value(path.radiance);
 }

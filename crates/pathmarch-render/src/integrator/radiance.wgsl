@@ -1,6 +1,6 @@
 // Film of radiance.
 
-/// Value that the film adds up for the radiance of a path.
+/// Film value of a path: its radiance.
 fn film_value(radiance: vec3f) -> vec3f {
     return radiance;
 }

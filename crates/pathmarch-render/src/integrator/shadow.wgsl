@@ -1,45 +1,46 @@
 // import: integrator/light_sampling, integrator/medium, near_misses, shading/surface_interaction, textures
-// Visibility of a sampled light. Twin of shadow.rs, which explains it.
+// Shadow tests of light samples. Twin of shadow.rs, which explains them.
 
-/// Share of a sampled light that arrives along a ray, with its weight against the density of scattering.
-fn light_transmittance(start: Ray, path_length: f32, light: LightSample, scatter_pdf: f32, between: vec3f, seed: u32) -> vec3f {
+/// Transmittance of a shadow ray to a sampled light, times the MIS weight of the light. `first_medium` is the
+/// absorption coefficient around the origin of the ray, per metre.
+fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, scatter_pdf: f32, first_medium: vec3f, seed: u32) -> vec3f {
     if PENUMBRA && light.penumbra > 0.0 {
-        return near_misses(start, light.distance, light.penumbra) * transmittance(between, light.distance);
+        return near_misses(first_ray, light.distance, light.penumbra) * transmittance(first_medium, light.distance);
     }
     var weight = sample_weight(light.pdf, scatter_pdf);
-    var passed = vec3f(1.0);
-    var medium = between;
-    var ray = start;
+    var attenuation = vec3f(1.0);
+    var medium = first_medium;
+    var ray = first_ray;
     var limit = light.distance;
-    for (var k = 0u; k <= select(0u, MAX_PASSED, FAST_CAUSTICS); k++) {
+    for (var k = 0u; k <= select(0u, MAX_CLEAR_SURFACES, FAST_CAUSTICS); k++) {
         let hit = march(ray, path_length, limit);
         if ABSORPTION {
-            passed *= transmittance(medium, select(hit.t, limit, hit.t < 0.0));
+            attenuation *= transmittance(medium, select(hit.t, limit, hit.t < 0.0));
         }
         if hit.t < 0.0 {
-            return select(vec3f(0.0), passed * weight, light.target_leaf == NO_TARGET);
+            return select(vec3f(0.0), attenuation * weight, light.target_leaf == NO_TARGET);
         }
         if (!HAS_BOUNDED || light.target_leaf == NO_TARGET) && !FAST_CAUSTICS {
             return vec3f(0.0);
         }
-        let at = surface_interaction(ray, hit, seed);
-        let leaf = leaves[at.leaf];
-        if HAS_BOUNDED && at.leaf == light.target_leaf {
-            // From inside glass, paths alone find the light.
-            let from_glass = TRANSMISSION && (leaf.flags & IN_GLASS) != 0u && at.inside;
-            return select(vec3f(0.0), passed * weight, emits_towards(at.leaf, -ray.direction) && !from_glass);
+        let occluder = surface_interaction(ray, hit, seed);
+        let leaf = leaves[occluder.leaf];
+        if HAS_BOUNDED && occluder.leaf == light.target_leaf {
+            // From inside glass, only BSDF sampling contributes the light.
+            let from_glass = TRANSMISSION && (leaf.flags & IN_GLASS) != 0u && occluder.inside;
+            return select(vec3f(0.0), attenuation * weight, emits_towards(occluder.leaf, -ray.direction) && !from_glass);
         }
         let m = leaf.material;
         if !FAST_CAUSTICS || (materials[m].flags & (DELTA | TRANSMITS)) != (DELTA | TRANSMITS) {
             return vec3f(0.0);
         }
-        let cosine = min(abs(dot(at.normal, ray.direction)), 1.0);
-        let colour = glass_colour(m, at.leaf, at.p, outward_normal(at), path_length);
-        passed *= colour * (1.0 - fresnel(cosine, materials[m].numbers[1].x));
-        medium = medium_beyond(medium, materials[m].absorption, at.inside);
-        // No path finds this light again.
+        let cosine = min(abs(dot(occluder.normal, ray.direction)), 1.0);
+        let colour = glass_colour(m, occluder.leaf, occluder.p, outward_normal(occluder), path_length);
+        attenuation *= colour * (1.0 - fresnel(cosine, materials[m].parameters[1].x));
+        medium = medium_beyond(medium, materials[m].absorption, occluder.inside);
+        // BSDF sampling leaves out this light.
         weight = 1.0;
-        ray.origin = spawn_origin(at, true);
+        ray.origin = spawn_origin(occluder, true);
         limit -= hit.t;
     }
     return vec3f(0.0);

@@ -1,33 +1,33 @@
 // import: backend/gpu/film, integrator/path, loop_check
 // Samples of a pixel that share a camera ray. Twin of splitting.rs, which explains them.
 
-/// Index of the camera ray that a sample belongs to.
-fn ray_of(sample: u32) -> u32 {
-    let own = min(sample, OWN_RAYS);
-    return own + (sample - own) / SPLITTING;
+/// Index of the camera ray of a sample.
+fn camera_ray_index(sample: u32) -> u32 {
+    let unsplit = min(sample, UNSPLIT_SAMPLES);
+    return unsplit + (sample - unsplit) / SPLITTING;
 }
 
-/// Value of the slice's samples of a pixel, as the film adds them.
+/// Sum of the film values of the slice's samples of a pixel.
 fn slice_value(x: u32, y: u32) -> vec4f {
-    let sampler = pixel_sampler(x, y, ray_of(slice.sample), frame.seed);
-    var first = path_from(camera_ray(x, y, sampler), sampler);
-    if !path_arrive(&first) {
-        return checked(kept(film_value(first.radiance)) * f32(slice.samples));
+    let sampler = pixel_sampler(x, y, camera_ray_index(slice.sample), frame.seed);
+    var first_path = path_from(camera_ray(x, y, sampler), sampler);
+    if !path_intersect(&first_path) {
+        return checked(kept(film_value(first_path.radiance)) * f32(slice.samples));
     }
     var sum = vec4f(0.0);
-    var taken = 0u;
-    var path = first;
+    var samples_done = 0u;
+    var path = first_path;
     path.sampler.sample = slice.sample;
-    // A lane whose path has ended takes its next one, so that lanes do not wait for each other.
+    // A lane whose path has ended takes the next path of its pixel, so that lanes do not wait for each other.
     loop {
-        if !path_scatter(&path) || !path_arrive(&path) {
+        if !path_scatter(&path) || !path_intersect(&path) {
             sum += kept(film_value(path.radiance));
-            taken++;
-            if taken >= slice.samples {
+            samples_done++;
+            if samples_done >= slice.samples {
                 break;
             }
-            path = first;
-            path.sampler.sample = slice.sample + taken;
+            path = first_path;
+            path.sampler.sample = slice.sample + samples_done;
         }
     }
     return checked(sum);

@@ -1,27 +1,23 @@
-//! How many paths share a ray of the camera.
+//! Choice of the splitting: the number of paths that share a camera ray.
 //!
-//! **Idea.** Where most of the noise is light that bounced, a new ray of the camera for each path finds the same surface again.
-//! Instead k samples in a row begin at the surface that one ray met: they differ in their random numbers from there on, and each
-//! is a path of its own, so that the picture stays what it was, whatever k. In a kernel, a lane whose path has ended takes
-//! the next one of its ray, and does not wait for the lanes beside it.
+//! **Idea.** Splitting ([`splitting`](super::splitting)) reduces the noise of indirect light. Edges, depth of field and
+//! motion blur converge with the number of camera rays, so splitting makes them noisier. With variance B between camera
+//! rays and W within one, and costs c₀ of a camera ray and c₁ of a path from its hit on, the error after a given time
+//! is proportional to (B + W/k) (c₀ + k c₁). [`best_splitting`] estimates all four with a few thousand paths of the
+//! picture itself. It counts operations and measures no time, so that the same picture always has the same splitting.
+//! Lanes that run together take as long as the slowest of them: the longest of eight sums of k lengths is k + 1.4 s √k
+//! mean path lengths, with s the standard deviation of a path's length in mean lengths.
 //!
-//! What it costs is smoothness of edges, of lenses and of moving things, which converge with the number of rays. With the variance
-//! B between rays and W within one, and c₀ and c₁ as the costs of a ray and of a path from there on, the error after a given
-//! time is proportional to (B + W/k) (c₀ + k c₁). [`best`] estimates all four by a few thousand paths of the picture
-//! itself, and counts instead of timing, so that the same picture is always split the same way. Lanes that run together last as
-//! long as the longest of them: the longest of eight sums of k lengths is k + 1.4 s √k, in mean lengths of a path whose
-//! deviation is s of them.
-//!
-//! **Sources.** Splitting: Arvo and Kirk 1990, "Particle Transport and Image Synthesis", section 5. The best number of paths by
-//! the variances and costs of both parts: Bolin and Meyer 1997, "An Error Metric for Monte Carlo Ray Tracing", section 4;
-//! Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting". Paths taken anew by idle lanes: Novák, Havran and
-//! Dachsbacher 2010, "Path Regeneration for Interactive Path Tracing".
+//! **Sources.** Splitting: Arvo and Kirk 1990, "Particle Transport and Image Synthesis", section 5. Best number of
+//! paths from the variances and costs of both parts: Bolin and Meyer 1997, "An Error Metric for Monte Carlo Ray
+//! Tracing", section 4; Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting". Regeneration of
+//! paths in idle lanes: Novák, Havran and Dachsbacher 2010, "Path Regeneration for Interactive Path Tracing".
 //!
 //! **Cost.** 20,000 paths on the CPU, for pictures of at least 200 times as many.
 
 use super::camera::{camera_rays, pixel_sampler};
 use super::path;
-use super::splitting::OWN_RAYS;
+use super::splitting::UNSPLIT_SAMPLES;
 use crate::intersect::march::march;
 use crate::intersect::ray::RaySegment;
 use crate::metrics::RELMSE_EPSILON;
@@ -33,25 +29,25 @@ use glam::Vec3;
 use pathmarch_scene::Sampler;
 use rayon::prelude::*;
 
-/// Pixels that are looked at, along each side.
-const LOOKS: [u32; 2] = [48, 27];
-/// Rays through each of them.
-const RAYS: u32 = 4;
-/// Paths that share each of these.
-const PATHS: u32 = 4;
-/// A picture has so many paths for each that is spent on this.
-const WORTH: f64 = 200.0;
+/// Columns and rows of probed pixels.
+const PROBE_GRID: [u32; 2] = [48, 27];
+/// Camera rays through each probed pixel.
+const PROBE_RAYS: u32 = 4;
+/// Paths that share each of these camera rays.
+const PROBE_PATHS: u32 = 4;
+/// Smallest number of paths of a picture for each path of the probe.
+const MIN_PATHS_PER_PROBE_PATH: f64 = 200.0;
 
-/// What an evaluation of the field costs, in rays with what belongs to them.
-const EVALUATION: f64 = 0.25;
-/// By how much the slowest of eight lanes exceeds their mean, for one path each, in mean lengths of a path.
-const WAITING: f64 = 0.9;
-/// More than this share must be gained by more paths for a ray, as they cost smoothness.
-const GAIN: f64 = 0.05;
+/// Cost of an evaluation of the field relative to a ray and its shading.
+const EVALUATION_COST: f64 = 0.25;
+/// Excess of the slowest of eight lanes over their mean, for one path each, in mean path lengths.
+const LANE_WAIT: f64 = 0.9;
+/// Smallest relative reduction of the error that justifies a larger splitting, because edges are less smooth with it.
+const MIN_GAIN: f64 = 0.05;
 
-/// Number of paths that should share a camera ray, in a picture of so many samples; `in_lanes` where paths wait for their
-/// neighbours, as in a kernel.
-pub(crate) fn best(
+/// Best number of paths that share a camera ray, in a picture with `samples` samples a pixel. With `in_lanes`, paths
+/// wait for their neighbours, as in a kernel.
+pub(crate) fn best_splitting(
     scene: &RenderScene,
     frame: &FrameUniforms,
     config: &KernelConfig,
@@ -59,66 +55,68 @@ pub(crate) fn best(
     in_lanes: bool,
 ) -> u32 {
     let [width, height] = frame.size();
-    let looks = LOOKS.map(f64::from).iter().product::<f64>() * f64::from(RAYS * PATHS);
-    if f64::from(width) * f64::from(height) * f64::from(samples) < WORTH * looks {
+    let probe_paths = PROBE_GRID.map(f64::from).iter().product::<f64>() * f64::from(PROBE_RAYS * PROBE_PATHS);
+    if f64::from(width) * f64::from(height) * f64::from(samples) < MIN_PATHS_PER_PROBE_PATH * probe_paths {
         return 1;
     }
-    let config = KernelConfig { splitting: PATHS, ..*config };
-    // The probe shares no random numbers with the picture, and has no low-discrepancy sequence.
+    let config = KernelConfig { splitting: PROBE_PATHS, ..*config };
+    // The probe uses other random numbers than the picture, and independent ones.
     let frame = FrameUniforms { seed: hash(frame.seed), sampler: Sampler::Independent as u32, ..*frame };
-    let pixels: Vec<(u32, u32)> = (0..LOOKS[0] * LOOKS[1])
+    let pixels: Vec<(u32, u32)> = (0..PROBE_GRID[0] * PROBE_GRID[1])
         .map(|k| {
-            let somewhere = |cell: u32, cells: u32, length: u32, random: u32| {
-                let within = f64::from(hash(2 * k + random)) / f64::from(u32::MAX);
+            let jittered = |cell: u32, cells: u32, length: u32, dimension: u32| {
+                let within = f64::from(hash(2 * k + dimension)) / f64::from(u32::MAX);
                 ((f64::from(cell) + within) / f64::from(cells) * f64::from(length)) as u32
             };
-            let x = somewhere(k % LOOKS[0], LOOKS[0], width, 0).min(width - 1);
-            (x, somewhere(k / LOOKS[0], LOOKS[1], height, 1).min(height - 1))
+            let x = jittered(k % PROBE_GRID[0], PROBE_GRID[0], width, 0).min(width - 1);
+            (x, jittered(k / PROBE_GRID[0], PROBE_GRID[1], height, 1).min(height - 1))
         })
         .collect();
-    let (rays, all) = (RayCounters::default(), RayCounters::default());
+    let (ray_counters, path_counters) = (RayCounters::default(), RayCounters::default());
     let context = |stats| TraceContext { scene, frame: &frame, config: &config, stats: Some(stats) };
-    let variances = pixels.par_chunks(LOOKS[0] as usize).map(|pixels| {
-        trace_camera_rays(&context(&rays), pixels);
-        variances(&context(&all), pixels)
+    let variances = pixels.par_chunks(PROBE_GRID[0] as usize).map(|pixels| {
+        trace_camera_rays(&context(&ray_counters), pixels);
+        variances(&context(&path_counters), pixels)
     });
     let [between, within] = variances.reduce(|| [0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     let cost = |counters: &RayCounters| {
         let total = counters.total();
-        total.rays as f64 + EVALUATION * total.evaluations as f64
+        total.rays as f64 + EVALUATION_COST * total.evaluations as f64
     };
-    let ray = cost(&rays);
-    let path = (cost(&all) - ray) / f64::from(PATHS);
-    let waiting = if in_lanes { WAITING } else { 0.0 };
+    let ray_cost = cost(&ray_counters);
+    let path_cost = (cost(&path_counters) - ray_cost) / f64::from(PROBE_PATHS);
+    let lane_wait = if in_lanes { LANE_WAIT } else { 0.0 };
     let error = |k: u32| {
         let k = f64::from(k);
-        (between.max(0.0) + within / k) * (ray + (k + waiting * k.sqrt()) * path)
+        (between.max(0.0) + within / k) * (ray_cost + (k + lane_wait * k.sqrt()) * path_cost)
     };
-    let most = MAX_SPLITTING.min(samples / OWN_RAYS).max(1);
-    let doubled = (0..=most.ilog2()).map(|k| 1 << k);
-    doubled.fold(1, |best, k| if error(k) < (1.0 - GAIN) * error(best) { k } else { best })
+    let max_splitting = MAX_SPLITTING.min(samples / UNSPLIT_SAMPLES).max(1);
+    let powers_of_two = (0..=max_splitting.ilog2()).map(|k| 1 << k);
+    powers_of_two.fold(1, |best, k| if error(k) < (1.0 - MIN_GAIN) * error(best) { k } else { best })
 }
 
 /// Traces camera rays alone.
 fn trace_camera_rays(ctx: &TraceContext, pixels: &[(u32, u32)]) {
-    for ray in OWN_RAYS..OWN_RAYS + RAYS {
-        let randoms: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, ray)).collect();
-        let rays = camera_rays(ctx.frame, pixels, &randoms).into_iter();
+    for ray in UNSPLIT_SAMPLES..UNSPLIT_SAMPLES + PROBE_RAYS {
+        let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, ray)).collect();
+        let rays = camera_rays(ctx.frame, pixels, &samplers).into_iter();
         march(ctx, &rays.map(|ray| RaySegment { ray, path_length: 0.0, limit: f32::INFINITY }).collect::<Vec<_>>());
     }
 }
 
-/// The variance of a pixel between rays and within one, relative to its mean and summed over pixels.
+/// Variance of a pixel between camera rays and within one, relative to its mean and summed over pixels.
 fn variances(ctx: &TraceContext, pixels: &[(u32, u32)]) -> [f64; 2] {
-    let of_ray = |ray: u32| path::trace(ctx, pixels, OWN_RAYS + ray * PATHS, PATHS);
-    let of_rays: Vec<Vec<Vec3>> = (0..RAYS).map(of_ray).collect();
+    let trace_ray = |ray: u32| path::trace(ctx, pixels, UNSPLIT_SAMPLES + ray * PROBE_PATHS, PROBE_PATHS);
+    let values_of_rays: Vec<Vec<Vec3>> = (0..PROBE_RAYS).map(trace_ray).collect();
     let mut sums = [0.0; 2];
     for pixel in 0..pixels.len() {
-        let paths: Vec<&[Vec3]> =
-            of_rays.iter().map(|values| &values[pixel * PATHS as usize..][..PATHS as usize]).collect();
+        let paths: Vec<&[Vec3]> = values_of_rays
+            .iter()
+            .map(|values| &values[pixel * PROBE_PATHS as usize..][..PROBE_PATHS as usize])
+            .collect();
         for channel in 0..3 {
-            let [between, within] = parts(&paths, |value| f64::from(value[channel]));
-            // What is not finite says nothing.
+            let [between, within] = variance_components(&paths, |value| f64::from(value[channel]));
+            // Ignore values that are not finite.
             if between.is_finite() && within.is_finite() {
                 sums[0] += between;
                 sums[1] += within;
@@ -128,40 +126,41 @@ fn variances(ctx: &TraceContext, pixels: &[(u32, u32)]) -> [f64; 2] {
     sums
 }
 
-/// The parts of the variance of numbers that come in groups of [`PATHS`], between and within groups, relative to their mean as
-/// relMSE is, and limited so that no pixel outweighs all others.
-fn parts(groups: &[&[Vec3]], number: impl Fn(Vec3) -> f64) -> [f64; 2] {
+/// Variance between and within groups of [`PROBE_PATHS`] values, relative to their mean as in relMSE, and clamped so
+/// that no pixel dominates the sum.
+fn variance_components(groups: &[&[Vec3]], component: impl Fn(Vec3) -> f64) -> [f64; 2] {
     const LIMIT: f64 = 10.0;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let variance = |values: &[f64]| {
         let mean = mean(values);
         values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64
     };
-    let groups: Vec<Vec<f64>> = groups.iter().map(|group| group.iter().map(|&value| number(value)).collect()).collect();
+    let groups: Vec<Vec<f64>> =
+        groups.iter().map(|group| group.iter().map(|&value| component(value)).collect()).collect();
     let means: Vec<f64> = groups.iter().map(|group| mean(group)).collect();
     let within = mean(&groups.iter().map(|group| variance(group)).collect::<Vec<_>>());
-    // The means of groups vary by what is within them, too.
+    // The variance within groups adds to that of their means.
     let between = variance(&means) - within / groups[0].len() as f64;
     let scale = 1.0 / (mean(&means).powi(2) + RELMSE_EPSILON);
-    [between * scale, within * scale].map(|part| part.clamp(-LIMIT, LIMIT))
+    [between * scale, within * scale].map(|component| component.clamp(-LIMIT, LIMIT))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::splitting::{ray_of, together};
+    use super::super::splitting::{camera_ray_index, samples_sharing_ray};
     use super::*;
     use crate::settings::Settings;
     use pathmarch_scene::Scene;
 
-    /// What is best for a picture of this size and these samples.
-    fn best_of(text: &str, size: [u32; 2], samples: u32) -> u32 {
+    /// Best splitting of a scene for a picture of this size and number of samples.
+    fn best_for(text: &str, size: [u32; 2], samples: u32) -> u32 {
         let scene = Scene::parse("test.kdl", text).expect("valid");
         let settings = Settings { size, samples, ..Settings::of(&scene) };
         {
             let camera = settings.camera_of(&scene);
-            let tables = RenderScene::new(&scene, camera);
-            let frame = FrameUniforms::new(&scene, &settings, &tables.sky, &tables.lights);
-            best(&tables, &frame, &KernelConfig::new(&tables, &settings), samples, true)
+            let render_scene = RenderScene::new(&scene, camera);
+            let frame = FrameUniforms::new(&scene, &settings, &render_scene.sky, &render_scene.lights);
+            best_splitting(&render_scene, &frame, &KernelConfig::new(&render_scene, &settings), samples, true)
         }
     }
 
@@ -175,43 +174,46 @@ object "lamp" material="lamp" { sphere 0.1 { at 0.6 1.7 0.5 } }
 "#;
 
     #[test]
-    fn every_sample_belongs_to_the_ray_that_it_is_begun_with() {
+    fn every_sample_belongs_to_the_ray_that_it_starts_with() {
         for splitting in 1..=MAX_SPLITTING {
             let (mut sample, mut ray) = (0, 0);
             while sample < 100 {
-                let begun = together(sample, splitting, 100 - sample);
-                assert!(begun >= 1 && (sample >= OWN_RAYS || begun == 1));
-                assert!((sample..sample + begun).all(|sample| ray_of(sample, splitting) == ray));
-                (sample, ray) = (sample + begun, ray + 1);
+                let count = samples_sharing_ray(sample, splitting, 100 - sample);
+                assert!(count >= 1 && (sample >= UNSPLIT_SAMPLES || count == 1));
+                assert!((sample..sample + count).all(|sample| camera_ray_index(sample, splitting) == ray));
+                (sample, ray) = (sample + count, ray + 1);
             }
             assert_eq!(sample, 100);
-            // One that is joined later begins with what is left of its ray.
-            assert_eq!(together(OWN_RAYS + 1, splitting, 100), if splitting == 1 { 1 } else { splitting - 1 });
+            // A range that starts in the middle of a ray takes the remaining samples of the ray.
+            assert_eq!(
+                samples_sharing_ray(UNSPLIT_SAMPLES + 1, splitting, 100),
+                if splitting == 1 { 1 } else { splitting - 1 }
+            );
         }
     }
 
     #[test]
-    fn light_that_bounced_is_split() {
-        assert!(best_of(ROOM, [640, 360], 256) >= 4);
+    fn indirect_light_is_split() {
+        assert!(best_for(ROOM, [640, 360], 256) >= 4);
     }
 
     #[test]
-    fn a_pixel_keeps_rays_enough_for_its_edges() {
-        assert_eq!(best_of(ROOM, [640, 360], 32), 2);
-        assert_eq!(best_of(ROOM, [640, 360], 31), 1);
-        // Too few to look twice.
-        assert_eq!(best_of(ROOM, [64, 36], 256), 1);
+    fn a_pixel_keeps_enough_rays_for_its_edges() {
+        assert_eq!(best_for(ROOM, [640, 360], 32), 2);
+        assert_eq!(best_for(ROOM, [640, 360], 31), 1);
+        // Too few paths to pay for the probe.
+        assert_eq!(best_for(ROOM, [64, 36], 256), 1);
     }
 
     #[test]
     fn edges_and_lenses_are_not_split() {
-        // Many bright balls, smaller than a pixel.
+        // Many bright spheres, smaller than a pixel.
         let mut balls = String::from("pathmarch 1\ncamera { position 0 0 9; target 0 0 0; fov 20 }\n");
         balls += "material \"lamp\" { emit 5 }\nmaterial \"dark\" { diffuse 0 }\n";
         balls += "object \"balls\" material=\"lamp\" { repeat 0.1 0.1 0 { sphere 0.01 } }\n";
         balls += "object \"back\" material=\"dark\" { rect 9 9 { normal 0 0 1; at 0 0 -1 } }\n";
-        assert_eq!(best_of(&balls, [640, 360], 256), 1);
+        assert_eq!(best_for(&balls, [640, 360], 256), 1);
         let lens = ROOM.replace("fov 60", "fov 60; lens radius=0.3 focus=0.5");
-        assert!(best_of(&lens, [640, 360], 256) <= best_of(ROOM, [640, 360], 256));
+        assert!(best_for(&lens, [640, 360], 256) <= best_for(ROOM, [640, 360], 256));
     }
 }

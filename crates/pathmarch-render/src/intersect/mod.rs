@@ -1,4 +1,4 @@
-//! Intersections of rays and the scene: analytic shapes in closed form, all others by sphere tracing.
+//! Ray intersection: analytic shapes in closed form, all others by sphere tracing.
 
 pub(crate) mod march;
 pub(crate) mod ray;

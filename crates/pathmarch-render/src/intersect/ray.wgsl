@@ -3,6 +3,6 @@
 /// Ray in world space.
 struct Ray {
     origin: vec3f,
-    /// Of length one.
+    /// Unit vector.
     direction: vec3f,
 }

@@ -1,48 +1,49 @@
-//! Ambient light for previews, as spherical harmonics: radiance from all directions near what the camera sees.
+//! Ambient light of previews: spherical harmonics of the radiance near the visible surfaces.
 //!
-//! **Idea.** From points close before the first surfaces of a coarse grid of camera rays, paths go into all directions.
-//! Their radiance, as a function of direction, is kept as nine spherical harmonics, already integrated to the irradiance of a
-//! normal (Ramamoorthi and Hanrahan 2001, "An Efficient Representation for Irradiance Environment Maps"). So a preview of a
-//! closed room is as bright as its picture, and surfaces take colour from what they face. Light that a preview casts itself,
-//! that of known lights straight from them, is left out; the sky is not.
+//! **Idea.** Paths start just in front of the hits of a coarse grid of camera rays and go into all directions. Their
+//! radiance, as a function of direction, is projected on nine spherical harmonics and convolved with the cosine lobe,
+//! so that the result is the irradiance for a normal (Ramamoorthi and Hanrahan 2001, "An Efficient Representation for
+//! Irradiance Environment Maps"). So a preview of a closed room is as bright as its path-traced picture, and surfaces
+//! take colour from the surfaces opposite. Direct light of the sampled lights is left out, because the preview computes
+//! it analytically. The sky is included.
 //!
-//! **Where we differ.** One function for the whole picture instead of one for each place: cheap, never in pieces, and wrong
-//! where parts of a picture lie in different light. A path brighter than [`LIMIT`] times the mean counts as that, so that no
-//! lucky one tints the picture. The paths have their own numbers, the same for every seed.
+//! **Differences.** One function serves the whole picture instead of one for each position. That is cheap and has no
+//! seams, but is wrong where parts of a picture have different lighting. Paths brighter than [`MAX_RELATIVE_LUMINANCE`]
+//! times the mean are clamped, so that no outlier tints the picture. The random numbers are the same for every seed.
 //!
-//! **Cost.** 4,096 paths of at most five surfaces on the CPU, whatever the backend: 5 to 20 ms on two cores.
+//! **Cost.** 4,096 paths of at most five surfaces on the CPU, for both backends: 5 to 20 ms on two cores.
 
 use crate::integrator::camera::central_ray;
 use crate::integrator::path;
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
 use crate::sampling::basis;
-use crate::sampling::r2_sequence::HEAVIER;
+use crate::sampling::r2_sequence::EQUAL_WEIGHTS;
 use crate::sampling::sobol::{PixelSampler, unit};
 use crate::scene::light::{SphereLight, luminance};
 use crate::scene::{FrameUniforms, TraceContext};
-use crate::shading::surface_interaction::interactions;
+use crate::shading::surface_interaction::surface_interactions;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::{PI, TAU};
 
 /// Columns and rows of the grid of camera rays.
-const GRID: [u32; 2] = [8, 4];
-/// Paths from each point.
-const DIRECTIONS: u32 = 128;
-/// Paths that are brighter than this many times the mean are limited.
-const LIMIT: f32 = 12.0;
-/// How far towards the surface a point lies.
-const NEARLY: f32 = 0.92;
-/// Bounces of the paths at most.
-const BOUNCES: u32 = 4;
+const CAMERA_GRID: [u32; 2] = [8, 4];
+/// Number of paths from each point.
+const PATHS_PER_POINT: u32 = 128;
+/// Largest luminance of a path, relative to the mean of all.
+const MAX_RELATIVE_LUMINANCE: f32 = 12.0;
+/// Distance of a point from the camera divided by that of the hit.
+const HIT_SHARE: f32 = 0.92;
+/// Largest number of bounces of a path.
+const MAX_PATH_BOUNCES: u32 = 4;
 
-/// The polynomials of spherical harmonics up to the second degree.
-pub(super) fn basis(n: Vec3) -> [f32; 9] {
+/// Polynomials of the spherical harmonics up to the second degree, without their norms.
+pub(super) fn sh_basis(n: Vec3) -> [f32; 9] {
     [1.0, n.y, n.z, n.x, n.x * n.y, n.y * n.z, 3.0 * n.z * n.z - 1.0, n.x * n.z, n.x * n.x - n.y * n.y]
 }
 
-/// Squares of their norms times the factor of a cosine lobe.
+/// Squared norms of the [`sh_basis`] times the coefficients of the cosine lobe.
 const NORMS: [f32; 9] = {
     const ONE: f32 = 0.488_602_5 * 0.488_602_5 * 2.0 / 3.0 * PI;
     const TWO: f32 = 1.092_548_4 * 1.092_548_4 / 4.0 * PI;
@@ -59,45 +60,49 @@ const NORMS: [f32; 9] = {
     ]
 };
 
-/// Irradiance as factors of [`basis`] of a normal, without what the lights of these indices give straight from them.
-pub(super) fn ambient_sh(ctx: &TraceContext, known: &[u32]) -> [Vec3; 9] {
+/// Ambient irradiance as coefficients of the [`sh_basis`] of a normal, W/m², without the direct light of
+/// `excluded_lights`.
+pub(super) fn ambient_sh(ctx: &TraceContext, excluded_lights: &[u32]) -> [Vec3; 9] {
     let points = points(ctx);
     if points.is_empty() {
         return [Vec3::ZERO; 9];
     }
-    // A path from a camera there has one bounce behind it.
+    // The surface that receives the light accounts for one bounce.
     let bounces = ctx.frame.bounces;
-    let frame = FrameUniforms { bounces: bounces.saturating_sub(1).min(BOUNCES), ..*ctx.frame };
+    let frame = FrameUniforms { bounces: bounces.saturating_sub(1).min(MAX_PATH_BOUNCES), ..*ctx.frame };
     let ctx = &TraceContext { frame: &frame, ..*ctx };
-    let found: Vec<(Vec3, Vec3)> = points
+    let radiances: Vec<(Vec3, Vec3)> = points
         .par_iter()
         .enumerate()
         .flat_map_iter(|(index, &point)| {
-            let rays = (0..DIRECTIONS).map(|k| {
-                let random = PixelSampler::new(index as u32, 0, k, 0);
-                (Ray { origin: point, direction: direction(random.pair(0)) }, random)
+            let rays = (0..PATHS_PER_POINT).map(|k| {
+                let sampler = PixelSampler::new(index as u32, 0, k, 0);
+                (Ray { origin: point, direction: sample_sphere(sampler.sample_2d(0)) }, sampler)
             });
             let rays: Vec<(Ray, PixelSampler)> = rays.collect();
             let directions: Vec<Vec3> = rays.iter().map(|(ray, _)| ray.direction).collect();
-            directions.into_iter().zip(radiance(ctx, rays, known, bounces > 0))
+            directions.into_iter().zip(radiance(ctx, rays, excluded_lights, bounces > 0))
         })
         .collect();
-    let mean = found.iter().map(|(_, radiance)| luminance((*radiance).into())).sum::<f32>() / found.len() as f32;
-    let mut factors = [Vec3::ZERO; 9];
-    for (direction, radiance) in &found {
-        let limited = *radiance * (LIMIT * mean / luminance((*radiance).into()).max(LIMIT * mean).max(1e-30));
-        for ((factor, value), norm) in factors.iter_mut().zip(basis(*direction)).zip(NORMS) {
-            *factor += limited * (value * norm * 4.0 * PI / found.len() as f32);
+    let mean =
+        radiances.iter().map(|(_, radiance)| luminance((*radiance).into())).sum::<f32>() / radiances.len() as f32;
+    let mut coefficients = [Vec3::ZERO; 9];
+    for (direction, radiance) in &radiances {
+        let clamped = *radiance
+            * (MAX_RELATIVE_LUMINANCE * mean
+                / luminance((*radiance).into()).max(MAX_RELATIVE_LUMINANCE * mean).max(1e-30));
+        for ((coefficient, value), norm) in coefficients.iter_mut().zip(sh_basis(*direction)).zip(NORMS) {
+            *coefficient += clamped * (value * norm * 4.0 * PI / radiances.len() as f32);
         }
     }
-    factors
+    coefficients
 }
 
-/// Points in the air before what the camera sees.
+/// Points in front of the hits of camera rays, in world space.
 fn points(ctx: &TraceContext) -> Vec<Vec3> {
     let frame = ctx.frame;
-    let [columns, rows] = GRID;
-    let marches: Vec<RaySegment> = (0..columns * rows)
+    let [columns, rows] = CAMERA_GRID;
+    let segments: Vec<RaySegment> = (0..columns * rows)
         .map(|k| {
             let (x, y) = ((k % columns) as f32 + 0.5, (k / columns) as f32 + 0.5);
             let ray =
@@ -105,70 +110,79 @@ fn points(ctx: &TraceContext) -> Vec<Vec3> {
             RaySegment { ray, path_length: 0.0, limit: f32::INFINITY }
         })
         .collect();
-    let hits = march(ctx, &marches);
-    let reached = marches.iter().zip(hits).filter_map(|(march, hit)| Some((march.ray, hit?.t)));
-    let points: Vec<Vec3> = reached.map(|(ray, t)| ray.origin + ray.direction * (NEARLY * t)).collect();
-    // Where nothing is seen there is nothing to light; what is seen between the rays is in the open.
+    let hits = march(ctx, &segments);
+    let hits_of_rays = segments.iter().zip(hits).filter_map(|(segment, hit)| Some((segment.ray, hit?.t)));
+    let points: Vec<Vec3> = hits_of_rays.map(|(ray, t)| ray.origin + ray.direction * (HIT_SHARE * t)).collect();
+    // Without hits, the surfaces between the rays, if any, are in the open.
     if points.is_empty() { vec![Vec3::from(frame.position)] } else { points }
 }
 
-/// Uniform over all directions.
-fn direction([u, v]: [f32; 2]) -> Vec3 {
+/// Uniform direction on the unit sphere.
+fn sample_sphere([u, v]: [f32; 2]) -> Vec3 {
     let y = 1.0 - 2.0 * u;
     let radius = (1.0 - y * y).max(0.0).sqrt();
     let (sine, cosine) = (TAU * v).sin_cos();
     Vec3::new(radius * cosine, y, radius * sine)
 }
 
-/// What rays find, without known lights straight from them.
-fn radiance(ctx: &TraceContext, rays: Vec<(Ray, PixelSampler)>, known: &[u32], bounces: bool) -> Vec<Vec3> {
-    let marches: Vec<RaySegment> =
+/// Radiance along rays, without the direct light of `excluded_lights`. Without `bounces`, also without that of other
+/// surfaces.
+fn radiance(ctx: &TraceContext, rays: Vec<(Ray, PixelSampler)>, excluded_lights: &[u32], bounces: bool) -> Vec<Vec3> {
+    let segments: Vec<RaySegment> =
         rays.iter().map(|(ray, _)| RaySegment { ray: *ray, path_length: 0.0, limit: f32::INFINITY }).collect();
-    let mut found = vec![Vec3::ZERO; rays.len()];
-    let (mut slots, mut met) = (Vec::new(), Vec::new());
-    for (slot, hit) in march(ctx, &marches).into_iter().enumerate() {
+    let mut radiances = vec![Vec3::ZERO; rays.len()];
+    let (mut slots, mut segment_hits) = (Vec::new(), Vec::new());
+    for (slot, hit) in march(ctx, &segments).into_iter().enumerate() {
         match hit {
             Some(hit) => {
                 slots.push(slot);
-                met.push((marches[slot], hit));
+                segment_hits.push((segments[slot], hit));
             }
-            None => found[slot] = ctx.scene.sky.radiance(rays[slot].0.direction).0,
+            None => radiances[slot] = ctx.scene.sky.radiance(rays[slot].0.direction).0,
         }
     }
-    let seen = interactions(ctx, &met, |_, _| HEAVIER);
-    let counted = |leaf: usize| {
+    let interactions = surface_interactions(ctx, &segment_hits, |_, _| EQUAL_WEIGHTS);
+    let contributes = |leaf: usize| {
         if !ctx.scene.material_of(leaf).emits() {
             return bounces;
         }
-        ctx.scene.leaves[leaf].light().is_none_or(|light| !known.contains(&(light as u32)))
+        ctx.scene.leaves[leaf].light().is_none_or(|light| !excluded_lights.contains(&(light as u32)))
     };
-    let slots: Vec<usize> =
-        slots.into_iter().zip(&seen).filter(|(_, seen)| counted(seen.leaf)).map(|(slot, _)| slot).collect();
-    let followed = path::radiance_along(ctx, slots.iter().map(|&slot| rays[slot]));
-    for (slot, radiance) in slots.into_iter().zip(followed) {
-        // Paths may fail; one that does is one that finds nothing.
-        found[slot] = if radiance.is_finite() { radiance } else { Vec3::ZERO };
+    let slots: Vec<usize> = slots
+        .into_iter()
+        .zip(&interactions)
+        .filter(|(_, interaction)| contributes(interaction.leaf))
+        .map(|(slot, _)| slot)
+        .collect();
+    let traced = path::radiance_along(ctx, slots.iter().map(|&slot| rays[slot]));
+    for (slot, radiance) in slots.into_iter().zip(traced) {
+        // A path that fails has no radiance.
+        radiances[slot] = if radiance.is_finite() { radiance } else { Vec3::ZERO };
     }
-    found
+    radiances
 }
 
-/// Share of the disc of a light's bounding sphere that emits, over rays from all directions.
+/// Visible area of an emitter divided by that of its bounding sphere's disc, averaged over all directions.
 pub(super) fn visible_share(ctx: &TraceContext, sphere: &SphereLight) -> f32 {
     const RAYS: u32 = 64;
-    let middle = sphere.centre;
-    let marches: Vec<RaySegment> = (0..RAYS)
+    let centre = sphere.centre;
+    let segments: Vec<RaySegment> = (0..RAYS)
         .map(|k| {
-            let random = PixelSampler::new(0, 0, k, 0);
-            let towards = direction(random.pair(0));
-            let [u, v] = random.pair(1);
+            let sampler = PixelSampler::new(0, 0, k, 0);
+            let direction = sample_sphere(sampler.sample_2d(0));
+            let [u, v] = sampler.sample_2d(1);
             let (sine, cosine) = (TAU * v).sin_cos();
-            let across = basis::basis(towards) * Vec3::new(u.sqrt() * cosine, u.sqrt() * sine, -1.0);
-            let ray = Ray { origin: middle + across * sphere.radius, direction: towards };
+            let disc_point = basis::basis(direction) * Vec3::new(u.sqrt() * cosine, u.sqrt() * sine, -1.0);
+            let ray = Ray { origin: centre + disc_point * sphere.radius, direction };
             RaySegment { ray, path_length: 0.0, limit: 2.0 * sphere.radius }
         })
         .collect();
-    let hits = march(ctx, &marches);
-    let met: Vec<_> = marches.into_iter().zip(hits).filter_map(|(march, hit)| Some((march, hit?))).collect();
-    let shining = interactions(ctx, &met, |_, _| HEAVIER).iter().filter(|seen| seen.leaf as u32 == sphere.leaf).count();
-    (shining as f32 / RAYS as f32).max(unit(1 << 30))
+    let hits = march(ctx, &segments);
+    let segment_hits: Vec<_> =
+        segments.into_iter().zip(hits).filter_map(|(segment, hit)| Some((segment, hit?))).collect();
+    let hit_count = surface_interactions(ctx, &segment_hits, |_, _| EQUAL_WEIGHTS)
+        .iter()
+        .filter(|interaction| interaction.leaf as u32 == sphere.leaf)
+        .count();
+    (hit_count as f32 / RAYS as f32).max(unit(1 << 30))
 }

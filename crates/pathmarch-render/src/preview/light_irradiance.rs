@@ -1,32 +1,31 @@
-//! Irradiance of lights without occlusion and without noise, for previews.
+//! Irradiance of unoccluded lights in closed form, for previews.
 //!
 //! - **Points and suns**: exact.
-//! - **Spheres** of which a part may be below the horizon: π L sin² times the cosine, smoothly clipped where the sphere
-//!   touches the horizon. Boxes are taken for spheres of the same surface, any other shape for a sphere of the disc that it
-//!   shows on average.
-//! - **Rectangles** exactly above the horizon, by Lambert's sum over edges (Lambert 1760; Baum, Rushmeier and Winget 1989),
-//!   its terms in the approximation of Heitz, Dupuy, Hill and Neubelt 2016 ("Real-Time Polygonal-Light Shading with Linearly
-//!   Transformed Cosines"); clipped at the horizon as a sphere of the same form factor (Hill and Heitz 2017). Discs are taken
-//!   for squares of the same area.
+//! - **Spheres**: π L sin² times the cosine, smoothly clipped where the horizon cuts the sphere. A box is approximated
+//!   by a sphere of the same surface area, any other shape by a sphere of the same average visible area.
+//! - **Rectangles**: exact above the horizon, by Lambert's sum over edges (Lambert 1760; Baum, Rushmeier and Winget
+//!   1989) with the approximated terms of Heitz, Dupuy, Hill and Neubelt 2016 ("Real-Time Polygonal-Light Shading with
+//!   Linearly Transformed Cosines"). The horizon clips a sphere of the same form factor (Hill and Heitz 2017). Discs
+//!   are approximated by squares of the same area.
 
 use crate::scene::light::{LightShape, SheetLight};
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// Light on a surface without occlusion.
+/// Unoccluded light at a point of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UnoccludedLight {
-    /// Unit vector to the middle of its visible part.
+    /// Unit vector to the centre of the light's part above the horizon.
     pub(super) direction: Vec3,
     /// Largest distance of an occluder, metres.
     pub(super) distance: f32,
-    /// On the surface, cosine included, W/m².
+    /// Irradiance of the surface, cosine included, W/m².
     pub(super) irradiance: Vec3,
-    /// Sine of half the angle that it subtends.
+    /// Sine of half the angle that the light subtends.
     pub(super) sine: f32,
 }
 
-/// Light on the point `p` of a surface with normal `n`, without occlusion. A sphere of `radius` stands for boxes and bounded
+/// Unoccluded light at the point `p` of a surface with normal `n`. A sphere of `radius` replaces boxes and bounded
 /// lights.
 pub(super) fn unoccluded_light(light: &LightShape, radius: f32, p: Vec3, n: Vec3) -> UnoccludedLight {
     match light {
@@ -43,7 +42,7 @@ pub(super) fn unoccluded_light(light: &LightShape, radius: f32, p: Vec3, n: Vec3
         }
         LightShape::Rect(sheet) => from_sheet(sheet, sheet.axes, p, n),
         LightShape::Disc(sheet) => {
-            // Half the edge of a square of the same area.
+            // Half side of a square of the same area.
             let half = 0.886_226_9 * sheet.radius;
             from_sheet(sheet, sheet.axes.map(|axis| axis * half), p, n)
         }
@@ -63,14 +62,15 @@ fn towards(position: Vec3, p: Vec3) -> (Vec3, f32, f32) {
     (offset / distance, distance, square)
 }
 
+/// Unoccluded light of a sphere.
 fn from_sphere(centre: Vec3, radiance: Vec3, radius: f32, p: Vec3, n: Vec3) -> UnoccludedLight {
     let (direction, distance, _) = towards(centre, p);
     let sine = (radius / distance).min(1.0);
-    let irradiance = radiance * (PI * sine * sine * above_horizon(direction.dot(n), sine));
+    let irradiance = radiance * (PI * sine * sine * clipped_cosine(direction.dot(n), sine));
     UnoccludedLight { direction, distance: (distance - radius).max(0.0), irradiance, sine }
 }
 
-/// Radius of the sphere that stands for a light, metres.
+/// Radius of the sphere that approximates a light, metres.
 pub(super) fn bounding_radius(light: &LightShape) -> f32 {
     match light {
         LightShape::Box(light) => {
@@ -84,42 +84,43 @@ pub(super) fn bounding_radius(light: &LightShape) -> f32 {
     }
 }
 
-/// The cosine of a sphere's middle, or what is left of it where the horizon cuts the sphere.
-fn above_horizon(cosine: f32, sine: f32) -> f32 {
+/// Cosine factor of a sphere's irradiance: the cosine to its centre, less where the horizon cuts the sphere.
+fn clipped_cosine(cosine: f32, sine: f32) -> f32 {
     if cosine >= sine {
         return cosine;
     }
-    let shown = (cosine + sine).max(0.0);
-    shown * shown / (4.0 * sine).max(1e-6)
+    let visible = (cosine + sine).max(0.0);
+    visible * visible / (4.0 * sine).max(1e-6)
 }
 
-/// Light of a rectangle with these half edges.
+/// Unoccluded light of a rectangle with these half edges.
 fn from_sheet(light: &SheetLight, [x, z]: [Vec3; 2], p: Vec3, n: Vec3) -> UnoccludedLight {
-    let (facing, offset) = (light.normal, light.centre - p);
-    let below = -offset.dot(facing);
+    let (normal, offset) = (light.normal, light.centre - p);
+    let plane_distance = -offset.dot(normal);
     let corners = [offset + x + z, offset + x - z, offset - x - z, offset - x + z].map(|v| v.normalize_or(Vec3::Y));
-    let mut factor = Vec3::ZERO;
+    let mut vector_factor = Vec3::ZERO;
     for k in 0..4 {
-        factor += edge(corners[k], corners[(k + 1) % 4]);
+        vector_factor += edge_term(corners[k], corners[(k + 1) % 4]);
     }
-    factor *= factor.dot(offset).signum();
-    let share = factor.length();
-    if below <= 0.0 || share < 1e-9 {
-        return UnoccludedLight { direction: facing, distance: 0.0, irradiance: Vec3::ZERO, sine: 0.0 };
+    vector_factor *= vector_factor.dot(offset).signum();
+    let form_factor = vector_factor.length();
+    if plane_distance <= 0.0 || form_factor < 1e-9 {
+        return UnoccludedLight { direction: normal, distance: 0.0, irradiance: Vec3::ZERO, sine: 0.0 };
     }
-    let direction = factor / share;
-    let toward = -direction.dot(facing);
-    let distance = below / toward.max(1e-4);
+    let direction = vector_factor / form_factor;
+    let cosine = -direction.dot(normal);
+    let distance = plane_distance / cosine.max(1e-4);
     let radius = (4.0 / PI * x.length() * z.length()).sqrt();
-    let irradiance = light.radiance * (PI * share * above_horizon(direction.dot(n), share.min(1.0).sqrt()));
-    // A surface beside the sheet is not in its way: across the plane of both, the sheet is this narrow.
-    let narrow = radius * toward.max(0.0);
-    let sine = narrow / (narrow * narrow + distance * distance).sqrt();
+    let irradiance =
+        light.radiance * (PI * form_factor * clipped_cosine(direction.dot(n), form_factor.min(1.0).sqrt()));
+    // Foreshortened radius: seen from the side, the sheet is narrow, and surfaces beside it do not occlude it.
+    let foreshortened_radius = radius * cosine.max(0.0);
+    let sine = foreshortened_radius / (foreshortened_radius * foreshortened_radius + distance * distance).sqrt();
     UnoccludedLight { direction, distance: distance * (1.0 - radius / distance).max(0.3), irradiance, sine }
 }
 
-/// Angle between two directions times the unit vector across both, over 2π.
-fn edge(a: Vec3, b: Vec3) -> Vec3 {
+/// Lambert's term of an edge: the angle between two directions times the unit normal of both, divided by 2π.
+fn edge_term(a: Vec3, b: Vec3) -> Vec3 {
     let x = a.dot(b);
     let y = x.abs();
     let v = (0.854_398_5 + (0.496_515_5 + 0.014_520_6 * y) * y) / (3.417_594 + (4.161_672_4 + y) * y);
@@ -132,7 +133,7 @@ mod tests {
     use super::*;
     use crate::scene::light::SphereLight;
 
-    /// Square of half edge `half` at height 1 above the origin, facing down.
+    /// Square with half side `half` at height 1 above the origin, facing down.
     fn square(half: f32) -> LightShape {
         LightShape::Rect(SheetLight {
             centre: Vec3::Y,
@@ -146,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_square_gives_its_form_factor() {
+    fn a_square_has_its_form_factor() {
         // Siegel and Howell: a parallel square above a point, four times that of a quarter over its corner.
         for half in [0.01f32, 0.3, 1.0, 4.0] {
             let leg = half / (1.0 + half * half).sqrt();

@@ -1,29 +1,29 @@
 // import: intersect/march
 // Soft shadows in few steps. Twin of soft_shadow.rs, which explains them.
 
-/// Share of a light that arrives along a ray from the leaf `own`.
-fn soft_shadow(ray: Ray, own: u32, limit: f32, sharpness: f32) -> f32 {
-    var light = 1.0;
-    let last = min(limit, frame.far);
-    let least = COARSE / sharpness;
-    let longest = max(LONGEST, LONGEST_OF_CONE * sharpness);
+/// Visibility of a light along a ray that starts on a leaf.
+fn soft_shadow(ray: Ray, leaf: u32, limit: f32, sharpness: f32) -> f32 {
+    var visibility = 1.0;
+    let t_max = min(limit, frame.far);
+    let min_step = MIN_STEP / sharpness;
+    let max_step_share = max(MAX_STEP, MAX_STEP_BY_SHARPNESS * sharpness);
     var t = tolerance(ray.origin, 0.0);
     var previous = AT_INFINITY;
     for (var step = 0u; step < SHADOW_STEPS; step++) {
-        let distance = occluder_distance(ray.origin + ray.direction * t, own) * frame.step_factor;
-        // How far back the ray was nearest, unless that was before the last step.
-        let guess = distance * distance / (2.0 * previous);
-        let back = select(0.0, guess, guess < previous);
-        let nearest = sqrt(max(distance * distance - back * back, 0.0));
-        light = min(light, sharpness * nearest / (t - back));
-        let most = select(t * longest, AT_INFINITY, previous == AT_INFINITY);
-        previous = max(min(distance, most), t * least);
+        let distance = occluder_distance(ray.origin + ray.direction * t, leaf) * frame.step_factor;
+        // Distance back to the nearest miss, if that is within the last step.
+        let back_estimate = distance * distance / (2.0 * previous);
+        let back = select(0.0, back_estimate, back_estimate < previous);
+        let nearest_miss = sqrt(max(distance * distance - back * back, 0.0));
+        visibility = min(visibility, sharpness * nearest_miss / (t - back));
+        let max_step = select(t * max_step_share, AT_INFINITY, previous == AT_INFINITY);
+        previous = max(min(distance, max_step), t * min_step);
         t += previous;
-        if light < PASSED || t > last {
+        if visibility < SHADOWED_VISIBILITY || t > t_max {
             break;
         }
     }
-    light = max(light - PASSED, 0.0) / (1.0 - PASSED);
-    // Smooth at both ends.
-    return light * light * (3.0 - 2.0 * light);
+    visibility = max(visibility - SHADOWED_VISIBILITY, 0.0) / (1.0 - SHADOWED_VISIBILITY);
+    // Smoothstep.
+    return visibility * visibility * (3.0 - 2.0 * visibility);
 }

@@ -1,8 +1,10 @@
-// Local frames about a direction. Twin of basis.rs.
+// Orthonormal bases around a direction. Twin of basis.rs.
 
+/// Right-handed orthonormal basis with `n` as its z axis. Maps local to world space.
 fn basis(n: vec3f) -> mat3x3f {
-    let s = select(1.0, -1.0, n.z < 0.0);
-    let a = -1.0 / (s + n.z);
+    let sign = select(1.0, -1.0, n.z < 0.0);
+    let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
-    return mat3x3f(vec3f(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3f(b, s + n.y * n.y * a, -n.y), n);
+    let tangent = vec3f(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    return mat3x3f(tangent, vec3f(b, sign + n.y * n.y * a, -n.y), n);
 }

@@ -1,4 +1,5 @@
-//! PixelSampler numbers, distributions and warps. Each sequence is a pair of one name: `x.rs` for the CPU, `x.wgsl` for kernels.
+//! Random numbers, discrete distributions and bases. Code for both backends is a pair of files: `x.rs` for the CPU,
+//! `x.wgsl` for kernels.
 
 pub(crate) mod alias_table;
 pub(crate) mod basis;

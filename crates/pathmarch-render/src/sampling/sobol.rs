@@ -1,30 +1,33 @@
-//! PixelSampler numbers: Owen-scrambled Sobol' points, two dimensions at a time, their error blue noise over the pixels.
+//! Random numbers: Owen-scrambled Sobol' points in pairs of dimensions, with an error that is blue noise over the
+//! pixels.
 //!
-//! **Idea.** The two coordinates of a Sobol' point are the digits of one polynomial s over the field of two elements, whose
-//! coefficients are the bits of the sample's index: at z = 0, and at z = 1 (the Pascal matrix). Here the polynomial is
-//! s Q^8 + g with Q = z² + z + 1. The pixel chooses g: eight digits in base Q, polynomials of degree below two, which are
-//! the levels of its place on a space-filling curve, the coarsest first. In an aligned block of 2^m by 2^m pixels and a run
-//! of 2^k samples, two such polynomials differ by Q^(8-m) times one of degree below k + 2m, which cannot vanish k + 2m
-//! times at 0 and 1, where Q does not. So **in every such block and run there is exactly one point in every elementary box
-//! of area 2^-(k + 2m)**, for all m up to 8 and k up to 16 at once; beyond, runs of 2^16 are. Each pixel is as well stratified
-//! as alone, and what it misses its neighbours hit, so that the error is of high spatial frequency after 1, 2, 4, 8, …
-//! samples without their final number being known. All is hidden under Owen scrambling: of the samples' order, of the
-//! pixels' order (which keeps blocks), and of the coordinates, by hashes of (seed, pair), so that pairs are independent.
-//! A number is a pure function of (seed, pixel, sample, pair).
+//! **Idea.** The two coordinates of a Sobol' point are the digits of one polynomial s over the field of two elements,
+//! whose coefficients are the bits of the sample's index: at z = 0, and at z = 1 (the Pascal matrix). Here the
+//! polynomial is s Q^8 + g with Q = z² + z + 1. The pixel chooses g: eight digits in base Q, polynomials of degree
+//! below two. They are the digits of the pixel's index on a space-filling curve, the coarsest level first. In an
+//! aligned block of 2^m by 2^m pixels and a run of 2^k samples, two such polynomials differ by Q^(8-m) times one of
+//! degree below k + 2m, which cannot vanish k + 2m times at 0 and 1, where Q does not vanish. So **in every such block
+//! and run, each elementary interval of area 2^-(k + 2m) contains exactly one point**, for all m up to 8 and k up to 16
+//! at once; beyond, this is true of runs of 2^16. Each pixel is as well stratified as alone, and its neighbours sample
+//! the intervals that it misses. So the error has a high spatial frequency after 1, 2, 4, 8, … samples, and their final
+//! number need not be known in advance. Hashes of (seed, pair) scramble the order of the samples, the order of the
+//! pixels (which keeps blocks) and the coordinates (Owen scrambling), so that pairs are independent. A number is a pure
+//! function of (seed, pixel, sample, pair).
 //!
-//! **Sources.** Sobol' points by five steps of a word: Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence Fast,
-//! Elegant, and Compact". Owen scrambling by hashing: Burley 2020, "Practical Hash-based Owen Scrambling", after Laine and
-//! Karras 2011, with the constants of Vegdahl 2021. Blue noise by scrambled blocks of pixels: Ahmed and Wonka 2020,
-//! "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels"; there each pixel
-//! takes a run of one sequence, here its place stands beside the index, so that the run may have any length. Nets from
-//! places of a function field, Q being one of degree two: the survey of Niederreiter 2005. Georgiev and Fajardo 2016 and
-//! Heitz et al. 2019 reach the same end by tables. The ranks of a void-and-cluster array (Ulichney 1993) in place of the
-//! curve were tried: better at one sample (blurred variance over eight integrands fell by 7.6, with the curve by 5.9), worse
-//! at 4 (2.4, 7.2) and almost without gain at 16 (1.2, 6.4), because pixels that complete each other are then not near.
+//! **Sources.** Sobol' points in five steps of integer arithmetic: Ahmed 2024, "An Implementation Algorithm of 2D Sobol
+//! Sequence Fast, Elegant, and Compact". Owen scrambling by hashing: Burley 2020, "Practical Hash-based Owen
+//! Scrambling", after Laine and Karras 2011, with the constants of Vegdahl 2021. Blue noise by scrambled blocks of
+//! pixels: Ahmed and Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical
+//! Ordering of Pixels"; there each pixel takes a run of one sequence, here the curve index is separate from the sample
+//! index, so that the run may have any length. Nets from places of a function field, with Q a place of degree two: the
+//! survey of Niederreiter 2005. Georgiev and Fajardo 2016 and Heitz et al. 2019 reach the same end by tables. The ranks
+//! of a void-and-cluster array (Ulichney 1993) instead of the curve were tried. They were better at one sample (blurred
+//! variance over eight integrands fell by 7.6, with the curve by 5.9), worse at 4 (2.4, 7.2) and almost without gain at
+//! 16 (1.2, 6.4), because complementary pixels are then far from each other.
 //!
-//! **Cost.** About 85 integer operations a pair, a third of them the same for all pixels; no memory.
+//! **Cost.** About 85 integer operations a pair, a third of them the same for all pixels. No memory.
 
-/// Pairs of dimensions that a path uses, in order.
+/// Pairs of dimensions of a path, in order.
 pub(crate) mod pair {
     use crate::wgsl::shared_constants;
 
@@ -35,7 +38,7 @@ pub(crate) mod pair {
         pub(crate) const PAIR_LENS: u32 = 1;
         /// First pair of the first surface.
         pub(crate) const PAIR_SURFACE: u32 = 2;
-        /// Direction of the scattered ray; this and the following count from the first pair of the surface.
+        /// Direction of the scattered ray. This and the following pairs are relative to the first pair of the surface.
         pub(crate) const PAIR_SCATTER: u32 = 0;
         /// Choice of the light (x) and Russian roulette (y).
         pub(crate) const PAIR_CHOICE: u32 = 1;
@@ -43,12 +46,12 @@ pub(crate) mod pair {
         pub(crate) const PAIR_LIGHT: u32 = 2;
         /// Choice of the lobe (x).
         pub(crate) const PAIR_LOBE: u32 = 3;
-        /// Pairs of each surface.
+        /// Number of pairs of each surface.
         pub(crate) const PAIRS_PER_SURFACE: u32 = 4;
     }
 }
 
-/// A well-mixed word of a word (PCG output permutation; Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
+/// Hash of a word (PCG output permutation; Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
 #[inline(always)]
 pub(crate) fn hash(x: u32) -> u32 {
     let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
@@ -56,7 +59,7 @@ pub(crate) fn hash(x: u32) -> u32 {
     (word >> 22) ^ word
 }
 
-/// Owen scrambling of the reversed bits `x`: every bit is flipped by a hash of the bits below it.
+/// Owen scrambling of the reversed bits `x`: a hash of the bits below each bit decides its flip.
 #[inline(always)]
 pub(crate) fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -66,16 +69,16 @@ pub(crate) fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// A uniform number in 0..1 of the high 24 bits.
+/// Uniform number in 0..1 from the high 24 bits.
 #[inline(always)]
 pub(crate) fn unit(x: u32) -> f32 {
     (x >> 8) as f32 / 16_777_216.0
 }
 
-/// The polynomial of eight digits in base Q, the coarsest in the two lowest bits.
+/// Polynomial with these eight digits in base Q, the coarsest in the two lowest bits.
 #[inline(always)]
 fn from_base_q(digits: u32) -> u32 {
-    // By halves: Q^n = z^2n + z^n + 1 for n = 1, 2, 4.
+    // Divide and conquer: Q^n = z^2n + z^n + 1 for n = 1, 2, 4.
     let mut sum = digits;
     let mut high = (sum >> 2) & 0x3333;
     sum ^= high ^ (high << 1);
@@ -85,85 +88,93 @@ fn from_base_q(digits: u32) -> u32 {
     sum ^ high ^ (high << 4)
 }
 
-/// The bits of a number below 2^16, apart by one.
-fn spread(mut x: u32) -> u32 {
+/// Bits of a number below 2^16 with a zero between each two, for Morton codes.
+fn spread_bits(mut x: u32) -> u32 {
     x = (x | (x << 8)) & 0x00ff_00ff;
     x = (x | (x << 4)) & 0x0f0f_0f0f;
     x = (x | (x << 2)) & 0x3333_3333;
     (x | (x << 1)) & 0x5555_5555
 }
 
-/// The random numbers of one sample of one pixel.
+/// Random numbers of one sample of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PixelSampler {
     /// Hash of the seed.
-    base: u32,
-    /// Place of the pixel on a space-filling curve, reversed: a digit of two bits for each level, the finest topmost.
-    place: u32,
+    seed_hash: u32,
+    /// Index of the pixel on a space-filling curve, bits reversed: two bits for each level, the finest level in the
+    /// highest bits.
+    curve_index: u32,
     sample: u32,
     independent: bool,
 }
 
 impl PixelSampler {
-    /// Of sample `sample` of the pixel (`x`, `y`), both below 2^16, under `seed`, as Sobol' points.
+    /// Sobol' points of sample `sample` of the pixel (`x`, `y`), both below 2^16, for a seed.
     pub(crate) fn new(x: u32, y: u32, sample: u32, seed: u32) -> Self {
-        let morton = (spread(x) | (spread(y) << 1)).reverse_bits();
-        // Each block is halved along x or along y first, so that the noise has no direction.
-        let turned = (scramble_reversed(morton, 0x9e37_79b9) ^ morton) & 0x5555_5555;
-        let swap = (morton ^ (morton >> 1)) & turned;
-        Self { base: hash(seed), place: morton ^ swap ^ (swap << 1), sample, independent: false }
+        let morton = (spread_bits(x) | (spread_bits(y) << 1)).reverse_bits();
+        // A hash decides for each block if its curve runs along x or y first, so that the noise has no preferred
+        // direction.
+        let flips = (scramble_reversed(morton, 0x9e37_79b9) ^ morton) & 0x5555_5555;
+        let swap = (morton ^ (morton >> 1)) & flips;
+        Self { seed_hash: hash(seed), curve_index: morton ^ swap ^ (swap << 1), sample, independent: false }
     }
 
-    /// The same, of independent numbers in place of Sobol' points where `independent` is set.
+    /// Same sampler with independent random numbers instead of Sobol' points if `independent` is set.
     pub(crate) fn independent(self, independent: bool) -> Self {
         Self { independent, ..self }
     }
 
-    /// BsdfParameters of another sample of the same pixel.
-    pub(crate) fn of_sample(self, sample: u32) -> Self {
+    /// Random numbers of another sample of the same pixel.
+    pub(crate) fn with_sample(self, sample: u32) -> Self {
         Self { sample, ..self }
     }
 
-    /// The point of a pair of dimensions, uniform in the unit square.
-    pub(crate) fn pair(self, pair: u32) -> [f32; 2] {
-        if self.independent { self.independent_pair(pair) } else { self.sobol_pair(pair) }
+    /// Point of a pair of dimensions, uniform in the unit square.
+    pub(crate) fn sample_2d(self, pair: u32) -> [f32; 2] {
+        if self.independent { self.independent_2d(pair) } else { self.sobol_2d(pair) }
     }
 
-    /// [`pair`](Self::pair) of many at once, all by one sampler.
-    pub(crate) fn pairs(of: &[Self], pair: u32) -> Vec<[f32; 2]> {
-        // In runs of a fixed length and without a branch, so that the compiler makes vectors of them.
+    /// [`sample_2d`](Self::sample_2d) of many samplers, all of one kind.
+    pub(crate) fn samples_2d(samplers: &[Self], pair: u32) -> Vec<[f32; 2]> {
+        // Runs of a fixed length without branches, so that the compiler vectorises them.
         const RUN: usize = 16;
-        if of.first().is_some_and(|random| random.independent) {
-            return of.iter().map(|random| random.independent_pair(pair)).collect();
+        if samplers.first().is_some_and(|sampler| sampler.independent) {
+            return samplers.iter().map(|sampler| sampler.independent_2d(pair)).collect();
         }
-        let mut result = Vec::with_capacity(of.len());
-        let (runs, rest) = of.as_chunks::<RUN>();
+        let mut result = Vec::with_capacity(samplers.len());
+        let (runs, rest) = samplers.as_chunks::<RUN>();
         for run in runs {
-            let (bases, places, samples) = (run.map(|r| r.base), run.map(|r| r.place), run.map(|r| r.sample));
+            let (seed_hashes, curve_indices, samples) =
+                (run.map(|r| r.seed_hash), run.map(|r| r.curve_index), run.map(|r| r.sample));
             let (mut x, mut y) = ([0.0; RUN], [0.0; RUN]);
             for k in 0..RUN {
-                let random = Self { base: bases[k], place: places[k], sample: samples[k], independent: false };
-                [x[k], y[k]] = random.sobol_pair(pair);
+                let sampler = Self {
+                    seed_hash: seed_hashes[k],
+                    curve_index: curve_indices[k],
+                    sample: samples[k],
+                    independent: false,
+                };
+                [x[k], y[k]] = sampler.sobol_2d(pair);
             }
             result.extend(x.into_iter().zip(y).map(<[f32; 2]>::from));
         }
-        result.extend(rest.iter().map(|random| random.sobol_pair(pair)));
+        result.extend(rest.iter().map(|sampler| sampler.sobol_2d(pair)));
         result
     }
 
     #[inline(always)]
-    fn independent_pair(self, pair: u32) -> [f32; 2] {
-        let seed = hash(self.base ^ pair.wrapping_mul(0x9e37_79b9));
-        let x = hash(self.sample ^ hash(self.place ^ seed));
+    fn independent_2d(self, pair: u32) -> [f32; 2] {
+        let seed = hash(self.seed_hash ^ pair.wrapping_mul(0x9e37_79b9));
+        let x = hash(self.sample ^ hash(self.curve_index ^ seed));
         [unit(x), unit(hash(x ^ seed))]
     }
 
     #[inline(always)]
-    fn sobol_pair(self, pair: u32) -> [f32; 2] {
-        let seed = hash(self.base ^ pair.wrapping_mul(0x9e37_79b9));
+    fn sobol_2d(self, pair: u32) -> [f32; 2] {
+        let seed = hash(self.seed_hash ^ pair.wrapping_mul(0x9e37_79b9));
         let index = scramble_reversed(self.sample.reverse_bits(), seed).reverse_bits();
-        let place = scramble_reversed(self.place, seed.rotate_left(24)) >> 16;
-        let at_zero = index ^ (index << 8) ^ (index << 16) ^ from_base_q(place);
+        let curve_index = scramble_reversed(self.curve_index, seed.rotate_left(24)) >> 16;
+        let at_zero = index ^ (index << 8) ^ (index << 16) ^ from_base_q(curve_index);
         let mut at_one = at_zero;
         at_one ^= (at_one >> 1) & 0x5555_5555;
         at_one ^= (at_one >> 2) & 0x3333_3333;
@@ -175,9 +186,9 @@ impl PixelSampler {
         [unit(x), unit(y)]
     }
 
-    /// A seed for choices that need no stratification, different for each surface of the path.
+    /// Seed of choices that need no stratification, different for each surface of the path.
     pub(crate) fn unstratified_seed(self, surface: u32) -> u32 {
-        hash(hash(self.place ^ self.base) ^ hash(self.sample ^ surface.wrapping_mul(0x85eb_ca6b)))
+        hash(hash(self.curve_index ^ self.seed_hash) ^ hash(self.sample ^ surface.wrapping_mul(0x85eb_ca6b)))
     }
 }
 
@@ -186,15 +197,15 @@ mod tests {
     use super::*;
     use std::f32::consts::TAU;
 
-    /// Whether there is exactly one point in each elementary box.
+    /// Reports whether each elementary interval contains exactly one point.
     fn is_net(points: &[[f32; 2]]) -> bool {
         let log = points.len().ilog2();
         (0..=log).all(|log_x| {
             let (nx, ny) = (1 << log_x, points.len() >> log_x);
-            let mut seen = vec![false; points.len()];
+            let mut occupied = vec![false; points.len()];
             points.iter().all(|[x, y]| {
                 let cell = (x * nx as f32) as usize * ny + (y * ny as f32) as usize;
-                !std::mem::replace(&mut seen[cell], true)
+                !std::mem::replace(&mut occupied[cell], true)
             })
         })
     }
@@ -202,30 +213,30 @@ mod tests {
     #[test]
     fn a_pixel_and_a_block_of_pixels_are_stratified_in_every_elementary_interval() {
         for (log_block, log_samples) in [(0, 8), (1, 0), (1, 1), (1, 6), (2, 0), (2, 3), (3, 2), (4, 0), (4, 1)] {
-            let (edge, samples) = (1 << log_block, 1 << log_samples);
+            let (side, samples) = (1 << log_block, 1 << log_samples);
             for (seed, [x0, y0]) in [(7, [0, 0]), (8, [3, 11]), (9, [1000, 600])] {
-                // Any aligned run of samples will do, so that a picture may be continued.
+                // Any aligned run of samples is a net, so that a picture may be continued.
                 for first in [0, samples, 5 * samples] {
-                    let points: Vec<[f32; 2]> = (0..edge * edge * samples)
+                    let points: Vec<[f32; 2]> = (0..side * side * samples)
                         .map(|k| {
                             let (sample, pixel) = (first + k % samples, k / samples);
-                            let (x, y) = (edge * x0 + pixel % edge, edge * y0 + pixel / edge);
-                            PixelSampler::new(x, y, sample, seed).pair(4)
+                            let (x, y) = (side * x0 + pixel % side, side * y0 + pixel / side);
+                            PixelSampler::new(x, y, sample, seed).sample_2d(4)
                         })
                         .collect();
-                    assert!(is_net(&points), "{edge} x {edge} pixels of {samples} samples from {first}");
+                    assert!(is_net(&points), "{side} x {side} pixels of {samples} samples from {first}");
                 }
             }
         }
     }
 
     #[test]
-    fn many_at_once_are_those_of_each() {
+    fn many_samplers_at_once_equal_each_alone() {
         for independent in [false, true] {
-            let randoms: Vec<PixelSampler> =
+            let samplers: Vec<PixelSampler> =
                 (0..37).map(|k| PixelSampler { independent, ..PixelSampler::new(k, 3 * k, k / 2, 5) }).collect();
-            let each: Vec<[f32; 2]> = randoms.iter().map(|random| random.pair(9)).collect();
-            assert_eq!(PixelSampler::pairs(&randoms, 9), each);
+            let each: Vec<[f32; 2]> = samplers.iter().map(|sampler| sampler.sample_2d(9)).collect();
+            assert_eq!(PixelSampler::samples_2d(&samplers, 9), each);
         }
     }
 
@@ -235,16 +246,17 @@ mod tests {
             let n = 4096;
             (0..n).map(|k| (a(k) - 0.5) * (b(k) - 0.5)).sum::<f32>() / n as f32 * 12.0
         };
-        let independent = |s: u32, x: u32| PixelSampler { independent: true, ..PixelSampler::new(x, 1, s, 0) }.pair(2);
-        let over_samples = |s| PixelSampler::new(1, 1, s, 0).pair(2)[0];
-        let over_pixels = |p: u32| PixelSampler::new(p % 64, p / 64, 0, 0).pair(2)[0];
+        let independent =
+            |s: u32, x: u32| PixelSampler { independent: true, ..PixelSampler::new(x, 1, s, 0) }.sample_2d(2);
+        let over_samples = |s| PixelSampler::new(1, 1, s, 0).sample_2d(2)[0];
+        let over_pixels = |p: u32| PixelSampler::new(p % 64, p / 64, 0, 0).sample_2d(2)[0];
         let cases: [[&dyn Fn(u32) -> f32; 2]; 8] = [
-            [&over_samples, &|s| PixelSampler::new(1, 1, s, 0).pair(3)[0]],
-            [&over_samples, &|s| PixelSampler::new(1, 1, s, 0).pair(2)[1]],
-            [&over_samples, &|s| PixelSampler::new(1, 1, s, 1).pair(2)[0]],
-            [&over_pixels, &|p| PixelSampler::new(p % 64, p / 64, 0, 0).pair(3)[0]],
-            [&over_pixels, &|p| PixelSampler::new(p % 64, p / 64, 0, 0).pair(2)[1]],
-            [&over_pixels, &|p| PixelSampler::new(p % 64, p / 64, 0, 1).pair(2)[0]],
+            [&over_samples, &|s| PixelSampler::new(1, 1, s, 0).sample_2d(3)[0]],
+            [&over_samples, &|s| PixelSampler::new(1, 1, s, 0).sample_2d(2)[1]],
+            [&over_samples, &|s| PixelSampler::new(1, 1, s, 1).sample_2d(2)[0]],
+            [&over_pixels, &|p| PixelSampler::new(p % 64, p / 64, 0, 0).sample_2d(3)[0]],
+            [&over_pixels, &|p| PixelSampler::new(p % 64, p / 64, 0, 0).sample_2d(2)[1]],
+            [&over_pixels, &|p| PixelSampler::new(p % 64, p / 64, 0, 1).sample_2d(2)[0]],
             [&|s| independent(s, 1)[0], &|s| independent(s, 1)[1]],
             [&|s| independent(s, 1)[0], &|s| independent(s, 2)[0]],
         ];
@@ -253,7 +265,7 @@ mod tests {
         }
     }
 
-    /// Smooth and broken functions over the unit square, and their integrals.
+    /// Smooth and discontinuous functions over the unit square.
     const INTEGRANDS: [fn(f32, f32) -> f32; 6] = [
         |x, y| x + y,
         |x, y| x * y,
@@ -274,7 +286,7 @@ mod tests {
         for f in INTEGRANDS {
             let n = 40_000;
             let mean = (0..n)
-                .map(|seed| PixelSampler::new(5, 9, 3, seed).pair(1))
+                .map(|seed| PixelSampler::new(5, 9, 3, seed).sample_2d(1))
                 .map(|[x, y]| f64::from(f(x, y)))
                 .sum::<f64>();
             let error = mean / f64::from(n) - integral(f);
@@ -282,29 +294,30 @@ mod tests {
         }
     }
 
-    const EDGE: usize = 64;
+    const SIDE: usize = 64;
 
-    /// A Gaussian of two pixels' deviation over a picture of [`EDGE`] squared that repeats.
+    /// Gaussian blur with a standard deviation of two pixels of a periodic picture of [`SIDE`] by [`SIDE`] pixels.
     fn blurred(picture: &[f64]) -> Vec<f64> {
         let weight = |d: i32| (f64::from(-d * d) / 8.0).exp() / 8.0_f64.sqrt() / std::f64::consts::PI.sqrt();
-        let wrap = |v: usize, d: i32| (v as i32 + d).rem_euclid(EDGE as i32) as usize;
+        let wrap = |v: usize, d: i32| (v as i32 + d).rem_euclid(SIDE as i32) as usize;
         let along = |of: &[f64], at: &dyn Fn(usize, i32) -> usize| -> Vec<f64> {
-            (0..EDGE * EDGE).map(|p| (-8..=8).map(|d| weight(d) * of[at(p, d)]).sum()).collect()
+            (0..SIDE * SIDE).map(|p| (-8..=8).map(|d| weight(d) * of[at(p, d)]).sum()).collect()
         };
-        let rows = along(picture, &|p, d| p / EDGE * EDGE + wrap(p % EDGE, d));
-        along(&rows, &|p, d| wrap(p / EDGE, d) * EDGE + p % EDGE)
+        let rows = along(picture, &|p, d| p / SIDE * SIDE + wrap(p % SIDE, d));
+        along(&rows, &|p, d| wrap(p / SIDE, d) * SIDE + p % SIDE)
     }
 
-    /// Mean square of the error after 1, 2, 4, … 64 samples, blurred and not, with a pixel's place given.
-    fn errors(f: fn(f32, f32) -> f32, place: impl Fn(u32, u32) -> [u32; 3]) -> [[f64; 2]; 7] {
+    /// Sums of the squared error after 1, 2, 4, … 64 samples, blurred and not. `sampler_of` maps a pixel to x, y and
+    /// seed of its sampler.
+    fn errors(f: fn(f32, f32) -> f32, sampler_of: impl Fn(u32, u32) -> [u32; 3]) -> [[f64; 2]; 7] {
         let expected = integral(f);
         let mut result = [[0.0; 2]; 7];
         for seed in 0..8 {
-            let mut sums = vec![0.0; EDGE * EDGE];
+            let mut sums = vec![0.0; SIDE * SIDE];
             for sample in 0..64_u32 {
                 for (p, sum) in sums.iter_mut().enumerate() {
-                    let [x, y, seed] = place((p % EDGE) as u32, seed * 64 + (p / EDGE) as u32);
-                    let [u, v] = PixelSampler::new(x, y, sample, seed).pair(3);
+                    let [x, y, seed] = sampler_of((p % SIDE) as u32, seed * 64 + (p / SIDE) as u32);
+                    let [u, v] = PixelSampler::new(x, y, sample, seed).sample_2d(3);
                     *sum += f64::from(f(u, v));
                 }
                 let count = sample + 1;
@@ -323,7 +336,7 @@ mod tests {
     fn the_error_is_blue_noise_over_the_pixels_at_every_power_of_two() {
         let (mut log_gain, mut log_pixels) = ([0.0; 7], [0.0; 7]);
         for f in INTEGRANDS {
-            // Every eighth of the rows has a seed of its own; against a seed for each pixel.
+            // Blue noise has a seed for each eighth of the rows, white noise a seed for each pixel.
             let blue = errors(f, |x, y| [x, y % 64, y / 64]);
             let white = errors(f, |x, y| [0, 0, hash(x ^ hash(y))]);
             for k in 0..7 {

@@ -2,17 +2,21 @@
 
 /// Random numbers of one sample of a pixel.
 struct PixelSampler {
-    base: u32,
-    place: u32,
+    /// Hash of the seed.
+    seed_hash: u32,
+    /// Index of the pixel on a space-filling curve, bits reversed.
+    curve_index: u32,
     sample: u32,
 }
 
+/// Hash of a word (PCG output permutation).
 fn hash(x: u32) -> u32 {
     let state = x * 747796405u + 2891336453u;
     let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
     return (word >> 22u) ^ word;
 }
 
+/// Owen scrambling of reversed bits.
 fn scramble_reversed(bits: u32, seed: u32) -> u32 {
     var x = bits;
     x ^= x * 0x3d20adeau;
@@ -23,10 +27,12 @@ fn scramble_reversed(bits: u32, seed: u32) -> u32 {
     return x;
 }
 
+/// Uniform number in 0..1 from the high 24 bits.
 fn unit(x: u32) -> f32 {
     return f32(x >> 8u) / 16777216.0;
 }
 
+/// Polynomial with these eight digits in base Q, the coarsest in the two lowest bits.
 fn from_base_q(digits: u32) -> u32 {
     var sum = digits;
     var high = (sum >> 2u) & 0x3333u;
@@ -41,7 +47,8 @@ fn rotate_left(x: u32, bits: u32) -> u32 {
     return (x << bits) | (x >> (32u - bits));
 }
 
-fn spread(bits: u32) -> u32 {
+/// Bits of a number below 2^16 with a zero between each two.
+fn spread_bits(bits: u32) -> u32 {
     var x = bits;
     x = (x | (x << 8u)) & 0x00ff00ffu;
     x = (x | (x << 4u)) & 0x0f0f0f0fu;
@@ -49,22 +56,24 @@ fn spread(bits: u32) -> u32 {
     return (x | (x << 1u)) & 0x55555555u;
 }
 
+/// Random numbers of sample `sample` of a pixel.
 fn pixel_sampler(x: u32, y: u32, sample: u32, seed: u32) -> PixelSampler {
-    let morton = reverseBits(spread(x) | (spread(y) << 1u));
-    let turned = (scramble_reversed(morton, 0x9e3779b9u) ^ morton) & 0x55555555u;
-    let swap = (morton ^ (morton >> 1u)) & turned;
+    let morton = reverseBits(spread_bits(x) | (spread_bits(y) << 1u));
+    let flips = (scramble_reversed(morton, 0x9e3779b9u) ^ morton) & 0x55555555u;
+    let swap = (morton ^ (morton >> 1u)) & flips;
     return PixelSampler(hash(seed), morton ^ swap ^ (swap << 1u), sample);
 }
 
+/// Point of a pair of dimensions, uniform in the unit square.
 fn sample_2d(sampler: PixelSampler, pair: u32) -> vec2f {
-    let seed = hash(sampler.base ^ (pair * 0x9e3779b9u));
+    let seed = hash(sampler.seed_hash ^ (pair * 0x9e3779b9u));
     if SAMPLER == INDEPENDENT {
-        let x = hash(sampler.sample ^ hash(sampler.place ^ seed));
+        let x = hash(sampler.sample ^ hash(sampler.curve_index ^ seed));
         return vec2f(unit(x), unit(hash(x ^ seed)));
     }
     let index = reverseBits(scramble_reversed(reverseBits(sampler.sample), seed));
-    let place = scramble_reversed(sampler.place, rotate_left(seed, 24u)) >> 16u;
-    let at_zero = index ^ (index << 8u) ^ (index << 16u) ^ from_base_q(place);
+    let curve_index = scramble_reversed(sampler.curve_index, rotate_left(seed, 24u)) >> 16u;
+    let at_zero = index ^ (index << 8u) ^ (index << 16u) ^ from_base_q(curve_index);
     var at_one = at_zero;
     at_one ^= (at_one >> 1u) & 0x55555555u;
     at_one ^= (at_one >> 2u) & 0x33333333u;
@@ -76,6 +85,7 @@ fn sample_2d(sampler: PixelSampler, pair: u32) -> vec2f {
     return vec2f(unit(x), unit(y));
 }
 
+/// Seed of choices that need no stratification, different for each surface of the path.
 fn unstratified_seed(sampler: PixelSampler, surface: u32) -> u32 {
-    return hash(hash(sampler.place ^ sampler.base) ^ hash(sampler.sample ^ (surface * 0x85ebca6bu)));
+    return hash(hash(sampler.curve_index ^ sampler.seed_hash) ^ hash(sampler.sample ^ (surface * 0x85ebca6bu)));
 }

@@ -1,14 +1,14 @@
-//! What the functions of the CPU integrators read.
+//! Context of the CPU integrators: everything they read, and the counters they write.
 
 use super::{FrameUniforms, KernelConfig, RenderScene};
 use crate::ray_stats::RayCounters;
 
-/// Scene, frame and configuration of a picture, and where its rays are counted.
+/// Scene, frame and configuration of a picture, and the counters of its rays.
 #[derive(Clone, Copy)]
 pub(crate) struct TraceContext<'a> {
     pub(crate) scene: &'a RenderScene,
     pub(crate) frame: &'a FrameUniforms,
     pub(crate) config: &'a KernelConfig,
-    /// Counters of rays and field evaluations, if they are wanted.
+    /// Counters of rays and field evaluations; none where nobody asks for statistics.
     pub(crate) stats: Option<&'a RayCounters>,
 }

@@ -1,4 +1,4 @@
-//! Uniforms of a frame: camera, size and limits of one picture, which all of its rays share.
+//! Uniforms of a frame: camera, picture size and limits, shared by all rays of the picture.
 
 use super::light::Light;
 use super::sky::SkyLight;
@@ -13,25 +13,25 @@ use pathmarch_scene::{Scene, Sky};
 shared_struct! {
     /// Uniforms of a frame.
     pub(crate) struct FrameUniforms as Frame {
-        /// Middle of the lens in world space, metres.
+        /// Centre of the lens in world space, metres.
         pub(crate) position: [f32; 3],
         /// Radius of the lens, metres; 0 for a pinhole.
         pub(crate) lens_radius: f32,
-        /// Vector to the right in world space, half as long as the picture is wide at distance one.
+        /// Vector to the right in world space; its length is half the width of the picture at distance one.
         pub(crate) right: [f32; 3],
         /// Focus distance along `forward`, metres.
         pub(crate) focus: f32,
-        /// Vector upwards in world space, half as long as the picture is high at distance one.
+        /// Vector upwards in world space; its length is half the height of the picture at distance one.
         pub(crate) up: [f32; 3],
-        /// Hit tolerance over the length of the path.
+        /// Hit tolerance divided by the length of the path.
         pub(crate) tolerance: f32,
         /// Unit view direction in world space.
         pub(crate) forward: [f32; 3],
-        /// Rounding error over a point's largest coordinate.
+        /// Rounding error of a point divided by its largest coordinate.
         pub(crate) rounding: f32,
         /// Absorption coefficient of the medium around the camera, per metre.
         pub(crate) medium: [f32; 3],
-        /// Safe step over the field's value: one over its Lipschitz constant.
+        /// Safe step divided by the value of the field: the inverse of its Lipschitz constant.
         pub(crate) step_factor: f32,
         /// Bounds of all sphere-traced objects in world space, metres.
         pub(crate) bounds_min: [f32; 3],
@@ -42,7 +42,7 @@ shared_struct! {
         /// Size of the picture, pixels.
         pub(crate) width: u32,
         pub(crate) height: u32,
-        /// Scattering events after the first hit at most.
+        /// Largest number of scattering events after the first hit.
         pub(crate) bounces: u32,
         pub(crate) seed: u32,
         /// Largest contribution of indirect light, W/(m² sr); 1e30 without a limit.
@@ -58,8 +58,8 @@ shared_struct! {
         pub(crate) sky_height: u32,
         /// Radiance at the horizon, W/(m² sr).
         pub(crate) sky_horizon: [f32; 3],
-        /// Pdf of a direction of the environment map over the mean luminance of the four texels around it.
-        pub(crate) sky_density: f32,
+        /// Pdf of a direction of the environment map divided by the mean luminance of the four texels around it.
+        pub(crate) sky_pdf_scale: f32,
         /// Radiance of the ground, W/(m² sr).
         pub(crate) sky_ground: [f32; 3],
         /// Sine of the depression angle at which the gradient reaches the colour of the ground.
@@ -67,7 +67,7 @@ shared_struct! {
         /// Sine and cosine of the environment map's rotation.
         pub(crate) sky_sine: f32,
         pub(crate) sky_cosine: f32,
-        /// Edge of a pixel at distance one, metres.
+        /// Side of a pixel at distance one, metres.
         pub(crate) pixel: f32,
         pub(crate) padding: u32,
     }
@@ -77,9 +77,9 @@ shared_struct! {
 const ROUNDING: f32 = 4e-7;
 /// Larger than any contribution that the film accepts.
 const NO_CLAMP: f32 = 1e30;
-/// Largest distance along a ray, in radii of the scene; infinite planes end there.
-const FAR_SIZES: f32 = 2000.0;
-/// Stands for infinity in the bounds; unlike with infinity, no product with it is undefined.
+/// Largest distance along a ray, in radii of the scene. Infinite planes are cut off there.
+const FAR_RADII: f32 = 2000.0;
+/// Finite substitute for infinity in the bounds: its product with zero is defined.
 const UNLIMITED: f32 = 1e18;
 
 impl FrameUniforms {
@@ -95,22 +95,22 @@ impl FrameUniforms {
         let up = right.cross(forward);
         let tolerance = settings.detail * 2.0 * half_height / height as f32;
         let margin = 0.01 * radius;
-        // Without sphere-traced objects, the bounds are one point that no ray reaches.
+        // Without sphere-traced objects, the bounds are one point beyond the reach of every ray.
         let bounds =
             if bounds.min[0] > bounds.max[0] { Aabb { min: [UNLIMITED; 3], max: [UNLIMITED; 3] } } else { bounds };
-        let limited = |v: f32, margin: f32| (v + margin).clamp(-UNLIMITED, UNLIMITED);
+        let with_margin = |v: f32, margin: f32| (v + margin).clamp(-UNLIMITED, UNLIMITED);
         let [zenith, horizon, ground] = match scene.sky {
             Sky::Constant(radiance) => [radiance; 3],
             Sky::Gradient { zenith, horizon, ground } => [zenith, horizon, ground],
             Sky::Map(_) => [[0.0; 3]; 3],
         };
-        let (texels, turn) = match &scene.sky {
+        let (map_size, rotation) = match &scene.sky {
             Sky::Map(picture) => ((picture.width, picture.height), picture.rotate.rem_euclid(360.0).to_radians()),
             _ => ((0, 0), 0.0),
         };
         Self {
             position: camera.position,
-            // Modes without noise have no random numbers for the lens.
+            // Modes without noise use a pinhole: they have no random numbers for the lens.
             lens_radius: if settings.mode.traces_paths() { camera.lens_radius } else { 0.0 },
             right: (right * half_height * width as f32 / height as f32).into(),
             focus: camera.focus.unwrap_or_else(|| position.distance(Vec3::from(camera.target))),
@@ -120,9 +120,9 @@ impl FrameUniforms {
             rounding: ROUNDING,
             medium: medium_at(scene, camera.position),
             step_factor: 1.0 / scene.field.lipschitz(),
-            bounds_min: bounds.min.map(|v| limited(v, -margin)),
-            far: FAR_SIZES * (radius + position.distance(centre)),
-            bounds_max: bounds.max.map(|v| limited(v, margin)),
+            bounds_min: bounds.min.map(|v| with_margin(v, -margin)),
+            far: FAR_RADII * (radius + position.distance(centre)),
+            bounds_max: bounds.max.map(|v| with_margin(v, margin)),
             light_count: lights.len() as u32,
             width,
             height,
@@ -131,15 +131,15 @@ impl FrameUniforms {
             clamp: settings.clamp.unwrap_or(NO_CLAMP),
             sun_count: lights.iter().filter(|light| light.shape.is_sun()).count() as u32,
             sampler: settings.sampler as u32,
-            sky_width: texels.0,
+            sky_width: map_size.0,
             sky_zenith: zenith,
-            sky_height: texels.1,
+            sky_height: map_size.1,
             sky_horizon: horizon,
-            sky_density: sky.density(),
+            sky_pdf_scale: sky.pdf_scale(),
             sky_ground: ground,
             sky_edge: GROUND_EDGE,
-            sky_sine: turn.sin(),
-            sky_cosine: turn.cos(),
+            sky_sine: rotation.sin(),
+            sky_cosine: rotation.cos(),
             pixel: 2.0 * half_height / height as f32,
             padding: 0,
         }

@@ -1,4 +1,4 @@
-//! Kernel configuration: what a scene needs of the estimator.
+//! Kernel configuration: the features of the estimator that a scene uses.
 
 use super::RenderScene;
 use super::light::LightShape;
@@ -8,21 +8,23 @@ use crate::mode::Mode;
 use crate::settings::{DirectLighting, Settings};
 use pathmarch_scene::Caustics;
 
-/// Over-relaxation: twice the share of a step after which two unbounding spheres touch by the estimated slope.
+/// Over-relaxation factor. With 2, a step ends where two neighbouring unbounding spheres just touch by the estimated
+/// slope.
 pub(crate) const RELAXATION: f32 = 1.9;
 
-/// Configuration of the estimator; on the GPU, constants of the kernel, so that a scene pays only for what it uses.
+/// Configuration of the estimator. Its values are constants of a kernel, so that a scene pays only for the features it
+/// uses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KernelConfig {
-    /// Some inside absorbs.
+    /// Some solid absorbs.
     pub(crate) absorption: bool,
     /// Some material transmits.
     pub(crate) transmission: bool,
-    /// Some BSDF draws a third random number, for its lobe.
+    /// Some BSDF takes a third random number, for the choice of its lobe.
     pub(crate) chooses_lobes: bool,
-    /// Shadow rays pass clear glass.
+    /// Shadow rays pass through clear glass.
     pub(crate) fast_caustics: bool,
-    /// Near misses soften the shadows of some light.
+    /// Some light has shadows that are softened by near misses.
     pub(crate) penumbra: bool,
     /// Some material is textured.
     pub(crate) textures: bool,
@@ -35,8 +37,8 @@ pub(crate) struct KernelConfig {
     pub(crate) relaxation: f32,
     /// Paths that share a camera ray.
     pub(crate) splitting: u32,
-    /// Rays that graze a surface use a smaller tolerance. True where some sphere-traced object emits and none is a fractal:
-    /// the tolerance enlarges every emitter.
+    /// Grazing rays use a smaller hit tolerance. True where some sphere-traced object emits and none is a fractal,
+    /// because the tolerance enlarges every emitter.
     pub(crate) refined_grazing: bool,
 }
 

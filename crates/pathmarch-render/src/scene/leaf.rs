@@ -1,4 +1,4 @@
-//! Leaves of the field: which material, light and flags a surface has.
+//! Leaves of the field: material, light and flags of each surface.
 
 use super::light::Light;
 use crate::wgsl::{shared_constants, shared_struct};
@@ -13,30 +13,31 @@ shared_struct! {
         /// Index of the material.
         pub(crate) material: u32,
         /// Origin of the local coordinates, in world space.
-        pub(crate) at: [f32; 3],
-        /// [`SHEET`], [`ANALYTIC`] and [`IN_GLASS`]; from [`LIGHT_SHIFT`] on one more than the index of its light, or zero.
+        pub(crate) origin: [f32; 3],
+        /// [`SHEET`], [`ANALYTIC`] and [`IN_GLASS`]. The bits from [`LIGHT_SHIFT`] on are one more than the index of
+        /// its light, or zero.
         pub(crate) flags: u32,
     }
 }
 
 shared_constants! {
-    /// Surface without thickness, which emits on one side.
+    /// Surface without thickness. It emits on one side.
     pub(crate) const SHEET: u32 = 1;
     /// Shape with an analytic ray intersection.
     pub(crate) const ANALYTIC: u32 = 2;
-    /// Part of a solid some of whose materials transmit, so that paths reach the leaf from inside.
+    /// Leaf of an object with some transmissive material, so that paths hit it from inside.
     pub(crate) const IN_GLASS: u32 = 4;
-    /// First bit of the light in the flags.
+    /// First bit of the light index in the flags.
     pub(crate) const LIGHT_SHIFT: u32 = 3;
 }
 
 impl LeafRecord {
-    /// Whether this flag is set.
+    /// Reports whether this flag is set.
     pub(crate) fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
     }
 
-    /// Index of the light that the leaf is, if it is one.
+    /// Index of the leaf's light; `None` if the leaf is no light.
     pub(crate) fn light(&self) -> Option<usize> {
         (self.flags >> LIGHT_SHIFT).checked_sub(1).map(|index| index as usize)
     }
@@ -57,8 +58,8 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
         LeafRecord {
             facing: leaf.pose.axes[1],
             material: leaf.tag,
-            // In the space of a modifier, a sheet has no facing direction in the world.
-            at: if leaf.modified { [0.0; 3] } else { leaf.pose.at },
+            // A modifier bends space, so that the leaf has neither an origin nor a facing direction in world space.
+            origin: if leaf.modified { [0.0; 3] } else { leaf.pose.at },
             flags: flag(SHEET, leaf.shape.info().sheet && !leaf.modified)
                 | flag(ANALYTIC, field.is_analytic_leaf(index))
                 | flag(IN_GLASS, in_glass[leaf.object as usize])

@@ -1,4 +1,4 @@
-//! Lights that can be sampled: points, suns, emitting objects, and the sky where it is an environment map.
+//! Lights that can be sampled: points, suns, emitting objects and environment maps.
 
 use super::Extent;
 use crate::sampling::alias_table;
@@ -7,17 +7,17 @@ use pathmarch_field::{Emitter, Field};
 use pathmarch_scene::{Light as SceneLight, Scene};
 use std::f32::consts::PI;
 
-/// Light and the probability with which it is chosen.
+/// Light and the probability of choosing it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Light {
     pub(crate) shape: LightShape,
-    /// Probability of being chosen.
+    /// Probability of choosing the light.
     pub(crate) pmf: f32,
     /// One over `pmf`.
     pub(crate) inverse_pmf: f32,
-    /// Share of the light's cell of the alias table that is its own.
+    /// Alias table: the cell of this light chooses it if the remapped random number is below this.
     pub(crate) threshold: f32,
-    /// Light that has the rest of the cell.
+    /// Alias table: index of the light that the cell chooses otherwise.
     pub(crate) alias: u32,
 }
 
@@ -33,7 +33,7 @@ pub(crate) enum LightShape {
     /// Disc that emits on one side.
     Disc(SheetLight),
     Box(BoxLight),
-    /// Any other emitting object, known by its bounding sphere.
+    /// Any other emitting object, sampled by its bounding sphere.
     Bounded(SphereLight),
     /// Environment map.
     Environment,
@@ -43,7 +43,7 @@ pub(crate) enum LightShape {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PointLight {
     pub(crate) position: Vec3,
-    /// W/sr.
+    /// Radiant intensity, W/sr.
     pub(crate) radiant_intensity: Vec3,
     /// Sharpness of shadows from near misses; 0 for exact shadows.
     pub(crate) penumbra: f32,
@@ -54,9 +54,9 @@ pub(crate) struct PointLight {
 pub(crate) struct SunLight {
     /// Unit vector towards the sun.
     pub(crate) direction: Vec3,
-    /// On a surface that faces it, W/m².
+    /// Irradiance on a surface that faces the sun, W/m².
     pub(crate) irradiance: Vec3,
-    /// 1 - cosine of its angular radius.
+    /// 1 - cosine of the angular radius.
     pub(crate) one_minus_cos: f32,
     /// Sharpness of shadows from near misses; 0 for exact shadows.
     pub(crate) penumbra: f32,
@@ -66,15 +66,15 @@ pub(crate) struct SunLight {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SphereLight {
     pub(crate) centre: Vec3,
-    /// Metres.
+    /// Radius, metres.
     pub(crate) radius: f32,
-    /// W/(m² sr).
+    /// Emitted radiance, W/(m² sr).
     pub(crate) radiance: Vec3,
     /// Leaf of the field.
     pub(crate) leaf: u32,
 }
 
-/// Emitting rectangle or disc.
+/// Emitting rectangle or disc, a sheet without thickness.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SheetLight {
     pub(crate) centre: Vec3,
@@ -82,11 +82,11 @@ pub(crate) struct SheetLight {
     pub(crate) axes: [Vec3; 2],
     /// Unit normal of the emitting side.
     pub(crate) normal: Vec3,
-    /// Of a disc, metres.
+    /// Radius of a disc, metres; 0 for a rectangle.
     pub(crate) radius: f32,
-    /// Square metres.
+    /// Area, square metres.
     pub(crate) area: f32,
-    /// W/(m² sr).
+    /// Emitted radiance, W/(m² sr).
     pub(crate) radiance: Vec3,
     /// Leaf of the field.
     pub(crate) leaf: u32,
@@ -98,14 +98,14 @@ pub(crate) struct BoxLight {
     pub(crate) centre: Vec3,
     /// Half edges, metres.
     pub(crate) axes: [Vec3; 3],
-    /// W/(m² sr).
+    /// Emitted radiance, W/(m² sr).
     pub(crate) radiance: Vec3,
     /// Leaf of the field.
     pub(crate) leaf: u32,
 }
 
 impl Light {
-    /// Leaf of the field that emits, for a light that is one.
+    /// Emitting leaf of the field, for a light that is an object.
     pub(crate) fn leaf(&self) -> Option<u32> {
         match &self.shape {
             LightShape::Sphere(light) | LightShape::Bounded(light) => Some(light.leaf),
@@ -120,7 +120,7 @@ impl LightShape {
     /// Number of kinds of lights.
     pub(crate) const KINDS: usize = 8;
 
-    /// Index of its kind, below [`KINDS`](Self::KINDS).
+    /// Index of the kind, below [`KINDS`](Self::KINDS).
     pub(crate) fn kind(&self) -> u32 {
         match self {
             Self::Point(_) => 0,
@@ -147,7 +147,8 @@ impl LightShape {
         }
     }
 
-    /// Irradiance at the middle of the scene, luminance, about: the weight by which the light is chosen.
+    /// Weight of the light in the choice of lights: the approximate luminance of its irradiance at the centre of the
+    /// scene, W/m².
     fn weight(&self, extent: &Extent) -> f32 {
         let falloff =
             |position: Vec3| position.distance_squared(extent.centre).max(extent.radius * extent.radius).max(1e-12);
@@ -169,32 +170,33 @@ impl LightShape {
     }
 }
 
-/// Luminance of linear Rec. 709.
+/// Luminance of a linear Rec. 709 colour.
 pub(crate) fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-/// 1 - cos(angle/2) of an apparent diameter in degrees, without cancellation.
+/// 1 - cosine of half an apparent diameter in degrees, without cancellation.
 fn one_minus_cosine(diameter_degrees: f32) -> f32 {
     let half = 0.25 * diameter_degrees.to_radians();
     2.0 * half.sin() * half.sin()
 }
 
-/// Lights of a scene that have power, suns first. `sky_power` is the mean irradiance of the environment map, W/m².
+/// Lights of a scene with power above zero, suns first. `sky_power` is the mean irradiance of the environment map,
+/// W/m².
 pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent) -> Vec<Light> {
-    let declared = scene.lights.iter().map(shape_of);
+    let declared = scene.lights.iter().map(declared_light);
     let leaves = scene.field.leaves().iter().enumerate();
     let emitters = leaves.filter_map(|(index, leaf)| {
         let material = &scene.materials[leaf.tag as usize];
-        if material.emits() { emitter(&scene.field, index, material.emission().into()) } else { None }
+        if material.emits() { leaf_light(&scene.field, index, material.emission().into()) } else { None }
     });
-    let mut weighed: Vec<(LightShape, f32)> =
+    let mut weighted: Vec<(LightShape, f32)> =
         declared.chain(emitters).map(|shape| (shape, shape.weight(extent))).collect();
-    weighed.push((LightShape::Environment, sky_power));
-    weighed.retain(|(_, weight)| *weight > 0.0);
-    // Suns come first: rays that leave the scene test them all.
-    weighed.sort_by_key(|(shape, _)| !shape.is_sun());
-    let weights: Vec<f64> = weighed.iter().map(|(_, weight)| f64::from(*weight)).collect();
+    weighted.push((LightShape::Environment, sky_power));
+    weighted.retain(|(_, weight)| *weight > 0.0);
+    // Suns come first: every ray that leaves the scene tests all of them.
+    weighted.sort_by_key(|(shape, _)| !shape.is_sun());
+    let weights: Vec<f64> = weighted.iter().map(|(_, weight)| f64::from(*weight)).collect();
     let total: f64 = weights.iter().sum();
     let cells = alias_table::table(&weights);
     let light = |((shape, weight), (threshold, alias)): ((LightShape, f32), alias_table::Cell)| Light {
@@ -204,10 +206,11 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent) -> Vec<Ligh
         threshold,
         alias,
     };
-    weighed.into_iter().zip(cells).map(light).collect()
+    weighted.into_iter().zip(cells).map(light).collect()
 }
 
-fn shape_of(light: &SceneLight) -> LightShape {
+/// Light that the scene file declares.
+fn declared_light(light: &SceneLight) -> LightShape {
     match *light {
         SceneLight::Point { at, intensity, penumbra } => LightShape::Point(PointLight {
             position: at.into(),
@@ -217,23 +220,23 @@ fn shape_of(light: &SceneLight) -> LightShape {
         SceneLight::Sun { direction, irradiance, angle, penumbra } => LightShape::Sun(SunLight {
             direction: Vec3::from(direction).normalize_or(Vec3::Y),
             irradiance: irradiance.into(),
-            // Near misses stand for the size of the disc.
+            // Near misses replace the size of the disc.
             one_minus_cos: if penumbra.is_some() { 0.0 } else { one_minus_cosine(angle) },
             penumbra: penumbra.unwrap_or(0.0),
         }),
     }
 }
 
-/// Light of a leaf that emits; `None` where it is infinite.
-fn emitter(field: &Field, index: usize, radiance: Vec3) -> Option<LightShape> {
+/// Light of an emitting leaf; `None` if the leaf is infinite.
+fn leaf_light(field: &Field, index: usize, radiance: Vec3) -> Option<LightShape> {
     let source = &field.leaves()[index];
     let (centre, leaf, scale) = (Vec3::from(source.pose.at), index as u32, source.pose.scale);
     let units = source.pose.axes.map(Vec3::from);
     let [x, y, z] = units.map(|axis| axis * (0.5 * scale));
-    // Parts of the surface of a combined shape may be missing.
-    let form = if field.is_analytic_object(index) { source.shape.emitter(&source.params) } else { Emitter::Bounded };
+    // A combined shape may lack parts of its surface, so its bounding sphere is sampled.
+    let emitter = if field.is_analytic_object(index) { source.shape.emitter(&source.params) } else { Emitter::Bounded };
     let normal = units[1];
-    Some(match form {
+    Some(match emitter {
         Emitter::Sphere(radius) => LightShape::Sphere(SphereLight { centre, radius: radius * scale, radiance, leaf }),
         Emitter::Rect([a, b]) => {
             let axes = [x * a, z * b];
@@ -252,7 +255,7 @@ fn emitter(field: &Field, index: usize, radiance: Vec3) -> Option<LightShape> {
                 return None;
             }
             let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
-            // Paths alone find the parts of blends beyond this sphere.
+            // Only BSDF sampling hits the parts of blends beyond this sphere.
             let radius = 0.5 * (max - min).length() * 1.001;
             LightShape::Bounded(SphereLight { centre: (min + max) * 0.5, radius, radiance, leaf })
         }

@@ -1,4 +1,4 @@
-//! Materials as a renderer reads them.
+//! Material records: emission, absorption, flags and BSDF parameters.
 
 use super::textured_material::TexturedMaterial;
 use crate::wgsl::{shared_constants, shared_struct};
@@ -11,54 +11,56 @@ shared_struct! {
     pub(crate) struct MaterialRecord as Material {
         /// Emitted radiance, W/(m² sr).
         pub(crate) emission: [f32; 3],
-        /// [`EMITS`], [`DELTA`], [`TRANSMITS`].
+        /// Flags [`EMITS`], [`DELTA`] and [`TRANSMITS`].
         pub(crate) flags: u32,
-        /// Absorption coefficient of the inside, per metre.
+        /// Absorption coefficient of the solid, per metre.
         pub(crate) absorption: [f32; 3],
-        /// Index into [`materials::kinds`].
+        /// Index of the kind in [`materials::kinds`].
         pub(crate) kind: u32,
         /// Parameters of the BSDF.
-        pub(crate) numbers: BsdfParameters,
+        pub(crate) parameters: BsdfParameters,
     }
 }
 
 shared_constants! {
-    /// Emitter; it does not reflect.
+    /// Emitter. It does not reflect.
     pub(crate) const EMITS: u32 = 1;
-    /// BSDF of delta distributions only: no light is sampled there.
+    /// BSDF of delta distributions only, for which no light is sampled.
     pub(crate) const DELTA: u32 = 2;
-    /// BSDF that transmits.
+    /// Transmissive BSDF.
     pub(crate) const TRANSMITS: u32 = 4;
 }
 
-/// Clear glass, which the shadow rays of fast caustics pass.
+/// Clear glass. Shadow rays of fast caustics pass through it.
 pub(crate) const CLEAR: u32 = DELTA | TRANSMITS;
 
 impl MaterialRecord {
     pub(super) fn new(material: &Material, textured: &TexturedMaterial) -> Self {
         let kind = materials::kinds().iter().position(|kind| std::ptr::eq(*kind, material.kind)).unwrap_or_default();
         let mut flags = EMITS * u32::from(material.emits());
-        let mut numbers = BsdfParameters::default();
+        let mut parameters = BsdfParameters::default();
         if let Some(bsdf) = material.kind.bsdf {
-            numbers = (bsdf.pack)(&material.values);
-            let mut all = textured.extremes(&numbers);
-            if all.is_empty() {
-                all.push(numbers);
+            parameters = (bsdf.pack)(&material.values);
+            let mut all_parameters = textured.knot_parameters(&parameters);
+            if all_parameters.is_empty() {
+                all_parameters.push(parameters);
             }
             let flag = |flag: u32, set: bool| if set { flag } else { 0 };
-            flags |= flag(DELTA, all.iter().all(bsdf.is_delta)) | flag(TRANSMITS, all.iter().any(bsdf.transmits));
+            flags |= flag(DELTA, all_parameters.iter().all(bsdf.is_delta))
+                | flag(TRANSMITS, all_parameters.iter().any(bsdf.transmits));
         }
-        Self { emission: material.emission(), flags, absorption: material.absorption(), kind: kind as u32, numbers }
+        Self { emission: material.emission(), flags, absorption: material.absorption(), kind: kind as u32, parameters }
     }
 
-    /// Whether it emits.
+    /// Reports whether the material emits.
     pub(crate) fn emits(&self) -> bool {
         self.flags & EMITS != 0
     }
 }
 
-/// Transmittance of clear glass with these parameters for light that goes straight on; `cosine` is that outside.
-pub(crate) fn straight_transmittance(numbers: &BsdfParameters, cosine: f32) -> Vec3 {
-    let [r, g, b, _, ior, ..] = *numbers;
+/// Transmittance of clear glass with these parameters for an unrefracted ray; `cosine` is that of the angle of
+/// incidence.
+pub(crate) fn straight_transmittance(parameters: &BsdfParameters, cosine: f32) -> Vec3 {
+    let [r, g, b, _, ior, ..] = *parameters;
     Vec3::new(r, g, b) * (1.0 - materials::fresnel(cosine, ior))
 }

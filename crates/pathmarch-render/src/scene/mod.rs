@@ -1,7 +1,8 @@
-//! The scene as a renderer reads it: flat tables on the CPU side, shared and immutable.
+//! Render scene: flat tables for the integrators, on the CPU, shared and immutable.
 //!
-//! [`RenderScene`] does not depend on the picture's size or settings. [`FrameUniforms`] are what changes with the camera,
-//! [`KernelConfig`] is what the scene needs of the estimator. The backends encode the tables for their memory.
+//! [`RenderScene`] does not depend on the size or the settings of the picture. [`FrameUniforms`] change with the
+//! camera. [`KernelConfig`] lists the features of the estimator that the scene uses. Each backend encodes the tables
+//! for its memory.
 
 mod context;
 pub(crate) mod frame;
@@ -27,13 +28,13 @@ use pathmarch_field::{Aabb, Field};
 use pathmarch_scene::materials::Bsdf;
 use pathmarch_scene::{Camera, Scene};
 
-/// Tables of a scene, in the order of its leaves, materials and lights.
+/// Tables of a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct RenderScene {
     pub(crate) field: Field,
     pub(crate) leaves: Vec<LeafRecord>,
     pub(crate) materials: Vec<MaterialRecord>,
-    /// BSDF of each material; none for emitters.
+    /// BSDF of each material; `None` for emitters.
     pub(crate) bsdfs: Vec<Option<&'static Bsdf>>,
     /// Textures, bump map and orbit trap of each material.
     pub(crate) textured_materials: Vec<TexturedMaterial>,
@@ -43,7 +44,7 @@ pub(crate) struct RenderScene {
 }
 
 impl RenderScene {
-    /// Tables of a scene. The camera counts where no object is finite.
+    /// Builds the tables of a scene. The camera sets the extent of a scene without finite objects.
     pub(crate) fn new(scene: &Scene, camera: &Camera) -> Self {
         let mut sky = SkyLight::new(scene);
         let lights = light::lights(scene, sky.sampled_power(), &Extent::new(scene, camera));
@@ -64,7 +65,7 @@ impl RenderScene {
         }
     }
 
-    /// Whether any object is sphere-traced.
+    /// Reports whether any object is sphere-traced.
     pub(crate) fn is_sphere_traced(&self) -> bool {
         !self.field.sphere_traced_bounds().is_empty()
     }
@@ -74,13 +75,13 @@ impl RenderScene {
         &self.materials[self.leaves[leaf].material as usize]
     }
 
-    /// Whether a leaf emits on the side of this normal: sheets do on one side only.
+    /// Reports whether a leaf emits on the side of this normal: sheets emit on one side only.
     pub(crate) fn emits_towards(&self, leaf: usize, normal: Vec3) -> bool {
         let leaf = &self.leaves[leaf];
         !leaf.has(leaf::SHEET) || normal.dot(Vec3::from(leaf.facing)) > 0.0
     }
 
-    /// Whether a sphere-traced object emits and no sphere-traced object is a fractal.
+    /// Reports whether some sphere-traced object emits and none is a fractal.
     fn has_sphere_traced_emitter(&self) -> bool {
         let leaves = self.field.leaves().iter().enumerate();
         let mut traced = leaves.filter(|(index, _)| !self.field.is_analytic_leaf(*index)).map(|(_, leaf)| leaf);
@@ -89,12 +90,13 @@ impl RenderScene {
     }
 }
 
-/// Bounding sphere of the finite objects; of the camera's view where there is none.
+/// Bounding sphere of the finite objects. Without any, it is centred at the camera's target and passes through the
+/// camera.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
-    /// In world space.
+    /// Centre in world space, metres.
     pub(crate) centre: Vec3,
-    /// Metres.
+    /// Radius, metres.
     pub(crate) radius: f32,
 }
 
@@ -120,10 +122,10 @@ pub(crate) fn finite_bounds(scene: &Scene) -> Aabb {
 /// Sum of the absorption coefficients of the solids around a point, per metre.
 fn medium_at(scene: &Scene, p: [f32; 3]) -> [f32; 3] {
     let p = pathmarch_field::number::Vec3::new(p[0], p[1], p[2]);
-    let around = scene.objects.iter().zip(scene.field.object_distances(p)).filter(|(_, distance)| *distance < 0.0);
-    let absorption = around.map(|(object, _)| {
-        let alone = Field::new(std::slice::from_ref(&object.root));
-        let leaf = &alone.leaves()[alone.surface(p, 0).leaf as usize];
+    let enclosing = scene.objects.iter().zip(scene.field.object_distances(p)).filter(|(_, distance)| *distance < 0.0);
+    let absorption = enclosing.map(|(object, _)| {
+        let object_field = Field::new(std::slice::from_ref(&object.root));
+        let leaf = &object_field.leaves()[object_field.surface(p, 0).leaf as usize];
         Vec3::from(scene.materials[leaf.tag as usize].absorption())
     });
     absorption.fold(Vec3::ZERO, |sum, absorption| sum + absorption).into()

@@ -1,42 +1,43 @@
-//! BsdfParameters of a material for previews, in the order of `preview/preview.wgsl`.
+//! Parameters of preview materials, in the order of `preview/preview.wgsl`.
 
 use crate::wgsl::shared_constants;
 use pathmarch_scene::materials::PreviewMaterial;
 
 shared_constants! {
-    /// BsdfParameters of a preview material: diffuse albedo, roughness, reflectance straight on and at grazing angles, transmittance, index
-    /// of refraction.
-    pub(crate) const PREVIEW_SIZE: usize = 14;
+    /// Number of parameters of a preview material: diffuse albedo, roughness, specular reflectance at normal incidence
+    /// and at grazing angles, transmittance, index of refraction.
+    pub(crate) const PREVIEW_PARAMETERS: usize = 14;
 }
 
-pub(crate) type PreviewNumbers = [f32; PREVIEW_SIZE];
+/// Parameters of a preview material as an array.
+pub(crate) type PreviewParameters = [f32; PREVIEW_PARAMETERS];
 
-/// Encodes a preview material.
-pub(crate) fn to_numbers(material: &PreviewMaterial) -> PreviewNumbers {
-    let [straight, grazing] = material.specular;
-    let mut numbers = [0.0; PREVIEW_SIZE];
-    numbers[..3].copy_from_slice(&material.diffuse);
-    numbers[3] = material.roughness;
-    numbers[4..7].copy_from_slice(&straight);
-    numbers[7..10].copy_from_slice(&grazing);
-    numbers[10..13].copy_from_slice(&material.transmission);
-    numbers[13] = material.ior;
-    numbers
+/// Encodes a preview material as an array.
+pub(crate) fn encode(material: &PreviewMaterial) -> PreviewParameters {
+    let [f0, f90] = material.specular;
+    let mut parameters = [0.0; PREVIEW_PARAMETERS];
+    parameters[..3].copy_from_slice(&material.diffuse);
+    parameters[3] = material.roughness;
+    parameters[4..7].copy_from_slice(&f0);
+    parameters[7..10].copy_from_slice(&f90);
+    parameters[10..13].copy_from_slice(&material.transmission);
+    parameters[13] = material.ior;
+    parameters
 }
 
-/// Decodes a preview material.
-pub(crate) fn from_numbers(numbers: &PreviewNumbers) -> PreviewMaterial {
-    let three = |at: usize| [numbers[at], numbers[at + 1], numbers[at + 2]];
+/// Decodes a preview material from an array.
+pub(crate) fn decode(parameters: &PreviewParameters) -> PreviewMaterial {
+    let colour = |first: usize| [parameters[first], parameters[first + 1], parameters[first + 2]];
     PreviewMaterial {
-        diffuse: three(0),
-        roughness: numbers[3],
-        specular: [three(4), three(7)],
-        transmission: three(10),
-        ior: numbers[13],
+        diffuse: colour(0),
+        roughness: parameters[3],
+        specular: [colour(4), colour(7)],
+        transmission: colour(10),
+        ior: parameters[13],
     }
 }
 
-/// Channel of a colour that a number depends on.
-pub(crate) fn channel(number: usize) -> usize {
-    if number < 3 { number } else { number.saturating_sub(4) % 3 }
+/// Colour channel that a parameter depends on.
+pub(crate) fn channel(parameter: usize) -> usize {
+    if parameter < 3 { parameter } else { parameter.saturating_sub(4) % 3 }
 }

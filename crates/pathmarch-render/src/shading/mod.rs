@@ -1,4 +1,4 @@
-//! What a hit is to the integrators: position, normal and side of the surface, and its textures.
+//! Shading: surface interactions of hits, and their textures.
 
 pub(crate) mod surface_interaction;
 pub(crate) mod textured_point;

@@ -9,20 +9,20 @@ use pathmarch_field::graph::Surface;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use wide::f32x8;
 
-/// Surface at the hit of a ray.
+/// Interaction of a ray with a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceInteraction {
     /// Position on the surface, in world space.
     pub(crate) p: Vec3,
-    /// Leaf of the field; of blended leaves the one that shows.
+    /// Leaf of the field; where leaves blend, the chosen one.
     pub(crate) leaf: usize,
     /// Unit geometric normal on the side of the ray's origin.
     pub(crate) normal: Vec3,
-    /// Whether that side is the inside of the solid.
+    /// True if that side is the inside of the solid.
     pub(crate) inside: bool,
-    /// Offset from `p` to the origin of rays that leave on this side.
+    /// Offset from `p` to the origin of rays that leave on this side, metres.
     pub(crate) normal_offset: Vec3,
-    /// Length of the path up to here, metres.
+    /// Length of the path up to `p`, metres.
     pub(crate) length: f32,
 }
 
@@ -33,41 +33,43 @@ impl SurfaceInteraction {
     }
 }
 
-/// Surface interactions of hits. Where materials blend, the second one shows if its weight exceeds the threshold of this ray and
-/// blend.
-pub(crate) fn interactions(
+/// Surface interactions of hits. Where materials blend, the second one is chosen if its weight exceeds `threshold`, a
+/// function of the hit's index and the blend's index.
+pub(crate) fn surface_interactions(
     ctx: &TraceContext,
     hits: &[(RaySegment, Hit)],
     threshold: impl Fn(usize, u32) -> f32,
 ) -> Vec<SurfaceInteraction> {
     let mut result = Vec::with_capacity(hits.len());
-    for (number, chunk) in hits.chunks(8).enumerate() {
-        let of_lane = |lane: usize| lane.min(chunk.len() - 1);
+    for (chunk_index, chunk) in hits.chunks(8).enumerate() {
+        let hit_index = |lane: usize| lane.min(chunk.len() - 1);
         let rays = Rays8::new(chunk.iter().map(|(segment, _)| segment));
-        let t = lanes(|lane| chunk[of_lane(lane)].1.t);
-        let reached = rays.origin + rays.direction * t;
-        let analytic = lanes(|lane| Hit::encoded(chunk[of_lane(lane)].1.analytic));
-        let threshold = |blend| lanes(|lane| threshold(8 * number + of_lane(lane), blend));
-        let Surface { field, leaf } = ctx.scene.field.surface_at_hit(reached, analytic, &threshold);
+        let t = lanes(|lane| chunk[hit_index(lane)].1.t);
+        let hit_point = rays.origin + rays.direction * t;
+        let analytic = lanes(|lane| Hit::encoded(chunk[hit_index(lane)].1.analytic));
+        let threshold = |blend| lanes(|lane| threshold(8 * chunk_index + hit_index(lane), blend));
+        let Surface { field, leaf } = ctx.scene.field.surface_at_hit(hit_point, analytic, &threshold);
         let leaf: [usize; 8] = leaf.to_array().map(|leaf| leaf as usize);
         let record = |lane: usize| &ctx.scene.leaves[leaf[lane]];
-        let at = FieldVec3::new(
-            lanes(|lane| record(lane).at[0]),
-            lanes(|lane| record(lane).at[1]),
-            lanes(|lane| record(lane).at[2]),
+        let origin = FieldVec3::new(
+            lanes(|lane| record(lane).origin[0]),
+            lanes(|lane| record(lane).origin[1]),
+            lanes(|lane| record(lane).origin[2]),
         );
         let is_analytic = lanes(|lane| f32::from(record(lane).has(ANALYTIC)));
 
         let inverse = f32x8::ONE / field.gradient.length().fast_max(f32x8::splat(1e-6));
         let outward = field.gradient * inverse;
-        let left = field.value * inverse;
-        let off = rounding_at(ctx.frame, reached, at);
-        // Within rounding of the surface, the direction of the ray decides the side; elsewhere the sign of the field does.
-        let doubt = off + f32x8::splat(ctx.frame.rounding) * t;
-        let on_surface = Mask8(f32x8::ZERO.simd_lt(is_analytic)) | Mask8(field.value.abs().simd_le(doubt));
+        let residual = field.value * inverse;
+        let rounding = rounding_at(ctx.frame, hit_point, origin);
+        // Within rounding of the surface, the direction of the ray decides the side; elsewhere the sign of the field
+        // does.
+        let side_tolerance = rounding + f32x8::splat(ctx.frame.rounding) * t;
+        let on_surface = Mask8(f32x8::ZERO.simd_lt(is_analytic)) | Mask8(field.value.abs().simd_le(side_tolerance));
         let inside = Real::select(on_surface, -outward.dot(rays.direction), field.value).simd_lt(f32x8::ZERO);
         let normal = outward * Real::select(Mask8(inside), f32x8::splat(-1.0), f32x8::ONE);
-        let (p, normal_offset) = (to_lanes(reached - outward * left), to_lanes(normal * start_offset(off, left)));
+        let (p, normal_offset) =
+            (to_lanes(hit_point - outward * residual), to_lanes(normal * start_offset(rounding, residual)));
         let (normal, inside) = (to_lanes(normal), inside.to_bitmask());
         result.extend(chunk.iter().enumerate().map(|(lane, (segment, hit))| SurfaceInteraction {
             p: p[lane],
@@ -81,7 +83,7 @@ pub(crate) fn interactions(
     result
 }
 
-/// Vector of each lane.
+/// Vectors of the eight lanes.
 fn to_lanes(v: FieldVec3<f32x8>) -> [Vec3; 8] {
     let [x, y, z] = [v.x, v.y, v.z].map(f32x8::to_array);
     std::array::from_fn(|lane| Vec3::new(x[lane], y[lane], z[lane]))

@@ -1,45 +1,46 @@
 // import: intersect/march
 // Surface interactions: position, normal, side and leaf of a hit. Twin of surface_interaction.rs.
 
+/// Interaction of a ray with a surface.
 struct SurfaceInteraction {
     /// Position on the surface, in world space.
     p: vec3f,
-    /// Leaf of the field; of blended leaves the one that shows.
+    /// Leaf of the field; where leaves blend, the chosen one.
     leaf: u32,
     /// Unit geometric normal on the side of the ray's origin.
     normal: vec3f,
-    /// Whether that side is the inside of the solid.
+    /// True if that side is the inside of the solid.
     inside: bool,
     /// Distance from `p` along `normal` to the origin of rays that leave on this side, metres.
     offset: f32,
 }
 
-/// Surface interaction of a hit. `seed` decides which of two blended materials shows.
+/// Surface interaction of a hit. `seed` chooses one of two blended materials.
 fn surface_interaction(ray: Ray, hit: Hit, seed: u32) -> SurfaceInteraction {
-    let reached = ray.origin + ray.direction * hit.t;
-    let near = surface(reached, hit.hit_id, seed);
-    let steepness = max(length(near.gradient), 1e-6);
-    let outward = near.gradient / steepness;
-    let rounding = rounding_at(reached, leaves[near.leaf].at);
+    let hit_point = ray.origin + ray.direction * hit.t;
+    let surface_at_hit = surface(hit_point, hit.hit_id, seed);
+    let gradient_length = max(length(surface_at_hit.gradient), 1e-6);
+    let outward = surface_at_hit.gradient / gradient_length;
+    let rounding = rounding_at(hit_point, leaves[surface_at_hit.leaf].origin);
     // Within rounding of the surface, the direction of the ray decides the side; elsewhere the sign of the field does.
-    let on_surface = hit.analytic || abs(near.distance) <= rounding + frame.rounding * hit.t;
-    let inside = select((near.distance < 0.0), (dot(outward, ray.direction) > 0.0), on_surface);
-    let left = near.distance / steepness;
+    let on_surface = hit.analytic || abs(surface_at_hit.distance) <= rounding + frame.rounding * hit.t;
+    let inside = select((surface_at_hit.distance < 0.0), (dot(outward, ray.direction) > 0.0), on_surface);
+    let residual = surface_at_hit.distance / gradient_length;
     let normal = select(outward, -outward, inside);
-    return SurfaceInteraction(reached - outward * left, near.leaf, normal, inside, start_offset(rounding, left));
+    return SurfaceInteraction(hit_point - outward * residual, surface_at_hit.leaf, normal, inside, start_offset(rounding, residual));
 }
 
 /// Unit normal that points out of the solid.
-fn outward_normal(at: SurfaceInteraction) -> vec3f {
-    return select(at.normal, -at.normal, at.inside);
+fn outward_normal(interaction: SurfaceInteraction) -> vec3f {
+    return select(interaction.normal, -interaction.normal, interaction.inside);
 }
 
-/// Origin of rays that leave on this side of the surface, or on the other one.
-fn spawn_origin(at: SurfaceInteraction, other_side: bool) -> vec3f {
-    return at.p + at.normal * select(at.offset, -at.offset, other_side);
+/// Origin of rays that leave on the side of the normal, or on the other side.
+fn spawn_origin(interaction: SurfaceInteraction, other_side: bool) -> vec3f {
+    return interaction.p + interaction.normal * select(interaction.offset, -interaction.offset, other_side);
 }
 
-/// Whether a leaf emits on the side of this normal: sheets do on one side only.
+/// Reports whether a leaf emits on the side of this normal: sheets emit on one side only.
 fn emits_towards(leaf: u32, normal: vec3f) -> bool {
     return (leaves[leaf].flags & SHEET) == 0u || dot(normal, leaves[leaf].facing) > 0.0;
 }

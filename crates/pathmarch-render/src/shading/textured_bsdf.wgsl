@@ -1,45 +1,47 @@
-// Textures of the parameters that BSDFs read. Twin of `TexturedPoint::numbers`.
+// Textures of BSDF parameters. Twin of `TexturedPoint::parameters`.
 
-/// Parameters of the surface that was evaluated last.
+/// Parameters at the interaction that was evaluated last.
 var<private> textured_parameters: array<vec4f, 8>;
 
-/// Four parameters of a material's BSDF, at the surface that was evaluated last.
+/// Parameters 4k to 4k + 3 of a BSDF, at the interaction that was evaluated last.
 fn packed(m: u32, k: u32) -> vec4f {
     return textured_parameters[k];
 }
 
+/// Starts the evaluation of the textures of material `m`.
 fn begin_textures(m: u32) {
-    textured_parameters = materials[m].numbers;
+    textured_parameters = materials[m].parameters;
 }
 
-fn apply_layer(layer: u32, shown: vec4f) {
-    let place = scene_data[layer + LAYER_PLACE];
+/// Applies a layer with this colour and value of its texture.
+fn apply_layer(layer: u32, texel: vec4f) {
+    let first_or_count = scene_data[layer + LAYER_PLACE];
     if scene_data[layer + LAYER_KIND] != PACKED_LAYER {
-        let colour = layer_colour(layer, shown);
-        let vector = place / 4u;
+        let colour = layer_colour(layer, texel);
+        let vector = first_or_count / 4u;
         textured_parameters[vector] = vec4f(colour, textured_parameters[vector].w);
         return;
     }
-    let at = shown.w * f32(KNOTS - 1u);
-    let first = min(u32(at), KNOTS - 2u);
-    let part = at - f32(first);
-    // In layers of this kind the place is the number of places.
-    let knots = layer + LAYER_CONTENTS + place;
-    for (var k = 0u; k < place; k++) {
-        let target_ = scene_data[layer + LAYER_CONTENTS + k];
-        let a = texture_number(knots + place * first + k);
-        let b = texture_number(knots + place * (first + 1u) + k);
-        textured_parameters[target_ / 4u][target_ % 4u] = a + (b - a) * part;
+    let position = texel.w * f32(KNOTS - 1u);
+    let first = min(u32(position), KNOTS - 2u);
+    let weight = position - f32(first);
+    // In a layer of this kind, LAYER_PLACE is the number of parameters.
+    let knots = layer + LAYER_CONTENTS + first_or_count;
+    for (var k = 0u; k < first_or_count; k++) {
+        let parameter = scene_data[layer + LAYER_CONTENTS + k];
+        let a = texture_number(knots + first_or_count * first + k);
+        let b = texture_number(knots + first_or_count * (first + 1u) + k);
+        textured_parameters[parameter / 4u][parameter % 4u] = a + (b - a) * weight;
     }
 }
 
-/// Colour of clear glass that a shadow ray passes. The surface that was evaluated last stays as it is.
+/// Colour of clear glass that a shadow ray passes through. Leaves the parameters of the last interaction unchanged.
 fn glass_colour(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) -> vec3f {
-    let kept = textured_parameters;
-    let kept_gradient = bump_gradient;
+    let saved_parameters = textured_parameters;
+    let saved_gradient = bump_gradient;
     evaluate_textures(m, leaf, p, outward, path_length);
     let colour = textured_parameters[0].xyz;
-    textured_parameters = kept;
-    bump_gradient = kept_gradient;
+    textured_parameters = saved_parameters;
+    bump_gradient = saved_gradient;
     return colour;
 }

@@ -1,77 +1,81 @@
 // import: texture_target
-// Textured materials. Twin of textured_point.rs, which explains them. The mode decides what a layer changes: `apply_layer`.
+// Textured materials. Twin of textured_point.rs, which explains them. Each mode implements `apply_layer`.
 
 /// Gradient of the bump map in world space, metres per metre.
 var<private> bump_gradient: vec3f;
 
-fn texture_number(at: u32) -> f32 {
-    return bitcast<f32>(scene_data[at]);
+/// Float at an offset in the scene data.
+fn texture_number(index: u32) -> f32 {
+    return bitcast<f32>(scene_data[index]);
 }
 
-fn texture_vector(at: u32) -> vec3f {
-    return vec3f(texture_number(at), texture_number(at + 1u), texture_number(at + 2u));
+/// Three floats at an offset in the scene data.
+fn texture_vector(index: u32) -> vec3f {
+    return vec3f(texture_number(index), texture_number(index + 1u), texture_number(index + 2u));
 }
 
 /// Coordinates of `p` in the space of a leaf.
 fn leaf_coordinates(leaf: u32, p: vec3f) -> Coordinates {
-    let at = TEXTURE_DATA + LEAF_WORDS * leaf;
-    let outer = modifier_coordinates(scene_data[at + 12u], p);
-    let x = texture_vector(at + 3u);
-    let y = texture_vector(at + 6u);
-    let z = texture_vector(at + 9u);
-    let offset = outer.p - texture_vector(at);
+    let leaf_offset = TEXTURE_DATA + LEAF_WORDS * leaf;
+    let outer = modifier_coordinates(scene_data[leaf_offset + 12u], p);
+    let x = texture_vector(leaf_offset + 3u);
+    let y = texture_vector(leaf_offset + 6u);
+    let z = texture_vector(leaf_offset + 9u);
+    let offset = outer.p - texture_vector(leaf_offset);
     return coordinates_inside(outer, vec3f(dot(x, offset), dot(y, offset), dot(z, offset)), x, y, z);
 }
 
-/// Colour and value of a texture; the value is below 0 where it has none.
-fn texture_at(at: u32, leaf: u32, of_shape: Spot) -> vec4f {
-    let kind = scene_data[at];
+/// Colour (xyz) and value (w) of the texture at offset `texture_offset`. The value of an orbit trap is below 0 on a
+/// shape without orbit.
+fn texture_at(texture_offset: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
+    let kind = scene_data[texture_offset];
     if HAS_ORBITS && kind == ORBIT_SOURCE {
         if !has_orbit(leaf) {
             return vec4f(0.0, 0.0, 0.0, -1.0);
         }
-        var values = orbit(leaf, of_shape.p);
-        let from_ = texture_number(at + TEXTURE_PARAMETERS + 1u);
-        let to = texture_number(at + TEXTURE_PARAMETERS + 2u);
-        let span = select(to - from_, 1e-20, to == from_);
-        return vec4f(clamp((values[scene_data[at + TEXTURE_PARAMETERS]] - from_) / span, 0.0, 1.0));
+        var values = orbit(leaf, leaf_spot.p);
+        let range_start = texture_number(texture_offset + TEXTURE_PARAMETERS + 1u);
+        let to = texture_number(texture_offset + TEXTURE_PARAMETERS + 2u);
+        let range = select(to - range_start, 1e-20, to == range_start);
+        return vec4f(clamp((values[scene_data[texture_offset + TEXTURE_PARAMETERS]] - range_start) / range, 0.0, 1.0));
     }
-    let x = texture_vector(at + TEXTURE_ROWS);
-    let y = texture_vector(at + TEXTURE_ROWS + 3u);
-    let z = texture_vector(at + TEXTURE_ROWS + 6u);
-    let scale = texture_number(at + TEXTURE_SCALE);
-    let offset = of_shape.p - texture_vector(at + TEXTURE_POSITION);
-    let n = of_shape.normal;
+    let x = texture_vector(texture_offset + TEXTURE_ROWS);
+    let y = texture_vector(texture_offset + TEXTURE_ROWS + 3u);
+    let z = texture_vector(texture_offset + TEXTURE_ROWS + 6u);
+    let scale = texture_number(texture_offset + TEXTURE_SCALE);
+    let offset = leaf_spot.p - texture_vector(texture_offset + TEXTURE_POSITION);
+    let n = leaf_spot.normal;
     let p = vec3f(dot(x, offset), dot(y, offset), dot(z, offset));
-    let spot = Spot(p, vec3f(dot(x, n), dot(y, n), dot(z, n)) * scale, of_shape.footprint / scale);
+    let spot = Spot(p, vec3f(dot(x, n), dot(y, n), dot(z, n)) * scale, leaf_spot.footprint / scale);
     if HAS_PICTURES && kind == PICTURE_SOURCE {
-        let picture = TexturePicture(scene_data[at + TEXTURE_PARAMETERS], scene_data[at + TEXTURE_PARAMETERS + 1u], scene_data[at + TEXTURE_PARAMETERS + 2u], scene_data[at + TEXTURE_PARAMETERS + 3u], scene_data[at + TEXTURE_PARAMETERS + 5u] != 0u);
-        let colour = picture_projected(picture, spot, texture_number(at + TEXTURE_PARAMETERS + 4u));
+        let picture = TexturePicture(scene_data[texture_offset + TEXTURE_PARAMETERS], scene_data[texture_offset + TEXTURE_PARAMETERS + 1u], scene_data[texture_offset + TEXTURE_PARAMETERS + 2u], scene_data[texture_offset + TEXTURE_PARAMETERS + 3u], scene_data[texture_offset + TEXTURE_PARAMETERS + 5u] != 0u);
+        let colour = picture_projected(picture, spot, texture_number(texture_offset + TEXTURE_PARAMETERS + 4u));
         return vec4f(colour, clamp(dot(colour, vec3f(0.2126, 0.7152, 0.0722)), 0.0, 1.0));
     }
     var parameters: array<f32, 8>;
     for (var k = 0u; k < 8u; k++) {
-        parameters[k] = texture_number(at + TEXTURE_PARAMETERS + k);
+        parameters[k] = texture_number(texture_offset + TEXTURE_PARAMETERS + k);
     }
     let value = computed_texture(kind, spot, parameters);
     // NaN becomes 0.
     return vec4f(select(0.0, min(value, 1.0), value > 0.0));
 }
 
-/// Colour of a layer, for the colour and value of its texture.
-fn layer_colour(layer: u32, shown: vec4f) -> vec3f {
+/// Colour of a layer, from the colour and value of its texture.
+fn layer_colour(layer: u32, texel: vec4f) -> vec3f {
     if scene_data[layer + LAYER_KIND] == OWN_COLOURS_LAYER {
-        return shown.xyz;
+        return texel.xyz;
     }
     let last = scene_data[layer + LAYER_CONTENTS];
-    let place = shown.w * f32(last);
-    let first = min(u32(place), max(last, 1u) - 1u);
+    let position = texel.w * f32(last);
+    let first = min(u32(position), max(last, 1u) - 1u);
     let a = texture_vector(layer + LAYER_CONTENTS + 1u + 3u * first);
     let b = texture_vector(layer + LAYER_CONTENTS + 1u + 3u * min(first + 1u, last));
-    return a + (b - a) * (place - f32(first));
+    return a + (b - a) * (position - f32(first));
 }
 
-/// Evaluates the textures of material `m` at `p` on a leaf with this outward normal, at the end of a path of this length.
+/// Evaluates the textures of material `m` at `p` on a leaf with this outward normal, at the end of a path of this
+/// length.
 fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) {
     bump_gradient = vec3f(0.0);
     begin_textures(m);
@@ -79,13 +83,13 @@ fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f
     if material == 0u {
         return;
     }
-    let here = leaf_coordinates(leaf, p);
-    let cofactors = mat3x3f(cross(here.y, here.z), cross(here.z, here.x), cross(here.x, here.y));
-    let determinant = dot(here.x, cofactors[0]);
-    let size = pow(max(abs(determinant), 1e-30), -1.0 / 3.0);
-    let across = (outward * cofactors) * select(1.0, -1.0, determinant < 0.0);
-    let normal = select(vec3f(0.0, 1.0, 0.0), normalize(across), dot(across, across) > 0.0);
-    let spot = Spot(here.p, normal, frame.pixel * path_length / size);
+    let coordinates = leaf_coordinates(leaf, p);
+    let cofactors = mat3x3f(cross(coordinates.y, coordinates.z), cross(coordinates.z, coordinates.x), cross(coordinates.x, coordinates.y));
+    let determinant = dot(coordinates.x, cofactors[0]);
+    let unit_length = pow(max(abs(determinant), 1e-30), -1.0 / 3.0);
+    let local_normal = (outward * cofactors) * select(1.0, -1.0, determinant < 0.0);
+    let normal = select(vec3f(0.0, 1.0, 0.0), normalize(local_normal), dot(local_normal, local_normal) > 0.0);
+    let spot = Spot(coordinates.p, normal, frame.pixel * path_length / unit_length);
     let layers = scene_data[material];
     let bump = scene_data[material + 1u];
     var step = 1.0;
@@ -94,44 +98,46 @@ fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f
         step = max(texture_number(texture + TEXTURE_STEP) * texture_number(texture + TEXTURE_SCALE), 0.5 * spot.footprint);
     }
     var heights = vec4f(0.0);
-    // The bump map is evaluated at four points. One loop, so that the code of every texture occurs once.
+    // The bump map is evaluated at four points. A single loop keeps one copy of the code of every texture in the
+    // kernel.
     for (var k = 0u; k < layers + select(0u, 4u, HAS_BUMP && bump != 0u); k++) {
-        var looked = spot;
+        var sample_spot = spot;
         let layer = select(bump, scene_data[material + 2u + min(k, max(layers, 1u) - 1u)], k < layers);
         if k > layers {
-            looked.p += step * vec3f(f32(k == layers + 1u), f32(k == layers + 2u), f32(k == layers + 3u));
+            sample_spot.p += step * vec3f(f32(k == layers + 1u), f32(k == layers + 2u), f32(k == layers + 3u));
         }
-        let shown = texture_at(scene_data[layer], leaf, looked);
+        let texel = texture_at(scene_data[layer], leaf, sample_spot);
         if k >= layers {
-            heights[k - layers] = shown.w;
-        } else if shown.w >= 0.0 {
-            apply_layer(layer, shown);
+            heights[k - layers] = texel.w;
+        } else if texel.w >= 0.0 {
+            apply_layer(layer, texel);
         }
     }
     if HAS_BUMP && bump != 0u {
-        let slope = (heights.yzw - heights.x) * (texture_number(bump + 1u) / step);
-        bump_gradient = mat3x3f(here.x, here.y, here.z) * slope * size;
+        let local_gradient = (heights.yzw - heights.x) * (texture_number(bump + 1u) / step);
+        bump_gradient = mat3x3f(coordinates.x, coordinates.y, coordinates.z) * local_gradient * unit_length;
     }
 }
 
-/// Shading normal on the side of the geometric `normal`, after `evaluate_textures`.
+/// Shading normal on the side of the geometric `normal`, after `evaluate_textures`; `view` is the unit vector towards
+/// the viewer.
 fn shading_normal(outward: vec3f, normal: vec3f, view: vec3f) -> vec3f {
     if !HAS_BUMP || all(bump_gradient == vec3f(0.0)) {
         return normal;
     }
-    let along = bump_gradient - outward * dot(outward, bump_gradient);
-    let bent = normalize(outward - along) * select(1.0, -1.0, dot(normal, outward) < 0.0);
-    let above = max(dot(view, normal), 1e-5);
-    let height = dot(bent, normal);
-    let sheer = bent - normal * height;
-    let tilt = length(sheer);
-    if tilt < 1e-6 {
+    let tangential_gradient = bump_gradient - outward * dot(outward, bump_gradient);
+    let bumped = normalize(outward - tangential_gradient) * select(1.0, -1.0, dot(normal, outward) < 0.0);
+    let view_height = max(dot(view, normal), 1e-5);
+    let bumped_height = dot(bumped, normal);
+    let tangential_part = bumped - normal * bumped_height;
+    let tangent_length = length(tangential_part);
+    if tangent_length < 1e-6 {
         return normal;
     }
-    let aside = sheer / tilt;
-    let sideways = dot(view, aside);
-    let least = min(0.9 * above, 0.01);
-    let steepest = 0.5 * (atan2(sideways, above) + acos(least / length(vec2f(sideways, above))));
-    let angle = min(atan2(tilt, height), steepest);
-    return normal * cos(angle) + aside * sin(angle);
+    let tangent = tangential_part / tangent_length;
+    let view_tangent = dot(view, tangent);
+    let min_height = min(0.9 * view_height, 0.01);
+    let max_angle = 0.5 * (atan2(view_tangent, view_height) + acos(min_height / length(vec2f(view_tangent, view_height))));
+    let angle = min(atan2(tangent_length, bumped_height), max_angle);
+    return normal * cos(angle) + tangent * sin(angle);
 }

@@ -1,38 +1,40 @@
 // Textures of preview materials. Twin of `TexturedPoint::preview`.
 
-/// Changes of the preview material at the surface that was evaluated last.
-var<private> preview_changes: array<f32, PREVIEW_SIZE>;
+/// Changes of the preview material at the interaction that was evaluated last.
+var<private> preview_changes: array<f32, PREVIEW_PARAMETERS>;
 
+/// Starts the evaluation of the textures of material `m`.
 fn begin_textures(m: u32) {
-    preview_changes = array<f32, PREVIEW_SIZE>();
+    preview_changes = array<f32, PREVIEW_PARAMETERS>();
 }
 
-fn apply_layer(layer: u32, shown: vec4f) {
+/// Applies a layer with this colour and value of its texture.
+fn apply_layer(layer: u32, texel: vec4f) {
     let previews = scene_data[layer + LAYER_PREVIEWS];
     if scene_data[layer + LAYER_KIND] != PACKED_LAYER {
-        let change = layer_colour(layer, shown) - texture_vector(previews);
-        for (var k = 0u; k < PREVIEW_SIZE; k++) {
+        let change = layer_colour(layer, texel) - texture_vector(previews);
+        for (var k = 0u; k < PREVIEW_PARAMETERS; k++) {
             preview_changes[k] += texture_number(previews + 3u + k) * change[select((max(k, 4u) - 4u) % 3u, k, k < 3u)];
         }
         return;
     }
-    let at = shown.w * f32(KNOTS - 1u);
-    let first = min(u32(at), KNOTS - 2u);
-    for (var k = 0u; k < PREVIEW_SIZE; k++) {
-        let a = texture_number(previews + PREVIEW_SIZE * first + k);
-        let b = texture_number(previews + PREVIEW_SIZE * (first + 1u) + k);
-        preview_changes[k] += a + (b - a) * (at - f32(first));
+    let position = texel.w * f32(KNOTS - 1u);
+    let first = min(u32(position), KNOTS - 2u);
+    for (var k = 0u; k < PREVIEW_PARAMETERS; k++) {
+        let a = texture_number(previews + PREVIEW_PARAMETERS * first + k);
+        let b = texture_number(previews + PREVIEW_PARAMETERS * (first + 1u) + k);
+        preview_changes[k] += a + (b - a) * (position - f32(first));
     }
 }
 
-/// Preview material with its textures.
+/// Applies textures to a preview material.
 fn textured_preview(material: PreviewMaterial) -> PreviewMaterial {
     let c = preview_changes;
     return PreviewMaterial(
         material.diffuse + vec3f(c[0], c[1], c[2]),
         material.roughness + c[3],
-        material.straight + vec3f(c[4], c[5], c[6]),
-        material.grazing + vec3f(c[7], c[8], c[9]),
+        material.f0 + vec3f(c[4], c[5], c[6]),
+        material.f90 + vec3f(c[7], c[8], c[9]),
         material.transmitted + vec3f(c[10], c[11], c[12]),
         material.ior + c[13],
     );

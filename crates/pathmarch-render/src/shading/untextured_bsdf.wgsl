@@ -1,9 +1,11 @@
 // Parameters of BSDFs without textures. Takes the place of textured_bsdf.wgsl.
 
+/// Parameters 4k to 4k + 3 of a BSDF.
 fn packed(m: u32, k: u32) -> vec4f {
-    return materials[m].numbers[k];
+    return materials[m].parameters[k];
 }
 
+/// Colour of clear glass that a shadow ray passes through.
 fn glass_colour(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) -> vec3f {
-    return materials[m].numbers[0].xyz;
+    return materials[m].parameters[0].xyz;
 }

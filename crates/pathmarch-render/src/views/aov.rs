@@ -1,16 +1,16 @@
-//! What the camera sees besides light: colours, normals, depths and numbers of surfaces, for compositing and denoising
-//! (arbitrary output variables).
+//! Arbitrary output variables (AOVs): albedo, normal, depth, position and indices of the first hits, for compositing
+//! and denoising.
 //!
-//! **Idea.** One ray through the centre of a pixel, and sixteen through a regular grid of four by four positions in it, all
-//! through the middle of the lens, as far as the first surface. Albedo and normal are means over the grid, so that edges are
-//! smooth; depth, position and numbers have no meaningful mean and are those at the centre. No random numbers: the layers
-//! have no noise, and are the same whatever backend renders the light. Out of focus they are sharper than the picture.
+//! **Idea.** One ray through the centre of each pixel, and sixteen through a regular grid of four by four positions in
+//! it, all through the centre of the lens. Albedo and normal are means over the grid, so that edges are smooth. Depth,
+//! position and indices have no meaningful mean; they are those at the centre. There are no random numbers: the layers
+//! have no noise and are the same for both backends. Out of focus, they are sharper than the picture.
 //!
-//! **Source.** Features of first surfaces as guides of a denoiser: Rousselle, Manzi, Zwicker, "Robust Denoising using Feature
-//! and Color Information", 2013. The names of channels are those of layers in OpenEXR ("Technical Introduction to
-//! OpenEXR", 2013), their parts after the dot those of Blender's passes.
+//! **Source.** Features of first hits as guides of a denoiser: Rousselle, Manzi, Zwicker, "Robust Denoising using
+//! Feature and Color Information", 2013. Names of channels are those of layers in OpenEXR ("Technical Introduction to
+//! OpenEXR", 2013), with the suffixes of Blender's passes.
 //!
-//! **Cost.** Seventeen rays a pixel, eight to a march, over all cores: 1.7 s for 1280x720 pixels of
+//! **Cost.** Seventeen rays a pixel, eight at a time, on all cores: 1.7 s for 1280x720 pixels of
 //! `scenes/thesis/combinations.kdl` on two cores.
 
 use super::{ViewScene, display_colour, is_dark_side};
@@ -22,37 +22,37 @@ use crate::output::film::Film;
 use crate::output::image::{Channel, ChannelValues};
 use crate::scene::TraceContext;
 use crate::settings::Settings;
-use crate::shading::surface_interaction::{SurfaceInteraction, interactions};
+use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::TexturedPoint;
 use glam::Vec3;
 use pathmarch_scene::Scene;
 use rayon::prelude::*;
 
-/// A group of channels that a file can have beside its R, G and B.
+/// Group of channels of a file besides R, G and B.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Layer {
-    /// `albedo.R`, `.G`, `.B`
+    /// `albedo.R`, `.G`, `.B`.
     Albedo,
-    /// `normal.X`, `.Y`, `.Z`
+    /// `normal.X`, `.Y`, `.Z`.
     Normal,
-    /// `depth.Z`
+    /// `depth.Z`.
     Depth,
-    /// `position.X`, `.Y`, `.Z`
+    /// `position.X`, `.Y`, `.Z`.
     Position,
-    /// `objectId.X`, an integer
+    /// `objectId.X`, an integer.
     ObjectId,
-    /// `materialId.X`, an integer
+    /// `materialId.X`, an integer.
     MaterialId,
-    /// `sampleCount.X`, an integer: samples of the pixel that count, [`Film::sample_counts`]
+    /// `sampleCount.X`, an integer: accepted samples of the pixel, [`Film::sample_counts`].
     SampleCount,
 }
 
 impl Layer {
-    /// Every one.
+    /// All layers.
     pub const ALL: [Self; 7] =
         [Self::Albedo, Self::Normal, Self::Depth, Self::Position, Self::ObjectId, Self::MaterialId, Self::SampleCount];
 
-    /// The part of its channels' names before the dot.
+    /// Name of the layer: the part of its channels' names before the dot.
     pub fn name(self) -> &'static str {
         match self {
             Self::Albedo => "albedo",
@@ -65,12 +65,12 @@ impl Layer {
         }
     }
 
-    /// The one of this name.
+    /// Layer of this name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|layer| layer.name() == name)
     }
 
-    /// Its channels, for a file.
+    /// Channels of the layer, for a file.
     pub fn channels(self, aovs: &Aovs, film: &Film) -> Vec<Channel> {
         let channel = |part: char, values: ChannelValues| Channel { name: format!("{}.{part}", self.name()), values };
         let three = |parts: [char; 3], values: &[[f32; 3]]| {
@@ -89,31 +89,32 @@ impl Layer {
     }
 }
 
-/// The first surfaces that the camera sees; one of each for each pixel, the top row first.
+/// Attributes of the first hits of camera rays, pixel by pixel, the top row first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aovs {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Linear Rec. 709, 0 to 1: the colour of the material; of a lamp, its radiance, clipped. Black
-    /// where nothing is hit. Blended materials are blended in sixteenths.
+    /// Albedo of the material, linear Rec. 709, 0 to 1; of an emitter, its radiance clipped to 1. Black without a hit.
+    /// Blended materials are blended in sixteenths.
     pub albedo: Vec<[f32; 3]>,
-    /// In the world, on the side towards the camera, of length one; zero where nothing is hit.
+    /// Unit normal in world space, on the side of the camera; zero without a hit.
     pub normal: Vec<[f32; 3]>,
-    /// Metres from the camera along its view axis, not along the ray; infinite where nothing is hit.
+    /// Distance from the camera along its view axis, not along the ray, metres; infinite without a hit.
     pub depth: Vec<f32>,
-    /// In the world, metres; zero where nothing is hit.
+    /// Position in world space, metres; zero without a hit.
     pub position: Vec<[f32; 3]>,
-    /// One more than the index into [`Scene::objects`]; 0 where nothing is hit.
+    /// One more than the index into [`Scene::objects`]; 0 without a hit.
     pub object: Vec<u32>,
-    /// One more than the index into [`Scene::materials`], of blended ones the heaviest; 0 where nothing is hit.
+    /// One more than the index into [`Scene::materials`]; where materials blend, that with the largest weight; 0
+    /// without a hit.
     pub material: Vec<u32>,
 }
 
-/// What one pixel sees.
+/// AOVs of a pixel.
 #[derive(Clone, Copy)]
-struct Pixel {
+struct PixelAovs {
     albedo: Vec3,
     normal: Vec3,
     depth: f32,
@@ -122,29 +123,29 @@ struct Pixel {
     material: u32,
 }
 
-/// Positions along a side of the grid in a pixel.
-const SIDE: u32 = 4;
-/// Positions of the grid.
-const GRID: u32 = SIDE * SIDE;
-/// The number of the position after those of the grid: the pixel's centre.
-const CENTRE: u32 = GRID;
-/// Pixels whose rays are marched together.
-const BATCH: u32 = 256;
+/// Number of positions along a side of the grid in a pixel.
+const GRID_SIDE: u32 = 4;
+/// Number of positions of the grid.
+const GRID_POSITIONS: u32 = GRID_SIDE * GRID_SIDE;
+/// Index of the pixel's centre, after the positions of the grid.
+const CENTRE: u32 = GRID_POSITIONS;
+/// Number of pixels whose rays are traced together.
+const BATCH_PIXELS: u32 = 256;
 
-/// Finds what the camera sees, on all cores. Samples, bounces and seed of the settings have no effect.
+/// Renders the AOVs of a scene on all cores. Samples, bounces and seed of the settings have no effect.
 ///
 /// # Errors
-/// [`RenderError::Settings`] where settings are out of range.
+/// [`RenderError::Settings`] if settings are out of range.
 pub fn render(scene: &Scene, settings: &Settings) -> Result<Aovs, RenderError> {
     settings.check(scene)?;
     let view = ViewScene::new(scene, settings);
     let ctx = view.context();
     let colours: Vec<Vec3> = (0..scene.materials.len() as u32).map(|m| display_colour(scene, m).into()).collect();
     let [width, height] = settings.size;
-    let starts: Vec<u32> = (0..width * height).step_by(BATCH as usize).collect();
-    let pixels: Vec<Pixel> = starts
+    let starts: Vec<u32> = (0..width * height).step_by(BATCH_PIXELS as usize).collect();
+    let pixels: Vec<PixelAovs> = starts
         .par_iter()
-        .flat_map_iter(|&start| batch(&ctx, &colours, start..(start + BATCH).min(width * height)))
+        .flat_map_iter(|&start| render_batch(&ctx, &colours, start..(start + BATCH_PIXELS).min(width * height)))
         .collect();
     Ok(Aovs {
         width,
@@ -158,27 +159,28 @@ pub fn render(scene: &Scene, settings: &Settings) -> Result<Aovs, RenderError> {
     })
 }
 
-/// What a range of pixels sees.
-fn batch(ctx: &TraceContext, colours: &[Vec3], range: std::ops::Range<u32>) -> Vec<Pixel> {
+/// AOVs of a range of pixels.
+fn render_batch(ctx: &TraceContext, colours: &[Vec3], range: std::ops::Range<u32>) -> Vec<PixelAovs> {
     let frame = ctx.frame;
-    let places = range.flat_map(|index| (0..=CENTRE).map(move |place| (index, place)));
-    let marches: Vec<RaySegment> = places
-        .map(|(index, place)| {
-            let [dx, dy] = if place == CENTRE {
+    let positions = range.flat_map(|index| (0..=CENTRE).map(move |position_index| (index, position_index)));
+    let segments: Vec<RaySegment> = positions
+        .map(|(index, position_index)| {
+            let [dx, dy] = if position_index == CENTRE {
                 [0.5; 2]
             } else {
-                [place % SIDE, place / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32)
+                [position_index % GRID_SIDE, position_index / GRID_SIDE].map(|k| (k as f32 + 0.5) / GRID_SIDE as f32)
             };
             let ray = central_ray(frame, (index % frame.width) as f32 + dx, (index / frame.width) as f32 + dy);
             RaySegment { ray, path_length: 0.0, limit: f32::INFINITY }
         })
         .collect();
-    let hits = march(ctx, &marches);
-    let (indices, met): (Vec<usize>, Vec<_>) =
-        hits.iter().enumerate().filter_map(|(index, hit)| Some((index, (marches[index], (*hit)?)))).unzip();
-    let place = |index: usize| index as u32 % (GRID + 1);
-    let surfaces = interactions(ctx, &met, |k, blend| blend_threshold(place(indices[k]), blend));
-    let nothing = Pixel {
+    let hits = march(ctx, &segments);
+    let (indices, segment_hits): (Vec<usize>, Vec<_>) =
+        hits.iter().enumerate().filter_map(|(index, hit)| Some((index, (segments[index], (*hit)?)))).unzip();
+    let position_index = |index: usize| index as u32 % (GRID_POSITIONS + 1);
+    let interactions =
+        surface_interactions(ctx, &segment_hits, |k, blend| blend_threshold(position_index(indices[k]), blend));
+    let no_hit = PixelAovs {
         albedo: Vec3::ZERO,
         normal: Vec3::ZERO,
         depth: f32::INFINITY,
@@ -186,9 +188,9 @@ fn batch(ctx: &TraceContext, colours: &[Vec3], range: std::ops::Range<u32>) -> V
         object: 0,
         material: 0,
     };
-    let mut pixels = vec![nothing; marches.len() / (GRID as usize + 1)];
-    for (index, surface) in indices.into_iter().zip(surfaces) {
-        add(ctx, colours, place(index), &surface, &mut pixels[index / (GRID as usize + 1)]);
+    let mut pixels = vec![no_hit; segments.len() / (GRID_POSITIONS as usize + 1)];
+    for (index, interaction) in indices.into_iter().zip(interactions) {
+        add_hit(ctx, colours, position_index(index), &interaction, &mut pixels[index / (GRID_POSITIONS as usize + 1)]);
     }
     for pixel in &mut pixels {
         pixel.normal = pixel.normal.normalize_or_zero();
@@ -196,21 +198,27 @@ fn batch(ctx: &TraceContext, colours: &[Vec3], range: std::ops::Range<u32>) -> V
     pixels
 }
 
-/// The weight above which the second material of a blend shows. Over the grid the thresholds of each blend are evenly
-/// spaced, so that the mean is the blend; those of two blends form a lattice.
-fn blend_threshold(place: u32, blend: u32) -> f32 {
-    if place == CENTRE {
+/// Weight above which the second material of a blend is chosen at a position. Over the grid, the thresholds of each
+/// blend are evenly spaced, so that the mean is the blend; those of two blends form a lattice.
+fn blend_threshold(position_index: u32, blend: u32) -> f32 {
+    if position_index == CENTRE {
         return 0.5;
     }
-    let turn = 2 * (blend % GRID) + 1;
-    (((place * turn) % GRID) as f32 + 0.5) / GRID as f32
+    let multiplier = 2 * (blend % GRID_POSITIONS) + 1;
+    (((position_index * multiplier) % GRID_POSITIONS) as f32 + 0.5) / GRID_POSITIONS as f32
 }
 
-/// Adds what the ray through this place of a pixel has met to it.
-fn add(ctx: &TraceContext, colours: &[Vec3], place: u32, surface: &SurfaceInteraction, pixel: &mut Pixel) {
-    let &SurfaceInteraction { p, leaf, normal, .. } = surface;
+/// Adds the hit of the ray through a position of a pixel to the pixel.
+fn add_hit(
+    ctx: &TraceContext,
+    colours: &[Vec3],
+    position_index: u32,
+    interaction: &SurfaceInteraction,
+    pixel: &mut PixelAovs,
+) {
+    let &SurfaceInteraction { p, leaf, normal, .. } = interaction;
     let material = ctx.scene.leaves[leaf].material as usize;
-    if place == CENTRE {
+    if position_index == CENTRE {
         pixel.position = p;
         pixel.depth = (p - Vec3::from(ctx.frame.position)).dot(Vec3::from(ctx.frame.forward));
         pixel.object = ctx.scene.field.leaves()[leaf].object + 1;
@@ -219,7 +227,8 @@ fn add(ctx: &TraceContext, colours: &[Vec3], place: u32, surface: &SurfaceIntera
     }
     pixel.normal += normal;
     if !is_dark_side(ctx, leaf, normal) {
-        let textured = TexturedPoint::new(ctx, leaf, p, surface.outward(), surface.length);
-        pixel.albedo += textured.and_then(|textured| textured.colour()).unwrap_or(colours[material]) / GRID as f32;
+        let textured = TexturedPoint::new(ctx, leaf, p, interaction.outward(), interaction.length);
+        pixel.albedo +=
+            textured.and_then(|textured| textured.colour()).unwrap_or(colours[material]) / GRID_POSITIONS as f32;
     }
 }

@@ -1,4 +1,4 @@
-// Views that need no statistics of sphere tracing.
+// Views without statistics of sphere tracing. Takes the place of march_stats.wgsl.
 
 const steps = 0u;
 const steepest = 0.0;

@@ -304,7 +304,7 @@ impl GpuJob {
         let Progress { samples, row, column, .. } = self.submitted;
         let sample = self.first_sample + samples;
         if self.is_whole() {
-            self.submitted.begun = splitting::together(sample, self.splitting, upto - samples);
+            self.submitted.begun = splitting::samples_sharing_ray(sample, self.splitting, upto - samples);
         }
         let begun = self.submitted.begun;
         let pixels = work / f64::from(begun);

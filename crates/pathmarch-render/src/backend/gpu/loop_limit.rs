@@ -47,7 +47,7 @@ shared_struct! {
         /// Number of surfaces from which the path has continued, or FINISHED.
         surfaces: u32,
         radiance: [f32; 3],
-        passing: u32,
+        passed_clear_glass: u32,
         medium: [f32; 3],
         padding: u32,
     }

@@ -15,7 +15,7 @@ fn resumed(saved: SuspendedPath, sampler: PixelSampler) -> Path {
     path.throughput = saved.throughput;
     path.surfaces = saved.surfaces;
     path.radiance = saved.radiance;
-    path.passing = saved.passing != 0u;
+    path.passed_clear_glass = saved.passed_clear_glass != 0u;
     path.medium = saved.medium;
     return path;
 }
@@ -31,7 +31,7 @@ fn suspend(slot: u32, path: Path) {
         path.throughput,
         path.surfaces,
         path.radiance,
-        select(0u, 1u, path.passing),
+        select(0u, 1u, path.passed_clear_glass),
         path.medium,
     );
     atomicAdd(&suspended.count, 1u);
@@ -52,7 +52,7 @@ fn slice_value(x: u32, y: u32) -> vec4f {
     }
     loop {
         let before = path;
-        let goes_on = path_arrive(&path) && path_scatter(&path);
+        let goes_on = path_intersect(&path) && path_scatter(&path);
         if loops_ended() {
             suspend(slot, before);
             return vec4f(0.0);

@@ -11,7 +11,7 @@ shared_constants! {
 /// Encodes the data of a preview.
 pub(super) fn encode(preview: &Preview) -> Vec<u32> {
     let mut words: Vec<u32> = preview.ambient.iter().flat_map(|factor| factor.to_array().map(f32::to_bits)).collect();
-    words.extend([preview.reach.to_bits(), preview.lights.len() as u32]);
+    words.extend([preview.occlusion_distance.to_bits(), preview.lights.len() as u32]);
     debug_assert_eq!(words.len(), FIRST_LIGHT as usize);
     words.extend(preview.lights.iter().flat_map(|(index, radius)| [*index, radius.to_bits()]));
     words.extend(preview.materials.as_flattened().iter().map(|number| number.to_bits()));

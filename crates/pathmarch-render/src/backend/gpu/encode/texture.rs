@@ -112,16 +112,16 @@ impl<'a> Encoder<'a> {
         self.floats(layer.previews.as_flattened().iter().copied());
         let at = self.offset();
         match &layer.change {
-            Change::Colour { place, colours: Some(colours) } => {
-                self.words.extend([texture, RAMP_LAYER, *place as u32, previews, colours.len() as u32 - 1]);
-                self.floats(colours.as_flattened().iter().copied());
+            Change::Colour { first, ramp: Some(ramp) } => {
+                self.words.extend([texture, RAMP_LAYER, *first as u32, previews, ramp.len() as u32 - 1]);
+                self.floats(ramp.as_flattened().iter().copied());
             }
-            Change::Colour { place, colours: None } => {
-                self.words.extend([texture, OWN_COLOURS_LAYER, *place as u32, previews]);
+            Change::Colour { first, ramp: None } => {
+                self.words.extend([texture, OWN_COLOURS_LAYER, *first as u32, previews]);
             }
-            Change::BsdfParameters { places, knots } => {
-                self.words.extend([texture, PACKED_LAYER, places.len() as u32, previews]);
-                self.words.extend(places.iter().map(|place| *place as u32));
+            Change::Parameters { indices, knots } => {
+                self.words.extend([texture, PACKED_LAYER, indices.len() as u32, previews]);
+                self.words.extend(indices.iter().map(|index| *index as u32));
                 self.floats(knots.iter().flatten().copied());
             }
         }
