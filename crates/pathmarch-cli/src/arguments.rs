@@ -8,7 +8,7 @@ use std::path::Path;
 /// Values of `--backend`.
 #[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub enum BackendArgument {
-    /// GPU if one works, otherwise the CPU
+    /// GPU if one works and is not slower software, otherwise the CPU
     #[default]
     Auto,
     /// GPU only

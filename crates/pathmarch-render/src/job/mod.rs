@@ -58,6 +58,8 @@ impl BackendInfo {
 pub struct Renderer {
     gpu: Option<Arc<GpuContext>>,
     may_fall_back: bool,
+    /// Whether a software adapter is compared with the CPU before it is used.
+    measures: bool,
     /// Reason why no GPU is open although one was requested.
     notice: Option<String>,
 }
@@ -69,24 +71,29 @@ impl Renderer {
     /// [`RenderError`] if a GPU is requested and none can be opened, or none of this name.
     pub fn open(backend: Backend, adapter: Option<&str>) -> Result<Self, RenderError> {
         if backend == Backend::Cpu {
-            return Ok(Self { gpu: None, may_fall_back: false, notice: None });
+            return Ok(Self::on_cpu(None));
         }
         match GpuContext::open(adapter) {
-            Ok(gpu) => Ok(Self { gpu: Some(Arc::new(gpu)), may_fall_back: backend == Backend::Auto, notice: None }),
+            Ok(gpu) if backend == Backend::Auto => Ok(Self::choosing(Arc::new(gpu))),
+            Ok(gpu) => Ok(Self { gpu: Some(Arc::new(gpu)), may_fall_back: false, measures: false, notice: None }),
             Err(error) if backend == Backend::Auto && adapter.is_none() => {
                 let reason = match error {
                     RenderError::NoAdapter { reason } => format!("no usable GPU adapter: {reason}"),
                     other => other.to_string(),
                 };
-                Ok(Self { gpu: None, may_fall_back: false, notice: Some(reason) })
+                Ok(Self::on_cpu(Some(reason)))
             }
             Err(error) => Err(error),
         }
     }
 
+    fn on_cpu(notice: Option<String>) -> Self {
+        Self { gpu: None, may_fall_back: false, measures: false, notice }
+    }
+
     /// Renderer that chooses between this device and the CPU.
     pub(crate) fn choosing(gpu: Arc<GpuContext>) -> Self {
-        Self { gpu: Some(gpu), may_fall_back: true, notice: None }
+        Self { measures: gpu.is_software(), gpu: Some(gpu), may_fall_back: true, notice: None }
     }
 
     /// Opened backend. With [`Backend::Auto`], a job may still use the CPU, see [`Job::backend`].
@@ -122,8 +129,11 @@ impl Renderer {
             return self.start(scene, settings);
         }
         settings.check(scene)?;
-        let motion = MotionBlur::new(self.clone(), animation.clone(), settings, shutter);
-        Ok(Job { work: Work::Moving(Box::new(motion)), settings: settings.clone(), backend: self.backend() })
+        // One choice for the whole picture, not one for each of its moments.
+        let renderer = self.settled(scene, settings, &RenderInput::new(scene, settings));
+        let backend = renderer.backend();
+        let motion = MotionBlur::new(renderer, animation.clone(), settings, shutter);
+        Ok(Job { work: Work::Moving(Box::new(motion)), settings: settings.clone(), backend })
     }
 
     /// Renders a whole picture.
@@ -138,23 +148,27 @@ impl Renderer {
         job.film()
     }
 
+    /// The same renderer, with its choice between a software adapter and the CPU made for a picture.
+    fn settled(&self, scene: &Scene, settings: &Settings, input: &RenderInput) -> Self {
+        match &self.gpu {
+            Some(gpu) if self.measures => match backend_choice::measure(scene, settings, input, gpu) {
+                Choice::Gpu => Self { measures: false, ..self.clone() },
+                Choice::Cpu { reason } => Self::on_cpu(Some(reason)),
+            },
+            _ => self.clone(),
+        }
+    }
+
     /// Tracer of a picture, on the backend that suits it.
     fn trace(&self, scene: &Scene, settings: &Settings) -> Result<(Tracer, BackendInfo), RenderError> {
         settings.check(scene)?;
         let mut input = RenderInput::new(scene, settings);
-        let mut notice = self.notice.clone();
-        if let Some(gpu) = &self.gpu {
-            let choice = match self.may_fall_back && gpu.is_software() {
-                true => backend_choice::measure(scene, settings, &input, gpu),
-                false => Choice::Gpu,
-            };
-            match choice {
-                Choice::Gpu => match on_gpu(&mut input, settings, gpu) {
-                    Ok(job) => return Ok((Tracer::Gpu(Box::new(job)), BackendInfo::gpu(gpu))),
-                    Err(error) if self.may_fall_back => notice = Some(error.to_string()),
-                    Err(error) => return Err(error),
-                },
-                Choice::Cpu { reason } => notice = Some(reason),
+        let Self { gpu, may_fall_back, mut notice, .. } = self.settled(scene, settings, &input);
+        if let Some(gpu) = &gpu {
+            match on_gpu(&mut input, settings, gpu) {
+                Ok(job) => return Ok((Tracer::Gpu(Box::new(job)), BackendInfo::gpu(gpu))),
+                Err(error) if may_fall_back => notice = Some(error.to_string()),
+                Err(error) => return Err(error),
             }
         }
         if settings.splitting.is_none() {
