@@ -24,7 +24,7 @@ fn errors(
     settings: &Settings,
     reference: &Reference,
 ) -> Result<Vec<(u32, f64)>, Failure> {
-    let mut job = start(&mut study.renderers[backend], scene, settings)?;
+    let mut job = start(&study.renderers[backend], scene, settings)?;
     let mut errors = Vec::new();
     let mut samples = 1;
     while samples <= settings.samples {
@@ -65,9 +65,9 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         let times = study.time(&scene, settings.bounces, settings.size)?;
         let backend = Study::fastest(&times);
         study.log(&format!("accumulation: {name}, reference of {} samples", 4 * samples));
-        let mut half = |seed| {
+        let half = |seed| {
             let settings = Settings { seed, ..settings.clone() };
-            render_for(&mut study.renderers[backend], &scene, &settings, Budget::Samples(2 * samples), &study.interrupt)
+            render_for(&study.renderers[backend], &scene, &settings, Budget::Samples(2 * samples), &study.interrupt)
         };
         let (a, b) = (half(1)?, half(2)?);
         let reference = Reference::from_halves(&a.picture, &b.picture, a.samples)?;

@@ -273,7 +273,7 @@ impl Study<'_> {
     /// Renders and writes a picture of the page; returns it for measurement.
     fn picture(&mut self, name: &str, scene: &Scene, settings: &Settings, backend: usize) -> Result<Picture, Failure> {
         let budget = Budget::Samples(settings.samples);
-        let taken = measure::render_for(&mut self.renderers[backend], scene, settings, budget, &self.interrupt)?;
+        let taken = measure::render_for(&self.renderers[backend], scene, settings, budget, &self.interrupt)?;
         let display = Display { tonemap: scene.render.tonemap, exposure_stops: settings.camera_of(scene).exposure };
         let path = self.directory.join(name);
         image::save(&path, &taken.picture, &display, &Provenance::default()).map_err(Failure::other)?;

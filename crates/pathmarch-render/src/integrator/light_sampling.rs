@@ -117,12 +117,14 @@ fn sample_sphere_cone(sphere: &SphereLight, p: Vec3, position: [f32; 2]) -> (Vec
 
 /// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre. Inside the
 /// sphere it is 2, all directions.
+#[inline]
 fn subtended_cone(square: f32, radius: f32) -> f32 {
     let sine_square = radius * radius / square.max(1e-30);
     if sine_square >= 1.0 { 2.0 } else { sine_square / (1.0 + (1.0 - sine_square).sqrt()) }
 }
 
 /// Uniform direction in the cone around `axis` with this 1 - cosine of its half angle.
+#[inline]
 fn cone_direction(axis: Vec3, one_minus_cos: f32, position: [f32; 2]) -> Vec3 {
     let one_minus_cos_theta = one_minus_cos * position[0];
     let sine = (one_minus_cos_theta * (2.0 - one_minus_cos_theta)).max(0.0).sqrt();
@@ -132,6 +134,7 @@ fn cone_direction(axis: Vec3, one_minus_cos: f32, position: [f32; 2]) -> Vec3 {
 
 /// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at
 /// which it leaves.
+#[inline]
 fn sphere_entry(offset: Vec3, direction: Vec3, radius: f32) -> f32 {
     let along = offset.dot(direction);
     let across = offset - direction * along;
@@ -215,6 +218,7 @@ pub(crate) fn light_pdf(light: &Light, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
 }
 
 /// Power heuristic: weight of a sample with pdf `a`, where another strategy has pdf `b`.
+#[inline]
 fn power_heuristic(a: f32, b: f32) -> f32 {
     let ratio = b / a.max(1e-30);
     1.0 / (1.0 + ratio * ratio)
@@ -222,6 +226,7 @@ fn power_heuristic(a: f32, b: f32) -> f32 {
 
 /// MIS weight of BSDF sampling: a ray with pdf `scatter_pdf` hit a light that light sampling chooses with `light_pdf`.
 /// 1 after a delta distribution, for which no light is sampled.
+#[inline]
 pub(crate) fn hit_weight(search: DirectLighting, scatter_pdf: f32, light_pdf: f32) -> f32 {
     match search {
         _ if scatter_pdf <= 0.0 => 1.0,
@@ -233,6 +238,7 @@ pub(crate) fn hit_weight(search: DirectLighting, scatter_pdf: f32, light_pdf: f3
 
 /// MIS weight of light sampling with pdf `light_pdf`, where BSDF sampling has `scatter_pdf`. 1 for lights that no ray
 /// hits.
+#[inline]
 pub(crate) fn sample_weight(search: DirectLighting, light_pdf: f32, scatter_pdf: f32) -> f32 {
     match search {
         _ if light_pdf <= 0.0 => 1.0,
@@ -243,6 +249,7 @@ pub(crate) fn sample_weight(search: DirectLighting, light_pdf: f32, scatter_pdf:
 }
 
 /// Radiance of the sky in the direction of a ray with pdf `scatter_pdf`, times its MIS weight.
+#[inline]
 pub(crate) fn sky_radiance(sky: &SkyLight, search: DirectLighting, direction: Vec3, scatter_pdf: f32) -> Vec3 {
     match sky.radiance(direction) {
         (radiance, Some(pdf)) => radiance * hit_weight(search, scatter_pdf, pdf),
@@ -251,6 +258,7 @@ pub(crate) fn sky_radiance(sky: &SkyLight, search: DirectLighting, direction: Ve
 }
 
 /// Radiance of the suns in the direction of a ray with pdf `scatter_pdf`, times its MIS weight.
+#[inline]
 pub(crate) fn sun_radiance(ctx: &TraceContext, direction: Vec3, scatter_pdf: f32) -> Vec3 {
     let mut radiance = Vec3::ZERO;
     for light in &ctx.scene.lights[..ctx.frame.sun_count as usize] {

@@ -52,16 +52,19 @@ shared_constants! {
 }
 
 /// Hit tolerance at a point of a path of this length, metres.
+#[inline]
 pub(crate) fn tolerance(frame: &FrameUniforms, p: Vec3, path_length: f32) -> f32 {
     (frame.tolerance * path_length).max(frame.rounding * p.abs().max_element())
 }
 
 /// Distance from a surface at which rays start, metres, from the rounding error and the distance at the hit.
+#[inline]
 pub(crate) fn start_offset(rounding: f32x8, distance: f32x8) -> f32x8 {
     f32x8::splat(START_OFFSET) * rounding + f32x8::splat(0.05) * distance.abs()
 }
 
 /// Rounding error of a point on a surface, metres; `origin` is that of its coordinates.
+#[inline]
 pub(crate) fn rounding_at(frame: &FrameUniforms, p: FieldVec3<f32x8>, origin: FieldVec3<f32x8>) -> f32x8 {
     f32x8::splat(frame.rounding) * p.abs().largest().fast_max((p - origin).abs().largest())
 }

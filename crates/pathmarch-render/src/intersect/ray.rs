@@ -38,6 +38,7 @@ pub(crate) struct Rays8 {
 
 impl Rays8 {
     /// Packs one to eight rays.
+    #[inline]
     pub(crate) fn new<'a>(rays: impl Iterator<Item = &'a RaySegment>) -> Self {
         let mut components = [[0.0; 8]; 7];
         let mut count = 0;
@@ -68,6 +69,7 @@ pub(crate) struct Hit {
 
 impl Hit {
     /// Encodes the analytic leaf for [`Field::surface_at_hit`](pathmarch_field::Field::surface_at_hit).
+    #[inline]
     pub(crate) fn encoded(analytic: Option<u32>) -> f32 {
         analytic.map_or(SPHERE_TRACED, |leaf| leaf as f32)
     }

@@ -4,6 +4,7 @@ use glam::{Mat3, Vec3};
 
 /// Right-handed orthonormal basis with `n` as its z axis (Duff et al. 2017, "Building an Orthonormal Basis,
 /// Revisited"). The matrix maps local to world space, its transpose maps world to local space.
+#[inline]
 pub(crate) fn basis(n: Vec3) -> Mat3 {
     let sign = if n.z < 0.0 { -1.0 } else { 1.0 };
     let a = -1.0 / (sign + n.z);

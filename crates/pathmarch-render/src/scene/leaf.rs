@@ -33,11 +33,13 @@ shared_constants! {
 
 impl LeafRecord {
     /// Reports whether this flag is set.
+    #[inline]
     pub(crate) fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
     }
 
     /// Index of the leaf's light; `None` if the leaf is no light.
+    #[inline]
     pub(crate) fn light(&self) -> Option<usize> {
         (self.flags >> LIGHT_SHIFT).checked_sub(1).map(|index| index as usize)
     }

@@ -134,11 +134,13 @@ impl LightShape {
         }
     }
 
+    #[inline]
     pub(crate) fn is_sun(&self) -> bool {
         matches!(self, Self::Sun(_))
     }
 
     /// Sharpness of shadows from near misses; 0 for exact shadows.
+    #[inline]
     pub(crate) fn penumbra(&self) -> f32 {
         match self {
             Self::Point(light) => light.penumbra,
@@ -171,6 +173,7 @@ impl LightShape {
 }
 
 /// Luminance of a linear Rec. 709 colour.
+#[inline]
 pub(crate) fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }

@@ -53,6 +53,7 @@ impl MaterialRecord {
     }
 
     /// Reports whether the material emits.
+    #[inline]
     pub(crate) fn emits(&self) -> bool {
         self.flags & EMITS != 0
     }
@@ -60,6 +61,7 @@ impl MaterialRecord {
 
 /// Transmittance of clear glass with these parameters for an unrefracted ray; `cosine` is that of the angle of
 /// incidence.
+#[inline]
 pub(crate) fn straight_transmittance(parameters: &BsdfParameters, cosine: f32) -> Vec3 {
     let [r, g, b, _, ior, ..] = *parameters;
     Vec3::new(r, g, b) * (1.0 - materials::fresnel(cosine, ior))

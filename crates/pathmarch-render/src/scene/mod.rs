@@ -71,11 +71,13 @@ impl RenderScene {
     }
 
     /// Material of a leaf.
+    #[inline]
     pub(crate) fn material_of(&self, leaf: usize) -> &MaterialRecord {
         &self.materials[self.leaves[leaf].material as usize]
     }
 
     /// Reports whether a leaf emits on the side of this normal: sheets emit on one side only.
+    #[inline]
     pub(crate) fn emits_towards(&self, leaf: usize, normal: Vec3) -> bool {
         let leaf = &self.leaves[leaf];
         !leaf.has(leaf::SHEET) || normal.dot(Vec3::from(leaf.facing)) > 0.0

@@ -73,6 +73,7 @@ impl SkyLight {
 
     /// Radiance of a direction, W/(m² sr), and the pdf of light sampling over solid angle; no pdf for a sky that is not
     /// sampled.
+    #[inline]
     pub(crate) fn radiance(&self, direction: Vec3) -> (Vec3, Option<f32>) {
         match &self.source {
             Sky::Map(environment) if self.pdf_scale > 0.0 => {

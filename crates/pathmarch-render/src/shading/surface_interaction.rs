@@ -28,6 +28,7 @@ pub(crate) struct SurfaceInteraction {
 
 impl SurfaceInteraction {
     /// Unit normal that points out of the solid.
+    #[inline]
     pub(crate) fn outward(&self) -> Vec3 {
         if self.inside { -self.normal } else { self.normal }
     }

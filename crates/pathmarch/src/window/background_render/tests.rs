@@ -154,7 +154,7 @@ fn an_unwritable_output_is_reported_at_once() {
         ("no/a.png", &[][..], "no does not exist"),
         ("a.gif", &[], ".png"),
         ("a.png", &Layer::ALL, ".exr"),
-        ("", &[], "ends in"),
+        ("", &[], "extension of an image"),
     ] {
         let mut task = task(directory.path().join(name));
         task.settings.samples = 1_000_000;

@@ -179,7 +179,7 @@ impl App {
                 for operator in solids().filter(|solid| solid.is_operator()) {
                     let info = operator.info();
                     if ui.button(&*info.name).on_hover_text(&*info.doc).clicked() {
-                        actions.push(TreeAction::Group(path.clone(), &*info.name));
+                        actions.push(TreeAction::Group(path.clone(), &info.name));
                         ui.close();
                     }
                 }
