@@ -149,7 +149,7 @@ pub(crate) const POINTER: &[(&str, &str)] = &[
     ("Double click", "Aim the camera at the clicked point and focus on it."),
     ("Drag", "Orbit around the camera's target."),
     ("Middle drag, or Shift + drag", "Pan the camera."),
-    ("Right drag", "PreviewMaterial around without moving."),
+    ("Right drag", "Look around without moving."),
     ("Wheel", "Move towards the target or away from it."),
     ("W A S D", "Fly; Q and E go down and up, Shift is faster."),
     ("Ctrl + plus or minus", "Zoom the user interface; Ctrl + 0 resets it."),

@@ -38,7 +38,7 @@ pub struct FileWatcher {
 
 enum Message {
     /// An event in the directory: check the file.
-    PreviewMaterial,
+    Check,
     Stop,
 }
 
@@ -105,7 +105,7 @@ impl FileWatcher {
         state.revision += 1;
         drop(state);
         // Without a thread nothing is watched.
-        let _ = self.sender.send(Message::PreviewMaterial);
+        let _ = self.sender.send(Message::Check);
     }
 }
 
@@ -121,7 +121,7 @@ fn watcher(path: &Path, sender: Sender<Message>) -> Option<RecommendedWatcher> {
     // Every event triggers a check, even an overflow of the event queue.
     let mut watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
         if !event.is_ok_and(|event| event.kind.is_access()) {
-            let _ = sender.send(Message::PreviewMaterial);
+            let _ = sender.send(Message::Check);
         }
     })
     .ok()?;
@@ -149,7 +149,7 @@ fn follow(shared: &Shared, receiver: &Receiver<Message>, poll: Duration, wake: i
         }
         match receiver.recv_timeout(poll) {
             Ok(Message::Stop) | Err(RecvTimeoutError::Disconnected) => return,
-            Ok(Message::PreviewMaterial) => seen = None,
+            Ok(Message::Check) => seen = None,
             Err(RecvTimeoutError::Timeout) => {}
         }
     }
@@ -187,8 +187,8 @@ fn settle(shared: &Shared, receiver: &Receiver<Message>) -> Option<Found> {
         loop {
             match receiver.recv_timeout(QUIET_PERIOD) {
                 Ok(Message::Stop) | Err(RecvTimeoutError::Disconnected) => return None,
-                Ok(Message::PreviewMaterial) if began.elapsed() < MAX_WAIT => {}
-                Ok(Message::PreviewMaterial) | Err(RecvTimeoutError::Timeout) => break,
+                Ok(Message::Check) if began.elapsed() < MAX_WAIT => {}
+                Ok(Message::Check) | Err(RecvTimeoutError::Timeout) => break,
             }
         }
         if shared.stopped() {

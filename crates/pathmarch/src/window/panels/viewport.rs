@@ -18,7 +18,7 @@ const GRAB_DISTANCE: f32 = 7.0;
 /// Action of a click, run after all borrows have ended.
 enum PickAction {
     Select(Option<Picked>),
-    PreviewMaterial(Picked),
+    LookAt(Picked),
     Focus(Option<Picked>),
 }
 
@@ -141,7 +141,7 @@ impl App {
         let focuses = modifiers.alt || open.view.focus_click;
         let action = match picked {
             picked if focuses => PickAction::Focus(picked),
-            Some(picked) if response.double_clicked() => PickAction::PreviewMaterial(picked),
+            Some(picked) if response.double_clicked() => PickAction::LookAt(picked),
             picked => PickAction::Select(picked),
         };
         self.apply_pick(action);
@@ -153,7 +153,7 @@ impl App {
         match action {
             PickAction::Select(None) => view.selection = None,
             PickAction::Select(Some(picked)) => view.selection = open.document.path_of_leaf(picked.leaf),
-            PickAction::PreviewMaterial(picked) => {
+            PickAction::LookAt(picked) => {
                 navigation::look_at(&mut view.camera, picked.position.into());
                 // Focus on the new target, like a camera with centre autofocus.
                 if view.camera.focus.is_some() {
