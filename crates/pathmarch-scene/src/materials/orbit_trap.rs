@@ -3,7 +3,7 @@
 
 use crate::textures::ramp;
 
-/// Geometry that traps orbits: the numbers of [`Shape::orbit`](pathmarch_field::Shape::orbit), in their order.
+/// Geometry that traps orbits: the numbers of [`Field::orbit`](pathmarch_field::Field::orbit), in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trap {
     /// The origin: least distance.
