@@ -44,7 +44,7 @@ pub trait ShapeDef: Send + Sync + 'static {
     }
     /// True if rays intersect it analytically: [`interval`](Self::interval) or [`ray`](Self::ray) is implemented.
     const ANALYTIC: bool = Self::CONVEX;
-    /// Metres from `origin` along the unit vector `direction` to the first hit, from outside or inside; [`T_MAX`] if the ray
+    /// Metres from `origin` along the unit vector `direction` to the first hit, from outside or inside; [`T_MAX`](crate::T_MAX) if the ray
     /// misses.
     #[inline(always)]
     fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, params: Self::Params<N>) -> N {
