@@ -10,7 +10,7 @@ fn clamped(contribution: vec3f, bounces: u32) -> vec3f {
     return contribution * (frame.clamp / max(largest(contribution), frame.clamp));
 }
 
-/// Path at its current surface interaction.
+/// Path at its current hit: `ray.origin` is the hit point. The interaction there is resolved where it is needed.
 struct Path {
     ray: Ray,
     sampler: PixelSampler,
@@ -30,7 +30,8 @@ struct Path {
     index_square: f32,
     /// Number of surfaces at which the path was scattered.
     surfaces: u32,
-    interaction: SurfaceInteraction,
+    hit: Hit,
+    surface_at_hit: Surface,
 }
 
 /// Path that starts with a camera ray.
@@ -64,11 +65,14 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
         return false;
     }
     (*path).length += hit.t;
-    (*path).interaction = surface_interaction(ray, hit, unstratified_seed((*path).sampler, (*path).surfaces));
-    let interaction = (*path).interaction;
-    let leaf = leaves[interaction.leaf];
+    let hit_point = ray.origin + ray.direction * hit.t;
+    (*path).ray.origin = hit_point;
+    (*path).hit = hit;
+    (*path).surface_at_hit = surface(hit_point, hit.hit_id, unstratified_seed((*path).sampler, (*path).surfaces));
+    let leaf = leaves[(*path).surface_at_hit.leaf];
     let m = leaf.material;
     if HAS_EMITTERS && (materials[m].flags & EMITS) != 0u {
+        let interaction = resolve_surface(hit_point, ray.direction, hit, (*path).surface_at_hit);
         let light = leaf.flags >> LIGHT_SHIFT;
         // Shadow rays have already contributed it.
         let counted = FAST_CAUSTICS && (*path).passed_clear_glass && light > 0u;
@@ -78,7 +82,6 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
                 weight = (*path).index_square;
             } else if HAS_SURFACE_LIGHTS && light > 0u {
                 let cosine = abs(dot(interaction.normal, ray.direction));
-                let hit_point = ray.origin + ray.direction * hit.t;
                 weight = hit_weight((*path).scatter_pdf, light_pdf(lights[light - 1u], (*path).previous_vertex, hit_point, cosine));
             }
             (*path).radiance += clamped((*path).throughput * materials[m].emission * weight, bounces);
@@ -92,7 +95,7 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
 fn path_scatter(path: ptr<function, Path>) -> bool {
     let surface_index = (*path).surfaces;
     let incoming = (*path).ray.direction;
-    let interaction = (*path).interaction;
+    let interaction = resolve_surface((*path).ray.origin, incoming, (*path).hit, (*path).surface_at_hit);
     let m = leaves[interaction.leaf].material;
     let flags = materials[m].flags;
     let outward = outward_normal(interaction);

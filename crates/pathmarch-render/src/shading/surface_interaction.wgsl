@@ -18,13 +18,17 @@ struct SurfaceInteraction {
 /// Surface interaction of a hit. `seed` chooses one of two blended materials.
 fn surface_interaction(ray: Ray, hit: Hit, seed: u32) -> SurfaceInteraction {
     let hit_point = ray.origin + ray.direction * hit.t;
-    let surface_at_hit = surface(hit_point, hit.hit_id, seed);
+    return resolve_surface(hit_point, ray.direction, hit, surface(hit_point, hit.hit_id, seed));
+}
+
+/// Surface interaction of a hit at `hit_point`, from the surface of the field there.
+fn resolve_surface(hit_point: vec3f, direction: vec3f, hit: Hit, surface_at_hit: Surface) -> SurfaceInteraction {
     let gradient_length = max(length(surface_at_hit.gradient), 1e-6);
     let outward = surface_at_hit.gradient / gradient_length;
     let rounding = rounding_at(hit_point, leaves[surface_at_hit.leaf].origin);
     // Within rounding of the surface, the direction of the ray decides the side; elsewhere the sign of the field does.
     let on_surface = hit.analytic || abs(surface_at_hit.distance) <= rounding + frame.rounding * hit.t;
-    let inside = select((surface_at_hit.distance < 0.0), (dot(outward, ray.direction) > 0.0), on_surface);
+    let inside = select((surface_at_hit.distance < 0.0), (dot(outward, direction) > 0.0), on_surface);
     let residual = surface_at_hit.distance / gradient_length;
     let normal = select(outward, -outward, inside);
     return SurfaceInteraction(hit_point - outward * residual, surface_at_hit.leaf, normal, inside, start_offset(rounding, residual));
