@@ -277,10 +277,10 @@ fn shade(
     let wo_unclamped = local_from_world * -path.ray.direction;
     // The normal of a rough field may point away from the ray: then its mirrored direction replaces it.
     let wo = wo_unclamped.with_z(wo_unclamped.z.abs().max(1e-5));
-    let transmits = material.flags & TRANSMITS != 0;
+    let transmits = material.has(TRANSMITS);
     let medium_beyond_surface = medium_beyond(path.medium, Vec3::from(material.absorption), inside);
     let [light_choice, roulette] = samples.choice;
-    if material.flags & DELTA == 0 {
+    if !material.has(DELTA) {
         path.previous_vertex = if transmits { p } else { p + normal_offset };
         if let Some(light) = light_sampling::sample_light(ctx, path.previous_vertex, light_choice, samples.light) {
             let wi = local_from_world * light.direction;

@@ -142,9 +142,7 @@ impl Renderer {
     /// Those of [`start`](Self::start), and [`RenderError::Device`] if the device fails while rendering.
     pub fn render(&self, scene: &Scene, settings: &Settings) -> Result<Film, RenderError> {
         let mut job = self.start(scene, settings)?;
-        while job.samples_done() < f64::from(settings.samples) {
-            job.advance(settings.samples)?;
-        }
+        job.run(|_| false, |_| {})?;
         job.film()
     }
 

@@ -44,7 +44,7 @@ pub(crate) struct KernelConfig {
 
 impl KernelConfig {
     pub(crate) fn new(scene: &RenderScene, settings: &Settings) -> Self {
-        let transmits = scene.materials.iter().any(|material| material.flags & TRANSMITS != 0);
+        let transmits = scene.materials.iter().any(|material| material.has(TRANSMITS));
         let penumbra = |shape: &LightShape| shape.penumbra() > 0.0;
         let textured = |has: fn(&TexturedMaterial) -> bool| scene.textured_materials.iter().any(has);
         Self {

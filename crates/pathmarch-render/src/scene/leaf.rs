@@ -1,5 +1,6 @@
 //! Leaves of the field: material, light and flags of each surface.
 
+use super::flag_if;
 use super::light::Light;
 use crate::wgsl::{shared_constants, shared_struct};
 use pathmarch_scene::Scene;
@@ -54,7 +55,6 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
     for leaf in field.leaves() {
         in_glass[leaf.object as usize] |= scene.materials[leaf.tag as usize].transmits();
     }
-    let flag = |flag: u32, set: bool| if set { flag } else { 0 };
     let record = |(index, leaf): (usize, &pathmarch_field::graph::Leaf)| {
         let light = light_of_leaf.get(&(index as u32)).map_or(0, |light| light + 1);
         LeafRecord {
@@ -62,9 +62,9 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
             material: leaf.tag,
             // A modifier bends space, so that the leaf has neither an origin nor a facing direction in world space.
             origin: if leaf.modified { [0.0; 3] } else { leaf.pose.at },
-            flags: flag(SHEET, leaf.shape.info().sheet && !leaf.modified)
-                | flag(ANALYTIC, field.is_analytic_leaf(index))
-                | flag(IN_GLASS, in_glass[leaf.object as usize])
+            flags: flag_if(SHEET, leaf.shape.info().sheet && !leaf.modified)
+                | flag_if(ANALYTIC, field.is_analytic_leaf(index))
+                | flag_if(IN_GLASS, in_glass[leaf.object as usize])
                 | (light << LIGHT_SHIFT),
         }
     };

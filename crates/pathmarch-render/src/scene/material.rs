@@ -1,5 +1,6 @@
 //! Material records: emission, absorption, flags and BSDF parameters.
 
+use super::flag_if;
 use super::textured_material::TexturedMaterial;
 use crate::wgsl::{shared_constants, shared_struct};
 use glam::Vec3;
@@ -37,7 +38,7 @@ pub(crate) const CLEAR: u32 = DELTA | TRANSMITS;
 impl MaterialRecord {
     pub(super) fn new(material: &Material, textured: &TexturedMaterial) -> Self {
         let kind = materials::kinds().iter().position(|kind| std::ptr::eq(*kind, material.kind)).unwrap_or_default();
-        let mut flags = EMITS * u32::from(material.emits());
+        let mut flags = flag_if(EMITS, material.emits());
         let mut parameters = BsdfParameters::default();
         if let Some(bsdf) = material.kind.bsdf {
             parameters = (bsdf.pack)(&material.values);
@@ -45,9 +46,8 @@ impl MaterialRecord {
             if all_parameters.is_empty() {
                 all_parameters.push(parameters);
             }
-            let flag = |flag: u32, set: bool| if set { flag } else { 0 };
-            flags |= flag(DELTA, all_parameters.iter().all(bsdf.is_delta))
-                | flag(TRANSMITS, all_parameters.iter().any(bsdf.transmits));
+            flags |= flag_if(DELTA, all_parameters.iter().all(bsdf.is_delta))
+                | flag_if(TRANSMITS, all_parameters.iter().any(bsdf.transmits));
         }
         Self { emission: material.emission(), flags, absorption: material.absorption(), kind: kind as u32, parameters }
     }
@@ -55,7 +55,13 @@ impl MaterialRecord {
     /// Reports whether the material emits.
     #[inline]
     pub(crate) fn emits(&self) -> bool {
-        self.flags & EMITS != 0
+        self.has(EMITS)
+    }
+
+    /// Reports whether this flag is set.
+    #[inline]
+    pub(crate) fn has(&self, flag: u32) -> bool {
+        self.flags & flag != 0
     }
 }
 

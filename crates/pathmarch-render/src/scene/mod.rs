@@ -28,6 +28,11 @@ use pathmarch_field::{Aabb, Field};
 use pathmarch_scene::materials::Bsdf;
 use pathmarch_scene::{Camera, Scene};
 
+/// This flag where the condition holds, else 0.
+fn flag_if(flag: u32, condition: bool) -> u32 {
+    if condition { flag } else { 0 }
+}
+
 /// Tables of a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct RenderScene {

@@ -49,7 +49,7 @@ static FILES: &[ShaderFile] = shader_files![
     "backend/gpu/trace",
     "integrator/camera",
     "integrator/light_sampling" shares || encode::light::shared_wgsl() + &light_sampling::shared_wgsl(),
-    "integrator/light_weights" shares encode::light::search_wgsl,
+    "integrator/light_weights" shares encode::light::direct_lighting_wgsl,
     "integrator/medium" shares medium::shared_wgsl,
     "integrator/moments",
     "integrator/no_penumbra",

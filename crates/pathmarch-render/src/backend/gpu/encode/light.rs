@@ -51,7 +51,7 @@ pub(crate) fn shared_wgsl() -> String {
 }
 
 /// Values of `DIRECT_LIGHTING` in WGSL.
-pub(crate) fn search_wgsl() -> String {
+pub(crate) fn direct_lighting_wgsl() -> String {
     let mut code = String::new();
     write_constant(&mut code, &[], "LIGHT_SAMPLING", &(DirectLighting::LightSampling as u32));
     write_constant(&mut code, &[], "BSDF_SAMPLING", &(DirectLighting::BsdfSampling as u32));
