@@ -2,6 +2,7 @@
 //!
 //! The parser, the reference page, the window's controls and the tests read the same [`Param`].
 
+use crate::range::Range;
 use std::borrow::Cow;
 
 /// Unit of a parameter.
@@ -41,12 +42,8 @@ pub struct Param {
     pub unit: Unit,
     /// Value used when none is given.
     pub default: f32,
-    /// Smallest allowed value.
-    pub min: f32,
-    /// True if `min` itself is allowed.
-    pub min_allowed: bool,
-    /// Largest allowed value.
-    pub max: f32,
+    /// Allowed values.
+    pub range: Range,
     /// One line of documentation.
     pub doc: Cow<'static, str>,
 }
@@ -54,21 +51,23 @@ pub struct Param {
 impl Param {
     /// Specification of a length above zero, metres.
     pub const fn length(name: &'static str, default: f32, doc: &'static str) -> Self {
-        let (name, doc) = (Cow::Borrowed(name), Cow::Borrowed(doc));
-        Self { name, unit: Unit::Metres, default, min: 0.0, min_allowed: false, max: f32::MAX, doc }
+        Self::within(name, default, Range::POSITIVE, doc).with_unit(Unit::Metres)
     }
     /// Specification of a length of zero or more, metres.
     pub const fn length_or_zero(name: &'static str, default: f32, doc: &'static str) -> Self {
-        Self::between(name, default, 0.0, f32::MAX, doc).with_unit(Unit::Metres)
+        Self::within(name, default, Range::NOT_NEGATIVE, doc).with_unit(Unit::Metres)
     }
     /// Specification of any finite number, e.g. a component of a direction.
     pub const fn any(name: &'static str, default: f32, doc: &'static str) -> Self {
-        Self::between(name, default, f32::MIN, f32::MAX, doc)
+        Self::within(name, default, Range::ANY, doc)
     }
     /// Specification of a number from `min` to `max`.
     pub const fn between(name: &'static str, default: f32, min: f32, max: f32, doc: &'static str) -> Self {
-        let (name, doc) = (Cow::Borrowed(name), Cow::Borrowed(doc));
-        Self { name, unit: Unit::Ratio, default, min, min_allowed: true, max, doc }
+        Self::within(name, default, Range::from_to(min, max), doc)
+    }
+    /// Specification of a number in a range.
+    pub const fn within(name: &'static str, default: f32, range: Range, doc: &'static str) -> Self {
+        Self { name: Cow::Borrowed(name), unit: Unit::Ratio, default, range, doc: Cow::Borrowed(doc) }
     }
     /// Specification of a whole number from `min` to `max`.
     pub const fn count(name: &'static str, default: f32, min: f32, max: f32, doc: &'static str) -> Self {
@@ -88,19 +87,16 @@ impl Param {
         self.default = default;
         self
     }
-    /// Reports whether `value` is finite and within the range.
+    /// True if the parameter takes whole numbers only.
+    pub fn is_whole(&self) -> bool {
+        matches!(self.unit, Unit::Count | Unit::Axis)
+    }
+    /// True if `value` is in the range, and whole where it must be.
     pub fn accepts(&self, value: f32) -> bool {
-        value.is_finite() && (value > self.min || self.min_allowed && value == self.min) && value <= self.max
+        self.range.accepts(value) && (!self.is_whole() || value.fract() == 0.0)
     }
     /// Description of the range, to follow "must be", e.g. "above 0".
     pub fn range_in_words(&self) -> String {
-        let whole = if self.unit == Unit::Count { "a whole number " } else { "" };
-        match (self.min > f32::MIN, self.max < f32::MAX) {
-            (true, true) => format!("{whole}from {} to {}", self.min, self.max),
-            (true, false) if self.min_allowed => format!("{whole}{} or more", self.min),
-            (true, false) => format!("{whole}above {}", self.min),
-            (false, true) => format!("{whole}at most {}", self.max),
-            (false, false) => format!("{whole}any finite number"),
-        }
+        format!("{}{}", if self.is_whole() { "a whole number " } else { "" }, self.range.in_words())
     }
 }

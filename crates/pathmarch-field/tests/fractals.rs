@@ -17,8 +17,8 @@ fn defaults(shape: &'static dyn Shape) -> Case {
 fn any_params(shape: &dyn Shape, random: &mut Random) -> Vec<f32> {
     let any = |param: &Param, random: &mut Random| match param.unit {
         Unit::Degrees => random.within(-180.0, 180.0),
-        Unit::Count => random.within(param.min, param.max + 1.0).floor().min(param.max),
-        _ => random.within(param.min, param.max),
+        Unit::Count => random.within(param.range.min, param.range.max + 1.0).floor().min(param.range.max),
+        _ => random.within(param.range.min, param.range.max),
     };
     shape.params().iter().map(|param| any(param, random)).collect()
 }
@@ -30,8 +30,8 @@ fn slope(case: &Case, p: Vec3<f32>) -> f32 {
 /// Random points, and from the steepest of them a climb by ever smaller random steps.
 #[test]
 fn slopes_of_fractals_stay_below_their_constant() {
-    for (k, shape) in fractals().enumerate() {
-        let mut random = Random::new(100 + k as u64);
+    for shape in fractals() {
+        let mut random = Random::named(&shape.info().name, 100);
         // By random points and by climbing from them; with the defaults and with any parameters.
         let mut steepest = [[0f32; 2]; 2];
         for set in 0..300 {
@@ -87,8 +87,8 @@ fn fractals_have_no_jumps() {
 #[test]
 fn marches_do_not_pass_through_fractals() {
     const LOOKS: u32 = 20;
-    let mut random = Random::new(300);
     for case in cases(4).iter().filter(|case| case.shape.has_orbit()) {
+        let mut random = case.random(300);
         let (mut hits, mut total, mut most) = (0, 0, 0);
         for _ in 0..300 {
             let origin = random.direction() * (2.0 * case.size);
@@ -122,21 +122,26 @@ fn marches_do_not_pass_through_fractals() {
     }
 }
 
+/// Iterations magnify the rounding by which lanes and single points differ, so that points a few roundings away set the
+/// tolerance.
 #[test]
 fn orbits_of_eight_lanes_equal_one_and_print_valid_wgsl() {
-    let mut random = Random::new(200);
     for shape in fractals() {
         validate(&shape.wgsl_orbit());
     }
     for case in cases(4).iter().filter(|case| case.shape.has_orbit()) {
+        let mut random = case.random(200);
         for points in case.points(256, &mut random).chunks(8) {
             let side_by_side = case.shape.orbit(lanes(points), &case.params).map(|trap| trap.to_array());
             for (k, &p) in points.iter().enumerate() {
                 let alone = case.shape.orbit(p, &case.params);
+                let nearby = [-1.0, 1.0].map(|sign| case.shape.orbit(p * (1.0 + sign * 5e-7), &case.params));
                 for (trap, value) in alone.iter().enumerate() {
                     let other = side_by_side[trap][k];
+                    let change = nearby.iter().map(|orbit| (orbit[trap] - value).abs()).fold(0.0, f32::max);
+                    let tolerance = 1e-5 * value.abs().max(1.0) + 2.0 * change;
                     assert!(
-                        value.is_finite() && (value - other).abs() <= 1e-5 * value.abs().max(1.0),
+                        value.is_finite() && (value - other).abs() <= tolerance,
                         "{} {p:?}: {value} {other}",
                         case.name()
                     );

@@ -19,9 +19,9 @@ fn blends() -> Vec<Option<Blend>> {
 }
 
 fn each(mut test: impl FnMut(&'static dyn Operator, Option<Blend>, &mut Random)) {
-    for (k, operator) in operators().iter().filter(|operator| operator.blends()).enumerate() {
+    for operator in operators().iter().filter(|operator| operator.blends()) {
         for blend in blends() {
-            test(*operator, blend, &mut Random::new(k as u64 + 1));
+            test(*operator, blend, &mut Random::named(&operator.info().name, 0));
         }
     }
 }

@@ -38,16 +38,16 @@ fn every_shape_prints_valid_wgsl() {
 
 #[test]
 fn eight_lanes_equal_one() {
-    let mut random = Random::new(1);
     for case in cases(6) {
+        let mut random = case.random(1);
         case.assert_lanes_equal_one(512, &mut random);
     }
 }
 
 #[test]
 fn gradients_are_finite_everywhere_and_within_the_lipschitz_constant() {
-    let mut random = Random::new(2);
     for case in cases(6) {
+        let mut random = case.random(2);
         let mut points = case.special_points();
         points.extend(case.points(1000, &mut random));
         points.extend(case.surface_points(300, &mut random));
@@ -63,8 +63,8 @@ fn gradients_are_finite_everywhere_and_within_the_lipschitz_constant() {
 
 #[test]
 fn gradients_of_exact_shapes_have_length_one() {
-    let mut random = Random::new(3);
     for case in cases(6) {
+        let mut random = case.random(3);
         for p in case.points(2000, &mut random) {
             let field = case.gradient(p);
             let length = field.gradient.length();
@@ -77,9 +77,11 @@ fn gradients_of_exact_shapes_have_length_one() {
 
 #[test]
 fn gradients_agree_with_central_differences() {
-    let mut random = Random::new(4);
     for case in cases(6) {
+        let mut random = case.random(4);
         let step = 2e-3 * case.size;
+        // Fractals curve within a step.
+        let tolerance = if case.shape.has_orbit() { 5e-2 } else { 2e-2 };
         let mut compared = 0;
         for p in case.points(400, &mut random).into_iter().filter(|p| p.length() < 3.0 * case.size) {
             let axes = [Vec3::new(step, 0.0, 0.0), Vec3::new(0.0, step, 0.0), Vec3::new(0.0, 0.0, step)];
@@ -93,7 +95,7 @@ fn gradients_agree_with_central_differences() {
             }
             let [x, y, z] = axes.map(|axis| (case.distance(p + axis) - case.distance(p - axis)) / (2.0 * step));
             let apart = (Vec3::new(x, y, z) - here).length();
-            assert!(apart < 2e-2, "{} {p:?}: {apart} apart", case.name());
+            assert!(apart < tolerance, "{} {p:?}: {apart} apart", case.name());
             compared += 1;
         }
         assert!(compared > 100, "{}: only {compared} smooth points", case.name());
@@ -102,8 +104,8 @@ fn gradients_agree_with_central_differences() {
 
 #[test]
 fn distances_keep_their_lipschitz_constant() {
-    let mut random = Random::new(5);
     for case in cases(6) {
+        let mut random = case.random(5);
         for a in case.points(2000, &mut random) {
             let step = case.size * 10f32.powf(random.within(-4.0, 1.0));
             let b = a + random.direction() * step;
@@ -116,8 +118,8 @@ fn distances_keep_their_lipschitz_constant() {
 
 #[test]
 fn bounds_hold_the_solid() {
-    let mut random = Random::new(6);
     for case in cases(6) {
+        let mut random = case.random(6);
         let bounds = case.shape.bounds(&case.params);
         for p in case.points(2000, &mut random) {
             assert!(
@@ -155,8 +157,8 @@ fn bounds_of_exact_shapes_touch_the_surface() {
 
 #[test]
 fn exact_distances_are_those_to_the_nearest_surface_point() {
-    let mut random = Random::new(7);
     for case in cases(4).iter().filter(|case| case.shape.info().exact) {
+        let mut random = case.random(7);
         let surface = case.surface_points(2000, &mut random);
         assert!(surface.len() > 500, "{}: {} surface points", case.name(), surface.len());
         for p in case.points(400, &mut random) {
@@ -186,8 +188,8 @@ fn exact_distances_are_those_to_the_nearest_surface_point() {
 
 #[test]
 fn solids_are_negative_inside_and_sheets_nowhere() {
-    let mut random = Random::new(8);
     for case in cases(6) {
+        let mut random = case.random(8);
         let points = case.points(2000, &mut random);
         let negative = points.iter().filter(|p| case.distance(**p) < 0.0).count();
         if case.shape.info().sheet {
@@ -252,8 +254,8 @@ fn inside(name: &str, p: Vec3<f32>, k: &[f32]) -> Option<bool> {
 
 #[test]
 fn signs_follow_the_definition() {
-    let mut random = Random::new(9);
     for case in cases(10) {
+        let mut random = case.random(9);
         for p in case.points(2000, &mut random) {
             let distance = case.distance(p);
             if distance.abs() < 1e-5 * (case.size + p.length()) {

@@ -13,7 +13,7 @@ use crate::settings::{RENDER, RenderSettings, Setting};
 use crate::sky::Sky;
 use glam::Vec3;
 use pathmarch_field::graph::Kind;
-use pathmarch_field::{Blend, Field, Node, Param, Placement, Unit, registry};
+use pathmarch_field::{Blend, Field, Node, Param, Placement, registry};
 use std::collections::HashSet;
 
 /// Error of parts that make no scene: the problem, its place, and what is expected.
@@ -68,8 +68,8 @@ pub fn material(name: &str, kind: &str, values: &[(&str, [f32; 3])]) -> Result<M
     };
     let mut material = Material::new(name, kind);
     for (param, value) in values {
-        let Some(index) = kind.params.iter().position(|known| known.name == *param) else {
-            let known = kind.params.iter().map(|param| param.name);
+        let Some(index) = kind.params.iter().position(|known| known.name() == *param) else {
+            let known = kind.params.iter().map(|param| param.name());
             return refuse(format!(
                 "material \"{name}\": no parameter \"{param}\"; {} has {}",
                 kind.name,
@@ -273,9 +273,9 @@ fn check_material(material: &Material) -> Result<(), PartsError> {
         return refuse(format!("material \"{name}\": {kind} has {} parameters, not {}", params.len(), values.len()));
     }
     for (param, value) in params.iter().zip(values) {
-        if !value.iter().all(|v| v.is_finite() && (param.min..=param.max).contains(v)) {
-            let range = param.range_in_words();
-            return refuse(format!("material \"{name}\": {} must be {range}, not {value:?}", param.name));
+        if !value.iter().all(|v| param.spec.range.accepts(*v)) {
+            let range = param.spec.range.in_words();
+            return refuse(format!("material \"{name}\": {} must be {range}, not {value:?}", param.name()));
         }
     }
     Ok(())
@@ -287,8 +287,7 @@ fn check_numbers(what: &str, params: &[Param], numbers: &[f32]) -> Result<(), Pa
         return refuse(format!("\"{what}\" takes {} numbers ({names}), not {}", params.len(), numbers.len()));
     }
     for (param, &number) in params.iter().zip(numbers) {
-        let whole = !matches!(param.unit, Unit::Count | Unit::Axis) || number.fract() == 0.0;
-        if !param.accepts(number) || !whole {
+        if !param.accepts(number) {
             return refuse(format!("\"{what}\": {} must be {}, not {number}", param.name, param.range_in_words()));
         }
     }

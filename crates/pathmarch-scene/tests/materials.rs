@@ -39,7 +39,7 @@ fn variants(roughnesses: &[f32]) -> Vec<Variant> {
 /// White, and of the fractions other than roughness those that the mix names: none, the first, the second, all by half.
 fn values(kind: &MaterialKind, roughness: f32, mix: usize) -> Vec<[f32; 3]> {
     let mut fraction = 0;
-    let mut value = |param: &pathmarch_scene::materials::MaterialParam| match (param.name, param.kind) {
+    let mut value = |param: &pathmarch_scene::materials::MaterialParam| match (param.name(), param.kind) {
         ("absorb", _) => [0.0; 3],
         (_, ParamKind::Colour) => [1.0; 3],
         ("roughness" | "coat-roughness", _) => [roughness, 0.0, 0.0],

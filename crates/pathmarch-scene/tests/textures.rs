@@ -128,7 +128,7 @@ fn parameters_that_may_be_textured_keep_their_numbers_apart() {
             assert!(kind.params.iter().all(|param| param.texturing == Texturing::None));
             continue;
         };
-        let plain: Vec<[f32; 3]> = kind.params.iter().map(|param| param.default).collect();
+        let plain: Vec<[f32; 3]> = kind.params.iter().map(|param| param.default_value()).collect();
         let numbers = (bsdf.pack)(&plain);
         let mut taken = [None; 32];
         for (index, param) in kind.params.iter().enumerate() {
@@ -141,7 +141,7 @@ fn parameters_that_may_be_textured_keep_their_numbers_apart() {
                 Texturing::None => continue,
                 Texturing::Colour(place) => {
                     let with = changed([0.125, 0.25, 0.375]);
-                    assert_eq!(with[place..place + 3], [0.125, 0.25, 0.375], "{} {}", kind.name, param.name);
+                    assert_eq!(with[place..place + 3], [0.125, 0.25, 0.375], "{} {}", kind.name, param.name());
                     assert!((0..32).all(|k| with[k] == numbers[k] || (place..place + 3).contains(&k)), "{}", kind.name);
                     assert_eq!(place % 4, 0, "a vector of its own");
                     (place..place + 3).collect()
@@ -152,7 +152,7 @@ fn parameters_that_may_be_textured_keep_their_numbers_apart() {
                 }
             };
             for place in places {
-                assert_eq!(taken[place].replace(param.name), None, "{}: number {place}", kind.name);
+                assert_eq!(taken[place].replace(param.name()), None, "{}: number {place}", kind.name);
             }
         }
     }
@@ -171,7 +171,7 @@ fn every_way_to_write_a_texture_is_read() {
         "principled { marble size=2 octaves=3 { colour 1 0.5 0; colour \"#000\"; at 1 2 3; scale 2 } }; roughness { fbm from=0.6 to=0.1 }; \
          metallic { checker }; bump { cracks height=-0.01 { rotate 0 90 0 } }",
     );
-    let names: Vec<_> = it.textured.iter().map(|painted| it.kind.params[painted.param].name).collect();
+    let names: Vec<_> = it.textured.iter().map(|painted| it.kind.params[painted.param].name()).collect();
     assert_eq!(names, ["colour", "metallic", "roughness"]);
     assert_eq!(it.textured[0].mapping, TextureMapping::Ramp(vec![[1.0, 0.5, 0.0], [0.0; 3]]));
     assert_eq!(it.textured[2].mapping, TextureMapping::Range([0.6, 0.1]));

@@ -31,19 +31,19 @@ use rayon::prelude::*;
 /// Group of channels of a file besides R, G and B.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Layer {
-    /// `albedo.R`, `.G`, `.B`.
+    /// Albedo.
     Albedo,
-    /// `normal.X`, `.Y`, `.Z`.
+    /// World-space normal.
     Normal,
-    /// `depth.Z`.
+    /// Distance along the camera's axis.
     Depth,
-    /// `position.X`, `.Y`, `.Z`.
+    /// World-space position.
     Position,
-    /// `objectId.X`, an integer.
+    /// Number of the object.
     ObjectId,
-    /// `materialId.X`, an integer.
+    /// Number of the material.
     MaterialId,
-    /// `sampleCount.X`, an integer: accepted samples of the pixel, [`Film::sample_counts`].
+    /// Accepted samples of the pixel, [`Film::sample_counts`].
     SampleCount,
 }
 
@@ -65,6 +65,31 @@ impl Layer {
         }
     }
 
+    /// Last parts of the names of its channels, as in `albedo.R`.
+    pub fn parts(self) -> &'static [char] {
+        match self {
+            Self::Albedo => &['R', 'G', 'B'],
+            Self::Normal | Self::Position => &['X', 'Y', 'Z'],
+            Self::Depth => &['Z'],
+            Self::ObjectId | Self::MaterialId | Self::SampleCount => &['X'],
+        }
+    }
+
+    /// Help text, one line.
+    pub fn doc(self) -> &'static str {
+        match self {
+            Self::Albedo => "Base colour, or a light source's radiance clipped to 1; pixel mean.",
+            Self::Normal => "World-space normal facing the camera; normalised pixel mean.",
+            Self::Depth => "Metres along the camera's axis at the pixel's centre; infinite for the background.",
+            Self::Position => "World-space position at the pixel's centre, metres.",
+            Self::ObjectId => "Object at the pixel's centre: an integer from 1 in scene order, 0 for the background.",
+            Self::MaterialId => {
+                "Material at the pixel's centre: an integer from 1 in scene order, 0 for the background."
+            }
+            Self::SampleCount => "Number of samples of the pixel, an integer.",
+        }
+    }
+
     /// Layer of this name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|layer| layer.name() == name)
@@ -72,20 +97,20 @@ impl Layer {
 
     /// Channels of the layer, for a file.
     pub fn channels(self, aovs: &Aovs, film: &Film) -> Vec<Channel> {
-        let channel = |part: char, values: ChannelValues| Channel { name: format!("{}.{part}", self.name()), values };
-        let three = |parts: [char; 3], values: &[[f32; 3]]| {
-            let component = |k: usize| ChannelValues::F32(values.iter().map(|value| value[k]).collect());
-            parts.into_iter().enumerate().map(|(k, part)| channel(part, component(k))).collect()
-        };
-        match self {
-            Self::Albedo => three(['R', 'G', 'B'], &aovs.albedo),
-            Self::Normal => three(['X', 'Y', 'Z'], &aovs.normal),
-            Self::Depth => vec![channel('Z', ChannelValues::F32(aovs.depth.clone()))],
-            Self::Position => three(['X', 'Y', 'Z'], &aovs.position),
-            Self::ObjectId => vec![channel('X', ChannelValues::U32(aovs.object.clone()))],
-            Self::MaterialId => vec![channel('X', ChannelValues::U32(aovs.material.clone()))],
-            Self::SampleCount => vec![channel('X', ChannelValues::U32(film.sample_counts()))],
-        }
+        let component = |values: &[[f32; 3]], k: usize| ChannelValues::F32(values.iter().map(|v| v[k]).collect());
+        let channels = self.parts().iter().enumerate().map(|(k, part)| Channel {
+            name: format!("{}.{part}", self.name()),
+            values: match self {
+                Self::Albedo => component(&aovs.albedo, k),
+                Self::Normal => component(&aovs.normal, k),
+                Self::Depth => ChannelValues::F32(aovs.depth.clone()),
+                Self::Position => component(&aovs.position, k),
+                Self::ObjectId => ChannelValues::U32(aovs.object.clone()),
+                Self::MaterialId => ChannelValues::U32(aovs.material.clone()),
+                Self::SampleCount => ChannelValues::U32(film.sample_counts()),
+            },
+        });
+        channels.collect()
     }
 }
 

@@ -62,14 +62,8 @@ pub enum ControlKind {
 /// The numbers that are allowed, and those that a slider should cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NumberRange {
-    /// Smallest value; `f32::MIN` where there is no limit.
-    pub min: f32,
-    /// True if `min` itself is allowed.
-    pub min_allowed: bool,
-    /// Largest value; `f32::MAX` where there is no limit.
-    pub max: f32,
-    /// True if `max` itself is allowed.
-    pub max_allowed: bool,
+    /// Allowed numbers.
+    pub allowed: Range,
     /// True if only whole numbers are allowed.
     pub whole: bool,
     /// Smallest and largest value of a slider: within the limits, wide enough for most scenes.
@@ -106,17 +100,13 @@ pub struct Control {
 }
 
 impl NumberRange {
-    fn range(&self) -> Range {
-        let Self { min, min_allowed, max, max_allowed, .. } = *self;
-        Range { min, min_allowed, max, max_allowed }
-    }
-    /// True if `value` is finite and in the range.
+    /// True if `value` is in the range, and whole where it must be.
     pub fn accepts(&self, value: f32) -> bool {
-        value.is_finite() && self.range().accepts(value) && (!self.whole || value.fract() == 0.0)
+        self.allowed.accepts(value) && (!self.whole || value.fract() == 0.0)
     }
     /// The range in words, as in "must be above 0".
     pub fn in_words(&self) -> String {
-        format!("{}{}", if self.whole { "a whole number " } else { "" }, self.range().in_words())
+        format!("{}{}", if self.whole { "a whole number " } else { "" }, self.allowed.in_words())
     }
 }
 

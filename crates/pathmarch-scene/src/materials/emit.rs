@@ -1,21 +1,14 @@
 //! Emitter: the same radiance in every outward direction, no reflection. Its power is π A times the radiance, for a
 //! surface of area A.
 
-use super::{MaterialKind, MaterialParam, ParamKind, PreviewMaterial, Texturing, black};
+use pathmarch_field::Range;
+use super::{colour, MaterialKind, PreviewMaterial, Texturing, black};
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "emit",
     doc: "Lamp: the same radiance in every outward direction; reflects nothing.",
     source: "Lambert 1760, Photometria",
-    params: &[MaterialParam {
-        name: "radiance",
-        kind: ParamKind::Colour,
-        default: [1.0; 3],
-        min: 0.0,
-        max: f32::MAX,
-        doc: "Emitted radiance, W/(m² sr).",
-        texturing: Texturing::None,
-    }],
+    params: &[colour("radiance", 1.0, Range::NOT_NEGATIVE, "Emitted radiance, W/(m² sr).", Texturing::None)],
     albedo: black,
     emission: |values| values[0],
     absorption: black,

@@ -13,8 +13,9 @@ use super::microfacet::{
     MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, unhidden,
     unshadowed, visible_normal,
 };
-use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, MaterialParam, ParamKind, PreviewMaterial, Scattered, Texturing, black,
+use pathmarch_field::Range;
+use super::{colour, 
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black,
     colour_of, ior, roughness,
 };
 use glam::Vec3;
@@ -24,26 +25,10 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     doc: "Glass, water or ice, clear or frosted: reflects and refracts.",
     source: "Walter et al. 2007",
     params: &[
-        MaterialParam {
-            name: "colour",
-            kind: ParamKind::Colour,
-            default: [1.0; 3],
-            min: 0.0,
-            max: 1.0,
-            doc: "Fraction of the refracted light that passes the surface.",
-            texturing: Texturing::Colour(0),
-        },
+        colour("colour", 1.0, Range::from_to(0.0, 1.0), "Fraction of the refracted light that passes the surface.", Texturing::Colour(0)),
         ior(),
         roughness(0.0),
-        MaterialParam {
-            name: "absorb",
-            kind: ParamKind::Colour,
-            default: [0.0; 3],
-            min: 0.0,
-            max: f32::MAX,
-            doc: "What the inside absorbs, per metre: exp(-absorb × length) passes.",
-            texturing: Texturing::None,
-        },
+        colour("absorb", 0.0, Range::NOT_NEGATIVE, "What the inside absorbs, per metre: exp(-absorb × length) passes.", Texturing::None),
     ],
     albedo: |values| values[0],
     emission: black,

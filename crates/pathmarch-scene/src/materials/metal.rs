@@ -3,8 +3,9 @@
 //! roughness 1 up to half of it (`principled` makes up for it). A `roughness` below 0.01 is a perfect mirror.
 
 use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
-use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, MaterialParam, ParamKind, PreviewMaterial, Scattered, Texturing, black,
+use pathmarch_field::Range;
+use super::{colour, 
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black,
     colour_of, roughness,
 };
 use glam::Vec3;
@@ -14,24 +15,8 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     doc: "Metal, from a mirror to a brushed block: reflects in its own colour.",
     source: "Walter et al. 2007; Heitz 2014; Dupuy and Benyoub 2023",
     params: &[
-        MaterialParam {
-            name: "colour",
-            kind: ParamKind::Colour,
-            default: [0.9; 3],
-            min: 0.0,
-            max: 1.0,
-            doc: "Reflected fraction of light that falls in at right angles (F0).",
-            texturing: Texturing::Colour(0),
-        },
-        MaterialParam {
-            name: "edge",
-            kind: ParamKind::Colour,
-            default: [1.0; 3],
-            min: 0.0,
-            max: 1.0,
-            doc: "Reflected fraction of light that grazes (F90).",
-            texturing: Texturing::Colour(4),
-        },
+        colour("colour", 0.9, Range::from_to(0.0, 1.0), "Reflected fraction of light that falls in at right angles (F0).", Texturing::Colour(0)),
+        colour("edge", 1.0, Range::from_to(0.0, 1.0), "Reflected fraction of light that grazes (F90).", Texturing::Colour(4)),
         roughness(0.2),
     ],
     albedo: |values| values[0],

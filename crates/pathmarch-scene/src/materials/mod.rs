@@ -13,7 +13,7 @@ use crate::textures::{Pattern, Texture};
 use glam::Vec3;
 pub use microfacet::fresnel;
 pub use orbit_trap::{OrbitTrap, Trap};
-use pathmarch_field::Param;
+use pathmarch_field::{Param, Range};
 
 /// Type of a material's parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,32 +37,26 @@ pub enum Texturing {
 }
 
 /// One parameter of a material.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct MaterialParam {
-    /// Name in the scene language.
-    pub name: &'static str,
+    /// Name, unit, default, range and documentation; of a colour, those of each channel.
+    pub spec: Param,
     /// Colour or number.
     pub kind: ParamKind,
-    /// Value when not given; a number is the first of the three.
-    pub default: [f32; 3],
-    /// Smallest allowed value of each component.
-    pub min: f32,
-    /// Largest allowed value of each component.
-    pub max: f32,
-    /// One line for people, with the unit.
-    pub doc: &'static str,
     /// Effect of a texture.
     pub texturing: Texturing,
 }
 
 impl MaterialParam {
-    /// The range in words, as in "must be from 0 to 1".
-    pub fn range_in_words(&self) -> String {
-        match (self.min > f32::MIN, self.max < f32::MAX) {
-            (true, true) => format!("from {} to {}", self.min, self.max),
-            (true, false) => format!("{} or more", self.min),
-            (false, true) => format!("at most {}", self.max),
-            (false, false) => "any finite number".to_owned(),
+    /// Name in the scene language.
+    pub fn name(&self) -> &str {
+        &self.spec.name
+    }
+    /// Value when not given; a number is the first of the three.
+    pub fn default_value(&self) -> [f32; 3] {
+        match self.kind {
+            ParamKind::Colour => [self.spec.default; 3],
+            ParamKind::Number => [self.spec.default, 0.0, 0.0],
         }
     }
 }
@@ -191,17 +185,21 @@ fn black(_values: &[[f32; 3]]) -> [f32; 3] {
     [0.0; 3]
 }
 
-/// A parameter from 0 to 1.
+/// A colour, grey by default.
+const fn colour(
+    name: &'static str,
+    default: f32,
+    range: Range,
+    doc: &'static str,
+    texturing: Texturing,
+) -> MaterialParam {
+    MaterialParam { spec: Param::within(name, default, range, doc), kind: ParamKind::Colour, texturing }
+}
+
+/// A number from 0 to 1.
 const fn fraction(name: &'static str, default: f32, doc: &'static str) -> MaterialParam {
-    MaterialParam {
-        name,
-        kind: ParamKind::Number,
-        default: [default, 0.0, 0.0],
-        min: 0.0,
-        max: 1.0,
-        doc,
-        texturing: Texturing::Packed,
-    }
+    let spec = Param::between(name, default, 0.0, 1.0, doc);
+    MaterialParam { spec, kind: ParamKind::Number, texturing: Texturing::Packed }
 }
 
 /// The parameter `roughness`.
@@ -211,16 +209,8 @@ const fn roughness(default: f32) -> MaterialParam {
 
 /// The parameter `ior`.
 const fn ior() -> MaterialParam {
-    let doc = "Refractive index: water 1.33, glass 1.5, diamond 2.42.";
-    MaterialParam {
-        name: "ior",
-        kind: ParamKind::Number,
-        default: [1.5, 0.0, 0.0],
-        min: 1.0,
-        max: 10.0,
-        doc,
-        texturing: Texturing::None,
-    }
+    let spec = Param::between("ior", 1.5, 1.0, 10.0, "Refractive index: water 1.33, glass 1.5, diamond 2.42.");
+    MaterialParam { spec, kind: ParamKind::Number, texturing: Texturing::None }
 }
 
 macro_rules! materials {
@@ -312,7 +302,7 @@ pub struct Bump {
 impl Material {
     /// A material of this kind with its defaults.
     pub fn new(name: &str, kind: &'static MaterialKind) -> Self {
-        let values = kind.params.iter().map(|param| param.default).collect();
+        let values = kind.params.iter().map(MaterialParam::default_value).collect();
         Self { name: name.to_owned(), kind, values, orbit_trap: None, textured: Vec::new(), bump: None }
     }
     /// The material of objects without `material=`: white, diffuse 0.8, named `default`.
@@ -321,7 +311,7 @@ impl Material {
     }
     /// Value of the parameter of this name.
     pub fn value(&self, name: &str) -> Option<[f32; 3]> {
-        self.kind.params.iter().position(|param| param.name == name).map(|index| self.values[index])
+        self.kind.params.iter().position(|param| param.name() == name).map(|index| self.values[index])
     }
     /// Albedo for display and denoisers, 0 to 1.
     pub fn albedo(&self) -> [f32; 3] {

@@ -11,15 +11,14 @@ mod blend;
 mod camera;
 mod lights;
 mod placement;
-mod range;
 mod render;
 mod sky;
 
 pub use blend::BLEND;
 pub use camera::{CAMERA, EXPOSURE, LENS};
 pub use lights::{POINT, SUN};
+pub use pathmarch_field::Range;
 pub use placement::{NORMAL, PLACEMENT};
-pub use range::Range;
 pub use render::{
     BOUNCES, CLAMP, Caustics, DETAIL, FPS, RENDER, RenderSettings, SAMPLES, SHUTTER, SIDE, Sampler, Tonemap,
 };

@@ -39,11 +39,11 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
     .map(|(text, title)| (text.to_owned(), title))
     .collect();
     for kind in materials::kinds() {
-        let value = |param: &materials::MaterialParam| format!("{} {}", param.name, param.default[0]);
+        let value = |param: &materials::MaterialParam| format!("{} {}", param.name(), param.spec.default);
         let all: Vec<String> = kind.params.iter().skip(1).map(value).collect();
         nodes.push((format!("material \"it\" {{ {} }}", kind.name), "it"));
         nodes.push((
-            format!("material it {{\n  {} {}\n  {}\n}}", kind.name, kind.params[0].default[0], all.join("\n  ")),
+            format!("material it {{\n  {} {}\n  {}\n}}", kind.name, kind.params[0].spec.default, all.join("\n  ")),
             "it",
         ));
     }
@@ -166,10 +166,10 @@ fn values(control: &Control) -> (Vec<Value>, Vec<Value>) {
                     bad.push(end + step * end.abs().max(1.0));
                 }
             };
-            end(range.min, range.min_allowed, -0.01, &mut good, &mut bad);
-            end(range.max, range.max_allowed, 0.01, &mut good, &mut bad);
+            end(range.allowed.min, range.allowed.min_allowed, -0.01, &mut good, &mut bad);
+            end(range.allowed.max, range.allowed.max_allowed, 0.01, &mut good, &mut bad);
             if range.whole {
-                bad.push(range.min + 0.5);
+                bad.push(range.allowed.min + 0.5);
             }
             (good.into_iter().map(Value::Number).collect(), bad.into_iter().map(Value::Number).collect())
         }
@@ -345,8 +345,8 @@ fn limits_are_those_of_the_parser() {
             // A value is written by way of one that is allowed, then replaced in the text.
             let Some(Value::Number(_)) = good.first() else { continue };
             let candidates = match &control.kind {
-                ControlKind::Number(range) if range.whole => [range.min + 3.0, range.min + 7.0],
-                ControlKind::Number(range) => [range.min.max(0.5) + 0.0625, range.min.max(0.5) + 0.125],
+                ControlKind::Number(range) if range.whole => [range.allowed.min + 3.0, range.allowed.min + 7.0],
+                ControlKind::Number(range) => [range.allowed.min.max(0.5) + 0.0625, range.allowed.min.max(0.5) + 0.125],
                 _ => continue,
             };
             let marker = if control.value == Value::Number(candidates[0]) { candidates[1] } else { candidates[0] };

@@ -795,7 +795,7 @@ fn uses_of_declared_shapes_are_nodes() {
     let length = document.control(&second, "length").unwrap();
     assert_eq!((&length.value, &length.default), (&Value::Number(2.0), &Value::Number(0.5)));
     assert!(length.given && &*length.doc == "Of its shaft.");
-    assert!(matches!(length.kind, ControlKind::Number(range) if (range.min, range.max) == (0.1, 2.0)));
+    assert!(matches!(length.kind, ControlKind::Number(range) if (range.allowed.min, range.allowed.max) == (0.1, 2.0)));
     assert_eq!(document.control(&first, "r").unwrap().value, Value::Number(0.1));
     let shape = path(&document, "bolt");
     assert_eq!(document.item(&shape).unwrap().kind, ItemKind::Declaration);

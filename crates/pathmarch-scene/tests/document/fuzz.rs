@@ -58,7 +58,7 @@ impl Dice<'_> {
     }
     fn value(&mut self, control: &Control) -> Value {
         match &control.kind {
-            ControlKind::Number(range) if range.whole => Value::Number(range.min + self.below(5) as f32),
+            ControlKind::Number(range) if range.whole => Value::Number(range.allowed.min + self.below(5) as f32),
             ControlKind::Number(_) => Value::Number(self.number()),
             ControlKind::Triple { .. } => Value::Triple([self.number(), self.number(), self.number()]),
             ControlKind::Colour { .. } => match self.below(3) {

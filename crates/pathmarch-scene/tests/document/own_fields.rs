@@ -51,7 +51,7 @@ fn parameters_are_controls() {
         (control.value, control.default, &*control.doc),
         (Value::Number(0.7), Value::Number(0.6), "Edge of a cell.")
     );
-    assert!(matches!(control.kind, ControlKind::Number(range) if range.min == 0.1 && range.max == 4.0));
+    assert!(matches!(control.kind, ControlKind::Number(range) if range.allowed.min == 0.1 && range.allowed.max == 4.0));
     document.set(&used(), "wall", Value::Number(0.1), None).expect("set");
     assert!(document.text().contains("gyroid cell=0.7 wall=0.1;"), "{}", document.text());
     let leaf = &document.scene().expect("valid").field.leaves()[0];

@@ -99,7 +99,7 @@ pub(crate) fn add(
         Group::Material => {
             let name = quoted(&free_name(transaction, "material", word));
             let first = materials::kind(word).and_then(|kind| kind.params.first());
-            let [r, g, b] = first.map_or([0.0; 3], |param| param.default);
+            let [r, g, b] = first.map_or([0.0; 3], materials::MaterialParam::default_value);
             let value = match first {
                 None => String::new(),
                 Some(_) if r == g && g == b => format!(" {}", number(r)),

@@ -142,15 +142,15 @@ fn set_material_kind(transaction: &mut Transaction, path: &Path, kind: &str) -> 
         .filter(|param| {
             let value = parameters
                 .iter()
-                .find(|parameter| parameter.control.key == param.name)
+                .find(|parameter| parameter.control.key == param.name())
                 .map(|parameter| &parameter.control.value);
-            let same = beside.iter().find(|other| other.name == param.name);
-            if texture_node(found.node, param.name).is_some() {
+            let same = beside.iter().find(|other| other.name() == param.name());
+            if texture_node(found.node, param.name()).is_some() {
                 return same.is_none_or(|same| same.texturing == Texturing::None);
             }
             !same.zip(value).is_some_and(|(same, value)| fits(same, value))
         })
-        .map(|param| param.name)
+        .map(|param| param.name())
         .collect();
     let untextured = new.params.first().is_none_or(|param| param.texturing == Texturing::None);
     if let Some(block) = node.children.as_ref().filter(|_| untextured && texture_node(found.node, old.name).is_some()) {

@@ -68,9 +68,8 @@ pub(super) fn parameter_control(param: &Param) -> Control {
         let kind = ControlKind::Choice(AXES.map(Cow::Borrowed).to_vec());
         return Control::new(param.name.clone(), param.name.clone(), param.doc.clone(), kind, default);
     }
-    let range = Range { min: param.min, min_allowed: param.min_allowed, max: param.max, max_allowed: true };
     let unit = if param.unit == Unit::Count { "" } else { param.unit.name() };
-    let range = number_range(range, param.unit == Unit::Count, unit, Some(param.default));
+    let range = number_range(param.range, param.unit == Unit::Count, unit, Some(param.default));
     let control =
         Control::new(param.name.clone(), param.name.clone(), param.doc.clone(), ControlKind::Number(range), default);
     Control { unit, ..control }
@@ -78,14 +77,15 @@ pub(super) fn parameter_control(param: &Param) -> Control {
 
 /// Control of a parameter of a material.
 pub(crate) fn material_control(param: &MaterialParam) -> Control {
+    let spec = &param.spec;
     let (kind, default) = match param.kind {
-        ParamKind::Colour => (ControlKind::Colour { max: param.max }, Value::Colour(param.default)),
+        ParamKind::Colour => (ControlKind::Colour { max: spec.range.max }, Value::Colour(param.default_value())),
         ParamKind::Number => {
-            let range = number_range(Range::from_to(param.min, param.max), false, "", Some(param.default[0]));
-            (ControlKind::Number(range), Value::Number(param.default[0]))
+            let range = number_range(spec.range, false, "", Some(spec.default));
+            (ControlKind::Number(range), Value::Number(spec.default))
         }
     };
-    Control::new(param.name, param.name, param.doc, kind, default)
+    Control::new(spec.name.clone(), spec.name.clone(), spec.doc.clone(), kind, default)
 }
 
 /// Range of a control, with ends of its slider that suit the default.
@@ -109,5 +109,5 @@ pub(super) fn number_range(range: Range, whole: bool, unit: &str, default: Optio
         false if whole => (16.0 * size.max(1.0)).min(max),
         false => 10.0_f32.max(4.0 * size),
     };
-    NumberRange { min, min_allowed, max, max_allowed, whole, soft: (low, high), logarithmic }
+    NumberRange { allowed: range, whole, soft: (low, high), logarithmic }
 }

@@ -222,7 +222,7 @@ impl List<'_> {
         let Some(kind) = material_kind(self.node) else { return self.kind(kinds, "", "Kind of the material.") };
         self.kind(kinds, kind.name, kind.doc);
         for (index, param) in kind.params.iter().enumerate() {
-            let owner = if index == 0 { kind.name } else { param.name };
+            let owner = if index == 0 { kind.name } else { param.name() };
             if !self.texture_of(param, owner) {
                 self.push(material_control(param), Place::Node(owner));
                 self.texture_choice_of(param, owner);

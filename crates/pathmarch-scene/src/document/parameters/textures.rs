@@ -19,14 +19,14 @@ impl List<'_> {
         if param.texturing == Texturing::None || texture_node(self.node, owner).is_none() {
             return false;
         }
-        self.texture(param.name, owner, param.kind == ParamKind::Colour, &[]);
+        self.texture(param.name(), owner, param.kind == ParamKind::Colour, &[]);
         if let ParamKind::Number = param.kind {
             for (word, doc, default) in [
-                ("from", "Value of the parameter for a texture of 0.", param.min),
-                ("to", "Value of the parameter for a texture of 1.", param.max),
+                ("from", "Value of the parameter for a texture of 0.", param.spec.range.min),
+                ("to", "Value of the parameter for a texture of 1.", param.spec.range.max),
             ] {
-                let end = Param { default, ..Param::between("", 0.0, param.min, param.max, doc) };
-                self.inside(param.name, owner, word, &end, Inside::Property(word));
+                let end = Param::within("", default, param.spec.range, doc);
+                self.inside(param.name(), owner, word, &end, Inside::Property(word));
             }
         }
         true
@@ -35,7 +35,7 @@ impl List<'_> {
     /// Adds the choice of a texture for a material's parameter that has a value.
     pub(super) fn texture_choice_of(&mut self, param: &'static MaterialParam, owner: &'static str) {
         if param.texturing != Texturing::None {
-            self.choice(param.name, owner);
+            self.choice(param.name(), owner);
         }
     }
 

@@ -258,9 +258,8 @@ fn custom_params(node: &Node, context: &mut Context) -> Option<Vec<Param>> {
         }
         let name = Cow::Owned(name);
         let doc = doc.map_or(Cow::Borrowed("A number of this field."), Cow::Owned);
-        let Range { min, max, .. } = range;
         let default = value.value as f32;
-        params.push(Param { name, unit: Unit::Ratio, default, min, min_allowed: true, max, doc });
+        params.push(Param { name, unit: Unit::Ratio, default, range, doc });
     }
     (context.report.count_so_far() == before).then_some(params)
 }

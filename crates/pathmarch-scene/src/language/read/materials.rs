@@ -73,7 +73,7 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
         let mistake = draft("pathmarch::duplicate", second.name.span, message).label("a second kind");
         context.report.add(mistake.also(kind_node.name.span, "the first"));
     }
-    let beside = kind.params.get(1..).unwrap_or_default().iter().map(|param| param.name);
+    let beside = kind.params.get(1..).unwrap_or_default().iter().map(|param| param.name());
     let mut known: Vec<&str> = std::iter::once(kind.name).chain(beside).collect();
     known.extend(materials::kinds().iter().map(|kind| kind.name).filter(|name| *name != kind.name));
     if kind.bsdf.is_some() {
@@ -82,11 +82,11 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
     let settings = NodesByName::new(node, &known, &format!("in a `{}` material", kind.name), context);
     let mut material = Material::new("", kind);
     for (index, param) in kind.params.iter().enumerate() {
-        let Some(node) = settings.get(if index == 0 { kind.name } else { param.name }) else { continue };
+        let Some(node) = settings.get(if index == 0 { kind.name } else { param.name() }) else { continue };
         let is_textured = !node.child_nodes().is_empty() || node.children.is_some() && node.entries.is_empty();
         let has_value = param.texturing == Texturing::None && node.child_nodes().is_empty();
         if !is_textured || has_value {
-            material.values[index] = value(node, param, context).unwrap_or(param.default);
+            material.values[index] = value(node, param, context).unwrap_or(param.default_value());
         } else if param.texturing == Texturing::None {
             textures::refuse(node, context);
         } else if let Some(painted) = painted(node, index, param, files, context) {
@@ -125,7 +125,7 @@ fn painted(
     }
     let to = match param.kind {
         ParamKind::Colour => Use::Colour,
-        ParamKind::Number => Use::Number(Range::from_to(param.min, param.max)),
+        ParamKind::Number => Use::Number(param.spec.range),
     };
     let (texture, mapping) = textures::texture(node, to, files, context)?;
     Some(TexturedParameter { param: index, texture, mapping })
@@ -170,11 +170,11 @@ fn value(node: &Node, param: &MaterialParam, context: &mut Context) -> Option<[f
     if node.entries.is_empty() && node.children.is_none() {
         return None;
     }
-    let range = Range::from_to(param.min, param.max);
+    let range = param.spec.range;
     match param.kind {
         ParamKind::Colour => colour(node, range, context),
         ParamKind::Number => {
-            let usage = format!("`{} {}`", node.name.value, param.default[0]);
+            let usage = format!("`{} {}`", node.name.value, param.spec.default);
             numbers(node, &usage, range, context).map(|[value]| [value, 0.0, 0.0])
         }
     }

@@ -62,8 +62,7 @@ pub(super) fn number(param: &Param, entry: &Entry, context: &mut Context) -> Opt
         }
         return axis.map(|axis| axis as f32);
     }
-    let accepts = |value: f32| param.accepts(value) && (param.unit != Unit::Count || value.fract() == 0.0);
-    accepted(entry, &what, accepts, || param.range_in_words(), context)
+    accepted(entry, &what, |value| param.accepts(value), || param.range_in_words(), context)
 }
 
 /// As in "`box x y z`".

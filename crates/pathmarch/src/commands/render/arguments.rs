@@ -19,18 +19,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub(super) render: RenderOptions,
     /// Quantity to render [default: path]
-    ///
-    /// path: path-traced light.
-    /// preview: noise-free preview: direct light, soft shadows, ambient occlusion, one reflection.
-    /// albedo: base colour of the material; for a light source, its radiance clipped to 1.
-    /// normal: world-space normal: red x, green y, blue z, from -1 to 1.
-    /// depth: distance along the camera's axis: white near, grey at the target, black far.
-    /// object-id, material-id: one colour for each object, or for each material.
-    /// steps: field evaluations of the camera ray: blue few, red 256; black none.
-    /// violations: places where the field exceeds its Lipschitz constant: grey none, green to red more.
-    /// variance: relative standard error of the path-traced pixel: blue 0.1 %, green 3 %, red 100 %.
-    /// Exposure and tone mapping affect only path and preview.
-    #[arg(long, value_name = "NAME", value_parser = named_value(Mode::ALL, Mode::name), verbatim_doc_comment)]
+    #[arg(long, value_name = "NAME", value_parser = named_value(Mode::ALL, Mode::name), long_help = mode_help())]
     pub(super) mode: Option<Mode>,
     /// Stop after this many seconds, at most 86400, but not before the first sample is done
     #[arg(long, value_name = "N", value_parser = value_parsers::seconds, allow_hyphen_values = true)]
@@ -51,15 +40,7 @@ pub struct Arguments {
     #[arg(long, value_name = "EV", value_parser = value_parsers::number(settings::EXPOSURE), allow_hyphen_values = true)]
     pub(super) exposure: Option<f32>,
     /// Write noise-free layers beside R, G and B; .exr only [default: all; or a list such as albedo,normal]
-    ///
-    /// albedo.R .G .B: base colour, or a light source's radiance clipped to 1; pixel mean.
-    /// normal.X .Y .Z: world-space normal facing the camera; normalised pixel mean.
-    /// depth.Z: metres along the camera's axis; infinite for the background.
-    /// position.X .Y .Z: world-space position, metres.
-    /// objectId.X, materialId.X: integers from 1 in scene order, 0 for the background.
-    /// sampleCount.X: integer, number of samples of the pixel.
-    /// Depth, position and ids are those at the pixel's centre.
-    #[arg(long, value_name = "LAYERS", num_args = 0..=1, default_missing_value = "all", value_parser = parse_layers, verbatim_doc_comment)]
+    #[arg(long, value_name = "LAYERS", num_args = 0..=1, default_missing_value = "all", value_parser = parse_layers, long_help = layer_help())]
     pub(super) aov: Option<Layers>,
     /// Frames of an animation: one (7), a range (1-120), or every second frame (1-120x2)
     ///
@@ -95,6 +76,28 @@ fn named_value<T: Copy, const N: usize>(
             format!("expected one of {}", names.join(", "))
         })
     }
+}
+
+/// Help of `--mode`: all modes with their documentation.
+fn mode_help() -> String {
+    let modes = Mode::ALL.map(|mode| format!("{}: {}", mode.name(), mode.doc()));
+    format!(
+        "Quantity to render [default: {}]\n\n{}\nExposure and tone mapping affect only path and preview.",
+        Mode::default().name(),
+        modes.join("\n")
+    )
+}
+
+/// Help of `--aov`: all layers with their channels and documentation.
+fn layer_help() -> String {
+    let layers = Layer::ALL.map(|layer| {
+        let parts: Vec<String> = layer.parts().iter().map(|part| format!(".{part}")).collect();
+        format!("{}{}: {}", layer.name(), parts.join(" "), layer.doc())
+    });
+    format!(
+        "Write noise-free layers beside R, G and B; .exr only [default: all; or a list such as albedo,normal]\n\n{}",
+        layers.join("\n")
+    )
 }
 
 /// Largest time of an animation, seconds.

@@ -11,9 +11,9 @@ fn everything() -> String {
                     sky \"day\"\nsun { direction 0 1 0; irradiance 1 }\npoint { at 0 3 0; intensity 1 }\n"
         .to_owned();
     for kind in materials::kinds() {
-        let numbers = |param: &materials::MaterialParam| format!("{} {}; ", param.name, param.default[0]);
+        let numbers = |param: &materials::MaterialParam| format!("{} {}; ", param.name(), param.spec.default);
         let others: String = kind.params.iter().skip(1).map(numbers).collect();
-        text += &format!("material \"of {0}\" {{ {0} {1}; {others}}}\n", kind.name, kind.params[0].default[0]);
+        text += &format!("material \"of {0}\" {{ {0} {1}; {others}}}\n", kind.name, kind.params[0].spec.default);
     }
     for shape in registry::shapes() {
         let name = &*shape.info().name;

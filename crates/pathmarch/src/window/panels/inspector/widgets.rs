@@ -102,8 +102,12 @@ fn widget(ui: &mut Ui, path: &Path, control: &Control, label: &Response) -> Opti
             }
             slider = if range.whole { slider.integer() } else { slider.max_decimals(4) };
             let changed = ui.add(slider).labelled_by(label.id).changed();
-            let least = if range.min_allowed || range.min == f32::MIN { range.min } else { range.min + 1e-4 };
-            changed.then(|| Value::Number(value.clamp(least, range.max)))
+            let least = if range.allowed.min_allowed || range.allowed.min == f32::MIN {
+                range.allowed.min
+            } else {
+                range.allowed.min + 1e-4
+            };
+            changed.then(|| Value::Number(value.clamp(least, range.allowed.max)))
         }
         (ControlKind::Triple { .. }, Value::Triple(value)) => {
             let mut value = *value;

@@ -1,6 +1,6 @@
 //! Ranges of numbers.
 
-/// The numbers that a setting accepts.
+/// The numbers that a parameter or setting accepts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// Lower end; `f32::MIN` without a limit.
