@@ -7,6 +7,7 @@
 pub mod live;
 pub mod mesh_file;
 pub mod metrics;
+pub mod reconstruct;
 #[doc(hidden)]
 pub mod testing;
 

@@ -27,6 +27,7 @@ fn request(scene: &Arc<Scene>, size: [u32; 2], samples: u32) -> RenderRequest {
         display: Display::default(),
         moving: false,
         frame_time: Duration::from_millis(30),
+        reconstruct: true,
     }
 }
 

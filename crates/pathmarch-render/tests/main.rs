@@ -15,6 +15,7 @@ mod missing_gpu;
 mod modes;
 mod motion;
 mod optimisations;
+mod reconstruct;
 mod references;
 mod sampling;
 mod shape_grids;
@@ -40,6 +41,7 @@ fn main() {
         motion::tests(),
         optimisations::tests(),
         custom_sdf::tests(),
+        reconstruct::tests(),
         references::tests(),
         sampling::tests(),
         splitting::tests(),

@@ -1,16 +1,17 @@
 //! CPU backend: tiles on all cores, eight rays in SIMD lanes. It needs no driver or adapter and is always available.
 
 use super::RenderInput;
+use crate::integrator::guides::Guide;
 use crate::integrator::splitting;
 use crate::mode::{Mode, uncertainty_of};
 use crate::output::film::Film;
 use crate::output::tonemap::Display;
 use crate::ray_stats::RayCounters;
+use crate::scene::FrameUniforms;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use wide::f32x8;
 
 /// Edge length of a tile, pixels: enough paths to fill eight lanes for most bounces, and few enough for the caches.
 const TILE: u32 = 16;
@@ -26,6 +27,8 @@ pub(crate) struct CpuJob {
     /// Number of current samples, which share a camera ray.
     begun: u32,
     first_sample: u32,
+    /// Guides of the first sample; `None` if they are not recorded.
+    guides: Option<Arc<Vec<Guide>>>,
 }
 
 /// Rectangle of pixels: start and end of its columns `x` and its rows `y`.
@@ -50,7 +53,20 @@ impl CpuJob {
     pub(crate) fn new(input: RenderInput, first_sample: u32) -> Self {
         let [width, height] = input.frame.size();
         let (tiles, film) = (tiles(width, height), Film::new(width, height));
-        Self { input, stats: None, tiles, film, done: 0, begun: 0, first_sample }
+        Self { input, stats: None, tiles, film, done: 0, begun: 0, first_sample, guides: None }
+    }
+
+    /// Records the guides of the first sample, if the picture is path-traced and camera rays are not shared.
+    pub(crate) fn with_guides(mut self) -> Self {
+        if self.input.mode == Mode::Path && self.input.config.splitting == 1 {
+            self.guides = Some(Arc::default());
+        }
+        self
+    }
+
+    /// Guides of the first sample, if they are recorded.
+    pub(crate) fn guides(&self) -> Option<Arc<Vec<Guide>>> {
+        self.guides.clone()
     }
 
     /// Counts its rays in `stats`.
@@ -66,6 +82,7 @@ impl CpuJob {
         }
         self.input.frame = input.frame;
         self.film = Film::new(width, height);
+        self.guides = self.guides.as_ref().map(|_| Arc::default());
         self.done = 0;
     }
 
@@ -101,9 +118,14 @@ impl CpuJob {
         // All tiles of a row share its rows of pixels.
         let sums = self.film.sums.chunks_mut((TILE * width) as usize);
         let rows: Vec<Mutex<&mut [[f32; 3]]>> = sums.map(Mutex::new).collect();
-        let add = |tile: &Tile| -> Vec<usize> {
+        let records_guides = self.guides.is_some() && self.film.samples == 0;
+        let add = |tile: &Tile| -> (Vec<usize>, Vec<Guide>) {
             let pixels = tile.pixels();
-            let values = self.input.samples_of(self.stats.as_deref(), &pixels, sample, begun);
+            let (values, guides) = if records_guides {
+                self.input.sample_with_guides(&pixels, sample)
+            } else {
+                (self.input.samples_of(self.stats.as_deref(), &pixels, sample, begun), Vec::new())
+            };
             let row = tile.y[0] / TILE;
             let mut rejected = Vec::new();
             let mut sums = rows[row as usize].lock().unwrap_or_else(PoisonError::into_inner);
@@ -118,11 +140,19 @@ impl CpuJob {
                     }
                 }
             }
-            rejected
+            (rejected, guides)
         };
-        let rejected: Vec<usize> = tiles.par_iter().flat_map_iter(add).collect();
+        let results: Vec<(Vec<usize>, Vec<Guide>)> = tiles.par_iter().map(add).collect();
+        if let Some(all) = self.guides.as_mut().filter(|_| records_guides).map(Arc::make_mut) {
+            all.resize(self.film.sums.len(), Guide::NONE);
+            for (tile, (_, guides)) in tiles.iter().zip(&results) {
+                for ((x, y), guide) in tile.pixels().into_iter().zip(guides) {
+                    all[(y * width + x) as usize] = *guide;
+                }
+            }
+        }
         self.done += tiles.len();
-        for pixel in rejected {
+        for pixel in results.into_iter().flat_map(|(rejected, _)| rejected) {
             self.film.count_rejected(pixel, 1);
         }
         if self.done == self.tiles.len() {
@@ -146,36 +176,36 @@ impl CpuJob {
         &self.film
     }
 
-    /// Tone-maps the film so far to 8-bit codes: red, green, blue and 255 for each pixel.
-    pub(crate) fn show(&self, display: &Display, mode: Mode) -> Vec<u8> {
+    /// Number of samples in the sum of each pixel, those of a sample that is begun included.
+    fn counts(&self) -> Vec<u32> {
         let mut counts = self.film.sample_counts();
         for tile in &self.tiles[..self.done] {
             for (x, y) in tile.pixels() {
                 counts[(y * self.film.width + x) as usize] += self.begun;
             }
         }
-        let mut codes = vec![255; 4 * counts.len()];
-        // A task is 256 groups of eight pixels.
-        const TASK: usize = 8 * 256;
-        let films = self.film.sums.par_chunks(TASK).zip(counts.par_chunks(TASK));
-        codes.par_chunks_mut(4 * TASK).zip(films).for_each(|(codes, (sums, counts))| {
-            for ((codes, sums), counts) in codes.chunks_mut(32).zip(sums.chunks(8)).zip(counts.chunks(8)) {
-                let lanes =
-                    |channel: usize| f32x8::new(std::array::from_fn(|k| sums.get(k).map_or(0.0, |sum| sum[channel])));
-                let count = f32x8::new(std::array::from_fn(|k| counts.get(k).map_or(0.0, |&count| count as f32)));
-                let colour = if mode == Mode::Variance {
-                    uncertainty_of(lanes(0), lanes(1), count)
-                } else {
-                    [lanes(0), lanes(1), lanes(2)].map(|sum| sum / count.fast_max(f32x8::ONE))
-                };
-                let shown = display.encode_lanes(colour).map(f32x8::to_array);
-                for (k, code) in codes.chunks_mut(4).enumerate() {
-                    for channel in 0..3 {
-                        code[channel] = (shown[channel][k] * 255.0).round() as u8;
-                    }
-                }
-            }
-        });
-        codes
+        counts
+    }
+
+    /// Mean of each pixel so far.
+    pub(crate) fn means(&self) -> Vec<Vec3> {
+        let sums = self.film.sums.par_iter().zip(self.counts());
+        sums.map(|(sum, count)| Vec3::from(*sum) / count.max(1) as f32).collect()
+    }
+
+    /// Uniforms of the frame.
+    pub(crate) fn frame(&self) -> &FrameUniforms {
+        &self.input.frame
+    }
+
+    /// Tone-maps the film so far to 8-bit codes: red, green, blue and 255 for each pixel.
+    pub(crate) fn show(&self, display: &Display, mode: Mode) -> Vec<u8> {
+        if mode != Mode::Variance {
+            return display.encode_rgba(&self.means());
+        }
+        let uncertainty =
+            |([sum, square, _], count): (&[f32; 3], u32)| Vec3::from(uncertainty_of(*sum, *square, count as f32));
+        let colours: Vec<Vec3> = self.film.sums.par_iter().zip(self.counts()).map(uncertainty).collect();
+        display.encode_rgba(&colours)
     }
 }

@@ -1,5 +1,6 @@
 //! Input of both backends for one picture.
 
+use crate::integrator::guides::Guide;
 use crate::integrator::{moments, path, splitting_choice};
 use crate::mode::Mode;
 use crate::preview::{self, Preview};
@@ -78,6 +79,11 @@ impl RenderInput {
             ModeData::Preview(preview) => Some(preview),
             ModeData::None | ModeData::View(_) => None,
         }
+    }
+
+    /// Radiance and guides of sample `sample` of each pixel of a path-traced picture without shared camera rays.
+    pub(crate) fn sample_with_guides(&self, pixels: &[(u32, u32)], sample: u32) -> (Vec<Vec3>, Vec<Guide>) {
+        path::trace_with_guides(&self.context(None), pixels, sample)
     }
 
     /// Values of `samples` samples of each pixel, from index `first` on, pixel by pixel: radiance, or colours of a view. There

@@ -18,6 +18,7 @@
 //! shadow rays.
 
 use super::camera::{camera_rays, pixel_sampler};
+use super::guides::{Guide, GuideRecorder};
 use super::light_sampling;
 use super::medium::{medium_beyond, transmittance};
 use super::shadow::{self, ShadowTest};
@@ -94,14 +95,25 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
     });
     let interactions =
         interactions.into_iter().flat_map(|interaction| repeat_n(interaction, samples as usize)).collect();
-    continue_paths(ctx, split_paths.collect(), interactions, radiance)
+    continue_paths(ctx, split_paths.collect(), interactions, radiance, None)
+}
+
+/// Radiance of one sample of each of these pixels, which do not share camera rays, and their guides.
+pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sample: u32) -> (Vec<Vec3>, Vec<Guide>) {
+    let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, sample)).collect();
+    let rays = camera_rays(ctx.frame, pixels, &samplers);
+    let mut recorder = GuideRecorder::new(ctx, rays.clone());
+    let (mut paths, mut radiance) = start_paths(ctx, rays.into_iter().zip(samplers));
+    let interactions = intersect_paths(ctx, &mut paths, 0, &mut radiance);
+    let radiance = continue_paths(ctx, paths, interactions, radiance, Some(&mut recorder));
+    (radiance, recorder.into_guides())
 }
 
 /// Radiance along each of these rays. They must start in the medium around the camera.
 pub(crate) fn radiance_along(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> Vec<Vec3> {
     let (mut paths, mut radiance) = start_paths(ctx, rays);
     let interactions = intersect_paths(ctx, &mut paths, 0, &mut radiance);
-    continue_paths(ctx, paths, interactions, radiance)
+    continue_paths(ctx, paths, interactions, radiance, None)
 }
 
 /// Starts a path with each of these rays. Returns the paths and the radiance of each so far.
@@ -125,16 +137,23 @@ fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler
     (paths, radiance)
 }
 
-/// Continues paths from their current surface interactions to their ends. Returns the radiance of all.
+/// Continues paths from their current surface interactions to their ends. Returns the radiance of all, and records guides
+/// if a recorder is given.
 fn continue_paths(
     ctx: &TraceContext,
     mut paths: Vec<Path>,
     mut interactions: Vec<SurfaceInteraction>,
     mut radiance: Vec<Vec3>,
+    mut recorder: Option<&mut GuideRecorder>,
 ) -> Vec<Vec3> {
     for surface_index in 0.. {
         if paths.is_empty() {
             break;
+        }
+        if let Some(recorder) = &mut recorder {
+            for (path, interaction) in paths.iter().zip(&interactions) {
+                recorder.record(ctx, path.slot, path.ray.direction, path.throughput, interaction, surface_index);
+            }
         }
         let mut shadow_tests = Vec::with_capacity(paths.len());
         let mut shading_inputs = interactions.iter().zip(surface_samples(ctx, &paths, surface_index));

@@ -21,6 +21,9 @@ pub struct RenderRequest {
     pub moving: bool,
     /// Time for each picture while something moves.
     pub frame_time: Duration,
+    /// True to reconstruct clean pictures from few samples, see [`reconstruct`](crate::reconstruct). Applies to path-traced
+    /// pictures on the CPU. A picture at rest with all of its samples is not altered.
+    pub reconstruct: bool,
 }
 
 /// Picture for the screen.

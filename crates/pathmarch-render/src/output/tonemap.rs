@@ -16,9 +16,11 @@
 //!
 //! **Cost.** Nine logarithms and exponentials a pixel for AgX: 90 ms a megapixel on one core, without SIMD.
 
+use glam::Vec3;
 use pathmarch_field::number::Real;
 use pathmarch_field::wgsl::Function;
 pub use pathmarch_scene::Tonemap;
+use rayon::prelude::*;
 use wide::f32x8;
 
 /// Maps linear Rec. 709 radiance, exposure already applied, to sRGB codes in 0..=1.
@@ -76,8 +78,27 @@ impl Display {
         self.encode(linear).map(|code| (code * 255.0).round() as u8)
     }
 
+    /// [`encode_8bit`](Self::encode_8bit) of a picture, on all cores: red, green, blue and 255 for each pixel.
+    pub(crate) fn encode_rgba(&self, linear: &[Vec3]) -> Vec<u8> {
+        /// Pixels of a task.
+        const TASK: usize = 8 * 256;
+        let mut codes = vec![255; 4 * linear.len()];
+        codes.par_chunks_mut(4 * TASK).zip(linear.par_chunks(TASK)).for_each(|(codes, colours)| {
+            for (codes, colours) in codes.chunks_mut(4 * 8).zip(colours.chunks(8)) {
+                let lanes = |k: usize| f32x8::new(std::array::from_fn(|i| colours.get(i).map_or(0.0, |c| c[k])));
+                let shown = self.encode_lanes([lanes(0), lanes(1), lanes(2)]).map(f32x8::to_array);
+                for (i, code) in codes.chunks_mut(4).enumerate() {
+                    for channel in 0..3 {
+                        code[channel] = (shown[channel][i] * 255.0).round() as u8;
+                    }
+                }
+            }
+        });
+        codes
+    }
+
     /// [`encode`](Self::encode) for eight pixels in SIMD lanes.
-    pub(crate) fn encode_lanes(&self, linear: [f32x8; 3]) -> [f32x8; 3] {
+    fn encode_lanes(&self, linear: [f32x8; 3]) -> [f32x8; 3] {
         let gain = f32x8::splat(self.gain());
         codes(self.tonemap, linear.map(|channel| channel * gain))
     }

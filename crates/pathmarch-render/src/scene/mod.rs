@@ -39,6 +39,8 @@ pub(crate) struct RenderScene {
     pub(crate) field: Field,
     pub(crate) leaves: Vec<LeafRecord>,
     pub(crate) materials: Vec<MaterialRecord>,
+    /// Albedo of each material; of an emitter, its radiance.
+    pub(crate) albedos: Vec<[f32; 3]>,
     /// BSDF of each material; `None` for emitters.
     pub(crate) bsdfs: Vec<Option<&'static Bsdf>>,
     /// Textures, bump map and orbit trap of each material.
@@ -63,6 +65,11 @@ impl RenderScene {
             field: scene.field.clone(),
             leaves: leaf::records(scene, &lights),
             materials: materials.map(|(material, textured)| MaterialRecord::new(material, textured)).collect(),
+            albedos: scene
+                .materials
+                .iter()
+                .map(|material| if material.emits() { material.emission() } else { material.albedo() })
+                .collect(),
             bsdfs: scene.materials.iter().map(|material| material.kind.bsdf).collect(),
             textured_materials,
             lights,

@@ -10,6 +10,7 @@ use crate::backend::RenderInput;
 use crate::error::RenderError;
 use crate::job::Backend;
 use crate::job::tracer::Tracer;
+use crate::reconstruct::Reconstruction;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
@@ -18,6 +19,8 @@ use std::time::{Duration, Instant};
 const CPU_SLICE: Duration = Duration::from_millis(12);
 /// Longest time between two pictures of an accumulating film.
 const PUBLISH_INTERVAL: Duration = Duration::from_millis(150);
+/// Least time between two reconstructed pictures of an accumulating film, in times of a reconstruction.
+const MIN_PUBLISH_RATIO: u32 = 6;
 /// Samples of a picture below full size: enough to see something while the user pauses.
 const LEVEL_SAMPLES: u32 = 64;
 /// Longest time for which a new request waits for the first picture of the one before.
@@ -39,6 +42,11 @@ pub(super) struct Engine {
     level: [u32; 2],
     gpu_pace: Pace,
     cpu_pace: Pace,
+    reconstruction: Reconstruction,
+    /// True if the scene has changed since the last film was started.
+    scene_changed: bool,
+    /// Duration of the last reconstruction.
+    reconstruction_time: Duration,
     /// Samples and time at the last measurement of the pace.
     last_measurement: (f64, Instant),
     published_at: Option<Instant>,
@@ -64,6 +72,9 @@ impl Engine {
             level: [0; 2],
             gpu_pace: Pace::default(),
             cpu_pace: Pace::default(),
+            reconstruction: Reconstruction::default(),
+            scene_changed: false,
+            reconstruction_time: Duration::ZERO,
             last_measurement: (0.0, Instant::now()),
             published_at: None,
             published_samples: 0.0,
@@ -192,7 +203,9 @@ impl Engine {
             tracer.advance_for(CPU_SLICE, upto)?;
         }
         let done = tracer.samples_done();
-        self.measure_pace(done);
+        if done < 1.0 {
+            self.measure_pace(done);
+        }
         if done >= 1.0 {
             (self.first_image_since, self.skipped_requests) = (None, 0);
         } else if self.first_image_since.is_some_and(|start| start.elapsed() > LEVEL_TIMEOUT) && done > 0.0 {
@@ -207,6 +220,10 @@ impl Engine {
         }
         if self.is_due(done, target) {
             self.publish()?;
+        }
+        // After the picture is published, so that the time of its reconstruction counts.
+        if done >= 1.0 {
+            self.measure_pace(done);
         }
         if !request.moving && !is_full_size && done >= 1.0 {
             self.level = self.pace().next_level(self.level, request.settings.size);

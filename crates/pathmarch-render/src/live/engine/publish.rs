@@ -1,9 +1,10 @@
 //! Results of the renderer's thread: pictures, films and the status.
 
-use super::{Engine, LiveImage, PUBLISH_INTERVAL, Status};
+use super::{Engine, LiveImage, MIN_PUBLISH_RATIO, PUBLISH_INTERVAL, Status};
 use crate::error::RenderError;
 use crate::job::tracer::Tracer;
 use crate::live::shared::{FilmReply, lock};
+use crate::reconstruct;
 use crate::settings::Settings;
 use std::sync::Arc;
 use std::time::Instant;
@@ -12,9 +13,9 @@ impl Engine {
     /// True if a picture with `done` of `target` samples is to be published: the first, the last, and some between.
     pub(super) fn is_due(&self, done: f64, target: u32) -> bool {
         let is_first = self.published_samples < 1.0 && done >= 1.0;
-        let is_better = done >= 1.0
-            && self.published_at.is_none_or(|at| at.elapsed() >= PUBLISH_INTERVAL)
-            && done > self.published_samples;
+        let interval = PUBLISH_INTERVAL.max(MIN_PUBLISH_RATIO * self.reconstruction_time);
+        let is_better =
+            done >= 1.0 && self.published_at.is_none_or(|at| at.elapsed() >= interval) && done > self.published_samples;
         let is_last = done >= f64::from(target) && done > self.published_samples;
         is_first || is_better || is_last
     }
@@ -23,7 +24,19 @@ impl Engine {
     pub(super) fn publish(&mut self) -> Result<(), RenderError> {
         let (Some((number, request)), Some(tracer)) = (&self.request, &mut self.tracer) else { return Ok(()) };
         let samples = tracer.samples_done();
-        let codes = tracer.show(&request.display, request.settings.mode)?;
+        // Only a picture at rest has a last sample; until then, and at smaller sizes, there is always more to come.
+        let rests = !request.moving && self.level == request.settings.size;
+        let truth = reconstruct::truth(samples as u32, if rests { request.settings.samples } else { u32::MAX });
+        let codes = match tracer {
+            Tracer::Cpu(job) if truth < 1.0 && job.guides().is_some() => {
+                let began = Instant::now();
+                let guides = job.guides().unwrap_or_default();
+                let picture = self.reconstruction.picture(job.frame(), &guides, &job.means(), samples as u32, truth);
+                self.reconstruction_time = began.elapsed();
+                request.display.encode_rgba(&picture)
+            }
+            tracer => tracer.show(&request.display, request.settings.mode)?,
+        };
         let now = Instant::now();
         self.serial += 1;
         let image = LiveImage { size: self.level, codes, samples, request: *number, serial: self.serial, at: now };
@@ -46,7 +59,8 @@ impl Engine {
         if film.samples == 0 {
             return Err("no sample of the picture is done yet".to_owned());
         }
-        let settings = Settings { samples: film.samples, ..request.settings };
+        let seed = self.input.as_ref().map_or(request.settings.seed, |input| input.frame.seed);
+        let settings = Settings { samples: film.samples, seed, ..request.settings };
         Ok((film, settings))
     }
 

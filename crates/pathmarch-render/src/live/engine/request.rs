@@ -6,6 +6,8 @@ use crate::backend::cpu::CpuJob;
 use crate::error::RenderError;
 use crate::job::tracer::Tracer;
 use crate::live::shared::lock;
+use crate::mode::Mode;
+use crate::reconstruct::Reconstruction;
 use crate::settings::Settings;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -34,6 +36,24 @@ fn same_picture(a: &Settings, b: &Settings) -> bool {
     Settings { samples: 1, ..a.clone() } == Settings { samples: 1, ..b.clone() }
 }
 
+/// True if both settings show the same light, perhaps from another viewpoint.
+fn same_light(a: &Settings, b: &Settings) -> bool {
+    let rest = |settings: &Settings| Settings {
+        size: [1, 1],
+        samples: 1,
+        seed: 0,
+        camera: 0,
+        viewpoint: None,
+        ..settings.clone()
+    };
+    rest(a) == rest(b)
+}
+
+/// True if pictures of a request are reconstructed on the CPU.
+fn is_reconstructed(request: &RenderRequest) -> bool {
+    request.reconstruct && request.settings.mode == Mode::Path
+}
+
 impl Engine {
     /// Starts to render a request.
     pub(super) fn start_request(&mut self, number: u64, request: RenderRequest) -> Result<(), RenderError> {
@@ -47,11 +67,16 @@ impl Engine {
         let old = old.map(|(_, old)| old).filter(|_| self.input.is_some() && self.tracer.is_some());
         let (same_scene, same_picture) = old.as_ref().map_or((false, false), |old| {
             let scene = Arc::ptr_eq(&old.scene, &request.scene) && same_kernel(&old.settings, &request.settings);
-            (scene, scene && same_picture(&old.settings, &request.settings))
+            // Moving pictures have seeds of their own.
+            let same_seed = old.moving == request.moving && old.reconstruct == request.reconstruct;
+            (scene, scene && same_seed && same_picture(&old.settings, &request.settings))
+        });
+        self.scene_changed |= old.as_ref().is_some_and(|old| {
+            !Arc::ptr_eq(&old.scene, &request.scene) || !same_light(&old.settings, &request.settings)
         });
         if same_picture {
-            // Only the number of samples, the display or `moving` has changed.
-            if old.is_some_and(|old| old.display != request.display) && self.published_at.is_some() {
+            // Only the number of samples or the display has changed.
+            if old.as_ref().is_some_and(|old| old.display != request.display) && self.published_at.is_some() {
                 self.publish()?;
             }
             return Ok(());
@@ -67,7 +92,11 @@ impl Engine {
         self.level = self.first_level(&request);
         self.first_image_since = Some(Instant::now());
         let settings = self.level_settings(&request);
-        let reframed = same_scene && self.input.as_mut().is_some_and(|input| input.reframe(&request.scene, &settings));
+        // A tracer either records guides or does not.
+        let same_guides = old.as_ref().is_none_or(|old| is_reconstructed(old) == is_reconstructed(&request));
+        let reframed = same_scene
+            && same_guides
+            && self.input.as_mut().is_some_and(|input| input.reframe(&request.scene, &settings));
         if reframed {
             return self.start_level();
         }
@@ -93,7 +122,13 @@ impl Engine {
 
     /// Settings of the present level.
     fn level_settings(&self, request: &RenderRequest) -> Settings {
-        Settings { size: self.level, ..request.settings.clone() }
+        let mut settings = Settings { size: self.level, ..request.settings.clone() };
+        if request.moving && is_reconstructed(request) && !self.gpu.has_kernel() {
+            // Pictures that are averaged need random numbers of their own.
+            let picture = self.request.as_ref().map_or(0, |(number, _)| *number as u32);
+            settings.seed = settings.seed.wrapping_add(picture.wrapping_mul(0x9e37_79b9));
+        }
+        settings
     }
 
     /// Starts to compile the scene's kernel, if the GPU needs it.
@@ -134,7 +169,11 @@ impl Engine {
         };
         if !reframed && let Some(input) = &self.input {
             let first = settings.first_sample;
-            let cpu = || Tracer::Cpu(Box::new(CpuJob::new(input.clone(), first)));
+            let reconstructed = is_reconstructed(request);
+            let cpu = || {
+                let job = CpuJob::new(input.clone(), first);
+                Tracer::Cpu(Box::new(if reconstructed { job.with_guides() } else { job }))
+            };
             let tracer = match self.gpu.tracer(input, first) {
                 Some(Err(error @ RenderError::TooLarge { .. })) => {
                     self.gpu.refuse(&error, &self.shared);
@@ -144,6 +183,11 @@ impl Engine {
                 None => cpu(),
             };
             self.tracer = Some(tracer);
+        }
+        if is_reconstructed(request) {
+            self.reconstruction.start_film(std::mem::take(&mut self.scene_changed));
+        } else {
+            self.reconstruction = Reconstruction::default();
         }
         self.last_measurement = (0.0, Instant::now());
         self.published_samples = 0.0;

@@ -47,6 +47,7 @@ impl App {
             scene,
             moving: moving.is_some(),
             frame_time: Duration::from_secs_f32(1.0 / self.preferences.frame_rate.clamp(1.0, 240.0)),
+            reconstruct: self.preferences.reconstruct,
         };
         let same = self.ordered.as_ref().is_some_and(|old| {
             Arc::ptr_eq(&old.scene, &order.scene)
@@ -54,6 +55,7 @@ impl App {
                 && old.display == order.display
                 && old.moving == order.moving
                 && old.frame_time == order.frame_time
+                && old.reconstruct == order.reconstruct
         });
         if !same {
             let number = self.live.show(order.clone());

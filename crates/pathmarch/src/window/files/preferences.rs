@@ -23,6 +23,8 @@ pub struct Preferences {
     pub scale: f32,
     /// Target frame rate while the view moves, frames per second.
     pub frame_rate: f32,
+    /// Reconstruct clean pictures from few samples.
+    pub reconstruct: bool,
     /// Show the scene tree.
     pub left_open: bool,
     /// Show the inspector.
@@ -50,6 +52,7 @@ impl Default for Preferences {
             dark: None,
             scale: 1.0,
             frame_rate: 30.0,
+            reconstruct: true,
             left_open: true,
             right_open: true,
             show_plots: false,

@@ -1,0 +1,169 @@
+//! Guides of reconstruction: for each pixel, the first surface on a path that scatters light instead of mirroring it.
+//!
+//! **Idea.** Recorded with the path itself, so that they cost no rays. Through mirrors, position and normal are those of
+//! the mirror image: of a plane mirror, a world behind it that stands still when the camera moves. Position and normal of
+//! glass are its own, since a path takes one of its two ways by chance; its albedo is that of the surface seen through it.
+
+use crate::intersect::ray::Ray;
+use crate::scene::TraceContext;
+use crate::scene::material::{DELTA, TRANSMITS};
+use crate::shading::surface_interaction::SurfaceInteraction;
+use crate::shading::textured_point::TexturedPoint;
+use glam::{Mat3, Vec3};
+
+/// Largest number of mirrors and glass surfaces that guides look through.
+const MAX_DELTA_SURFACES: u32 = 8;
+
+/// Class of what a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shown {
+    /// No surface.
+    Sky,
+    /// Emitter, which has no noise.
+    Emitter,
+    /// Smooth glass.
+    Glass,
+    /// Surface that scatters light.
+    Surface,
+}
+
+/// Guide of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Guide {
+    /// Position in world space, or that of the mirror image; far away for the sky.
+    pub(crate) position: Vec3,
+    /// Unit normal on the side of the camera, mirrored as the position is.
+    pub(crate) normal: Vec3,
+    /// Unit normal of the surface that is seen through glass; elsewhere the normal itself.
+    pub(crate) seen_normal: Vec3,
+    /// Albedo of the surface times the reflectance of mirrors and glass in front of it; the radiance of an emitter; 1 for
+    /// the sky.
+    pub(crate) albedo: Vec3,
+    /// Length of the path from the camera, metres.
+    pub(crate) length: f32,
+    /// Cosine between the normal and the ray that hit the surface.
+    pub(crate) cosine: f32,
+    pub(crate) shown: Shown,
+    /// Index of the object; 0 for the sky.
+    pub(crate) object: u32,
+    /// Index of the object that is seen through glass; elsewhere the object itself.
+    pub(crate) seen_object: u32,
+}
+
+impl Guide {
+    /// Guide of a pixel without a sample.
+    pub(crate) const NONE: Self = Self {
+        position: Vec3::ZERO,
+        normal: Vec3::ZERO,
+        seen_normal: Vec3::ZERO,
+        albedo: Vec3::ONE,
+        length: 0.0,
+        cosine: 1.0,
+        shown: Shown::Sky,
+        object: 0,
+        seen_object: 0,
+    };
+}
+
+/// Guides being recorded, one for each path.
+pub(crate) struct GuideRecorder {
+    camera_rays: Vec<Ray>,
+    guides: Vec<Guide>,
+    states: Vec<State>,
+}
+
+/// What the recorder of a path waits for.
+#[derive(Clone, Copy)]
+enum State {
+    /// The first surface that is no mirror; product of the mirror reflections so far.
+    Mirrored(Mat3),
+    /// The first surface that scatters light, seen through glass.
+    BehindGlass,
+    /// Nothing.
+    Done,
+}
+
+impl GuideRecorder {
+    /// Guides of the sky, for these camera rays.
+    pub(crate) fn new(ctx: &TraceContext, camera_rays: Vec<Ray>) -> Self {
+        let sky = |ray: &Ray| Guide {
+            position: ray.origin + ray.direction * ctx.frame.far,
+            normal: -ray.direction,
+            seen_normal: -ray.direction,
+            albedo: Vec3::ONE,
+            length: ctx.frame.far,
+            cosine: 1.0,
+            shown: Shown::Sky,
+            object: 0,
+            seen_object: 0,
+        };
+        let guides = camera_rays.iter().map(sky).collect();
+        let states = vec![State::Mirrored(Mat3::IDENTITY); camera_rays.len()];
+        Self { camera_rays, guides, states }
+    }
+
+    /// Records the surface that the path in a slot has reached with this direction and throughput.
+    pub(crate) fn record(
+        &mut self,
+        ctx: &TraceContext,
+        slot: usize,
+        direction: Vec3,
+        throughput: Vec3,
+        interaction: &SurfaceInteraction,
+        surface_index: u32,
+    ) {
+        let leaf = &ctx.scene.leaves[interaction.leaf];
+        let material = &ctx.scene.materials[leaf.material as usize];
+        let object = ctx.scene.field.leaves()[interaction.leaf].object;
+        let is_delta = material.has(DELTA) && surface_index < MAX_DELTA_SURFACES;
+        let is_glass = is_delta && material.has(TRANSMITS);
+        let albedo = || {
+            let p = interaction.p;
+            let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), interaction.length);
+            let plain = Vec3::from(ctx.scene.albedos[leaf.material as usize]);
+            throughput * textured.and_then(|textured| textured.colour()).unwrap_or(plain)
+        };
+        let guide = &mut self.guides[slot];
+        let mirrors = match self.states[slot] {
+            State::Done => return,
+            State::BehindGlass => {
+                if !is_delta {
+                    (guide.albedo, guide.seen_normal, guide.seen_object) = (albedo(), interaction.normal, object);
+                    self.states[slot] = State::Done;
+                }
+                return;
+            }
+            State::Mirrored(mirrors) => mirrors,
+        };
+        if is_delta && !is_glass {
+            let n = interaction.normal;
+            let reflection = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis - 2.0 * axis.dot(n) * n);
+            self.states[slot] = State::Mirrored(mirrors * Mat3::from_cols(reflection[0], reflection[1], reflection[2]));
+            return;
+        }
+        self.states[slot] = if is_glass { State::BehindGlass } else { State::Done };
+        let shown = match () {
+            () if material.emits() => Shown::Emitter,
+            () if is_glass => Shown::Glass,
+            () => Shown::Surface,
+        };
+        let ray = self.camera_rays[slot];
+        let normal = mirrors * interaction.normal;
+        *guide = Guide {
+            position: ray.origin + ray.direction * interaction.length,
+            normal,
+            seen_normal: normal,
+            albedo: if is_glass { Vec3::ONE } else { albedo() },
+            length: interaction.length,
+            cosine: interaction.normal.dot(direction).abs(),
+            shown,
+            object,
+            seen_object: object,
+        };
+    }
+
+    /// Guides of all paths.
+    pub(crate) fn into_guides(self) -> Vec<Guide> {
+        self.guides
+    }
+}

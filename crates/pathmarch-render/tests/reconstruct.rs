@@ -1,0 +1,177 @@
+//! Reconstructed sequences: nearer to the converged picture than their samples, with the same energy, without trails.
+
+use crate::common::{cpu, parse};
+use pathmarch_render::Settings;
+use pathmarch_render::image::Picture;
+use pathmarch_render::metrics::{block_means, relmse};
+use pathmarch_render::pathmarch_scene::{Camera, Scene};
+use pathmarch_render::reconstruct::{Frame, Sequence};
+use pathmarch_testing::{plain, tests};
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [96, 54];
+
+/// Room with a lamp, a ball and a mirror.
+const ROOM: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0; fov 30 }\nrender { bounces 3 }\n\
+    material \"white\" { diffuse 0.7 }\nmaterial \"red\" { diffuse 0.6 0.1 0.1 }\nmaterial \"lamp\" { emit 6 }\n\
+    material \"mirror\" { metal 0.9; roughness 0 }\n\
+    object \"floor\" material=\"white\" { rect 4 }\nobject \"back\" material=\"red\" { rect 4 { normal 0 0 1; at 0 1 -1.5 } }\n\
+    object \"lamp\" material=\"lamp\" { rect 1 { normal 0 -1 0; at 0 2.2 0 } }\n\
+    object \"ball\" material=\"white\" { sphere 0.4 { at 0.5 0.4 0.3 } }\n\
+    object \"mirror\" material=\"mirror\" { box 0.6 1 0.1 { rotate 0 20 0; at -0.7 0.5 -0.5 } }";
+
+fn room() -> Arc<Scene> {
+    Arc::new(parse(ROOM))
+}
+
+/// Camera of the scene, moved to the right.
+fn moved(scene: &Scene, x: f32) -> Camera {
+    let mut camera = scene.cameras[0].clone();
+    camera.position[0] += x;
+    camera
+}
+
+fn settings(scene: &Scene, camera: Camera, samples: u32, seed: u32) -> Settings {
+    Settings { size: SIZE, samples, seed, viewpoint: Some(camera), ..Settings::of(scene) }
+}
+
+fn next(sequence: &mut Sequence, scene: &Arc<Scene>, camera: Camera, seed: u32) -> Frame {
+    sequence.render(scene, &settings(scene, camera, 1, seed)).expect("a picture")
+}
+
+fn converged(scene: &Scene, camera: Camera) -> Picture {
+    cpu().render(scene, &settings(scene, camera, 512, 12345)).expect("a film").mean()
+}
+
+/// Mean of the channels of all pixels.
+fn mean(picture: &Picture) -> f64 {
+    picture.mean_colour().iter().sum::<f64>() / 3.0
+}
+
+fn a_moving_picture_is_clean_and_keeps_its_energy() {
+    let scene = room();
+    let mut sequence = Sequence::new();
+    let mut last = None;
+    for frame in 0..16 {
+        last = Some(next(&mut sequence, &scene, moved(&scene, 0.02 * frame as f32), frame));
+    }
+    let last = last.expect("a frame");
+    let reference = converged(&scene, moved(&scene, 0.3));
+    let [before, after] =
+        [&last.noisy, &last.reconstructed].map(|picture| relmse(picture, &reference).expect("finite"));
+    let energy = mean(&last.reconstructed) / mean(&reference);
+    println!("relMSE {before:.4} before, {after:.4} after; energy {energy:.4}");
+    assert!(after < 0.1 * before, "{before} {after}");
+    assert!((energy - 1.0).abs() < 0.02, "{energy}");
+    let blocks = [&last.reconstructed, &reference].map(|picture| block_means(picture, 18));
+    let error = relmse(&blocks[0], &blocks[1]).expect("finite");
+    assert!(error < 3e-3, "blocks differ by {error}");
+}
+
+fn the_first_picture_is_clean_too() {
+    let scene = room();
+    let first = next(&mut Sequence::new(), &scene, moved(&scene, 0.0), 7);
+    let reference = converged(&scene, moved(&scene, 0.0));
+    // Clipped as on a screen: the jagged edges of the lamp do not count as noise.
+    let clipped = |picture: &Picture| Picture {
+        pixels: picture.pixels.iter().map(|pixel| pixel.map(|channel| channel.min(1.0))).collect(),
+        ..*picture
+    };
+    let [before, after] = [&first.noisy, &first.reconstructed]
+        .map(|picture| relmse(&clipped(picture), &clipped(&reference)).expect("finite"));
+    println!("relMSE {before:.4} before, {after:.4} after");
+    assert!(after < 0.5 * before, "{before} {after}");
+}
+
+fn uniform_light_stays_as_it_is() {
+    // Under a white sky everything white is white, whatever is averaged with what.
+    let text = "pathmarch 1\ncamera { position 0 1 4; target 0 0.5 0 }\nrender { bounces 16 }\nsky 1\n\
+        material \"white\" { diffuse 1 }\nobject \"ball\" material=\"white\" { sphere 0.5 { at 0 0.5 0 } }";
+    let scene = Arc::new(parse(text));
+    let mut sequence = Sequence::new();
+    for frame in 0..6 {
+        let shown = next(&mut sequence, &scene, moved(&scene, 0.03 * frame as f32), frame).reconstructed;
+        for pixel in &shown.pixels {
+            assert!(pixel.iter().all(|channel| (channel - 1.0).abs() < 1e-3), "{pixel:?}");
+        }
+    }
+}
+
+fn nothing_stays_where_an_object_was() {
+    let at = |x: f32| Arc::new(parse(&ROOM.replace("at 0.5 0.4 0.3", &format!("at {x} 0.4 0.3"))));
+    let [before, after] = [at(-0.2), at(0.7)];
+    let mut sequence = Sequence::new();
+    for frame in 0..8 {
+        next(&mut sequence, &before, moved(&before, 0.0), frame);
+    }
+    let mut shown = None;
+    for frame in 8..12 {
+        shown = Some(next(&mut sequence, &after, moved(&after, 0.0), frame).reconstructed);
+    }
+    let reference = converged(&after, moved(&after, 0.0));
+    let shown = shown.expect("a frame");
+    // Columns and rows of the ball before it jumped.
+    let region = |picture: &Picture| {
+        let pixels = (30..44).flat_map(|y| (38..48).filter_map(move |x| picture.get(x, y)));
+        pixels.map(|pixel| f64::from(pixel.iter().sum::<f32>())).sum::<f64>()
+    };
+    let ratio = region(&shown) / region(&reference);
+    println!("vacated pixels: {ratio:.4} of the reference");
+    assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
+}
+
+fn light_that_is_switched_off_fades_at_once() {
+    let bright = room();
+    let dim = Arc::new(parse(&ROOM.replace("emit 6", "emit 0.3")));
+    let mut sequence = Sequence::new();
+    for frame in 0..24 {
+        next(&mut sequence, &bright, moved(&bright, 0.0), frame);
+    }
+    let [high, low] = [&bright, &dim].map(|scene| mean(&converged(scene, moved(scene, 0.0))));
+    let mut left = Vec::new();
+    for frame in 24..32 {
+        let shown = next(&mut sequence, &dim, moved(&dim, 0.0), frame);
+        left.push((mean(&shown.reconstructed) - low) / (high - low));
+    }
+    println!("left of the step after each picture: {left:.3?}");
+    assert!(left[7].abs() < 0.1, "{left:?}");
+}
+
+fn sizes_jumps_and_cuts_leave_finite_pictures() {
+    let scenes = [room(), Arc::new(parse(&ROOM.replace("sphere 0.4", "torus 0.4 0.1")))];
+    let mut sequence = Sequence::new();
+    for frame in 0..12 {
+        let scene = &scenes[frame as usize / 5 % 2];
+        let mut camera = moved(scene, if frame % 3 == 0 { 40.0 } else { 0.0 });
+        if frame % 4 == 3 {
+            // Looks away from everything.
+            camera.target[2] = 100.0;
+        }
+        let size = [[96, 54], [1, 1], [33, 70], [5, 3]][frame as usize % 4];
+        let settings = Settings { size, ..settings(scene, camera, 1, frame) };
+        let shown = sequence.render(scene, &settings).expect("a picture").reconstructed;
+        assert_eq!([shown.width, shown.height], size);
+        assert!(shown.pixels.iter().flatten().all(|channel| channel.is_finite() && *channel >= 0.0), "{frame}");
+    }
+}
+
+fn a_still_picture_of_many_samples_is_not_altered() {
+    let scene = room();
+    let mut sequence = Sequence::new();
+    next(&mut sequence, &scene, moved(&scene, 0.1), 1);
+    let still = settings(&scene, moved(&scene, 0.1), 128, 0);
+    let shown = sequence.render(&scene, &still).expect("a picture");
+    assert_eq!(shown.reconstructed, cpu().render(&scene, &still).expect("a film").mean());
+}
+
+tests! {
+    plain: [
+        a_moving_picture_is_clean_and_keeps_its_energy,
+        the_first_picture_is_clean_too,
+        uniform_light_stays_as_it_is,
+        nothing_stays_where_an_object_was,
+        light_that_is_switched_off_fades_at_once,
+        sizes_jumps_and_cuts_leave_finite_pictures,
+        a_still_picture_of_many_samples_is_not_altered,
+    ],
+}
