@@ -41,51 +41,19 @@ fn blends() -> Vec<Option<Blend>> {
 }
 
 /// Objects, the number of shapes in each: a smooth union, and shapes apart.
-fn crowds() -> Vec<Vec<Node>> {
+fn grids() -> Vec<Vec<Node>> {
     let mut random = Random::new(7);
     let mut all: Vec<Vec<Node>> =
         blends().into_iter().map(|blend| vec![union(shapes(&mut random, 300, 3.0), blend)]).collect();
     let apart = shapes(&mut random, 200, 3.0).into_iter();
-    // Of closed form are only spheres and boxes; what is one object each of the others is a crowd.
+    // Of closed form are only spheres and boxes; what is one object each of the others is a grid.
     all.push(apart.collect());
     all
 }
 
 #[test]
-fn near_its_surface_a_crowd_is_the_whole_union_and_elsewhere_no_farther() {
-    for (number, objects) in crowds().iter().enumerate() {
-        let (ours, whole) = (Field::new(objects), Field::with_shape_grids_from(objects, usize::MAX));
-        let bounds = whole.bounds().expanded(2.0);
-        let mut random = Random::new(number as u64);
-        let (mut exact, mut bounded) = (0, 0);
-        for _ in 0..4000 {
-            let points: [Vec3<f32>; 8] = std::array::from_fn(|_| random.point(bounds));
-            let eight = ours.sphere_traced_distance(lanes(&points)).to_array();
-            for (p, eight) in points.into_iter().zip(eight) {
-                let (one, truth) = (ours.sphere_traced_distance(p), whole.sphere_traced_distance(p));
-                assert!((one - eight).abs() <= 1e-5, "{number}: {one} {eight} at {p:?}");
-                assert!(one <= truth + 2e-5, "{number}: {one} is more than {truth} at {p:?}");
-                if (one - truth).abs() <= 2e-5 {
-                    exact += 1
-                } else {
-                    bounded += 1
-                }
-                // What a march takes for a hit is one.
-                assert!(one > 1e-3 || truth < 1e-2, "{number}: {one} for {truth} at {p:?}");
-                assert_eq!(
-                    ours.distance(p),
-                    whole.distance(p).min(ours.distance(p) + 2e-5).max(ours.distance(p) - 2e-5)
-                );
-            }
-        }
-        println!("crowd {number}: {exact} exact, {bounded} bounded, {} bytes", ours.shape_grid_bytes());
-        assert!(exact > 1000 && bounded > 1000);
-    }
-}
-
-#[test]
-fn the_surface_of_a_crowd_is_that_of_the_whole_union() {
-    for (number, objects) in crowds().iter().enumerate() {
+fn the_surface_of_a_grid_is_that_of_the_whole_union() {
+    for (number, objects) in grids().iter().enumerate() {
         let (ours, whole) = (Field::new(objects), Field::with_shape_grids_from(objects, usize::MAX));
         let mut random = Random::new(number as u64);
         let mut met = 0;
@@ -120,7 +88,7 @@ fn the_surface_of_a_crowd_is_that_of_the_whole_union() {
 }
 
 #[test]
-fn the_code_of_a_crowd_does_not_grow_with_it() {
+fn the_code_of_a_grid_does_not_grow_with_it() {
     let program = |count: usize, seed: u64, blend| {
         Program::new(&Field::new(&[union(shapes(&mut Random::new(seed), count, 3.0), blend)]))
     };
@@ -135,7 +103,7 @@ fn the_code_of_a_crowd_does_not_grow_with_it() {
 }
 
 #[test]
-fn thin_shapes_in_a_crowd_are_met() {
+fn thin_shapes_in_a_grid_are_met() {
     let mut random = Random::new(11);
     let mut children = shapes(&mut random, 200, 3.0);
     let wire = shape("capsule").expect("registered");
@@ -167,36 +135,72 @@ fn thin_shapes_in_a_crowd_are_met() {
     }
 }
 
-#[test]
-fn chains_and_heaps_of_many_shapes_are_bounded() {
-    let sphere = shape("sphere").expect("registered");
-    let ball = |at: [f32; 3], radius: f32| Node {
-        kind: Kind::Shape { shape: sphere.into(), params: vec![radius], tag: 0 },
-        placement: Placement { at: Some(at), ..Placement::default() },
-    };
-    let mut random = Random::new(5);
-    let chain = (0..5000).map(|k| ball([0.02 * k as f32, (0.01 * k as f32).sin(), 0.0], 0.1)).collect();
-    let heap = (0..3000).map(|_| ball([0.0; 3], 1.0)).collect();
-    let cloud = (0..100_000)
-        .map(|_| {
-            let p = random.point(Aabb::centred(20.0, 20.0, 20.0));
-            ball([p.x, p.y, p.z], 0.2)
-        })
-        .collect();
-    let flat = (0..100).map(|k| ball([k as f32, 0.0, 0.0], 0.3)).collect();
-    for (name, children) in [("chain", chain), ("heap", heap), ("cloud", cloud), ("row", flat)] {
-        let started = std::time::Instant::now();
-        let field = Field::new(&[union(children, Some(Blend::from(0.1)))]);
-        let distance = field.sphere_traced_distance(Vec3::new(0.3, 0.2, 0.1f32));
-        println!("{name}: {} bytes in {:?}, {distance}", field.shape_grid_bytes(), started.elapsed());
-        assert!(distance.is_finite());
-        assert!(field.shape_grid_bytes() < 48 << 20, "{name}: {}", field.shape_grid_bytes());
-        assert!(field.bounds().is_finite());
+mod slow {
+    use super::*;
+
+    #[test]
+    fn near_its_surface_a_grid_is_the_whole_union_and_elsewhere_no_farther() {
+        for (number, objects) in grids().iter().enumerate() {
+            let (ours, whole) = (Field::new(objects), Field::with_shape_grids_from(objects, usize::MAX));
+            let bounds = whole.bounds().expanded(2.0);
+            let mut random = Random::new(number as u64);
+            let (mut exact, mut bounded) = (0, 0);
+            for _ in 0..4000 {
+                let points: [Vec3<f32>; 8] = std::array::from_fn(|_| random.point(bounds));
+                let eight = ours.sphere_traced_distance(lanes(&points)).to_array();
+                for (p, eight) in points.into_iter().zip(eight) {
+                    let (one, truth) = (ours.sphere_traced_distance(p), whole.sphere_traced_distance(p));
+                    assert!((one - eight).abs() <= 1e-5, "{number}: {one} {eight} at {p:?}");
+                    assert!(one <= truth + 2e-5, "{number}: {one} is more than {truth} at {p:?}");
+                    if (one - truth).abs() <= 2e-5 {
+                        exact += 1
+                    } else {
+                        bounded += 1
+                    }
+                    // What a march takes for a hit is one.
+                    assert!(one > 1e-3 || truth < 1e-2, "{number}: {one} for {truth} at {p:?}");
+                    assert_eq!(
+                        ours.distance(p),
+                        whole.distance(p).min(ours.distance(p) + 2e-5).max(ours.distance(p) - 2e-5)
+                    );
+                }
+            }
+            println!("grid {number}: {exact} exact, {bounded} bounded, {} bytes", ours.shape_grid_bytes());
+            assert!(exact > 1000 && bounded > 1000);
+        }
+    }
+
+    #[test]
+    fn chains_and_heaps_of_many_shapes_are_bounded() {
+        let sphere = shape("sphere").expect("registered");
+        let ball = |at: [f32; 3], radius: f32| Node {
+            kind: Kind::Shape { shape: sphere.into(), params: vec![radius], tag: 0 },
+            placement: Placement { at: Some(at), ..Placement::default() },
+        };
+        let mut random = Random::new(5);
+        let chain = (0..5000).map(|k| ball([0.02 * k as f32, (0.01 * k as f32).sin(), 0.0], 0.1)).collect();
+        let heap = (0..3000).map(|_| ball([0.0; 3], 1.0)).collect();
+        let cloud = (0..100_000)
+            .map(|_| {
+                let p = random.point(Aabb::centred(20.0, 20.0, 20.0));
+                ball([p.x, p.y, p.z], 0.2)
+            })
+            .collect();
+        let flat = (0..100).map(|k| ball([k as f32, 0.0, 0.0], 0.3)).collect();
+        for (name, children) in [("chain", chain), ("heap", heap), ("cloud", cloud), ("row", flat)] {
+            let started = std::time::Instant::now();
+            let field = Field::new(&[union(children, Some(Blend::from(0.1)))]);
+            let distance = field.sphere_traced_distance(Vec3::new(0.3, 0.2, 0.1f32));
+            println!("{name}: {} bytes in {:?}, {distance}", field.shape_grid_bytes(), started.elapsed());
+            assert!(distance.is_finite());
+            assert!(field.shape_grid_bytes() < 48 << 20, "{name}: {}", field.shape_grid_bytes());
+            assert!(field.bounds().is_finite());
+        }
     }
 }
 
 #[test]
-fn what_has_no_end_is_in_no_crowd() {
+fn what_has_no_end_is_in_no_grid() {
     let plane = shape("plane").expect("registered");
     let mut children = shapes(&mut Random::new(1), 40, 2.0);
     children.push(Node {

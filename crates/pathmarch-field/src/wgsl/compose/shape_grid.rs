@@ -152,7 +152,7 @@ impl Composer<'_> {
         place as f32
     }
 
-    /// Prints the functions of all shape grids: `crowd_N_distance` and `crowd_N_surface`.
+    /// Prints the functions of all shape grids: `shape_grid_N_distance` and `shape_grid_N_surface`.
     pub(super) fn shape_grids(&self) -> String {
         if self.field.shape_grids().is_empty() {
             return String::new();
