@@ -7,7 +7,7 @@ use crate::mode::{Mode, uncertainty_of};
 use crate::output::film::Film;
 use crate::output::tonemap::Display;
 use crate::ray_stats::RayCounters;
-use crate::scene::FrameUniforms;
+use crate::scene::{FrameUniforms, RenderScene};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -191,6 +191,11 @@ impl CpuJob {
     pub(crate) fn means(&self) -> Vec<Vec3> {
         let sums = self.film.sums.par_iter().zip(self.counts());
         sums.map(|(sum, count)| Vec3::from(*sum) / count.max(1) as f32).collect()
+    }
+
+    /// Scene of the picture.
+    pub(crate) fn scene(&self) -> &RenderScene {
+        &self.input.scene
     }
 
     /// Uniforms of the frame.

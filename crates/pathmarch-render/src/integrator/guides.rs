@@ -27,6 +27,9 @@ pub(crate) enum Shown {
     Surface,
 }
 
+/// No leaf.
+pub(crate) const NO_LEAF: u32 = u32::MAX;
+
 /// Guide of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Guide {
@@ -48,6 +51,8 @@ pub(crate) struct Guide {
     pub(crate) object: u32,
     /// Index of the object that is seen through glass; elsewhere the object itself.
     pub(crate) seen_object: u32,
+    /// Index of the leaf of `position`; [`NO_LEAF`] for the sky and for mirror images.
+    pub(crate) leaf: u32,
 }
 
 impl Guide {
@@ -62,6 +67,7 @@ impl Guide {
         shown: Shown::Sky,
         object: 0,
         seen_object: 0,
+        leaf: NO_LEAF,
     };
 }
 
@@ -96,6 +102,7 @@ impl GuideRecorder {
             shown: Shown::Sky,
             object: 0,
             seen_object: 0,
+            leaf: NO_LEAF,
         };
         let guides = camera_rays.iter().map(sky).collect();
         let states = vec![State::Mirrored(Mat3::IDENTITY); camera_rays.len()];
@@ -159,6 +166,7 @@ impl GuideRecorder {
             shown,
             object,
             seen_object: object,
+            leaf: if surface_index == 0 { interaction.leaf as u32 } else { NO_LEAF },
         };
     }
 

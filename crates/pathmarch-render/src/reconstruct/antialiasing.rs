@@ -7,6 +7,7 @@
 //! **Source.** Karis 2014, "High-Quality Temporal Supersampling"; clamping to mean and deviation: Salvi 2016, "An Excursion
 //! in Temporal Supersampling". Colours stay linear: compressing bright ones would darken the mean.
 
+use super::motion::Motion;
 use super::temporal::project;
 use crate::integrator::guides::Guide;
 use crate::scene::FrameUniforms;
@@ -29,9 +30,9 @@ pub(super) fn antialiased(
     frame: &FrameUniforms,
     guides: &[Guide],
     picture: &[Vec3],
-    last: Option<&ShownPicture>,
+    last: Option<(&ShownPicture, &Motion)>,
 ) -> Vec<Vec3> {
-    let Some(last) = last else { return picture.to_vec() };
+    let Some((last, motion)) = last else { return picture.to_vec() };
     let [width, height] = frame.size().map(|side| side as usize);
     let pixel = |index: usize| {
         let new = picture[index];
@@ -51,7 +52,7 @@ pub(super) fn antialiased(
                 count += 1.0;
             }
         }
-        let Some(old) = last.before(frame, [x, y], nearest) else { return new };
+        let Some(old) = last.before(frame, [x, y], nearest, &motion.earlier(nearest)) else { return new };
         let mean = sum / count;
         let deviation = REACH * (squares / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
         old.clamp(mean - deviation, mean + deviation).lerp(new, NEW_WEIGHT)
@@ -60,11 +61,10 @@ pub(super) fn antialiased(
 }
 
 impl ShownPicture {
-    /// Bilinear colour where a pixel of the picture `frame` was, if it has moved as the point of this guide has; `None`
-    /// outside.
-    fn before(&self, frame: &FrameUniforms, pixel: [usize; 2], guide: &Guide) -> Option<Vec3> {
+    /// Bilinear colour where a pixel of the picture `frame` was, if it has moved from `earlier` to `guide`; `None` outside.
+    fn before(&self, frame: &FrameUniforms, pixel: [usize; 2], guide: &Guide, earlier: &Guide) -> Option<Vec3> {
         let [width, height] = self.frame.size().map(|side| side as f32);
-        let [old, new] = [project(&self.frame, guide.position)?, project(frame, guide.position)?];
+        let [old, new] = [project(&self.frame, earlier.position)?, project(frame, guide.position)?];
         // Pictures may differ in size.
         let scale = [width / frame.width as f32, height / frame.height as f32];
         let [x, y] = std::array::from_fn(|k| (pixel[k] as f32 + 0.5 - new[k]) * scale[k] + old[k]);

@@ -13,20 +13,22 @@
 //! moves no energy out of highlights; the point in the last picture is validated by its position in space instead of a
 //! depth, and pictures of different sizes share their history.
 //!
-//! **Limits.** Runs on the CPU backend. Points that move with an object count as new where they leave the surface of the
-//! last picture. Reflections on rough surfaces and what is seen through glass move with the surface.
+//! **Limits.** Runs on the CPU backend. [`motion`] is that of rigid objects; shapes that deform start anew where the point
+//! was not on the surface before. Reflections on rough surfaces and what is seen through glass move with the surface.
 //!
 //! **Cost.** On two cores 20 ms for 320x180 pixels.
 
 mod antialiasing;
+mod motion;
 mod sequence;
 mod spatial;
 mod temporal;
 
 use crate::integrator::guides::{Guide, Shown};
-use crate::scene::FrameUniforms;
+use crate::scene::{FrameUniforms, RenderScene};
 use antialiasing::{ShownPicture, antialiased};
 use glam::Vec3;
+use motion::{Motion, Poses};
 use rayon::prelude::*;
 pub use sequence::{Frame, Sequence};
 use std::sync::Arc;
@@ -43,6 +45,7 @@ const MAX_HISTORY_OF_CHANGED_SCENE: f32 = 6.0;
 
 /// Result of a film.
 struct Reconstructed {
+    poses: Poses,
     history: History,
     shown: ShownPicture,
 }
@@ -76,6 +79,7 @@ impl Reconstruction {
     /// themselves, 0 to 1.
     pub(crate) fn picture(
         &mut self,
+        scene: &RenderScene,
         frame: &FrameUniforms,
         guides: &Arc<Vec<Guide>>,
         means: &[Vec3],
@@ -88,16 +92,21 @@ impl Reconstruction {
             spatial::spread_fireflies(frame.size(), guides, &mut irradiance);
         }
         let (past, max_length) = (self.past.as_deref(), self.max_history * (1.0 - truth));
-        let past_history = past.map(|past| &past.history);
+        let poses = Poses::new(scene);
+        let changed_past = past.filter(|_| self.scene_changed);
+        let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.poses, &poses));
+        let past_history = past.map(|past| (&past.history, &motion));
         let limits = self.scene_changed.then(|| spatial::plausible_luminances(frame.size(), &irradiance));
         let new = Samples { irradiance: &irradiance, count: samples as f32 };
         let history = History::new(frame, guides, new, past_history, max_length, limits.as_deref());
         let multiplied = spatial::filter(&history).into_par_iter().zip(guides.par_iter());
         let clean: Vec<Vec3> = multiplied.map(|(irradiance, guide)| irradiance * divisor(guide)).collect();
-        let shown =
-            ShownPicture { frame: *frame, colours: antialiased(frame, guides, &clean, past.map(|past| &past.shown)) };
+        let shown = ShownPicture {
+            frame: *frame,
+            colours: antialiased(frame, guides, &clean, past.map(|past| (&past.shown, &motion))),
+        };
         let picture = shown.colours.iter().zip(means).map(|(colour, mean)| colour.lerp(*mean, truth)).collect();
-        self.present = Some(Arc::new(Reconstructed { history, shown }));
+        self.present = Some(Arc::new(Reconstructed { poses, history, shown }));
         picture
     }
 }

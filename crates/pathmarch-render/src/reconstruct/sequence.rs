@@ -61,7 +61,7 @@ impl Sequence {
             Some(guides) => {
                 let truth = if settings.samples > 1 { truth(settings.samples, u32::MAX) } else { 0.0 };
                 let means: Vec<Vec3> = noisy.pixels.iter().copied().map(Vec3::from).collect();
-                let pixels = self.reconstruction.picture(&frame, &guides, &means, settings.samples, truth);
+                let pixels = self.reconstruction.picture(job.scene(), &frame, &guides, &means, settings.samples, truth);
                 pixels.into_iter().map(Into::into).collect()
             }
             None => noisy.pixels.clone(),

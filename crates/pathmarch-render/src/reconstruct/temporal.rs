@@ -1,6 +1,7 @@
 //! Reprojection and temporal accumulation.
 
 use super::luminance;
+use super::motion::Motion;
 use crate::integrator::guides::{Guide, Shown};
 use crate::scene::FrameUniforms;
 use glam::Vec3;
@@ -48,7 +49,7 @@ impl History {
         frame: &FrameUniforms,
         guides: &Arc<Vec<Guide>>,
         new: Samples,
-        past: Option<&History>,
+        past: Option<(&History, &Motion)>,
         max_length: f32,
         limits: Option<&[[f32; 2]]>,
     ) -> Self {
@@ -56,7 +57,8 @@ impl History {
         let join = |index: usize| {
             let (guide, irradiance) = (&guides[index], new.irradiance[index]);
             let l = luminance(irradiance);
-            let found = past.filter(|_| max_length > 0.0).and_then(|past| past.find(guide, frame));
+            let found = past.filter(|_| max_length > 0.0);
+            let found = found.and_then(|(past, motion)| past.find(&motion.earlier(guide), frame));
             let Some(Found { irradiance: mut before, mut moments, length }) = found else {
                 return (irradiance, [l, l * l], samples);
             };
@@ -82,7 +84,7 @@ impl History {
         }
     }
 
-    /// Mean of the point of a guide of the picture `frame`; `None` if this picture does not show the point.
+    /// Mean of the point of a guide, which the picture `frame` shows; `None` if this picture does not show the point.
     fn find(&self, guide: &Guide, frame: &FrameUniforms) -> Option<Found> {
         let [width, height] = self.frame.size();
         let [x, y] = project(&self.frame, guide.position)?;

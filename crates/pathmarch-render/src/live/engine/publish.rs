@@ -31,7 +31,8 @@ impl Engine {
             Tracer::Cpu(job) if truth < 1.0 && job.guides().is_some() => {
                 let began = Instant::now();
                 let guides = job.guides().unwrap_or_default();
-                let picture = self.reconstruction.picture(job.frame(), &guides, &job.means(), samples as u32, truth);
+                let picture =
+                    self.reconstruction.picture(job.scene(), job.frame(), &guides, &job.means(), samples as u32, truth);
                 self.reconstruction_time = began.elapsed();
                 request.display.encode_rgba(&picture)
             }

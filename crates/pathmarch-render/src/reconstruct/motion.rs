@@ -1,0 +1,94 @@
+//! Motion of rigid objects between two scenes: the last pose of each leaf against the present one.
+//!
+//! Leaves below modifiers, and what mirrors show of moving objects, count as still; their pixels go on only where the
+//! point is on the surface of the last picture by chance, and start anew elsewhere.
+
+use crate::integrator::guides::{Guide, NO_LEAF};
+use crate::scene::RenderScene;
+use glam::{Mat3, Vec3};
+use pathmarch_field::graph::Pose;
+
+/// Poses of the leaves of a scene; `None` below modifiers.
+pub(super) struct Poses(Vec<Option<Pose>>);
+
+/// Map from present positions in the world to earlier ones.
+#[derive(Clone, Copy)]
+struct Displacement {
+    rotation: Mat3,
+    scale: f32,
+    offset: Vec3,
+}
+
+/// Motion since an earlier scene; `None` for leaves that stand still.
+#[derive(Default)]
+pub(super) struct Motion(Vec<Option<Displacement>>);
+
+impl Poses {
+    pub(super) fn new(scene: &RenderScene) -> Self {
+        Self(scene.field.leaves().iter().map(|leaf| (!leaf.modified).then_some(leaf.pose)).collect())
+    }
+}
+
+impl Motion {
+    /// Motion between two scenes. Without the same number of leaves in both, nothing moves.
+    pub(super) fn new(earlier: &Poses, present: &Poses) -> Self {
+        if earlier.0.len() != present.0.len() {
+            return Self::default();
+        }
+        let of = |(earlier, present): (&Option<Pose>, &Option<Pose>)| {
+            let (earlier, present) = ((*earlier)?, (*present)?);
+            let is_still = (earlier.at, earlier.axes, earlier.scale) == (present.at, present.axes, present.scale);
+            let world_from_local = |pose: &Pose| Mat3::from_cols_array_2d(&pose.axes);
+            let rotation = world_from_local(&earlier) * world_from_local(&present).transpose();
+            let scale = earlier.scale / present.scale;
+            let offset = Vec3::from(earlier.at) - rotation * Vec3::from(present.at) * scale;
+            (!is_still).then_some(Displacement { rotation, scale, offset })
+        };
+        Self(earlier.0.iter().zip(&present.0).map(of).collect())
+    }
+
+    /// Guide of the same point in the earlier scene.
+    pub(super) fn earlier(&self, guide: &Guide) -> Guide {
+        let displacement = self.0.get(guide.leaf as usize).copied().flatten().filter(|_| guide.leaf != NO_LEAF);
+        let Some(Displacement { rotation, scale, offset }) = displacement else { return *guide };
+        Guide { position: rotation * guide.position * scale + offset, normal: rotation * guide.normal, ..*guide }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pathmarch_scene::Scene;
+
+    fn poses(placement: &str) -> Poses {
+        let text = format!(
+            "pathmarch 1\ncamera {{ position 0 1 5; target 0 0 0 }}\nsky 1\nobject \"floor\" {{ plane }}\n\
+             object \"box\" {{ box 1 2 3 {{ {placement} }} }}"
+        );
+        let scene = Scene::parse("test.kdl", &text).expect("a scene");
+        Poses::new(&RenderScene::new(&scene, &scene.cameras[0]))
+    }
+
+    #[test]
+    fn points_of_a_moved_object_are_found_where_they_were() {
+        let motion = Motion::new(&poses("at 1 2 3; scale 2"), &poses("at -1 0 4; rotate 0 90 0"));
+        // A corner of the box: (0.5, 1, 1.5) in its own coordinates.
+        let present = Vec3::new(-1.0 + 1.5, 1.0, 4.0 - 0.5);
+        let guide = Guide { position: present, normal: Vec3::X, leaf: 1, ..Guide::NONE };
+        let earlier = motion.earlier(&guide);
+        assert!((earlier.position - Vec3::new(2.0, 4.0, 6.0)).length() < 1e-5, "{earlier:?}");
+        assert!((earlier.normal - Vec3::Z).length() < 1e-6, "{earlier:?}");
+        // The floor stands still, and so does what mirrors show.
+        for leaf in [0, NO_LEAF] {
+            let guide = Guide { leaf, ..guide };
+            assert_eq!(motion.earlier(&guide), guide);
+        }
+    }
+
+    #[test]
+    fn nothing_moves_between_different_structures() {
+        let motion = Motion::new(&Poses(Vec::new()), &poses("at 1 2 3"));
+        let guide = Guide { position: Vec3::ONE, leaf: 1, ..Guide::NONE };
+        assert_eq!(motion.earlier(&guide), guide);
+    }
+}
