@@ -47,6 +47,8 @@ pub(crate) struct Guide {
     /// Cosine between the normal and the ray that hit the surface.
     pub(crate) cosine: f32,
     pub(crate) shown: Shown,
+    /// True if the surface looks different from other directions.
+    pub(crate) is_glossy: bool,
     /// Index of the object; 0 for the sky.
     pub(crate) object: u32,
     /// Index of the object that is seen through glass; elsewhere the object itself.
@@ -65,6 +67,7 @@ impl Guide {
         length: 0.0,
         cosine: 1.0,
         shown: Shown::Sky,
+        is_glossy: false,
         object: 0,
         seen_object: 0,
         leaf: NO_LEAF,
@@ -100,6 +103,7 @@ impl GuideRecorder {
             length: ctx.frame.far,
             cosine: 1.0,
             shown: Shown::Sky,
+            is_glossy: false,
             object: 0,
             seen_object: 0,
             leaf: NO_LEAF,
@@ -164,6 +168,7 @@ impl GuideRecorder {
             length: interaction.length,
             cosine: interaction.normal.dot(direction).abs(),
             shown,
+            is_glossy: is_glass || ctx.scene.is_glossy[leaf.material as usize],
             object,
             seen_object: object,
             leaf: if surface_index == 0 { interaction.leaf as u32 } else { NO_LEAF },

@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// Distances between the taps of the filter, pixels, one for each pass.
-const STEPS: [i32; 4] = [1, 2, 4, 8];
+const STEPS: [i32; 3] = [1, 3, 7];
 /// Samples of a history that make its own variance trustworthy.
 const TRUSTED_SAMPLES: f32 = 4.0;
 /// Half the side of the square in which the variance of a young history is estimated, pixels.
@@ -132,7 +132,8 @@ pub(super) fn filter(history: &History) -> Vec<Vec3> {
 fn filtered(grid: Grid, guides: &[FilterGuide], estimates: &[Estimate], x: i32, y: i32, step: i32) -> Estimate {
     let centre = (y * grid.width + x) as usize;
     let (here, guide) = (estimates[centre], &guides[centre]);
-    if here.variance <= 0.0 {
+    // Pixels that saw no light yet take what their neighbours give: otherwise these would lose it.
+    if guide.surface == UNFILTERED {
         return here;
     }
     let (mut sum, mut variances, mut total) = (here.irradiance, here.variance, 1.0);

@@ -39,6 +39,8 @@ struct Found {
 const PLANE_TOLERANCE: f32 = 2.0;
 /// Largest distance within the plane, in sides of a pixel of the coarser picture.
 const POINT_TOLERANCE: f32 = 3.0;
+/// Longest history of a surface that looks different from other directions, while the camera moves, samples.
+const MAX_GLOSSY_HISTORY: f32 = 5.0;
 /// Least cosine between normals of one surface.
 const MIN_NORMAL_COSINE: f32 = 0.8;
 
@@ -54,6 +56,8 @@ impl History {
         limits: Option<&[[f32; 2]]>,
     ) -> Self {
         let samples = new.count;
+        let view = |frame: &FrameUniforms| (frame.position, frame.forward);
+        let moves = past.is_some_and(|(past, _)| view(&past.frame) != view(frame));
         let join = |index: usize| {
             let (guide, irradiance) = (&guides[index], new.irradiance[index]);
             let l = luminance(irradiance);
@@ -68,7 +72,8 @@ impl History {
                 before *= factor;
                 moments = [moments[0] * factor, moments[1] * factor * factor];
             }
-            let length = length.min(max_length);
+            let limit = if moves && guide.is_glossy { max_length.min(MAX_GLOSSY_HISTORY) } else { max_length };
+            let length = length.min(limit);
             let share = samples / (samples + length);
             let mean = |old: f32, new: f32| old + (new - old) * share;
             let moments = [mean(moments[0], l), mean(moments[1], l * l)];

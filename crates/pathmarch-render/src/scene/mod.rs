@@ -26,7 +26,7 @@ pub(crate) use textured_material::TexturedMaterial;
 use glam::Vec3;
 use pathmarch_field::{Aabb, Field};
 use pathmarch_scene::materials::Bsdf;
-use pathmarch_scene::{Camera, Scene};
+use pathmarch_scene::{Camera, Material, Scene};
 
 /// This flag where the condition holds, else 0.
 fn flag_if(flag: u32, condition: bool) -> u32 {
@@ -41,6 +41,8 @@ pub(crate) struct RenderScene {
     pub(crate) materials: Vec<MaterialRecord>,
     /// Albedo of each material; of an emitter, its radiance.
     pub(crate) albedos: Vec<[f32; 3]>,
+    /// True for each material that looks different from other directions: it reflects specularly and is not rough.
+    pub(crate) is_glossy: Vec<bool>,
     /// BSDF of each material; `None` for emitters.
     pub(crate) bsdfs: Vec<Option<&'static Bsdf>>,
     /// Textures, bump map and orbit trap of each material.
@@ -70,6 +72,7 @@ impl RenderScene {
                 .iter()
                 .map(|material| if material.emits() { material.emission() } else { material.albedo() })
                 .collect(),
+            is_glossy: scene.materials.iter().map(is_glossy).collect(),
             bsdfs: scene.materials.iter().map(|material| material.kind.bsdf).collect(),
             textured_materials,
             lights,
@@ -102,6 +105,14 @@ impl RenderScene {
         let emits = |tag: u32| self.materials[tag as usize].emits();
         traced.clone().any(|leaf| emits(leaf.tag)) && traced.all(|leaf| !leaf.shape.has_orbit())
     }
+}
+
+/// True if a material reflects specularly and is not rough.
+fn is_glossy(material: &Material) -> bool {
+    /// Roughness from which on reflections change little with the direction.
+    const ROUGH: f32 = 0.6;
+    let preview = (material.kind.preview)(&material.values);
+    preview.specular[0] != [0.0; 3] && preview.roughness < ROUGH
 }
 
 /// Bounding sphere of the finite objects. Without any, it is centred at the camera's target and passes through the
