@@ -8,7 +8,7 @@
 //! in Temporal Supersampling". Colours stay linear: compressing bright ones would darken the mean.
 
 use super::motion::Motion;
-use super::temporal::project;
+use super::temporal::{History, project};
 use crate::integrator::guides::Guide;
 use crate::scene::FrameUniforms;
 use glam::Vec3;
@@ -25,14 +25,17 @@ pub(super) struct ShownPicture {
     pub(super) colours: Vec<Vec3>,
 }
 
+/// Last picture, what it shows, and the motion since.
+#[derive(Clone, Copy)]
+pub(super) struct Last<'a> {
+    pub(super) picture: &'a ShownPicture,
+    pub(super) history: &'a History,
+    pub(super) motion: &'a Motion,
+}
+
 /// Averages a picture with the last one.
-pub(super) fn antialiased(
-    frame: &FrameUniforms,
-    guides: &[Guide],
-    picture: &[Vec3],
-    last: Option<(&ShownPicture, &Motion)>,
-) -> Vec<Vec3> {
-    let Some((last, motion)) = last else { return picture.to_vec() };
+pub(super) fn antialiased(frame: &FrameUniforms, guides: &[Guide], picture: &[Vec3], last: Option<Last>) -> Vec<Vec3> {
+    let Some(Last { picture: shown, history, motion }) = last else { return picture.to_vec() };
     let [width, height] = frame.size().map(|side| side as usize);
     let pixel = |index: usize| {
         let new = picture[index];
@@ -47,28 +50,53 @@ pub(super) fn antialiased(
                 if guide.length < nearest.length {
                     nearest = guide;
                 }
-                sum += colour;
-                squares += colour * colour;
+                let opponent = opponent_of(colour);
+                sum += opponent;
+                squares += opponent * opponent;
                 count += 1.0;
             }
         }
-        let Some(old) = last.before(frame, [x, y], nearest, &motion.earlier(nearest)) else { return new };
+        let Some(old) = shown.before(frame, [x, y], nearest, &motion.earlier(nearest), history) else { return new };
         let mean = sum / count;
         let deviation = REACH * (squares / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
-        old.clamp(mean - deviation, mean + deviation).lerp(new, NEW_WEIGHT)
+        colour_of(opponent_of(old).clamp(mean - deviation, mean + deviation)).max(Vec3::ZERO).lerp(new, NEW_WEIGHT)
     };
     (0..picture.len()).into_par_iter().with_min_len(1024).map(pixel).collect()
 }
 
+/// Lightness, orange against blue, green against magenta (YCoCg; Malvar and Sullivan 2003). Clamped there, a grey
+/// pattern lets no colour pass.
+fn opponent_of(colour: Vec3) -> Vec3 {
+    let Vec3 { x: r, y: g, z: b } = colour;
+    Vec3::new(0.25 * r + 0.5 * g + 0.25 * b, 0.5 * (r - b), 0.5 * g - 0.25 * (r + b))
+}
+
+/// Inverse of [`opponent_of`].
+fn colour_of(opponent: Vec3) -> Vec3 {
+    let Vec3 { x: lightness, y: orange, z: green } = opponent;
+    Vec3::new(lightness + orange - green, lightness + green, lightness - orange - green)
+}
+
 impl ShownPicture {
-    /// Bilinear colour where a pixel of the picture `frame` was, if it has moved from `earlier` to `guide`; `None` outside.
-    fn before(&self, frame: &FrameUniforms, pixel: [usize; 2], guide: &Guide, earlier: &Guide) -> Option<Vec3> {
+    /// Bilinear colour where a pixel of the picture `frame` was, if it has moved from `earlier` to `guide`; `None` outside,
+    /// and where that point was hidden.
+    fn before(
+        &self,
+        frame: &FrameUniforms,
+        pixel: [usize; 2],
+        guide: &Guide,
+        earlier: &Guide,
+        history: &History,
+    ) -> Option<Vec3> {
         let [width, height] = self.frame.size().map(|side| side as f32);
         let [old, new] = [project(&self.frame, earlier.position)?, project(frame, guide.position)?];
         // Pictures may differ in size.
         let scale = [width / frame.width as f32, height / frame.height as f32];
         let [x, y] = std::array::from_fn(|k| (pixel[k] as f32 + 0.5 - new[k]) * scale[k] + old[k]);
         if !(0.0..width).contains(&x) || !(0.0..height).contains(&y) {
+            return None;
+        }
+        if !history.shows(earlier, frame, [x, y]) {
             return None;
         }
         let (x, y) = ((x - 0.5).clamp(0.0, width - 1.0), (y - 0.5).clamp(0.0, height - 1.0));
@@ -79,5 +107,17 @@ impl ShownPicture {
             self.colours[start + x as usize].lerp(self.colours[start + next], fx)
         };
         Some(row(y.floor()).lerp(row(y.floor() + 1.0), fy))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opponent_colours_are_those_of_grey_and_back() {
+        assert_eq!(opponent_of(Vec3::splat(0.3)), Vec3::new(0.3, 0.0, 0.0));
+        let colour = Vec3::new(0.9, 0.25, 3.0);
+        assert!((colour_of(opponent_of(colour)) - colour).length() < 1e-6);
     }
 }

@@ -26,7 +26,7 @@ mod temporal;
 
 use crate::integrator::guides::{Guide, Shown};
 use crate::scene::{FrameUniforms, RenderScene};
-use antialiasing::{ShownPicture, antialiased};
+use antialiasing::{Last, ShownPicture, antialiased};
 use glam::Vec3;
 use motion::{Motion, Poses};
 use rayon::prelude::*;
@@ -103,7 +103,12 @@ impl Reconstruction {
         let clean: Vec<Vec3> = multiplied.map(|(irradiance, guide)| irradiance * divisor(guide)).collect();
         let shown = ShownPicture {
             frame: *frame,
-            colours: antialiased(frame, guides, &clean, past.map(|past| (&past.shown, &motion))),
+            colours: antialiased(
+                frame,
+                guides,
+                &clean,
+                past.map(|past| Last { picture: &past.shown, history: &past.history, motion: &motion }),
+            ),
         };
         let picture = shown.colours.iter().zip(means).map(|(colour, mean)| colour.lerp(*mean, truth)).collect();
         self.present = Some(Arc::new(Reconstructed { poses, history, shown }));

@@ -89,6 +89,17 @@ impl History {
         }
     }
 
+    /// True if this picture shows the point of a guide, which the picture `frame` shows, at a position or next to it, in
+    /// pixels.
+    pub(super) fn shows(&self, guide: &Guide, frame: &FrameUniforms, [x, y]: [f32; 2]) -> bool {
+        let [width, height] = self.frame.size().map(|side| side as i32);
+        let pixel = guide.length * self.frame.pixel.max(frame.pixel);
+        let (x, y) = (x as i32, y as i32);
+        let rows = (y - 1).max(0)..=(y + 1).min(height - 1);
+        let mut around = rows.flat_map(|row| ((x - 1).max(0)..=(x + 1).min(width - 1)).map(move |x| row * width + x));
+        around.any(|index| same_point(guide, &self.guides[index as usize], pixel))
+    }
+
     /// Mean of the point of a guide, which the picture `frame` shows; `None` if this picture does not show the point.
     fn find(&self, guide: &Guide, frame: &FrameUniforms) -> Option<Found> {
         let [width, height] = self.frame.size();
