@@ -27,8 +27,7 @@ impl Unit {
             Self::Metres => "m",
             Self::Degrees => "°",
             Self::Count => "count",
-            Self::Axis => "axis",
-            Self::Ratio => "",
+            Self::Axis | Self::Ratio => "",
         }
     }
 }
@@ -95,8 +94,18 @@ impl Param {
     pub fn accepts(&self, value: f32) -> bool {
         self.range.accepts(value) && (!self.is_whole() || value.fract() == 0.0)
     }
+    /// The default as in the scene language.
+    pub fn default_in_words(&self) -> String {
+        match self.unit {
+            Unit::Axis => format!("\"{}\"", ["x", "y", "z"][self.default as usize % 3]),
+            _ => self.default.to_string(),
+        }
+    }
     /// Description of the range, to follow "must be", e.g. "above 0".
     pub fn range_in_words(&self) -> String {
+        if self.unit == Unit::Axis {
+            return "\"x\", \"y\" or \"z\"".to_owned();
+        }
         format!("{}{}", if self.is_whole() { "a whole number " } else { "" }, self.range.in_words())
     }
 }

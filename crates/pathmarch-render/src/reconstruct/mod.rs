@@ -1,9 +1,9 @@
 //! Reconstruction: a clean picture from few samples of a moving scene.
 //!
 //! **Idea.** Radiance is divided by the albedo of the guide, so that textures are not blurred; the result is called
-//! irradiance here. (1) [`temporal`]: every pixel finds the point that it shows in the last picture and goes on with the
-//! mean that is known there, if the last picture shows that point. (2) [`spatial`]: neighbours on the same surface are
-//! averaged over a footprint that shrinks as the mean gets surer. (3) [`antialiasing`]: the picture is averaged with the
+//! irradiance here. (1) `temporal`: every pixel finds the point that it shows in the last picture and goes on with the
+//! mean that is known there, if the last picture shows that point. (2) `spatial`: neighbours on the same surface are
+//! averaged over a footprint that shrinks as the mean gets surer. (3) `antialiasing`: the picture is averaged with the
 //! last one. (4) Once nothing moves, the plain mean of a film that
 //! was started there takes over, and the picture is then the one that a still render gives.
 //!
@@ -13,7 +13,7 @@
 //! moves no energy out of highlights; the point in the last picture is validated by its position in space instead of a
 //! depth, and pictures of different sizes share their history.
 //!
-//! **Limits.** Runs on the CPU backend. [`motion`] is that of rigid objects; shapes that deform start anew where the point
+//! **Limits.** Runs on the CPU backend. `motion` is that of rigid objects; shapes that deform start anew where the point
 //! was not on the surface before. Reflections on rough surfaces and what is seen through glass move with the surface.
 //!
 //! **Cost.** On two cores 20 ms for 320x180 pixels.

@@ -121,6 +121,12 @@ fn page(info: &Info, params: &[Param]) {
     }
     for param in params {
         let unit = if param.unit.name().is_empty() { String::new() } else { format!(", {}", param.unit.name()) };
-        println!("  {:<10} {} Default {}{unit}; {}.", param.name, param.doc, param.default, param.range_in_words());
+        println!(
+            "  {:<10} {} Default {}{unit}; {}.",
+            param.name,
+            param.doc,
+            param.default_in_words(),
+            param.range_in_words()
+        );
     }
 }
