@@ -122,7 +122,7 @@ impl CpuJob {
         let add = |tile: &Tile| -> (Vec<usize>, Vec<Guide>) {
             let pixels = tile.pixels();
             let (values, guides) = if records_guides {
-                self.input.sample_with_guides(&pixels, sample)
+                self.input.sample_with_guides(self.stats.as_deref(), &pixels, sample)
             } else {
                 (self.input.samples_of(self.stats.as_deref(), &pixels, sample, begun), Vec::new())
             };

@@ -82,8 +82,13 @@ impl RenderInput {
     }
 
     /// Radiance and guides of sample `sample` of each pixel of a path-traced picture without shared camera rays.
-    pub(crate) fn sample_with_guides(&self, pixels: &[(u32, u32)], sample: u32) -> (Vec<Vec3>, Vec<Guide>) {
-        path::trace_with_guides(&self.context(None), pixels, sample)
+    pub(crate) fn sample_with_guides(
+        &self,
+        stats: Option<&RayCounters>,
+        pixels: &[(u32, u32)],
+        sample: u32,
+    ) -> (Vec<Vec3>, Vec<Guide>) {
+        path::trace_with_guides(&self.context(stats), pixels, sample)
     }
 
     /// Values of `samples` samples of each pixel, from index `first` on, pixel by pixel: radiance, or colours of a view. There

@@ -2,7 +2,7 @@
 //!
 //! **Idea.** Recorded with the path itself, so that they cost no rays. Through mirrors, position and normal are those of
 //! the mirror image: of a plane mirror, a world behind it that stands still when the camera moves. Position and normal of
-//! glass are its own, since a path takes one of its two ways by chance; its albedo is that of the surface seen through it.
+//! glass are its own, since a path takes one of its two ways by chance.
 
 use crate::intersect::ray::Ray;
 use crate::scene::TraceContext;
@@ -14,9 +14,9 @@ use glam::{Mat3, Vec3};
 /// Largest number of mirrors and glass surfaces that guides look through.
 const MAX_DELTA_SURFACES: u32 = 8;
 
-/// Class of what a pixel shows.
+/// Class of a guide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Shown {
+pub(crate) enum GuideClass {
     /// No surface.
     Sky,
     /// Emitter, which has no noise.
@@ -39,14 +39,14 @@ pub(crate) struct Guide {
     pub(crate) normal: Vec3,
     /// Unit normal of the surface that is seen through glass; elsewhere the normal itself.
     pub(crate) seen_normal: Vec3,
-    /// Albedo of the surface times the reflectance of mirrors and glass in front of it; the radiance of an emitter; 1 for
-    /// the sky.
+    /// Albedo of the surface times the reflectance of mirrors in front of it; the radiance of an emitter; 1 for the sky and
+    /// for glass.
     pub(crate) albedo: Vec3,
     /// Length of the path from the camera, metres.
     pub(crate) length: f32,
     /// Cosine between the normal and the ray that hit the surface.
     pub(crate) cosine: f32,
-    pub(crate) shown: Shown,
+    pub(crate) class: GuideClass,
     /// True if the surface looks different from other directions.
     pub(crate) is_glossy: bool,
     /// Index of the object; 0 for the sky.
@@ -66,7 +66,7 @@ impl Guide {
         albedo: Vec3::ONE,
         length: 0.0,
         cosine: 1.0,
-        shown: Shown::Sky,
+        class: GuideClass::Sky,
         is_glossy: false,
         object: 0,
         seen_object: 0,
@@ -81,7 +81,7 @@ pub(crate) struct GuideRecorder {
     states: Vec<State>,
 }
 
-/// What the recorder of a path waits for.
+/// State of the recording of a path: the surface that it waits for.
 #[derive(Clone, Copy)]
 enum State {
     /// The first surface that is no mirror; product of the mirror reflections so far.
@@ -99,14 +99,8 @@ impl GuideRecorder {
             position: ray.origin + ray.direction * ctx.frame.far,
             normal: -ray.direction,
             seen_normal: -ray.direction,
-            albedo: Vec3::ONE,
             length: ctx.frame.far,
-            cosine: 1.0,
-            shown: Shown::Sky,
-            is_glossy: false,
-            object: 0,
-            seen_object: 0,
-            leaf: NO_LEAF,
+            ..Guide::NONE
         };
         let guides = camera_rays.iter().map(sky).collect();
         let states = vec![State::Mirrored(Mat3::IDENTITY); camera_rays.len()];
@@ -123,28 +117,21 @@ impl GuideRecorder {
         interaction: &SurfaceInteraction,
         surface_index: u32,
     ) {
+        if matches!(self.states[slot], State::Done) {
+            return;
+        }
         let leaf = &ctx.scene.leaves[interaction.leaf];
         let material = &ctx.scene.materials[leaf.material as usize];
         let object = ctx.scene.field.leaves()[interaction.leaf].object;
         let is_delta = material.has(DELTA) && surface_index < MAX_DELTA_SURFACES;
         let is_glass = is_delta && material.has(TRANSMITS);
-        let albedo = || {
-            let p = interaction.p;
-            let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), interaction.length);
-            let plain = Vec3::from(ctx.scene.albedos[leaf.material as usize]);
-            throughput * textured.and_then(|textured| textured.colour()).unwrap_or(plain)
-        };
         let guide = &mut self.guides[slot];
-        let mirrors = match self.states[slot] {
-            State::Done => return,
-            State::BehindGlass => {
-                if !is_delta {
-                    (guide.albedo, guide.seen_normal, guide.seen_object) = (albedo(), interaction.normal, object);
-                    self.states[slot] = State::Done;
-                }
-                return;
+        let State::Mirrored(mirrors) = self.states[slot] else {
+            if !is_delta {
+                (guide.seen_normal, guide.seen_object) = (interaction.normal, object);
+                self.states[slot] = State::Done;
             }
-            State::Mirrored(mirrors) => mirrors,
+            return;
         };
         if is_delta && !is_glass {
             let n = interaction.normal;
@@ -153,10 +140,18 @@ impl GuideRecorder {
             return;
         }
         self.states[slot] = if is_glass { State::BehindGlass } else { State::Done };
-        let shown = match () {
-            () if material.emits() => Shown::Emitter,
-            () if is_glass => Shown::Glass,
-            () => Shown::Surface,
+        let class = match () {
+            () if material.emits() => GuideClass::Emitter,
+            () if is_glass => GuideClass::Glass,
+            () => GuideClass::Surface,
+        };
+        let albedo = if is_glass {
+            Vec3::ONE
+        } else {
+            let p = interaction.p;
+            let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), interaction.length);
+            let plain = Vec3::from(ctx.scene.base_colours[leaf.material as usize]);
+            throughput * textured.and_then(|textured| textured.colour()).unwrap_or(plain)
         };
         let ray = self.camera_rays[slot];
         let normal = mirrors * interaction.normal;
@@ -164,10 +159,10 @@ impl GuideRecorder {
             position: ray.origin + ray.direction * interaction.length,
             normal,
             seen_normal: normal,
-            albedo: if is_glass { Vec3::ONE } else { albedo() },
+            albedo,
             length: interaction.length,
             cosine: interaction.normal.dot(direction).abs(),
-            shown,
+            class,
             is_glossy: is_glass || ctx.scene.is_glossy[leaf.material as usize],
             object,
             seen_object: object,

@@ -1,8 +1,8 @@
 //! Reconstruction: a clean picture from few samples of a moving scene.
 //!
 //! **Idea.** Radiance is divided by the albedo of the guide, so that textures are not blurred; the result is called
-//! irradiance here. (1) `temporal`: every pixel finds the point that it shows in the last picture and goes on with the
-//! mean that is known there, if the last picture shows that point. (2) `spatial`: neighbours on the same surface are
+//! irradiance here. (1) `temporal`: every pixel finds its point in the last picture and continues the mean of the pixels
+//! there, if they show the same point. (2) `spatial`: neighbours on the same surface are
 //! averaged over a footprint that shrinks as the mean gets surer. (3) `antialiasing`: the picture is averaged with the
 //! last one. (4) Once nothing moves, the plain mean of a film that was started there takes over, and the picture is then
 //! the one that a still render gives.
@@ -24,8 +24,8 @@ mod sequence;
 mod spatial;
 mod temporal;
 
-use crate::integrator::guides::{Guide, Shown};
-use crate::scene::{FrameUniforms, RenderScene};
+use crate::integrator::guides::{Guide, GuideClass};
+use crate::scene::{FrameUniforms, RenderScene, light};
 use antialiasing::{Last, ShownPicture, antialiased};
 use glam::Vec3;
 use motion::{Motion, Poses};
@@ -35,7 +35,7 @@ use std::sync::Arc;
 use temporal::{History, Samples};
 
 /// Number of samples of a still picture from which on it is shown as it is.
-const TRUE_SAMPLES: u32 = 128;
+const FILM_SAMPLES: u32 = 128;
 /// Least albedo to divide by.
 const MIN_ALBEDO: f32 = 0.04;
 /// Longest history of an unchanged scene, samples.
@@ -54,9 +54,9 @@ struct Reconstructed {
 #[derive(Default)]
 pub(crate) struct Reconstruction {
     /// Result before the present film.
-    past: Option<Arc<Reconstructed>>,
+    past: Option<Reconstructed>,
     /// Result of the present film.
-    present: Option<Arc<Reconstructed>>,
+    present: Option<Reconstructed>,
     /// Longest history, samples.
     max_history: f32,
     /// True if the scene has changed since `past`.
@@ -75,8 +75,8 @@ impl Reconstruction {
         }
     }
 
-    /// Linear picture of a film with `samples` samples of each pixel and these means. `truth` is the weight of the means
-    /// themselves, 0 to 1.
+    /// Linear picture of a film with `samples` samples of each pixel and these means. `film_weight` is the weight of the
+    /// means themselves, 0 to 1.
     pub(crate) fn picture(
         &mut self,
         scene: &RenderScene,
@@ -84,14 +84,14 @@ impl Reconstruction {
         guides: &Arc<Vec<Guide>>,
         means: &[Vec3],
         samples: u32,
-        truth: f32,
+        film_weight: f32,
     ) -> Vec<Vec3> {
         let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| *mean / divisor(guide));
         let mut irradiance: Vec<Vec3> = divided.collect();
         if samples == 1 {
             spatial::spread_fireflies(frame.size(), guides, &mut irradiance);
         }
-        let (past, max_length) = (self.past.as_deref(), self.max_history * (1.0 - truth));
+        let (past, max_length) = (self.past.as_ref(), self.max_history * (1.0 - film_weight));
         let poses = Poses::new(scene);
         let changed_past = past.filter(|_| self.scene_changed);
         let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.poses, &poses));
@@ -110,31 +110,31 @@ impl Reconstruction {
                 past.map(|past| Last { picture: &past.shown, history: &past.history, motion: &motion }),
             ),
         };
-        let picture = shown.colours.iter().zip(means).map(|(colour, mean)| colour.lerp(*mean, truth)).collect();
-        self.present = Some(Arc::new(Reconstructed { poses, history, shown }));
+        let picture = shown.colours.iter().zip(means).map(|(colour, mean)| colour.lerp(*mean, film_weight)).collect();
+        self.present = Some(Reconstructed { poses, history, shown });
         picture
     }
 }
 
 /// Weight of a still film of `samples` samples, of which `target` are wanted.
-pub(crate) fn truth(samples: u32, target: u32) -> f32 {
-    if samples >= target.min(TRUE_SAMPLES) {
+pub(crate) fn film_weight(samples: u32, target: u32) -> f32 {
+    if samples >= target.min(FILM_SAMPLES) {
         return 1.0;
     }
-    let done = samples.saturating_sub(1) as f32 / (TRUE_SAMPLES - 1) as f32;
+    let done = samples.saturating_sub(1) as f32 / (FILM_SAMPLES - 1) as f32;
     // Noise falls with the root of the samples only: the film may take over late.
     done * done
 }
 
 /// Factor between radiance and irradiance.
 fn divisor(guide: &Guide) -> Vec3 {
-    match guide.shown {
-        Shown::Sky | Shown::Glass => Vec3::ONE,
-        Shown::Emitter | Shown::Surface => guide.albedo.max(Vec3::splat(MIN_ALBEDO)),
+    match guide.class {
+        GuideClass::Sky | GuideClass::Glass => Vec3::ONE,
+        GuideClass::Emitter | GuideClass::Surface => guide.albedo.max(Vec3::splat(MIN_ALBEDO)),
     }
 }
 
-/// Luminance of linear Rec. 709.
+/// Luminance of a linear Rec. 709 colour.
 fn luminance(colour: Vec3) -> f32 {
-    colour.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+    light::luminance(colour.into())
 }

@@ -1,6 +1,6 @@
 //! Reconstructed sequences of pictures, for measurements and for programs without a window.
 
-use super::{Reconstruction, truth};
+use super::{Reconstruction, film_weight};
 use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
 use crate::error::RenderError;
@@ -57,11 +57,11 @@ impl Sequence {
         self.reconstruction.start_film(changed);
         let noisy = job.film().mean();
         let pixels = match job.guides() {
-            // Still pictures of many samples are the truth.
             Some(guides) => {
-                let truth = if settings.samples > 1 { truth(settings.samples, u32::MAX) } else { 0.0 };
+                let weight = film_weight(settings.samples, u32::MAX);
                 let means: Vec<Vec3> = noisy.pixels.iter().copied().map(Vec3::from).collect();
-                let pixels = self.reconstruction.picture(job.scene(), &frame, &guides, &means, settings.samples, truth);
+                let pixels =
+                    self.reconstruction.picture(job.scene(), &frame, &guides, &means, settings.samples, weight);
                 pixels.into_iter().map(Into::into).collect()
             }
             None => noisy.pixels.clone(),

@@ -2,7 +2,7 @@
 
 use super::luminance;
 use super::temporal::History;
-use crate::integrator::guides::{Guide, Shown};
+use crate::integrator::guides::{Guide, GuideClass};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -42,11 +42,11 @@ const UNFILTERED: u32 = u32::MAX;
 
 impl FilterGuide {
     fn new(guide: &Guide, pixel: f32) -> Self {
-        let surface = match guide.shown {
-            Shown::Sky | Shown::Emitter => UNFILTERED,
-            Shown::Surface => 2 * guide.object,
+        let surface = match guide.class {
+            GuideClass::Sky | GuideClass::Emitter => UNFILTERED,
+            GuideClass::Surface => 2 * guide.object,
             // Pixels of glass share light if they show one object.
-            Shown::Glass => 2 * guide.seen_object + 1,
+            GuideClass::Glass => 2 * guide.seen_object + 1,
         };
         let Guide { position, normal, seen_normal, length, .. } = *guide;
         Self { position, pixel: pixel * length, normal, seen_normal, surface }
@@ -203,14 +203,14 @@ pub(super) fn spread_fireflies(size: [u32; 2], guides: &[Guide], irradiance: &mu
     let luminances: Vec<f32> = irradiance.par_iter().map(|colour| luminance(*colour)).collect();
     let shares = |centre: usize, index: &usize| {
         let (a, b) = (&guides[centre], &guides[*index]);
-        a.shown == b.shown && a.object == b.object && a.seen_normal.dot(b.seen_normal) > 0.7
+        a.class == b.class && a.object == b.object && a.seen_normal.dot(b.seen_normal) > 0.7
     };
     let excess = |x: i32, y: i32| -> Option<(usize, Vec3)> {
         let centre = (y * grid.width + x) as usize;
         let light = luminances[centre];
         // Most pixels are not above all of the next ones, let alone of those on the same surface.
         if grid.around(x, y, 1).any(|index| luminances[index] >= light)
-            || matches!(guides[centre].shown, Shown::Sky | Shown::Emitter)
+            || matches!(guides[centre].class, GuideClass::Sky | GuideClass::Emitter)
         {
             return None;
         }
@@ -240,7 +240,7 @@ mod tests {
 
     #[test]
     fn fireflies_keep_their_energy() {
-        let guide = Guide { shown: Shown::Surface, normal: Vec3::Y, seen_normal: Vec3::Y, ..Guide::NONE };
+        let guide = Guide { class: GuideClass::Surface, normal: Vec3::Y, seen_normal: Vec3::Y, ..Guide::NONE };
         let guides = vec![guide; 49];
         let mut irradiance = vec![Vec3::splat(0.5); 49];
         irradiance[24] = Vec3::new(100.0, 50.0, 25.0);
@@ -265,7 +265,7 @@ mod tests {
                     length,
                     object,
                     seen_object,
-                    shown: Shown::Surface,
+                    class: GuideClass::Surface,
                     ..Guide::NONE
                 },
                 0.01,

@@ -2,7 +2,7 @@
 
 use super::luminance;
 use super::motion::Motion;
-use crate::integrator::guides::{Guide, Shown};
+use crate::integrator::guides::{Guide, GuideClass};
 use crate::scene::FrameUniforms;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -133,10 +133,10 @@ impl History {
 
 /// True if two guides show one place of one surface, to within a few sides of a pixel.
 fn same_point(a: &Guide, b: &Guide, pixel: f32) -> bool {
-    if a.shown != b.shown || a.object != b.object {
+    if a.class != b.class || a.object != b.object {
         return false;
     }
-    if a.shown == Shown::Sky {
+    if a.class == GuideClass::Sky {
         return true;
     }
     let apart = a.position - b.position;
@@ -204,11 +204,11 @@ mod tests {
         for viewpoint in [[1.0, 2.0, 6.0], [0.4, 1.5, 5.0]] {
             let input = input(viewpoint);
             let pixels: Vec<(u32, u32)> = (0..30).flat_map(|y| (0..40).map(move |x| (x, y))).collect();
-            let (_, guides) = input.sample_with_guides(&pixels, 0);
+            let (_, guides) = input.sample_with_guides(None, &pixels, 0);
             // The albedo of the floor is 0.8, that times the reflectance of the mirror about 0.4.
             let mirrored = guides.iter().filter(|guide| guide.object == 0 && guide.albedo.x < 0.7);
             let mut count = 0;
-            for guide in mirrored.filter(|guide| guide.shown == Shown::Surface) {
+            for guide in mirrored.filter(|guide| guide.class == GuideClass::Surface) {
                 assert!(guide.position.y.abs() < 0.01 && guide.position.z < -1.0, "{guide:?}");
                 assert!(guide.normal.y > 0.99 && guide.albedo.x > 0.39, "{guide:?}");
                 count += 1;

@@ -39,8 +39,8 @@ pub(crate) struct RenderScene {
     pub(crate) field: Field,
     pub(crate) leaves: Vec<LeafRecord>,
     pub(crate) materials: Vec<MaterialRecord>,
-    /// Albedo of each material; of an emitter, its radiance.
-    pub(crate) albedos: Vec<[f32; 3]>,
+    /// Base colour of each material, see [`base_colour`].
+    pub(crate) base_colours: Vec<[f32; 3]>,
     /// True for each material that looks different from other directions: it reflects specularly and is not rough.
     pub(crate) is_glossy: Vec<bool>,
     /// BSDF of each material; `None` for emitters.
@@ -67,11 +67,7 @@ impl RenderScene {
             field: scene.field.clone(),
             leaves: leaf::records(scene, &lights),
             materials: materials.map(|(material, textured)| MaterialRecord::new(material, textured)).collect(),
-            albedos: scene
-                .materials
-                .iter()
-                .map(|material| if material.emits() { material.emission() } else { material.albedo() })
-                .collect(),
+            base_colours: scene.materials.iter().map(base_colour).collect(),
             is_glossy: scene.materials.iter().map(is_glossy).collect(),
             bsdfs: scene.materials.iter().map(|material| material.kind.bsdf).collect(),
             textured_materials,
@@ -105,6 +101,11 @@ impl RenderScene {
         let emits = |tag: u32| self.materials[tag as usize].emits();
         traced.clone().any(|leaf| emits(leaf.tag)) && traced.all(|leaf| !leaf.shape.has_orbit())
     }
+}
+
+/// Albedo of a material; of an emitter, its radiance.
+pub(crate) fn base_colour(material: &Material) -> [f32; 3] {
+    if material.emits() { material.emission() } else { material.albedo() }
 }
 
 /// True if a material reflects specularly and is not rough.

@@ -27,7 +27,7 @@ use crate::mode::{Mode, heat, index_colour};
 use crate::output::tonemap::srgb_decode;
 use crate::ray_stats::MarchStats;
 use crate::sampling::r2_sequence;
-use crate::scene::{Extent, FrameUniforms, KernelConfig, RenderScene, TraceContext};
+use crate::scene::{Extent, FrameUniforms, KernelConfig, RenderScene, TraceContext, base_colour};
 use crate::settings::Settings;
 use crate::shading::surface_interaction::surface_interactions;
 use crate::shading::textured_point::TexturedPoint;
@@ -101,9 +101,7 @@ fn violation_colour(steepness: f32) -> [f32; 3] {
 
 /// Display colour of a material: its albedo; of an emitter, its radiance clipped to 1.
 pub(crate) fn display_colour(scene: &Scene, material: u32) -> [f32; 3] {
-    let material = &scene.materials[material as usize];
-    let colour = if material.emits() { material.emission() } else { material.albedo() };
-    colour.map(|channel| channel.min(1.0))
+    base_colour(&scene.materials[material as usize]).map(|channel| channel.min(1.0))
 }
 
 /// Film values of one sample of each of these pixels.

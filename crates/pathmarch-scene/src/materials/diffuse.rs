@@ -2,19 +2,24 @@
 //! by the cosine (Malley's method; Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th ed. 2023, section
 //! A.5.3), so that the weight of a sample is the albedo.
 
-use pathmarch_field::Range;
-use super::{colour, 
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black,
-    colour_of,
+use super::{
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of,
 };
 use glam::Vec3;
+use pathmarch_field::Range;
 use std::f32::consts::{PI, TAU};
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "diffuse",
     doc: "Matt surface that looks equally bright from everywhere.",
     source: "Lambert 1760, Photometria",
-    params: &[colour("albedo", 0.8, Range::from_to(0.0, 1.0), "Fraction of the light that is reflected.", Texturing::Colour(0))],
+    params: &[colour(
+        "albedo",
+        0.8,
+        Range::from_to(0.0, 1.0),
+        "Fraction of the light that is reflected.",
+        Texturing::Colour(0),
+    )],
     albedo: |values| values[0],
     emission: black,
     absorption: black,

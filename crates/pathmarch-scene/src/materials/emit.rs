@@ -1,8 +1,8 @@
 //! Emitter: the same radiance in every outward direction, no reflection. Its power is π A times the radiance, for a
 //! surface of area A.
 
+use super::{MaterialKind, PreviewMaterial, Texturing, black, colour};
 use pathmarch_field::Range;
-use super::{colour, MaterialKind, PreviewMaterial, Texturing, black};
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "emit",

@@ -13,22 +13,34 @@ use super::microfacet::{
     MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, unhidden,
     unshadowed, visible_normal,
 };
-use pathmarch_field::Range;
-use super::{colour, 
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black,
-    colour_of, ior, roughness,
+use super::{
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of, ior,
+    roughness,
 };
 use glam::Vec3;
+use pathmarch_field::Range;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "glass",
     doc: "Glass, water or ice, clear or frosted: reflects and refracts.",
     source: "Walter et al. 2007",
     params: &[
-        colour("colour", 1.0, Range::from_to(0.0, 1.0), "Fraction of the refracted light that passes the surface.", Texturing::Colour(0)),
+        colour(
+            "colour",
+            1.0,
+            Range::from_to(0.0, 1.0),
+            "Fraction of the refracted light that passes the surface.",
+            Texturing::Colour(0),
+        ),
         ior(),
         roughness(0.0),
-        colour("absorb", 0.0, Range::NOT_NEGATIVE, "What the inside absorbs, per metre: exp(-absorb × length) passes.", Texturing::None),
+        colour(
+            "absorb",
+            0.0,
+            Range::NOT_NEGATIVE,
+            "What the inside absorbs, per metre: exp(-absorb × length) passes.",
+            Texturing::None,
+        ),
     ],
     albedo: |values| values[0],
     emission: black,

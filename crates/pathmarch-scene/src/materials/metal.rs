@@ -3,20 +3,32 @@
 //! roughness 1 up to half of it (`principled` makes up for it). A `roughness` below 0.01 is a perfect mirror.
 
 use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
-use pathmarch_field::Range;
-use super::{colour, 
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black,
-    colour_of, roughness,
+use super::{
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of,
+    roughness,
 };
 use glam::Vec3;
+use pathmarch_field::Range;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "metal",
     doc: "Metal, from a mirror to a brushed block: reflects in its own colour.",
     source: "Walter et al. 2007; Heitz 2014; Dupuy and Benyoub 2023",
     params: &[
-        colour("colour", 0.9, Range::from_to(0.0, 1.0), "Reflected fraction of light that falls in at right angles (F0).", Texturing::Colour(0)),
-        colour("edge", 1.0, Range::from_to(0.0, 1.0), "Reflected fraction of light that grazes (F90).", Texturing::Colour(4)),
+        colour(
+            "colour",
+            0.9,
+            Range::from_to(0.0, 1.0),
+            "Reflected fraction of light that falls in at right angles (F0).",
+            Texturing::Colour(0),
+        ),
+        colour(
+            "edge",
+            1.0,
+            Range::from_to(0.0, 1.0),
+            "Reflected fraction of light that grazes (F90).",
+            Texturing::Colour(4),
+        ),
         roughness(0.2),
     ],
     albedo: |values| values[0],

@@ -18,12 +18,12 @@ use super::microfacet::{
     MIN_ALPHA, fifth_power, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, schlick,
     unhidden, visible_normal,
 };
-use pathmarch_field::Range;
-use super::{colour, 
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black,
-    colour_of, fraction, ior, roughness,
+use super::{
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of,
+    fraction, ior, roughness,
 };
 use glam::Vec3;
+use pathmarch_field::Range;
 use std::f32::consts::PI;
 
 /// Reflection of the coat at normal incidence: index 1.5.
@@ -34,7 +34,13 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     doc: "Most things: plastic, paint, coated wood, metal, frosted glass.",
     source: "glTF 2.0 and OpenPBR 1.1; Kulla and Conty 2017; Turquin 2019",
     params: &[
-        colour("colour", 0.8, Range::from_to(0.0, 1.0), "Colour of the base: albedo of a dielectric, reflection of a metal, tint of what is transmitted.", Texturing::Colour(0)),
+        colour(
+            "colour",
+            0.8,
+            Range::from_to(0.0, 1.0),
+            "Colour of the base: albedo of a dielectric, reflection of a metal, tint of what is transmitted.",
+            Texturing::Colour(0),
+        ),
         fraction("metallic", 0.0, "0 is a dielectric, 1 a metal."),
         roughness(0.4),
         ior(),

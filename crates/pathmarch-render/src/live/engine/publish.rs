@@ -26,17 +26,21 @@ impl Engine {
         let samples = tracer.samples_done();
         // Only a picture at rest has a last sample; until then, and at smaller sizes, there is always more to come.
         let rests = !request.moving && self.level == request.settings.size;
-        let truth = reconstruct::truth(samples as u32, if rests { request.settings.samples } else { u32::MAX });
-        let codes = match tracer {
-            Tracer::Cpu(job) if truth < 1.0 && job.guides().is_some() => {
+        let target = if rests { request.settings.samples } else { u32::MAX };
+        let weight = reconstruct::film_weight(samples as u32, target);
+        let guides = match tracer {
+            Tracer::Cpu(job) if weight < 1.0 => job.guides(),
+            _ => None,
+        };
+        let codes = match (tracer, guides) {
+            (Tracer::Cpu(job), Some(guides)) => {
                 let began = Instant::now();
-                let guides = job.guides().unwrap_or_default();
-                let picture =
-                    self.reconstruction.picture(job.scene(), job.frame(), &guides, &job.means(), samples as u32, truth);
+                let (scene, frame, means) = (job.scene(), job.frame(), job.means());
+                let picture = self.reconstruction.picture(scene, frame, &guides, &means, samples as u32, weight);
                 self.reconstruction_time = began.elapsed();
                 request.display.encode_rgba(&picture)
             }
-            tracer => tracer.show(&request.display, request.settings.mode)?,
+            (tracer, _) => tracer.show(&request.display, request.settings.mode)?,
         };
         let now = Instant::now();
         self.serial += 1;
@@ -60,6 +64,7 @@ impl Engine {
         if film.samples == 0 {
             return Err("no sample of the picture is done yet".to_owned());
         }
+        // A moving picture has a seed of its own.
         let seed = self.input.as_ref().map_or(request.settings.seed, |input| input.frame.seed);
         let settings = Settings { samples: film.samples, seed, ..request.settings };
         Ok((film, settings))

@@ -15,38 +15,25 @@ use std::time::{Duration, Instant};
 /// Time within which a kernel must be compiled to be waited for; else the CPU starts to render.
 const COMPILE_WAIT: Duration = Duration::from_millis(30);
 
+/// Settings without those of the view, the size and the samples.
+fn without_view(settings: &Settings) -> Settings {
+    Settings { size: [1, 1], samples: 1, seed: 0, camera: 0, viewpoint: None, ..settings.clone() }
+}
+
+/// True if both settings show the same light, perhaps from another viewpoint.
+fn same_light(a: &Settings, b: &Settings) -> bool {
+    without_view(a) == without_view(b)
+}
+
 /// True if both settings have one kernel, and only the view, the size or a limit differs.
 fn same_kernel(a: &Settings, b: &Settings) -> bool {
-    let rest = |settings: &Settings| Settings {
-        size: [1, 1],
-        samples: 1,
-        bounces: 0,
-        seed: 0,
-        clamp: None,
-        detail: 1.0,
-        camera: 0,
-        viewpoint: None,
-        ..settings.clone()
-    };
+    let rest = |settings| Settings { bounces: 0, clamp: None, detail: 1.0, ..without_view(settings) };
     rest(a) == rest(b)
 }
 
 /// True if only the number of samples differs.
 fn same_picture(a: &Settings, b: &Settings) -> bool {
     Settings { samples: 1, ..a.clone() } == Settings { samples: 1, ..b.clone() }
-}
-
-/// True if both settings show the same light, perhaps from another viewpoint.
-fn same_light(a: &Settings, b: &Settings) -> bool {
-    let rest = |settings: &Settings| Settings {
-        size: [1, 1],
-        samples: 1,
-        seed: 0,
-        camera: 0,
-        viewpoint: None,
-        ..settings.clone()
-    };
-    rest(a) == rest(b)
 }
 
 /// True if pictures of a request are reconstructed on the CPU.

@@ -41,9 +41,9 @@ impl App {
             let rate = Slider::new(&mut self.preferences.frame_rate, 5.0..=120.0).suffix(" /s").integer();
             ui.add(rate).labelled_by(label.id);
             ui.end_row();
-            let label = ui.label("reconstruction").on_hover_text(
-                "Clean pictures from few samples while the view moves, on the CPU. A picture at rest converges to the truth.",
-            );
+            let label = ui
+                .label("reconstruction")
+                .on_hover_text("Denoises the moving view. CPU only. A still view converges to the unaltered picture.");
             ui.checkbox(&mut self.preferences.reconstruct, "").labelled_by(label.id);
             ui.end_row();
         });
