@@ -1,6 +1,6 @@
 //! `pathmarch-measure flights`: error of reconstructed sequences against converged ones.
 //!
-//! **Idea.** Six sequences of 48 frames at one sample of each pixel: three quarters in motion, the rest at rest. Some
+//! **Idea.** Six sequences of 48 frames at one sample of each pixel: one second in motion, one second at rest. Some
 //! frames are compared with converged pictures of the same moment, before and after reconstruction.
 //!
 //! **Cost.** The references: about two minutes a flight on two cores by default.
@@ -11,7 +11,7 @@ use pathmarch_cli::{DONE, Failure, catch_interrupts, value_parsers};
 use pathmarch_render::image::{self, Picture, PictureKind, Provenance};
 use pathmarch_render::metrics::{self, block_means};
 use pathmarch_render::pathmarch_scene::{Camera, Moment, Scene};
-use pathmarch_render::reconstruct::Sequence;
+use pathmarch_render::reconstruct::{Frame, ReconstructOptions, Sequence};
 use pathmarch_render::tonemap::{Display, srgb_decode};
 use pathmarch_render::{Backend, Renderer, Settings};
 use std::path::PathBuf;
@@ -25,6 +25,9 @@ pub struct Arguments {
     /// Directory for pictures of the compared frames: before, after, reference
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Directory where converged pictures are kept for the next run
+    #[arg(long, value_name = "DIR")]
+    references: Option<PathBuf>,
     /// Size of the pictures
     #[arg(long, value_name = "WxH", default_value = "320x180", value_parser = value_parsers::size, allow_hyphen_values = true)]
     size: SizeArgument,
@@ -40,8 +43,8 @@ type SizeArgument = [u32; 2];
 
 /// Frames of a flight.
 const FRAMES: u32 = 48;
-/// Frames in motion.
-const MOVING_FRAMES: u32 = 36;
+/// Frames in motion; the others show one second at rest.
+const MOVING_FRAMES: u32 = 24;
 const FPS: f32 = 24.0;
 
 /// Sequence to reconstruct.
@@ -130,10 +133,38 @@ struct Row {
     /// FLIP and relMSE, before and after.
     flip: [f64; 2],
     relmse: [f64; 2],
+    /// relMSE after, of pixels with fewer than [`SHORT_HISTORY`] samples; `None` if there are none.
+    short_history: Option<f64>,
+    /// Mean difference between the changes of the picture and of the reference since the last frame, along the motion;
+    /// `None` at rest.
+    temporal: Option<f64>,
     /// Mean luminance after, divided by that of the reference.
     energy: f64,
     /// Smallest and largest ratio of the 32x32 tiles.
     tiles: [f64; 2],
+}
+
+/// Number of samples below which a history is short.
+const SHORT_HISTORY: f32 = 4.0;
+
+impl Row {
+    fn print(&self, name: &str) {
+        let Self { frame, flip, relmse, short_history, temporal, energy, tiles } = self;
+        let optional = |value: &Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.4}"));
+        println!(
+            "{name:8} {:3}   FLIP {:.3} -> {:.3}   relMSE {:8.4} -> {:.4}, short history {}   temporal {}   energy \
+             {energy:.3}, tiles {:.3} to {:.3}",
+            frame + 1,
+            flip[0],
+            flip[1],
+            relmse[0],
+            relmse[1],
+            optional(short_history),
+            optional(temporal),
+            tiles[0],
+            tiles[1]
+        );
+    }
 }
 
 /// Picture as a screen shows it: clipped to 0..=1, linear.
@@ -146,84 +177,155 @@ fn mean(picture: &Picture) -> f64 {
     picture.mean_colour().iter().sum::<f64>() / 3.0
 }
 
-fn compare(frame: u32, pictures: [&Picture; 2], reference: &Picture, display: &Display) -> Result<Row, Failure> {
+/// relMSE of the pixels with fewer than [`SHORT_HISTORY`] samples.
+fn relmse_of_short_histories(frame: &Frame, reference: &Picture) -> Result<Option<f64>, Failure> {
+    let is_short = |lengths: &[f32; 3]| lengths[0] < SHORT_HISTORY;
+    let pick = |picture: &Picture| -> Vec<[f32; 3]> {
+        let pixels = picture.pixels.iter().zip(&frame.history_length.pixels);
+        pixels.filter(|(_, lengths)| is_short(lengths)).map(|(pixel, _)| *pixel).collect()
+    };
+    let row = |pixels: Vec<[f32; 3]>| Picture { width: pixels.len() as u32, height: 1, pixels };
+    let [ours, expected] = [row(pick(&frame.reconstructed)), row(pick(reference))];
+    if ours.width == 0 {
+        return Ok(None);
+    }
+    metrics::relmse(&ours, &expected).map(Some).map_err(Failure::other)
+}
+
+/// Mean over pixels and channels of |(ours - ours before) - (reference - reference before)|, where "before" is the nearest
+/// pixel of the last frame along the motion. Pixels that were hidden do not count.
+fn temporal_error([ours, ours_before, reference, reference_before]: [&Picture; 4], motion: &Picture) -> f64 {
+    let (mut sum, mut count) = (0.0, 0u32);
+    for (index, &[dx, dy, is_known]) in motion.pixels.iter().enumerate() {
+        let (x, y) = (index as u32 % motion.width, index as u32 / motion.width);
+        let (x, y) = ((x as f32 + dx).round(), (y as f32 + dy).round());
+        if is_known == 0.0 || x < 0.0 || y < 0.0 {
+            continue;
+        }
+        let before = |picture: &Picture| picture.get(x as u32, y as u32);
+        let (Some(a), Some(b)) = (before(ours_before), before(reference_before)) else { continue };
+        let difference = |k: usize| (ours.pixels[index][k] - a[k]) - (reference.pixels[index][k] - b[k]);
+        sum += (0..3).map(|k| f64::from(difference(k).abs())).sum::<f64>() / 3.0;
+        count += 1;
+    }
+    sum / f64::from(count.max(1))
+}
+
+fn compare(number: u32, frame: &Frame, reference: &Picture, display: &Display) -> Result<Row, Failure> {
     let shown_reference = shown(reference, display);
     let (mut flip, mut relmse) = ([0.0; 2], [0.0; 2]);
-    for (k, picture) in pictures.into_iter().enumerate() {
+    for (k, picture) in [&frame.noisy, &frame.reconstructed].into_iter().enumerate() {
         let compared = metrics::compare(&shown(picture, display), &shown_reference, PictureKind::Ldr);
         flip[k] = compared.map_err(Failure::other)?.flip;
         relmse[k] = metrics::relmse(picture, reference).map_err(Failure::other)?;
     }
-    let [ours, expected] = [block_means(pictures[1], 32), block_means(reference, 32)];
+    let [ours, expected] = [block_means(&frame.reconstructed, 32), block_means(reference, 32)];
     let ratio = |(ours, expected): (&[f32; 3], &[f32; 3])| {
         let sum = |pixel: &[f32; 3]| f64::from(pixel.iter().sum::<f32>());
         sum(ours) / sum(expected).max(1e-3)
     };
     let ratios: Vec<f64> = ours.pixels.iter().zip(&expected.pixels).map(ratio).collect();
     let tiles = [ratios.iter().copied().fold(f64::INFINITY, f64::min), ratios.iter().copied().fold(0.0, f64::max)];
-    Ok(Row { frame, flip, relmse, energy: mean(pictures[1]) / mean(reference), tiles })
+    let short_history = relmse_of_short_histories(frame, reference)?;
+    let energy = mean(&frame.reconstructed) / mean(reference);
+    Ok(Row { frame: number, flip, relmse, short_history, temporal: None, energy, tiles })
+}
+
+/// Flight with its scene, settings and references.
+struct Course<'a> {
+    flight: &'a Flight,
+    arguments: &'a Arguments,
+    text: String,
+    still: Arc<Scene>,
+    renderer: Renderer,
+}
+
+impl<'a> Course<'a> {
+    fn new(flight: &'a Flight, arguments: &'a Arguments) -> Result<Self, Failure> {
+        let text = flight.text()?;
+        let still = Scene::parse_at(flight.name, &text, Moment::of_frame(0, FPS)).map(Arc::new)?;
+        let renderer = Renderer::open(Backend::Cpu, None).map_err(Failure::other)?;
+        Ok(Self { flight, arguments, text, still, renderer })
+    }
+
+    /// Scene of a frame; `last` if it has not changed since.
+    fn scene(&self, frame: u32, last: &Arc<Scene>) -> Result<Arc<Scene>, Failure> {
+        if !self.still.animated || frame > MOVING_FRAMES {
+            return Ok(last.clone());
+        }
+        Ok(Scene::parse_at(self.flight.name, &self.text, Moment::of_frame(frame, FPS)).map(Arc::new)?)
+    }
+
+    /// Settings of a frame: one sample while moving, one more in each frame at rest.
+    fn settings(&self, scene: &Scene, frame: u32) -> Settings {
+        let viewpoint = Some(self.flight.camera(scene, frame));
+        let (seed, samples) = (frame.min(MOVING_FRAMES), 1 + frame.saturating_sub(MOVING_FRAMES));
+        Settings { size: self.arguments.size, samples, seed, viewpoint, ..Settings::of(scene) }
+    }
+
+    /// Converged picture of a frame, kept in the directory for references if there is one.
+    fn reference(&self, scene: &Scene, frame: u32) -> Result<Picture, Failure> {
+        let frame = frame.min(MOVING_FRAMES);
+        let Arguments { size: [width, height], samples, references, .. } = self.arguments;
+        let name = format!("{}-{frame:02}-{width}x{height}-{samples}.exr", self.flight.name);
+        let path = references.as_ref().map(|directory| directory.join(name));
+        if let Some(path) = path.as_ref().filter(|path| path.exists()) {
+            return image::load(path).map(|loaded| loaded.picture).map_err(Failure::other);
+        }
+        let many = Settings { samples: *samples, seed: 1000 + frame, ..self.settings(scene, frame) };
+        let picture = self.renderer.render(scene, &many).map_err(Failure::other)?.mean();
+        if let Some(path) = &path {
+            image::save(path, &picture, &Display::default(), &Provenance::default()).map_err(Failure::other)?;
+        }
+        Ok(picture)
+    }
+
+    fn save(&self, frame: u32, pictures: [(&str, &Picture); 3], display: &Display) -> Result<(), Failure> {
+        let Some(directory) = &self.arguments.output else { return Ok(()) };
+        for (part, picture) in pictures {
+            let path = directory.join(format!("{}-{:02}-{part}.png", self.flight.name, frame + 1));
+            image::save(&path, picture, display, &Provenance::default()).map_err(Failure::other)?;
+        }
+        Ok(())
+    }
+}
+
+/// Mean absolute difference of two pictures.
+fn difference(a: &Picture, b: &Picture) -> f64 {
+    let change = |(a, b): (&[f32; 3], &[f32; 3])| f64::from((0..3).map(|k| (a[k] - b[k]).abs()).sum::<f32>()) / 3.0;
+    a.pixels.iter().zip(&b.pixels).map(change).sum::<f64>() / a.pixels.len() as f64
 }
 
 fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    let text = flight.text()?;
-    let parse = |frame: u32| Scene::parse_at(flight.name, &text, Moment::of_frame(frame, FPS)).map(Arc::new);
-    let still = parse(0)?;
-    let renderer = Renderer::open(Backend::Cpu, None).map_err(Failure::other)?;
-    let mut sequence = Sequence::new();
-    let (mut rows, mut flicker, mut times) = (Vec::new(), Vec::new(), [0.0; 2]);
-    let mut last: Option<Picture> = None;
-    let mut scene = still.clone();
-    for frame in 0..FRAMES {
+    let course = Course::new(flight, arguments)?;
+    let mut sequence = Sequence::new(&course.renderer, ReconstructOptions::default());
+    let (mut flicker, mut times) = (Vec::new(), [0.0; 2]);
+    let mut last: Option<Frame> = None;
+    let mut scene = course.still.clone();
+    for number in 0..FRAMES {
         interrupt.check()?;
-        if still.animated && frame <= MOVING_FRAMES {
-            scene = parse(frame)?;
-        }
-        let settings = Settings {
-            size: arguments.size,
-            samples: 1,
-            seed: frame,
-            viewpoint: Some(flight.camera(&scene, frame)),
-            ..Settings::of(&scene)
-        };
+        let before = scene.clone();
+        scene = course.scene(number, &scene)?;
         let display = Display { tonemap: scene.render.tonemap, exposure_stops: scene.cameras[0].exposure };
-        let rendered = sequence.render(&scene, &settings).map_err(Failure::other)?;
-        times = [times[0] + rendered.trace_seconds, times[1] + rendered.reconstruct_seconds];
-        let displayed = shown(&rendered.reconstructed, &display);
-        if let Some(last) = last.filter(|_| frame > MOVING_FRAMES + 4) {
-            let change =
-                |(a, b): (&[f32; 3], &[f32; 3])| f64::from((0..3).map(|k| (a[k] - b[k]).abs()).sum::<f32>()) / 3.0;
-            let changes = displayed.pixels.iter().zip(&last.pixels).map(change);
-            flicker.push(changes.sum::<f64>() / displayed.pixels.len() as f64);
+        let frame = sequence.render(&scene, &course.settings(&scene, number)).map_err(Failure::other)?;
+        times = [times[0] + frame.trace_seconds, times[1] + frame.reconstruct_seconds];
+        if let Some(last) = last.as_ref().filter(|_| number > MOVING_FRAMES + 4) {
+            flicker.push(difference(&shown(&frame.reconstructed, &display), &shown(&last.reconstructed, &display)));
         }
-        last = Some(displayed);
-        if (frame + 1) % arguments.every != 0 && frame + 1 != FRAMES {
-            continue;
-        }
-        let many = Settings { samples: arguments.samples, seed: 1000 + frame, ..settings };
-        let reference = renderer.render(&scene, &many).map_err(Failure::other)?.mean();
-        rows.push(compare(frame, [&rendered.noisy, &rendered.reconstructed], &reference, &display)?);
-        if let Some(directory) = &arguments.output {
-            for (part, picture) in
-                [("before", &rendered.noisy), ("after", &rendered.reconstructed), ("reference", &reference)]
-            {
-                let path = directory.join(format!("{}-{:02}-{part}.png", flight.name, frame + 1));
-                image::save(&path, picture, &display, &Provenance::default()).map_err(Failure::other)?;
+        if (number + 1) % arguments.every == 0 || number + 1 == FRAMES {
+            let reference = course.reference(&scene, number)?;
+            let mut row = compare(number, &frame, &reference, &display)?;
+            if let Some(last) = last.as_ref().filter(|_| number <= MOVING_FRAMES) {
+                let before = course.reference(&before, number - 1)?;
+                let pictures = [&frame.reconstructed, &last.reconstructed, &reference, &before];
+                let [a, b, c, d] = pictures.map(|picture| shown(picture, &display));
+                row.temporal = Some(temporal_error([&a, &b, &c, &d], &frame.motion));
             }
+            row.print(flight.name);
+            let pictures = [("before", &frame.noisy), ("after", &frame.reconstructed), ("reference", &reference)];
+            course.save(number, pictures, &display)?;
         }
-    }
-    for row in &rows {
-        println!(
-            "{:8} {:3}   FLIP {:.3} -> {:.3}   relMSE {:8.4} -> {:.4}   energy {:.3}, tiles {:.3} to {:.3}",
-            flight.name,
-            row.frame + 1,
-            row.flip[0],
-            row.flip[1],
-            row.relmse[0],
-            row.relmse[1],
-            row.energy,
-            row.tiles[0],
-            row.tiles[1]
-        );
+        last = Some(frame);
     }
     let [trace, reconstruct] = times.map(|seconds| seconds * 1e3 / f64::from(FRAMES));
     let flicker = flicker.iter().sum::<f64>() / flicker.len().max(1) as f64;
@@ -236,7 +338,7 @@ fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let interrupt = Interrupt(catch_interrupts()?);
-    if let Some(directory) = &arguments.output {
+    for directory in arguments.output.iter().chain(&arguments.references) {
         std::fs::create_dir_all(directory)
             .map_err(|error| Failure::Other(format!("{}: {error}", directory.display())))?;
     }

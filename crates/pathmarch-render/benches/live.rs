@@ -26,7 +26,7 @@ fn request(scene: &Arc<Scene>, samples: u32, size: [u32; 2]) -> RenderRequest {
         display: Display::default(),
         moving: false,
         frame_time: FRAME_TIME,
-        reconstruct: true,
+        reconstruct: Some(Default::default()),
     }
 }
 

@@ -16,6 +16,10 @@ impl FieldType for u32 {
     const WGSL: &'static str = "u32";
 }
 
+impl FieldType for [u32; 2] {
+    const WGSL: &'static str = "vec2u";
+}
+
 impl FieldType for [f32; 3] {
     const WGSL: &'static str = "vec3f";
 }
@@ -39,6 +43,12 @@ impl ConstantValue for f32 {
 impl ConstantValue for u32 {
     fn wgsl(&self) -> String {
         format!("{self}u")
+    }
+}
+
+impl ConstantValue for i32 {
+    fn wgsl(&self) -> String {
+        format!("{self}i")
     }
 }
 
@@ -133,6 +143,26 @@ macro_rules! shared_struct {
 
 pub(crate) use shared_constants;
 pub(crate) use shared_struct;
+
+/// Compares the layout of a structure in Rust with naga's layout of its declaration.
+#[cfg(test)]
+pub(crate) fn check_layout<S: SharedStruct>() {
+    let code = declaration::<S>() + &format!("@group(0) @binding(0) var<storage> all: array<{}>;\n", S::NAME);
+    let module = naga::front::wgsl::parse_str(&code).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&code)));
+    let members = module.types.iter().find_map(|(_, kind)| match &kind.inner {
+        naga::TypeInner::Struct { members, span } if kind.name.as_deref() == Some(S::NAME) => Some((members, *span)),
+        _ => None,
+    });
+    let (members, span) = members.expect("the structure is declared");
+    let found: Vec<_> =
+        members.iter().map(|member| (member.name.clone().unwrap_or_default(), member.offset as usize)).collect();
+    let (padding, fields): (Vec<_>, Vec<_>) = S::fields().into_iter().partition(|field| field.name == "padding");
+    let expected: Vec<_> = fields.iter().map(|field| (field.name.to_owned(), field.offset)).collect();
+    assert_eq!(found, expected, "{}", S::NAME);
+    // Padding at the end may be part of the structure in WGSL, or lie behind it.
+    let sizes = [size_of::<S>(), size_of::<S>() - 4 * padding.len()];
+    assert!(sizes.contains(&(span as usize)), "{}: {span} bytes, {} in Rust", S::NAME, sizes[0]);
+}
 
 #[cfg(test)]
 mod tests {

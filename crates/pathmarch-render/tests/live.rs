@@ -3,6 +3,7 @@
 use crate::common::{for_each_backend, parse, with_gpu};
 use pathmarch_render::live::{Live, LiveImage, RenderRequest, Status};
 use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::reconstruct::ReconstructOptions;
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Backend, Renderer, Settings};
 use pathmarch_testing::{plain, tests};
@@ -27,7 +28,7 @@ fn request(scene: &Arc<Scene>, size: [u32; 2], samples: u32) -> RenderRequest {
         display: Display::default(),
         moving: false,
         frame_time: Duration::from_millis(30),
-        reconstruct: true,
+        reconstruct: Some(ReconstructOptions::default()),
     }
 }
 

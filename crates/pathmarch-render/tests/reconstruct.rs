@@ -1,11 +1,11 @@
 //! Reconstructed sequences: nearer to the converged picture than their samples, with the same energy, without trails.
 
-use crate::common::{cpu, parse};
-use pathmarch_render::Settings;
+use crate::common::{cpu, on_both_backends, parse};
 use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::{block_means, relmse};
 use pathmarch_render::pathmarch_scene::{Camera, Scene};
-use pathmarch_render::reconstruct::{Frame, Sequence};
+use pathmarch_render::reconstruct::{Frame, ReconstructOptions, Sequence};
+use pathmarch_render::{Renderer, Settings};
 use pathmarch_testing::{plain, tests};
 use std::sync::Arc;
 
@@ -31,6 +31,10 @@ fn moved(scene: &Scene, x: f32) -> Camera {
     camera
 }
 
+fn sequence() -> Sequence {
+    Sequence::new(&cpu(), ReconstructOptions::default())
+}
+
 fn settings(scene: &Scene, camera: Camera, samples: u32, seed: u32) -> Settings {
     Settings { size: SIZE, samples, seed, viewpoint: Some(camera), ..Settings::of(scene) }
 }
@@ -50,7 +54,7 @@ fn mean(picture: &Picture) -> f64 {
 
 fn a_moving_picture_is_clean_and_keeps_its_energy() {
     let scene = room();
-    let mut sequence = Sequence::new();
+    let mut sequence = sequence();
     let mut last = None;
     for frame in 0..16 {
         last = Some(next(&mut sequence, &scene, moved(&scene, 0.02 * frame as f32), frame));
@@ -70,7 +74,7 @@ fn a_moving_picture_is_clean_and_keeps_its_energy() {
 
 fn the_first_picture_is_clean_too() {
     let scene = room();
-    let first = next(&mut Sequence::new(), &scene, moved(&scene, 0.0), 7);
+    let first = next(&mut sequence(), &scene, moved(&scene, 0.0), 7);
     let reference = converged(&scene, moved(&scene, 0.0));
     // Clipped as on a screen: the jagged edges of the lamp do not count as noise.
     let clipped = |picture: &Picture| Picture {
@@ -88,7 +92,7 @@ fn uniform_light_stays_as_it_is() {
     let text = "pathmarch 1\ncamera { position 0 1 4; target 0 0.5 0 }\nrender { bounces 16 }\nsky 1\n\
         material \"white\" { diffuse 1 }\nobject \"ball\" material=\"white\" { sphere 0.5 { at 0 0.5 0 } }";
     let scene = Arc::new(parse(text));
-    let mut sequence = Sequence::new();
+    let mut sequence = sequence();
     for frame in 0..6 {
         let shown = next(&mut sequence, &scene, moved(&scene, 0.03 * frame as f32), frame).reconstructed;
         for pixel in &shown.pixels {
@@ -110,7 +114,7 @@ fn nothing_stays_where_an_object_was() {
     const SEQUENCES: u32 = 6;
     let [mut with_past, mut without] = [0.0; 2];
     for number in 0..SEQUENCES {
-        let [mut moved_there, mut always_there] = [Sequence::new(), Sequence::new()];
+        let [mut moved_there, mut always_there] = [sequence(), sequence()];
         for frame in 0..8 {
             next(&mut moved_there, &before, moved(&before, 0.0), 100 * number + frame);
         }
@@ -130,7 +134,7 @@ fn nothing_stays_where_an_object_was() {
 fn light_that_is_switched_off_fades_at_once() {
     let bright = room();
     let dim = Arc::new(parse(&ROOM.replace("emit 6", "emit 0.3")));
-    let mut sequence = Sequence::new();
+    let mut sequence = sequence();
     for frame in 0..24 {
         next(&mut sequence, &bright, moved(&bright, 0.0), frame);
     }
@@ -146,7 +150,7 @@ fn light_that_is_switched_off_fades_at_once() {
 
 fn sizes_jumps_and_cuts_leave_finite_pictures() {
     let scenes = [room(), Arc::new(parse(&ROOM.replace("sphere 0.4", "torus 0.4 0.1")))];
-    let mut sequence = Sequence::new();
+    let mut sequence = sequence();
     for frame in 0..12 {
         let scene = &scenes[frame as usize / 5 % 2];
         let mut camera = moved(scene, if frame % 3 == 0 { 40.0 } else { 0.0 });
@@ -164,14 +168,37 @@ fn sizes_jumps_and_cuts_leave_finite_pictures() {
 
 fn a_still_picture_of_many_samples_is_not_altered() {
     let scene = room();
-    let mut sequence = Sequence::new();
+    let mut sequence = sequence();
     next(&mut sequence, &scene, moved(&scene, 0.1), 1);
     let still = settings(&scene, moved(&scene, 0.1), 128, 0);
     let shown = sequence.render(&scene, &still).expect("a picture");
     assert_eq!(shown.reconstructed, cpu().render(&scene, &still).expect("a film").mean());
 }
 
+fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
+    let at = |x: f32| Arc::new(parse(&ROOM.replace("at 0.5 0.4 0.3", &format!("at {x} 0.4 0.3"))));
+    let balls = [at(0.5), at(0.53), at(0.56), at(0.6)];
+    let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
+    for frame in 0..8 {
+        let scene = &balls[(frame as usize).saturating_sub(3).min(3)];
+        let settings = settings(scene, moved(scene, 0.02 * frame as f32), 1, frame);
+        let size = if frame % 3 == 2 { SIZE.map(|side| 2 * side) } else { SIZE };
+        let [a, b] =
+            sequences.each_mut().map(|sequence| sequence.render_upscaled(scene, &settings, size).expect("a picture"));
+        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        let share_of_equal = |a: &Picture, b: &Picture| {
+            let equal = |(a, b): &(&[f32; 3], &[f32; 3])| (0..3).all(|k| (a[k] - b[k]).abs() < 0.1);
+            a.pixels.iter().zip(&b.pixels).filter(equal).count() as f64 / a.pixels.len() as f64
+        };
+        let lengths = share_of_equal(&a.history_length, &b.history_length);
+        let motion = share_of_equal(&a.motion, &b.motion);
+        println!("frame {frame}: relMSE {error:.2e}; equal histories {lengths:.4}, motions {motion:.4}");
+        assert!(error < 2e-3 && lengths > 0.98 && motion > 0.98, "{frame}: {error} {lengths} {motion}");
+    }
+}
+
 tests! {
+    on_both_backends: [both_backends_reconstruct_alike],
     plain: [
         a_moving_picture_is_clean_and_keeps_its_energy,
         the_first_picture_is_clean_too,

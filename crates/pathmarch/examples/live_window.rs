@@ -56,7 +56,7 @@ impl Viewer {
             display,
             moving: self.dragging,
             frame_time: Duration::from_millis(33),
-            reconstruct: true,
+            reconstruct: Some(Default::default()),
         });
     }
 

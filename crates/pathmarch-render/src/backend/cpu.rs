@@ -7,7 +7,6 @@ use crate::mode::{Mode, uncertainty_of};
 use crate::output::film::Film;
 use crate::output::tonemap::Display;
 use crate::ray_stats::RayCounters;
-use crate::scene::{FrameUniforms, RenderScene};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -53,15 +52,8 @@ impl CpuJob {
     pub(crate) fn new(input: RenderInput, first_sample: u32) -> Self {
         let [width, height] = input.frame.size();
         let (tiles, film) = (tiles(width, height), Film::new(width, height));
-        Self { input, stats: None, tiles, film, done: 0, begun: 0, first_sample, guides: None }
-    }
-
-    /// Records the guides of the first sample, if the picture is path-traced and camera rays are not shared.
-    pub(crate) fn with_guides(mut self) -> Self {
-        if self.input.mode == Mode::Path && self.input.config.splitting == 1 {
-            self.guides = Some(Arc::default());
-        }
-        self
+        let guides = input.records_guides().then(Arc::default);
+        Self { input, stats: None, tiles, film, done: 0, begun: 0, first_sample, guides }
     }
 
     /// Guides of the first sample, if they are recorded.
@@ -191,16 +183,6 @@ impl CpuJob {
     pub(crate) fn means(&self) -> Vec<Vec3> {
         let sums = self.film.sums.par_iter().zip(self.counts());
         sums.map(|(sum, count)| Vec3::from(*sum) / count.max(1) as f32).collect()
-    }
-
-    /// Scene of the picture.
-    pub(crate) fn scene(&self) -> &RenderScene {
-        &self.input.scene
-    }
-
-    /// Uniforms of the frame.
-    pub(crate) fn frame(&self) -> &FrameUniforms {
-        &self.input.frame
     }
 
     /// Tone-maps the film so far to 8-bit codes: red, green, blue and 255 for each pixel.

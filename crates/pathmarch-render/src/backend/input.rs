@@ -20,6 +20,8 @@ pub(crate) struct RenderInput {
     pub(crate) config: KernelConfig,
     pub(crate) mode: Mode,
     pub(crate) data: ModeData,
+    /// True to record guides, see [`records_guides`](Self::records_guides).
+    wants_guides: bool,
 }
 
 /// Data of a mode beyond the scene.
@@ -47,7 +49,17 @@ impl RenderInput {
             }
             mode => ModeData::View(Arc::new(views::table(mode, scene, camera))),
         };
-        Self { scene: Arc::new(render_scene), frame, config, mode: settings.mode, data }
+        Self { scene: Arc::new(render_scene), frame, config, mode: settings.mode, data, wants_guides: false }
+    }
+
+    /// Records the guides of the first sample where that is possible.
+    pub(crate) fn with_guides(self) -> Self {
+        Self { wants_guides: true, ..self }
+    }
+
+    /// True if guides are recorded: they are asked for, the picture is path-traced, and camera rays are not shared.
+    pub(crate) fn records_guides(&self) -> bool {
+        self.wants_guides && self.mode == Mode::Path && self.config.splitting == 1
     }
 
     /// Sets camera, size, seed, bounces and limits to those of other settings of the same scene. Returns false if other data

@@ -6,13 +6,26 @@
 
 use crate::intersect::ray::Ray;
 use crate::scene::TraceContext;
-use crate::scene::material::{DELTA, TRANSMITS};
+use crate::scene::material::{DELTA, GLOSSY, TRANSMITS};
 use crate::shading::surface_interaction::SurfaceInteraction;
 use crate::shading::textured_point::TexturedPoint;
+use crate::wgsl::shared_constants;
 use glam::{Mat3, Vec3};
 
-/// Largest number of mirrors and glass surfaces that guides look through.
-const MAX_DELTA_SURFACES: u32 = 8;
+shared_constants! {
+    /// Largest number of mirrors and glass surfaces that guides look through.
+    const MAX_DELTA_SURFACES: u32 = 8;
+    /// No leaf.
+    pub(crate) const NO_LEAF: u32 = u32::MAX;
+    /// Class of the sky.
+    const GUIDE_SKY: u32 = GuideClass::Sky as u32;
+    /// Class of emitters.
+    const GUIDE_EMITTER: u32 = GuideClass::Emitter as u32;
+    /// Class of smooth glass.
+    const GUIDE_GLASS: u32 = GuideClass::Glass as u32;
+    /// Class of surfaces that scatter light.
+    const GUIDE_SURFACE: u32 = GuideClass::Surface as u32;
+}
 
 /// Class of a guide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,9 +39,6 @@ pub(crate) enum GuideClass {
     /// Surface that scatters light.
     Surface,
 }
-
-/// No leaf.
-pub(crate) const NO_LEAF: u32 = u32::MAX;
 
 /// Guide of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,8 +54,6 @@ pub(crate) struct Guide {
     pub(crate) albedo: Vec3,
     /// Length of the path from the camera, metres.
     pub(crate) length: f32,
-    /// Cosine between the normal and the ray that hit the surface.
-    pub(crate) cosine: f32,
     pub(crate) class: GuideClass,
     /// True if the surface looks different from other directions.
     pub(crate) is_glossy: bool,
@@ -65,7 +73,6 @@ impl Guide {
         seen_normal: Vec3::ZERO,
         albedo: Vec3::ONE,
         length: 0.0,
-        cosine: 1.0,
         class: GuideClass::Sky,
         is_glossy: false,
         object: 0,
@@ -107,21 +114,21 @@ impl GuideRecorder {
         Self { camera_rays, guides, states }
     }
 
-    /// Records the surface that the path in a slot has reached with this direction and throughput.
+    /// Records the surface that the path in a slot has reached with this throughput.
     pub(crate) fn record(
         &mut self,
         ctx: &TraceContext,
         slot: usize,
-        direction: Vec3,
         throughput: Vec3,
         interaction: &SurfaceInteraction,
         surface_index: u32,
     ) {
-        if matches!(self.states[slot], State::Done) {
-            return;
-        }
         let leaf = &ctx.scene.leaves[interaction.leaf];
         let material = &ctx.scene.materials[leaf.material as usize];
+        let is_end = surface_index > ctx.frame.bounces && !material.emits();
+        if is_end || matches!(self.states[slot], State::Done) {
+            return;
+        }
         let object = ctx.scene.field.leaves()[interaction.leaf].object;
         let is_delta = material.has(DELTA) && surface_index < MAX_DELTA_SURFACES;
         let is_glass = is_delta && material.has(TRANSMITS);
@@ -161,9 +168,8 @@ impl GuideRecorder {
             seen_normal: normal,
             albedo,
             length: interaction.length,
-            cosine: interaction.normal.dot(direction).abs(),
             class,
-            is_glossy: is_glass || ctx.scene.is_glossy[leaf.material as usize],
+            is_glossy: is_glass || material.has(GLOSSY),
             object,
             seen_object: object,
             leaf: if surface_index == 0 { interaction.leaf as u32 } else { NO_LEAF },

@@ -152,7 +152,7 @@ fn continue_paths(
         }
         if let Some(recorder) = &mut recorder {
             for (path, interaction) in paths.iter().zip(&interactions) {
-                recorder.record(ctx, path.slot, path.ray.direction, path.throughput, interaction, surface_index);
+                recorder.record(ctx, path.slot, path.throughput, interaction, surface_index);
             }
         }
         let mut shadow_tests = Vec::with_capacity(paths.len());

@@ -1,4 +1,4 @@
-// import: film_value, integrator/camera, integrator/light_sampling, integrator/shadow, integrator/sky
+// import: film_value, guides, integrator/camera, integrator/light_sampling, integrator/shadow, integrator/sky
 // import: sampler, sampling/basis, shading/surface_interaction, textures
 // Path tracing. Twin of path.rs, which explains it.
 
@@ -73,6 +73,7 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
     let m = leaf.material;
     if HAS_EMITTERS && (materials[m].flags & EMITS) != 0u {
         let interaction = resolve_surface(hit_point, ray.direction, hit, (*path).surface_at_hit);
+        record_guide(interaction, (*path).throughput, (*path).length, (*path).surfaces, materials[m].emission);
         let light = leaf.flags >> LIGHT_SHIFT;
         // Shadow rays have already contributed it.
         let counted = FAST_CAUSTICS && (*path).passed_clear_glass && light > 0u;
@@ -100,6 +101,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     let flags = materials[m].flags;
     let outward = outward_normal(interaction);
     evaluate_textures(m, interaction.leaf, interaction.p, outward, (*path).length);
+    record_guide(interaction, (*path).throughput, (*path).length, surface_index, packed(m, 0u).xyz);
     // Shading normal; the geometric normal decides on which side a direction is.
     let ns = shading_normal(outward, interaction.normal, -incoming);
     let world_from_local = basis(ns);
@@ -171,6 +173,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
 
 /// Film value of one sample of a pixel.
 fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
+    begin_guide(camera);
     var path = path_from(camera, sampler);
     while path_intersect(&path) && path_scatter(&path) {
     }

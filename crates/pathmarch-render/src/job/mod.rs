@@ -177,6 +177,16 @@ impl Renderer {
     }
 }
 
+impl Renderer {
+    /// Tracer of an input that records guides, on the opened device if there is one.
+    pub(crate) fn trace_with_guides(&self, input: &RenderInput, first_sample: u32) -> Result<Tracer, RenderError> {
+        Ok(match &self.gpu {
+            Some(gpu) => Tracer::Gpu(Box::new(GpuJob::new(gpu.clone(), input, first_sample, gpu::OFFLINE)?)),
+            None => Tracer::Cpu(Box::new(CpuJob::new(input.clone(), first_sample))),
+        })
+    }
+}
+
 fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -> Result<GpuJob, RenderError> {
     // Paths that share a camera ray cannot be resumed on adapters that end loops, see backend/gpu/loop_limit.rs.
     let limited = gpu.is_software() && input.scene.field.has_loops();

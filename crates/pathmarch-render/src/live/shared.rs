@@ -2,6 +2,7 @@
 
 use crate::output::film::Film;
 use crate::output::tonemap::Display;
+use crate::reconstruct::ReconstructOptions;
 use crate::settings::Settings;
 use pathmarch_scene::Scene;
 use std::sync::mpsc::Sender;
@@ -21,9 +22,9 @@ pub struct RenderRequest {
     pub moving: bool,
     /// Time for each picture while something moves.
     pub frame_time: Duration,
-    /// True to reconstruct clean pictures from few samples, see [`reconstruct`](crate::reconstruct). Applies to path-traced
-    /// pictures on the CPU. A picture at rest with all of its samples is not altered.
-    pub reconstruct: bool,
+    /// Reconstruction of clean pictures from few samples, see [`reconstruct`](crate::reconstruct). Applies to path-traced
+    /// pictures. A picture at rest with all of its samples is not altered.
+    pub reconstruct: Option<ReconstructOptions>,
 }
 
 /// Picture for the screen.

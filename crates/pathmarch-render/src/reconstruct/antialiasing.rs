@@ -1,27 +1,39 @@
-//! Temporal anti-aliasing.
+//! Temporal anti-aliasing and upscaling.
 //!
 //! Samples of one pixel see its edges and textures at other places in every picture. The picture is therefore averaged
 //! with the last one at the same points. What the last picture shows is clamped to the colours around the pixel, so that
-//! nothing stays that is not there any more.
+//! nothing stays that is not there any more. The picture may be larger than its samples: then a sample counts most in the
+//! pixels next to its position.
 //!
-//! **Source.** Karis 2014, "High-Quality Temporal Supersampling"; clamping to mean and deviation: Salvi 2016, "An Excursion
+//! **Source.** Karis 2014, "High-Quality Temporal Supersampling"; upscaling: Epic Games, "Temporal Upsampling" in Unreal
+//! Engine 4.19 (2018); clamping to mean and deviation: Salvi 2016, "An Excursion
 //! in Temporal Supersampling". Colours stay linear: compressing bright ones would darken the mean.
 
 use super::motion::Motion;
 use super::temporal::{History, project};
 use crate::integrator::guides::Guide;
 use crate::scene::FrameUniforms;
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Weight of a new picture, unless the pixel was not seen before.
-const NEW_WEIGHT: f32 = 0.12;
-/// Deviations from the mean of the neighbours that the past may have.
-const REACH: f32 = 1.25;
+shared_constants! {
+    /// Weight of a new picture, unless the pixel was not seen before.
+    const NEW_WEIGHT: f32 = 0.12;
+    /// Least weight of a new picture, for pixels between its samples.
+    const MIN_WEIGHT: f32 = 0.02;
+    /// Deviations from the mean of the neighbours that the past may have.
+    const REACH: f32 = 1.25;
+    /// Standard deviation of the filter that interpolates samples, pixels of the picture.
+    const KERNEL_DEVIATION: f32 = 0.6;
+}
 
 /// Picture that was shown.
 pub(super) struct ShownPicture {
+    /// Frame of its samples.
     pub(super) frame: FrameUniforms,
+    /// Width and height, pixels; at least those of its samples.
+    pub(super) size: [u32; 2],
     pub(super) colours: Vec<Vec3>,
 }
 
@@ -33,35 +45,119 @@ pub(super) struct Last<'a> {
     pub(super) motion: &'a Motion,
 }
 
-/// Averages a picture with the last one.
-pub(super) fn antialiased(frame: &FrameUniforms, guides: &[Guide], picture: &[Vec3], last: Option<Last>) -> Vec<Vec3> {
-    let Some(Last { picture: shown, history, motion }) = last else { return picture.to_vec() };
-    let [width, height] = frame.size().map(|side| side as usize);
+/// Samples of a picture around one of its points.
+struct Neighbourhood<'a> {
+    /// Sums of the opponent colours and of their squares.
+    sum: Vec3,
+    squares: Vec3,
+    count: f32,
+    /// Guide nearest to the camera: edges move with what is in front.
+    nearest: &'a Guide,
+    /// Colour at the point, and the weight of the sample nearest to it, 0 to 1.
+    colour: Vec3,
+    weight: f32,
+}
+
+/// New samples of a picture, which is shown at another size.
+struct Upscaling<'a> {
+    frame: &'a FrameUniforms,
+    guides: &'a [Guide],
+    samples: &'a [Vec3],
+    /// Position of each sample, pixels of the samples; empty if the picture is as large as they are.
+    positions: Vec<[f32; 2]>,
+    /// Pixels of the picture for each pixel of the samples.
+    factor: [f32; 2],
+}
+
+/// Averages samples with the last picture, at a size that is at least theirs.
+pub(super) fn antialiased(
+    frame: &FrameUniforms,
+    guides: &[Guide],
+    samples: &[Vec3],
+    size: [u32; 2],
+    last: Option<Last>,
+) -> ShownPicture {
+    let is_larger = size != frame.size();
+    let position = |(index, guide): (usize, &Guide)| sample_position(frame, index, guide);
+    let upscaling = Upscaling {
+        frame,
+        guides,
+        samples,
+        positions: if is_larger { guides.par_iter().enumerate().map(position).collect() } else { Vec::new() },
+        factor: [size[0] as f32 / frame.width as f32, size[1] as f32 / frame.height as f32],
+    };
     let pixel = |index: usize| {
-        let new = picture[index];
-        let (x, y) = (index % width, index / width);
+        let (x, y) = (index % size[0] as usize, index / size[0] as usize);
+        let point = [(x as f32 + 0.5) / upscaling.factor[0], (y as f32 + 0.5) / upscaling.factor[1]];
+        upscaling.pixel(point, last)
+    };
+    let count = size[0] as usize * size[1] as usize;
+    let colours = match (last, is_larger) {
+        (None, false) => samples.to_vec(),
+        _ => (0..count).into_par_iter().with_min_len(1024).map(pixel).collect(),
+    };
+    ShownPicture { frame: *frame, size, colours }
+}
+
+/// Position of the sample of a pixel, from its guide.
+fn sample_position(frame: &FrameUniforms, index: usize, guide: &Guide) -> [f32; 2] {
+    let pixel = [index % frame.width as usize, index / frame.width as usize].map(|at| at as f32);
+    // A lens moves the projection out of the pixel.
+    project(frame, guide.position)
+        .map_or(pixel.map(|at| at + 0.5), |at| std::array::from_fn(|k| at[k].clamp(pixel[k], pixel[k] + 1.0)))
+}
+
+impl Upscaling<'_> {
+    /// Colour of the picture at a point, in pixels of the samples.
+    fn pixel(&self, point: [f32; 2], last: Option<Last>) -> Vec3 {
+        let Neighbourhood { sum, squares, count, nearest, colour: new, weight } = self.around(point);
+        let Some(Last { picture: shown, history, motion }) = last else { return new };
+        let Some(old) = shown.before(self.frame, point, nearest, &motion.earlier(nearest), history) else { return new };
+        let mean = sum / count;
+        let deviation = REACH * (squares / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
+        let old = colour_of(opponent_of(old).clamp(mean - deviation, mean + deviation)).max(Vec3::ZERO);
+        old.lerp(new, (NEW_WEIGHT * weight).max(MIN_WEIGHT))
+    }
+
+    /// Samples of the nine pixels around a point.
+    fn around(&self, point: [f32; 2]) -> Neighbourhood<'_> {
+        let [width, height] = self.frame.size().map(|side| side as usize);
+        let (x, y) = ((point[0] as usize).min(width - 1), (point[1] as usize).min(height - 1));
+        let centre = y * width + x;
         let (mut sum, mut squares, mut count) = (Vec3::ZERO, Vec3::ZERO, 0.0);
-        // Edges move with what is in front.
-        let mut nearest = &guides[index];
+        let mut nearest = &self.guides[centre];
+        let (mut colour, mut total, mut largest) = (Vec3::ZERO, 0.0, 0.0);
         for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
             for column in x.saturating_sub(1)..=(x + 1).min(width - 1) {
-                let colour = picture[row * width + column];
-                let guide = &guides[row * width + column];
-                if guide.length < nearest.length {
-                    nearest = guide;
+                let index = row * width + column;
+                if self.guides[index].length < nearest.length {
+                    nearest = &self.guides[index];
                 }
-                let opponent = opponent_of(colour);
+                let opponent = opponent_of(self.samples[index]);
                 sum += opponent;
                 squares += opponent * opponent;
                 count += 1.0;
+                if let Some(position) = self.positions.get(index) {
+                    let weight = self.kernel([point[0] - position[0], point[1] - position[1]]);
+                    colour += self.samples[index] * weight;
+                    total += weight;
+                    largest = f32::max(largest, weight);
+                }
             }
         }
-        let Some(old) = shown.before(frame, [x, y], nearest, &motion.earlier(nearest), history) else { return new };
-        let mean = sum / count;
-        let deviation = REACH * (squares / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
-        colour_of(opponent_of(old).clamp(mean - deviation, mean + deviation)).max(Vec3::ZERO).lerp(new, NEW_WEIGHT)
-    };
-    (0..picture.len()).into_par_iter().with_min_len(1024).map(pixel).collect()
+        if total > 0.0 {
+            (colour, total) = (colour / total, largest);
+        } else {
+            (colour, total) = (self.samples[centre], 1.0);
+        }
+        Neighbourhood { sum, squares, count, nearest, colour, weight: total }
+    }
+
+    /// Weight of a sample at this distance, in pixels of the samples: a Gaussian.
+    fn kernel(&self, distance: [f32; 2]) -> f32 {
+        let [x, y] = [distance[0] * self.factor[0], distance[1] * self.factor[1]];
+        (-0.5 * (x * x + y * y) / (KERNEL_DEVIATION * KERNEL_DEVIATION)).exp()
+    }
 }
 
 /// Lightness, orange against blue, green against magenta (YCoCg; Malvar and Sullivan 2003). Clamped there, a grey
@@ -78,27 +174,27 @@ fn colour_of(opponent: Vec3) -> Vec3 {
 }
 
 impl ShownPicture {
-    /// Bilinear colour where a pixel of the picture `frame` was, if it has moved from `earlier` to `guide`; `None` outside,
-    /// and where that point was hidden.
+    /// Bilinear colour where a point of the frame `frame` was, if its surface has moved from `earlier` to `guide`; `None`
+    /// outside, and where that surface was hidden. The point is in pixels of the samples of that frame.
     fn before(
         &self,
         frame: &FrameUniforms,
-        pixel: [usize; 2],
+        point: [f32; 2],
         guide: &Guide,
         earlier: &Guide,
         history: &History,
     ) -> Option<Vec3> {
-        let [width, height] = self.frame.size().map(|side| side as f32);
+        let sampled = self.frame.size().map(|side| side as f32);
         let [old, new] = [project(&self.frame, earlier.position)?, project(frame, guide.position)?];
         // Pictures may differ in size.
-        let scale = [width / frame.width as f32, height / frame.height as f32];
-        let [x, y] = std::array::from_fn(|k| (pixel[k] as f32 + 0.5 - new[k]) * scale[k] + old[k]);
-        if !(0.0..width).contains(&x) || !(0.0..height).contains(&y) {
+        let scale = [sampled[0] / frame.width as f32, sampled[1] / frame.height as f32];
+        let [x, y]: [f32; 2] = std::array::from_fn(|k| (point[k] - new[k]) * scale[k] + old[k]);
+        if !(0.0..sampled[0]).contains(&x) || !(0.0..sampled[1]).contains(&y) || !history.shows(earlier, frame, [x, y])
+        {
             return None;
         }
-        if !history.shows(earlier, frame, [x, y]) {
-            return None;
-        }
+        let [width, height] = self.size.map(|side| side as f32);
+        let (x, y) = (x * width / sampled[0], y * height / sampled[1]);
         let (x, y) = ((x - 0.5).clamp(0.0, width - 1.0), (y - 0.5).clamp(0.0, height - 1.0));
         let (fx, fy) = (x.fract(), y.fract());
         let row = |row: f32| {

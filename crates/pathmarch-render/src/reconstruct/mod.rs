@@ -2,10 +2,12 @@
 //!
 //! **Idea.** Radiance is divided by the albedo of the guide, so that textures are not blurred; the result is called
 //! irradiance here. (1) `temporal`: every pixel finds its point in the last picture and continues the mean of the pixels
-//! there, if they show the same point. (2) `spatial`: neighbours on the same surface are
-//! averaged over a footprint that shrinks as the mean gets surer. (3) `antialiasing`: the picture is averaged with the
-//! last one. (4) Once nothing moves, the plain mean of a film that was started there takes over, and the picture is then
-//! the one that a still render gives.
+//! there, if they show the same point. (2) `spatial`: neighbours on the same surface are averaged over a footprint that
+//! shrinks as the mean gets surer. (3) `antialiasing`: the picture is averaged with the last one, at up to twice the
+//! resolution of the samples. (4) Once nothing moves, the plain mean of a film that was started there takes over, and the
+//! picture is then the one that a still render gives.
+//!
+//! Each step is written twice, for the CPU and in WGSL, and tests compare them: `cpu` and `gpu` run the steps.
 //!
 //! **Source.** Reprojection and edge-stopping filters guided by variance: Schied et al. 2017, "Spatiotemporal
 //! Variance-Guided Filtering". Division by the albedo and an à-trous filter: Dammertz et al. 2010, "Edge-Avoiding À-Trous
@@ -13,107 +15,226 @@
 //! moves no energy out of highlights; the point in the last picture is validated by its position in space instead of a
 //! depth, and pictures of different sizes share their history.
 //!
-//! **Limits.** Runs on the CPU backend. `motion` is that of rigid objects; shapes that deform start anew where the point
-//! was not on the surface before. Reflections on rough surfaces and what is seen through glass move with the surface.
-//!
-//! **Cost.** On two cores 11 to 15 ms for 320x180 pixels.
+//! **Limits.** `motion` is that of rigid objects; shapes that deform start anew where the point was not on the surface
+//! before. Reflections on rough surfaces and what is seen through glass move with the surface.
 
 mod antialiasing;
+mod cpu;
+mod gpu;
 mod motion;
 mod sequence;
 mod spatial;
 mod temporal;
 
+use crate::backend::RenderInput;
+use crate::error::RenderError;
 use crate::integrator::guides::{Guide, GuideClass};
-use crate::scene::{FrameUniforms, RenderScene, light};
-use antialiasing::{Last, ShownPicture, antialiased};
+use crate::job::tracer::Tracer;
+use crate::output::tonemap::Display;
+use crate::scene::light;
+use crate::wgsl::shared_constants;
+use cpu::{CpuReconstruction, FilmView};
 use glam::Vec3;
-use motion::{Motion, Poses};
-use rayon::prelude::*;
+use gpu::GpuReconstruction;
 pub use sequence::{Frame, Sequence};
-use std::sync::Arc;
-use temporal::{History, Samples};
 
 /// Number of samples of a still picture from which on it is shown as it is.
 const FILM_SAMPLES: u32 = 128;
-/// Least albedo to divide by.
-const MIN_ALBEDO: f32 = 0.04;
-/// Longest history of an unchanged scene, samples.
-const MAX_HISTORY: f32 = 24.0;
+
+shared_constants! {
+    /// Least albedo to divide by.
+    const MIN_ALBEDO: f32 = 0.04;
+    /// Longest history of an unchanged scene, samples.
+    const MAX_HISTORY: f32 = 24.0;
+    /// Pixels of motion at which its colour is full.
+    const FULL_MOTION: f32 = 32.0;
+    /// Index of the picture among the buffers.
+    const SHOWS_PICTURE: u32 = Buffer::Picture as u32;
+    /// Index of the history length among the buffers.
+    const SHOWS_HISTORY_LENGTH: u32 = Buffer::HistoryLength as u32;
+    /// Index of the relative deviation among the buffers.
+    const SHOWS_DEVIATION: u32 = Buffer::Deviation as u32;
+}
+
 /// Longest history after a change of the scene, samples. It is also clamped to the new light around each pixel.
 const MAX_HISTORY_OF_CHANGED_SCENE: f32 = 6.0;
 
-/// Result of a film.
-struct Reconstructed {
-    poses: Poses,
-    history: History,
-    shown: ShownPicture,
+/// Stages of reconstruction, and the buffer that is shown. The default has all stages and shows the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReconstructOptions {
+    /// Continues the means of the last picture.
+    pub reprojection: bool,
+    /// Spreads the energy of samples that are far brighter than their neighbours.
+    pub firefly_filter: bool,
+    /// Averages neighbours on the same surface.
+    pub spatial_filter: bool,
+    /// Averages the picture with the last one.
+    pub antialiasing: bool,
+    /// Shows moving pictures at up to twice the resolution of their samples; needs `antialiasing`.
+    pub upscaling: bool,
+    /// Buffer to show.
+    pub buffer: Buffer,
 }
 
-/// State between the pictures of a sequence.
-#[derive(Default)]
-pub(crate) struct Reconstruction {
-    /// Result before the present film.
-    past: Option<Reconstructed>,
-    /// Result of the present film.
-    present: Option<Reconstructed>,
+impl Default for ReconstructOptions {
+    fn default() -> Self {
+        Self {
+            reprojection: true,
+            firefly_filter: true,
+            spatial_filter: true,
+            antialiasing: true,
+            upscaling: true,
+            buffer: Buffer::Picture,
+        }
+    }
+}
+
+/// Buffer of reconstruction that can be shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Buffer {
+    /// The picture itself.
+    #[default]
+    Picture,
+    /// Motion since the last picture: red to the right and green downwards, both half without motion and full at 32
+    /// pixels; blue where a point was hidden.
+    Motion,
+    /// Number of samples in the mean of each pixel, from black to white at 24.
+    HistoryLength,
+    /// Standard deviation of the mean, divided by the mean.
+    Deviation,
+}
+
+impl Buffer {
+    /// All buffers.
+    pub const ALL: [Self; 4] = [Self::Picture, Self::Motion, Self::HistoryLength, Self::Deviation];
+
+    /// Name, as windows show it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "picture",
+            Self::Motion => "motion",
+            Self::HistoryLength => "history length",
+            Self::Deviation => "relative deviation",
+        }
+    }
+}
+
+/// Films that pictures are made of: what has changed since the last one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Changes {
     /// Longest history, samples.
     max_history: f32,
-    /// True if the scene has changed since `past`.
-    scene_changed: bool,
+    /// True if the scene has changed since the last film.
+    scene: bool,
+}
+
+impl Changes {
+    /// Changes at the start of another film; `has_past` if there was one.
+    fn start_film(&mut self, has_past: bool, scene_changed: bool) {
+        if has_past {
+            *self = Self { max_history: MAX_HISTORY, scene: false };
+        }
+        if scene_changed {
+            *self = Self { max_history: MAX_HISTORY_OF_CHANGED_SCENE, scene: true };
+        }
+    }
+}
+
+/// Reconstruction on the backend of its tracer.
+#[derive(Default)]
+pub(crate) struct Reconstruction {
+    cpu: CpuReconstruction,
+    gpu: Option<GpuReconstruction>,
 }
 
 impl Reconstruction {
     /// Starts another film: of another view, size or moment, or of a changed scene.
     pub(crate) fn start_film(&mut self, scene_changed: bool) {
-        if let Some(present) = self.present.take() {
-            self.past = Some(present);
-            (self.max_history, self.scene_changed) = (MAX_HISTORY, false);
-        }
-        if scene_changed {
-            (self.max_history, self.scene_changed) = (MAX_HISTORY_OF_CHANGED_SCENE, true);
+        self.cpu.start_film(scene_changed);
+        if let Some(gpu) = &mut self.gpu {
+            gpu.start_film(scene_changed);
         }
     }
 
-    /// Linear picture of a film with `samples` samples of each pixel and these means. `film_weight` is the weight of the
-    /// means themselves, 0 to 1.
-    pub(crate) fn picture(
+    /// Reconstructs the film of a tracer, whose means have this weight in the picture, and tone-maps it: red, green, blue
+    /// and 255 for each pixel. `size` is that of the picture. `None` if the tracer has no guides, or the GPU no memory.
+    pub(crate) fn show(
         &mut self,
-        scene: &RenderScene,
-        frame: &FrameUniforms,
-        guides: &Arc<Vec<Guide>>,
-        means: &[Vec3],
-        samples: u32,
+        tracer: &mut Tracer,
+        input: &RenderInput,
         film_weight: f32,
-    ) -> Vec<Vec3> {
-        let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| *mean / divisor(guide));
-        let mut irradiance: Vec<Vec3> = divided.collect();
-        if samples == 1 {
-            spatial::spread_fireflies(frame.size(), guides, &mut irradiance);
+        size: [u32; 2],
+        options: &ReconstructOptions,
+        display: &Display,
+    ) -> Result<Option<Vec<u8>>, RenderError> {
+        match tracer {
+            Tracer::Cpu(job) => {
+                let Some(guides) = job.guides() else { return Ok(None) };
+                let (means, samples) = (job.means(), job.samples_done() as u32);
+                let (scene, frame) = (&*input.scene, &input.frame);
+                let film = FilmView { scene, frame, guides: &guides, means: &means, samples, weight: film_weight };
+                let picture = self.cpu.picture(&film, size, options);
+                let buffer = self.cpu.buffer(options.buffer, size);
+                Ok(Some(buffer.unwrap_or_else(|| display.encode_rgba(&picture))))
+            }
+            Tracer::Gpu(job) => {
+                let Some(film) = job.reconstructed_film()? else { return Ok(None) };
+                if self.gpu.as_ref().is_none_or(|gpu| !gpu.is_on(film.device)) {
+                    self.gpu = Some(GpuReconstruction::new(film.device)?);
+                }
+                let Some(gpu) = &mut self.gpu else { return Ok(None) };
+                gpu.show(&film, input, film_weight, size, options, display)
+            }
         }
-        let (past, max_length) = (self.past.as_ref(), self.max_history * (1.0 - film_weight));
-        let poses = Poses::new(scene);
-        let changed_past = past.filter(|_| self.scene_changed);
-        let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.poses, &poses));
-        let past_history = past.map(|past| (&past.history, &motion));
-        let limits = self.scene_changed.then(|| spatial::plausible_luminances(frame.size(), &irradiance));
-        let new = Samples { irradiance: &irradiance, count: samples as f32 };
-        let history = History::new(frame, guides, new, past_history, max_length, limits.as_deref());
-        let multiplied = spatial::filter(&history).into_par_iter().zip(guides.par_iter());
-        let clean: Vec<Vec3> = multiplied.map(|(irradiance, guide)| irradiance * divisor(guide)).collect();
-        let shown = ShownPicture {
-            frame: *frame,
-            colours: antialiased(
-                frame,
-                guides,
-                &clean,
-                past.map(|past| Last { picture: &past.shown, history: &past.history, motion: &motion }),
-            ),
-        };
-        let picture = shown.colours.iter().zip(means).map(|(colour, mean)| colour.lerp(*mean, film_weight)).collect();
-        self.present = Some(Reconstructed { poses, history, shown });
-        picture
     }
+}
+
+impl Reconstruction {
+    /// Reconstructs the film of a tracer, as [`show`](Self::show) does: a linear picture. `means` are those of the film.
+    fn picture(
+        &mut self,
+        tracer: &mut Tracer,
+        input: &RenderInput,
+        means: &[Vec3],
+        size: [u32; 2],
+        options: &ReconstructOptions,
+    ) -> Result<Option<Vec<Vec3>>, RenderError> {
+        let weight = film_weight(tracer.samples_done() as u32, u32::MAX);
+        if let Tracer::Cpu(job) = tracer {
+            let Some(guides) = job.guides() else { return Ok(None) };
+            let (scene, frame, samples) = (&*input.scene, &input.frame, job.samples_done() as u32);
+            let film = FilmView { scene, frame, guides: &guides, means, samples, weight };
+            return Ok(Some(self.cpu.picture(&film, size, options)));
+        }
+        let shown = self.show(tracer, input, weight, size, options, &Display::default())?;
+        let Some(gpu) = self.gpu.as_ref().filter(|_| shown.is_some()) else { return Ok(None) };
+        let weight = if input.frame.size() == size { weight } else { 0.0 };
+        let mixed = |(colour, mean): (Vec3, &Vec3)| colour.lerp(*mean, weight);
+        let colours = gpu.colours()?;
+        Ok(Some(if weight > 0.0 { colours.into_iter().zip(means).map(mixed).collect() } else { colours }))
+    }
+
+    /// Position of the point of each pixel in the last picture, pixels of its samples, and number of samples in the mean of
+    /// each pixel. The position is `None` where the point was hidden.
+    fn histories(&self, tracer: &Tracer) -> Result<Vec<(Option<[f32; 2]>, f32)>, RenderError> {
+        match (tracer, &self.gpu) {
+            (Tracer::Cpu(_), _) => Ok(self.cpu.histories()),
+            (Tracer::Gpu(_), Some(gpu)) => gpu.histories(),
+            (Tracer::Gpu(_), None) => Ok(Vec::new()),
+        }
+    }
+}
+
+/// Position of the point of each pixel in the last picture, relative to the pixel: columns, rows, and 1 where that picture
+/// shows the point, else 0. The pictures have these sizes.
+fn motions(histories: &[(Option<[f32; 2]>, f32)], size: [u32; 2], last_size: [u32; 2]) -> Vec<[f32; 3]> {
+    let scale: [f32; 2] = std::array::from_fn(|k| size[k] as f32 / last_size[k] as f32);
+    let of = |(index, (before, _)): (usize, &(Option<[f32; 2]>, f32))| {
+        let Some([x, y]) = *before else { return [0.0; 3] };
+        let (column, row) = (index % size[0] as usize, index / size[0] as usize);
+        [x * scale[0] - column as f32 - 0.5, y * scale[1] - row as f32 - 0.5, 1.0]
+    };
+    histories.iter().enumerate().map(of).collect()
 }
 
 /// Weight of a still film of `samples` samples, of which `target` are wanted.
@@ -124,6 +245,11 @@ pub(crate) fn film_weight(samples: u32, target: u32) -> f32 {
     let done = samples.saturating_sub(1) as f32 / (FILM_SAMPLES - 1) as f32;
     // Noise falls with the root of the samples only: the film may take over late.
     done * done
+}
+
+/// Size of a moving picture of samples of size `traced`: up to twice that, but not above `full`.
+pub(crate) fn upscaled_size(traced: [u32; 2], full: [u32; 2]) -> [u32; 2] {
+    std::array::from_fn(|k| (2 * traced[k]).min(full[k]).max(traced[k]))
 }
 
 /// Factor between radiance and irradiance.

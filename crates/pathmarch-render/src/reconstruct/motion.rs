@@ -5,8 +5,9 @@
 
 use crate::integrator::guides::{Guide, NO_LEAF};
 use crate::scene::RenderScene;
+use crate::wgsl::shared_struct;
 use glam::{Mat3, Vec3};
-use pathmarch_field::graph::Pose;
+use pathmarch_field::graph::{Leaf, Pose};
 
 /// Poses of the leaves of a scene; `None` below modifiers.
 pub(super) struct Poses(Vec<Option<Pose>>);
@@ -17,6 +18,24 @@ struct Displacement {
     rotation: Mat3,
     scale: f32,
     offset: Vec3,
+}
+
+shared_struct! {
+    /// Object of a leaf, and its motion since an earlier scene: the rows of its rotation, its scale and its offset.
+    pub(super) struct LeafMotion as LeafMotion {
+        x: [f32; 3],
+        offset_x: f32,
+        y: [f32; 3],
+        offset_y: f32,
+        z: [f32; 3],
+        offset_z: f32,
+        scale: f32,
+        /// Not 0 if the leaf has moved.
+        moves: u32,
+        /// Index of the object.
+        object: u32,
+        padding: u32,
+    }
 }
 
 /// Motion since an earlier scene; `None` for leaves that stand still.
@@ -45,6 +64,21 @@ impl Motion {
             (!is_still).then_some(Displacement { rotation, scale, offset })
         };
         Self(earlier.0.iter().zip(&present.0).map(of).collect())
+    }
+
+    /// Records of all leaves of the present scene.
+    pub(super) fn records(&self, scene: &RenderScene) -> Vec<LeafMotion> {
+        let record = |(index, leaf): (usize, &Leaf)| {
+            let moved = self.0.get(index).copied().flatten();
+            let Displacement { rotation, scale, offset } =
+                moved.unwrap_or(Displacement { rotation: Mat3::IDENTITY, scale: 1.0, offset: Vec3::ZERO });
+            let row = |k: usize| rotation.row(k).into();
+            let (moves, object) = (u32::from(moved.is_some()), leaf.object);
+            let [x, y, z] = [row(0), row(1), row(2)];
+            let Vec3 { x: offset_x, y: offset_y, z: offset_z } = offset;
+            LeafMotion { x, offset_x, y, offset_y, z, offset_z, scale, moves, object, padding: 0 }
+        };
+        scene.field.leaves().iter().enumerate().map(record).collect()
     }
 
     /// Guide of the same point in the earlier scene.

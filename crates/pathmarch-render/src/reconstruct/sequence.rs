@@ -1,9 +1,10 @@
 //! Reconstructed sequences of pictures, for measurements and for programs without a window.
 
-use super::{Reconstruction, film_weight};
+use super::{ReconstructOptions, Reconstruction, motions, upscaled_size};
+use crate::Renderer;
 use crate::backend::RenderInput;
-use crate::backend::cpu::CpuJob;
 use crate::error::RenderError;
+use crate::job::tracer::Tracer;
 use crate::output::image::Picture;
 use crate::settings::Settings;
 use glam::Vec3;
@@ -16,61 +17,112 @@ use std::time::Instant;
 pub struct Frame {
     /// Mean of the samples, linear Rec. 709.
     pub noisy: Picture,
-    /// Reconstructed picture, linear Rec. 709.
+    /// Reconstructed picture, linear Rec. 709; as large as asked for.
     pub reconstructed: Picture,
+    /// Position of each pixel's point in the last picture, relative to the pixel: columns, rows, and 1 where that picture
+    /// shows the point, else 0.
+    pub motion: Picture,
+    /// Number of samples in the mean of each pixel, in all channels.
+    pub history_length: Picture,
     /// Time of path tracing, seconds.
     pub trace_seconds: f64,
     /// Time of reconstruction, seconds.
     pub reconstruct_seconds: f64,
 }
 
-/// Sequence of pictures, each reconstructed with the help of those before. Renders on the CPU.
-#[derive(Default)]
+/// Film of a sequence: its scene, its settings without the number of samples, and its tracer.
+struct Film {
+    scene: Arc<Scene>,
+    settings: Settings,
+    input: RenderInput,
+    tracer: Tracer,
+}
+
+/// Sequence of pictures, each reconstructed with the help of those before.
 pub struct Sequence {
+    renderer: Renderer,
+    options: ReconstructOptions,
     reconstruction: Reconstruction,
-    scene: Option<Arc<Scene>>,
+    film: Option<Film>,
+    /// Size of the last film, pixels.
+    last_size: [u32; 2],
 }
 
 impl Sequence {
-    /// Empty sequence.
-    pub fn new() -> Self {
-        Self::default()
+    /// Empty sequence, which renders on the opened device of a renderer, or on the CPU if it has none. The buffer of the
+    /// options has no effect.
+    pub fn new(renderer: &Renderer, options: ReconstructOptions) -> Self {
+        let (renderer, reconstruction) = (renderer.clone(), Reconstruction::default());
+        Self { renderer, options, reconstruction, film: None, last_size: [1; 2] }
     }
 
-    /// Next picture: path-traced with the samples and the seed of the settings, then reconstructed. Give every picture
-    /// another seed. The same [`Arc`] as before counts as an unchanged scene.
+    /// Next picture: path-traced with the samples and the seed of the settings, then reconstructed.
+    ///
+    /// Give every picture of a moving scene another seed. The same [`Arc`] as before counts as an unchanged scene. With more
+    /// samples and otherwise unchanged settings, the samples that are there already are kept.
     ///
     /// # Errors
-    /// [`RenderError::Settings`] if settings are out of range.
+    /// [`RenderError`] if settings are out of range, or the GPU refuses.
     pub fn render(&mut self, scene: &Arc<Scene>, settings: &Settings) -> Result<Frame, RenderError> {
+        self.render_upscaled(scene, settings, settings.size)
+    }
+
+    /// Next picture, as [`render`](Self::render) does it, but shown at a larger size: at most twice that of the settings.
+    ///
+    /// # Errors
+    /// [`RenderError`] if settings are out of range, or the GPU refuses.
+    pub fn render_upscaled(
+        &mut self,
+        scene: &Arc<Scene>,
+        settings: &Settings,
+        size: [u32; 2],
+    ) -> Result<Frame, RenderError> {
         settings.check(scene)?;
-        let changed = self.scene.as_ref().is_some_and(|before| !Arc::ptr_eq(before, scene));
-        self.scene = Some(scene.clone());
-        let input = RenderInput::new(scene, settings);
-        let frame = input.frame;
         let began = Instant::now();
-        let mut job = CpuJob::new(input, settings.first_sample).with_guides();
-        while job.film().samples < settings.samples {
-            job.advance(settings.samples);
+        let mut film = self.film_of(scene, settings)?;
+        while film.tracer.samples_done() < f64::from(settings.samples) {
+            film.tracer.advance(settings.samples)?;
         }
+        let noisy = film.tracer.film()?.mean();
         let traced = Instant::now();
-        self.reconstruction.start_film(changed);
-        let noisy = job.film().mean();
-        let pixels = match job.guides() {
-            Some(guides) => {
-                let weight = film_weight(settings.samples, u32::MAX);
-                let means: Vec<Vec3> = noisy.pixels.iter().copied().map(Vec3::from).collect();
-                let pixels =
-                    self.reconstruction.picture(job.scene(), &frame, &guides, &means, settings.samples, weight);
-                pixels.into_iter().map(Into::into).collect()
-            }
-            None => noisy.pixels.clone(),
-        };
+        let means: Vec<Vec3> = noisy.pixels.iter().copied().map(Vec3::from).collect();
+        let mut size = upscaled_size(settings.size, size);
+        let shown = self.reconstruction.picture(&mut film.tracer, &film.input, &means, size, &self.options)?;
+        let reconstruct_seconds = traced.elapsed().as_secs_f64();
+        if shown.is_none() {
+            // Shared camera rays have no guides.
+            size = settings.size;
+        }
+        let pixels = shown.unwrap_or(means).into_iter().map(Into::into).collect();
+        let histories = self.reconstruction.histories(&film.tracer)?;
+        let motion = motions(&histories, settings.size, self.last_size);
+        self.film = Some(film);
+        let picture = |pixels: Vec<[f32; 3]>| Picture { pixels, ..noisy };
         Ok(Frame {
-            reconstructed: Picture { pixels, ..noisy },
+            motion: picture(motion),
+            history_length: picture(histories.into_iter().map(|(_, length)| [length; 3]).collect()),
+            reconstructed: Picture { width: size[0], height: size[1], pixels },
             noisy,
             trace_seconds: (traced - began).as_secs_f64(),
-            reconstruct_seconds: traced.elapsed().as_secs_f64(),
+            reconstruct_seconds,
         })
+    }
+
+    /// Film of these settings: the present one if it has fewer samples of the same picture.
+    fn film_of(&mut self, scene: &Arc<Scene>, settings: &Settings) -> Result<Film, RenderError> {
+        let one_sample = Settings { samples: 1, ..settings.clone() };
+        let before = self.film.take();
+        let changed = before.as_ref().is_some_and(|film| !Arc::ptr_eq(&film.scene, scene));
+        self.last_size = before.as_ref().map_or(settings.size, |film| film.settings.size);
+        let continued = |film: &Film| {
+            !changed && film.settings == one_sample && film.tracer.samples_done() < f64::from(settings.samples)
+        };
+        if let Some(film) = before.filter(continued) {
+            return Ok(film);
+        }
+        self.reconstruction.start_film(changed);
+        let input = RenderInput::new(scene, settings).with_guides();
+        let tracer = self.renderer.trace_with_guides(&input, settings.first_sample)?;
+        Ok(Film { scene: scene.clone(), settings: one_sample, input, tracer })
     }
 }

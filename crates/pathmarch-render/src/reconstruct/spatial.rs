@@ -3,27 +3,31 @@
 use super::luminance;
 use super::temporal::History;
 use crate::integrator::guides::{Guide, GuideClass};
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Distances between the taps of the filter, pixels, one for each pass.
-const STEPS: [i32; 3] = [1, 3, 7];
-/// Samples of a history that make its own variance trustworthy.
-const TRUSTED_SAMPLES: f32 = 4.0;
-/// Half the side of the square in which the variance of a young history is estimated, pixels.
-const VARIANCE_RADIUS: i32 = 2;
-/// Difference of luminance, in standard deviations, at which the weight ends.
-const LUMINANCE_REACH: f32 = 4.0;
-/// Distance from a plane, in sides of a pixel for each pixel between the taps, at which the weight ends.
-const PLANE_REACH: f32 = 1.0;
-/// Luminance, in means of the neighbours, above which a sample is a firefly.
-const FIREFLY: f32 = 6.0;
-/// Half the side of the square that tells which luminance is plausible, pixels.
-const PLAUSIBLE_RADIUS: i32 = 2;
-/// Standard deviations of single samples by which a mean may differ from that of the square: three standard errors.
-const PLAUSIBLE_REACH: f32 = 0.6;
-/// Half the side of the square that takes the energy of a firefly, pixels.
-const FIREFLY_RADIUS: i32 = 2;
+pub(super) const STEPS: [i32; 3] = [1, 3, 7];
+
+shared_constants! {
+    /// Samples of a history that make its own variance trustworthy.
+    const TRUSTED_SAMPLES: f32 = 4.0;
+    /// Half the side of the square in which the variance of a young history is estimated, pixels.
+    const VARIANCE_RADIUS: i32 = 2;
+    /// Difference of luminance, in standard deviations, at which the weight ends.
+    const LUMINANCE_REACH: f32 = 4.0;
+    /// Distance from a plane, in sides of a pixel for each pixel between the taps, at which the weight ends.
+    const PLANE_REACH: f32 = 1.0;
+    /// Luminance, in means of the neighbours, above which a sample is a firefly.
+    const FIREFLY: f32 = 6.0;
+    /// Half the side of the square that takes the energy of a firefly, pixels.
+    const FIREFLY_RADIUS: i32 = 2;
+    /// Half the side of the square that decides which luminance is plausible, pixels.
+    const PLAUSIBLE_RADIUS: i32 = 2;
+    /// Standard deviations of single samples by which a mean may differ from that of the square: three standard errors.
+    const PLAUSIBLE_REACH: f32 = 0.6;
+}
 
 /// Surface of a pixel, as the filter compares it.
 #[derive(Clone, Copy)]

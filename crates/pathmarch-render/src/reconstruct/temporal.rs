@@ -4,6 +4,7 @@ use super::luminance;
 use super::motion::Motion;
 use crate::integrator::guides::{Guide, GuideClass};
 use crate::scene::FrameUniforms;
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -18,6 +19,9 @@ pub(super) struct History {
     pub(super) moments: Vec<[f32; 2]>,
     /// Number of samples in each mean.
     pub(super) length: Vec<f32>,
+    /// Position of each pixel's point in the last picture, pixels of that picture from its top left corner; `None` where it
+    /// was hidden.
+    pub(super) before: Vec<Option<[f32; 2]>>,
 }
 
 /// New samples of each pixel.
@@ -30,19 +34,24 @@ pub(super) struct Samples<'a> {
 
 /// Mean of a point in an earlier picture.
 struct Found {
+    position: [f32; 2],
     irradiance: Vec3,
     moments: [f32; 2],
     length: f32,
 }
 
-/// Largest distance of a point of the last picture from the plane of the surface, in sides of a pixel at its distance.
-const PLANE_TOLERANCE: f32 = 2.0;
-/// Largest distance within the plane, in sides of a pixel of the coarser picture.
-const POINT_TOLERANCE: f32 = 3.0;
-/// Longest history of a surface that looks different from other directions, while the camera moves, samples.
-const MAX_GLOSSY_HISTORY: f32 = 5.0;
-/// Least cosine between normals of one surface.
-const MIN_NORMAL_COSINE: f32 = 0.8;
+shared_constants! {
+    /// Largest distance of a point of the last picture from the plane of the surface, in sides of a pixel at its distance.
+    const PLANE_TOLERANCE: f32 = 2.0;
+    /// Largest distance within the plane, in sides of a pixel of the coarser picture.
+    const POINT_TOLERANCE: f32 = 3.0;
+    /// Least cosine between the normal and the ray by which the tolerance within the plane is divided.
+    const MIN_GRAZING_COSINE: f32 = 0.05;
+    /// Longest history of a surface that looks different from other directions, while the camera moves, samples.
+    const MAX_GLOSSY_HISTORY: f32 = 5.0;
+    /// Least cosine between normals of one surface.
+    const MIN_NORMAL_COSINE: f32 = 0.8;
+}
 
 impl History {
     /// Joins new samples with the past, of which at most `max_length` samples count. If given, its luminance is clamped to
@@ -56,15 +65,14 @@ impl History {
         limits: Option<&[[f32; 2]]>,
     ) -> Self {
         let samples = new.count;
-        let view = |frame: &FrameUniforms| (frame.position, frame.forward);
-        let moves = past.is_some_and(|(past, _)| view(&past.frame) != view(frame));
+        let moves = past.is_some_and(|(past, _)| camera_moves(&past.frame, frame));
         let join = |index: usize| {
             let (guide, irradiance) = (&guides[index], new.irradiance[index]);
             let l = luminance(irradiance);
             let found = past.filter(|_| max_length > 0.0);
             let found = found.and_then(|(past, motion)| past.find(&motion.earlier(guide), frame));
-            let Some(Found { irradiance: mut before, mut moments, length }) = found else {
-                return (irradiance, [l, l * l], samples);
+            let Some(Found { position, irradiance: mut before, mut moments, length }) = found else {
+                return (irradiance, [l, l * l], samples, None);
             };
             if let Some([least, most]) = limits.map(|limits| limits[index]) {
                 let old = luminance(before);
@@ -77,7 +85,7 @@ impl History {
             let share = samples / (samples + length);
             let mean = |old: f32, new: f32| old + (new - old) * share;
             let moments = [mean(moments[0], l), mean(moments[1], l * l)];
-            (before.lerp(irradiance, share), moments, samples + length)
+            (before.lerp(irradiance, share), moments, samples + length, Some(position))
         };
         let joined: Vec<_> = (0..guides.len()).into_par_iter().with_min_len(1024).map(join).collect();
         Self {
@@ -86,6 +94,7 @@ impl History {
             irradiance: joined.iter().map(|joined| joined.0).collect(),
             moments: joined.iter().map(|joined| joined.1).collect(),
             length: joined.iter().map(|joined| joined.2).collect(),
+            before: joined.iter().map(|joined| joined.3).collect(),
         }
     }
 
@@ -97,14 +106,14 @@ impl History {
         let (x, y) = (x as i32, y as i32);
         let rows = (y - 1).max(0)..=(y + 1).min(height - 1);
         let mut around = rows.flat_map(|row| ((x - 1).max(0)..=(x + 1).min(width - 1)).map(move |x| row * width + x));
-        around.any(|index| same_point(guide, &self.guides[index as usize], pixel))
+        around.any(|index| same_point(guide, &self.guides[index as usize], self.frame.position.into(), pixel))
     }
 
     /// Mean of the point of a guide, which the picture `frame` shows; `None` if this picture does not show the point.
     fn find(&self, guide: &Guide, frame: &FrameUniforms) -> Option<Found> {
         let [width, height] = self.frame.size();
-        let [x, y] = project(&self.frame, guide.position)?;
-        let (x, y) = (x - 0.5, y - 0.5);
+        let position = project(&self.frame, guide.position)?;
+        let [x, y] = position.map(|coordinate| coordinate - 0.5);
         // Pictures of a smaller size have larger pixels.
         let pixel = guide.length * self.frame.pixel.max(frame.pixel);
         let (mut irradiance, mut moments, mut length, mut total) = (Vec3::ZERO, [0.0; 2], 0.0, 0.0);
@@ -114,7 +123,7 @@ impl History {
                 continue;
             }
             let index = row as usize * width as usize + column as usize;
-            if !same_point(guide, &self.guides[index], pixel) {
+            if !same_point(guide, &self.guides[index], self.frame.position.into(), pixel) {
                 continue;
             }
             let weight = (1.0 - (x - column).abs()) * (1.0 - (y - row).abs());
@@ -124,6 +133,7 @@ impl History {
             total += weight;
         }
         (total > 0.01).then(|| Found {
+            position,
             irradiance: irradiance / total,
             moments: moments.map(|moment| moment / total),
             length: length / total,
@@ -131,8 +141,14 @@ impl History {
     }
 }
 
-/// True if two guides show one place of one surface, to within a few sides of a pixel.
-fn same_point(a: &Guide, b: &Guide, pixel: f32) -> bool {
+/// True if the camera moves between two frames.
+pub(super) fn camera_moves(before: &FrameUniforms, after: &FrameUniforms) -> bool {
+    let view = |frame: &FrameUniforms| (frame.position, frame.forward);
+    view(before) != view(after)
+}
+
+/// True if a guide and one of a picture from `eye` show one place of one surface, to within a few sides of a pixel.
+fn same_point(a: &Guide, b: &Guide, eye: Vec3, pixel: f32) -> bool {
     if a.class != b.class || a.object != b.object {
         return false;
     }
@@ -142,15 +158,11 @@ fn same_point(a: &Guide, b: &Guide, pixel: f32) -> bool {
     let apart = a.position - b.position;
     let along = a.normal.dot(apart).abs().min(b.normal.dot(apart).abs());
     // Seen at a grazing angle, a pixel covers more of the plane.
-    let stretched = pixel * POINT_TOLERANCE / grazing_cosine(b);
+    let cosine = b.normal.dot((b.position - eye).normalize()).abs();
+    let stretched = pixel * POINT_TOLERANCE / cosine.max(MIN_GRAZING_COSINE);
     along <= PLANE_TOLERANCE * pixel
         && apart.length_squared() <= stretched * stretched
         && a.normal.dot(b.normal) >= MIN_NORMAL_COSINE
-}
-
-/// Cosine between the normal and the ray, at least 0.05.
-fn grazing_cosine(guide: &Guide) -> f32 {
-    guide.cosine.max(0.05)
 }
 
 /// Position of a point in a picture, in pixels from its top left corner; `None` behind the camera.

@@ -12,7 +12,7 @@ shared_struct! {
     pub(crate) struct MaterialRecord as Material {
         /// Emitted radiance, W/(m² sr).
         pub(crate) emission: [f32; 3],
-        /// Flags [`EMITS`], [`DELTA`] and [`TRANSMITS`].
+        /// Flags [`EMITS`], [`DELTA`], [`TRANSMITS`] and [`GLOSSY`].
         pub(crate) flags: u32,
         /// Absorption coefficient of the solid, per metre.
         pub(crate) absorption: [f32; 3],
@@ -30,6 +30,8 @@ shared_constants! {
     pub(crate) const DELTA: u32 = 2;
     /// Transmissive BSDF.
     pub(crate) const TRANSMITS: u32 = 4;
+    /// BSDF that looks different from other directions: it reflects specularly and is not rough.
+    pub(crate) const GLOSSY: u32 = 8;
 }
 
 /// Clear glass. Shadow rays of fast caustics pass through it.
@@ -49,6 +51,7 @@ impl MaterialRecord {
             flags |= flag_if(DELTA, all_parameters.iter().all(bsdf.is_delta))
                 | flag_if(TRANSMITS, all_parameters.iter().any(bsdf.transmits));
         }
+        flags |= flag_if(GLOSSY, is_glossy(material));
         Self { emission: material.emission(), flags, absorption: material.absorption(), kind: kind as u32, parameters }
     }
 
@@ -63,6 +66,14 @@ impl MaterialRecord {
     pub(crate) fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
     }
+}
+
+/// True if a material reflects specularly and is not rough.
+fn is_glossy(material: &Material) -> bool {
+    /// Roughness from which on reflections change little with the direction.
+    const ROUGH: f32 = 0.6;
+    let preview = (material.kind.preview)(&material.values);
+    preview.specular[0] != [0.0; 3] && preview.roughness < ROUGH
 }
 
 /// Transmittance of clear glass with these parameters for an unrefracted ray; `cosine` is that of the angle of

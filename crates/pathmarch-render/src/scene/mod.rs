@@ -41,8 +41,6 @@ pub(crate) struct RenderScene {
     pub(crate) materials: Vec<MaterialRecord>,
     /// Base colour of each material, see [`base_colour`].
     pub(crate) base_colours: Vec<[f32; 3]>,
-    /// True for each material that looks different from other directions: it reflects specularly and is not rough.
-    pub(crate) is_glossy: Vec<bool>,
     /// BSDF of each material; `None` for emitters.
     pub(crate) bsdfs: Vec<Option<&'static Bsdf>>,
     /// Textures, bump map and orbit trap of each material.
@@ -68,7 +66,6 @@ impl RenderScene {
             leaves: leaf::records(scene, &lights),
             materials: materials.map(|(material, textured)| MaterialRecord::new(material, textured)).collect(),
             base_colours: scene.materials.iter().map(base_colour).collect(),
-            is_glossy: scene.materials.iter().map(is_glossy).collect(),
             bsdfs: scene.materials.iter().map(|material| material.kind.bsdf).collect(),
             textured_materials,
             lights,
@@ -106,14 +103,6 @@ impl RenderScene {
 /// Albedo of a material; of an emitter, its radiance.
 pub(crate) fn base_colour(material: &Material) -> [f32; 3] {
     if material.emits() { material.emission() } else { material.albedo() }
-}
-
-/// True if a material reflects specularly and is not rough.
-fn is_glossy(material: &Material) -> bool {
-    /// Roughness from which on reflections change little with the direction.
-    const ROUGH: f32 = 0.6;
-    let preview = (material.kind.preview)(&material.values);
-    preview.specular[0] != [0.0; 3] && preview.roughness < ROUGH
 }
 
 /// Bounding sphere of the finite objects. Without any, it is centred at the camera's target and passes through the

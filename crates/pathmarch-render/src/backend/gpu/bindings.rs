@@ -24,11 +24,13 @@ pub(super) const SCENE_DATA: u32 = 7;
 pub(super) const SKY: u32 = 8;
 /// Paths that the next dispatch resumes; only if loops are limited.
 pub(super) const SUSPENDED: u32 = 9;
-const BINDINGS: u32 = 10;
+/// Guides of the pixels; only if they are recorded.
+pub(super) const GUIDES: u32 = 10;
+const BINDINGS: u32 = 11;
 
-/// Largest number of storage buffers of a kernel: leaves, materials, lights, film, scene data, sky, and the parameters of a
-/// large field.
-pub(crate) const STORAGE_BUFFERS: u32 = 7;
+/// Largest number of storage buffers of a kernel: leaves, materials, lights, film, scene data, sky, guides, and the
+/// parameters of a large field.
+pub(crate) const STORAGE_BUFFERS: u32 = 8;
 
 /// Size of a uniform binding that every adapter supports, bytes.
 const UNIFORM_BYTES: usize = 1 << 16;
@@ -40,6 +42,8 @@ pub(crate) struct Bindings {
     software: bool,
     /// True if the adapter may end the loops of this kernel, see [`super::loop_limit`].
     pub(super) loops_are_limited: bool,
+    /// True if the kernel records guides.
+    pub(super) has_guides: bool,
 }
 
 impl Bindings {
@@ -61,12 +65,19 @@ impl Bindings {
             uniform[FRAME as usize] = size_of::<FrameUniforms>();
         }
         let loops_are_limited = software && input.scene.field.has_loops();
-        Self { uniform, software, loops_are_limited }
+        // Paths that are resumed do not keep the state of the recorder.
+        let has_guides = input.records_guides() && !loops_are_limited;
+        Self { uniform, software, loops_are_limited, has_guides }
     }
 
     /// Binding numbers of the kernel.
-    pub(super) fn all(&self) -> std::ops::Range<u32> {
-        0..if self.loops_are_limited { BINDINGS } else { SUSPENDED }
+    pub(super) fn all(&self) -> impl Iterator<Item = u32> {
+        let (loops_are_limited, has_guides) = (self.loops_are_limited, self.has_guides);
+        (0..BINDINGS).filter(move |&binding| match binding {
+            SUSPENDED => loops_are_limited,
+            GUIDES => has_guides,
+            _ => true,
+        })
     }
 
     /// True if a buffer is in uniform memory.

@@ -54,7 +54,7 @@ pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings
         code += "\n// ---- textures ----\n";
         code += &textures_of(input);
     }
-    code + &shaders::with_imports("backend/gpu/trace", &|name| implementation(name, input, bindings))
+    code + &shaders::with_imports("backend/gpu/trace", &[], &|name| implementation(name, input, bindings))
 }
 
 /// Shader file that implements an interface; `None` for names of files.
@@ -82,6 +82,8 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "texture_target" => {
             if_paths("shading/untextured_bsdf", "shading/untextured_preview", "shading/untextured_albedo")
         }
+        "guides" if bindings.has_guides => "integrator/guides",
+        "guides" => "integrator/no_guides",
         "march_stats" if matches!(mode, Mode::Steps | Mode::Violations) => "views/march_stats",
         "march_stats" => "views/no_march_stats",
         "loop_check" if limited => "backend/gpu/loop_limit",
@@ -163,7 +165,7 @@ fn textures_of(input: &RenderInput) -> String {
     let mut code = Program::coordinates(&scene.field);
     code += &match input.config.orbits {
         true => Program::orbits(&scene.field),
-        false => shaders::with_imports("shading/no_orbits", &|_| None),
+        false => shaders::with_imports("shading/no_orbits", &[], &|_| None),
     };
     code += textures::SHARED_WGSL;
     code += textures::PICTURE_WGSL;

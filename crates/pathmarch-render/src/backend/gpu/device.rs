@@ -81,7 +81,7 @@ impl Device {
     ///
     /// # Errors
     /// [`RenderError::Device`] if the device is out of memory.
-    pub(super) fn allocate(&self, descriptor: &wgpu::BufferDescriptor) -> Result<wgpu::Buffer, RenderError> {
+    pub(crate) fn allocate(&self, descriptor: &wgpu::BufferDescriptor) -> Result<wgpu::Buffer, RenderError> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let buffer = self.device.create_buffer(descriptor);
         match pollster::block_on(memory.pop()) {
@@ -91,7 +91,7 @@ impl Device {
     }
 
     /// Waits for all submissions, maps the first `bytes` bytes of a buffer and passes them to `take`.
-    pub(super) fn read<T>(
+    pub(crate) fn read<T>(
         &self,
         buffer: &wgpu::Buffer,
         bytes: u64,

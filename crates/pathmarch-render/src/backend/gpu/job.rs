@@ -43,6 +43,8 @@ pub(crate) struct GpuJob {
     slices: wgpu::Buffer,
     slice_stride: u32,
     film: wgpu::Buffer,
+    /// Guides of the first sample, if they are recorded.
+    guides: Option<wgpu::Buffer>,
     display_buffers: Option<DisplayBuffers>,
     size: [u32; 2],
     first_sample: u32,
@@ -91,6 +93,19 @@ fn check_parameters(device: &GpuContext, parameters: &[[f32; 4]]) -> Result<(), 
 
 fn film_bytes([width, height]: [u32; 2]) -> u64 {
     16 * u64::from(width) * u64::from(height)
+}
+
+/// Film that is reconstructed, and the guides of its first sample.
+pub(crate) struct ReconstructedFilm<'a> {
+    pub(crate) device: &'a Arc<GpuContext>,
+    pub(crate) film: &'a wgpu::Buffer,
+    pub(crate) guides: &'a wgpu::Buffer,
+    /// Samples of every pixel.
+    pub(crate) samples: u32,
+    /// Further samples of the pixels above `row`, and in the eight rows from there of those left of `column`.
+    pub(crate) begun: u32,
+    pub(crate) row: u32,
+    pub(crate) column: u32,
 }
 
 impl GpuJob {
@@ -149,6 +164,14 @@ impl GpuJob {
             usage: storage | copied | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
+        let guides = source.bindings.has_guides.then(|| {
+            gpu.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("guides"),
+                size: 3 * film_bytes(size),
+                usage: storage | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            })
+        });
         let frame = constant(bindings::FRAME, "frame", bytemuck::bytes_of(frame_record));
         let lights: Vec<LightRecord> = input.scene.lights.iter().map(LightRecord::new).collect();
         let tables = [
@@ -169,6 +192,7 @@ impl GpuJob {
             entry(bindings::FILM, film.as_entire_binding()),
         ];
         entries.extend(tables.iter().map(|(binding, table)| entry(*binding, table.as_entire_binding())));
+        entries.extend(guides.iter().map(|guides| entry(bindings::GUIDES, guides.as_entire_binding())));
         let suspended = match source.bindings.loops_are_limited {
             true => Some(SuspendedPaths::new(&device)?),
             false => None,
@@ -193,6 +217,7 @@ impl GpuJob {
             slices,
             slice_stride,
             film,
+            guides,
             display_buffers: None,
             size,
             first_sample,
@@ -244,6 +269,15 @@ impl GpuJob {
         }
         let Some(buffers) = &self.display_buffers else { return Ok(Vec::new()) };
         pass.show(&self.device, buffers, self.size, self.submitted, display, mode)
+    }
+
+    /// Film so far, if its guides are recorded. Waits for all submissions.
+    pub(crate) fn reconstructed_film(&mut self) -> Result<Option<ReconstructedFilm<'_>>, RenderError> {
+        self.wait()?;
+        let Progress { samples, begun, row, column } = self.submitted;
+        let (device, film) = (&self.device, &self.film);
+        let of = |guides| ReconstructedFilm { device, film, guides, samples, begun, row, column };
+        Ok(self.guides.as_ref().map(of))
     }
 
     /// Submits slices; a `round` after the first resumes their suspended paths.
@@ -315,6 +349,7 @@ impl GpuJob {
             rows: rows.min(height - row),
             first_column: column,
             columns,
+            stores_guides: u32::from(samples == 0),
             ..Slice::zeroed()
         };
         let band = f64::from(width) * f64::from(BAND);

@@ -131,7 +131,9 @@ fn bind_group_layout(gpu: &wgpu::Device, bindings: &Bindings) -> wgpu::BindGroup
             ty: wgpu::BindingType::Buffer {
                 ty: match binding {
                     bindings::SLICE => wgpu::BufferBindingType::Uniform,
-                    bindings::FILM | bindings::SUSPENDED => wgpu::BufferBindingType::Storage { read_only: false },
+                    bindings::FILM | bindings::SUSPENDED | bindings::GUIDES => {
+                        wgpu::BufferBindingType::Storage { read_only: false }
+                    }
                     _ if bindings.is_uniform(binding) => wgpu::BufferBindingType::Uniform,
                     _ => wgpu::BufferBindingType::Storage { read_only: true },
                 },

@@ -178,7 +178,7 @@ fn scene_of(features: &[&Feature], path: &str) -> Scene {
 /// Kernel source of a scene in a mode.
 fn kernel(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) -> String {
     let settings = Settings { size: [8, 8], mode, splitting, ..Settings::of(scene) };
-    KernelSource::for_adapter(&RenderInput::new(scene, &settings), software).code
+    KernelSource::for_adapter(&RenderInput::new(scene, &settings).with_guides(), software).code
 }
 
 /// Parses and validates a kernel; returns the mistake with its line if it is not valid.

@@ -12,12 +12,13 @@ mod kernel_cache;
 #[cfg(test)]
 mod kernel_tests;
 mod loop_limit;
-mod shaders;
+pub(crate) mod shaders;
 mod slice;
 mod timer;
 
 pub use adapter::{AdapterDescription, adapters};
 pub(crate) use bindings::{FRAME, LEAVES};
 pub(crate) use context::GpuContext;
-pub(crate) use job::{GpuJob, LIVE, OFFLINE};
+pub(crate) use device::Device;
+pub(crate) use job::{GpuJob, LIVE, OFFLINE, ReconstructedFilm};
 pub(crate) use kernel_cache::KernelSource;

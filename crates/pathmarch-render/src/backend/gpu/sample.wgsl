@@ -1,8 +1,10 @@
-// import: backend/gpu/film, estimator, integrator/camera, loop_check, sampler
+// import: backend/gpu/film, estimator, guides, integrator/camera, loop_check, sampler
 // One sample of a pixel.
 
 /// Value of the slice's sample of a pixel, as the film adds it.
 fn slice_value(x: u32, y: u32) -> vec4f {
     let sampler = pixel_sampler(x, y, slice.sample, frame.seed);
-    return checked(kept(estimate(camera_ray(x, y, sampler), sampler)));
+    let value = checked(kept(estimate(camera_ray(x, y, sampler), sampler)));
+    store_guide(y * frame.width + x);
+    return value;
 }

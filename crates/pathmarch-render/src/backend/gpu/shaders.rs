@@ -7,7 +7,7 @@
 use super::encode;
 use super::loop_limit::SuspendedPath;
 use super::slice::Slice;
-use crate::integrator::{light_sampling, medium, path, shadow, splitting};
+use crate::integrator::{guides, light_sampling, medium, path, shadow, splitting};
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
 use crate::sampling::sobol::pair;
@@ -16,26 +16,30 @@ use crate::views;
 use crate::wgsl::declaration;
 
 /// Shader file.
-struct ShaderFile {
+pub(crate) struct ShaderFile {
     /// Path in the crate, without extension.
-    name: &'static str,
-    text: &'static str,
+    pub(crate) name: &'static str,
+    pub(crate) text: &'static str,
     /// Prints the declarations that it shares with Rust.
-    shared: fn() -> String,
+    pub(crate) shared: fn() -> String,
 }
 
+/// Lists shader files by their paths in the crate, with the declarations that they share with Rust.
 macro_rules! shader_files {
     ($($name:literal $(shares $shared:expr)?,)+) => {
-        &[$(ShaderFile {
+        &[$($crate::backend::gpu::shaders::ShaderFile {
             name: $name,
-            text: include_str!(concat!("../../", $name, ".wgsl")),
-            shared: shader_files!(@shared $($shared)?),
+            text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $name, ".wgsl")),
+            shared: $crate::backend::gpu::shaders::shader_files!(@shared $($shared)?),
         }),+]
     };
     (@shared) => { String::new };
     (@shared $shared:expr) => { $shared };
 }
 
+pub(crate) use shader_files;
+
+/// Files of the kernels. Passes list theirs beside them.
 static FILES: &[ShaderFile] = shader_files![
     "backend/gpu/buffers" shares || {
         [declaration::<FrameUniforms>(), declaration::<Slice>(), declaration::<LeafRecord>(), leaf::shared_wgsl(),
@@ -48,10 +52,13 @@ static FILES: &[ShaderFile] = shader_files![
     "backend/gpu/sample_resumed",
     "backend/gpu/trace",
     "integrator/camera",
+    "integrator/guide" shares guides::shared_wgsl,
+    "integrator/guides",
     "integrator/light_sampling" shares || encode::light::shared_wgsl() + &light_sampling::shared_wgsl(),
     "integrator/light_weights" shares encode::light::direct_lighting_wgsl,
     "integrator/medium" shares medium::shared_wgsl,
     "integrator/moments",
+    "integrator/no_guides",
     "integrator/no_penumbra",
     "integrator/path" shares path::shared_wgsl,
     "integrator/penumbra",
@@ -90,24 +97,30 @@ fn imports(text: &'static str) -> impl Iterator<Item = &'static str> {
     lines.flat_map(|names| names.split(',')).map(str::trim)
 }
 
-/// Text of a shader file and its imports, each file once; `implementation` maps an interface to a file.
+/// Text of a shader file and its imports, each file once, from these files and those of the kernels; `implementation` maps
+/// an interface to a file.
 ///
 /// # Panics
 /// If a file imports a name that is neither a file nor an interface. Every test of a kernel finds this mistake.
-pub(super) fn with_imports(name: &str, implementation: &dyn Fn(&str) -> Option<&'static str>) -> String {
+pub(crate) fn with_imports(
+    name: &str,
+    files: &[ShaderFile],
+    implementation: &dyn Fn(&str) -> Option<&'static str>,
+) -> String {
     let mut code = String::new();
-    append(name, implementation, &mut Vec::new(), &mut code);
+    append(name, files, implementation, &mut Vec::new(), &mut code);
     code
 }
 
 fn append(
     name: &str,
+    files: &[ShaderFile],
     implementation: &dyn Fn(&str) -> Option<&'static str>,
     seen: &mut Vec<&'static str>,
     code: &mut String,
 ) {
     let name = implementation(name).unwrap_or(name);
-    let Some(file) = FILES.iter().find(|file| file.name == name) else {
+    let Some(file) = files.iter().chain(FILES).find(|file| file.name == name) else {
         panic!("no shader file implements {name}");
     };
     if seen.contains(&file.name) {
@@ -115,7 +128,7 @@ fn append(
     }
     seen.push(file.name);
     for import in imports(file.text) {
-        append(import, implementation, seen, code);
+        append(import, files, implementation, seen, code);
     }
     *code += &format!("\n// ---- {}.wgsl ----\n", file.name);
     *code += &(file.shared)();
@@ -129,8 +142,7 @@ fn append(
 mod tests {
     use super::*;
     use crate::backend::gpu::display::DisplayUniforms;
-    use crate::wgsl::SharedStruct;
-    use naga::TypeInner;
+    use crate::wgsl::check_layout;
     use std::collections::BTreeSet;
     use std::path::{Path, PathBuf};
 
@@ -172,26 +184,6 @@ mod tests {
         assert!(both.is_empty(), "share these with `shared_constants!`: {both:?}");
     }
 
-    /// Compares the layout of a structure in Rust with naga's layout of its declaration.
-    fn check_layout<S: SharedStruct>() {
-        let code = declaration::<S>() + &format!("@group(0) @binding(0) var<storage> all: array<{}>;\n", S::NAME);
-        let module =
-            naga::front::wgsl::parse_str(&code).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&code)));
-        let members = module.types.iter().find_map(|(_, kind)| match &kind.inner {
-            TypeInner::Struct { members, span } if kind.name.as_deref() == Some(S::NAME) => Some((members, *span)),
-            _ => None,
-        });
-        let (members, span) = members.expect("the structure is declared");
-        let found: Vec<_> =
-            members.iter().map(|member| (member.name.clone().unwrap_or_default(), member.offset as usize)).collect();
-        let (padding, fields): (Vec<_>, Vec<_>) = S::fields().into_iter().partition(|field| field.name == "padding");
-        let expected: Vec<_> = fields.iter().map(|field| (field.name.to_owned(), field.offset)).collect();
-        assert_eq!(found, expected, "{}", S::NAME);
-        // Padding at the end may be part of the structure in WGSL, or lie behind it.
-        let sizes = [size_of::<S>(), size_of::<S>() - 4 * padding.len()];
-        assert!(sizes.contains(&(span as usize)), "{}: {span} bytes, {} in Rust", S::NAME, sizes[0]);
-    }
-
     #[test]
     fn structures_have_one_layout_in_both_languages() {
         check_layout::<FrameUniforms>();
@@ -211,8 +203,9 @@ mod tests {
             let name = path.strip_prefix(&root).ok()?.with_extension("");
             Some(name.to_str().expect("is Unicode").replace('\\', "/"))
         });
-        // The display pass is a shader of its own.
-        let found: BTreeSet<String> = files.filter(|name| name != "backend/gpu/display").collect();
+        // The passes list theirs.
+        let is_pass = |name: &String| name == "backend/gpu/display" || name.starts_with("reconstruct/");
+        let found: BTreeSet<String> = files.filter(|name| !is_pass(name)).collect();
         assert_eq!(listed, found);
     }
 }

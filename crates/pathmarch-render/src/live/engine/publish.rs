@@ -4,7 +4,7 @@ use super::{Engine, LiveImage, MIN_PUBLISH_RATIO, PUBLISH_INTERVAL, Status};
 use crate::error::RenderError;
 use crate::job::tracer::Tracer;
 use crate::live::shared::{FilmReply, lock};
-use crate::reconstruct;
+use crate::reconstruct::{self, Buffer, upscaled_size};
 use crate::settings::Settings;
 use std::sync::Arc;
 use std::time::Instant;
@@ -28,23 +28,25 @@ impl Engine {
         let rests = !request.moving && self.level == request.settings.size;
         let target = if rests { request.settings.samples } else { u32::MAX };
         let weight = reconstruct::film_weight(samples as u32, target);
-        let guides = match tracer {
-            Tracer::Cpu(job) if weight < 1.0 => job.guides(),
-            _ => None,
-        };
-        let codes = match (tracer, guides) {
-            (Tracer::Cpu(job), Some(guides)) => {
-                let began = Instant::now();
-                let (scene, frame, means) = (job.scene(), job.frame(), job.means());
-                let picture = self.reconstruction.picture(scene, frame, &guides, &means, samples as u32, weight);
-                self.reconstruction_time = began.elapsed();
-                request.display.encode_rgba(&picture)
+        let mut size = self.level;
+        let mut codes = None;
+        if let (Some(options), Some(input)) = (request.reconstruct, &self.input)
+            && (weight < 1.0 || options.buffer != Buffer::Picture)
+        {
+            let began = Instant::now();
+            let shown = if options.upscaling { upscaled_size(size, request.settings.size) } else { size };
+            codes = self.reconstruction.show(tracer, input, weight, shown, &options, &request.display)?;
+            if codes.is_some() {
+                (size, self.reconstruction_time) = (shown, began.elapsed());
             }
-            (tracer, _) => tracer.show(&request.display, request.settings.mode)?,
+        }
+        let codes = match codes {
+            Some(codes) => codes,
+            None => tracer.show(&request.display, request.settings.mode)?,
         };
         let now = Instant::now();
         self.serial += 1;
-        let image = LiveImage { size: self.level, codes, samples, request: *number, serial: self.serial, at: now };
+        let image = LiveImage { size, codes, samples, request: *number, serial: self.serial, at: now };
         *lock(&self.shared.picture) = Some(Arc::new(image));
         self.published_at = Some(now);
         self.published_samples = samples;

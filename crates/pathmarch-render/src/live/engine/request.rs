@@ -36,9 +36,15 @@ fn same_picture(a: &Settings, b: &Settings) -> bool {
     Settings { samples: 1, ..a.clone() } == Settings { samples: 1, ..b.clone() }
 }
 
-/// True if pictures of a request are reconstructed on the CPU.
+/// True if pictures of a request are reconstructed.
 fn is_reconstructed(request: &RenderRequest) -> bool {
-    request.reconstruct && request.settings.mode == Mode::Path
+    request.reconstruct.is_some() && request.settings.mode == Mode::Path
+}
+
+/// Input of a request with these settings.
+fn input_of(request: &RenderRequest, settings: &Settings) -> RenderInput {
+    let input = RenderInput::new(&request.scene, settings);
+    if is_reconstructed(request) { input.with_guides() } else { input }
 }
 
 impl Engine {
@@ -55,7 +61,7 @@ impl Engine {
         let (same_scene, same_picture) = old.as_ref().map_or((false, false), |old| {
             let scene = Arc::ptr_eq(&old.scene, &request.scene) && same_kernel(&old.settings, &request.settings);
             // Moving pictures have seeds of their own.
-            let same_seed = old.moving == request.moving && old.reconstruct == request.reconstruct;
+            let same_seed = old.moving == request.moving && is_reconstructed(old) == is_reconstructed(&request);
             (scene, scene && same_seed && same_picture(&old.settings, &request.settings))
         });
         self.scene_changed |= old.as_ref().is_some_and(|old| {
@@ -63,7 +69,9 @@ impl Engine {
         });
         if same_picture {
             // Only the number of samples or the display has changed.
-            if old.as_ref().is_some_and(|old| old.display != request.display) && self.published_at.is_some() {
+            let differs =
+                |old: &RenderRequest| (old.display, old.reconstruct) != (request.display, request.reconstruct);
+            if old.as_ref().is_some_and(differs) && self.published_at.is_some() {
                 self.publish()?;
             }
             return Ok(());
@@ -87,7 +95,7 @@ impl Engine {
         if reframed {
             return self.start_level();
         }
-        self.input = Some(RenderInput::new(&request.scene, &settings));
+        self.input = Some(input_of(&request, &settings));
         self.gpu.start_scene();
         self.compile();
         // Most kernels are ready at once; the picture is then not rendered twice.
@@ -110,7 +118,7 @@ impl Engine {
     /// Settings of the present level.
     fn level_settings(&self, request: &RenderRequest) -> Settings {
         let mut settings = Settings { size: self.level, ..request.settings.clone() };
-        if request.moving && is_reconstructed(request) && !self.gpu.has_kernel() {
+        if request.moving && is_reconstructed(request) {
             // Pictures that are averaged need random numbers of their own.
             let picture = self.request.as_ref().map_or(0, |(number, _)| *number as u32);
             settings.seed = settings.seed.wrapping_add(picture.wrapping_mul(0x9e37_79b9));
@@ -147,7 +155,7 @@ impl Engine {
         let settings = self.level_settings(request);
         let Some(input) = &mut self.input else { return Ok(()) };
         if [input.frame.width, input.frame.height] != self.level && !input.reframe(&request.scene, &settings) {
-            *input = RenderInput::new(&request.scene, &settings);
+            *input = input_of(request, &settings);
             self.tracer = None;
         }
         let reframed = match &mut self.tracer {
@@ -156,11 +164,7 @@ impl Engine {
         };
         if !reframed && let Some(input) = &self.input {
             let first = settings.first_sample;
-            let reconstructed = is_reconstructed(request);
-            let cpu = || {
-                let job = CpuJob::new(input.clone(), first);
-                Tracer::Cpu(Box::new(if reconstructed { job.with_guides() } else { job }))
-            };
+            let cpu = || Tracer::Cpu(Box::new(CpuJob::new(input.clone(), first)));
             let tracer = match self.gpu.tracer(input, first) {
                 Some(Err(error @ RenderError::TooLarge { .. })) => {
                     self.gpu.refuse(&error, &self.shared);

@@ -1,0 +1,91 @@
+// import: integrator/camera, integrator/guide, shading/surface_interaction
+// Recorder of guides. Twin of guides.rs.
+
+/// Guides of all pixels, three vectors each.
+@group(0) @binding(10) var<storage, read_write> guides: array<vec4u>;
+
+/// The recorder waits for the first surface that is no mirror.
+const GUIDE_MIRRORED = 0u;
+/// It waits for the first surface that scatters light, seen through glass.
+const GUIDE_BEHIND_GLASS = 1u;
+/// It waits for nothing.
+const GUIDE_DONE = 2u;
+
+/// Guide of the path, its camera ray, and the state of the recorder.
+var<private> guide: Guide;
+var<private> guide_ray: Ray;
+var<private> guide_state: u32;
+/// Product of the mirror reflections so far.
+var<private> guide_mirrors: mat3x3f;
+
+/// Starts with the guide of the sky.
+fn begin_guide(camera: Ray) {
+    guide_ray = camera;
+    guide_state = GUIDE_MIRRORED;
+    guide_mirrors = mat3x3f(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+    guide.position = camera.origin + camera.direction * frame.far;
+    guide.length = frame.far;
+    guide.normal = -camera.direction;
+    guide.seen_normal = -camera.direction;
+    guide.guide_class = GUIDE_SKY;
+    guide.albedo = vec3f(1.0);
+    guide.object = GLOSSY_BIT - 1u;
+    guide.seen_object = NO_LEAF;
+    guide.leaf = NO_LEAF;
+    guide.is_glossy = false;
+}
+
+/// Records the surface that a path has reached with this throughput and length; `colour` is its base colour.
+fn record_guide(
+    interaction: SurfaceInteraction,
+    throughput: vec3f,
+    length: f32,
+    surface_index: u32,
+    colour: vec3f,
+) {
+    if guide_state == GUIDE_DONE {
+        return;
+    }
+    let flags = materials[leaves[interaction.leaf].material].flags;
+    let is_delta = (flags & DELTA) != 0u && surface_index < MAX_DELTA_SURFACES;
+    let is_glass = is_delta && (flags & TRANSMITS) != 0u;
+    if guide_state == GUIDE_BEHIND_GLASS {
+        if !is_delta {
+            guide.seen_normal = interaction.normal;
+            guide.seen_object = interaction.leaf;
+            guide_state = GUIDE_DONE;
+        }
+        return;
+    }
+    let n = interaction.normal;
+    if is_delta && !is_glass {
+        let reflection = mat3x3f(
+            vec3f(1.0, 0.0, 0.0) - 2.0 * n.x * n,
+            vec3f(0.0, 1.0, 0.0) - 2.0 * n.y * n,
+            vec3f(0.0, 0.0, 1.0) - 2.0 * n.z * n,
+        );
+        guide_mirrors = guide_mirrors * reflection;
+        return;
+    }
+    guide_state = select(GUIDE_DONE, GUIDE_BEHIND_GLASS, is_glass);
+    guide.position = guide_ray.origin + guide_ray.direction * length;
+    guide.length = length;
+    guide.normal = guide_mirrors * n;
+    guide.seen_normal = guide.normal;
+    guide.guide_class = select(select(GUIDE_SURFACE, GUIDE_GLASS, is_glass), GUIDE_EMITTER, (flags & EMITS) != 0u);
+    guide.albedo = select(throughput * colour, vec3f(1.0), is_glass);
+    guide.object = interaction.leaf;
+    guide.seen_object = interaction.leaf;
+    guide.leaf = select(NO_LEAF, interaction.leaf, surface_index == 0u);
+    guide.is_glossy = is_glass || (flags & GLOSSY) != 0u;
+}
+
+/// Stores the guide of a pixel.
+fn store_guide(pixel: u32) {
+    if slice.stores_guides != 0u {
+        let words = packed_guide(guide);
+        guides[3u * pixel] = words[0];
+        guides[3u * pixel + 1u] = words[1];
+        guides[3u * pixel + 2u] = words[2];
+    }
+}

@@ -1,0 +1,17 @@
+// import: intersect/ray, shading/surface_interaction
+// No guides. Takes the place of guides.wgsl.
+
+/// Does nothing.
+fn begin_guide(camera: Ray) {}
+
+/// Does nothing.
+fn record_guide(
+    interaction: SurfaceInteraction,
+    throughput: vec3f,
+    length: f32,
+    surface_index: u32,
+    colour: vec3f,
+) {}
+
+/// Does nothing.
+fn store_guide(pixel: u32) {}

@@ -1,0 +1,126 @@
+// import: reconstruct/pass
+// Temporal anti-aliasing and upscaling. Twin of antialiasing.rs.
+
+/// Radiance of a pixel of the samples.
+fn sample_at(pixel: u32, guide: Guide) -> vec3f {
+    return estimates[pixel].xyz * divisor(guide);
+}
+
+/// Lightness, orange against blue, green against magenta.
+fn opponent_of(colour: vec3f) -> vec3f {
+    return vec3f(
+        0.25 * colour.r + 0.5 * colour.g + 0.25 * colour.b,
+        0.5 * (colour.r - colour.b),
+        0.5 * colour.g - 0.25 * (colour.r + colour.b),
+    );
+}
+
+/// Inverse of `opponent_of`.
+fn colour_of(opponent: vec3f) -> vec3f {
+    return vec3f(
+        opponent.x + opponent.y - opponent.z,
+        opponent.x + opponent.z,
+        opponent.x - opponent.y - opponent.z,
+    );
+}
+
+/// True if the last picture shows the point of a guide at a position or next to it.
+fn shown_before(guide: Guide, position: vec2f) -> bool {
+    let size = vec2i(i32(uniforms.past_width), i32(uniforms.past_height));
+    let pixel = coarser_pixel(guide);
+    for (var k = 0; k < 9; k++) {
+        let place = vec2i(position) + vec2i(k % 3 - 1, k / 3 - 1);
+        if all(place >= vec2i(0)) && all(place < size)
+            && same_point(guide, past_guide_at(u32(place.y) * uniforms.past_width + u32(place.x)), pixel) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Bilinear colour of the last picture at a position, in its own pixels.
+fn past_colour(position: vec2f) -> vec3f {
+    let size = vec2u(uniforms.past_shown_width, uniforms.past_shown_height);
+    let place = clamp(position - 0.5, vec2f(0.0), vec2f(size - 1u));
+    let first = vec2u(place);
+    let second = min(first + 1u, size - 1u);
+    let part = place - floor(place);
+    let above = mix(past_colours[first.y * size.x + first.x], past_colours[first.y * size.x + second.x], part.x);
+    let below = mix(past_colours[second.y * size.x + first.x], past_colours[second.y * size.x + second.x], part.x);
+    return mix(above, below, part.y).xyz;
+}
+
+/// Averages samples with the last picture.
+@compute @workgroup_size(8, 8)
+fn antialias(@builtin(global_invocation_id) id: vec3u) {
+    let shown = vec2u(uniforms.shown_width, uniforms.shown_height);
+    if any(id.xy >= shown) {
+        return;
+    }
+    let traced = vec2f(f32(uniforms.width), f32(uniforms.height));
+    let factor = vec2f(shown) / traced;
+    let point = (vec2f(id.xy) + 0.5) / factor;
+    let centre = min(vec2i(point), vec2i(traced) - 1);
+    let is_larger = any(factor != vec2f(1.0));
+    var sum = vec3f(0.0);
+    var squares = vec3f(0.0);
+    var count = 0.0;
+    // Edges move with what is in front.
+    var nearest = guide_at(pixel_index(centre));
+    var colour = sample_at(pixel_index(centre), nearest);
+    var weighted = vec3f(0.0);
+    var total = 0.0;
+    var largest = 0.0;
+    for (var k = 0; k < 9; k++) {
+        let place = centre + vec2i(k % 3 - 1, k / 3 - 1);
+        if !is_inside(place) {
+            continue;
+        }
+        let guide = guide_at(pixel_index(place));
+        let there = sample_at(pixel_index(place), guide);
+        if guide.length < nearest.length {
+            nearest = guide;
+        }
+        let opponent = opponent_of(there);
+        sum += opponent;
+        squares += opponent * opponent;
+        count += 1.0;
+        if is_larger {
+            var position = project(guide.position);
+            // A lens moves the projection out of the pixel.
+            position = select(clamp(position, vec2f(place), vec2f(place) + 1.0), vec2f(place) + 0.5, position.x < -1e8);
+            let distance = (point - position) * factor;
+            let weight = exp(-0.5 * dot(distance, distance) / (KERNEL_DEVIATION * KERNEL_DEVIATION));
+            weighted += there * weight;
+            total += weight;
+            largest = max(largest, weight);
+        }
+    }
+    if total > 0.0 {
+        colour = weighted / total;
+    } else {
+        largest = 1.0;
+    }
+    let pixel = id.y * shown.x + id.x;
+    colours[pixel] = vec4f(colour, 0.0);
+    if uniforms.antialiases == 0u {
+        return;
+    }
+    let before = earlier(nearest);
+    let old_position = project_before(before.position);
+    let new_position = project(nearest.position);
+    if old_position.x < -1e8 || new_position.x < -1e8 {
+        return;
+    }
+    let past_traced = vec2f(f32(uniforms.past_width), f32(uniforms.past_height));
+    let place = (point - new_position) * past_traced / traced + old_position;
+    if any(place < vec2f(0.0)) || any(place >= past_traced) || !shown_before(before, place) {
+        return;
+    }
+    let past_shown = vec2f(f32(uniforms.past_shown_width), f32(uniforms.past_shown_height));
+    let mean = sum / count;
+    let deviation = REACH * sqrt(max(squares / count - mean * mean, vec3f(0.0)));
+    let limited = clamp(opponent_of(past_colour(place * past_shown / past_traced)), mean - deviation, mean + deviation);
+    let old = max(colour_of(limited), vec3f(0.0));
+    colours[pixel] = vec4f(mix(old, colour, max(NEW_WEIGHT * largest, MIN_WEIGHT)), 0.0);
+}

@@ -1,0 +1,502 @@
+//! Reconstruction on the GPU: the passes of the `.wgsl` files of this folder, within the default limits of WebGPU.
+//!
+//! **Idea.** Every pass is a kernel over pixels. A pass reads what the one before wrote; guides, histories and pictures are
+//! there twice, for the present film and for the one before. All of it stays on the device; the picture comes back as four
+//! bytes a pixel.
+//!
+//! **Cost.** 224 bytes of memory for each pixel. A film whose buffers the device cannot allocate is not reconstructed.
+
+use super::motion::{LeafMotion, Motion, Poses};
+use super::spatial::STEPS;
+use super::temporal::camera_moves;
+use super::{Changes, ReconstructOptions, antialiasing, spatial, temporal};
+use crate::backend::RenderInput;
+use crate::backend::gpu::shaders::{ShaderFile, shader_files, with_imports};
+use crate::backend::gpu::{Device, GpuContext, ReconstructedFilm};
+use crate::error::RenderError;
+use crate::output::tonemap::{self, Display};
+use crate::scene::FrameUniforms;
+use crate::wgsl::{declaration, shared_struct};
+use glam::Vec3;
+use std::sync::Arc;
+
+shared_struct! {
+    /// Uniforms of all passes: both frames, the film and the options.
+    pub(crate) struct PassUniforms as PassUniforms {
+        position: [f32; 3],
+        width: u32,
+        right: [f32; 3],
+        height: u32,
+        up: [f32; 3],
+        /// Side of a pixel at distance one, metres.
+        pixel: f32,
+        forward: [f32; 3],
+        /// Longest history, samples; 0 if there is none.
+        max_history: f32,
+        past_position: [f32; 3],
+        past_width: u32,
+        past_right: [f32; 3],
+        past_height: u32,
+        past_up: [f32; 3],
+        past_pixel: f32,
+        past_forward: [f32; 3],
+        /// Weight of the film's means in the picture.
+        weight: f32,
+        /// Size of the picture, pixels; that of the samples is `width` and `height`.
+        shown_width: u32,
+        shown_height: u32,
+        past_shown_width: u32,
+        past_shown_height: u32,
+        /// Samples of every pixel.
+        samples: u32,
+        /// Further samples of the pixels above `row`, and in the eight rows from there of those left of `column`.
+        begun: u32,
+        row: u32,
+        column: u32,
+        /// Not 0 if the scene has changed since the last film.
+        scene_changed: u32,
+        camera_moves: u32,
+        /// Not 0 if the picture is averaged with the last one.
+        antialiases: u32,
+        /// Index of the buffer to show.
+        buffer: u32,
+        /// Factor of radiance before the tone curve.
+        gain: f32,
+        /// Index of the tone curve.
+        tonemap: u32,
+        padding: [u32; 2],
+    }
+}
+
+static FILES: &[ShaderFile] = shader_files![
+    "reconstruct/antialiasing" shares antialiasing::shared_wgsl,
+    "reconstruct/pass" shares || {
+        [declaration::<PassUniforms>(), declaration::<LeafMotion>(), super::shared_wgsl(), temporal::shared_wgsl(),
+            spatial::shared_wgsl()].concat()
+    },
+    "reconstruct/show" shares tonemap::wgsl,
+    "reconstruct/spatial",
+    "reconstruct/temporal",
+];
+
+/// Kernels of the passes, in the order in which they run.
+struct Passes {
+    divide: wgpu::ComputePipeline,
+    find_fireflies: wgpu::ComputePipeline,
+    spread_fireflies: wgpu::ComputePipeline,
+    accumulate: wgpu::ComputePipeline,
+    start_filter: wgpu::ComputePipeline,
+    filter: [wgpu::ComputePipeline; STEPS.len()],
+    antialias: wgpu::ComputePipeline,
+    show: wgpu::ComputePipeline,
+}
+
+/// Code of all passes: one module for each file, so that each has the shared constants of its twin.
+fn code(file: &str) -> String {
+    with_imports(file, FILES, &|_| None)
+}
+
+impl Passes {
+    fn new(device: &Device) -> Result<Self, RenderError> {
+        let gpu = &device.device;
+        let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
+        let module = |file: &str| {
+            let source = wgpu::ShaderSource::Wgsl(code(file).into());
+            gpu.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(file), source })
+        };
+        let pipeline = |module: &wgpu::ShaderModule, entry_point: &str, constants: &[(&str, f64)]| {
+            gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry_point),
+                layout: None,
+                module,
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+                cache: None,
+            })
+        };
+        let [temporal, spatial] = ["reconstruct/temporal", "reconstruct/spatial"].map(module);
+        let passes = Self {
+            divide: pipeline(&temporal, "divide", &[]),
+            find_fireflies: pipeline(&spatial, "find_fireflies", &[]),
+            spread_fireflies: pipeline(&spatial, "spread_fireflies", &[]),
+            accumulate: pipeline(&temporal, "accumulate", &[]),
+            start_filter: pipeline(&spatial, "start_filter", &[]),
+            filter: STEPS.map(|step| pipeline(&spatial, "filter_once", &[("STEP", f64::from(step))])),
+            antialias: pipeline(&module("reconstruct/antialiasing"), "antialias", &[]),
+            show: pipeline(&module("reconstruct/show"), "show", &[]),
+        };
+        match pollster::block_on(validation.pop()) {
+            Some(error) => Err(device.error(error)),
+            None => Ok(passes),
+        }
+    }
+}
+
+/// Buffers of a film that the next one reads.
+struct FilmBuffers {
+    guides: wgpu::Buffer,
+    history: wgpu::Buffer,
+    colours: wgpu::Buffer,
+}
+
+/// All buffers, for films and pictures of up to `pixels` pixels.
+struct Buffers {
+    pixels: u64,
+    /// Those of the present film and of the one before.
+    films: [FilmBuffers; 2],
+    /// Estimates that a pass reads and those that it writes.
+    estimates: [wgpu::Buffer; 2],
+    screen: wgpu::Buffer,
+    copy: wgpu::Buffer,
+}
+
+/// Bytes of the guides of a pixel.
+const GUIDE_BYTES: u64 = 48;
+/// Bytes of the history of a pixel.
+const HISTORY_BYTES: u64 = 32;
+/// Bytes of a colour or an estimate.
+const COLOUR_BYTES: u64 = 16;
+/// Bytes of a pixel of the screen.
+const SCREEN_BYTES: u64 = 4;
+
+impl Buffers {
+    /// Allocates buffers; `None` if the device cannot.
+    fn new(device: &Device, pixels: u64) -> Option<Self> {
+        let limits = device.device.limits();
+        if GUIDE_BYTES * pixels > limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) {
+            return None;
+        }
+        let buffer = |label, bytes: u64, usage| {
+            let size = bytes * pixels;
+            device.allocate(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false }).ok()
+        };
+        let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let storage = wgpu::BufferUsages::STORAGE | copied;
+        let film = || {
+            Some(FilmBuffers {
+                guides: buffer("guides", GUIDE_BYTES, storage)?,
+                history: buffer("history", HISTORY_BYTES, storage)?,
+                colours: buffer("colours", COLOUR_BYTES, storage)?,
+            })
+        };
+        let readback = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        Some(Self {
+            pixels,
+            films: [film()?, film()?],
+            estimates: [buffer("estimates", COLOUR_BYTES, storage)?, buffer("estimates", COLOUR_BYTES, storage)?],
+            screen: buffer("screen", SCREEN_BYTES, storage)?,
+            copy: buffer("screen copy", SCREEN_BYTES, readback)?,
+        })
+    }
+
+    /// Copies the films of smaller buffers.
+    fn copy_films(&self, device: &Device, old: &Self) {
+        let mut encoder =
+            device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("copy history") });
+        for (new, old) in self.films.iter().zip(&old.films) {
+            for (new, old) in [(&new.guides, &old.guides), (&new.history, &old.history), (&new.colours, &old.colours)] {
+                encoder.copy_buffer_to_buffer(old, 0, new, 0, old.size());
+            }
+        }
+        device.queue.submit([encoder.finish()]);
+    }
+}
+
+/// What a film showed.
+struct Shown {
+    poses: Poses,
+    frame: FrameUniforms,
+    /// Size of the picture, pixels.
+    size: [u32; 2],
+}
+
+/// State between the pictures of a sequence.
+pub(super) struct GpuReconstruction {
+    device: Arc<GpuContext>,
+    passes: Passes,
+    uniforms: wgpu::Buffer,
+    buffers: Option<Buffers>,
+    /// Index of the present film's buffers.
+    turn: usize,
+    past: Option<Shown>,
+    present: Option<Shown>,
+    changes: Changes,
+}
+
+impl GpuReconstruction {
+    pub(super) fn new(device: &Arc<GpuContext>) -> Result<Self, RenderError> {
+        let uniforms = device.allocate(&wgpu::BufferDescriptor {
+            label: Some("reconstruction"),
+            size: size_of::<PassUniforms>() as u64,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })?;
+        Ok(Self {
+            passes: Passes::new(device)?,
+            device: device.clone(),
+            uniforms,
+            buffers: None,
+            turn: 0,
+            past: None,
+            present: None,
+            changes: Changes::default(),
+        })
+    }
+
+    /// True if it runs on this device.
+    pub(super) fn is_on(&self, device: &Arc<GpuContext>) -> bool {
+        Arc::ptr_eq(&self.device, device)
+    }
+
+    /// Starts another film: of another view, size or moment, or of a changed scene.
+    pub(super) fn start_film(&mut self, scene_changed: bool) {
+        let present = self.present.take();
+        self.changes.start_film(present.is_some(), scene_changed);
+        if present.is_some() {
+            self.past = present;
+            self.turn = 1 - self.turn;
+        }
+    }
+
+    /// Reconstructs a film and tone-maps it: red, green, blue and 255 for each pixel. `None` without memory.
+    pub(super) fn show(
+        &mut self,
+        film: &ReconstructedFilm,
+        input: &RenderInput,
+        weight: f32,
+        size: [u32; 2],
+        options: &ReconstructOptions,
+        display: &Display,
+    ) -> Result<Option<Vec<u8>>, RenderError> {
+        if !self.reserve(u64::from(size[0]) * u64::from(size[1])) {
+            return Ok(None);
+        }
+        let poses = Poses::new(&input.scene);
+        let changed_past = self.past.as_ref().filter(|_| self.changes.scene);
+        let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.poses, &poses));
+        let uniforms = self.uniforms_of(film, &input.frame, weight, size, options, display);
+        self.device.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
+        let records = motion.records(&input.scene);
+        let leaf_motions = self.device.allocate(&wgpu::BufferDescriptor {
+            label: Some("leaf motions"),
+            size: size_of_val(&*records).max(size_of::<LeafMotion>()) as u64,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })?;
+        self.device.queue.write_buffer(&leaf_motions, 0, bytemuck::cast_slice(&records));
+        let codes = self.run(film, &leaf_motions, input.frame.size(), size, options)?;
+        self.present = Some(Shown { poses, frame: input.frame, size });
+        Ok(codes)
+    }
+
+    /// Colours of the last picture, without the means of the film.
+    pub(super) fn colours(&self) -> Result<Vec<Vec3>, RenderError> {
+        let (Some(buffers), Some(Shown { size, .. })) = (&self.buffers, &self.present) else { return Ok(Vec::new()) };
+        let colours = self.read_back::<[f32; 4]>(&buffers.films[self.turn].colours, *size)?;
+        Ok(colours.into_iter().map(|[r, g, b, _]| Vec3::new(r, g, b)).collect())
+    }
+
+    /// Position of the point of each pixel in the last picture, pixels of its samples, and number of samples in the mean of
+    /// each pixel. The position is `None` where the point was hidden.
+    pub(super) fn histories(&self) -> Result<Vec<(Option<[f32; 2]>, f32)>, RenderError> {
+        let (Some(buffers), Some(Shown { frame, .. })) = (&self.buffers, &self.present) else { return Ok(Vec::new()) };
+        let histories = self.read_back::<[f32; 8]>(&buffers.films[self.turn].history, frame.size())?;
+        let of = |[_, _, _, length, _, _, x, y]: [f32; 8]| ((x > -1e8).then_some([x, y]), length);
+        Ok(histories.into_iter().map(of).collect())
+    }
+
+    /// Records of all pixels in a buffer.
+    fn read_back<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer, size: [u32; 2]) -> Result<Vec<T>, RenderError> {
+        let bytes = size_of::<T>() as u64 * u64::from(size[0]) * u64::from(size[1]);
+        let copy = self.device.allocate(&wgpu::BufferDescriptor {
+            label: Some("copy"),
+            size: bytes,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        })?;
+        let mut encoder =
+            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("copy") });
+        encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, bytes);
+        self.device.queue.submit([encoder.finish()]);
+        self.device.read(&copy, bytes, |bytes| bytemuck::cast_slice(bytes).to_vec())
+    }
+
+    /// Allocates buffers for so many pixels; returns false if the device cannot.
+    fn reserve(&mut self, pixels: u64) -> bool {
+        if self.buffers.as_ref().is_some_and(|buffers| buffers.pixels >= pixels) {
+            return true;
+        }
+        let Some(new) = Buffers::new(&self.device, pixels) else {
+            (self.buffers, self.past, self.present) = (None, None, None);
+            return false;
+        };
+        if let Some(old) = &self.buffers {
+            new.copy_films(&self.device, old);
+        }
+        self.buffers = Some(new);
+        true
+    }
+
+    fn uniforms_of(
+        &self,
+        film: &ReconstructedFilm,
+        frame: &FrameUniforms,
+        weight: f32,
+        size: [u32; 2],
+        options: &ReconstructOptions,
+        display: &Display,
+    ) -> PassUniforms {
+        let past = self.past.as_ref();
+        let (past_frame, past_size) = past.map_or((frame, size), |past| (&past.frame, past.size));
+        let reprojects = past.is_some() && options.reprojection;
+        PassUniforms {
+            position: frame.position,
+            width: frame.width,
+            right: frame.right,
+            height: frame.height,
+            up: frame.up,
+            pixel: frame.pixel,
+            forward: frame.forward,
+            max_history: if reprojects { self.changes.max_history * (1.0 - weight) } else { 0.0 },
+            past_position: past_frame.position,
+            past_width: past_frame.width,
+            past_right: past_frame.right,
+            past_height: past_frame.height,
+            past_up: past_frame.up,
+            past_pixel: past_frame.pixel,
+            past_forward: past_frame.forward,
+            weight: if frame.size() == size { weight } else { 0.0 },
+            shown_width: size[0],
+            shown_height: size[1],
+            past_shown_width: past_size[0],
+            past_shown_height: past_size[1],
+            samples: film.samples,
+            begun: film.begun,
+            row: film.row,
+            column: film.column,
+            scene_changed: u32::from(self.changes.scene),
+            camera_moves: u32::from(camera_moves(past_frame, frame)),
+            antialiases: u32::from(past.is_some() && options.antialiasing),
+            buffer: options.buffer as u32,
+            gain: display.gain(),
+            tonemap: display.tonemap as u32,
+            padding: [0; 2],
+        }
+    }
+
+    /// Runs all passes and reads the codes of the picture back.
+    fn run(
+        &self,
+        film: &ReconstructedFilm,
+        leaf_motions: &wgpu::Buffer,
+        traced: [u32; 2],
+        size: [u32; 2],
+        options: &ReconstructOptions,
+    ) -> Result<Option<Vec<u8>>, RenderError> {
+        let Some(buffers) = &self.buffers else { return Ok(None) };
+        let (present, past) = (&buffers.films[self.turn], &buffers.films[1 - self.turn]);
+        let gpu = &self.device.device;
+        let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
+        let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("reconstruct") });
+        let guide_bytes = GUIDE_BYTES * u64::from(traced[0]) * u64::from(traced[1]);
+        encoder.copy_buffer_to_buffer(film.guides, 0, &present.guides, 0, guide_bytes);
+        let mut run = |pipeline: &wgpu::ComputePipeline, bindings: &[u32], source: usize, size: [u32; 2]| {
+            let entry = |&binding: &u32| {
+                let buffer = match binding {
+                    0 => &self.uniforms,
+                    1 => film.film,
+                    2 => &present.guides,
+                    3 => &past.guides,
+                    4 => leaf_motions,
+                    5 => &present.history,
+                    6 => &past.history,
+                    7 => &buffers.estimates[source],
+                    8 => &buffers.estimates[1 - source],
+                    9 => &past.colours,
+                    10 => &present.colours,
+                    _ => &buffers.screen,
+                };
+                wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
+            };
+            let entries: Vec<_> = bindings.iter().map(entry).collect();
+            let layout = pipeline.get_bind_group_layout(0);
+            let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("reconstruct"),
+                layout: &layout,
+                entries: &entries,
+            });
+            let descriptor = wgpu::ComputePassDescriptor { label: Some("reconstruct"), timestamp_writes: None };
+            let mut pass = encoder.begin_compute_pass(&descriptor);
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(size[0].div_ceil(8), size[1].div_ceil(8), 1);
+        };
+        let passes = &self.passes;
+        run(&passes.divide, &[0, 1, 2, 4, 7], 0, traced);
+        if film.samples == 1 && options.firefly_filter {
+            run(&passes.find_fireflies, &[0, 2, 7, 8], 0, traced);
+            run(&passes.spread_fireflies, &[0, 2, 7, 8], 0, traced);
+        }
+        run(&passes.accumulate, &[0, 2, 3, 4, 5, 6, 7], 0, traced);
+        run(&passes.start_filter, &[0, 2, 5, 7], 0, traced);
+        let mut source = 0;
+        for pipeline in passes.filter.iter().filter(|_| options.spatial_filter) {
+            run(pipeline, &[0, 2, 7, 8], source, traced);
+            source = 1 - source;
+        }
+        run(&passes.antialias, &[0, 2, 3, 4, 7, 9, 10], source, size);
+        run(&passes.show, &[0, 1, 5, 10, 11], source, size);
+        let bytes = SCREEN_BYTES * u64::from(size[0]) * u64::from(size[1]);
+        encoder.copy_buffer_to_buffer(&buffers.screen, 0, &buffers.copy, 0, bytes);
+        self.device.queue.submit([encoder.finish()]);
+        if let Some(error) = pollster::block_on(validation.pop()) {
+            return Err(self.device.error(error));
+        }
+        self.device.read(&buffers.copy, bytes, <[u8]>::to_vec).map(Some)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wgsl::check_layout;
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    #[test]
+    fn structures_have_one_layout_in_both_languages() {
+        check_layout::<PassUniforms>();
+        check_layout::<LeafMotion>();
+    }
+
+    #[test]
+    fn passes_are_valid_and_within_the_default_limits() {
+        for file in FILES.iter().filter(|file| file.name != "reconstruct/pass") {
+            let code = code(file.name);
+            let module =
+                naga::front::wgsl::parse_str(&code).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&code)));
+            let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+            let info = info.unwrap_or_else(|error| panic!("{}: {error:?}", file.name));
+            for (k, entry) in module.entry_points.iter().enumerate() {
+                let used =
+                    module.global_variables.iter().filter(|(handle, _)| !info.get_entry_point(k)[*handle].is_empty());
+                let buffers = used.count() as u32;
+                assert!(
+                    buffers <= wgpu::Limits::default().max_storage_buffers_per_shader_stage,
+                    "{}: {buffers}",
+                    entry.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_file_is_listed() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/reconstruct");
+        for entry in std::fs::read_dir(folder).expect("is readable") {
+            let name = entry.expect("is readable").file_name().into_string().expect("is Unicode");
+            if let Some(name) = name.strip_suffix(".wgsl") {
+                assert!(FILES.iter().any(|file| file.name == format!("reconstruct/{name}")), "{name}");
+            }
+        }
+    }
+}

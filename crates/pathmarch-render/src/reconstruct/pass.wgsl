@@ -1,0 +1,122 @@
+// import: integrator/guide
+// Buffers of all passes, and what they share. Twin of mod.rs and of the geometry in temporal.rs.
+
+@group(0) @binding(0) var<storage, read> uniforms: PassUniforms;
+/// Sums of radiance in xyz; w counts rejected samples.
+@group(0) @binding(1) var<storage, read> film: array<vec4f>;
+@group(0) @binding(2) var<storage, read_write> guides: array<vec4u>;
+@group(0) @binding(3) var<storage, read> past_guides: array<vec4u>;
+@group(0) @binding(4) var<storage, read> leaf_motions: array<LeafMotion>;
+@group(0) @binding(5) var<storage, read_write> history: array<History>;
+@group(0) @binding(6) var<storage, read> past_history: array<History>;
+/// Irradiance, and the variance of its luminance or another number. Passes read one and write the other.
+@group(0) @binding(7) var<storage, read_write> estimates: array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> next_estimates: array<vec4f>;
+@group(0) @binding(9) var<storage, read> past_colours: array<vec4f>;
+@group(0) @binding(10) var<storage, read_write> colours: array<vec4f>;
+@group(0) @binding(11) var<storage, read_write> screen: array<u32>;
+
+/// Mean of a pixel.
+struct History {
+    irradiance: vec3f,
+    /// Number of samples in the mean.
+    length: f32,
+    /// Means of the luminance and of its square, over samples.
+    moments: vec2f,
+    /// Position of the pixel's point in the last picture, pixels of its samples; negative where it was hidden.
+    before: vec2f,
+}
+
+fn guide_at(pixel: u32) -> Guide {
+    return unpacked_guide(array<vec4u, 3>(guides[3u * pixel], guides[3u * pixel + 1u], guides[3u * pixel + 2u]));
+}
+
+fn past_guide_at(pixel: u32) -> Guide {
+    return unpacked_guide(
+        array<vec4u, 3>(past_guides[3u * pixel], past_guides[3u * pixel + 1u], past_guides[3u * pixel + 2u]),
+    );
+}
+
+/// Luminance of a linear Rec. 709 colour.
+fn luminance(colour: vec3f) -> f32 {
+    return dot(colour, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+/// Factor between radiance and irradiance.
+fn divisor(guide: Guide) -> vec3f {
+    let is_divided = guide.guide_class == GUIDE_EMITTER || guide.guide_class == GUIDE_SURFACE;
+    return select(vec3f(1.0), max(guide.albedo, vec3f(MIN_ALBEDO)), is_divided);
+}
+
+/// True if a position is inside the picture of the samples.
+fn is_inside(position: vec2i) -> bool {
+    return all(position >= vec2i(0)) && all(position < vec2i(i32(uniforms.width), i32(uniforms.height)));
+}
+
+fn pixel_index(position: vec2i) -> u32 {
+    return u32(position.y) * uniforms.width + u32(position.x);
+}
+
+/// Position of a point in the picture of the samples, in pixels from its top left corner; negative behind the camera.
+fn project(point: vec3f) -> vec2f {
+    let size = vec2f(f32(uniforms.width), f32(uniforms.height));
+    return projection(point - uniforms.position, uniforms.right, uniforms.up, uniforms.forward, size);
+}
+
+/// The same in the last picture.
+fn project_before(point: vec3f) -> vec2f {
+    let size = vec2f(f32(uniforms.past_width), f32(uniforms.past_height));
+    return projection(
+        point - uniforms.past_position,
+        uniforms.past_right,
+        uniforms.past_up,
+        uniforms.past_forward,
+        size,
+    );
+}
+
+fn projection(v: vec3f, right: vec3f, up: vec3f, forward: vec3f, size: vec2f) -> vec2f {
+    let depth = dot(v, forward);
+    if depth <= 1e-6 * length(v) {
+        return vec2f(-1e9);
+    }
+    let across = dot(v, right) / (dot(right, right) * depth);
+    let upwards = dot(v, up) / (dot(up, up) * depth);
+    return 0.5 * vec2f(across + 1.0, 1.0 - upwards) * size;
+}
+
+/// Guide of the same point in the earlier scene.
+fn earlier(guide: Guide) -> Guide {
+    var moved = guide;
+    if uniforms.scene_changed != 0u && guide.leaf != NO_LEAF {
+        let motion = leaf_motions[guide.leaf];
+        if motion.moves != 0u {
+            let rows = mat3x3f(motion.x, motion.y, motion.z);
+            moved.position = guide.position * rows * motion.scale + vec3f(motion.offset_x, motion.offset_y, motion.offset_z);
+            moved.normal = guide.normal * rows;
+        }
+    }
+    return moved;
+}
+
+/// True if a guide and one of the last picture show one place of one surface, to within a few sides of a pixel.
+fn same_point(a: Guide, b: Guide, pixel: f32) -> bool {
+    if a.guide_class != b.guide_class || a.object != b.object {
+        return false;
+    }
+    if a.guide_class == GUIDE_SKY {
+        return true;
+    }
+    let apart = a.position - b.position;
+    let along = min(abs(dot(a.normal, apart)), abs(dot(b.normal, apart)));
+    // Seen at a grazing angle, a pixel covers more of the plane.
+    let cosine = abs(dot(b.normal, normalize(b.position - uniforms.past_position)));
+    let stretched = pixel * POINT_TOLERANCE / max(cosine, MIN_GRAZING_COSINE);
+    return along <= PLANE_TOLERANCE * pixel && dot(apart, apart) <= stretched * stretched
+        && dot(a.normal, b.normal) >= MIN_NORMAL_COSINE;
+}
+
+/// Side of a pixel at the distance of a guide, metres: that of the coarser one of both pictures.
+fn coarser_pixel(guide: Guide) -> f32 {
+    return guide.length * max(uniforms.pixel, uniforms.past_pixel);
+}

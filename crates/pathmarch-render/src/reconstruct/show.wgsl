@@ -1,0 +1,49 @@
+// import: reconstruct/pass
+// The picture or a buffer as sRGB codes, four bytes a pixel. Twin of `CpuReconstruction::buffer`.
+
+/// Mean of the samples of a pixel of the film.
+fn film_mean(position: vec2u, pixel: u32) -> vec3f {
+    let sum = film[pixel];
+    let has_more = position.y < uniforms.row || (position.y < uniforms.row + 8u && position.x < uniforms.column);
+    let samples = f32(uniforms.samples + select(0u, uniforms.begun, has_more)) - sum.w;
+    return sum.xyz / max(samples, 1.0);
+}
+
+/// sRGB codes from 0 to 1 of the shown buffer at a pixel of the samples.
+fn buffer_codes(position: vec2i, pixel: u32) -> vec3f {
+    let here = history[pixel];
+    if uniforms.buffer == SHOWS_HISTORY_LENGTH {
+        return vec3f(here.length / MAX_HISTORY);
+    }
+    if uniforms.buffer == SHOWS_DEVIATION {
+        let variance = max(here.moments.y - here.moments.x * here.moments.x, 0.0) / here.length;
+        return vec3f(sqrt(variance) / max(here.moments.x, 1e-6));
+    }
+    if here.before.x < -1e8 {
+        return vec3f(0.0, 0.0, 1.0);
+    }
+    let scale = vec2f(f32(uniforms.width), f32(uniforms.height)) / vec2f(f32(uniforms.past_width), f32(uniforms.past_height));
+    let motion = here.before * scale - vec2f(position) - 0.5;
+    return vec3f(0.5 - 0.5 * motion / FULL_MOTION, 0.0);
+}
+
+@compute @workgroup_size(8, 8)
+fn show(@builtin(global_invocation_id) id: vec3u) {
+    let size = vec2u(uniforms.shown_width, uniforms.shown_height);
+    if any(id.xy >= size) {
+        return;
+    }
+    let pixel = id.y * size.x + id.x;
+    var shown: vec3f;
+    if uniforms.buffer == SHOWS_PICTURE {
+        var colour = colours[pixel].xyz;
+        if uniforms.weight > 0.0 {
+            colour = mix(colour, film_mean(id.xy, pixel), uniforms.weight);
+        }
+        shown = codes(uniforms.tonemap, vec4f(colour * uniforms.gain, 1.0)).xyz;
+    } else {
+        let position = id.xy * vec2u(uniforms.width, uniforms.height) / size;
+        shown = buffer_codes(vec2i(position), position.y * uniforms.width + position.x);
+    }
+    screen[pixel] = pack4x8unorm(vec4f(shown, 1.0));
+}

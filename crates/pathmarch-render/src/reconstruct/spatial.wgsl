@@ -1,0 +1,165 @@
+// import: reconstruct/pass
+// Spatial filter and fireflies. Twin of spatial.rs.
+
+/// Distance between the taps of a pass of the filter, pixels.
+override STEP: i32 = 1;
+
+/// Surface of pixels without noise.
+const UNFILTERED = 0xffffffffu;
+
+/// Equal on pixels that may share their light; `UNFILTERED` for those without noise.
+fn surface_of(guide: Guide) -> u32 {
+    if guide.guide_class == GUIDE_SKY || guide.guide_class == GUIDE_EMITTER {
+        return UNFILTERED;
+    }
+    // Pixels of glass share light if they show one object.
+    return select(2u * guide.object, 2u * guide.seen_object + 1u, guide.guide_class == GUIDE_GLASS);
+}
+
+/// Weight of two pixels, `distance` pixels apart, as parts of one smooth surface; the same for both.
+fn similarity(a: Guide, b: Guide, distance: f32) -> f32 {
+    let surface = surface_of(a);
+    if surface == UNFILTERED || surface != surface_of(b) {
+        return 0.0;
+    }
+    let apart = a.position - b.position;
+    let along = max(abs(dot(a.normal, apart)), abs(dot(b.normal, apart)));
+    let plane = 1.0 - along / (PLANE_REACH * distance * uniforms.pixel * max(a.length, b.length));
+    let cosine = max(dot(a.seen_normal, b.seen_normal), 0.0);
+    let fourth = cosine * cosine * cosine * cosine;
+    return max(plane, 0.0) * fourth * fourth * fourth;
+}
+
+/// True if a firefly of guide `a` may give light to a pixel of guide `b`.
+fn shares_fireflies(a: Guide, b: Guide) -> bool {
+    return a.guide_class == b.guide_class && a.object == b.object && dot(a.seen_normal, b.seen_normal) > 0.7;
+}
+
+/// Finds samples that are far above their neighbours: what is above, for each taker.
+@compute @workgroup_size(8, 8)
+fn find_fireflies(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    let pixel = pixel_index(position);
+    next_estimates[pixel] = vec4f(0.0);
+    let here = estimates[pixel];
+    let guide = guide_at(pixel);
+    if guide.guide_class == GUIDE_SKY || guide.guide_class == GUIDE_EMITTER {
+        return;
+    }
+    // Most pixels are not above all of the next ones, let alone of those on the same surface.
+    for (var k = 0; k < 9; k++) {
+        let place = position + vec2i(k % 3 - 1, k / 3 - 1);
+        if k != 4 && is_inside(place) && estimates[pixel_index(place)].w >= here.w {
+            return;
+        }
+    }
+    var sum = 0.0;
+    var count = 0.0;
+    for (var y = -FIREFLY_RADIUS; y <= FIREFLY_RADIUS; y++) {
+        for (var x = -FIREFLY_RADIUS; x <= FIREFLY_RADIUS; x++) {
+            let place = position + vec2i(x, y);
+            if (x != 0 || y != 0) && is_inside(place) && shares_fireflies(guide, guide_at(pixel_index(place))) {
+                sum += estimates[pixel_index(place)].w;
+                count += 1.0;
+            }
+        }
+    }
+    let limit = FIREFLY * sum / max(count, 1.0);
+    // Without light around it, nothing tells a firefly from the only lit pixel.
+    if sum > 0.0 && here.w > limit {
+        next_estimates[pixel] = vec4f(here.xyz * (1.0 - limit / here.w), count);
+    }
+}
+
+/// Moves what is above from fireflies to their neighbours.
+@compute @workgroup_size(8, 8)
+fn spread_fireflies(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    let pixel = pixel_index(position);
+    let guide = guide_at(pixel);
+    var irradiance = estimates[pixel].xyz - next_estimates[pixel].xyz;
+    for (var y = -FIREFLY_RADIUS; y <= FIREFLY_RADIUS; y++) {
+        for (var x = -FIREFLY_RADIUS; x <= FIREFLY_RADIUS; x++) {
+            let place = position + vec2i(x, y);
+            if (x == 0 && y == 0) || !is_inside(place) {
+                continue;
+            }
+            let excess = next_estimates[pixel_index(place)];
+            if excess.w > 0.0 && shares_fireflies(guide_at(pixel_index(place)), guide) {
+                irradiance += excess.xyz / excess.w;
+            }
+        }
+    }
+    estimates[pixel] = vec4f(irradiance, luminance(irradiance));
+}
+
+/// Starts the filter: the mean of each pixel and its variance. That of a young history is taken from its neighbours on the
+/// same surface.
+@compute @workgroup_size(8, 8)
+fn start_filter(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    let pixel = pixel_index(position);
+    let guide = guide_at(pixel);
+    let here = history[pixel];
+    var moments = here.moments;
+    if here.length < TRUSTED_SAMPLES {
+        var total = 1.0;
+        for (var y = -VARIANCE_RADIUS; y <= VARIANCE_RADIUS; y++) {
+            for (var x = -VARIANCE_RADIUS; x <= VARIANCE_RADIUS; x++) {
+                let place = position + vec2i(x, y);
+                if (x == 0 && y == 0) || !is_inside(place) {
+                    continue;
+                }
+                let weight = similarity(guide, guide_at(pixel_index(place)), f32(VARIANCE_RADIUS));
+                moments += history[pixel_index(place)].moments * weight;
+                total += weight;
+            }
+        }
+        moments /= total;
+    }
+    let variance = max(moments.y - moments.x * moments.x, 0.0) / here.length;
+    estimates[pixel] = vec4f(here.irradiance, select(variance, 0.0, surface_of(guide) == UNFILTERED));
+}
+
+/// One pass of the filter.
+@compute @workgroup_size(8, 8)
+fn filter_once(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    let pixel = pixel_index(position);
+    let guide = guide_at(pixel);
+    let here = estimates[pixel];
+    var sum = here;
+    var total = 1.0;
+    // Pixels that saw no light yet take what their neighbours give: otherwise these would lose it.
+    if surface_of(guide) != UNFILTERED {
+        for (var k = 0; k < 9; k++) {
+            let offset = vec2i(k % 3 - 1, k / 3 - 1);
+            let place = position + STEP * offset;
+            if k == 4 || !is_inside(place) {
+                continue;
+            }
+            let surface = similarity(guide, guide_at(pixel_index(place)), f32(STEP));
+            let there = estimates[pixel_index(place)];
+            // The same for both, so that each gives the other as much as it takes.
+            let reach = LUMINANCE_REACH * sqrt(here.w + there.w) + 1e-6;
+            let difference = abs(luminance(here.xyz) - luminance(there.xyz)) / reach;
+            let kernel = select(0.25, 0.5, offset.x == 0 || offset.y == 0);
+            let weight = kernel * surface * max(1.0 - difference, 0.0);
+            sum += there * vec4f(vec3f(weight), weight * weight);
+            total += weight;
+        }
+    }
+    next_estimates[pixel] = sum / vec4f(vec3f(total), total * total);
+}

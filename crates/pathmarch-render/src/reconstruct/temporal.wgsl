@@ -1,0 +1,116 @@
+// import: reconstruct/pass
+// Reprojection and temporal accumulation. Twin of temporal.rs.
+
+/// Divides the radiance of a film by the albedo, and looks up the objects of the guides.
+@compute @workgroup_size(8, 8)
+fn divide(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    let pixel = pixel_index(position);
+    let guide = guide_at(pixel);
+    let sum = film[pixel];
+    let has_more = id.y < uniforms.row || (id.y < uniforms.row + 8u && id.x < uniforms.column);
+    let samples = f32(uniforms.samples + select(0u, uniforms.begun, has_more)) - sum.w;
+    let irradiance = sum.xyz / max(samples, 1.0) / divisor(guide);
+    estimates[pixel] = vec4f(irradiance, luminance(irradiance));
+    if guide.object != GLOSSY_BIT - 1u {
+        let flags = guides[3u * pixel + 2u].x & ~(GLOSSY_BIT - 1u);
+        guides[3u * pixel + 2u].x = flags | leaf_motions[guide.object].object;
+        guides[3u * pixel + 2u].y = leaf_motions[guide.seen_object].object;
+    }
+}
+
+/// Continues the means of the last picture.
+@compute @workgroup_size(8, 8)
+fn accumulate(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    let pixel = pixel_index(position);
+    let guide = guide_at(pixel);
+    let samples = f32(uniforms.samples);
+    let irradiance = estimates[pixel].xyz;
+    let l = luminance(irradiance);
+    history[pixel] = History(irradiance, samples, vec2f(l, l * l), vec2f(-1e9));
+    if uniforms.max_history <= 0.0 {
+        return;
+    }
+    var found = find(earlier(guide));
+    if found.length <= 0.0 {
+        return;
+    }
+    if uniforms.scene_changed != 0u {
+        let limits = plausible_luminance(position);
+        let old = luminance(found.irradiance);
+        let factor = clamp(old, limits.x, limits.y) / max(old, 1e-9);
+        found.irradiance *= factor;
+        found.moments *= vec2f(factor, factor * factor);
+    }
+    let is_limited = uniforms.camera_moves != 0u && guide.is_glossy;
+    let limit = select(uniforms.max_history, min(uniforms.max_history, MAX_GLOSSY_HISTORY), is_limited);
+    let length = min(found.length, limit);
+    let share = samples / (samples + length);
+    history[pixel] = History(
+        mix(found.irradiance, irradiance, share),
+        samples + length,
+        mix(found.moments, vec2f(l, l * l), share),
+        found.before,
+    );
+}
+
+/// Mean of the point of a guide in the last picture; its length is 0 if that does not show the point.
+fn find(guide: Guide) -> History {
+    var found: History;
+    found.before = project_before(guide.position);
+    let corner = floor(found.before - 0.5);
+    let part = found.before - 0.5 - corner;
+    var total = 0.0;
+    for (var k = 0; k < 4; k++) {
+        let offset = vec2i(k & 1, k >> 1u);
+        let place = vec2i(corner) + offset;
+        if any(place < vec2i(0)) || any(place >= vec2i(i32(uniforms.past_width), i32(uniforms.past_height))) {
+            continue;
+        }
+        let pixel = u32(place.y) * uniforms.past_width + u32(place.x);
+        if !same_point(guide, past_guide_at(pixel), coarser_pixel(guide)) {
+            continue;
+        }
+        let weights = select(1.0 - part, part, offset == vec2i(1));
+        let weight = weights.x * weights.y;
+        let past = past_history[pixel];
+        found.irradiance += past.irradiance * weight;
+        found.moments += past.moments * weight;
+        found.length += past.length * weight;
+        total += weight;
+    }
+    if total <= 0.01 {
+        found.length = 0.0;
+        return found;
+    }
+    found.irradiance /= total;
+    found.moments /= total;
+    found.length /= total;
+    return found;
+}
+
+/// Least and largest luminance that the mean of a pixel may have, judged from the samples around it.
+fn plausible_luminance(position: vec2i) -> vec2f {
+    var sum = vec2f(0.0);
+    var count = 0.0;
+    for (var y = -PLAUSIBLE_RADIUS; y <= PLAUSIBLE_RADIUS; y++) {
+        for (var x = -PLAUSIBLE_RADIUS; x <= PLAUSIBLE_RADIUS; x++) {
+            let place = position + vec2i(x, y);
+            if is_inside(place) {
+                let l = luminance(estimates[pixel_index(place)].xyz);
+                sum += vec2f(l, l * l);
+                count += 1.0;
+            }
+        }
+    }
+    let mean = sum.x / count;
+    let reach = PLAUSIBLE_REACH * sqrt(max(sum.y / count - mean * mean, 0.0));
+    return vec2f(max(mean - reach, 0.0), mean + reach);
+}
