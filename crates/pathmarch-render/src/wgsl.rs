@@ -16,10 +16,6 @@ impl FieldType for u32 {
     const WGSL: &'static str = "u32";
 }
 
-impl FieldType for [u32; 2] {
-    const WGSL: &'static str = "vec2u";
-}
-
 impl FieldType for [f32; 3] {
     const WGSL: &'static str = "vec3f";
 }

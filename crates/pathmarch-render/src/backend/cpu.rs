@@ -1,7 +1,7 @@
 //! CPU backend: tiles on all cores, eight rays in SIMD lanes. It needs no driver or adapter and is always available.
 
 use super::RenderInput;
-use crate::integrator::guides::Guide;
+use crate::integrator::guides::{FILM_SAMPLES, Guide};
 use crate::integrator::splitting;
 use crate::mode::{Mode, uncertainty_of};
 use crate::output::film::Film;
@@ -26,7 +26,7 @@ pub(crate) struct CpuJob {
     /// Number of current samples, which share a camera ray.
     begun: u32,
     first_sample: u32,
-    /// Guides of the first sample; `None` if they are not recorded.
+    /// Guides of the first samples; `None` if they are not recorded.
     guides: Option<Arc<Vec<Guide>>>,
 }
 
@@ -43,6 +43,16 @@ impl Tile {
     }
 }
 
+/// True for a sample that the film accepts: the same test as in the kernel. Comparisons with NaN are false.
+fn is_kept(value: Vec3) -> bool {
+    value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all()
+}
+
+/// The sample, or zero if the film rejects it.
+fn kept(value: Vec3) -> Vec3 {
+    if is_kept(value) { value } else { Vec3::ZERO }
+}
+
 fn tiles(width: u32, height: u32) -> Vec<Tile> {
     let starts = |length: u32| (0..length).step_by(TILE as usize).map(move |at| [at, (at + TILE).min(length)]);
     starts(height).flat_map(|y| starts(width).map(move |x| Tile { x, y })).collect()
@@ -56,7 +66,7 @@ impl CpuJob {
         Self { input, stats: None, tiles, film, done: 0, begun: 0, first_sample, guides }
     }
 
-    /// Guides of the first sample, if they are recorded.
+    /// Guides, if they are recorded.
     pub(crate) fn guides(&self) -> Option<Arc<Vec<Guide>>> {
         self.guides.clone()
     }
@@ -110,11 +120,16 @@ impl CpuJob {
         // All tiles of a row share its rows of pixels.
         let sums = self.film.sums.chunks_mut((TILE * width) as usize);
         let rows: Vec<Mutex<&mut [[f32; 3]]>> = sums.map(Mutex::new).collect();
-        let records_guides = self.guides.is_some() && self.film.samples == 0;
+        // Films of more samples are shown as they are.
+        let records_guides = self.guides.is_some() && self.film.samples < FILM_SAMPLES;
+        let index = self.film.samples;
         let add = |tile: &Tile| -> (Vec<usize>, Vec<Guide>) {
             let pixels = tile.pixels();
             let (values, guides) = if records_guides {
-                self.input.sample_with_guides(self.stats.as_deref(), &pixels, sample)
+                let (values, guides) = self.input.sample_with_guides(self.stats.as_deref(), &pixels, sample);
+                let guides = guides.into_iter().zip(&values).map(|(guide, value)| guide.of_sample(kept(*value)));
+                let guides = guides.collect();
+                (values, guides)
             } else {
                 (self.input.samples_of(self.stats.as_deref(), &pixels, sample, begun), Vec::new())
             };
@@ -124,8 +139,7 @@ impl CpuJob {
             for (&(x, y), values) in pixels.iter().zip(values.chunks(begun as usize)) {
                 let pixel = ((y - row * TILE) * width + x) as usize;
                 for value in values {
-                    // Same test as in the kernel, so that both reject the same samples. Comparisons with NaN are false.
-                    if value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all() {
+                    if is_kept(*value) {
                         sums[pixel] = (Vec3::from(sums[pixel]) + *value).into();
                     } else {
                         rejected.push((y * width + x) as usize);
@@ -139,7 +153,10 @@ impl CpuJob {
             all.resize(self.film.sums.len(), Guide::NONE);
             for (tile, (_, guides)) in tiles.iter().zip(&results) {
                 for ((x, y), guide) in tile.pixels().into_iter().zip(guides) {
-                    all[(y * width + x) as usize] = *guide;
+                    match (index, &mut all[(y * width + x) as usize]) {
+                        (0, first) => *first = *guide,
+                        (index, means) => means.add(guide, index),
+                    }
                 }
             }
         }

@@ -9,15 +9,15 @@ const CLASS_SHIFT = 30u;
 struct Guide {
     /// Position in world space, or that of the mirror image; far away for the sky.
     position: vec3f,
-    /// Length of the path from the camera, metres.
-    length: f32,
+    /// Mean square of the luminance of the samples, each divided by its albedo.
+    square: f32,
     /// Unit normal on the side of the camera, mirrored as the position is.
     normal: vec3f,
     /// Unit normal of the surface that is seen through glass; elsewhere the normal itself.
     seen_normal: vec3f,
     /// Class, see guides.rs.
     guide_class: u32,
-    /// Albedo times the reflectance of mirrors; the radiance of an emitter; 1 for the sky and for glass.
+    /// Albedo times the reflectance of mirrors; the radiance of an emitter; 1 for the sky and for glass. Mean over the samples.
     albedo: vec3f,
     /// Index of the object. The kernel writes the index of the leaf, which the first pass replaces.
     object: u32,
@@ -45,7 +45,7 @@ fn from_octahedral(flat: vec2f) -> vec3f {
 fn packed_guide(guide: Guide) -> array<vec4u, 3> {
     let albedo = bitcast<vec3u>(guide.albedo);
     return array<vec4u, 3>(
-        bitcast<vec4u>(vec4f(guide.position, guide.length)),
+        bitcast<vec4u>(vec4f(guide.position, guide.square)),
         vec4u(pack2x16snorm(octahedral(guide.normal)), pack2x16snorm(octahedral(guide.seen_normal)), albedo.xy),
         vec4u(
             guide.object | select(0u, GLOSSY_BIT, guide.is_glossy) | (guide.guide_class << CLASS_SHIFT),
@@ -60,7 +60,7 @@ fn unpacked_guide(words: array<vec4u, 3>) -> Guide {
     let place = bitcast<vec4f>(words[0]);
     var guide: Guide;
     guide.position = place.xyz;
-    guide.length = place.w;
+    guide.square = place.w;
     guide.normal = from_octahedral(unpack2x16snorm(words[1].x));
     guide.seen_normal = from_octahedral(unpack2x16snorm(words[1].y));
     guide.albedo = bitcast<vec3f>(vec3u(words[1].zw, words[2].w));
@@ -70,4 +70,15 @@ fn unpacked_guide(words: array<vec4u, 3>) -> Guide {
     guide.seen_object = words[2].y;
     guide.leaf = words[2].z;
     return guide;
+}
+
+/// Luminance of a linear Rec. 709 colour.
+fn luminance(colour: vec3f) -> f32 {
+    return dot(colour, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+/// Factor between radiance and irradiance.
+fn divisor(guide: Guide) -> vec3f {
+    let is_divided = guide.guide_class == GUIDE_EMITTER || guide.guide_class == GUIDE_SURFACE;
+    return select(vec3f(1.0), max(guide.albedo, vec3f(MIN_ALBEDO)), is_divided);
 }

@@ -2,19 +2,26 @@
 //!
 //! **Idea.** Recorded with the path itself, so that they cost no rays. Through mirrors, position and normal are those of
 //! the mirror image: of a plane mirror, a world behind it that stands still when the camera moves. Position and normal of
-//! glass are its own, since a path takes one of its two ways by chance.
+//! glass are its own, since a path takes one of its two ways by chance. The surface is that of the first sample of a
+//! pixel; the albedo is a mean over all of them, so that edges and textures are as smooth as the film.
 
 use crate::intersect::ray::Ray;
 use crate::scene::TraceContext;
+use crate::scene::light::luminance;
 use crate::scene::material::{DELTA, GLOSSY, TRANSMITS};
 use crate::shading::surface_interaction::SurfaceInteraction;
 use crate::shading::textured_point::TexturedPoint;
 use crate::wgsl::shared_constants;
 use glam::{Mat3, Vec3};
 
+/// Number of samples of a still picture from which on it is shown as it is, without guides.
+pub(crate) const FILM_SAMPLES: u32 = 128;
+
 shared_constants! {
     /// Largest number of mirrors and glass surfaces that guides look through.
     const MAX_DELTA_SURFACES: u32 = 8;
+    /// Least albedo to divide by.
+    const MIN_ALBEDO: f32 = 0.04;
     /// No leaf.
     pub(crate) const NO_LEAF: u32 = u32::MAX;
     /// Class of the sky.
@@ -50,8 +57,10 @@ pub(crate) struct Guide {
     /// Unit normal of the surface that is seen through glass; elsewhere the normal itself.
     pub(crate) seen_normal: Vec3,
     /// Albedo of the surface times the reflectance of mirrors in front of it; the radiance of an emitter; 1 for the sky and
-    /// for glass.
+    /// for glass. Mean over the samples.
     pub(crate) albedo: Vec3,
+    /// Mean square of the luminance of the samples, each divided by its albedo.
+    pub(crate) square: f32,
     /// Length of the path from the camera, metres.
     pub(crate) length: f32,
     pub(crate) class: GuideClass,
@@ -72,6 +81,7 @@ impl Guide {
         normal: Vec3::ZERO,
         seen_normal: Vec3::ZERO,
         albedo: Vec3::ONE,
+        square: 0.0,
         length: 0.0,
         class: GuideClass::Sky,
         is_glossy: false,
@@ -79,6 +89,29 @@ impl Guide {
         seen_object: 0,
         leaf: NO_LEAF,
     };
+}
+
+impl Guide {
+    /// Factor between radiance and irradiance.
+    pub(crate) fn divisor(&self) -> Vec3 {
+        match self.class {
+            GuideClass::Sky | GuideClass::Glass => Vec3::ONE,
+            GuideClass::Emitter | GuideClass::Surface => self.albedo.max(Vec3::splat(MIN_ALBEDO)),
+        }
+    }
+
+    /// Guide of a sample with this radiance.
+    pub(crate) fn of_sample(self, radiance: Vec3) -> Self {
+        let irradiance = luminance((radiance / self.divisor()).into());
+        Self { square: irradiance * irradiance, ..self }
+    }
+
+    /// Adds the guide of the sample of this index, from 1 on: the means change, the surface stays that of the first one.
+    pub(crate) fn add(&mut self, sample: &Self, index: u32) {
+        let share = 1.0 / (index + 1) as f32;
+        self.albedo = self.albedo.lerp(sample.albedo, share);
+        self.square += (sample.square - self.square) * share;
+    }
 }
 
 /// Guides being recorded, one for each path.
@@ -167,6 +200,7 @@ impl GuideRecorder {
             normal,
             seen_normal: normal,
             albedo,
+            square: 0.0,
             length: interaction.length,
             class,
             is_glossy: is_glass || material.has(GLOSSY),

@@ -24,7 +24,6 @@ fn begin_guide(camera: Ray) {
     guide_state = GUIDE_MIRRORED;
     guide_mirrors = mat3x3f(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
     guide.position = camera.origin + camera.direction * frame.far;
-    guide.length = frame.far;
     guide.normal = -camera.direction;
     guide.seen_normal = -camera.direction;
     guide.guide_class = GUIDE_SKY;
@@ -69,7 +68,6 @@ fn record_guide(
     }
     guide_state = select(GUIDE_DONE, GUIDE_BEHIND_GLASS, is_glass);
     guide.position = guide_ray.origin + guide_ray.direction * length;
-    guide.length = length;
     guide.normal = guide_mirrors * n;
     guide.seen_normal = guide.normal;
     guide.guide_class = select(select(GUIDE_SURFACE, GUIDE_GLASS, is_glass), GUIDE_EMITTER, (flags & EMITS) != 0u);
@@ -80,12 +78,24 @@ fn record_guide(
     guide.is_glossy = is_glass || (flags & GLOSSY) != 0u;
 }
 
-/// Stores the guide of a pixel.
-fn store_guide(pixel: u32) {
-    if slice.stores_guides != 0u {
-        let words = packed_guide(guide);
-        guides[3u * pixel] = words[0];
-        guides[3u * pixel + 1u] = words[1];
-        guides[3u * pixel + 2u] = words[2];
+/// Stores the guide of a pixel whose sample has this radiance. The surface is that of the first sample, albedo and square
+/// are means.
+fn store_guide(pixel: u32, radiance: vec3f) {
+    if slice.guide_samples == 0u {
+        return;
     }
+    let irradiance = luminance(radiance / divisor(guide));
+    var stored = guide;
+    stored.square = irradiance * irradiance;
+    if slice.guide_samples > 1u {
+        let before = unpacked_guide(array<vec4u, 3>(guides[3u * pixel], guides[3u * pixel + 1u], guides[3u * pixel + 2u]));
+        let share = 1.0 / f32(slice.guide_samples);
+        stored = before;
+        stored.albedo = mix(before.albedo, guide.albedo, share);
+        stored.square = mix(before.square, irradiance * irradiance, share);
+    }
+    let words = packed_guide(stored);
+    guides[3u * pixel] = words[0];
+    guides[3u * pixel + 1u] = words[1];
+    guides[3u * pixel + 2u] = words[2];
 }

@@ -14,4 +14,4 @@ fn record_guide(
 ) {}
 
 /// Does nothing.
-fn store_guide(pixel: u32) {}
+fn store_guide(pixel: u32, radiance: vec3f) {}

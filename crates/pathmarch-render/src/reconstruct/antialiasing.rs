@@ -18,14 +18,20 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 shared_constants! {
-    /// Weight of a new picture, unless the pixel was not seen before.
-    const NEW_WEIGHT: f32 = 0.12;
     /// Least weight of a new picture, for pixels between its samples.
     const MIN_WEIGHT: f32 = 0.02;
     /// Deviations from the mean of the neighbours that the past may have.
     const REACH: f32 = 1.25;
     /// Standard deviation of the filter that interpolates samples, pixels of the picture.
     const KERNEL_DEVIATION: f32 = 0.6;
+}
+
+/// Weight of a new picture of one sample, unless the pixel was not seen before.
+const NEW_WEIGHT: f32 = 0.12;
+
+/// Weight of a new picture of so many samples: that of as many pictures of one sample.
+pub(super) fn new_weight(samples: u32) -> f32 {
+    1.0 - (1.0 - NEW_WEIGHT).powf(samples as f32)
 }
 
 /// Picture that was shown.
@@ -43,6 +49,8 @@ pub(super) struct Last<'a> {
     pub(super) picture: &'a ShownPicture,
     pub(super) history: &'a History,
     pub(super) motion: &'a Motion,
+    /// Weight of the new picture, see [`new_weight`].
+    pub(super) new_weight: f32,
 }
 
 /// Samples of a picture around one of its points.
@@ -111,12 +119,12 @@ impl Upscaling<'_> {
     /// Colour of the picture at a point, in pixels of the samples.
     fn pixel(&self, point: [f32; 2], last: Option<Last>) -> Vec3 {
         let Neighbourhood { sum, squares, count, nearest, colour: new, weight } = self.around(point);
-        let Some(Last { picture: shown, history, motion }) = last else { return new };
+        let Some(Last { picture: shown, history, motion, new_weight }) = last else { return new };
         let Some(old) = shown.before(self.frame, point, nearest, &motion.earlier(nearest), history) else { return new };
         let mean = sum / count;
         let deviation = REACH * (squares / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
         let old = colour_of(opponent_of(old).clamp(mean - deviation, mean + deviation)).max(Vec3::ZERO);
-        old.lerp(new, (NEW_WEIGHT * weight).max(MIN_WEIGHT))
+        old.lerp(new, (new_weight * weight).max(MIN_WEIGHT))
     }
 
     /// Samples of the nine pixels around a point.

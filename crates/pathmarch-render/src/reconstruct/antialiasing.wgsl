@@ -78,7 +78,7 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
         }
         let guide = guide_at(pixel_index(place));
         let there = sample_at(pixel_index(place), guide);
-        if guide.length < nearest.length {
+        if path_length(guide) < path_length(nearest) {
             nearest = guide;
         }
         let opponent = opponent_of(there);
@@ -122,5 +122,5 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     let deviation = REACH * sqrt(max(squares / count - mean * mean, vec3f(0.0)));
     let limited = clamp(opponent_of(past_colour(place * past_shown / past_traced)), mean - deviation, mean + deviation);
     let old = max(colour_of(limited), vec3f(0.0));
-    colours[pixel] = vec4f(mix(old, colour, max(NEW_WEIGHT * largest, MIN_WEIGHT)), 0.0);
+    colours[pixel] = vec4f(mix(old, colour, max(uniforms.new_weight * largest, MIN_WEIGHT)), 0.0);
 }

@@ -2,10 +2,12 @@
 //!
 //! **Cost.** On two cores 11 to 15 ms for 320x180 pixels.
 
-use super::antialiasing::{Last, ShownPicture, antialiased};
+use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
 use super::motion::{Motion, Poses};
 use super::temporal::{History, Samples};
-use super::{Buffer, Changes, FULL_MOTION, MAX_HISTORY, ReconstructOptions, divisor, motions, spatial};
+use super::{
+    Buffer, Changes, FULL_MOTION, MAX_HISTORY, ReconstructOptions, luminance, motions, settled_weight, settles, spatial,
+};
 use crate::integrator::guides::Guide;
 use crate::scene::{FrameUniforms, RenderScene};
 use glam::Vec3;
@@ -52,7 +54,7 @@ impl CpuReconstruction {
     /// Linear picture of a film, of this size.
     pub(super) fn picture(&mut self, film: &FilmView, size: [u32; 2], options: &ReconstructOptions) -> Vec<Vec3> {
         let &FilmView { scene, frame, guides, means, samples, weight } = film;
-        let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| *mean / divisor(guide));
+        let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| *mean / guide.divisor());
         let mut irradiance: Vec<Vec3> = divided.collect();
         if samples == 1 && options.firefly_filter {
             spatial::spread_fireflies(frame.size(), guides, &mut irradiance);
@@ -68,13 +70,17 @@ impl CpuReconstruction {
         let history = History::new(frame, guides, new, past_history, max_length, limits.as_deref());
         let filtered = options.spatial_filter.then(|| spatial::filter(&history));
         let multiplied = filtered.as_ref().unwrap_or(&history.irradiance).par_iter().zip(guides.par_iter());
-        let clean: Vec<Vec3> = multiplied.map(|(irradiance, guide)| *irradiance * divisor(guide)).collect();
+        let clean: Vec<Vec3> = multiplied.map(|(irradiance, guide)| *irradiance * guide.divisor()).collect();
         let last = past.filter(|_| options.antialiasing);
-        let last = last.map(|past| Last { picture: &past.shown, history: &past.history, motion: &motion });
+        let last = last.map(|past| Last {
+            picture: &past.shown,
+            history: &past.history,
+            motion: &motion,
+            new_weight: new_weight(samples),
+        });
         let shown = antialiased(frame, guides, &clean, size, last);
-        let mixed = |(colour, mean): (&Vec3, &Vec3)| colour.lerp(*mean, weight);
-        let picture = match weight > 0.0 && frame.size() == size {
-            true => shown.colours.iter().zip(means).map(mixed).collect(),
+        let picture = match settles(samples) && frame.size() == size {
+            true => mixed_with_film(film, &shown.colours),
             false => shown.colours.clone(),
         };
         self.present = Some(Reconstructed { poses, history, shown });
@@ -113,6 +119,16 @@ impl CpuReconstruction {
         };
         Some((0..size[0] * size[1]).flat_map(code).collect())
     }
+}
+
+/// Mixes a picture with the means of its film, each pixel by the noise of the film.
+fn mixed_with_film(film: &FilmView, colours: &[Vec3]) -> Vec<Vec3> {
+    let mixed = |((colour, mean), guide): ((&Vec3, &Vec3), &Guide)| {
+        let settled = settled_weight(guide, luminance(*mean / guide.divisor()), film.samples as f32);
+        colour.lerp(*mean, film.weight.max(settled))
+    };
+    let pixels = colours.par_iter().zip(film.means).zip(film.guides.par_iter());
+    pixels.with_min_len(4096).map(mixed).collect()
 }
 
 /// Colour of a motion as [`motions`] gives it: red rightwards, green downwards, blue where it is unknown.

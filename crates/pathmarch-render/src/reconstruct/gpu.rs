@@ -9,7 +9,7 @@
 use super::motion::{LeafMotion, Motion, Poses};
 use super::spatial::STEPS;
 use super::temporal::camera_moves;
-use super::{Changes, ReconstructOptions, antialiasing, spatial, temporal};
+use super::{Changes, ReconstructOptions, antialiasing, settles, spatial, temporal};
 use crate::backend::RenderInput;
 use crate::backend::gpu::shaders::{ShaderFile, shader_files, with_imports};
 use crate::backend::gpu::{Device, GpuContext, ReconstructedFilm};
@@ -64,7 +64,10 @@ shared_struct! {
         gain: f32,
         /// Index of the tone curve.
         tonemap: u32,
-        padding: [u32; 2],
+        /// Not 0 if the film is mixed with the picture.
+        settles: u32,
+        /// Weight of a new picture in the average with the last one.
+        new_weight: f32,
     }
 }
 
@@ -88,6 +91,7 @@ struct Passes {
     start_filter: wgpu::ComputePipeline,
     filter: [wgpu::ComputePipeline; STEPS.len()],
     antialias: wgpu::ComputePipeline,
+    mix_with_film: wgpu::ComputePipeline,
     show: wgpu::ComputePipeline,
 }
 
@@ -114,7 +118,7 @@ impl Passes {
                 cache: None,
             })
         };
-        let [temporal, spatial] = ["reconstruct/temporal", "reconstruct/spatial"].map(module);
+        let [temporal, spatial, show] = ["reconstruct/temporal", "reconstruct/spatial", "reconstruct/show"].map(module);
         let passes = Self {
             divide: pipeline(&temporal, "divide", &[]),
             find_fireflies: pipeline(&spatial, "find_fireflies", &[]),
@@ -123,7 +127,8 @@ impl Passes {
             start_filter: pipeline(&spatial, "start_filter", &[]),
             filter: STEPS.map(|step| pipeline(&spatial, "filter_once", &[("STEP", f64::from(step))])),
             antialias: pipeline(&module("reconstruct/antialiasing"), "antialias", &[]),
-            show: pipeline(&module("reconstruct/show"), "show", &[]),
+            mix_with_film: pipeline(&show, "mix_with_film", &[]),
+            show: pipeline(&show, "show", &[]),
         };
         match pollster::block_on(validation.pop()) {
             Some(error) => Err(device.error(error)),
@@ -289,10 +294,10 @@ impl GpuReconstruction {
         Ok(codes)
     }
 
-    /// Colours of the last picture, without the means of the film.
+    /// Colours of the last picture.
     pub(super) fn colours(&self) -> Result<Vec<Vec3>, RenderError> {
         let (Some(buffers), Some(Shown { size, .. })) = (&self.buffers, &self.present) else { return Ok(Vec::new()) };
-        let colours = self.read_back::<[f32; 4]>(&buffers.films[self.turn].colours, *size)?;
+        let colours = self.read_back::<[f32; 4]>(&buffers.estimates[0], *size)?;
         Ok(colours.into_iter().map(|[r, g, b, _]| Vec3::new(r, g, b)).collect())
     }
 
@@ -365,7 +370,7 @@ impl GpuReconstruction {
             past_up: past_frame.up,
             past_pixel: past_frame.pixel,
             past_forward: past_frame.forward,
-            weight: if frame.size() == size { weight } else { 0.0 },
+            weight,
             shown_width: size[0],
             shown_height: size[1],
             past_shown_width: past_size[0],
@@ -380,7 +385,8 @@ impl GpuReconstruction {
             buffer: options.buffer as u32,
             gain: display.gain(),
             tonemap: display.tonemap as u32,
-            padding: [0; 2],
+            settles: u32::from(settles(film.samples) && frame.size() == size),
+            new_weight: antialiasing::new_weight(film.samples),
         }
     }
 
@@ -445,7 +451,8 @@ impl GpuReconstruction {
             source = 1 - source;
         }
         run(&passes.antialias, &[0, 2, 3, 4, 7, 9, 10], source, size);
-        run(&passes.show, &[0, 1, 5, 10, 11], source, size);
+        run(&passes.mix_with_film, &[0, 1, 2, 7, 10], 0, size);
+        run(&passes.show, &[0, 5, 7, 11], 0, size);
         let bytes = SCREEN_BYTES * u64::from(size[0]) * u64::from(size[1]);
         encoder.copy_buffer_to_buffer(&buffers.screen, 0, &buffers.copy, 0, bytes);
         self.device.queue.submit([encoder.finish()]);

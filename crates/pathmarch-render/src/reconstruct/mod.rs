@@ -28,7 +28,7 @@ mod temporal;
 
 use crate::backend::RenderInput;
 use crate::error::RenderError;
-use crate::integrator::guides::{Guide, GuideClass};
+use crate::integrator::guides::{FILM_SAMPLES, Guide};
 use crate::job::tracer::Tracer;
 use crate::output::tonemap::Display;
 use crate::scene::light;
@@ -38,12 +38,11 @@ use glam::Vec3;
 use gpu::GpuReconstruction;
 pub use sequence::{Frame, Sequence};
 
-/// Number of samples of a still picture from which on it is shown as it is.
-const FILM_SAMPLES: u32 = 128;
-
 shared_constants! {
-    /// Least albedo to divide by.
-    const MIN_ALBEDO: f32 = 0.04;
+    /// Samples of a still film from which on its own noise decides its weight in each pixel.
+    const SETTLING_SAMPLES: f32 = 32.0;
+    /// Relative standard error of a still film that is hidden by reconstruction.
+    const VISIBLE_NOISE: f32 = 0.1;
     /// Longest history of an unchanged scene, samples.
     const MAX_HISTORY: f32 = 24.0;
     /// Pixels of motion at which its colour is full.
@@ -117,6 +116,11 @@ impl Buffer {
             Self::Deviation => "relative deviation",
         }
     }
+}
+
+/// True if a film has enough samples for [`settled_weight`].
+fn settles(samples: u32) -> bool {
+    samples >= 4
 }
 
 /// Films that pictures are made of: what has changed since the last one.
@@ -208,10 +212,7 @@ impl Reconstruction {
         }
         let shown = self.show(tracer, input, weight, size, options, &Display::default())?;
         let Some(gpu) = self.gpu.as_ref().filter(|_| shown.is_some()) else { return Ok(None) };
-        let weight = if input.frame.size() == size { weight } else { 0.0 };
-        let mixed = |(colour, mean): (Vec3, &Vec3)| colour.lerp(*mean, weight);
-        let colours = gpu.colours()?;
-        Ok(Some(if weight > 0.0 { colours.into_iter().zip(means).map(mixed).collect() } else { colours }))
+        gpu.colours().map(Some)
     }
 
     /// Position of the point of each pixel in the last picture, pixels of its samples, and number of samples in the mean of
@@ -252,12 +253,13 @@ pub(crate) fn upscaled_size(traced: [u32; 2], full: [u32; 2]) -> [u32; 2] {
     std::array::from_fn(|k| (2 * traced[k]).min(full[k]).max(traced[k]))
 }
 
-/// Factor between radiance and irradiance.
-fn divisor(guide: &Guide) -> Vec3 {
-    match guide.class {
-        GuideClass::Sky | GuideClass::Glass => Vec3::ONE,
-        GuideClass::Emitter | GuideClass::Surface => guide.albedo.max(Vec3::splat(MIN_ALBEDO)),
-    }
+/// Weight of a film of `samples` samples in a pixel with this mean luminance of the irradiance, from its own noise: near 1
+/// once that cannot be seen.
+fn settled_weight(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
+    let variance = (guide.square - irradiance * irradiance).max(0.0) / samples;
+    let visible = variance.sqrt() / (VISIBLE_NOISE * irradiance.max(1e-4));
+    let clean = (1.0 - visible).max(0.0);
+    clean * clean * (samples / SETTLING_SAMPLES).min(1.0)
 }
 
 /// Luminance of a linear Rec. 709 colour.

@@ -37,17 +37,6 @@ fn past_guide_at(pixel: u32) -> Guide {
     );
 }
 
-/// Luminance of a linear Rec. 709 colour.
-fn luminance(colour: vec3f) -> f32 {
-    return dot(colour, vec3f(0.2126, 0.7152, 0.0722));
-}
-
-/// Factor between radiance and irradiance.
-fn divisor(guide: Guide) -> vec3f {
-    let is_divided = guide.guide_class == GUIDE_EMITTER || guide.guide_class == GUIDE_SURFACE;
-    return select(vec3f(1.0), max(guide.albedo, vec3f(MIN_ALBEDO)), is_divided);
-}
-
 /// True if a position is inside the picture of the samples.
 fn is_inside(position: vec2i) -> bool {
     return all(position >= vec2i(0)) && all(position < vec2i(i32(uniforms.width), i32(uniforms.height)));
@@ -116,7 +105,12 @@ fn same_point(a: Guide, b: Guide, pixel: f32) -> bool {
         && dot(a.normal, b.normal) >= MIN_NORMAL_COSINE;
 }
 
+/// Length of the path from the camera to the point of a guide, metres.
+fn path_length(guide: Guide) -> f32 {
+    return distance(guide.position, uniforms.position);
+}
+
 /// Side of a pixel at the distance of a guide, metres: that of the coarser one of both pictures.
 fn coarser_pixel(guide: Guide) -> f32 {
-    return guide.length * max(uniforms.pixel, uniforms.past_pixel);
+    return path_length(guide) * max(uniforms.pixel, uniforms.past_pixel);
 }

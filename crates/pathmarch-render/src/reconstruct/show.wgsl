@@ -1,6 +1,30 @@
 // import: reconstruct/pass
 // The picture or a buffer as sRGB codes, four bytes a pixel. Twin of `CpuReconstruction::buffer`.
 
+/// Mixes the picture with the means of its film, each pixel by the noise of the film. Twin of `mixed_with_film`.
+@compute @workgroup_size(8, 8)
+fn mix_with_film(@builtin(global_invocation_id) id: vec3u) {
+    let size = vec2u(uniforms.shown_width, uniforms.shown_height);
+    if any(id.xy >= size) {
+        return;
+    }
+    let pixel = id.y * size.x + id.x;
+    estimates[pixel] = colours[pixel];
+    if uniforms.settles == 0u {
+        return;
+    }
+    let guide = guide_at(pixel);
+    let mean = film_mean(id.xy, pixel);
+    let samples = f32(uniforms.samples);
+    let irradiance = luminance(mean / divisor(guide));
+    let variance = max(guide.square - irradiance * irradiance, 0.0) / samples;
+    let visible = sqrt(variance) / (VISIBLE_NOISE * max(irradiance, 1e-4));
+    let clean = max(1.0 - visible, 0.0);
+    let settled = clean * clean * min(samples / SETTLING_SAMPLES, 1.0);
+    let colour = mix(colours[pixel].xyz, mean, max(uniforms.weight, settled));
+    estimates[pixel] = vec4f(colour, 0.0);
+}
+
 /// Mean of the samples of a pixel of the film.
 fn film_mean(position: vec2u, pixel: u32) -> vec3f {
     let sum = film[pixel];
@@ -36,11 +60,7 @@ fn show(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.y * size.x + id.x;
     var shown: vec3f;
     if uniforms.buffer == SHOWS_PICTURE {
-        var colour = colours[pixel].xyz;
-        if uniforms.weight > 0.0 {
-            colour = mix(colour, film_mean(id.xy, pixel), uniforms.weight);
-        }
-        shown = codes(uniforms.tonemap, vec4f(colour * uniforms.gain, 1.0)).xyz;
+        shown = codes(uniforms.tonemap, vec4f(estimates[pixel].xyz * uniforms.gain, 1.0)).xyz;
     } else {
         let position = id.xy * vec2u(uniforms.width, uniforms.height) / size;
         shown = buffer_codes(vec2i(position), position.y * uniforms.width + position.x);

@@ -3,9 +3,11 @@
 use super::luminance;
 use super::temporal::History;
 use crate::integrator::guides::{Guide, GuideClass};
+use crate::scene::light::LUMINANCE_WEIGHTS;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use rayon::prelude::*;
+use wide::f32x8;
 
 /// Distances between the taps of the filter, pixels, one for each pass.
 pub(super) const STEPS: [i32; 3] = [1, 3, 7];
@@ -27,51 +29,6 @@ shared_constants! {
     const PLAUSIBLE_RADIUS: i32 = 2;
     /// Standard deviations of single samples by which a mean may differ from that of the square: three standard errors.
     const PLAUSIBLE_REACH: f32 = 0.6;
-}
-
-/// Surface of a pixel, as the filter compares it.
-#[derive(Clone, Copy)]
-struct FilterGuide {
-    position: Vec3,
-    /// Side of a pixel at this distance, metres.
-    pixel: f32,
-    normal: Vec3,
-    seen_normal: Vec3,
-    /// Equal on pixels that may share their light; [`UNFILTERED`] for those without noise.
-    surface: u32,
-}
-
-/// Surface of pixels without noise.
-const UNFILTERED: u32 = u32::MAX;
-
-impl FilterGuide {
-    fn new(guide: &Guide, pixel: f32) -> Self {
-        let surface = match guide.class {
-            GuideClass::Sky | GuideClass::Emitter => UNFILTERED,
-            GuideClass::Surface => 2 * guide.object,
-            // Pixels of glass share light if they show one object.
-            GuideClass::Glass => 2 * guide.seen_object + 1,
-        };
-        let Guide { position, normal, seen_normal, length, .. } = *guide;
-        Self { position, pixel: pixel * length, normal, seen_normal, surface }
-    }
-
-    /// Weight of two pixels, `distance` pixels apart, as parts of one smooth surface; the same for both.
-    #[inline]
-    fn similarity(&self, other: &Self, distance: f32) -> f32 {
-        if self.surface != other.surface || self.surface == UNFILTERED {
-            return 0.0;
-        }
-        let apart = self.position - other.position;
-        let along = self.normal.dot(apart).abs().max(other.normal.dot(apart).abs());
-        let plane = 1.0 - along / (PLANE_REACH * distance * self.pixel.max(other.pixel));
-        if plane <= 0.0 {
-            return 0.0;
-        }
-        let cosine = self.seen_normal.dot(other.seen_normal).max(0.0);
-        let fourth = cosine * cosine * cosine * cosine;
-        plane * fourth * fourth * fourth
-    }
 }
 
 /// Size of a picture that a filter walks over.
@@ -101,86 +58,212 @@ impl Grid {
 
     /// Pixels of the square around a pixel, without itself.
     fn around(self, x: i32, y: i32, radius: i32) -> impl Iterator<Item = usize> {
-        let square = (-radius..=radius).flat_map(move |dy| (-radius..=radius).map(move |dx| (dx, dy)));
-        square.filter(|offset| *offset != (0, 0)).filter_map(move |(dx, dy)| self.index(x + dx, y + dy))
+        square_around(radius).filter_map(move |(dx, dy)| self.index(x + dx, y + dy))
     }
 }
 
-/// Irradiance of a pixel while it is filtered.
-#[derive(Clone, Copy)]
-struct Estimate {
-    irradiance: Vec3,
-    /// Variance of the luminance.
-    variance: f32,
-    luminance: f32,
+/// Offsets to the pixels of the square around a pixel, without itself.
+fn square_around(radius: i32) -> impl Iterator<Item = (i32, i32)> {
+    let square = (-radius..=radius).flat_map(move |dy| (-radius..=radius).map(move |dx| (dx, dy)));
+    square.filter(|offset| *offset != (0, 0))
 }
+
+/// Surfaces of eight adjoining pixels, as the filter compares them.
+struct Surfaces {
+    position: [f32x8; 3],
+    /// Sides of a pixel at these distances, metres.
+    pixel: f32x8,
+    normal: [f32x8; 3],
+    seen_normal: [f32x8; 3],
+    /// Equal on pixels that may share their light; [`UNFILTERED`] for those without noise.
+    surface: f32x8,
+}
+
+/// Surface of pixels without noise, and of those beyond the picture.
+const UNFILTERED: f32 = -1.0;
+
+fn dot(a: [f32x8; 3], b: [f32x8; 3]) -> f32x8 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl Surfaces {
+    /// Weights of pairs of pixels, `distance` pixels apart, as parts of one smooth surface; the same for both.
+    #[inline]
+    fn similarity(&self, other: &Self, distance: f32) -> f32x8 {
+        let apart: [f32x8; 3] = std::array::from_fn(|k| self.position[k] - other.position[k]);
+        let along = dot(self.normal, apart).abs().max(dot(other.normal, apart).abs());
+        let plane = f32x8::ONE - along / (self.pixel.max(other.pixel) * (PLANE_REACH * distance));
+        let cosine = dot(self.seen_normal, other.seen_normal).max(f32x8::ZERO);
+        let square = cosine * cosine;
+        let fourth = square * square;
+        let same = self.surface.simd_eq(other.surface) & self.surface.simd_ge(f32x8::ZERO);
+        same & (plane.max(f32x8::ZERO) * fourth * fourth * fourth)
+    }
+}
+
+/// Number of pixels beside the rows of [`Planes`], at least the largest reach of the filter and eight more.
+const MARGIN: usize = 16;
+
+/// Numbers of all pixels, one plane for each number, with a margin beside each row.
+struct Planes<const N: usize> {
+    stride: usize,
+    planes: [Vec<f32>; N],
+}
+
+impl<const N: usize> Planes<N> {
+    /// Planes of a function of all pixels; the margin has these numbers.
+    fn new(grid: Grid, margin: [f32; N], values: impl Fn(usize) -> [f32; N]) -> Self {
+        let (width, height) = (grid.width as usize, grid.height as usize);
+        let stride = width + 2 * MARGIN;
+        let mut planes: [Vec<f32>; N] = std::array::from_fn(|k| vec![margin[k]; stride * height]);
+        for y in 0..height {
+            for x in 0..width {
+                let numbers = values(y * width + x);
+                for (plane, number) in planes.iter_mut().zip(numbers) {
+                    plane[y * stride + MARGIN + x] = number;
+                }
+            }
+        }
+        Self { stride, planes }
+    }
+
+    /// Numbers of eight pixels from this place on.
+    #[inline]
+    fn lanes(&self, at: usize) -> [f32x8; N] {
+        std::array::from_fn(|k| load(&self.planes[k], at))
+    }
+}
+
+/// Eight numbers of a plane.
+#[inline]
+fn load(plane: &[f32], at: usize) -> f32x8 {
+    f32x8::new(plane[at..at + 8].try_into().unwrap_or([0.0; 8]))
+}
+
+/// Planes of the surfaces: position, pixel, normal, seen normal, surface.
+struct SurfacePlanes(Planes<11>);
+
+impl SurfacePlanes {
+    fn new(grid: Grid, guides: &[Guide], pixel: f32) -> Self {
+        let mut margin = [0.0; 11];
+        (margin[3], margin[10]) = (1.0, UNFILTERED);
+        Self(Planes::new(grid, margin, |index| {
+            let guide = &guides[index];
+            let surface = match guide.class {
+                GuideClass::Sky | GuideClass::Emitter => UNFILTERED,
+                GuideClass::Surface => (2 * guide.object) as f32,
+                // Pixels of glass share light if they show one object.
+                GuideClass::Glass => (2 * guide.seen_object + 1) as f32,
+            };
+            let ([px, py, pz], [nx, ny, nz]) = (guide.position.to_array(), guide.normal.to_array());
+            let [sx, sy, sz] = guide.seen_normal.to_array();
+            [px, py, pz, pixel * guide.length, nx, ny, nz, sx, sy, sz, surface]
+        }))
+    }
+
+    #[inline]
+    fn at(&self, at: usize) -> Surfaces {
+        let [px, py, pz, pixel, nx, ny, nz, sx, sy, sz, surface] = self.0.lanes(at);
+        Surfaces { position: [px, py, pz], pixel, normal: [nx, ny, nz], seen_normal: [sx, sy, sz], surface }
+    }
+}
+
+/// Irradiance and variance of the luminance of all pixels, while they are filtered.
+type Estimates = Planes<4>;
 
 /// Filtered irradiance.
 pub(super) fn filter(history: &History) -> Vec<Vec3> {
     let grid = Grid::new(history.frame.size());
-    let guides: Vec<FilterGuide> =
-        history.guides.par_iter().map(|guide| FilterGuide::new(guide, history.frame.pixel)).collect();
-    let mut estimates = grid.map(|x, y| {
-        let index = (y * grid.width + x) as usize;
-        let irradiance = history.irradiance[index];
-        let variance = if guides[index].surface == UNFILTERED { 0.0 } else { variance(grid, history, &guides, x, y) };
-        Estimate { irradiance, variance, luminance: luminance(irradiance) }
-    });
+    let surfaces = SurfacePlanes::new(grid, &history.guides, history.frame.pixel);
+    let mut estimates = first_estimates(grid, history, &surfaces);
     for step in STEPS {
-        estimates = grid.map(|x, y| filtered(grid, &guides, &estimates, x, y, step));
+        estimates = each_eight(grid, |x, y| filtered(grid, &surfaces, &estimates, x, y, step));
     }
-    estimates.into_iter().map(|estimate| estimate.irradiance).collect()
+    let [r, g, b, _] = &estimates.planes;
+    let place = |index: usize| index / grid.width as usize * estimates.stride + MARGIN + index % grid.width as usize;
+    (0..history.length.len()).map(place).map(|at| Vec3::new(r[at], g[at], b[at])).collect()
 }
 
-/// One pass at a pixel.
-fn filtered(grid: Grid, guides: &[FilterGuide], estimates: &[Estimate], x: i32, y: i32, step: i32) -> Estimate {
-    let centre = (y * grid.width + x) as usize;
-    let (here, guide) = (estimates[centre], &guides[centre]);
-    // Pixels that saw no light yet take what their neighbours give: otherwise these would lose it.
-    if guide.surface == UNFILTERED {
-        return here;
-    }
-    let (mut sum, mut variances, mut total) = (here.irradiance, here.variance, 1.0);
-    for dy in -1..=1 {
-        for dx in -1..=1 {
-            let Some(index) = grid.index(x + step * dx, y + step * dy).filter(|index| *index != centre) else {
-                continue;
-            };
-            let surface = guide.similarity(&guides[index], step as f32);
-            if surface <= 0.0 {
-                continue;
+/// Planes of a function of eight adjoining pixels, of which the first is (x, y).
+fn each_eight(grid: Grid, value: impl Fn(usize, i32) -> [f32x8; 4] + Sync) -> Estimates {
+    let stride = grid.width as usize + 2 * MARGIN;
+    let mut planes: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; stride * grid.height as usize]);
+    let [r, g, b, variance] = &mut planes;
+    let rows = r.par_chunks_mut(stride).zip(g.par_chunks_mut(stride));
+    let rows = rows.zip(b.par_chunks_mut(stride)).zip(variance.par_chunks_mut(stride));
+    rows.enumerate().with_min_len(8).for_each(|(y, (((r, g), b), variance))| {
+        for x in (0..grid.width as usize).step_by(8) {
+            let values = value(x, y as i32);
+            for (row, value) in [&mut *r, &mut *g, &mut *b, &mut *variance].into_iter().zip(values) {
+                row[MARGIN + x..MARGIN + x + 8].copy_from_slice(&value.to_array());
             }
-            let there = &estimates[index];
-            // The same for both, so that each gives the other as much as it takes.
-            let deviation = (here.variance + there.variance).sqrt();
-            let difference = (here.luminance - there.luminance).abs() / (LUMINANCE_REACH * deviation + 1e-6);
-            let kernel = if dx == 0 || dy == 0 { 0.5 } else { 0.25 };
-            let weight = kernel * surface * (1.0 - difference).max(0.0);
-            sum += there.irradiance * weight;
-            variances += there.variance * weight * weight;
-            total += weight;
         }
-    }
-    let irradiance = sum / total;
-    Estimate { irradiance, variance: variances / (total * total), luminance: luminance(irradiance) }
+    });
+    Planes { stride, planes }
 }
 
-/// Variance of the mean of a pixel. That of a young history is taken from its neighbours on the same surface.
-fn variance(grid: Grid, history: &History, guides: &[FilterGuide], x: i32, y: i32) -> f32 {
-    let centre = (y * grid.width + x) as usize;
-    let [mut mean, mut square] = history.moments[centre];
-    let length = history.length[centre];
-    if length < TRUSTED_SAMPLES {
-        let mut total = 1.0;
-        for index in grid.around(x, y, VARIANCE_RADIUS) {
-            let weight = guides[centre].similarity(&guides[index], VARIANCE_RADIUS as f32);
-            mean += history.moments[index][0] * weight;
-            square += history.moments[index][1] * weight;
+/// One pass at eight pixels.
+#[inline]
+fn filtered(grid: Grid, surfaces: &SurfacePlanes, estimates: &Estimates, x: usize, y: i32, step: i32) -> [f32x8; 4] {
+    let at = y as usize * estimates.stride + MARGIN + x;
+    let (here, surface) = (estimates.lanes(at), surfaces.at(at));
+    let [mut r, mut g, mut b, mut variance] = here;
+    let mut total = f32x8::ONE;
+    // Pixels that saw no light yet take what their neighbours give: otherwise these would lose it.
+    for dy in (-1..=1).filter(|dy| (0..grid.height).contains(&(y + step * dy))) {
+        for dx in (-1..=1).filter(|dx| (*dx, dy) != (0, 0)) {
+            let place =
+                (at as isize + step as isize * (dy as isize * estimates.stride as isize + dx as isize)) as usize;
+            let similarity = surface.similarity(&surfaces.at(place), step as f32);
+            let there = estimates.lanes(place);
+            // The same for both, so that each gives the other as much as it takes.
+            let deviation = (here[3] + there[3]).sqrt();
+            let apart = (lane_luminance(here) - lane_luminance(there)).abs();
+            let difference = apart / (deviation * LUMINANCE_REACH + f32x8::splat(1e-6));
+            let kernel = if dx == 0 || dy == 0 { 0.5 } else { 0.25 };
+            let weight = similarity * (f32x8::ONE - difference).max(f32x8::ZERO) * kernel;
+            r += there[0] * weight;
+            g += there[1] * weight;
+            b += there[2] * weight;
+            variance += there[3] * weight * weight;
             total += weight;
         }
-        (mean, square) = (mean / total, square / total);
     }
-    (square - mean * mean).max(0.0) / length
+    [r / total, g / total, b / total, variance / (total * total)]
+}
+
+fn lane_luminance([r, g, b, _]: [f32x8; 4]) -> f32x8 {
+    let [wr, wg, wb] = LUMINANCE_WEIGHTS;
+    r * wr + g * wg + b * wb
+}
+
+/// Means of the history and their variances. That of a young history is taken from its neighbours on the same surface.
+fn first_estimates(grid: Grid, history: &History, surfaces: &SurfacePlanes) -> Estimates {
+    let means = Planes::new(grid, [0.0; 6], |index| {
+        let ([r, g, b], [mean, square]) = (history.irradiance[index].to_array(), history.moments[index]);
+        [r, g, b, mean, square, history.length[index]]
+    });
+    each_eight(grid, |x, y| {
+        let at = y as usize * means.stride + MARGIN + x;
+        let [r, g, b, mut mean, mut square, length] = means.lanes(at);
+        let surface = surfaces.at(at);
+        let is_young = length.simd_lt(f32x8::splat(TRUSTED_SAMPLES));
+        if is_young.any() {
+            let (mut means_around, mut squares_around, mut total) = (mean, square, f32x8::ONE);
+            for (dx, dy) in square_around(VARIANCE_RADIUS).filter(|(_, dy)| (0..grid.height).contains(&(y + dy))) {
+                let place = (at as isize + dy as isize * means.stride as isize + dx as isize) as usize;
+                let weight = surface.similarity(&surfaces.at(place), VARIANCE_RADIUS as f32);
+                means_around += load(&means.planes[3], place) * weight;
+                squares_around += load(&means.planes[4], place) * weight;
+                total += weight;
+            }
+            mean = is_young.select(means_around / total, mean);
+            square = is_young.select(squares_around / total, square);
+        }
+        let variance = (square - mean * mean).max(f32x8::ZERO) / length.max(f32x8::ONE);
+        let is_filtered = surface.surface.simd_ge(f32x8::ZERO);
+        [r, g, b, is_filtered & variance]
+    })
 }
 
 /// Least and largest luminance that the mean of each pixel may have, judged from the samples around it.
@@ -260,27 +343,18 @@ mod tests {
     fn similarity_is_symmetric_and_ends_at_edges() {
         let at = |x: f32, normal: Vec3, object: u32| {
             let position = Vec3::new(x, 0.3 * x * x, 0.0);
-            let (length, seen_object) = (4.0 + x, object);
-            FilterGuide::new(
-                &Guide {
-                    position,
-                    normal,
-                    seen_normal: normal,
-                    length,
-                    object,
-                    seen_object,
-                    class: GuideClass::Surface,
-                    ..Guide::NONE
-                },
-                0.01,
-            )
+            let (length, seen_object, class) = (4.0 + x, object, GuideClass::Surface);
+            let guide =
+                Guide { position, normal, seen_normal: normal, length, object, seen_object, class, ..Guide::NONE };
+            SurfacePlanes::new(Grid::new([1, 1]), &[guide], 0.01).at(MARGIN)
         };
+        let similarity = |a: &Surfaces, b: &Surfaces| a.similarity(b, 1.0).to_array()[0];
         let tilted = Vec3::new(0.2, 1.0, 0.0).normalize();
         let (a, b) = (at(0.0, Vec3::Y, 3), at(0.05, tilted, 3));
-        assert!(a.similarity(&b, 1.0) > 0.3);
-        assert_eq!(a.similarity(&b, 1.0), b.similarity(&a, 1.0));
-        assert_eq!(a.similarity(&at(0.05, tilted, 4), 1.0), 0.0);
-        assert_eq!(a.similarity(&at(0.05, Vec3::X, 3), 1.0), 0.0);
-        assert_eq!(a.similarity(&at(2.0, Vec3::Y, 3), 1.0), 0.0);
+        assert!(similarity(&a, &b) > 0.3);
+        assert_eq!(similarity(&a, &b), similarity(&b, &a));
+        assert_eq!(similarity(&a, &at(0.05, tilted, 4)), 0.0);
+        assert_eq!(similarity(&a, &at(0.05, Vec3::X, 3)), 0.0);
+        assert_eq!(similarity(&a, &at(2.0, Vec3::Y, 3)), 0.0);
     }
 }

@@ -24,7 +24,7 @@ fn similarity(a: Guide, b: Guide, distance: f32) -> f32 {
     }
     let apart = a.position - b.position;
     let along = max(abs(dot(a.normal, apart)), abs(dot(b.normal, apart)));
-    let plane = 1.0 - along / (PLANE_REACH * distance * uniforms.pixel * max(a.length, b.length));
+    let plane = 1.0 - along / (PLANE_REACH * distance * uniforms.pixel * max(path_length(a), path_length(b)));
     let cosine = max(dot(a.seen_normal, b.seen_normal), 0.0);
     let fourth = cosine * cosine * cosine * cosine;
     return max(plane, 0.0) * fourth * fourth * fourth;

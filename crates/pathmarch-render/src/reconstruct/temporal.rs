@@ -69,10 +69,12 @@ impl History {
         let join = |index: usize| {
             let (guide, irradiance) = (&guides[index], new.irradiance[index]);
             let l = luminance(irradiance);
+            // Fireflies of a single sample have been spread.
+            let square = if samples > 1.0 { guide.square } else { l * l };
             let found = past.filter(|_| max_length > 0.0);
             let found = found.and_then(|(past, motion)| past.find(&motion.earlier(guide), frame));
             let Some(Found { position, irradiance: mut before, mut moments, length }) = found else {
-                return (irradiance, [l, l * l], samples, None);
+                return (irradiance, [l, square], samples, None);
             };
             if let Some([least, most]) = limits.map(|limits| limits[index]) {
                 let old = luminance(before);
@@ -84,7 +86,7 @@ impl History {
             let length = length.min(limit);
             let share = samples / (samples + length);
             let mean = |old: f32, new: f32| old + (new - old) * share;
-            let moments = [mean(moments[0], l), mean(moments[1], l * l)];
+            let moments = [mean(moments[0], l), mean(moments[1], square)];
             (before.lerp(irradiance, share), moments, samples + length, Some(position))
         };
         let joined: Vec<_> = (0..guides.len()).into_par_iter().with_min_len(1024).map(join).collect();

@@ -34,7 +34,9 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     let samples = f32(uniforms.samples);
     let irradiance = estimates[pixel].xyz;
     let l = luminance(irradiance);
-    history[pixel] = History(irradiance, samples, vec2f(l, l * l), vec2f(-1e9));
+    // Fireflies of a single sample have been spread.
+    let square = select(l * l, guide.square, uniforms.samples > 1u);
+    history[pixel] = History(irradiance, samples, vec2f(l, square), vec2f(-1e9));
     if uniforms.max_history <= 0.0 {
         return;
     }
@@ -56,7 +58,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     history[pixel] = History(
         mix(found.irradiance, irradiance, share),
         samples + length,
-        mix(found.moments, vec2f(l, l * l), share),
+        mix(found.moments, vec2f(l, square), share),
         found.before,
     );
 }

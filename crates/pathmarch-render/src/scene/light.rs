@@ -172,10 +172,14 @@ impl LightShape {
     }
 }
 
+/// Weights of the channels of a linear Rec. 709 colour in its luminance.
+pub(crate) const LUMINANCE_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
 /// Luminance of a linear Rec. 709 colour.
 #[inline]
 pub(crate) fn luminance([r, g, b]: [f32; 3]) -> f32 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+    let [wr, wg, wb] = LUMINANCE_WEIGHTS;
+    wr * r + wg * g + wb * b
 }
 
 /// 1 - cosine of half an apparent diameter in degrees, without cancellation.

@@ -15,6 +15,7 @@ use super::slice::{BAND, Progress, Slice};
 use super::timer::GpuTimer;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
+use crate::integrator::guides::FILM_SAMPLES;
 use crate::integrator::splitting;
 use crate::mode::Mode;
 use crate::output::film::Film;
@@ -349,7 +350,7 @@ impl GpuJob {
             rows: rows.min(height - row),
             first_column: column,
             columns,
-            stores_guides: u32::from(samples == 0),
+            guide_samples: if samples < FILM_SAMPLES { samples + 1 } else { 0 },
             ..Slice::zeroed()
         };
         let band = f64::from(width) * f64::from(BAND);

@@ -4,7 +4,7 @@
 /// Value of the slice's sample of a pixel, as the film adds it.
 fn slice_value(x: u32, y: u32) -> vec4f {
     let sampler = pixel_sampler(x, y, slice.sample, frame.seed);
-    let value = checked(kept(estimate(camera_ray(x, y, sampler), sampler)));
-    store_guide(y * frame.width + x);
-    return value;
+    let value = kept(estimate(camera_ray(x, y, sampler), sampler));
+    store_guide(y * frame.width + x, value.xyz);
+    return checked(value);
 }

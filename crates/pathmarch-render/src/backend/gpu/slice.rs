@@ -15,8 +15,8 @@ shared_struct! {
         pub(super) columns: u32,
         /// Index of the first path in the buffer of suspended paths.
         pub(super) first_slot: u32,
-        /// Not 0 if the guides of the sample are stored.
-        pub(super) stores_guides: u32,
+        /// Number of samples whose guides are stored, this one included; 0 if they are not.
+        pub(super) guide_samples: u32,
     }
 }
 

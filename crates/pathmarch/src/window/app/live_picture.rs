@@ -47,7 +47,7 @@ impl App {
             scene,
             moving: moving.is_some(),
             frame_time: Duration::from_secs_f32(1.0 / self.preferences.frame_rate.clamp(1.0, 240.0)),
-            reconstruct: self.preferences.reconstruct,
+            reconstruct: self.preferences.reconstruct.then_some(self.reconstruct_options),
         };
         let same = self.ordered.as_ref().is_some_and(|old| {
             Arc::ptr_eq(&old.scene, &order.scene)

@@ -53,6 +53,8 @@ pub(crate) struct App {
     pub(crate) open: Option<OpenScene>,
     pub(crate) gallery: Gallery,
     pub(crate) preferences: Preferences,
+    /// Stages of reconstruction, and the buffer that is shown.
+    pub(crate) reconstruct_options: ReconstructOptions,
     pub(crate) recovery: Recovery,
     pub(crate) file_dialog: Option<(FileDialog, FileRequest)>,
     pub(crate) dialog: Option<Dialog>,
@@ -107,6 +109,7 @@ impl App {
             open: None,
             gallery: Gallery::default(),
             preferences,
+            reconstruct_options: ReconstructOptions::default(),
             recovery,
             file_dialog: None,
             dialog: None,

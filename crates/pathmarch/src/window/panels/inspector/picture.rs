@@ -5,6 +5,37 @@ use crate::window::open_scene::view_state::Resolution;
 use egui::{ComboBox, Slider, Ui};
 use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_scene::document::ItemKind;
+use pathmarch_render::reconstruct::{Buffer, ReconstructOptions};
+
+/// Switches of the stages of reconstruction, and the buffer that is shown.
+fn reconstruction_stages(ui: &mut Ui, options: &mut ReconstructOptions) {
+    let ReconstructOptions { reprojection, firefly_filter, spatial_filter, antialiasing, upscaling, buffer } = options;
+    for (stage, name, doc) in [
+        (reprojection, "reprojection", "Continues the mean of each point of the last picture."),
+        (
+            firefly_filter,
+            "firefly filter",
+            "Spreads the energy of samples that are far brighter than their neighbours.",
+        ),
+        (spatial_filter, "spatial filter", "Averages neighbours on the same surface."),
+        (antialiasing, "anti-aliasing", "Averages the picture with the last one."),
+        (upscaling, "upscaling", "Shows the moving picture at up to twice the resolution of its samples."),
+    ] {
+        ui.checkbox(stage, name).on_hover_text(doc);
+    }
+    ui.horizontal(|ui| {
+        let label = ui.label("shown buffer");
+        ComboBox::from_id_salt("buffer")
+            .selected_text(buffer.name())
+            .show_ui(ui, |ui| {
+                for choice in Buffer::ALL {
+                    ui.selectable_value(buffer, choice, choice.name());
+                }
+            })
+            .response
+            .labelled_by(label.id);
+    });
+}
 
 impl App {
     /// Mode and resolution of the viewport, render settings, background.
@@ -43,10 +74,14 @@ impl App {
             ui.end_row();
             let label = ui
                 .label("reconstruction")
-                .on_hover_text("Denoises the moving view. CPU only. A still view converges to the unaltered picture.");
+                .on_hover_text("Denoises the moving view. A still view converges to the unaltered picture.");
             ui.checkbox(&mut self.preferences.reconstruct, "").labelled_by(label.id);
             ui.end_row();
         });
+        if self.preferences.reconstruct && open.view.mode == Mode::Path {
+            egui::CollapsingHeader::new("Stages of reconstruction")
+                .show(ui, |ui| reconstruction_stages(ui, &mut self.reconstruct_options));
+        }
         for (kind, none) in [(ItemKind::Render, "render"), (ItemKind::Sky, "sky")] {
             let Some(open) = &self.open else { return };
             let item = open.document.outline().iter().find(|item| item.kind == kind).cloned();
