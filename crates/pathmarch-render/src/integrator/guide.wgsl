@@ -2,6 +2,8 @@
 
 /// Bit of a glossy surface beside the index of its object.
 const GLOSSY_BIT = 0x20000000u;
+/// Bit of mixed surfaces beside the index of the object that is seen.
+const MIXED_BIT = 0x80000000u;
 /// First bit of the class of a guide beside the index of its object.
 const CLASS_SHIFT = 30u;
 
@@ -26,6 +28,8 @@ struct Guide {
     /// Index of the leaf of `position`; `NO_LEAF` for the sky and for mirror images.
     leaf: u32,
     is_glossy: bool,
+    /// True if the samples show several surfaces.
+    is_mixed: bool,
 }
 
 /// Unit vector in two numbers from -1 to 1: an octahedral map (Meyer et al. 2010).
@@ -49,7 +53,7 @@ fn packed_guide(guide: Guide) -> array<vec4u, 3> {
         vec4u(pack2x16snorm(octahedral(guide.normal)), pack2x16snorm(octahedral(guide.seen_normal)), albedo.xy),
         vec4u(
             guide.object | select(0u, GLOSSY_BIT, guide.is_glossy) | (guide.guide_class << CLASS_SHIFT),
-            guide.seen_object,
+            guide.seen_object | select(0u, MIXED_BIT, guide.is_mixed),
             guide.leaf,
             albedo.z,
         ),
@@ -67,7 +71,8 @@ fn unpacked_guide(words: array<vec4u, 3>) -> Guide {
     guide.guide_class = words[2].x >> CLASS_SHIFT;
     guide.is_glossy = (words[2].x & GLOSSY_BIT) != 0u;
     guide.object = words[2].x & (GLOSSY_BIT - 1u);
-    guide.seen_object = words[2].y;
+    guide.seen_object = words[2].y & (MIXED_BIT - 1u);
+    guide.is_mixed = (words[2].y & MIXED_BIT) != 0u;
     guide.leaf = words[2].z;
     return guide;
 }

@@ -22,6 +22,8 @@ shared_constants! {
     const MAX_DELTA_SURFACES: u32 = 8;
     /// Least albedo to divide by.
     const MIN_ALBEDO: f32 = 0.04;
+    /// Least cosine between normals of samples that show one surface.
+    const MIN_COMMON_COSINE: f32 = 0.8;
     /// No leaf.
     pub(crate) const NO_LEAF: u32 = u32::MAX;
     /// Class of the sky.
@@ -64,6 +66,8 @@ pub(crate) struct Guide {
     /// Length of the path from the camera, metres.
     pub(crate) length: f32,
     pub(crate) class: GuideClass,
+    /// True if the samples show several surfaces.
+    pub(crate) is_mixed: bool,
     /// True if the surface looks different from other directions.
     pub(crate) is_glossy: bool,
     /// Index of the object; 0 for the sky.
@@ -84,6 +88,7 @@ impl Guide {
         square: 0.0,
         length: 0.0,
         class: GuideClass::Sky,
+        is_mixed: false,
         is_glossy: false,
         object: 0,
         seen_object: 0,
@@ -109,6 +114,8 @@ impl Guide {
     /// Adds the guide of the sample of this index, from 1 on: the means change, the surface stays that of the first one.
     pub(crate) fn add(&mut self, sample: &Self, index: u32) {
         let share = 1.0 / (index + 1) as f32;
+        let turned = self.normal.dot(sample.normal) < MIN_COMMON_COSINE && self.class != GuideClass::Sky;
+        self.is_mixed |= self.class != sample.class || self.object != sample.object || turned;
         self.albedo = self.albedo.lerp(sample.albedo, share);
         self.square += (sample.square - self.square) * share;
     }
@@ -203,6 +210,7 @@ impl GuideRecorder {
             square: 0.0,
             length: interaction.length,
             class,
+            is_mixed: false,
             is_glossy: is_glass || material.has(GLOSSY),
             object,
             seen_object: object,

@@ -29,7 +29,8 @@ fn begin_guide(camera: Ray) {
     guide.guide_class = GUIDE_SKY;
     guide.albedo = vec3f(1.0);
     guide.object = GLOSSY_BIT - 1u;
-    guide.seen_object = NO_LEAF;
+    guide.seen_object = 0u;
+    guide.is_mixed = false;
     guide.leaf = NO_LEAF;
     guide.is_glossy = false;
 }
@@ -90,7 +91,10 @@ fn store_guide(pixel: u32, radiance: vec3f) {
     if slice.guide_samples > 1u {
         let before = unpacked_guide(array<vec4u, 3>(guides[3u * pixel], guides[3u * pixel + 1u], guides[3u * pixel + 2u]));
         let share = 1.0 / f32(slice.guide_samples);
+        let turned = dot(before.normal, guide.normal) < MIN_COMMON_COSINE && guide.guide_class != GUIDE_SKY;
+        let differs = before.guide_class != guide.guide_class || before.object != guide.object;
         stored = before;
+        stored.is_mixed = before.is_mixed || differs || turned;
         stored.albedo = mix(before.albedo, guide.albedo, share);
         stored.square = mix(before.square, irradiance * irradiance, share);
     }

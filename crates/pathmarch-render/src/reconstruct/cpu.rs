@@ -56,8 +56,8 @@ impl CpuReconstruction {
         let &FilmView { scene, frame, guides, means, samples, weight } = film;
         let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| *mean / guide.divisor());
         let mut irradiance: Vec<Vec3> = divided.collect();
-        if samples == 1 && options.firefly_filter {
-            spatial::spread_fireflies(frame.size(), guides, &mut irradiance);
+        if options.firefly_filter {
+            spatial::spread_fireflies(frame.size(), guides, samples as f32, &mut irradiance);
         }
         let past = self.past.as_ref();
         let poses = Poses::new(scene);
@@ -68,7 +68,7 @@ impl CpuReconstruction {
         let new = Samples { irradiance: &irradiance, count: samples as f32 };
         let max_length = self.changes.max_history * (1.0 - weight);
         let history = History::new(frame, guides, new, past_history, max_length, limits.as_deref());
-        let filtered = options.spatial_filter.then(|| spatial::filter(&history));
+        let filtered = options.spatial_filter.then(|| spatial::filter(&history, settles(samples)));
         let multiplied = filtered.as_ref().unwrap_or(&history.irradiance).par_iter().zip(guides.par_iter());
         let clean: Vec<Vec3> = multiplied.map(|(irradiance, guide)| *irradiance * guide.divisor()).collect();
         let last = past.filter(|_| options.antialiasing);

@@ -64,7 +64,7 @@ shared_struct! {
         gain: f32,
         /// Index of the tone curve.
         tonemap: u32,
-        /// Not 0 if the film is mixed with the picture.
+        /// Not 0 if the film has samples enough to show edges; 2 if it is also mixed with the picture.
         settles: u32,
         /// Weight of a new picture in the average with the last one.
         new_weight: f32,
@@ -89,6 +89,7 @@ struct Passes {
     spread_fireflies: wgpu::ComputePipeline,
     accumulate: wgpu::ComputePipeline,
     start_filter: wgpu::ComputePipeline,
+    smooth_variance: wgpu::ComputePipeline,
     filter: [wgpu::ComputePipeline; STEPS.len()],
     antialias: wgpu::ComputePipeline,
     mix_with_film: wgpu::ComputePipeline,
@@ -125,6 +126,7 @@ impl Passes {
             spread_fireflies: pipeline(&spatial, "spread_fireflies", &[]),
             accumulate: pipeline(&temporal, "accumulate", &[]),
             start_filter: pipeline(&spatial, "start_filter", &[]),
+            smooth_variance: pipeline(&spatial, "smooth_variance", &[]),
             filter: STEPS.map(|step| pipeline(&spatial, "filter_once", &[("STEP", f64::from(step))])),
             antialias: pipeline(&module("reconstruct/antialiasing"), "antialias", &[]),
             mix_with_film: pipeline(&show, "mix_with_film", &[]),
@@ -385,7 +387,7 @@ impl GpuReconstruction {
             buffer: options.buffer as u32,
             gain: display.gain(),
             tonemap: display.tonemap as u32,
-            settles: u32::from(settles(film.samples) && frame.size() == size),
+            settles: u32::from(settles(film.samples)) << u32::from(frame.size() == size),
             new_weight: antialiasing::new_weight(film.samples),
         }
     }
@@ -439,14 +441,15 @@ impl GpuReconstruction {
         };
         let passes = &self.passes;
         run(&passes.divide, &[0, 1, 2, 4, 7], 0, traced);
-        if film.samples == 1 && options.firefly_filter {
+        if options.firefly_filter {
             run(&passes.find_fireflies, &[0, 2, 7, 8], 0, traced);
             run(&passes.spread_fireflies, &[0, 2, 7, 8], 0, traced);
         }
         run(&passes.accumulate, &[0, 2, 3, 4, 5, 6, 7], 0, traced);
         run(&passes.start_filter, &[0, 2, 5, 7], 0, traced);
         let mut source = 0;
-        for pipeline in passes.filter.iter().filter(|_| options.spatial_filter) {
+        let filters = std::iter::once(&passes.smooth_variance).chain(&passes.filter);
+        for pipeline in filters.filter(|_| options.spatial_filter) {
             run(pipeline, &[0, 2, 7, 8], source, traced);
             source = 1 - source;
         }

@@ -254,12 +254,13 @@ pub(crate) fn upscaled_size(traced: [u32; 2], full: [u32; 2]) -> [u32; 2] {
 }
 
 /// Weight of a film of `samples` samples in a pixel with this mean luminance of the irradiance, from its own noise: near 1
-/// once that cannot be seen.
+/// once that cannot be seen. Nothing but the film shows edges as they are.
 fn settled_weight(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
     let variance = (guide.square - irradiance * irradiance).max(0.0) / samples;
     let visible = variance.sqrt() / (VISIBLE_NOISE * irradiance.max(1e-4));
     let clean = (1.0 - visible).max(0.0);
-    clean * clean * (samples / SETTLING_SAMPLES).min(1.0)
+    let settled = if guide.is_mixed { 1.0 } else { clean * clean };
+    settled * (samples / SETTLING_SAMPLES).min(1.0)
 }
 
 /// Luminance of a linear Rec. 709 colour.

@@ -10,7 +10,7 @@ fn mix_with_film(@builtin(global_invocation_id) id: vec3u) {
     }
     let pixel = id.y * size.x + id.x;
     estimates[pixel] = colours[pixel];
-    if uniforms.settles == 0u {
+    if uniforms.settles < 2u {
         return;
     }
     let guide = guide_at(pixel);
@@ -20,7 +20,7 @@ fn mix_with_film(@builtin(global_invocation_id) id: vec3u) {
     let variance = max(guide.square - irradiance * irradiance, 0.0) / samples;
     let visible = sqrt(variance) / (VISIBLE_NOISE * max(irradiance, 1e-4));
     let clean = max(1.0 - visible, 0.0);
-    let settled = clean * clean * min(samples / SETTLING_SAMPLES, 1.0);
+    let settled = select(clean * clean, 1.0, guide.is_mixed) * min(samples / SETTLING_SAMPLES, 1.0);
     let colour = mix(colours[pixel].xyz, mean, max(uniforms.weight, settled));
     estimates[pixel] = vec4f(colour, 0.0);
 }

@@ -21,8 +21,9 @@ shared_constants! {
     const LUMINANCE_REACH: f32 = 4.0;
     /// Distance from a plane, in sides of a pixel for each pixel between the taps, at which the weight ends.
     const PLANE_REACH: f32 = 1.0;
-    /// Luminance, in means of the neighbours, above which a sample is a firefly.
-    const FIREFLY: f32 = 6.0;
+    /// Luminance above the mean of the neighbours, in such means, from which on a single sample is a firefly. The mean of
+    /// several samples is one from that divided by the root of their number on.
+    const FIREFLY: f32 = 5.0;
     /// Half the side of the square that takes the energy of a firefly, pixels.
     const FIREFLY_RADIUS: i32 = 2;
     /// Half the side of the square that decides which luminance is plausible, pixels.
@@ -144,13 +145,15 @@ fn load(plane: &[f32], at: usize) -> f32x8 {
 struct SurfacePlanes(Planes<11>);
 
 impl SurfacePlanes {
-    fn new(grid: Grid, guides: &[Guide], pixel: f32) -> Self {
+    fn new(grid: Grid, guides: &[Guide], pixel: f32, settles: bool) -> Self {
         let mut margin = [0.0; 11];
         (margin[3], margin[10]) = (1.0, UNFILTERED);
         Self(Planes::new(grid, margin, |index| {
             let guide = &guides[index];
             let surface = match guide.class {
                 GuideClass::Sky | GuideClass::Emitter => UNFILTERED,
+                // The mean of several surfaces is that of none.
+                _ if settles && guide.is_mixed => UNFILTERED,
                 GuideClass::Surface => (2 * guide.object) as f32,
                 // Pixels of glass share light if they show one object.
                 GuideClass::Glass => (2 * guide.seen_object + 1) as f32,
@@ -171,11 +174,12 @@ impl SurfacePlanes {
 /// Irradiance and variance of the luminance of all pixels, while they are filtered.
 type Estimates = Planes<4>;
 
-/// Filtered irradiance.
-pub(super) fn filter(history: &History) -> Vec<Vec3> {
+/// Filtered irradiance; `settles` if the film has samples enough to show edges.
+pub(super) fn filter(history: &History, settles: bool) -> Vec<Vec3> {
     let grid = Grid::new(history.frame.size());
-    let surfaces = SurfacePlanes::new(grid, &history.guides, history.frame.pixel);
-    let mut estimates = first_estimates(grid, history, &surfaces);
+    let surfaces = SurfacePlanes::new(grid, &history.guides, history.frame.pixel, settles);
+    let first = first_estimates(grid, history, &surfaces);
+    let mut estimates = each_eight(grid, |x, y| with_smooth_variance(grid, &surfaces, &first, x, y));
     for step in STEPS {
         estimates = each_eight(grid, |x, y| filtered(grid, &surfaces, &estimates, x, y, step));
     }
@@ -232,6 +236,22 @@ fn filtered(grid: Grid, surfaces: &SurfacePlanes, estimates: &Estimates, x: usiz
     [r / total, g / total, b / total, variance / (total * total)]
 }
 
+/// Estimates of eight pixels, their variances averaged with those of the next pixels on the same surface: the variance of a
+/// few samples is itself noisy.
+#[inline]
+fn with_smooth_variance(grid: Grid, surfaces: &SurfacePlanes, estimates: &Estimates, x: usize, y: i32) -> [f32x8; 4] {
+    let at = y as usize * estimates.stride + MARGIN + x;
+    let ([r, g, b, mut variance], surface) = (estimates.lanes(at), surfaces.at(at));
+    let mut total = f32x8::ONE;
+    for (dx, dy) in square_around(1).filter(|(_, dy)| (0..grid.height).contains(&(y + dy))) {
+        let place = (at as isize + dy as isize * estimates.stride as isize + dx as isize) as usize;
+        let weight = surface.similarity(&surfaces.at(place), 1.0);
+        variance += load(&estimates.planes[3], place) * weight;
+        total += weight;
+    }
+    [r, g, b, variance / total]
+}
+
 fn lane_luminance([r, g, b, _]: [f32x8; 4]) -> f32x8 {
     let [wr, wg, wb] = LUMINANCE_WEIGHTS;
     r * wr + g * wg + b * wb
@@ -284,8 +304,9 @@ pub(super) fn plausible_luminances(size: [u32; 2], irradiance: &[Vec3]) -> Vec<[
     })
 }
 
-/// Limits samples that are far above their neighbours, and gives what is above to the neighbours on the same surface.
-pub(super) fn spread_fireflies(size: [u32; 2], guides: &[Guide], irradiance: &mut [Vec3]) {
+/// Limits means of so many samples that are far above their neighbours, and gives what is above to the neighbours on the
+/// same surface.
+pub(super) fn spread_fireflies(size: [u32; 2], guides: &[Guide], samples: f32, irradiance: &mut [Vec3]) {
     let grid = Grid::new(size);
     let luminances: Vec<f32> = irradiance.par_iter().map(|colour| luminance(*colour)).collect();
     let shares = |centre: usize, index: &usize| {
@@ -306,7 +327,7 @@ pub(super) fn spread_fireflies(size: [u32; 2], guides: &[Guide], irradiance: &mu
             sum += luminances[index];
             count += 1.0;
         }
-        let limit = FIREFLY * sum / f32::max(count, 1.0);
+        let limit = (1.0 + FIREFLY / samples.sqrt()) * sum / f32::max(count, 1.0);
         // Without light around it, nothing tells a firefly from the only lit pixel.
         (sum > 0.0 && light > limit).then(|| (centre, irradiance[centre] * (1.0 - limit / light)))
     };
@@ -332,7 +353,7 @@ mod tests {
         let mut irradiance = vec![Vec3::splat(0.5); 49];
         irradiance[24] = Vec3::new(100.0, 50.0, 25.0);
         let sum: Vec3 = irradiance.iter().sum();
-        spread_fireflies([7, 7], &guides, &mut irradiance);
+        spread_fireflies([7, 7], &guides, 1.0, &mut irradiance);
         let after: Vec3 = irradiance.iter().sum();
         assert!((sum - after).abs().max_element() < 1e-3, "{sum} {after}");
         assert!(luminance(irradiance[24]) < 3.1 && irradiance[0] == Vec3::splat(0.5), "{}", irradiance[24]);
@@ -346,7 +367,7 @@ mod tests {
             let (length, seen_object, class) = (4.0 + x, object, GuideClass::Surface);
             let guide =
                 Guide { position, normal, seen_normal: normal, length, object, seen_object, class, ..Guide::NONE };
-            SurfacePlanes::new(Grid::new([1, 1]), &[guide], 0.01).at(MARGIN)
+            SurfacePlanes::new(Grid::new([1, 1]), &[guide], 0.01, false).at(MARGIN)
         };
         let similarity = |a: &Surfaces, b: &Surfaces| a.similarity(b, 1.0).to_array()[0];
         let tilted = Vec3::new(0.2, 1.0, 0.0).normalize();

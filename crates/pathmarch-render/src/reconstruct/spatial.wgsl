@@ -9,7 +9,8 @@ const UNFILTERED = 0xffffffffu;
 
 /// Equal on pixels that may share their light; `UNFILTERED` for those without noise.
 fn surface_of(guide: Guide) -> u32 {
-    if guide.guide_class == GUIDE_SKY || guide.guide_class == GUIDE_EMITTER {
+    // The mean of several surfaces is that of none.
+    if guide.guide_class == GUIDE_SKY || guide.guide_class == GUIDE_EMITTER || (uniforms.settles != 0u && guide.is_mixed) {
         return UNFILTERED;
     }
     // Pixels of glass share light if they show one object.
@@ -67,7 +68,7 @@ fn find_fireflies(@builtin(global_invocation_id) id: vec3u) {
             }
         }
     }
-    let limit = FIREFLY * sum / max(count, 1.0);
+    let limit = (1.0 + FIREFLY / sqrt(f32(uniforms.samples))) * sum / max(count, 1.0);
     // Without light around it, nothing tells a firefly from the only lit pixel.
     if sum > 0.0 && here.w > limit {
         next_estimates[pixel] = vec4f(here.xyz * (1.0 - limit / here.w), count);
@@ -128,6 +129,29 @@ fn start_filter(@builtin(global_invocation_id) id: vec3u) {
     }
     let variance = max(moments.y - moments.x * moments.x, 0.0) / here.length;
     estimates[pixel] = vec4f(here.irradiance, select(variance, 0.0, surface_of(guide) == UNFILTERED));
+}
+
+/// Averages the variances with those of the next pixels on the same surface.
+@compute @workgroup_size(8, 8)
+fn smooth_variance(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    let pixel = pixel_index(position);
+    let guide = guide_at(pixel);
+    let here = estimates[pixel];
+    var variance = here.w;
+    var total = 1.0;
+    for (var k = 0; k < 9; k++) {
+        let place = position + vec2i(k % 3 - 1, k / 3 - 1);
+        if k != 4 && is_inside(place) {
+            let weight = similarity(guide, guide_at(pixel_index(place)), 1.0);
+            variance += estimates[pixel_index(place)].w * weight;
+            total += weight;
+        }
+    }
+    next_estimates[pixel] = vec4f(here.xyz, variance / total);
 }
 
 /// One pass of the filter.

@@ -18,7 +18,7 @@ fn divide(@builtin(global_invocation_id) id: vec3u) {
     if guide.object != GLOSSY_BIT - 1u {
         let flags = guides[3u * pixel + 2u].x & ~(GLOSSY_BIT - 1u);
         guides[3u * pixel + 2u].x = flags | leaf_motions[guide.object].object;
-        guides[3u * pixel + 2u].y = leaf_motions[guide.seen_object].object;
+        guides[3u * pixel + 2u].y = leaf_motions[guide.seen_object].object | select(0u, MIXED_BIT, guide.is_mixed);
     }
 }
 
