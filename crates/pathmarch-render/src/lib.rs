@@ -34,6 +34,7 @@ pub use mode::{Mode, relative_error};
 pub use output::{film, image, tonemap};
 pub use pathmarch_field;
 pub use pathmarch_scene;
+pub use preview::steps::{PreviewStep, PreviewSteps};
 pub use ray_stats::RayStats;
 pub use settings::{DirectLighting, MAX_BOUNCES, MAX_SPLITTING, Settings};
 pub use views::aov;

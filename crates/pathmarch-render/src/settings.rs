@@ -3,6 +3,7 @@
 use crate::error::RenderError;
 use crate::mode::Mode;
 use crate::output::image::MAX_SIDE;
+use crate::preview::steps::PreviewSteps;
 use pathmarch_scene::{Camera, Caustics, RenderSettings, Sampler, Scene, settings};
 
 /// Largest number of bounces of a path.
@@ -53,6 +54,8 @@ pub struct Settings {
     pub viewpoint: Option<Camera>,
     /// Quantity that the picture shows.
     pub mode: Mode,
+    /// Steps of [`Mode::Preview`].
+    pub preview_steps: PreviewSteps,
     /// Number of paths that share a camera ray, from 1 to [`MAX_SPLITTING`]; `None` for the number that converges soonest. All
     /// are unbiased. Applies to [`Mode::Path`].
     pub splitting: Option<u32>,
@@ -124,6 +127,7 @@ impl From<&RenderSettings> for Settings {
             camera: 0,
             viewpoint: None,
             mode: Mode::Path,
+            preview_steps: PreviewSteps::default(),
             splitting: None,
         }
     }

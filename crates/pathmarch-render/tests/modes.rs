@@ -4,10 +4,10 @@ use crate::common::{cpu, data, mean, on_both_backends, on_each_backend, parse, r
 use pathmarch_render::aov;
 use pathmarch_render::film::Film;
 use pathmarch_render::image::PictureKind;
-use pathmarch_render::metrics::compare;
+use pathmarch_render::metrics::{compare, relmse};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::{Display, Tonemap};
-use pathmarch_render::{Mode, Renderer, Settings, clearance, pick, relative_error};
+use pathmarch_render::{Mode, PreviewStep, Renderer, Settings, clearance, pick, relative_error};
 use pathmarch_testing::{plain, tests};
 use std::collections::HashSet;
 
@@ -298,6 +298,35 @@ fn picks_and_clearances_of_a_ball_are_exact() {
     }
 }
 
+fn each_step_of_the_preview_changes_the_picture(renderers: &mut [Renderer; 2]) {
+    let text = "pathmarch 1\ncamera { position 0 1.2 4; target 0 0.5 0 }\nsky 0.6\nsun { direction 1 2 1; irradiance 2 }\n\
+        material \"red\" { diffuse 0.7 0.1 0.1 }\nmaterial \"mirror\" { metal 0.9; roughness 0 }\n\
+        material \"satin\" { metal 0.8; roughness 0.4 }\nobject \"floor\" material=\"red\" { plane }\n\
+        object \"ball\" material=\"mirror\" { sphere 0.5 { at -0.6 0.5 0 } }\n\
+        object \"knot\" material=\"satin\" { torus 0.3 0.15 { at 0.6 0.4 0.3 } }";
+    let scene = parse(text);
+    let whole = Settings { size: [48, 32], samples: 1, mode: Mode::Preview, ..Settings::of(&scene) };
+    let pictures = |settings: &Settings| renderers.each_ref().map(|renderer| render(renderer, &scene, settings).mean());
+    let [all, _] = pictures(&whole);
+    for step in PreviewStep::ALL {
+        let mut settings = whole.clone();
+        settings.preview_steps.set(step, false);
+        let [cpu, gpu] = pictures(&settings);
+        let (change, difference) = (relmse(&cpu, &all).expect("finite"), relmse(&cpu, &gpu).expect("finite"));
+        println!("without {}: changed by {change:.4}, backends differ by {difference:.2e}", step.name());
+        assert!(change > 1e-4 && difference < 1e-4, "{}: {change} {difference}", step.name());
+    }
+    let mut flat = whole.clone();
+    PreviewStep::ALL
+        .into_iter()
+        .filter(|step| *step != PreviewStep::Albedo)
+        .for_each(|step| flat.preview_steps.set(step, false));
+    // Nothing but the colour of the floor is left.
+    let [cpu, _] = pictures(&flat);
+    let corner = cpu.get(0, 31).expect("a pixel");
+    assert!((0..3).all(|k| (corner[k] - [0.7, 0.1, 0.1][k]).abs() < 1e-5), "{corner:?}");
+}
+
 tests! {
     plain: [
         picks_agree_with_aovs,
@@ -317,5 +346,6 @@ tests! {
         later_samples_smooth_the_edges,
         uncertainty_falls_with_the_root_of_the_samples,
     ],
+    on_both_backends: [each_step_of_the_preview_changes_the_picture],
     on_both_backends slow: [every_mode_looks_alike_on_both_backends],
 }

@@ -23,9 +23,11 @@
 pub(crate) mod ambient_sh;
 mod light_irradiance;
 pub(crate) mod soft_shadow;
+pub(crate) mod steps;
 
 use self::light_irradiance::{UnoccludedLight, bounding_radius, unoccluded_light};
 use self::soft_shadow::{ShadowRay, soft_shadows};
+use self::steps::{GREY_ALBEDO, PreviewStep, PreviewSteps};
 use crate::integrator::camera::central_ray;
 use crate::integrator::light_sampling;
 use crate::integrator::medium::{medium_beyond, transmittance};
@@ -313,6 +315,11 @@ impl PreviewTracer<'_> {
         let n = textured.map_or(interaction.normal, |textured| {
             textured.normal(interaction.outward(), interaction.normal, -direction)
         });
+        let has = |step| PreviewSteps::from_bits(ctx.frame.preview_steps).has(step);
+        let mut albedo = Vec3::from(surface_material.diffuse);
+        if !has(PreviewStep::Albedo) && albedo.max_element() > 0.0 {
+            albedo = Vec3::splat(GREY_ALBEDO);
+        }
         let transmitted = Vec3::from(surface_material.transmission);
         let clear = transmitted.max_element() > 0.0;
         let cosine = (-direction.dot(n)).clamp(0.0, 1.0);
@@ -324,7 +331,10 @@ impl PreviewTracer<'_> {
         let sharp_share = 1.0 - smoothstep(0.05, 0.45, surface_material.roughness);
         let reflection = direction + n * (2.0 * cosine);
         let mut untraced = 1.0;
-        if !*has_reflection && (preview_ray.weight * reflectance).max_element() * sharp_share > MIN_REFLECTION_WEIGHT {
+        if !*has_reflection
+            && has(PreviewStep::Reflection)
+            && (preview_ray.weight * reflectance).max_element() * sharp_share > MIN_REFLECTION_WEIGHT
+        {
             *has_reflection = true;
             untraced = 1.0 - sharp_share;
             self.reflections.push(PreviewRay {
@@ -333,28 +343,37 @@ impl PreviewTracer<'_> {
                 ..*preview_ray
             });
         }
-        let diffuse = Vec3::from(surface_material.diffuse) * (Vec3::ONE - reflectance) / PI;
-        let ambient_light =
-            diffuse * preview.ambient_irradiance(n) + reflectance * preview.ambient_radiance(reflection) * untraced;
+        let mut diffuse = albedo * (Vec3::ONE - reflectance) / PI;
+        if !has(PreviewStep::Diffuse) {
+            self.radiances[preview_ray.slot] += preview_ray.weight * albedo;
+            diffuse = Vec3::ZERO;
+        }
+        let mut ambient_light = diffuse * preview.ambient_irradiance(n);
+        let mut highlight_f90 = Vec3::ZERO;
+        if has(PreviewStep::Specular) {
+            ambient_light += reflectance * preview.ambient_radiance(reflection) * untraced;
+            highlight_f90 = f90;
+        }
+        let max_shadows = if has(PreviewStep::Shadows) { MAX_SHADOWS } else { 0 };
         let shaded = SurfaceInteraction { normal: n, ..*interaction };
         if !clear {
-            let visibility =
-                Vec3::splat(visibility) / (Vec3::ONE - Vec3::from(surface_material.diffuse) * (1.0 - visibility));
-            let specular = Specular { f0, f90, roughness: surface_material.roughness, untraced };
+            let visibility = if has(PreviewStep::Occlusion) { visibility } else { 1.0 };
+            let visibility = Vec3::splat(visibility) / (Vec3::ONE - albedo * (1.0 - visibility));
+            let specular = Specular { f0, f90: highlight_f90, roughness: surface_material.roughness, untraced };
             self.radiances[preview_ray.slot] += preview_ray.weight * ambient_light * visibility;
             self.add_direct_light(
                 preview_ray,
                 &shaded,
                 diffuse,
                 &specular,
-                if is_reflection { 1 } else { MAX_SHADOWS },
+                if is_reflection { max_shadows.min(1) } else { max_shadows },
                 shadow_tests,
             );
             return None;
         }
         self.radiances[preview_ray.slot] += preview_ray.weight * ambient_light;
         if !interaction.inside {
-            let specular = Specular { f0, f90, roughness: surface_material.roughness, untraced };
+            let specular = Specular { f0, f90: highlight_f90, roughness: surface_material.roughness, untraced };
             self.add_direct_light(preview_ray, &shaded, diffuse, &specular, 0, shadow_tests);
         }
         let eta = if interaction.inside { surface_material.ior } else { 1.0 / surface_material.ior };

@@ -20,6 +20,11 @@ struct PreviewMaterial {
     ior: f32,
 }
 
+/// True if the preview has the step of this bit.
+fn has_step(bit: u32) -> bool {
+    return (frame.preview_steps & bit) != 0u;
+}
+
 /// Number of the preview data.
 fn preview_number(k: u32) -> f32 {
     return bitcast<f32>(scene_data[MODE_DATA + k]);
@@ -94,6 +99,9 @@ fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
                     material = textured_preview(material);
                     n = shading_normal(outward, n, -ray.direction);
                 }
+                if !has_step(STEP_ALBEDO) && largest(material.diffuse) > 0.0 {
+                    material.diffuse = vec3f(GREY_ALBEDO);
+                }
                 let clear = TRANSMISSION && largest(material.transmitted) > 0.0;
                 let cosine = clamp(-dot(ray.direction, n), 0.0, 1.0);
                 let f90 = max(material.f90 * (1.0 - material.roughness), material.f0);
@@ -102,7 +110,7 @@ fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
                 let sharp_share = 1.0 - smoothstep(0.05, 0.45, material.roughness);
                 let reflection = ray.direction + n * (2.0 * cosine);
                 var untraced = 1.0;
-                if HAS_REFLECTIONS && may_reflect && largest(weight * reflectance) * sharp_share > MIN_REFLECTION_WEIGHT {
+                if HAS_REFLECTIONS && may_reflect && has_step(STEP_REFLECTION) && largest(weight * reflectance) * sharp_share > MIN_REFLECTION_WEIGHT {
                     may_reflect = false;
                     untraced = 1.0 - sharp_share;
                     reflected_ray = Ray(spawn_origin(interaction, false), normalize(reflection));
@@ -110,19 +118,24 @@ fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
                     reflected_medium = medium;
                     reflected_length = path_length;
                 }
-                let diffuse = material.diffuse * (vec3f(1.0) - reflectance) * INVERSE_PI;
+                var diffuse = material.diffuse * (vec3f(1.0) - reflectance) * INVERSE_PI;
+                if !has_step(STEP_DIFFUSE) {
+                    radiance += weight * material.diffuse;
+                    diffuse = vec3f(0.0);
+                }
                 var ambient_light = diffuse * ambient_irradiance(n);
-                if HAS_REFLECTIONS {
+                if HAS_REFLECTIONS && has_step(STEP_SPECULAR) {
                     ambient_light += reflectance * ambient_radiance(reflection) * untraced;
                 }
                 var visibility = vec3f(1.0);
-                if !clear {
+                if !clear && has_step(STEP_OCCLUSION) {
                     visibility = ambient_visibility(interaction, material.diffuse);
                 }
                 radiance += weight * ambient_light * visibility;
                 if !(clear && interaction.inside) {
-                    let specular = Specular(material.f0, f90, material.roughness, untraced);
-                    let shadows = select(select(MAX_SHADOWS, 1u, is_reflection), 0u, clear);
+                    let highlight_f90 = select(vec3f(0.0), f90, has_step(STEP_SPECULAR));
+                    let specular = Specular(material.f0, highlight_f90, material.roughness, untraced);
+                    let shadows = select(select(MAX_SHADOWS, 1u, is_reflection), 0u, clear || !has_step(STEP_SHADOWS));
                     var shaded = interaction;
                     shaded.normal = n;
                     radiance += weight * direct_light(shaded, -ray.direction, path_length, diffuse, specular, shadows);

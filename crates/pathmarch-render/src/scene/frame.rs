@@ -69,7 +69,8 @@ shared_struct! {
         pub(crate) sky_cosine: f32,
         /// Side of a pixel at distance one, metres.
         pub(crate) pixel: f32,
-        pub(crate) padding: u32,
+        /// Bits of the steps of the preview, see [`crate::preview::steps`].
+        pub(crate) preview_steps: u32,
     }
 }
 
@@ -141,7 +142,7 @@ impl FrameUniforms {
             sky_sine: rotation.sin(),
             sky_cosine: rotation.cos(),
             pixel: 2.0 * half_height / height as f32,
-            padding: 0,
+            preview_steps: settings.preview_steps.bits(),
         }
     }
 

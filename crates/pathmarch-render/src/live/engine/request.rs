@@ -7,6 +7,7 @@ use crate::error::RenderError;
 use crate::job::tracer::Tracer;
 use crate::live::shared::lock;
 use crate::mode::Mode;
+use crate::preview::steps::PreviewSteps;
 use crate::reconstruct::Reconstruction;
 use crate::settings::Settings;
 use std::sync::Arc;
@@ -27,7 +28,13 @@ fn same_light(a: &Settings, b: &Settings) -> bool {
 
 /// True if both settings have one kernel, and only the view, the size or a limit differs.
 fn same_kernel(a: &Settings, b: &Settings) -> bool {
-    let rest = |settings| Settings { bounces: 0, clamp: None, detail: 1.0, ..without_view(settings) };
+    let rest = |settings| Settings {
+        bounces: 0,
+        clamp: None,
+        detail: 1.0,
+        preview_steps: PreviewSteps::default(),
+        ..without_view(settings)
+    };
     rest(a) == rest(b)
 }
 

@@ -6,7 +6,7 @@ use pathmarch_cli::{BackendArgument, Failure, RenderOptions, check_directory, va
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::{RenderSettings, Scene, settings};
-use pathmarch_render::{MAX_SPLITTING, Mode, Settings, Shutter};
+use pathmarch_render::{MAX_SPLITTING, Mode, PreviewStep, Settings, Shutter};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -21,6 +21,9 @@ pub struct Arguments {
     /// Quantity to render [default: path]
     #[arg(long, value_name = "NAME", value_parser = named_value(Mode::ALL, Mode::name), long_help = mode_help())]
     pub(super) mode: Option<Mode>,
+    /// Steps to leave out of --mode preview, such as shadows,occlusion
+    #[arg(long, value_name = "STEPS", value_delimiter = ',', value_parser = named_value(PreviewStep::ALL, PreviewStep::name), long_help = preview_help())]
+    pub(super) preview_without: Vec<PreviewStep>,
     /// Stop after this many seconds, at most 86400, but not before the first sample is done
     #[arg(long, value_name = "N", value_parser = value_parsers::seconds, allow_hyphen_values = true)]
     pub(super) seconds: Option<f64>,
@@ -76,6 +79,12 @@ fn named_value<T: Copy, const N: usize>(
             format!("expected one of {}", names.join(", "))
         })
     }
+}
+
+/// Help of `--preview-without`: all steps with their documentation.
+fn preview_help() -> String {
+    let steps = PreviewStep::ALL.map(|step| format!("{}: {}", step.name(), step.doc()));
+    format!("Steps to leave out of --mode preview, such as shadows,occlusion\n\n{}", steps.join("\n"))
 }
 
 /// Help of `--mode`: all modes with their documentation.
@@ -143,6 +152,12 @@ impl Arguments {
         let mut settings = Settings::from(&render);
         if !self.render.overrides("samples") {
             settings.samples = mode.samples(settings.samples);
+        }
+        if mode != Mode::Preview && !self.preview_without.is_empty() {
+            return Err(Failure::Usage("--preview-without needs --mode preview".to_owned()));
+        }
+        for step in &self.preview_without {
+            settings.preview_steps.set(*step, false);
         }
         let (first_sample, seed, splitting) = (self.first_sample, self.seed, self.splitting);
         Ok(Settings { first_sample, seed, camera, mode, splitting, ..settings })

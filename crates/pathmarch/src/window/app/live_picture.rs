@@ -81,6 +81,7 @@ impl App {
             samples: mode.samples(asked.samples),
             viewpoint: Some(open.view.camera.clone()),
             mode,
+            preview_steps: open.view.preview_steps,
             ..asked
         }
     }

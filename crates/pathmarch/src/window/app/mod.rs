@@ -26,6 +26,7 @@ use pathmarch_cli::AppDirs;
 use pathmarch_render::Backend;
 use pathmarch_render::live::{Live, RenderRequest};
 use pathmarch_render::pathmarch_scene::document::EditError;
+use pathmarch_render::reconstruct::ReconstructOptions;
 use performance::PerformanceHistory;
 use requests::{FileRequest, PendingAction};
 use std::path::PathBuf;

@@ -1,9 +1,9 @@
 //! View of the open scene: camera, selection, mode and resolution.
 
 use egui::TextureHandle;
-use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_scene::document::Path as NodePath;
 use pathmarch_render::pathmarch_scene::{Camera, Scene};
+use pathmarch_render::{Mode, PreviewSteps};
 use std::time::{Duration, Instant};
 
 /// Maximum number of pixels of the live picture: those of a 3840 x 2160 screen.
@@ -60,6 +60,8 @@ pub(crate) struct ViewState {
     scene_camera: Option<Camera>,
     pub(crate) selection: Option<NodePath>,
     pub(crate) mode: Mode,
+    /// Steps of the mode "preview".
+    pub(crate) preview_steps: PreviewSteps,
     pub(crate) resolution: Resolution,
     pub(crate) gizmo_mode: GizmoMode,
     /// The next click sets the focus distance.
@@ -90,6 +92,7 @@ impl Default for ViewState {
             scene_camera: None,
             selection: None,
             mode: Mode::Path,
+            preview_steps: PreviewSteps::default(),
             resolution: Resolution::Fit,
             gizmo_mode: GizmoMode::Move,
             focus_click: false,

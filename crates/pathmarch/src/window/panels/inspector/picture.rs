@@ -3,9 +3,9 @@
 use crate::window::app::App;
 use crate::window::open_scene::view_state::Resolution;
 use egui::{ComboBox, Slider, Ui};
-use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_scene::document::ItemKind;
 use pathmarch_render::reconstruct::{Buffer, ReconstructOptions};
+use pathmarch_render::{Mode, PreviewStep};
 
 /// Switches of the stages of reconstruction, and the buffer that is shown.
 fn reconstruction_stages(ui: &mut Ui, options: &mut ReconstructOptions) {
@@ -81,6 +81,16 @@ impl App {
         if self.preferences.reconstruct && open.view.mode == Mode::Path {
             egui::CollapsingHeader::new("Stages of reconstruction")
                 .show(ui, |ui| reconstruction_stages(ui, &mut self.reconstruct_options));
+        }
+        if open.view.mode == Mode::Preview {
+            egui::CollapsingHeader::new("Steps of the preview").show(ui, |ui| {
+                for step in PreviewStep::ALL {
+                    let mut is_on = open.view.preview_steps.has(step);
+                    if ui.checkbox(&mut is_on, step.name()).on_hover_text(step.doc()).changed() {
+                        open.view.preview_steps.set(step, is_on);
+                    }
+                }
+            });
         }
         for (kind, none) in [(ItemKind::Render, "render"), (ItemKind::Sky, "sky")] {
             let Some(open) = &self.open else { return };
