@@ -8,7 +8,6 @@ use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
 use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
 use crate::error::RenderError;
-use crate::mode::Mode;
 use crate::output::film::Film;
 use crate::ray_stats::{RayCounters, RayStats};
 use crate::settings::Settings;
@@ -125,7 +124,7 @@ impl Renderer {
         settings: &Settings,
         shutter: Shutter,
     ) -> Result<Job, RenderError> {
-        if !(shutter.seconds > 0.0 && scene.animated && settings.mode == Mode::Path) {
+        if !shutter.blurs(scene, settings) {
             return self.start(scene, settings);
         }
         settings.check(scene)?;
@@ -250,6 +249,11 @@ impl Job {
             Work::Still(tracer) => tracer.film(),
             Work::Moving(motion) => motion.film(),
         }
+    }
+
+    /// Settings of the picture.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     fn gpu_job(&mut self) -> Option<&mut GpuJob> {
