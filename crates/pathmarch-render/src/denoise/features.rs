@@ -11,9 +11,10 @@
 //! samples of paths with eight bounces.
 
 use crate::backend::RenderInput;
+use crate::error::RenderError;
 use crate::integrator::camera::{camera_rays, pixel_sampler};
-use crate::integrator::medium::{medium_beyond, transmittance};
 use crate::integrator::light_sampling;
+use crate::integrator::medium::{medium_beyond, transmittance};
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
 use crate::job::Shutter;
@@ -21,10 +22,9 @@ use crate::sampling::basis::basis;
 use crate::sampling::sobol::{PixelSampler, hash, pair};
 use crate::scene::TraceContext;
 use crate::scene::material::DELTA;
+use crate::settings::Settings;
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::TexturedPoint;
-use crate::error::RenderError;
-use crate::settings::Settings;
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_scene::{Animation, Scene};
@@ -212,9 +212,9 @@ fn scattered(
         return None;
     }
     let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), walk.length);
-    let ns = textured.as_ref().map_or(normal, |textured| {
-        textured.normal(interaction.outward(), normal, -walk.ray.direction)
-    });
+    let ns = textured
+        .as_ref()
+        .map_or(normal, |textured| textured.normal(interaction.outward(), normal, -walk.ray.direction));
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
     let passes = material.has(DELTA) && surface_index <= MAX_DELTA_SURFACES.min(ctx.frame.bounces);
     if !passes {

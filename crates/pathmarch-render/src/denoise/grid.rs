@@ -26,10 +26,7 @@ pub(super) trait Summable:
     Copy + Send + Sync + Default + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self>
 {
 }
-impl<T> Summable for T where
-    T: Copy + Send + Sync + Default + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>
-{
-}
+impl<T> Summable for T where T: Copy + Send + Sync + Default + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T> {}
 
 impl Grid {
     /// Sums over the squares with side `2 * radius + 1` around all pixels, clipped at the border of the picture.

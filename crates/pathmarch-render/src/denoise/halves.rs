@@ -30,7 +30,7 @@ pub struct HalfBuffers {
 
 /// Means of the samples of each pixel.
 pub struct Means {
-    /// Means of both halves.
+    /// Means of both halves; of all samples where a half has none.
     pub halves: [Vec<Vec3>; 2],
     /// Means of all samples.
     pub whole: Vec<Vec3>,
@@ -98,14 +98,15 @@ impl HalfBuffers {
     /// Means of both halves and of all samples.
     pub fn means(&self) -> Means {
         let counts = self.whole.sample_counts();
-        let mean = |sum: Vec3, count: u32| sum / count.max(1) as f32;
+        let mean = |sum: Vec3, count: u32| (count > 0).then(|| sum / count as f32);
         let pixels = self.whole.sums.iter().zip(&self.first_sums).zip(counts.iter().zip(&self.first_counts));
         let (mut first, mut second, mut whole) = (Vec::new(), Vec::new(), Vec::new());
         for ((&sum, &first_sum), (&count, &first_count)) in pixels {
             let (sum, first_sum) = (Vec3::from(sum), Vec3::from(first_sum));
-            first.push(mean(first_sum, first_count));
-            second.push(mean(sum - first_sum, count - first_count));
-            whole.push(mean(sum, count));
+            let all = mean(sum, count).unwrap_or_default();
+            first.push(mean(first_sum, first_count).unwrap_or(all));
+            second.push(mean(sum - first_sum, count - first_count).unwrap_or(all));
+            whole.push(all);
         }
         let first_share = self.first_samples as f32 / self.whole.samples.max(1) as f32;
         Means { halves: [first, second], whole, first_share }

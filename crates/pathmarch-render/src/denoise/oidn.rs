@@ -35,8 +35,7 @@ const FLOAT3: c_int = 3;
 type Handle = *mut c_void;
 type NewDevice = unsafe extern "C" fn(c_int) -> Handle;
 type NewFilter = unsafe extern "C" fn(Handle, *const c_char) -> Handle;
-type SetImage =
-    unsafe extern "C" fn(Handle, *const c_char, *mut c_void, c_int, usize, usize, usize, usize, usize);
+type SetImage = unsafe extern "C" fn(Handle, *const c_char, *mut c_void, c_int, usize, usize, usize, usize, usize);
 type SetBool = unsafe extern "C" fn(Handle, *const c_char, bool);
 type Act = unsafe extern "C" fn(Handle);
 type GetError = unsafe extern "C" fn(Handle, *mut *const c_char) -> c_int;
@@ -135,7 +134,8 @@ impl Library {
         let (code, text) = unsafe {
             let get_error: Symbol<GetError> = self.function("oidnGetDeviceError")?;
             let code = get_error(device, &raw mut message);
-            let text = if message.is_null() { None } else { Some(CStr::from_ptr(message).to_string_lossy().into_owned()) };
+            let text =
+                if message.is_null() { None } else { Some(CStr::from_ptr(message).to_string_lossy().into_owned()) };
             (code, text)
         };
         if code == 0 && !handle.is_null() {

@@ -20,7 +20,8 @@ const MAX_DIFFERENCE: f32 = 2.0;
 
 /// Irradiance of both halves without outliers.
 pub(super) fn limited(signal: &Signal) -> [Vec<Vec3>; 2] {
-    let levels = [0, 1].map(|half: usize| -> Vec<f32> { signal.halves[half].par_iter().map(|c| mean_channel(*c)).collect() });
+    let levels =
+        [0, 1].map(|half: usize| -> Vec<f32> { signal.halves[half].par_iter().map(|c| mean_channel(*c)).collect() });
     let both = || levels[0].par_iter().zip(&levels[1]);
     let lower: Vec<f32> = both().map(|(a, b)| a.min(*b)).collect();
     let differences: Vec<f32> = both().map(|(a, b)| (a - b).abs().min(MAX_DIFFERENCE * a.min(*b).max(0.0))).collect();

@@ -138,9 +138,8 @@ fn run_frames(
         }
         let output = frames::file(pattern, frame);
         let denoised = samples.denoised(&animation, &scene, &settings, shutter);
-        let wrote = denoised.and_then(|denoised| {
-            write(arguments, job.backend(), &scene, &settings, samples.film(), denoised, &output)
-        });
+        let wrote = denoised
+            .and_then(|denoised| write(arguments, job.backend(), &scene, &settings, samples.film(), denoised, &output));
         wrote.map_err(|failure| in_frame(frame, failure))?;
         non_finite += samples.film().non_finite();
     }
