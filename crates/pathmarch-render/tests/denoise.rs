@@ -39,7 +39,7 @@ fn assert_same_mean(before: &Picture, after: &Picture, name: &str) {
 
 /// Scenes with committed references, samples, and the least factor by which relMSE falls.
 const GAINS: [(&str, u32, f64); 4] =
-    [("cornell", 16, 12.0), ("mirror", 16, 5.0), ("rough_metal", 16, 4.0), ("many_lights", 16, 2.0)];
+    [("cornell", 16, 15.0), ("mirror", 16, 5.0), ("rough_metal", 16, 4.0), ("many_lights", 16, 2.5)];
 
 fn errors_fall_and_energy_is_kept(renderer: &Renderer) {
     for (name, samples, least_gain) in GAINS {
@@ -65,10 +65,10 @@ fn a_picture_with_little_noise_gets_no_worse() {
     let scene = parse(CHECKER);
     let settings = |samples, seed| Settings { size: [96, 54], samples, seed, ..Settings::of(&scene) };
     let reference = cpu().render(&scene, &settings(2048, 1)).expect("a film").mean();
-    for samples in [8, 512] {
+    for (samples, limit) in [(8, 1.1), (512, 1.02)] {
         let [before, after] = both(&cpu(), &scene, &settings(samples, 2));
         let errors = [before, after].map(|picture| relmse(&picture, &reference).expect("one size"));
-        assert!(errors[1] < 1.02 * errors[0], "{samples} samples: relMSE {errors:?}");
+        assert!(errors[1] < limit * errors[0], "{samples} samples: relMSE {errors:?}");
     }
 }
 

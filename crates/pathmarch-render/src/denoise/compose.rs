@@ -1,46 +1,43 @@
 //! Composition: radiance of the picture from filtered irradiance.
 //!
-//! **Idea.** Surfaces are irradiance times albedo. A pixel at the edge of a light source or of the sky, or in glass that
-//! reflects one, has two estimates: its radiance, filtered without features, and the prediction of its features and
-//! its neighbours' irradiance, which has less noise of the surface. Each is weighted by the inverse of its variance, from
-//! the two halves. At last, each channel is scaled by the small factor that gives the picture the mean of its samples,
-//! which is unbiased.
+//! **Idea.** Surfaces are irradiance times albedo. A pixel at the edge of a light source or of the sky has two estimates:
+//! its samples, which know their own share of the light, and the prediction of its features, which has less noise of
+//! the surface. Each is weighted by the inverse of its variance, from the two halves. At last, each channel is scaled by
+//! the small factor that gives the picture the mean of its samples, which is unbiased.
 
 use super::features::Features;
-use super::residual::Restored;
 use super::signal::{PixelClass, Signal, mean_channel};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Half the side of the square in which the variances of mixed pixels are estimated, pixels.
+/// Half the side of the square in which the variances of edges are estimated, pixels.
 const VARIANCE_RADIUS: usize = 2;
 
-/// Radiance of a picture, from the irradiance of its surfaces and the radiance of its mixed pixels.
-pub(super) fn composed(signal: &Signal, features: &Features, irradiance: &Restored, mixed: &Restored) -> Vec<Vec3> {
-    let shares = prediction_shares(signal, features, &irradiance.whole, mixed);
+/// Radiance of a picture.
+pub(super) fn composed(signal: &Signal, features: &Features, irradiance: &[Vec3]) -> Vec<Vec3> {
+    let sample_weights = sample_weights(signal, features, irradiance);
     let colour = |(index, irradiance): (usize, &Vec3)| {
         let (surface, samples) = (&signal.surfaces[index], signal.radiance[index]);
-        let predicted = surface.emission + surface.albedo * *irradiance;
+        let predicted = surface.emission + surface.albedo * irradiance.max(Vec3::ZERO);
         let colour = match surface.class {
             PixelClass::Surface => predicted,
-            PixelClass::Mixed => mixed.whole[index].lerp(predicted, shares[index]),
-            PixelClass::MixedSource => mixed.whole[index],
+            PixelClass::Mixed => predicted.lerp(samples, sample_weights[index]),
             PixelClass::Source => samples,
         };
-        if colour.is_finite() { colour.max(Vec3::ZERO) } else { samples }
+        if colour.is_finite() { colour } else { samples }
     };
-    let mut colours: Vec<Vec3> = irradiance.whole.par_iter().enumerate().map(colour).collect();
+    let mut colours: Vec<Vec3> = irradiance.par_iter().enumerate().map(colour).collect();
     let scale = energy_scale(&signal.radiance, &colours);
     colours.par_iter_mut().for_each(|colour| *colour *= scale);
     colours
 }
 
-/// Weight of the prediction against the filtered radiance, for mixed pixels.
-fn prediction_shares(signal: &Signal, features: &Features, irradiance: &[Vec3], mixed: &Restored) -> Vec<f32> {
-    let is_mixed = |class: PixelClass| f32::from(u8::from(class == PixelClass::Mixed));
-    let weights: Vec<f32> = signal.surfaces.par_iter().map(|surface| is_mixed(surface.class)).collect();
-    let radiance_variance = |index: usize| {
-        let difference = mixed.halves[0][index] - mixed.halves[1][index];
+/// Weight of the samples against the prediction, for mixed pixels.
+fn sample_weights(signal: &Signal, features: &Features, irradiance: &[Vec3]) -> Vec<f32> {
+    let is_mixed = |surface: &super::signal::Surface| f32::from(u8::from(surface.class == PixelClass::Mixed));
+    let weights: Vec<f32> = signal.surfaces.par_iter().map(is_mixed).collect();
+    let sample_variance = |index: usize| {
+        let difference = (signal.halves[0][index] - signal.halves[1][index]) * signal.surfaces[index].albedo;
         signal.share * (1.0 - signal.share) * mean_channel(difference * difference)
     };
     let predicted_variance = |index: usize| {
@@ -52,12 +49,12 @@ fn prediction_shares(signal: &Signal, features: &Features, irradiance: &[Vec3], 
         let values: Vec<f32> = (0..irradiance.len()).into_par_iter().map(variance).collect();
         signal.grid.box_means(&values, &weights, VARIANCE_RADIUS)
     };
-    let (of_radiance, of_predictions) = (smooth(&radiance_variance), smooth(&predicted_variance));
-    let share = |(radiance, predictions): (f32, f32)| {
-        let total = radiance + predictions;
-        if total > 0.0 { radiance / total } else { 0.0 }
+    let (of_samples, of_predictions) = (smooth(&sample_variance), smooth(&predicted_variance));
+    let weight = |(samples, predictions): (f32, f32)| {
+        let total = samples + predictions;
+        if total > 0.0 { predictions / total } else { 1.0 }
     };
-    of_radiance.into_iter().zip(of_predictions).map(share).collect()
+    of_samples.into_iter().zip(of_predictions).map(weight).collect()
 }
 
 /// Factor of each channel that gives colours the mean of the samples; 1 where there is none.

@@ -35,7 +35,6 @@ pub use halves::HalfBuffers;
 pub use oidn::LIBRARY_VARIABLE;
 use rayon::prelude::*;
 use regression::{Pilot, Regression, Stage};
-use residual::Restored;
 use signal::Signal;
 
 /// Stages of the regression: small windows for a first estimate, then large ones.
@@ -130,22 +129,16 @@ pub enum DenoiseError {
 /// Radiance denoised by regression.
 fn regression(samples: &HalfBuffers, features: &Features) -> Vec<Vec3> {
     let signal = Signal::new(samples, features);
-    let irradiance = filtered(&signal);
-    let mixed = filtered(&signal.of_mixed_pixels());
-    compose::composed(&signal, features, &irradiance, &mixed)
-}
-
-/// Filtered irradiance of a signal.
-fn filtered(signal: &Signal) -> Restored {
-    let limited = outliers::limited(signal);
+    let limited = outliers::limited(&signal);
     // A single sample tells nothing of its noise, so that no pilot can guide a second stage.
     let stages = if signal.has_two_halves() { &STAGES[..] } else { &STAGES[..1] };
     let mut pilot: Option<Pilot> = None;
     for &stage in stages {
-        let regression = Regression { signal, halves: &limited, pilot: pilot.as_ref(), stage };
-        pilot = Some(Pilot::new(signal, regression.filtered()));
+        let regression = Regression { signal: &signal, halves: &limited, pilot: pilot.as_ref(), stage };
+        pilot = Some(Pilot::new(&signal, regression.filtered()));
     }
-    residual::restored(signal, pilot.map_or(limited, Pilot::into_halves))
+    let irradiance = residual::restored(&signal, pilot.map_or(limited, Pilot::into_halves));
+    compose::composed(&signal, features, &irradiance)
 }
 
 /// Radiance denoised by Open Image Denoise.

@@ -111,7 +111,7 @@ impl Regression<'_> {
     fn filtered_pixel(&self, index: usize, predictions: &Predictions) -> [Vec3; 2] {
         let needs_fit = |[.., weight]: &[f32; 4]| *weight < MIN_PREDICTION;
         let own = match self.signal.surfaces[index].class {
-            PixelClass::Source | PixelClass::MixedSource => None,
+            PixelClass::Source => None,
             _ if predictions.iter().any(needs_fit) => self.fit(index, &mut Vec::new()),
             _ => None,
         };
@@ -187,7 +187,7 @@ impl Regression<'_> {
     fn collect_taps(&self, centre: usize, taps: &mut Vec<Tap>) {
         taps.clear();
         let here = &self.signal.surfaces[centre];
-        if is_source(here) {
+        if here.class == PixelClass::Source {
             return;
         }
         let Grid { width, height } = self.signal.grid;
@@ -203,7 +203,7 @@ impl Regression<'_> {
                 let there = &self.signal.surfaces[index];
                 let (dx, dy) = ((xx as f32 - x as f32) * inverse_radius, (yy as f32 - y as f32) * inverse_radius);
                 let window = 1.0 - (dx * dx + dy * dy) * shrink;
-                if window <= 0.0 || is_source(there) {
+                if window <= 0.0 || there.class == PixelClass::Source {
                     continue;
                 }
                 let offset = (there.position - here.position) * inverse_length;
@@ -229,12 +229,6 @@ impl Regression<'_> {
         let Some(pilot) = self.pilot else { return [window * falloff(distance); 2] };
         [1, 0].map(|other| window * falloff(distance + pilot.distance(other, centre, index)))
     }
-}
-
-/// True for a pixel without any surface.
-#[inline(always)]
-fn is_source(surface: &Surface) -> bool {
-    matches!(surface.class, PixelClass::Source | PixelClass::MixedSource)
 }
 
 /// Squared distance of the features of two pixels; `offset` is that of their positions, in radii of the window.

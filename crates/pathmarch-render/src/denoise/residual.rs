@@ -25,30 +25,20 @@ const GAIN_RADII: usize = 5;
 /// Least half side of that square, pixels.
 const MIN_GAIN_RADIUS: usize = 4;
 
-/// Filtered irradiance with the restored part of the residual.
-pub(super) struct Restored {
-    /// Of all samples.
-    pub(super) whole: Vec<Vec3>,
-    /// Of both halves of the samples.
-    pub(super) halves: [Vec<Vec3>; 2],
-}
-
-/// Restores irradiance from that of the filtered halves.
-pub(super) fn restored(signal: &Signal, mut halves: [Vec<Vec3>; 2]) -> Restored {
+/// Irradiance of all samples, from that of the filtered halves and the residual.
+pub(super) fn restored(signal: &Signal, mut halves: [Vec<Vec3>; 2]) -> Vec<Vec3> {
     let weight = |(surface, weight): (&Surface, &f32)| weight * mean_channel(surface.albedo);
     let weights: Vec<f32> = signal.surfaces.par_iter().zip(&signal.weights).map(weight).collect();
     let both = halves[0].par_iter().zip(&halves[1]);
     let mut whole: Vec<Vec3> = both.map(|(a, b)| b.lerp(*a, signal.share)).collect();
-    for (level, radius) in RADII.into_iter().enumerate() {
+    let levels = if signal.has_two_halves() { &RADII[..] } else { &RADII[..1] };
+    for (level, &radius) in levels.iter().enumerate() {
         let mean_residual = |from: &[Vec3], of: &[Vec3]| {
             let residual: Vec<Vec3> = from.par_iter().zip(of).map(|(from, of)| *from - *of).collect();
             if radius == 0 { residual } else { signal.grid.box_means(&residual, &weights, radius) }
         };
         let mut addition = mean_residual(&signal.whole, &whole);
-        if level > 0 || !signal.is_whole_picture {
-            if !signal.has_two_halves() {
-                break;
-            }
+        if level > 0 {
             let residuals =
                 [mean_residual(&signal.halves[0], &halves[1]), mean_residual(&signal.halves[1], &halves[0])];
             let gains = gains(signal, &weights, radius, &addition, &residuals);
@@ -58,7 +48,7 @@ pub(super) fn restored(signal: &Signal, mut halves: [Vec<Vec3>; 2]) -> Restored 
             values.par_iter_mut().zip(&addition).for_each(|(value, addition)| *value += *addition);
         }
     }
-    Restored { whole, halves }
+    whole
 }
 
 /// Share of bias in the residual, 0 to 1, from the residuals of both halves.

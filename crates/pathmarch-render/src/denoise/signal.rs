@@ -8,8 +8,6 @@ use rayon::prelude::*;
 
 /// Least albedo to divide by.
 const MIN_ALBEDO: f32 = 0.01;
-/// Relative difference of the emission of both halves of the rays from which on a pixel shows different light sources.
-const MIN_EMISSION_DIFFERENCE: f32 = 0.02;
 
 /// Class of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,9 +16,7 @@ pub(super) enum PixelClass {
     Surface,
     /// Some of its rays reach light sources or the sky: it is predicted from its neighbours.
     Mixed,
-    /// Its rays reach different light sources, through glass, a lens or at an edge.
-    MixedSource,
-    /// All its rays reach one light source or the sky: it has no noise.
+    /// It has no surface that scatters light, so that it has no noise but that of edges.
     Source,
 }
 
@@ -42,43 +38,25 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// Means of sums over both halves of `rays` rays; `pixel` is the side of a pixel at a distance of one metre.
-    fn new(halves: [&PixelFeatures; 2], rays: f32, pixel: f32) -> Self {
-        let mut sums = *halves[0];
-        sums += *halves[1];
+    /// Means of sums over `rays` rays; `pixel` is the side of a pixel at a distance of one metre.
+    fn new(sums: &PixelFeatures, rays: f32, pixel: f32) -> Self {
         let scale = sums.surfaces.max(1.0).recip();
         let mut surface = Self {
             class: PixelClass::Surface,
-            albedo: (sums.albedo / (2.0 * rays)).max(Vec3::splat(MIN_ALBEDO)),
-            emission: sums.emission / (2.0 * rays),
+            albedo: (sums.albedo / rays).max(Vec3::splat(MIN_ALBEDO)),
+            emission: sums.emission / rays,
             normal: sums.normal * scale,
             position: sums.position * scale,
             footprint: sums.length * scale * pixel,
             material: sums.material * scale,
         };
         let finite = surface.position.is_finite() && surface.albedo.is_finite() && surface.emission.is_finite();
-        let difference = mean_channel((halves[0].emission - halves[1].emission).abs());
-        surface.class = match () {
-            () if !finite => PixelClass::Source,
-            () if sums.surfaces > 0.0 && surface.emission == Vec3::ZERO => PixelClass::Surface,
-            () if sums.surfaces > 0.0 => PixelClass::Mixed,
-            () if difference > MIN_EMISSION_DIFFERENCE * mean_channel(sums.emission) => PixelClass::MixedSource,
-            () => PixelClass::Source,
-        };
-        surface
-    }
-
-    /// Surface without features, that is fitted if `is_fitted`.
-    fn without_features(is_fitted: bool) -> Self {
-        Self {
-            class: if is_fitted { PixelClass::Surface } else { PixelClass::Source },
-            albedo: Vec3::ONE,
-            emission: Vec3::ZERO,
-            normal: Vec3::ZERO,
-            position: Vec3::ZERO,
-            footprint: 1.0,
-            material: 0.0,
+        if sums.surfaces == 0.0 || !finite {
+            surface.class = PixelClass::Source;
+        } else if surface.emission != Vec3::ZERO {
+            surface.class = PixelClass::Mixed;
         }
+        surface
     }
 }
 
@@ -86,7 +64,7 @@ impl Surface {
 pub(super) struct Signal {
     pub(super) grid: Grid,
     pub(super) surfaces: Vec<Surface>,
-    /// Weight of each pixel in means.
+    /// Weight of each pixel in means: 1 for [`PixelClass::Surface`], else 0.
     pub(super) weights: Vec<f32>,
     /// Radiance divided by the albedo, of both halves of the samples. Called irradiance, though it is so only for
     /// diffuse surfaces, and without the factor π.
@@ -97,17 +75,23 @@ pub(super) struct Signal {
     pub(super) radiance: Vec<Vec3>,
     /// Share of the first half in all samples.
     pub(super) share: f32,
-    /// True for all surfaces of a picture; false for [`Signal::of_mixed_pixels`].
-    pub(super) is_whole_picture: bool,
 }
 
 impl Signal {
     /// Signal of a picture with these features.
     pub(super) fn new(buffers: &HalfBuffers, features: &Features) -> Self {
         let film = buffers.film();
+        let (rays, pixel) = (2.0 * features.rays as f32, features.pixel);
         let halves = features.halves[0].par_iter().zip(&features.halves[1]);
-        let surface = |(first, second)| Surface::new([first, second], features.rays as f32, features.pixel);
-        let surfaces: Vec<Surface> = halves.map(surface).collect();
+        let surfaces: Vec<Surface> = halves
+            .map(|(first, second)| {
+                let mut sums = *first;
+                sums += *second;
+                Surface::new(&sums, rays, pixel)
+            })
+            .collect();
+        let is_surface = |surface: &Surface| f32::from(u8::from(surface.class == PixelClass::Surface));
+        let weights = surfaces.par_iter().map(is_surface).collect();
         let means = buffers.means();
         let irradiance = |radiance: &[Vec3]| -> Vec<Vec3> {
             let pixels = radiance.par_iter().zip(&surfaces);
@@ -115,35 +99,12 @@ impl Signal {
         };
         Self {
             grid: Grid { width: film.width as usize, height: film.height as usize },
-            weights: weights_of(&surfaces),
+            weights,
             halves: [irradiance(&means.halves[0]), irradiance(&means.halves[1])],
             whole: irradiance(&means.whole),
             radiance: means.whole,
             share: means.first_share,
             surfaces,
-            is_whole_picture: true,
-        }
-    }
-
-    /// Radiance of the pixels of class [`PixelClass::Mixed`] and [`PixelClass::MixedSource`], as the irradiance of
-    /// surfaces without features.
-    pub(super) fn of_mixed_pixels(&self) -> Self {
-        let is_mixed = |surface: &Surface| matches!(surface.class, PixelClass::Mixed | PixelClass::MixedSource);
-        let radiance = |irradiance: &[Vec3]| -> Vec<Vec3> {
-            let pixels = irradiance.par_iter().zip(&self.surfaces);
-            pixels.map(|(irradiance, surface)| *irradiance * surface.albedo + surface.emission).collect()
-        };
-        let surfaces: Vec<Surface> =
-            self.surfaces.par_iter().map(|surface| Surface::without_features(is_mixed(surface))).collect();
-        Self {
-            grid: self.grid,
-            weights: weights_of(&surfaces),
-            halves: [radiance(&self.halves[0]), radiance(&self.halves[1])],
-            whole: self.radiance.clone(),
-            radiance: self.radiance.clone(),
-            share: self.share,
-            surfaces,
-            is_whole_picture: false,
         }
     }
 
@@ -151,11 +112,6 @@ impl Signal {
     pub(super) fn has_two_halves(&self) -> bool {
         self.share > 0.0 && self.share < 1.0
     }
-}
-
-/// 1 for pixels of class [`PixelClass::Surface`], else 0.
-fn weights_of(surfaces: &[Surface]) -> Vec<f32> {
-    surfaces.par_iter().map(|surface| f32::from(u8::from(surface.class == PixelClass::Surface))).collect()
 }
 
 /// Mean of the channels.
