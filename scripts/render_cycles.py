@@ -1,7 +1,7 @@
-"""Renders the scenes of cycles_scenes.json, those of scenes/benchmarks, with Cycles on the CPU, timed.
+"""Renders the scenes of cycles_scenes.json, closed rooms of scenes/benchmarks, with Cycles on the CPU, timed.
 
-  blender -b --factory-startup --python cycles.py -- OUT.exr SCENE --spp 128 ...
-  python cycles.py OUT.exr SCENE --spp 16 --oidn ...      (with the bpy module)
+  blender -b --factory-startup --python render_cycles.py -- OUT.exr SCENE --spp 128 ...
+  python render_cycles.py OUT.exr SCENE --spp 16 --oidn ...      (with the bpy module)
 
 Prints one JSON line with the wall time of bpy.ops.render.render() alone (scene
 sync, BVH build, sampling, denoising; not Blender's start, not file writing).
