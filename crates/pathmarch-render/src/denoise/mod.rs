@@ -15,7 +15,7 @@
 //! **Limits.** Frames of a sequence are filtered one by one. With depth of field and motion blur, features have noise
 //! of their own, and the filter removes less.
 //!
-//! **Cost.** 0.8 s for 640x360 pixels on two cores, and [`features::MAX_RAYS`] camera rays a pixel.
+//! **Cost.** 1.0 s of one core for 640x360 pixels, and [`features::MAX_RAYS`] camera rays a pixel.
 
 mod compose;
 pub mod features;
@@ -38,7 +38,7 @@ use regression::{Pilot, Regression, Stage};
 use signal::Signal;
 
 /// Stages of the regression: small windows for a first estimate, then large ones.
-const STAGES: [Stage; 2] = [Stage { radius: 4, stride: 2 }, Stage { radius: 12, stride: 4 }];
+const STAGES: [Stage; 2] = [Stage { radius: 4, stride: 3 }, Stage { radius: 12, stride: 6 }];
 
 /// Method of denoising.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

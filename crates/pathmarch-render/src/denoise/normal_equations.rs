@@ -16,14 +16,14 @@ const MIN_TOTAL: f32 = 1e-3;
 
 /// Terms of the linear function at a pixel; the first is 1.
 pub(super) type Terms = [f32; TERMS];
-/// Coefficients of the three channels.
-pub(super) type Coefficients = [Terms; 3];
+/// Coefficients of each term for the three channels; the last column is that of the constant 1.
+pub(super) type Coefficients = [[f32; 4]; TERMS];
 
 /// Sums of the weighted products of terms with each other and with the values.
 #[derive(Default)]
 pub(super) struct NormalEquations {
     matrix: [Terms; USED_TERMS],
-    right_sides: Coefficients,
+    right_sides: [Terms; 3],
 }
 
 impl NormalEquations {
@@ -48,7 +48,10 @@ impl NormalEquations {
             return None;
         }
         self.decompose(total);
-        Some(self.right_sides.map(|side| self.substitute(side)))
+        let [r, g, b] = self.right_sides.map(|side| self.substitute(side));
+        let mut coefficients: Coefficients = std::array::from_fn(|k| [r[k], g[k], b[k], 0.0]);
+        coefficients[0][3] = 1.0;
+        Some(coefficients)
     }
 
     /// Replaces the lower triangle by its Cholesky factor.
@@ -103,10 +106,11 @@ mod tests {
             let value: f32 = (0..TERMS).map(|k| truth[k] * terms[k]).sum();
             equations.add(&terms, 0.5 + (pixel % 3) as f32, Vec3::new(value, 2.0 * value, 0.0));
         }
-        let [r, g, b] = equations.solve().expect("with weights");
+        let coefficients = equations.solve().expect("with weights");
         for k in 0..USED_TERMS {
-            assert!((r[k] - truth[k]).abs() < 0.02, "{k}: {} for {}", r[k], truth[k]);
-            assert!((g[k] - 2.0 * truth[k]).abs() < 0.04 && b[k].abs() < 1e-5);
+            let [r, g, b, _] = coefficients[k];
+            assert!((r - truth[k]).abs() < 0.02, "{k}: {r} for {}", truth[k]);
+            assert!((g - 2.0 * truth[k]).abs() < 0.04 && b.abs() < 1e-5);
         }
     }
 
@@ -118,8 +122,9 @@ mod tests {
             terms[0] = 1.0;
             equations.add(&terms, 1.0, Vec3::splat(value));
         }
-        let [r, ..] = equations.solve().expect("with weights");
-        assert!((r[0] - 2.0).abs() < 1e-5 && r[1..].iter().all(|slope| slope.abs() < 1e-5), "{r:?}");
+        let [constant, slopes @ ..] = equations.solve().expect("with weights");
+        assert!((constant[0] - 2.0).abs() < 1e-5, "{constant:?}");
+        assert!(slopes.iter().all(|slope| slope[0].abs() < 1e-5), "{slopes:?}");
         assert!(NormalEquations::default().solve().is_none());
     }
 }

@@ -12,10 +12,10 @@
 //! and weights are those of non-local means; here they compare irradiance that is filtered already, which costs a
 //! fraction of it.
 //!
-//! **Cost.** Multiplications in proportion to window over centres, times the square of [`TERMS`].
+//! **Cost.** Multiplications in proportion to window over centres, times the square of the number of terms.
 
 use super::grid::Grid;
-use super::normal_equations::{Coefficients, NormalEquations, TERMS, Terms};
+use super::normal_equations::{Coefficients, NormalEquations, Terms};
 use super::signal::{PixelClass, Signal, Surface, mean_channel};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -120,7 +120,8 @@ impl Regression<'_> {
             let (mut sum, mut total) = (Vec3::new(r, g, b), weight);
             if let Some(own) = own.as_ref().map(|own| &own[half]).filter(|_| needs_fit(&predictions[half])) {
                 // The constant term is the prediction of the centre.
-                sum += Vec3::from(own.map(|terms| terms[0]));
+                let [r, g, b, _] = own[0];
+                sum += Vec3::new(r, g, b);
                 total += 1.0;
             }
             if total > 0.0 { sum / total } else { self.halves[half][index] }
@@ -131,7 +132,7 @@ impl Regression<'_> {
     fn predictions(&self) -> Vec<Predictions> {
         let Grid { width, height } = self.signal.grid;
         let Stage { radius, stride } = self.stage;
-        let band = height.div_ceil(2 * rayon::current_num_threads()).next_multiple_of(stride);
+        let band = height.div_ceil(4 * rayon::current_num_threads()).next_multiple_of(stride);
         let bands: Vec<(usize, Vec<Predictions>)> = (0..height)
             .step_by(band)
             .collect::<Vec<_>>()
@@ -251,11 +252,12 @@ fn falloff(distance: f32) -> f32 {
     eighth * eighth
 }
 
-/// Adds the prediction of a fit for a pixel.
+/// Adds the prediction of a fit for a pixel, and its weight.
 #[inline(always)]
 fn add_prediction(fit: &Coefficients, terms: &Terms, weight: f32, sums: &mut [f32; 4]) {
-    for (coefficients, sum) in fit.iter().zip(sums.iter_mut()) {
-        *sum += weight * (0..TERMS).map(|k| coefficients[k] * terms[k]).sum::<f32>();
+    let mut value = [0.0; 4];
+    for (coefficients, term) in fit.iter().zip(terms) {
+        (0..4).for_each(|k| value[k] += coefficients[k] * term);
     }
-    sums[3] += weight;
+    (0..4).for_each(|k| sums[k] += weight * value[k]);
 }
