@@ -43,8 +43,7 @@ impl NormalEquations {
     /// Coefficients of the fit; `None` if hardly anything was added.
     pub(super) fn solve(mut self) -> Option<Coefficients> {
         let total = self.matrix[0][0];
-        // False for NaN.
-        if !(total > MIN_TOTAL) {
+        if total.is_nan() || total <= MIN_TOTAL {
             return None;
         }
         self.decompose(total);

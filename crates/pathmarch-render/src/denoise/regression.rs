@@ -176,8 +176,8 @@ impl Regression<'_> {
         self.collect_taps(centre, taps);
         let mut equations = [NormalEquations::default(), NormalEquations::default()];
         for tap in taps.iter().filter(|tap| tap.is_fitted) {
-            for half in 0..2 {
-                equations[half].add(&tap.terms, tap.weights[half], self.halves[half][tap.index]);
+            for ((equations, weight), half) in equations.iter_mut().zip(tap.weights).zip(self.halves) {
+                equations.add(&tap.terms, weight, half[tap.index]);
             }
         }
         let [first, second] = equations;

@@ -61,8 +61,8 @@ fn gains(signal: &Signal, weights: &[f32], radius: usize, residual: &[Vec3], hal
     let gain = |(product, square): (f32, f32)| {
         let gain = product / square.max(f32::MIN_POSITIVE);
         let trust = (gain - GAIN_RAMP[0]) / (GAIN_RAMP[1] - GAIN_RAMP[0]);
-        // NaN becomes 0.
-        gain.max(0.0).min(1.0) * trust.max(0.0).min(1.0)
+        // Clamping keeps NaN, the maximum removes it.
+        (gain.clamp(0.0, 1.0) * trust.clamp(0.0, 1.0)).max(0.0)
     };
     products.into_par_iter().zip(squares).map(gain).collect()
 }
