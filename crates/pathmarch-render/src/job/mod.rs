@@ -113,7 +113,7 @@ impl Renderer {
     }
 
     /// Starts a picture with motion blur over the time that the shutter is open. `scene` is the animation at the moment at which
-    /// it opens. Scenes without motion and modes other than [`Mode::Path`] show that moment alone.
+    /// it opens. Scenes without motion and modes other than [`Mode::Path`](crate::Mode::Path) show that moment alone.
     ///
     /// # Errors
     /// Those of [`start`](Self::start).
