@@ -40,6 +40,9 @@ use signal::Signal;
 /// Stages of the regression: small windows for a first estimate, then large ones.
 const STAGES: [Stage; 2] = [Stage { radius: 4, stride: 3 }, Stage { radius: 12, stride: 6 }];
 
+/// Mean relative variances of a picture up to which it stays as it is, and from which on it is filtered entirely.
+const FILTERED_NOISE: [f32; 2] = [2e-5, 6e-5];
+
 /// Method of denoising.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Denoiser {
@@ -138,7 +141,27 @@ fn regression(samples: &HalfBuffers, features: &Features) -> Vec<Vec3> {
         pilot = Some(Pilot::new(&signal, regression.filtered()));
     }
     let irradiance = residual::restored(&signal, pilot.map_or(limited, Pilot::into_halves));
-    compose::composed(&signal, features, &irradiance)
+    let mut colours = compose::composed(&signal, features, &irradiance);
+    let share = filtered_share(&samples.means());
+    colours.par_iter_mut().zip(&signal.radiance).for_each(|(colour, sample)| *colour = sample.lerp(*colour, share));
+    colours
+}
+
+/// Share of the filtered picture in the result: 0 for a picture with so little noise that the filter may only harm it, 1
+/// for one with noise.
+fn filtered_share(means: &halves::Means) -> f32 {
+    let share = means.first_share;
+    if share <= 0.0 || share >= 1.0 {
+        return 1.0;
+    }
+    let halves = means.halves[0].par_iter().zip(&means.halves[1]).zip(&means.whole);
+    let relative_variance = |((a, b), mean): ((&Vec3, &Vec3), &Vec3)| {
+        let variance = (*a - *b) * (*a - *b) * (share * (1.0 - share));
+        f64::from(signal::mean_channel(variance / (*mean * *mean + Vec3::splat(0.01))))
+    };
+    let noise = (halves.map(relative_variance).sum::<f64>() / means.whole.len().max(1) as f64) as f32;
+    let filtered = (noise - FILTERED_NOISE[0]) / (FILTERED_NOISE[1] - FILTERED_NOISE[0]);
+    if filtered.is_nan() { 1.0 } else { filtered.clamp(0.0, 1.0) }
 }
 
 /// Radiance denoised by Open Image Denoise.
