@@ -3,6 +3,7 @@
 //! A separate program, so that `pathmarch` contains neither plots nor tables.
 
 mod bench;
+mod denoise;
 mod flights;
 mod measure;
 mod study;
@@ -24,6 +25,8 @@ struct Arguments {
 enum Command {
     /// Measure time per sample and error, for each scene and backend.
     Bench(bench::Arguments),
+    /// Measure time and error of denoised pictures.
+    Denoise(denoise::Arguments),
     /// Measure the error of reconstructed sequences against converged ones.
     Flights(flights::Arguments),
     /// Repeat the evaluation of the thesis: tables, plots and pictures.
@@ -34,6 +37,7 @@ fn main() -> ExitCode {
     pathmarch_cli::end_on_closed_pipe();
     pathmarch_cli::run(|| match Arguments::parse().command {
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Denoise(arguments) => denoise::run(&arguments),
         Command::Flights(arguments) => flights::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
     })

@@ -269,6 +269,7 @@ impl ReferenceStore {
                 adapter: renderer.backend().adapter,
                 backend: renderer.backend().name,
                 version: env!("CARGO_PKG_VERSION").to_owned(),
+                denoiser: None,
             };
             let display = Display { tonemap: Tonemap::Srgb, exposure_stops: 0.0 };
             image::save(file, &half.picture, &display, &provenance).map_err(Failure::other)?;

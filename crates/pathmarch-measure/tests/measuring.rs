@@ -265,3 +265,19 @@ fn numbers_that_an_option_cannot_be_are_refused_with_what_it_can_be() {
         }
     }
 }
+
+#[test]
+fn denoised_pictures_are_measured() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::create_dir(directory.path().join("references")).expect("created");
+    std::fs::create_dir(directory.path().join("pictures")).expect("created");
+    let size = ["--size", "32x18", "--samples", "4", "--backend", "cpu"];
+    let files = ["--references", "references", "--reference-seconds", "0.2", "-o", "pictures"];
+    let output = measure(&[&["denoise", "cornell"], &size[..], &files[..]].concat(), directory.path());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let table = stdout(&output);
+    assert!(table.lines().any(|line| line.starts_with("cornell ") && line.contains(" -> ")), "{table}");
+    for part in ["before", "after", "reference"] {
+        assert!(directory.path().join(format!("pictures/cornell-{part}.png")).is_file());
+    }
+}

@@ -4,6 +4,7 @@
 //! rendering models", University of Porto, 2020). Light transport is Monte Carlo path tracing with next-event estimation.
 //! Samples accumulate in a [`film::Film`].
 
+pub mod denoise;
 pub mod live;
 pub mod mesh_file;
 pub mod metrics;

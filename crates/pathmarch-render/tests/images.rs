@@ -22,6 +22,7 @@ fn provenance() -> Provenance {
         adapter: "llvmpipe (LLVM 15, 256 bits)".to_owned(),
         backend: "vulkan".to_owned(),
         version: "0.1.0".to_owned(),
+        denoiser: Some("regression".to_owned()),
     }
 }
 

@@ -5,6 +5,7 @@ mod backends;
 mod blends;
 mod common;
 mod custom_sdf;
+mod denoise;
 mod examples;
 mod images;
 mod light;
@@ -41,6 +42,7 @@ fn main() {
         motion::tests(),
         optimisations::tests(),
         custom_sdf::tests(),
+        denoise::tests(),
         reconstruct::tests(),
         references::tests(),
         sampling::tests(),

@@ -1,8 +1,9 @@
 //! Rendering to a picture file, shared by command line and window, so that both write the same.
 
 use pathmarch_render::aov::{self, Layer};
+use pathmarch_render::denoise::Denoiser;
 use pathmarch_render::film::Film;
-use pathmarch_render::image::{self, Provenance};
+use pathmarch_render::image::{self, Channel, ChannelValues, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{BackendInfo, Settings, scene_hash};
@@ -18,10 +19,27 @@ pub struct Rendered<'a> {
     pub film: &'a Film,
     /// Backend and adapter that rendered it.
     pub backend: &'a BackendInfo,
+    /// Denoised picture of the film, if there is one.
+    pub denoised: Option<Denoised>,
+}
+
+/// Denoised picture, with its denoiser.
+pub struct Denoised {
+    pub denoiser: Denoiser,
+    pub picture: Picture,
+}
+
+/// Layer of the picture before it was denoised.
+fn noisy_channels(noisy: &Picture) -> impl Iterator<Item = Channel> {
+    ['R', 'G', 'B'].into_iter().enumerate().map(|(k, part)| Channel {
+        name: format!("noisy.{part}"),
+        values: ChannelValues::F32(noisy.pixels.iter().map(|pixel| pixel[k]).collect()),
+    })
 }
 
 impl Rendered<'_> {
-    /// Writes the picture with layers and provenance; the file extension selects the format.
+    /// Writes the picture with layers and provenance; the file extension selects the format. Beside other layers, a
+    /// denoised picture has one with the mean of its samples.
     ///
     /// # Errors
     /// Fails with a message if [`image::save_with`] or [`aov::render`] fail.
@@ -41,8 +59,13 @@ impl Rendered<'_> {
             adapter: self.backend.adapter.clone(),
             backend: self.backend.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            denoiser: self.denoised.as_ref().map(|denoised| denoised.denoiser.name().to_owned()),
         };
-        let picture = self.settings.mode.picture(self.film);
-        image::save_with(output, &picture, channels, display, &provenance).map_err(|error| error.to_string())
+        let mean = self.settings.mode.picture(self.film);
+        if self.denoised.is_some() && !layers.is_empty() {
+            channels.extend(noisy_channels(&mean));
+        }
+        let picture = self.denoised.as_ref().map_or(&mean, |denoised| &denoised.picture);
+        image::save_with(output, picture, channels, display, &provenance).map_err(|error| error.to_string())
     }
 }

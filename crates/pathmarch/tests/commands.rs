@@ -179,6 +179,66 @@ fn layers_are_written_beside_the_picture() {
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 0, "nothing is written");
 }
 
+#[test]
+fn pictures_are_denoised_on_request() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let scene = scene("diffuse-sphere.kdl");
+    let small = ["render", &scene, "--size", "64x36", "--samples", "8", "--backend", "cpu", "-o"];
+    let render = |name: &str, more: &[&str]| pathmarch(&[&small[..], &[name], more].concat(), directory.path());
+    let file = |name: &str| load(&directory.path().join(name)).expect("written");
+    for (name, more) in
+        [("plain.exr", &[][..]), ("a.exr", &["--denoise"]), ("b.exr", &["--denoise=regression", "--aov"])]
+    {
+        let output = render(name, more);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        assert_eq!(stderr(&output).contains("denoised in"), !more.is_empty(), "{}", stderr(&output));
+        let denoiser = file(name).provenance.expect("of an EXR file").denoiser;
+        assert_eq!(denoiser.as_deref(), (!more.is_empty()).then_some("regression"));
+    }
+    let [plain, a, b] = ["plain.exr", "a.exr", "b.exr"].map(|name| file(name).picture);
+    assert!(a == b && a != plain);
+    let bytes = std::fs::read(directory.path().join("b.exr")).expect("written");
+    assert!(bytes.windows(8).any(|part| part == b"noisy.R\0"));
+
+    for (wrong, words) in [
+        (&["--denoise", "--mode", "normal"][..], "not those of --mode normal"),
+        (&["--denoise", "nothing"], "expected regression or oidn; the scene comes before --denoise"),
+    ] {
+        let output = render("wrong.exr", wrong);
+        assert_eq!(code(&output), 2, "{wrong:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(words), "{wrong:?}: {}", stderr(&output));
+    }
+    assert!(!directory.path().join("wrong.exr").exists());
+}
+
+#[test]
+fn sequences_are_denoised() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("moving.kdl"), MOVING).expect("written");
+    let arguments = ["render", "moving.kdl", "--frames", "1-2", "--denoise", "--backend", "cpu", "-o", "out-#.exr"];
+    let output = pathmarch(&arguments, directory.path());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    for name in ["out-1.exr", "out-2.exr"] {
+        let provenance = load(&directory.path().join(name)).expect("written").provenance.expect("of an EXR file");
+        assert_eq!(provenance.denoiser.as_deref(), Some("regression"));
+    }
+}
+
+/// Before anything is rendered, the message names what was looked for.
+#[test]
+fn a_missing_library_is_reported() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let scene = scene("diffuse-sphere.kdl");
+    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_pathmarch"));
+    program.args(["render", &scene, "--denoise", "oidn", "-o", "a.exr"]).current_dir(directory.path());
+    let output = program.env("OIDN_LIBRARY", "nowhere/libNone.so").output().expect("the program starts");
+    assert_eq!(code(&output), 1, "{}", stderr(&output));
+    for words in ["tried nowhere/libNone.so", "OIDN_LIBRARY", "built-in denoiser"] {
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    }
+    assert!(!directory.path().join("a.exr").exists());
+}
+
 /// A reader such as `head` closes the pipe early.
 #[cfg(unix)]
 #[test]

@@ -8,7 +8,6 @@ use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
 use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
 use crate::error::RenderError;
-use crate::mode::Mode;
 use crate::output::film::Film;
 use crate::ray_stats::{RayCounters, RayStats};
 use crate::settings::Settings;
@@ -114,7 +113,7 @@ impl Renderer {
     }
 
     /// Starts a picture with motion blur over the time that the shutter is open. `scene` is the animation at the moment at which
-    /// it opens. Scenes without motion and modes other than [`Mode::Path`] show that moment alone.
+    /// it opens. Scenes without motion and modes other than [`Mode::Path`](crate::Mode::Path) show that moment alone.
     ///
     /// # Errors
     /// Those of [`start`](Self::start).
@@ -125,7 +124,7 @@ impl Renderer {
         settings: &Settings,
         shutter: Shutter,
     ) -> Result<Job, RenderError> {
-        if !(shutter.seconds > 0.0 && scene.animated && settings.mode == Mode::Path) {
+        if !shutter.blurs(scene, settings) {
             return self.start(scene, settings);
         }
         settings.check(scene)?;
@@ -260,6 +259,11 @@ impl Job {
             Work::Still(tracer) => tracer.film(),
             Work::Moving(motion) => motion.film(),
         }
+    }
+
+    /// Settings of the picture.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     fn gpu_job(&mut self) -> Option<&mut GpuJob> {

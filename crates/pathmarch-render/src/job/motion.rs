@@ -15,6 +15,7 @@
 use super::tracer::Tracer;
 use super::{BackendInfo, Renderer};
 use crate::error::RenderError;
+use crate::mode::Mode;
 use crate::output::film::Film;
 use crate::sampling::sobol::{hash, scramble_reversed};
 use crate::settings::Settings;
@@ -42,6 +43,10 @@ impl Shutter {
     /// Shutter that the scene declares.
     pub fn of(scene: &Scene) -> Self {
         Self::open_for(scene, scene.render.shutter, scene.render.fps)
+    }
+    /// True if a picture of a scene with these settings has motion blur.
+    pub(crate) fn blurs(&self, scene: &Scene, settings: &Settings) -> bool {
+        self.seconds > 0.0 && scene.animated && settings.mode == Mode::Path
     }
     /// Moment of a sample. The frame number stays the same.
     pub fn moment(&self, seed: u32, sample: u32) -> Moment {

@@ -96,6 +96,8 @@ fn has_rgb(header: &Header) -> bool {
 
 /// Attribute that only files of this program have.
 const SCENE_HASH: &str = "pathmarch:sceneHash";
+/// Attribute of denoised pictures.
+const DENOISER: &str = "pathmarch:denoiser";
 
 fn attributes_of(provenance: &Provenance) -> Vec<(Text, AttributeValue)> {
     let text = |name: &str, value: &str| (Text::from(name), AttributeValue::Text(text_of(value)));
@@ -104,7 +106,7 @@ fn attributes_of(provenance: &Provenance) -> Vec<(Text, AttributeValue)> {
         Ok(value) => (Text::from(name), AttributeValue::I32(value)),
         Err(_) => text(name, &value.to_string()),
     };
-    vec![
+    let mut attributes = vec![
         text(SCENE_HASH, &provenance.scene_hash),
         integer("pathmarch:samples", provenance.samples),
         integer("pathmarch:firstSample", provenance.first_sample),
@@ -114,7 +116,9 @@ fn attributes_of(provenance: &Provenance) -> Vec<(Text, AttributeValue)> {
         text("pathmarch:adapter", &provenance.adapter),
         text("pathmarch:backend", &provenance.backend),
         text("pathmarch:version", &provenance.version),
-    ]
+    ];
+    attributes.extend(provenance.denoiser.as_deref().map(|denoiser| text(DENOISER, denoiser)));
+    attributes
 }
 
 /// Converts a string to EXR text, which has no encoding; replaces characters other than printable ASCII by `?`.
@@ -145,5 +149,6 @@ fn provenance_in(attributes: &LayerAttributes) -> Option<Provenance> {
         adapter: text("pathmarch:adapter")?,
         backend: text("pathmarch:backend")?,
         version: text("pathmarch:version")?,
+        denoiser: text(DENOISER),
     })
 }

@@ -108,7 +108,7 @@ pub(crate) const UNNAMED_MODE: &str = "path";
 
 /// Origin of a picture. The header of an EXR file stores it as the attributes `pathmarch:sceneHash`, `pathmarch:samples`,
 /// `pathmarch:firstSample`, `pathmarch:seed`, `pathmarch:bounces`, `pathmarch:mode`, `pathmarch:adapter`,
-/// `pathmarch:backend` and `pathmarch:version`.
+/// `pathmarch:backend` and `pathmarch:version`, and, if the picture is denoised, as `pathmarch:denoiser`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Provenance {
     /// Hash of the scene, see [`scene_hash`](crate::scene_hash).
@@ -129,6 +129,8 @@ pub struct Provenance {
     pub backend: String,
     /// Version of the program that rendered the picture.
     pub version: String,
+    /// Name of the [`Denoiser`](crate::denoise::Denoiser); `None` for pictures that are the mean of their samples.
+    pub denoiser: Option<String>,
 }
 
 /// Image file formats.

@@ -4,6 +4,7 @@ use crate::commands::listed;
 use crate::frames::{self, FrameRange};
 use pathmarch_cli::{BackendArgument, Failure, RenderOptions, check_directory, value_parsers};
 use pathmarch_render::aov::Layer;
+use pathmarch_render::denoise::Denoiser;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::{RenderSettings, Scene, settings};
 use pathmarch_render::{MAX_SPLITTING, Mode, PreviewStep, Settings, Shutter};
@@ -45,6 +46,9 @@ pub struct Arguments {
     /// Write noise-free layers beside R, G and B; .exr only [default: all; or a list such as albedo,normal]
     #[arg(long, value_name = "LAYERS", num_args = 0..=1, default_missing_value = "all", value_parser = parse_layers, long_help = layer_help())]
     pub(super) aov: Option<Layers>,
+    /// Filter the noise out of the picture [default method: regression; or oidn]
+    #[arg(long, value_name = "METHOD", num_args = 0..=1, default_missing_value = Denoiser::default().name(), value_parser = parse_denoiser, long_help = denoiser_help())]
+    pub(super) denoise: Option<Denoiser>,
     /// Frames of an animation: one (7), a range (1-120), or every second frame (1-120x2)
     ///
     /// Formulas of the scene read the frame number as frame, and frame/fps as t. In the file name, # stands for the
@@ -109,6 +113,24 @@ fn layer_help() -> String {
     )
 }
 
+/// Help of `--denoise`: all methods with their documentation.
+fn denoiser_help() -> String {
+    let methods = Denoiser::ALL.map(|denoiser| format!("{}: {}", denoiser.name(), denoiser.doc()));
+    format!(
+        "Filter the noise out of the picture [default method: {}]\n\n{}\nThe filter runs after the last sample, and \
+         --seconds does not include it. With --aov, the layer noisy is the picture before. Only for --mode path.",
+        Denoiser::default().name(),
+        methods.join("\n")
+    )
+}
+
+fn parse_denoiser(text: &str) -> Result<Denoiser, String> {
+    Denoiser::from_name(text).ok_or_else(|| {
+        let names = Denoiser::ALL.map(Denoiser::name).join(" or ");
+        format!("unknown method \"{text}\"; expected {names}; the scene comes before --denoise")
+    })
+}
+
 /// Largest time of an animation, seconds.
 const MAX_TIME: f64 = 1e9;
 
@@ -168,6 +190,19 @@ impl Arguments {
         let mut render = scene.render.clone();
         self.render.apply(&mut render);
         render
+    }
+
+    /// Checks that `--denoise` suits the mode, and that the method is available.
+    pub(super) fn check_denoiser(&self) -> Result<(), Failure> {
+        let Some(denoiser) = self.denoise else { return Ok(()) };
+        let mode = self.mode.unwrap_or_default();
+        if mode != Mode::Path {
+            return Err(Failure::Usage(format!(
+                "--denoise: only pictures of --mode path can be denoised, not those of --mode {}",
+                mode.name()
+            )));
+        }
+        denoiser.check().map_err(Failure::other)
     }
 
     pub(super) fn shutter(&self, scene: &Scene, fps: f32) -> Shutter {

@@ -1,12 +1,14 @@
 //! `pathmarch render`: renders a scene to a picture.
 
 mod arguments;
+mod denoising;
 
 use super::progress_bar;
 use crate::frames::{self, FrameRange};
-use crate::picture::Rendered;
+use crate::picture::{Denoised, Rendered};
 pub use arguments::Arguments;
 use arguments::Layers;
+use denoising::Samples;
 use pathmarch_cli::{DONE, Failure, INTERRUPTED, catch_interrupts, print_report};
 use pathmarch_render::film::Film;
 use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
@@ -19,6 +21,7 @@ use std::time::Instant;
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let output = arguments.output()?;
+    arguments.check_denoiser()?;
     let mut animation = Animation::load(&arguments.scene)?;
     let fps = arguments.render_settings(&animation.at(Moment::default())?).fps;
     if let Some(frames) = arguments.frames {
@@ -43,22 +46,24 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     // In units of 1/1000 sample, so that slow samples show progress.
     let bar = progress_bar(u64::from(settings.samples) * 1000);
     let stop = |done: f64| should_stop(arguments, &interrupted, started, done);
-    job.run(stop, |done| {
+    let samples = Samples::render(&mut job, arguments.denoise, stop, |done| {
         bar.set_position((done * 1000.0) as u64);
         let rate = done / started.elapsed().as_secs_f64().max(1e-9);
         bar.set_message(format!("{}/{} samples, {rate:.2} samples/s", done as u32, settings.samples));
     })
     .map_err(render_failure)?;
     bar.finish_and_clear();
-    let film = job.film().map_err(render_failure)?;
-    let seconds = started.elapsed().as_secs_f64();
-    write(arguments, job.backend(), &scene, &settings, &film, &output)?;
+    let (film, seconds) = (samples.film(), started.elapsed().as_secs_f64());
+    let denoised = samples.denoised(&animation, &scene, &settings, shutter)?;
+    let filter_seconds = started.elapsed().as_secs_f64() - seconds;
+    let denoising = denoised.as_ref().map_or(String::new(), |_| format!(", denoised in {filter_seconds:.1} s"));
+    write(arguments, job.backend(), &scene, &settings, film, denoised, &output)?;
     if film.non_finite() > 0 {
         eprintln!("warning: {} non-finite samples were discarded", film.non_finite());
     }
     let cut_short = film.samples < settings.samples && interrupted.load(Ordering::SeqCst);
     eprintln!(
-        "{}wrote {} after {} of {} samples in {seconds:.1} s ({:.2} samples/s)",
+        "{}wrote {} after {} of {} samples in {seconds:.1} s ({:.2} samples/s){denoising}",
         if cut_short { "interrupted: " } else { "" },
         output.display(),
         film.samples,
@@ -109,20 +114,21 @@ fn run_frames(
         }
         warned.extend(scene.warnings.iter().map(|warning| warning.message.clone()));
         let settings = arguments.settings(&scene)?;
-        let job = renderer.start_motion_blur(&animation, &scene, &settings, arguments.shutter(&scene, fps));
+        let shutter = arguments.shutter(&scene, fps);
+        let job = renderer.start_motion_blur(&animation, &scene, &settings, shutter);
         let mut job = job.map_err(|error| in_frame(frame, render_failure(error)))?;
         if frame == first {
             print_settings(arguments, job.backend(), &settings);
         }
         let started = Instant::now();
         let stop = |done: f64| should_stop(arguments, &interrupted, started, done);
-        let result = job.run(stop, |done| {
+        let samples = Samples::render(&mut job, arguments.denoise, stop, |done| {
             let share = done / f64::from(settings.samples);
             bar.set_position(((index as f64 + share) * 1000.0) as u64);
             let (number, count) = (index + 1, left.len());
             bar.set_message(format!("frame {frame} ({number}/{count}), {}/{} samples", done as u32, settings.samples));
         });
-        result.map_err(|error| in_frame(frame, render_failure(error)))?;
+        let samples = samples.map_err(|error| in_frame(frame, render_failure(error)))?;
         // An incomplete frame is not written: its file would count as done.
         if interrupted.load(Ordering::SeqCst) {
             bar.finish_and_clear();
@@ -130,11 +136,12 @@ fn run_frames(
             eprintln!("interrupted: wrote {wrote}, {more} left; continue with --skip-existing");
             return Ok(INTERRUPTED);
         }
-        let film = job.film().map_err(|error| in_frame(frame, render_failure(error)))?;
         let output = frames::file(pattern, frame);
-        let wrote = write(arguments, job.backend(), &scene, &settings, &film, &output);
+        let denoised = samples.denoised(&animation, &scene, &settings, shutter);
+        let wrote = denoised
+            .and_then(|denoised| write(arguments, job.backend(), &scene, &settings, samples.film(), denoised, &output));
         wrote.map_err(|failure| in_frame(frame, failure))?;
-        non_finite += film.non_finite();
+        non_finite += samples.film().non_finite();
     }
     bar.finish_and_clear();
     if non_finite > 0 {
@@ -183,20 +190,21 @@ fn print_settings(arguments: &Arguments, backend: &BackendInfo, settings: &Setti
     );
 }
 
-/// Writes a film as a picture.
+/// Writes a film, or its denoised picture.
 fn write(
     arguments: &Arguments,
     backend: &BackendInfo,
     scene: &Scene,
     settings: &Settings,
     film: &Film,
+    denoised: Option<Denoised>,
     output: &Path,
 ) -> Result<(), Failure> {
     let display = settings.mode.display(Display {
         tonemap: arguments.render_settings(scene).tonemap,
         exposure_stops: arguments.exposure.unwrap_or(settings.camera_of(scene).exposure),
     });
-    let rendered = Rendered { scene, settings, film, backend };
+    let rendered = Rendered { scene, settings, film, backend, denoised };
     let layers = arguments.aov.as_ref().map_or(&[][..], |Layers(layers)| layers);
     rendered.write(output, &display, layers).map_err(Failure::Other)
 }

@@ -182,7 +182,8 @@ impl App {
                 _ => Vec::new(),
             };
             let backend = BackendInfo { name: status.backend, adapter: status.adapter, notice: status.notice };
-            let rendered = Rendered { scene: &scene, settings: &settings, film: &film, backend: &backend };
+            let rendered =
+                Rendered { scene: &scene, settings: &settings, film: &film, backend: &backend, denoised: None };
             background_render::save_film(&rendered, path, &display, &layers)
         });
         match result {

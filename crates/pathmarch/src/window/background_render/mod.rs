@@ -321,7 +321,8 @@ impl<W: Fn()> Worker<'_, W> {
             state.samples = before + f64::from(film.samples);
         }
         (self.wake)();
-        let rendered = Rendered { scene, settings: &task.settings, film: &film, backend: job.backend() };
+        let rendered =
+            Rendered { scene, settings: &task.settings, film: &film, backend: job.backend(), denoised: None };
         let sentence = save_film(&rendered, output, display, &task.layers);
         shared.state().writing = false;
         sentence.map(Some)

@@ -96,8 +96,13 @@ fn an_existing_film_gives_the_same_file() {
         let task = task(directory.path().join(name));
         let renderer = Renderer::open(Backend::Cpu, None).expect("the CPU");
         let film = renderer.render(&task.scene, &task.settings).expect("a film");
-        let rendered =
-            Rendered { scene: &task.scene, settings: &task.settings, film: &film, backend: &renderer.backend() };
+        let rendered = Rendered {
+            scene: &task.scene,
+            settings: &task.settings,
+            film: &film,
+            backend: &renderer.backend(),
+            denoised: None,
+        };
         let second = directory.path().join(format!("film-{name}"));
         save_film(&rendered, &second, &task.display, &[]).expect("written");
         let first = task.output.clone();

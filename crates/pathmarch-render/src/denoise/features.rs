@@ -1,0 +1,256 @@
+//! Features: attributes of the first surfaces that scatter light, which guide the filter.
+//!
+//! **Idea.** Camera rays of the picture's own first samples, so that edges, depth of field and antialiasing agree with
+//! those of the picture. A ray passes mirrors and smooth glass as a path does, so that the features of a reflection are
+//! those of what is reflected. Two halves of the rays measure the noise of the features.
+//!
+//! **Source.** Feature buffers with half buffers: Rousselle, Manzi, Zwicker 2013, "Robust Denoising using Feature and
+//! Color Information".
+//!
+//! **Cost.** [`MAX_RAYS`] camera rays a pixel on the CPU, whichever backend renders the picture: as long as one or two
+//! samples of paths with eight bounces.
+
+use crate::backend::RenderInput;
+use crate::error::RenderError;
+use crate::integrator::camera::{camera_rays, pixel_sampler};
+use crate::integrator::light_sampling;
+use crate::integrator::medium::{medium_beyond, transmittance};
+use crate::intersect::march::march;
+use crate::intersect::ray::{Ray, RaySegment};
+use crate::job::Shutter;
+use crate::sampling::basis::basis;
+use crate::sampling::sobol::{PixelSampler, hash, pair};
+use crate::scene::TraceContext;
+use crate::scene::material::DELTA;
+use crate::settings::Settings;
+use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
+use crate::shading::textured_point::TexturedPoint;
+use glam::Vec3;
+use pathmarch_field::graph::Batch;
+use pathmarch_scene::{Animation, Scene};
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// Largest number of camera rays of a pixel.
+pub const MAX_RAYS: u32 = 16;
+/// Largest number of mirrors and glass surfaces that a ray passes.
+const MAX_DELTA_SURFACES: u32 = 12;
+/// Number of pixels whose rays are traced together.
+const BATCH_PIXELS: usize = 256;
+
+/// Features of a pixel: sums over camera rays.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PixelFeatures {
+    /// Albedo of the surface times the reflectance and transmittance on the way there; 0 for light sources.
+    pub albedo: Vec3,
+    /// Radiance of the light source or sky that a ray reaches.
+    pub emission: Vec3,
+    /// Unit normal of the surface, on the side of the ray.
+    pub normal: Vec3,
+    /// Position of the surface in world space, metres.
+    pub position: Vec3,
+    /// Hash of the material, 0 to 1.
+    pub material: f32,
+    /// Length of the path, metres.
+    pub length: f32,
+    /// Number of rays that reach a surface that scatters light.
+    pub surfaces: f32,
+}
+
+impl std::ops::AddAssign for PixelFeatures {
+    fn add_assign(&mut self, other: Self) {
+        self.albedo += other.albedo;
+        self.emission += other.emission;
+        self.normal += other.normal;
+        self.position += other.position;
+        self.material += other.material;
+        self.length += other.length;
+        self.surfaces += other.surfaces;
+    }
+}
+
+/// Features of a picture, in two halves of `rays` camera rays each.
+#[derive(Clone, Debug)]
+pub struct Features {
+    /// Camera rays of a pixel in each half.
+    pub rays: u32,
+    /// Side of a pixel at a distance of one metre, metres.
+    pub pixel: f32,
+    /// Sums of both halves, pixel by pixel, the top row first.
+    pub halves: [Vec<PixelFeatures>; 2],
+}
+
+impl Features {
+    /// Traces the features of a path-traced picture with `samples` samples of a still scene.
+    ///
+    /// # Errors
+    /// [`RenderError::Settings`] if settings are out of range.
+    pub fn trace(scene: &Scene, settings: &Settings, samples: u32) -> Result<Self, RenderError> {
+        settings.check(scene)?;
+        let input = RenderInput::new(scene, settings);
+        Self::trace_at(settings, samples, |_| Ok(input.clone()))
+    }
+
+    /// Traces the features of a picture that [`Renderer::start_motion_blur`](crate::Renderer::start_motion_blur) renders
+    /// with the same arguments: each camera ray at the moment of its sample.
+    ///
+    /// # Errors
+    /// Those of [`trace`](Self::trace), and [`RenderError::Scene`] if the animation is not a valid scene at a moment.
+    pub fn trace_motion_blur(
+        animation: &Mutex<Animation>,
+        scene: &Scene,
+        settings: &Settings,
+        shutter: Shutter,
+        samples: u32,
+    ) -> Result<Self, RenderError> {
+        if !shutter.blurs(scene, settings) {
+            return Self::trace(scene, settings, samples);
+        }
+        Self::trace_at(settings, samples, |sample| {
+            let moment = shutter.moment(settings.seed, sample);
+            let scene = animation.lock().unwrap_or_else(PoisonError::into_inner).at(moment)?;
+            settings.check(&scene)?;
+            Ok(RenderInput::new(&scene, settings))
+        })
+    }
+
+    /// Traces features; `input_at` returns the input of a sample.
+    fn trace_at(
+        settings: &Settings,
+        samples: u32,
+        mut input_at: impl FnMut(u32) -> Result<RenderInput, RenderError>,
+    ) -> Result<Self, RenderError> {
+        let rays = (samples / 2).clamp(1, MAX_RAYS / 2);
+        let [width, height] = settings.size;
+        let pixels: Vec<(u32, u32)> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
+        let mut halves = [vec![PixelFeatures::default(); pixels.len()], vec![PixelFeatures::default(); pixels.len()]];
+        let mut pixel = 0.0;
+        for ray in 0..2 * rays {
+            let sample = settings.first_sample + ray;
+            let input = input_at(sample)?;
+            let ctx = input.context(None);
+            pixel = ctx.frame.pixel;
+            let sums = halves[(ray / rays) as usize].par_chunks_mut(BATCH_PIXELS);
+            sums.zip(pixels.par_chunks(BATCH_PIXELS)).for_each(|(sums, pixels)| trace_rays(&ctx, pixels, sample, sums));
+        }
+        Ok(Self { rays, pixel, halves })
+    }
+}
+
+/// Adds the features of the camera rays of one sample of these pixels to their sums.
+fn trace_rays(ctx: &TraceContext, pixels: &[(u32, u32)], sample: u32, sums: &mut [PixelFeatures]) {
+    let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, sample)).collect();
+    let rays = camera_rays(ctx.frame, pixels, &samplers).into_iter().zip(samplers);
+    let mut walks: Vec<Walk> =
+        rays.enumerate().map(|(slot, (ray, sampler))| Walk::new(ctx, slot, ray, sampler)).collect();
+    for surface_index in 0.. {
+        if walks.is_empty() {
+            return;
+        }
+        walks = advanced(ctx, walks, surface_index, sums);
+    }
+}
+
+/// Ray on its way to the first surface that scatters light.
+struct Walk {
+    /// Index of the pixel.
+    slot: usize,
+    ray: Ray,
+    sampler: PixelSampler,
+    throughput: Vec3,
+    /// Absorption coefficient of the medium around the ray, per metre.
+    medium: Vec3,
+    /// Length of the path, metres.
+    length: f32,
+}
+
+impl Walk {
+    fn new(ctx: &TraceContext, slot: usize, ray: Ray, sampler: PixelSampler) -> Self {
+        Self { slot, ray, sampler, throughput: Vec3::ONE, medium: Vec3::from(ctx.frame.medium), length: 0.0 }
+    }
+}
+
+/// Intersects rays with the scene; adds the features of those that have reached their surface, and returns the others.
+fn advanced(ctx: &TraceContext, walks: Vec<Walk>, surface_index: u32, sums: &mut [PixelFeatures]) -> Vec<Walk> {
+    let segment = |walk: &Walk| RaySegment { ray: walk.ray, path_length: walk.length, limit: f32::INFINITY };
+    let segments: Vec<RaySegment> = walks.iter().map(segment).collect();
+    let hits = march(ctx, &segments);
+    let (mut reached, mut segment_hits) = (Vec::with_capacity(walks.len()), Vec::with_capacity(walks.len()));
+    for ((mut walk, segment), hit) in walks.into_iter().zip(segments).zip(hits) {
+        walk.throughput *= transmittance(walk.medium, hit.map_or(f32::INFINITY, |hit| hit.t));
+        if let Some(hit) = hit {
+            walk.length += hit.t;
+            reached.push(walk);
+            segment_hits.push((segment, hit));
+        } else {
+            let direction = walk.ray.direction;
+            let sky = ctx.scene.sky.radiance(direction).0 + light_sampling::sun_radiance(ctx, direction, 0.0);
+            sums[walk.slot].emission += walk.throughput * sky;
+        }
+    }
+    let seed = |k: usize| reached[k].sampler.unstratified_seed(surface_index);
+    let interactions = surface_interactions(ctx, &segment_hits, |k, blend| f32::choice(seed(k), blend));
+    let continued = reached.into_iter().zip(interactions);
+    continued.filter_map(|(walk, interaction)| scattered(ctx, walk, &interaction, surface_index, sums)).collect()
+}
+
+/// Next ray of a walk at a mirror or smooth glass; `None` after adding the features of any other surface.
+fn scattered(
+    ctx: &TraceContext,
+    walk: Walk,
+    interaction: &SurfaceInteraction,
+    surface_index: u32,
+    sums: &mut [PixelFeatures],
+) -> Option<Walk> {
+    let &SurfaceInteraction { p, normal, inside, normal_offset, .. } = interaction;
+    let leaf = &ctx.scene.leaves[interaction.leaf];
+    let material = &ctx.scene.materials[leaf.material as usize];
+    if material.emits() {
+        if ctx.scene.emits_towards(interaction.leaf, normal) {
+            sums[walk.slot].emission += walk.throughput * Vec3::from(material.emission);
+        }
+        return None;
+    }
+    let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), walk.length);
+    let ns = textured
+        .as_ref()
+        .map_or(normal, |textured| textured.normal(interaction.outward(), normal, -walk.ray.direction));
+    let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
+    let passes = material.has(DELTA) && surface_index <= MAX_DELTA_SURFACES.min(ctx.frame.bounces);
+    if !passes {
+        let plain = Vec3::from(ctx.scene.base_colours[leaf.material as usize]);
+        let colour = textured.and_then(|textured| textured.colour()).unwrap_or(plain);
+        sums[walk.slot] += PixelFeatures {
+            albedo: walk.throughput * colour,
+            emission: Vec3::ZERO,
+            normal: ns,
+            position: p,
+            material: hash(leaf.material) as f32 / u32::MAX as f32,
+            length: walk.length,
+            surfaces: 1.0,
+        };
+        return None;
+    }
+    let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
+    let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
+    let world_from_local = basis(ns);
+    let wo = world_from_local.transpose() * -walk.ray.direction;
+    let wo = wo.with_z(wo.z.abs().max(1e-5));
+    let first_pair = pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index;
+    let [u, v] = walk.sampler.sample_2d(first_pair + pair::PAIR_SCATTER);
+    let [lobe, _] = walk.sampler.sample_2d(first_pair + pair::PAIR_LOBE);
+    let next = (bsdf.sample)(parameters, wo, inside, [u, v, lobe])?;
+    let is_transmission = next.wi.z < 0.0;
+    Some(Walk {
+        ray: Ray {
+            origin: p + if is_transmission { -normal_offset } else { normal_offset },
+            direction: (world_from_local * next.wi).normalize(),
+        },
+        throughput: walk.throughput * next.weight,
+        medium: match is_transmission {
+            true => medium_beyond(walk.medium, Vec3::from(material.absorption), inside),
+            false => walk.medium,
+        },
+        ..walk
+    })
+}
