@@ -28,9 +28,12 @@ pub struct Arguments {
     /// Directory where converged pictures are kept for the next run
     #[arg(long, value_name = "DIR")]
     references: Option<PathBuf>,
-    /// Size of the pictures
+    /// Size of the samples
     #[arg(long, value_name = "WxH", default_value = "320x180", value_parser = value_parsers::size, allow_hyphen_values = true)]
     size: SizeArgument,
+    /// Size of the pictures, at most twice that of the samples [default: that of the samples]
+    #[arg(long, value_name = "WxH", value_parser = value_parsers::size, allow_hyphen_values = true)]
+    shown_size: Option<SizeArgument>,
     /// Samples of the references
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = value_parsers::whole((1, 65_536)), allow_hyphen_values = true)]
     samples: u32,
@@ -133,10 +136,10 @@ struct Row {
     /// FLIP and relMSE, before and after.
     flip: [f64; 2],
     relmse: [f64; 2],
-    /// relMSE after, of pixels with fewer than [`SHORT_HISTORY`] samples; `None` if there are none.
+    /// relMSE after, of pixels with fewer than [`SHORT_HISTORY`] samples; `None` if there are none, and in enlarged pictures.
     short_history: Option<f64>,
     /// Mean difference between the changes of the picture and of the reference since the last frame, along the motion;
-    /// `None` at rest.
+    /// `None` at rest, and in enlarged pictures.
     temporal: Option<f64>,
     /// Mean luminance after, divided by that of the reference.
     energy: f64,
@@ -211,24 +214,31 @@ fn temporal_error([ours, ours_before, reference, reference_before]: [&Picture; 4
     sum / f64::from(count.max(1))
 }
 
-fn compare(number: u32, frame: &Frame, reference: &Picture, display: &Display) -> Result<Row, Failure> {
+/// Picture enlarged to this size by repeating pixels.
+fn enlarged(picture: &Picture, [width, height]: [u32; 2]) -> Picture {
+    Picture::from_fn(width, height, |x, y| {
+        picture.get(x * picture.width / width, y * picture.height / height).unwrap_or_default()
+    })
+}
+
+/// Compares the samples of a frame and its reconstructed picture with a reference.
+fn compare(number: u32, pictures: [&Picture; 2], reference: &Picture, display: &Display) -> Result<Row, Failure> {
     let shown_reference = shown(reference, display);
     let (mut flip, mut relmse) = ([0.0; 2], [0.0; 2]);
-    for (k, picture) in [&frame.noisy, &frame.reconstructed].into_iter().enumerate() {
+    for (k, picture) in pictures.into_iter().enumerate() {
         let compared = metrics::compare(&shown(picture, display), &shown_reference, PictureKind::Ldr);
         flip[k] = compared.map_err(Failure::other)?.flip;
         relmse[k] = metrics::relmse(picture, reference).map_err(Failure::other)?;
     }
-    let [ours, expected] = [block_means(&frame.reconstructed, 32), block_means(reference, 32)];
+    let [ours, expected] = [block_means(pictures[1], 32), block_means(reference, 32)];
     let ratio = |(ours, expected): (&[f32; 3], &[f32; 3])| {
         let sum = |pixel: &[f32; 3]| f64::from(pixel.iter().sum::<f32>());
         sum(ours) / sum(expected).max(1e-3)
     };
     let ratios: Vec<f64> = ours.pixels.iter().zip(&expected.pixels).map(ratio).collect();
     let tiles = [ratios.iter().copied().fold(f64::INFINITY, f64::min), ratios.iter().copied().fold(0.0, f64::max)];
-    let short_history = relmse_of_short_histories(frame, reference)?;
-    let energy = mean(&frame.reconstructed) / mean(reference);
-    Ok(Row { frame: number, flip, relmse, short_history, temporal: None, energy, tiles })
+    let energy = mean(pictures[1]) / mean(reference);
+    Ok(Row { frame: number, flip, relmse, short_history: None, temporal: None, energy, tiles })
 }
 
 /// Flight with its scene, settings and references.
@@ -263,16 +273,22 @@ impl<'a> Course<'a> {
         Settings { size: self.arguments.size, samples, seed, viewpoint, ..Settings::of(scene) }
     }
 
+    /// Size of the pictures.
+    fn shown_size(&self) -> [u32; 2] {
+        self.arguments.shown_size.unwrap_or(self.arguments.size)
+    }
+
     /// Converged picture of a frame, kept in the directory for references if there is one.
     fn reference(&self, scene: &Scene, frame: u32) -> Result<Picture, Failure> {
         let frame = frame.min(MOVING_FRAMES);
-        let Arguments { size: [width, height], samples, references, .. } = self.arguments;
+        let (Arguments { samples, references, .. }, size) = (self.arguments, self.shown_size());
+        let [width, height] = size;
         let name = format!("{}-{frame:02}-{width}x{height}-{samples}.exr", self.flight.name);
         let path = references.as_ref().map(|directory| directory.join(name));
         if let Some(path) = path.as_ref().filter(|path| path.exists()) {
             return image::load(path).map(|loaded| loaded.picture).map_err(Failure::other);
         }
-        let many = Settings { samples: *samples, seed: 1000 + frame, ..self.settings(scene, frame) };
+        let many = Settings { samples: *samples, seed: 1000 + frame, size, ..self.settings(scene, frame) };
         let picture = self.renderer.render(scene, &many).map_err(Failure::other)?.mean();
         if let Some(path) = &path {
             image::save(path, &picture, &Display::default(), &Provenance::default()).map_err(Failure::other)?;
@@ -307,22 +323,29 @@ fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<
         let before = scene.clone();
         scene = course.scene(number, &scene)?;
         let display = Display { tonemap: scene.render.tonemap, exposure_stops: scene.cameras[0].exposure };
-        let frame = sequence.render(&scene, &course.settings(&scene, number)).map_err(Failure::other)?;
+        let frame = sequence
+            .render_upscaled(&scene, &course.settings(&scene, number), course.shown_size())
+            .map_err(Failure::other)?;
         times = [times[0] + frame.trace_seconds, times[1] + frame.reconstruct_seconds];
         if let Some(last) = last.as_ref().filter(|_| number > MOVING_FRAMES + 4) {
             flicker.push(difference(&shown(&frame.reconstructed, &display), &shown(&last.reconstructed, &display)));
         }
         if (number + 1) % arguments.every == 0 || number + 1 == FRAMES {
             let reference = course.reference(&scene, number)?;
-            let mut row = compare(number, &frame, &reference, &display)?;
-            if let Some(last) = last.as_ref().filter(|_| number <= MOVING_FRAMES) {
+            let noisy = enlarged(&frame.noisy, course.shown_size());
+            let mut row = compare(number, [&noisy, &frame.reconstructed], &reference, &display)?;
+            let is_enlarged = course.shown_size() != arguments.size;
+            if !is_enlarged {
+                row.short_history = relmse_of_short_histories(&frame, &reference)?;
+            }
+            if let Some(last) = last.as_ref().filter(|_| number <= MOVING_FRAMES && !is_enlarged) {
                 let before = course.reference(&before, number - 1)?;
                 let pictures = [&frame.reconstructed, &last.reconstructed, &reference, &before];
                 let [a, b, c, d] = pictures.map(|picture| shown(picture, &display));
                 row.temporal = Some(temporal_error([&a, &b, &c, &d], &frame.motion));
             }
             row.print(flight.name);
-            let pictures = [("before", &frame.noisy), ("after", &frame.reconstructed), ("reference", &reference)];
+            let pictures = [("before", &noisy), ("after", &frame.reconstructed), ("reference", &reference)];
             course.save(number, pictures, &display)?;
         }
         last = Some(frame);

@@ -7,8 +7,8 @@
 //! **Source.** Feature buffers with half buffers: Rousselle, Manzi, Zwicker 2013, "Robust Denoising using Feature and
 //! Color Information".
 //!
-//! **Cost.** [`MAX_RAYS`] camera rays a pixel on the CPU, whichever backend renders the picture: as long as one or two
-//! samples of paths with eight bounces.
+//! **Cost.** [`FEW_RAYS`] camera rays a pixel on the CPU, whichever backend renders the picture: as long as one or two
+//! samples of paths with eight bounces. Pictures of many samples have an eighth as many rays, at most [`MAX_RAYS`].
 
 use crate::backend::RenderInput;
 use crate::error::RenderError;
@@ -31,8 +31,10 @@ use pathmarch_scene::{Animation, Scene};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
+/// Number of camera rays of a pixel of 16 to 128 samples.
+pub const FEW_RAYS: u32 = 16;
 /// Largest number of camera rays of a pixel.
-pub const MAX_RAYS: u32 = 16;
+pub const MAX_RAYS: u32 = 64;
 /// Largest number of mirrors and glass surfaces that a ray passes.
 const MAX_DELTA_SURFACES: u32 = 12;
 /// Number of pixels whose rays are traced together.
@@ -120,7 +122,7 @@ impl Features {
         samples: u32,
         mut input_at: impl FnMut(u32) -> Result<RenderInput, RenderError>,
     ) -> Result<Self, RenderError> {
-        let rays = (samples / 2).clamp(1, MAX_RAYS / 2);
+        let rays = rays_of(samples) / 2;
         let [width, height] = settings.size;
         let pixels: Vec<(u32, u32)> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
         let mut halves = [vec![PixelFeatures::default(); pixels.len()], vec![PixelFeatures::default(); pixels.len()]];
@@ -135,6 +137,11 @@ impl Features {
         }
         Ok(Self { rays, pixel, halves })
     }
+}
+
+/// Number of camera rays for a picture of so many samples: two or more, and as many in each half.
+fn rays_of(samples: u32) -> u32 {
+    2 * (samples.min((samples / 8).clamp(FEW_RAYS, MAX_RAYS)) / 2).max(1)
 }
 
 /// Adds the features of the camera rays of one sample of these pixels to their sums.

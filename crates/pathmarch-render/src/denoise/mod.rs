@@ -15,7 +15,7 @@
 //! **Limits.** Frames of a sequence are filtered one by one. With depth of field and motion blur, features have noise
 //! of their own, and the filter removes less.
 //!
-//! **Cost.** 1.0 s of one core for 640x360 pixels, and [`features::MAX_RAYS`] camera rays a pixel.
+//! **Cost.** 1.0 s of one core for 640x360 pixels, and [`features::FEW_RAYS`] or more camera rays a pixel.
 
 mod compose;
 pub mod features;
@@ -41,7 +41,7 @@ use signal::Signal;
 const STAGES: [Stage; 2] = [Stage { radius: 4, stride: 3 }, Stage { radius: 12, stride: 6 }];
 
 /// Mean relative variances of a picture up to which it stays as it is, and from which on it is filtered entirely.
-const FILTERED_NOISE: [f32; 2] = [2e-5, 6e-5];
+const FILTERED_NOISE: [f32; 2] = [1e-4, 4e-4];
 
 /// Method of denoising.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
