@@ -1,9 +1,18 @@
 #![doc = include_str!("../README.md")]
+//!
+//! [`read`] reads files, [`bvh`] intersects rays and finds closest points, [`grid`] makes distance fields, [`report`] checks what a
+//! mesh needs for that. This crate has no GPU and no light.
 
 mod bounds;
 pub mod bvh;
+pub mod import;
+pub mod material;
+mod read;
 mod triangle_mesh;
 
 pub use bounds::Bounds;
 pub use bvh::Bvh;
+pub use import::Imported;
+pub use material::Material;
+pub use read::{EXTENSIONS, Mistake, ReadError, ReadOptions, read, read_bytes};
 pub use triangle_mesh::{Dropped, MAX_COORDINATE, TriangleMesh};

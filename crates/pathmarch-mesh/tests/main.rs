@@ -1,0 +1,4 @@
+//! All tests of meshes in one program, which is compiled and linked once.
+
+mod readers;
+mod shapes;
