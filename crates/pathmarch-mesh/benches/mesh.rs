@@ -10,9 +10,10 @@ mod shapes;
 
 use glam::Vec3;
 use pathmarch_mesh::bvh::{CompressedBvh, Ray};
-use pathmarch_mesh::{Bvh, TriangleMesh};
+use pathmarch_mesh::{Bvh, DistanceGrid, TriangleMesh};
 use rayon::prelude::*;
 use shapes::{Random, bumpy_torus};
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Rays of each kind.
@@ -36,6 +37,10 @@ fn main() {
         let (seconds, hits) = best_of_three(|| rays.par_iter().filter(|ray| bvh.occluded(ray)).count());
         println!("{name} rays, any hit     {:.2} M/s, {hits} hits", RAYS as f64 / seconds / 1e6);
     }
+    let (seconds, grid) = time(|| DistanceGrid::build(&mesh, 512, &|_| ControlFlow::Continue(())).expect("a grid"));
+    println!("grid of 512, seconds    {seconds:.2}");
+    println!("grid of 512, megabytes  {:.1}", grid.size_in_bytes() as f64 / 1e6);
+    println!("grid of 512, slope      {:.2}", grid.lipschitz());
 }
 
 fn per_triangle(mesh: &TriangleMesh, bytes: usize) -> f64 {
@@ -43,14 +48,15 @@ fn per_triangle(mesh: &TriangleMesh, bytes: usize) -> f64 {
 }
 
 fn best_of_three<T>(work: impl Fn() -> T) -> (f64, T) {
-    let run = || {
-        let (start, cpu) = (Instant::now(), cpu_seconds());
-        let result = work();
-        let wall = start.elapsed().as_secs_f64();
-        (cpu_seconds().zip(cpu).map_or(wall, |(end, start)| end - start), result)
-    };
-    let runs = [run(), run(), run()];
+    let runs = [time(&work), time(&work), time(&work)];
     runs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("three runs")
+}
+
+fn time<T>(work: impl Fn() -> T) -> (f64, T) {
+    let (start, cpu) = (Instant::now(), cpu_seconds());
+    let result = work();
+    let wall = start.elapsed().as_secs_f64();
+    (cpu_seconds().zip(cpu).map_or(wall, |(end, start)| end - start), result)
 }
 
 /// CPU seconds of all threads so far, where the system reports them in the way of Linux.

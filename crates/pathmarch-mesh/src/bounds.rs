@@ -39,4 +39,9 @@ impl Bounds {
     pub fn centre(self) -> Vec3 {
         0.5 * self.min + 0.5 * self.max
     }
+
+    /// The point of the box that is closest to another; not defined for an empty box.
+    pub fn clamped(self, p: Vec3) -> Vec3 {
+        p.max(self.min).min(self.max)
+    }
 }

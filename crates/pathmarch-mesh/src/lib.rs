@@ -5,14 +5,21 @@
 
 mod bounds;
 pub mod bvh;
+pub mod grid;
 pub mod import;
 pub mod material;
 mod read;
+pub mod report;
+mod topology;
 mod triangle_mesh;
+mod winding;
 
 pub use bounds::Bounds;
 pub use bvh::Bvh;
+pub use grid::DistanceGrid;
 pub use import::Imported;
 pub use material::Material;
 pub use read::{EXTENSIONS, Mistake, ReadError, ReadOptions, read, read_bytes};
+pub use report::MeshReport;
 pub use triangle_mesh::{Dropped, MAX_COORDINATE, TriangleMesh};
+pub use winding::WindingTree;

@@ -132,7 +132,8 @@ impl CompressedBvh {
                         for at in first..first + count {
                             let t_max = closest.map_or(ray.t_max, |hit| hit.t);
                             let hit = shear.intersect(self.corners_at(at), ray.t_min, t_max);
-                            let hit = hit.map(|(t, barycentrics)| Hit { t, triangle: self.triangles[at], barycentrics });
+                            let hit =
+                                hit.map(|(t, barycentrics)| Hit { t, triangle: self.triangles[at], barycentrics });
                             closest = hit.or(closest);
                         }
                     }

@@ -16,13 +16,13 @@
 
 pub(crate) mod binary;
 mod closest;
+mod collapse;
 mod compressed;
 mod ray;
 mod stack;
 mod traverse;
 mod triangle8;
 mod watertight;
-mod collapse;
 
 pub use closest::ClosestPoint;
 pub use compressed::{CompressedBvh, NODE_WORDS};
@@ -96,7 +96,7 @@ pub struct Bvh {
 }
 
 /// Leaves fill a block of eight triangles unless halves have far less surface.
-const LEAVES: LeafRule = LeafRule { max_triangles: LANES, split_below: 0.95 };
+pub(crate) const LEAVES: LeafRule = LeafRule { max_triangles: LANES, split_below: 0.95 };
 
 impl Bvh {
     /// Builds the hierarchy, on all cores of the current `rayon` pool. The result does not depend on their number.

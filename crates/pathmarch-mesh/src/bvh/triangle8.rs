@@ -130,9 +130,8 @@ impl EdgeFunctions {
 #[cold]
 fn edge_f64(p: [f32x8; 3], q: [f32x8; 3]) -> f32x8 {
     let (p, q) = (p.map(f32x8::to_array), q.map(f32x8::to_array));
-    let edge = |k: usize| {
-        sign_preserving(f64::from(p[0][k]) * f64::from(q[1][k]) - f64::from(p[1][k]) * f64::from(q[0][k]))
-    };
+    let edge =
+        |k: usize| sign_preserving(f64::from(p[0][k]) * f64::from(q[1][k]) - f64::from(p[1][k]) * f64::from(q[0][k]));
     f32x8::from(std::array::from_fn::<f32, LANES, _>(edge))
 }
 

@@ -185,7 +185,8 @@ impl<'a> Reader<'a> {
             _ => count.checked_sub(usize::try_from(number.checked_neg()?).ok()?).filter(|_| number < 0),
         });
         let valid = index.filter(|&index| index < count).and_then(|index| u32::try_from(index).ok());
-        valid.ok_or_else(|| self.mistake(format!("{name} {} does not exist; there are {count} so far", shortened(text))))
+        valid
+            .ok_or_else(|| self.mistake(format!("{name} {} does not exist; there are {count} so far", shortened(text))))
     }
 
     fn vertex(&mut self, corner: Corner) -> u32 {

@@ -79,7 +79,8 @@ fn read_vertices(element: &Element, values: &mut Values, mesh: &mut TriangleMesh
         // From v up to the orientation of images.
         mesh.uvs[0].extend(uv.map(|[u, v]| Vec2::new(record.scalar(u), 1.0 - record.scalar(v))));
         let with_alpha = |colour: Vec3| colour.extend(alpha.map_or(1.0, |[alpha]| unit(alpha).clamp(0.0, 1.0)));
-        mesh.colours.extend(colour.map(|places| -> Vec4 { with_alpha(Vec3::from_array(places.map(unit)).map(srgb_decode)) }));
+        mesh.colours
+            .extend(colour.map(|places| -> Vec4 { with_alpha(Vec3::from_array(places.map(unit)).map(srgb_decode)) }));
     }
     Ok(())
 }
@@ -97,7 +98,8 @@ fn read_polygons(
     for _ in 0..element.count {
         values.read(element, &mut record)?;
         // Numbers beyond 32 bits saturate, and are found to be out of range. A negative one ends a strip.
-        polygons.push(record.list(place).iter().map(|&index| if index < 0.0 { u32::MAX } else { index as u32 }).collect());
+        polygons
+            .push(record.list(place).iter().map(|&index| if index < 0.0 { u32::MAX } else { index as u32 }).collect());
     }
     Ok(())
 }
@@ -119,7 +121,10 @@ fn check_indices(mesh: &TriangleMesh, polygons: &[Vec<u32>]) -> Result<(), Mista
     let is_bad = |index: &&u32| **index as usize >= count;
     for (number, polygon) in polygons.iter().enumerate() {
         if let Some(index) = polygon.iter().find(is_bad) {
-            return Err(Mistake::new(format!("face {number}"), format!("vertex {index} does not exist; there are {count}")));
+            return Err(Mistake::new(
+                format!("face {number}"),
+                format!("vertex {index} does not exist; there are {count}"),
+            ));
         }
     }
     match mesh.triangles.iter().flatten().find(is_bad) {

@@ -17,9 +17,13 @@ const TRIANGLE: usize = 50;
 
 /// Reads an STL file.
 pub(super) fn read(bytes: &[u8], warnings: &mut Warnings) -> Result<TriangleMesh, Mistake> {
-    let declared = bytes.get(80..HEADER).map(|count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize);
+    let declared =
+        bytes.get(80..HEADER).map(|count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize);
     let expected = declared.map(|count| HEADER.saturating_add(count.saturating_mul(TRIANGLE)));
-    let is_text = text::decode(&bytes[..bytes.len().min(512)]).trim_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case("solid"));
+    let is_text = text::decode(&bytes[..bytes.len().min(512)])
+        .trim_start()
+        .get(..5)
+        .is_some_and(|word| word.eq_ignore_ascii_case("solid"));
     match (declared, expected) {
         (Some(_), Some(expected)) if expected == bytes.len() => Ok(read_binary(&bytes[HEADER..])),
         _ if is_text => read_text(&text::decode(bytes)),
@@ -28,7 +32,8 @@ pub(super) fn read(bytes: &[u8], warnings: &mut Warnings) -> Result<TriangleMesh
             Ok(read_binary(&bytes[HEADER..expected]))
         }
         (Some(count), _) => {
-            let problem = format!("{count} triangles are declared, but there is room for {}", (bytes.len() - HEADER) / TRIANGLE);
+            let problem =
+                format!("{count} triangles are declared, but there is room for {}", (bytes.len() - HEADER) / TRIANGLE);
             Err(Mistake::new("byte 80", problem))
         }
         _ => Err(Mistake::new("byte 0", "neither a text that begins with \"solid\" nor a binary header of 84 bytes")),
@@ -55,7 +60,8 @@ fn read_text(text: &str) -> Result<TriangleMesh, Mistake> {
         let mut words = line.split_whitespace();
         match words.next().map(str::to_ascii_lowercase).as_deref() {
             Some("vertex") => {
-                let mut coordinate = || words.next().and_then(text::number).ok_or_else(|| mistake("a vertex has three numbers"));
+                let mut coordinate =
+                    || words.next().and_then(text::number).ok_or_else(|| mistake("a vertex has three numbers"));
                 corners.push(Vec3::new(coordinate()?, coordinate()?, coordinate()?));
             }
             Some("endloop") => {

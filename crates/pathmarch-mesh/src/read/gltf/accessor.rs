@@ -79,7 +79,9 @@ impl<'a> Accessor<'a> {
             "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
-            kind => return Err(Mistake::new(place, format!("type {} is not that of an attribute", super::shortened(kind)))),
+            kind => {
+                return Err(Mistake::new(place, format!("type {} is not that of an attribute", super::shortened(kind))));
+            }
         };
         let size = width * component.size();
         let bytes = match json.buffer_view {
@@ -132,7 +134,8 @@ impl<'a> Accessor<'a> {
     }
 
     fn number(&self, bytes: &[u8]) -> f32 {
-        let normalized = |value: f32, largest: f32| if self.is_normalized { (value / largest).max(-1.0) } else { value };
+        let normalized =
+            |value: f32, largest: f32| if self.is_normalized { (value / largest).max(-1.0) } else { value };
         match self.component {
             Component::I8 => normalized((bytes[0] as i8).into(), 127.0),
             Component::U8 => normalized(bytes[0].into(), 255.0),
@@ -168,7 +171,8 @@ fn elements<'a>(
     let rest = bytes.get(offset..);
     let within = rest.filter(|rest| length.is_some_and(|length| length <= rest.len()));
     within.ok_or_else(|| {
-        let problem = format!("{count} elements at byte {offset} are beyond the {} bytes of the buffer view", bytes.len());
+        let problem =
+            format!("{count} elements at byte {offset} are beyond the {} bytes of the buffer view", bytes.len());
         Mistake::new(place, problem)
     })
 }

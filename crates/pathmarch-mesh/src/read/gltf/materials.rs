@@ -57,7 +57,8 @@ impl TextureReader<'_> {
         let [r, g, b, alpha] = surface.base_color_factor.unwrap_or([1.0; 4]);
         let strength = json.extensions.emissive_strength.as_ref().and_then(|e| e.emissive_strength).unwrap_or(1.0);
         for name in json.extensions.others.keys() {
-            let message = format!("extension {} is not supported; the material is shown without", super::shortened(name));
+            let message =
+                format!("extension {} is not supported; the material is shown without", super::shortened(name));
             self.warnings.add(place.as_str(), message);
         }
         let material = Material {
@@ -119,7 +120,10 @@ impl TextureReader<'_> {
         }
         material.volume = json.volume.as_ref().map(|volume| Volume {
             thickness: volume.thickness_factor.max(0.0),
-            attenuation_distance: volume.attenuation_distance.filter(|distance| *distance > 0.0).unwrap_or(f32::INFINITY),
+            attenuation_distance: volume
+                .attenuation_distance
+                .filter(|distance| *distance > 0.0)
+                .unwrap_or(f32::INFINITY),
             attenuation_colour: Vec3::from(volume.attenuation_color.unwrap_or([1.0; 3])).clamp(Vec3::ZERO, Vec3::ONE),
         });
         Ok(material)
@@ -129,9 +133,13 @@ impl TextureReader<'_> {
     fn limited(&mut self, mut material: Material, place: &str) -> Material {
         let before = material.clone();
         material.base_colour = material.base_colour.clamp(Vec3::ZERO, Vec3::ONE);
-        for factor in
-            [&mut material.alpha, &mut material.metallic, &mut material.roughness, &mut material.transmission, &mut material.specular]
-        {
+        for factor in [
+            &mut material.alpha,
+            &mut material.metallic,
+            &mut material.roughness,
+            &mut material.transmission,
+            &mut material.specular,
+        ] {
             *factor = factor.clamp(0.0, 1.0);
         }
         material.specular_colour = material.specular_colour.max(Vec3::ZERO);

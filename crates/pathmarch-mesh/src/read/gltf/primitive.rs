@@ -19,7 +19,8 @@ impl Budget {
     fn take(&mut self, count: usize, place: &str) -> Result<(), Mistake> {
         let left = self.left.checked_sub(count);
         self.left = left.ok_or_else(|| {
-            let problem = format!("the meshes have more than {} vertices, far more than the file has bytes for", self.total);
+            let problem =
+                format!("the meshes have more than {} vertices, far more than the file has bytes for", self.total);
             Mistake::with_remedy(place, problem, "store the same mesh once and place it by several nodes")
         })?;
         Ok(())
@@ -28,7 +29,11 @@ impl Budget {
 
 /// Loads the buffers of a primitive's accessors.
 pub fn load(primitive: &json::Primitive, root: &json::Root, buffers: &mut Buffers) -> Result<(), Mistake> {
-    primitive.indices.iter().chain(primitive.attributes.values()).try_for_each(|&index| Accessor::load(index, root, buffers))
+    primitive
+        .indices
+        .iter()
+        .chain(primitive.attributes.values())
+        .try_for_each(|&index| Accessor::load(index, root, buffers))
 }
 
 /// Appends the triangles of a primitive to a mesh. Only vertices that they name are kept.
@@ -111,7 +116,8 @@ impl<'a> Attributes<'a> {
             Ok(Some(accessor))
         };
         for name in primitive.attributes.keys() {
-            let is_read = ["POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"].contains(&name.as_str());
+            let is_read =
+                ["POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"].contains(&name.as_str());
             // Names of applications begin with an underscore; skins are reported for the file.
             if !is_read && !name.starts_with('_') && !name.starts_with("JOINTS_") && !name.starts_with("WEIGHTS_") {
                 warnings.add(place, format!("attribute {} is ignored", super::shortened(name)));

@@ -83,7 +83,8 @@ impl<'a> Values<'a> {
             Some(length) => {
                 let value = self.number(length).ok_or_else(ended)?;
                 // As every value has a byte or more, a longer list cannot be there.
-                Some(value).filter(|value| *value >= 0.0 && *value <= self.rest.len() as f64).ok_or_else(ended)? as usize
+                Some(value).filter(|value| *value >= 0.0 && *value <= self.rest.len() as f64).ok_or_else(ended)?
+                    as usize
             }
         };
         let start = record.values.len();
@@ -119,7 +120,10 @@ impl<'a> Values<'a> {
     fn read_line(&mut self, element: &Element, record: &mut Record) -> Result<(), Mistake> {
         let line = loop {
             if self.rest.is_empty() {
-                return Err(Mistake::new(format!("element \"{}\"", shortened(&element.name)), "the file ends too early"));
+                return Err(Mistake::new(
+                    format!("element \"{}\"", shortened(&element.name)),
+                    "the file ends too early",
+                ));
             }
             let end = self.rest.iter().position(|&byte| byte == b'\n').unwrap_or(self.rest.len());
             let line = &self.rest[..end];
