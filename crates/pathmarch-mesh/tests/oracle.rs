@@ -23,7 +23,8 @@ fn distance_to_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
     }
     let to_segment = |from: DVec3, to: DVec3| {
         let along = to - from;
-        let t = if along == DVec3::ZERO { 0.0 } else { ((p - from).dot(along) / along.length_squared()).clamp(0.0, 1.0) };
+        let t =
+            if along == DVec3::ZERO { 0.0 } else { ((p - from).dot(along) / along.length_squared()).clamp(0.0, 1.0) };
         p.distance(from + t * along)
     };
     to_segment(a, b).min(to_segment(b, c)).min(to_segment(c, a))

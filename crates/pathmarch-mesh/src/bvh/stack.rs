@@ -48,6 +48,13 @@ impl Stack {
     /// Pushes the children of a mask, so that the nearest is popped first.
     #[inline(always)]
     pub fn push_sorted(&mut self, mask: u32, distances: &[f32; 8], children: &[u32; 8]) {
+        if mask & mask.wrapping_sub(1) == 0 {
+            if mask != 0 {
+                let slot = mask.trailing_zeros() as usize;
+                self.push(Entry { node: children[slot], distance: distances[slot] });
+            }
+            return;
+        }
         let mut found = [Entry::default(); 8];
         let mut count = 0;
         let mut mask = mask;

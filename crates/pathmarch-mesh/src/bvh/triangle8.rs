@@ -107,13 +107,15 @@ impl EdgeFunctions {
     #[inline(always)]
     fn new([a, b, c]: [[f32x8; 3]; 3]) -> Self {
         let edge = |p: [f32x8; 3], q: [f32x8; 3]| p[0] * q[1] - p[1] * q[0];
-        let mut edges = Self { u: edge(c, b), v: edge(a, c), w: edge(b, a) };
+        let [mut u, mut v, mut w] = [edge(c, b), edge(a, c), edge(b, a)];
         let zero = f32x8::ZERO;
-        let is_zero = edges.u.simd_eq(zero) | edges.v.simd_eq(zero) | edges.w.simd_eq(zero);
-        if is_zero.any() {
-            edges = Self { u: edge_f64(c, b), v: edge_f64(a, c), w: edge_f64(b, a) };
+        if (u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero)).any() {
+            // Others stay as they are, or the triangle at the other side of an edge might get another sign.
+            u = u.simd_eq(zero).bitselect(edge_f64(c, b), u);
+            v = v.simd_eq(zero).bitselect(edge_f64(a, c), v);
+            w = w.simd_eq(zero).bitselect(edge_f64(b, a), w);
         }
-        edges
+        Self { u, v, w }
     }
 
     /// Mask of lanes on which no two signs differ. If all are zero, the parameter of the hit is NaN.

@@ -1,4 +1,7 @@
 //! Watertight intersection of one ray with one triangle (Woop, Benthin and Wald 2013): the plain form of `triangle8.rs`.
+//!
+//! **Difference.** Only the edge functions that are zero are computed again in 64 bits, not all three: the triangle at the other
+//! side of an edge must get the same sign.
 
 use super::ray::Ray;
 use glam::{DVec2, Vec3};
@@ -27,11 +30,11 @@ impl RayShear {
     /// Parameter of the hit, and the weights of the second and third corner.
     pub fn intersect(&self, corners: [Vec3; 3], t_min: f32, t_max: f32) -> Option<(f32, [f32; 2])> {
         let [a, b, c] = corners.map(|corner| self.sheared(corner));
-        let mut edges = [(c, b), (a, c), (b, a)].map(|(p, q)| p.x * q.y - p.y * q.x);
-        if edges.contains(&0.0) {
-            let wide = |p: Vec3| DVec2::new(p.x.into(), p.y.into());
-            edges = [(c, b), (a, c), (b, a)].map(|(p, q)| sign_preserving(wide(p).perp_dot(wide(q))));
-        }
+        let wide = |p: Vec3| DVec2::new(p.x.into(), p.y.into());
+        let edges = [(c, b), (a, c), (b, a)].map(|(p, q)| match p.x * q.y - p.y * q.x {
+            0.0 => sign_preserving(wide(p).perp_dot(wide(q))),
+            edge => edge,
+        });
         let has_negative = edges.iter().any(|edge| *edge < 0.0);
         if has_negative && edges.iter().any(|edge| *edge > 0.0) {
             return None;

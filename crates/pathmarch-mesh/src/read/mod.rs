@@ -84,15 +84,21 @@ pub fn read_bytes(bytes: &[u8], extension: &str, path: &Path, options: &ReadOpti
 
 /// Leaves out triangles whose coordinates are not finite. An error if no triangle is left.
 fn drop_unusable(mut imported: Imported, warnings: &mut Warnings) -> Result<Imported, Mistake> {
+    let mut total = 0;
     for (index, mesh) in imported.meshes.iter_mut().enumerate() {
         let dropped = mesh.drop_unusable().not_finite;
+        total += dropped;
         if dropped > 0 {
             let message = format!("{dropped} triangles with infinite or huge coordinates are left out");
             warnings.add(format!("mesh {index}"), message);
         }
     }
     if imported.meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
-        return Err(Mistake::with_remedy("file", "there are no triangles", "export a surface of triangles"));
+        let problem = match total {
+            0 => "there are no triangles".to_string(),
+            _ => format!("all {total} triangles have infinite or huge coordinates"),
+        };
+        return Err(Mistake::with_remedy("file", problem, "export a surface of triangles"));
     }
     Ok(imported)
 }

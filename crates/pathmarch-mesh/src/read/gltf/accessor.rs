@@ -80,7 +80,10 @@ impl<'a> Accessor<'a> {
             "VEC3" => 3,
             "VEC4" => 4,
             kind => {
-                return Err(Mistake::new(place, format!("type {} is not that of an attribute", super::shortened(kind))));
+                return Err(Mistake::new(
+                    place,
+                    format!("type {} is not that of an attribute", super::shortened(kind)),
+                ));
             }
         };
         let size = width * component.size();
