@@ -3,7 +3,7 @@
 //! **Idea.** The metallic-roughness material of glTF 2.0 with some of its extensions; OBJ materials are translated to it. All
 //! colours are linear Rec. 709. An image is kept as it is in the file; [`Image::decode`] unpacks it.
 //!
-//! **Source.** glTF 2.0 (Khronos 2021), sections 3.8 to 3.10 and 5.19 to 5.29; KHR_materials_ior, _transmission, _volume,
+//! **Source.** glTF 2.0, sections 3.8 to 3.10 and 5.19 to 5.29; KHR_materials_ior, _transmission, _volume,
 //! _specular, _clearcoat, _emissive_strength; KHR_texture_transform; KHR_lights_punctual.
 
 use glam::{Mat3, Vec2, Vec3};

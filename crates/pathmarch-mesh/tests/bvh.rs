@@ -141,10 +141,11 @@ fn degenerate_meshes_are_built() {
     assert_eq!(CompressedBvh::build(&empty).expect("empty").intersect(&ray), None);
     assert_eq!(Bvh::build(&empty).expect("empty").closest_point(&empty, Vec3::ZERO, 1.0), None);
     // A thousand equal triangles, a triangle without area, and coordinates from tiny to huge.
-    let mut mesh = TriangleMesh::default();
-    mesh.positions =
-        vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::splat(1e-30), Vec3::splat(1e12), Vec3::new(-1e12, 1e12, 3.0)];
-    mesh.triangles = vec![[0, 1, 2]; 1000];
+    let mut mesh = TriangleMesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::splat(1e-30), Vec3::splat(1e12), Vec3::new(-1e12, 1e12, 3.0)],
+        triangles: vec![[0, 1, 2]; 1000],
+        ..TriangleMesh::default()
+    };
     mesh.triangles.extend([[0, 0, 0], [0, 3, 3], [3, 4, 5]]);
     let hit = Bvh::build(&mesh).expect("a hierarchy").intersect(&ray);
     assert_eq!(hit.map(|hit| hit.t), Some(1.0));

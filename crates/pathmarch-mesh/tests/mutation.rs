@@ -6,7 +6,7 @@ use pathmarch_mesh::{EXTENSIONS, ReadOptions, read_bytes};
 use std::path::Path;
 
 /// Bytes of memory for each byte of a file, and for any file, that reading may take at its peak.
-const BYTES_A_BYTE: usize = 1500;
+const BYTES_A_BYTE: usize = 1000;
 const BYTES: usize = 1 << 20;
 
 /// Files to damage: extension and contents.
@@ -45,24 +45,25 @@ const WORDS: [&[u8]; 16] = [
     b"\xff\xff\xff\x7f",
 ];
 
-/// Damages some bytes: overwrites, inserts, removes, repeats, or cuts.
+/// Damages some bytes: mostly overwrites, so that much of a file stays what it was; or inserts, removes, repeats, and cuts.
 fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     for _ in 0..1 + random.below(4) {
         let at = random.below(bytes.len() + 1);
-        let scale = random.below(10);
-        let length = 1 + random.below(1 << scale);
-        let end = (at + length).min(bytes.len());
-        match random.below(7) {
-            0 if at < bytes.len() => bytes[at] = random.bits() as u8,
-            1 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
-            2 => drop(bytes.splice(at..end, [])),
-            3 => drop(bytes.splice(at..at, bytes[at..end].to_vec())),
-            4 => bytes.truncate(at),
-            5 => drop(bytes.splice(at..at, WORDS[random.below(WORDS.len())].iter().copied())),
-            _ => {
-                let end = (at + random.below(8)).min(bytes.len());
-                drop(bytes.splice(at..end, WORDS[random.below(WORDS.len())].iter().copied()));
+        let scale = random.below(8);
+        let end = (at + 1 + random.below(1 << scale)).min(bytes.len());
+        let word = WORDS[random.below(WORDS.len())];
+        match random.below(16) {
+            0 => bytes.truncate(at),
+            1 => drop(bytes.splice(at..end, [])),
+            2 => drop(bytes.splice(at..at, bytes[at..end].to_vec())),
+            3 => drop(bytes.splice(at..at, word.iter().copied())),
+            4..8 => {
+                let end = (at + word.len()).min(bytes.len());
+                bytes[at..end].copy_from_slice(&word[..end - at]);
             }
+            8..12 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
+            _ if at < bytes.len() => bytes[at] = random.bits() as u8,
+            _ => {}
         }
     }
 }

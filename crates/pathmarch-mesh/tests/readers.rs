@@ -182,21 +182,7 @@ fn triangle_gltf(primitive: &str, node: &str, members: &str) -> String {
 
 #[test]
 fn gltf_extensions_are_read() {
-    let text = triangle_gltf(
-        r#", "material": 0"#,
-        r#", "children": [1], "scale": [-2, 1, 1] },
-           { "camera": 0, "translation": [1, 0, 0], "extensions": { "KHR_lights_punctual": { "light": 0 } }"#,
-        r#", "materials": [{ "alphaMode": "MASK", "emissiveFactor": [1, 0.5, 0], "extensions": {
-            "KHR_materials_ior": { "ior": 1.33 }, "KHR_materials_transmission": { "transmissionFactor": 0.9 },
-            "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.1, 0.2, 0.3] },
-            "KHR_materials_specular": { "specularFactor": 0.25, "specularColorFactor": [1, 0, 0] },
-            "KHR_materials_clearcoat": { "clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.1 },
-            "KHR_materials_emissive_strength": { "emissiveStrength": 10 },
-            "KHR_materials_sheen": { } } }],
-        "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.1 } }],
-        "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "spot", "intensity": 7, "spot": { "outerConeAngle": 0.5 } }] } }"#,
-    );
-    let imported = parse(&text, "gltf").unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let imported = import("extensions.gltf");
     let material = &imported.materials[0];
     assert_eq!((material.ior, material.transmission, material.specular), (1.33, 0.9, 0.25));
     assert_eq!(material.alpha_mode, AlphaMode::Mask { cutoff: 0.5 });

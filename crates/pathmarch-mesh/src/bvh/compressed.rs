@@ -2,7 +2,7 @@
 //!
 //! **Idea.** Eight children share an origin and a power of two for each axis; their boxes are 8-bit multiples of it, rounded
 //! outwards. Children are placed in the slots of their octants, so that `slot ^ octant of the ray` orders them from near to far
-//! without sorting (Ylitie, Karras and Laine 2017).
+//! without sorting (Ylitie et al. 2017).
 //!
 //! A node is [`NODE_WORDS`] words:
 //!

@@ -139,9 +139,10 @@ impl Bvh {
             let mut links = [0; 8];
             for (slot, &child) in children.as_slice().iter().enumerate() {
                 let node = &tree.nodes[child as usize];
-                for axis in 0..3 {
-                    boxes[0][axis][slot] = node.bounds.min[axis];
-                    boxes[1][axis][slot] = node.bounds.max[axis];
+                for (planes, corner) in boxes.iter_mut().zip([node.bounds.min, node.bounds.max]) {
+                    for (plane, coordinate) in planes.iter_mut().zip(corner.to_array()) {
+                        plane[slot] = coordinate;
+                    }
                 }
                 links[slot] = if node.is_leaf() {
                     let triangles = &tree.order[node.first as usize..(node.first + node.count) as usize];

@@ -28,7 +28,7 @@ impl Ray {
     }
 }
 
-/// Ray whose direction is sheared to an axis (Woop, Benthin and Wald 2013).
+/// Ray whose direction is sheared to an axis (Woop et al. 2013).
 pub(super) struct ShearedRay {
     origin: [f32x8; 3],
     /// The two other axes, then that along which the direction is longest.

@@ -2,7 +2,7 @@
 //!
 //! **Idea.** The ray is sheared so that it runs along an axis; the signs of three edge functions then decide whether it passes a
 //! triangle. Both triangles at an edge compute the same products, so that no ray passes between them. Where an edge function
-//! is zero, 32 bits may have rounded its sign away, and it is computed again in 64 (Woop, Benthin and Wald 2013). Both sides of
+//! is zero, 32 bits may have rounded its sign away, and it is computed again in 64 (Woop et al. 2013). Both sides of
 //! a triangle are hit.
 //!
 //! The distance from a point is the least of four candidates: the nearest points of the three edges, and the foot of the

@@ -1,4 +1,4 @@
-//! Watertight intersection of one ray with one triangle (Woop, Benthin and Wald 2013): the plain form of `triangle8.rs`.
+//! Watertight intersection of one ray with one triangle (Woop et al. 2013): the plain form of `triangle8.rs`.
 //!
 //! **Difference.** Only the edge functions that are zero are computed again in 64 bits, not all three: the triangle at the other
 //! side of an edge must get the same sign.

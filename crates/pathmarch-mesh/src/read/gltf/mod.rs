@@ -12,7 +12,7 @@
 //! | `materials.rs` | materials, textures, lights, cameras |
 //! | `nodes.rs` | the hierarchy |
 //!
-//! **Source.** glTF 2.0 (Khronos 2021). **Differences.** The crate `gltf` 1.4 is not used: its iterators panic on accessors beyond
+//! **Source.** glTF 2.0. **Differences.** The crate `gltf` 1.4 is not used: its iterators panic on accessors beyond
 //! their buffers, and it reads no clear coat. The tests compare with it. **Limits.** Meshes have at most [`VERTICES_A_BYTE`]
 //! vertices for each byte of the file. **Cost.** About 30 ns a vertex.
 
