@@ -8,6 +8,7 @@
 
 use glam::{Mat3, Vec2, Vec3};
 use std::io::Cursor;
+use std::sync::Arc;
 
 /// Surface of a triangle. The defaults are those of glTF.
 #[derive(Clone, Debug, PartialEq)]
@@ -213,7 +214,7 @@ pub struct Image {
     /// Name or path in the mesh file; may be empty.
     pub name: String,
     /// Contents of a PNG or JPEG file.
-    pub bytes: Vec<u8>,
+    pub bytes: Arc<[u8]>,
 }
 
 /// Image that cannot be decoded.

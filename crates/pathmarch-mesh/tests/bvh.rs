@@ -142,7 +142,14 @@ fn degenerate_meshes_are_built() {
     assert_eq!(Bvh::build(&empty).expect("empty").closest_point(&empty, Vec3::ZERO, 1.0), None);
     // A thousand equal triangles, a triangle without area, and coordinates from tiny to huge.
     let mut mesh = TriangleMesh {
-        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::splat(1e-30), Vec3::splat(1e12), Vec3::new(-1e12, 1e12, 3.0)],
+        positions: vec![
+            Vec3::ZERO,
+            Vec3::X,
+            Vec3::Y,
+            Vec3::splat(1e-30),
+            Vec3::splat(1e12),
+            Vec3::new(-1e12, 1e12, 3.0),
+        ],
         triangles: vec![[0, 1, 2]; 1000],
         ..TriangleMesh::default()
     };

@@ -85,6 +85,24 @@ fn signs_are_those_of_the_exact_winding_number() {
 }
 
 #[test]
+fn signs_of_all_samples_are_exact() {
+    for (name, mesh) in [("torus", bumpy_torus(40, 30, 0.3)), ("slab", cuboid(Vec3::new(1.0, 0.7, 0.02)))] {
+        let grid = build(&mesh, 48);
+        let size = (grid.bounds().size() / grid.voxel()).round().as_uvec3();
+        let at = |x, y, z| grid.bounds().min + grid.voxel() * Vec3::new(x as f32, y as f32, z as f32);
+        let mut inside = 0;
+        for p in (0..size.x).flat_map(|x| (0..size.y).flat_map(move |y| (0..size.z).map(move |z| at(x, y, z)))) {
+            let is_certain = exact_distance(&mesh, p) as f32 > 1e-3 * grid.voxel();
+            let is_inside = exact_winding_number(&mesh, p) > 0.5;
+            inside += usize::from(is_inside);
+            assert!(!is_certain || is_inside == (grid.distance(p) < 0.0), "{name}: {p}");
+        }
+        println!("{name}: {inside} samples inside");
+        assert!(name == "slab" || inside > 1000);
+    }
+}
+
+#[test]
 fn fast_winding_numbers_are_close_to_exact_ones() {
     for (name, mesh) in [("torus", bumpy_torus(60, 40, 0.3)), ("suzanne", data("suzanne.glb"))] {
         let tree = WindingTree::build(&mesh).expect("a tree");

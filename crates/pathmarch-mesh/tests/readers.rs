@@ -269,6 +269,15 @@ fn shared_vertices_are_bounded() {
 }
 
 #[test]
+fn shared_images_are_bounded() {
+    let view = r#""images": [{ "bufferView": 0 }, { "bufferView": 0 }, { "bufferView": 0 }], "buffers""#;
+    let imported = parse(&triangle_gltf("", "", "").replace("\"buffers\"", view), "gltf").expect("a mesh");
+    let messages: Vec<_> = imported.warnings.iter().map(ToString::to_string).collect();
+    assert!(messages[0].contains("image 0: the image is neither PNG nor JPEG"), "{messages:?}");
+    assert!(messages[1].contains("image 1: the buffer views of images overlap"), "{messages:?}");
+}
+
+#[test]
 fn texture_transforms_scale_then_rotate_then_move() {
     let quarter = std::f32::consts::FRAC_PI_2;
     let transform = TextureTransform { offset: [1.0, 0.0].into(), rotation_radians: quarter, scale: [2.0, 1.0].into() };

@@ -8,7 +8,7 @@
 
 use super::layout::{BLOCK, COARSE, Corners, Layout, SAMPLES, SIDE, index, slope};
 use super::signs::Groups;
-use super::{DistanceGrid, GridError, NO_BRICK, Progress, SAMPLE_RANGE, solid};
+use super::{DistanceGrid, GridError, MAX_BRICKS, NO_BRICK, Progress, SAMPLE_RANGE, solid};
 use crate::bvh::binary::BinaryBvh;
 use crate::bvh::{Bvh, LEAVES};
 use crate::triangle_mesh::TriangleMesh;
@@ -53,6 +53,9 @@ pub(super) fn build(mesh: &TriangleMesh, resolution: u32, progress: Progress) ->
     let mut grid =
         DistanceGrid { layout, coarse, bricks_of_blocks: Vec::new(), bricks: Vec::new(), slopes: Vec::new() };
     let blocks = choose_bricks(&mut grid, &surface);
+    if blocks.len() > MAX_BRICKS {
+        return Err(GridError::TooManyBricks);
+    }
     let done = AtomicUsize::new(0);
     let samples = |&block: &usize| {
         advance(1, &done, blocks.len())?;

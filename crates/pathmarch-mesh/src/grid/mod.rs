@@ -37,6 +37,8 @@ use std::ops::ControlFlow;
 
 /// Numbers of voxels along the longest edge of a grid that can be chosen.
 pub const RESOLUTIONS: std::ops::RangeInclusive<u32> = 16..=1024;
+/// Most bricks of a grid: about 600 megabytes.
+pub const MAX_BRICKS: usize = 400_000;
 /// Largest distance in a brick, voxels.
 const SAMPLE_RANGE: f32 = 24.0;
 /// Index of a block without brick.
@@ -57,6 +59,9 @@ pub enum GridError {
     /// The resolution is out of range.
     #[error("a resolution of {0} is not from 16 to 1024")]
     Resolution(u32),
+    /// More bricks than [`MAX_BRICKS`] would be needed.
+    #[error("the surface fills more than {MAX_BRICKS} blocks of 8\u{b3} voxels; lower the resolution")]
+    TooManyBricks,
     /// The progress callback stopped it.
     #[error("stopped")]
     Stopped,

@@ -2,9 +2,12 @@
 
 use super::ReadOptions;
 use super::error::{Mistake, ReadError};
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 /// Reads a whole file of at most the largest size.
 pub(super) fn read_file(path: &Path, options: &ReadOptions) -> Result<Vec<u8>, ReadError> {
@@ -23,19 +26,22 @@ pub(super) fn read_file(path: &Path, options: &ReadOptions) -> Result<Vec<u8>, R
     Ok(bytes)
 }
 
-/// Access to the files beside a mesh file, such as buffers, images and material libraries.
+/// Access to the files beside a mesh file, such as buffers, images and material libraries. A file is read once, however
+/// often it is named.
 pub(super) struct Companions<'a> {
     directory: &'a Path,
     options: &'a ReadOptions,
+    /// Contents by canonical path.
+    read: RefCell<HashMap<PathBuf, Arc<[u8]>>>,
 }
 
 impl<'a> Companions<'a> {
     pub fn new(path: &'a Path, options: &'a ReadOptions) -> Self {
-        Self { directory: path.parent().unwrap_or(Path::new("")), options }
+        Self { directory: path.parent().unwrap_or(Path::new("")), options, read: RefCell::default() }
     }
 
     /// Reads a file by its relative name.
-    pub fn read(&self, name: &str, place: &str) -> Result<Vec<u8>, Mistake> {
+    pub fn read(&self, name: &str, place: &str) -> Result<Arc<[u8]>, Mistake> {
         let refused = |problem: String| {
             Mistake::with_remedy(place, problem, "put the file beside the mesh and name it by a relative path")
         };
@@ -44,7 +50,14 @@ impl<'a> Companions<'a> {
         if !is_relative || name.contains("://") || name.contains('\0') || name.is_empty() {
             return Err(refused(format!("\"{}\" is not a relative path", shortened(name))));
         }
-        read_file(&self.directory.join(relative), self.options).map_err(|error| refused(error.to_string()))
+        let path = self.directory.join(relative);
+        let canonical = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if let Some(bytes) = self.read.borrow().get(&canonical) {
+            return Ok(bytes.clone());
+        }
+        let bytes: Arc<[u8]> = read_file(&path, self.options).map_err(|error| refused(error.to_string()))?.into();
+        self.read.borrow_mut().insert(canonical, bytes.clone());
+        Ok(bytes)
     }
 }
 

@@ -102,6 +102,11 @@ impl<'a> Accessor<'a> {
         Ok(Self { count: json.count, width, component, is_normalized: json.normalized, bytes, replaced })
     }
 
+    /// Number of elements that a sparse accessor replaces.
+    pub fn replaced_count(&self) -> usize {
+        self.replaced.len()
+    }
+
     /// Reports 32-bit floats or normalized integers, which attributes other than positions must be.
     pub fn is_real(&self) -> bool {
         self.component == Component::F32 || self.is_normalized

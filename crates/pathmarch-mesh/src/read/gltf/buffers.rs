@@ -3,7 +3,7 @@
 use super::super::error::Mistake;
 use super::super::files::{Companions, shortened};
 use super::json;
-use std::borrow::Cow;
+use std::sync::Arc;
 
 /// JSON and binary chunk of a file, which is GLB or plain JSON.
 pub fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Mistake> {
@@ -38,19 +38,38 @@ pub struct Buffers<'a> {
     root: &'a json::Root,
     binary: Option<&'a [u8]>,
     companions: &'a Companions<'a>,
-    loaded: Vec<Option<Result<Cow<'a, [u8]>, Mistake>>>,
+    loaded: Vec<Option<Result<Bytes<'a>, Mistake>>>,
+    /// Bytes of views that were copied.
+    copied: usize,
+}
+
+/// Bytes of a buffer: in the file, or of their own.
+#[derive(Clone)]
+enum Bytes<'a> {
+    InFile(&'a [u8]),
+    Own(Arc<[u8]>),
+}
+
+impl Bytes<'_> {
+    fn as_slice(&self) -> &[u8] {
+        match self {
+            Self::InFile(bytes) => bytes,
+            Self::Own(bytes) => bytes,
+        }
+    }
 }
 
 impl<'a> Buffers<'a> {
     pub fn new(root: &'a json::Root, binary: Option<&'a [u8]>, companions: &'a Companions) -> Self {
-        Self { root, binary, companions, loaded: vec![None; root.buffers.len()] }
+        Self { root, binary, companions, loaded: vec![None; root.buffers.len()], copied: 0 }
     }
 
     /// Bytes of a file or a data URI.
-    pub fn read_uri(&self, uri: &str, place: &str) -> Result<Vec<u8>, Mistake> {
+    pub fn read_uri(&self, uri: &str, place: &str) -> Result<Arc<[u8]>, Mistake> {
         if let Some(data) = uri.strip_prefix("data:") {
             let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
-            return encoded.and_then(decode_base64).ok_or_else(|| Mistake::new(place, "the data URI is not base64"));
+            let decoded = encoded.and_then(decode_base64).map(Arc::from);
+            return decoded.ok_or_else(|| Mistake::new(place, "the data URI is not base64"));
         }
         self.companions.read(&decode_percent(uri), place)
     }
@@ -65,15 +84,16 @@ impl<'a> Buffers<'a> {
         self.loaded[index].as_ref().map_or(Ok(()), |result| result.as_ref().map(|_| ()).map_err(Clone::clone))
     }
 
-    fn read_buffer(&self, index: usize, buffer: &json::Buffer) -> Result<Cow<'a, [u8]>, Mistake> {
+    fn read_buffer(&self, index: usize, buffer: &json::Buffer) -> Result<Bytes<'a>, Mistake> {
         let place = format!("buffer {index}");
         let bytes = match (&buffer.uri, self.binary) {
-            (Some(uri), _) => Cow::Owned(self.read_uri(uri, &place)?),
-            (None, Some(binary)) if index == 0 => Cow::Borrowed(binary),
+            (Some(uri), _) => Bytes::Own(self.read_uri(uri, &place)?),
+            (None, Some(binary)) if index == 0 => Bytes::InFile(binary),
             _ => return Err(Mistake::new(place, "it names no file, and there is no binary chunk")),
         };
-        if bytes.len() < buffer.byte_length {
-            let problem = format!("{} bytes are declared, but there are {}", buffer.byte_length, bytes.len());
+        let length = bytes.as_slice().len();
+        if length < buffer.byte_length {
+            let problem = format!("{} bytes are declared, but there are {length}", buffer.byte_length);
             return Err(Mistake::new(place, problem));
         }
         Ok(bytes)
@@ -85,7 +105,7 @@ impl<'a> Buffers<'a> {
         let view = self.root.buffer_views.get(index);
         let view = view.ok_or_else(|| mistake(format!("buffer view {index} does not exist")))?;
         let buffer = self.loaded.get(view.buffer).and_then(|loaded| loaded.as_ref()?.as_ref().ok());
-        let buffer = buffer.ok_or_else(|| mistake(format!("buffer {} does not exist", view.buffer)))?;
+        let buffer = buffer.ok_or_else(|| mistake(format!("buffer {} does not exist", view.buffer)))?.as_slice();
         let end = view.byte_offset.checked_add(view.byte_length);
         let bytes = end.and_then(|end| buffer.get(view.byte_offset..end));
         let bytes = bytes.ok_or_else(|| {
@@ -101,15 +121,20 @@ impl<'a> Buffers<'a> {
         self.load(view.buffer, place)
     }
 
-    /// Copy of the bytes of a view, whose buffer is loaded if it is not.
-    pub fn view_bytes(&mut self, index: usize, place: &str) -> Result<Vec<u8>, Mistake> {
+    /// Copy of the bytes of a view, whose buffer is loaded if it is not. All copies together are at most as large as the buffers.
+    pub fn view_bytes(&mut self, index: usize, place: &str) -> Result<Arc<[u8]>, Mistake> {
         self.load_view(index, place)?;
-        self.view(index, place).map(|(bytes, _)| bytes.to_vec())
+        let bytes: Arc<[u8]> = self.view(index, place)?.0.into();
+        self.copied = self.copied.saturating_add(bytes.len());
+        if self.copied > self.total_bytes() {
+            return Err(Mistake::new(place, "the buffer views of images overlap"));
+        }
+        Ok(bytes)
     }
 
     /// Bytes of all buffers so far.
     pub fn total_bytes(&self) -> usize {
-        self.loaded.iter().flatten().flatten().map(|bytes| bytes.len()).sum()
+        self.loaded.iter().flatten().flatten().map(|bytes| bytes.as_slice().len()).sum()
     }
 }
 

@@ -56,7 +56,8 @@ pub fn append(
         return Err(Mistake::new(place, "indices must be unsigned integers"));
     }
     let corners = indices.as_ref().map_or(count, |indices| indices.count);
-    budget.take(corners, place)?;
+    let replaced = indices.as_ref().map_or(0, Accessor::replaced_count) + attributes.replaced_count();
+    budget.take(corners.saturating_add(replaced), place)?;
     let corner = |k: usize| indices.as_ref().map_or(k as u32, |indices| indices.index(k));
     if let Some(bad) = (0..corners).map(corner).find(|&vertex| vertex as usize >= count) {
         return Err(Mistake::new(place, format!("index {bad} is beyond the {count} vertices")));
@@ -130,6 +131,12 @@ impl<'a> Attributes<'a> {
             colour: optional("COLOR_0", &[3, 4])?.filter(Accessor::is_real),
             position,
         })
+    }
+
+    fn replaced_count(&self) -> usize {
+        let optional = [&self.normal, &self.tangent, &self.uvs[0], &self.uvs[1], &self.colour];
+        let optional = optional.into_iter().flatten().map(Accessor::replaced_count).sum::<usize>();
+        self.position.replaced_count() + optional
     }
 }
 
