@@ -5,6 +5,7 @@ use crate::shapes::{Random, bumpy_torus, cuboid, icosphere, triangle_soup};
 use glam::Vec3;
 use pathmarch_mesh::grid::{CacheError, GridError};
 use pathmarch_mesh::{DistanceGrid, ReadOptions, TriangleMesh, WindingTree, read};
+use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -57,7 +58,7 @@ fn distances_at_creases_are_within_half_a_voxel() {
             if name == "cuboid" || winding < 0.5 { error.abs() } else { 0.0 }
         };
         let points = points_near(&mesh, &grid, 5_000, 1.0);
-        let largest = points.iter().map(error).fold(0.0, f32::max);
+        let largest = points.par_iter().map(error).reduce(|| 0.0, f32::max);
         println!("{name}: error {largest:.3} voxels, slope {:.3}", grid.lipschitz());
         assert!(largest <= 0.5, "{name}");
     }
@@ -78,7 +79,7 @@ fn signs_are_those_of_the_exact_winding_number() {
             exact_distance(&mesh, **p) as f32 > grid.voxel()
                 && (exact_winding_number(&mesh, **p) > 0.5) != (grid.distance(**p) < 0.0)
         };
-        let wrong = points.iter().filter(is_wrong).count();
+        let wrong = points.par_iter().filter(is_wrong).count();
         println!("{name}: {wrong} of {} signs differ", points.len());
         assert_eq!(wrong, 0, "{name}");
     }
