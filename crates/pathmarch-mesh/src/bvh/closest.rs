@@ -1,6 +1,6 @@
 //! Closest point of a surface.
 //!
-//! **Idea.** The same traversal as for rays, by the distance to boxes. **Cost.** About 0.5 µs near the surface of a million
+//! **Idea.** The same traversal as for rays, by the distance to boxes. **Cost.** About 1 µs near the surface of a million
 //! triangles; many times that where most of the surface is equally far, as in the centre of a sphere.
 
 use super::stack::Stack;

@@ -3,7 +3,7 @@
 //! **Idea.** If the distances at two samples add up to more than their distance, no surface is between them, and they are on
 //! the same side. Samples that such neighbours join form groups; the winding number is needed once for each. Away from
 //! the surface there is one group on each side, so that almost all winding numbers are those of samples within a voxel of it.
-//! **Cost.** About 10 ns a sample.
+//! **Cost.** Linear in the samples.
 
 use super::layout::index;
 use glam::UVec3;

@@ -6,7 +6,7 @@
 //! **Differences.** Colours after the coordinates are sRGB, as most programs write them. Lines, points and free-form surfaces are
 //! left out with a warning.
 //!
-//! **Source.** Wavefront 1990, appendix B1. **Cost.** About 200 ns a face; memory of about four times the file.
+//! **Source.** Wavefront 1990, appendix B1. **Cost.** Linear in the file.
 
 use super::error::{Mistake, Warnings};
 use super::files::{Companions, shortened};
