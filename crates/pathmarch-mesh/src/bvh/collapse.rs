@@ -1,7 +1,7 @@
 //! Collapse of a binary hierarchy to eight children a node.
 //!
 //! **Idea.** A wide node starts with the two children of a binary node. The inner child with the largest surface area is
-//! replaced by its own two until there are eight (Wald et al. 2008). **Cost.** A tenth of the build.
+//! replaced by its own two until there are eight (Wald et al. 2008). **Cost.** Linear in the nodes.
 
 use super::binary::{BinaryBvh, Node, half_area};
 

@@ -171,7 +171,6 @@ fn assign_slots(tree: &BinaryBvh, parent: Bounds, children: &[u32]) -> [Option<u
         }
         slots[best.2] = Some(rest.swap_remove(best.1).0);
     }
-    // A lone slot that is free of comparison (NaN) cannot occur: coordinates are finite.
     slots
 }
 

@@ -1,7 +1,7 @@
 //! Rays through a hierarchy.
 //!
 //! **Idea.** Depth first, the nearest child first; a child beyond the closest hit so far is skipped. Box tests are conservative
-//! (Ize 2013) and triangle tests watertight, so that no ray passes a closed surface. **Cost.** See `benches/bvh.rs`.
+//! (Ize 2013) and triangle tests watertight, so that no ray passes a closed surface. **Cost.** See `benches/mesh.rs`.
 
 use super::ray::{Ray, ShearedRay, SlabRay};
 use super::stack::Stack;

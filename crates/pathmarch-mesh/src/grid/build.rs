@@ -8,7 +8,7 @@
 
 use super::layout::{BLOCK, COARSE, Corners, Layout, SAMPLES, SIDE, index, slope};
 use super::signs::Groups;
-use super::{DistanceGrid, GridError, MAX_BRICKS, NO_BRICK, Progress, SAMPLE_RANGE, solid};
+use super::{DistanceGrid, GridError, MAX_BRICKS, NO_BRICK, Progress, SAMPLE_RANGE, greatest, solid};
 use crate::bvh::binary::BinaryBvh;
 use crate::bvh::{Bvh, LEAVES};
 use crate::triangle_mesh::TriangleMesh;
@@ -50,8 +50,14 @@ pub(super) fn build(mesh: &TriangleMesh, resolution: u32, progress: Progress) ->
     let rows = layout.coarse_count() / layout.coarse_size().x as usize;
     let done = AtomicUsize::new(0);
     let coarse = signed_coarse(&layout, &surface, &|| advance(0, &done, rows))?;
-    let mut grid =
-        DistanceGrid { layout, coarse, bricks_of_blocks: Vec::new(), bricks: Vec::new(), slopes: Vec::new() };
+    let mut grid = DistanceGrid {
+        layout,
+        coarse,
+        bricks_of_blocks: Vec::new(),
+        bricks: Vec::new(),
+        slopes: Vec::new(),
+        lipschitz: 1.0,
+    };
     let blocks = choose_bricks(&mut grid, &surface);
     if blocks.len() > MAX_BRICKS {
         return Err(GridError::TooManyBricks);
@@ -64,6 +70,7 @@ pub(super) fn build(mesh: &TriangleMesh, resolution: u32, progress: Progress) ->
     let bricks = blocks.par_iter().map(samples).collect::<Result<Vec<_>, GridError>>()?;
     grid.bricks = bricks.into_iter().flat_map(|brick| *brick).collect();
     grid.slopes = slopes(&grid);
+    grid.lipschitz = greatest(&grid.slopes);
     let _ = progress(1.0);
     Ok(grid)
 }

@@ -4,7 +4,7 @@
 //! there; bytes that another version wrote, or that are damaged, are refused.
 
 use super::layout::{Layout, SAMPLES};
-use super::{DistanceGrid, NO_BRICK};
+use super::{DistanceGrid, NO_BRICK, greatest};
 use glam::{UVec3, Vec3};
 
 /// First bytes: a name, and the version of the layout and of the method that computes the samples.
@@ -77,11 +77,15 @@ impl Reader<'_> {
         if layout.blocks.min_element() == 0 || layout.blocks.max_element() > 1 << 12 {
             return None;
         }
+        let coarse = self.array(layout.coarse_count(), f32::from_le_bytes)?;
+        let bricks_of_blocks = self.array(layout.block_count(), u32::from_le_bytes)?;
+        let slopes = self.array(layout.block_count(), f32::from_le_bytes)?;
         Some(DistanceGrid {
             layout,
-            coarse: self.array(layout.coarse_count(), f32::from_le_bytes)?,
-            bricks_of_blocks: self.array(layout.block_count(), u32::from_le_bytes)?,
-            slopes: self.array(layout.block_count(), f32::from_le_bytes)?,
+            coarse,
+            bricks_of_blocks,
+            lipschitz: greatest(&slopes),
+            slopes,
             bricks: self.array((counts[3] as usize).checked_mul(SAMPLES)?, i16::from_le_bytes)?,
         })
     }

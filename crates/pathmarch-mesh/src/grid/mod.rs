@@ -79,6 +79,8 @@ pub struct DistanceGrid {
     bricks: Vec<i16>,
     /// Slope bound of each block and those around it.
     slopes: Vec<f32>,
+    /// Greatest slope, at least one.
+    lipschitz: f32,
 }
 
 impl DistanceGrid {
@@ -127,7 +129,7 @@ impl DistanceGrid {
 
     /// Lipschitz constant of the field.
     pub fn lipschitz(&self) -> f32 {
-        self.slopes.iter().copied().fold(1.0, f32::max)
+        self.lipschitz
     }
 
     /// Box of the grid, which contains the mesh.
@@ -202,6 +204,11 @@ impl DistanceGrid {
         let place = (voxel - cell * COARSE).as_vec3() / COARSE as f32;
         interpolate(&self.coarse_corners(cell), place).0
     }
+}
+
+/// Greatest of the slopes of blocks, and one.
+fn greatest(slopes: &[f32]) -> f32 {
+    slopes.iter().copied().fold(1.0, f32::max)
 }
 
 /// Offset of a cell's corner.
