@@ -3,7 +3,7 @@
 use crate::error::RenderError;
 use crate::mode::Mode;
 use crate::output::image::MAX_SIDE;
-use crate::preview::steps::PreviewSteps;
+use crate::preview_steps::PreviewSteps;
 use pathmarch_scene::{Camera, Caustics, RenderSettings, Sampler, Scene, settings};
 
 /// Largest number of bounces of a path.

@@ -23,16 +23,15 @@
 pub(crate) mod ambient_sh;
 mod light_irradiance;
 pub(crate) mod soft_shadow;
-pub(crate) mod steps;
 
 use self::light_irradiance::{UnoccludedLight, bounding_radius, unoccluded_light};
 use self::soft_shadow::{ShadowRay, soft_shadows};
-use self::steps::{GREY_ALBEDO, PreviewStep, PreviewSteps};
 use crate::integrator::camera::central_ray;
 use crate::integrator::light_sampling;
 use crate::integrator::medium::{medium_beyond, transmittance};
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment, lanes};
+use crate::preview_steps::{GREY_ALBEDO, PreviewStep, PreviewSteps};
 use crate::sampling::r2_sequence;
 use crate::scene::preview_material::{self, PreviewParameters};
 use crate::scene::{LightShape, TraceContext};
@@ -345,7 +344,8 @@ impl PreviewTracer<'_> {
         }
         let mut diffuse = albedo * (Vec3::ONE - reflectance) / PI;
         if !has(PreviewStep::Diffuse) {
-            self.radiances[preview_ray.slot] += preview_ray.weight * albedo;
+            let flat = if albedo.max_element() > 0.0 { albedo } else { f0 };
+            self.radiances[preview_ray.slot] += preview_ray.weight * flat;
             diffuse = Vec3::ZERO;
         }
         let mut ambient_light = diffuse * preview.ambient_irradiance(n);

@@ -120,7 +120,7 @@ fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
                 }
                 var diffuse = material.diffuse * (vec3f(1.0) - reflectance) * INVERSE_PI;
                 if !has_step(STEP_DIFFUSE) {
-                    radiance += weight * material.diffuse;
+                    radiance += weight * select(material.f0, material.diffuse, largest(material.diffuse) > 0.0);
                     diffuse = vec3f(0.0);
                 }
                 var ambient_light = diffuse * ambient_irradiance(n);

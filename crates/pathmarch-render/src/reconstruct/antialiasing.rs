@@ -11,7 +11,7 @@
 
 use super::motion::Motion;
 use super::temporal::{History, project};
-use crate::integrator::guides::{Guide, GuideClass};
+use crate::integrator::guides::Guide;
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
@@ -22,8 +22,6 @@ shared_constants! {
     const MIN_WEIGHT: f32 = 0.02;
     /// Deviations from the mean of the neighbours that the past may have.
     const REACH: f32 = 1.25;
-    /// The same for glass, whose bright parts are found by chance.
-    const GLASS_REACH: f32 = 5.0;
     /// Standard deviation of the filter that interpolates samples, pixels of the picture.
     const KERNEL_DEVIATION: f32 = 0.6;
 }
@@ -124,8 +122,7 @@ impl Upscaling<'_> {
         let Some(Last { picture: shown, history, motion, new_weight }) = last else { return new };
         let Some(old) = shown.before(self.frame, point, nearest, &motion.earlier(nearest), history) else { return new };
         let mean = sum / count;
-        let reach = if nearest.class == GuideClass::Glass { GLASS_REACH } else { REACH };
-        let deviation = reach * (squares / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
+        let deviation = REACH * (squares / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
         let old = colour_of(opponent_of(old).clamp(mean - deviation, mean + deviation)).max(Vec3::ZERO);
         old.lerp(new, (new_weight * weight).max(MIN_WEIGHT))
     }

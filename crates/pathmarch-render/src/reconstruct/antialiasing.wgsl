@@ -119,8 +119,7 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     }
     let past_shown = vec2f(f32(uniforms.past_shown_width), f32(uniforms.past_shown_height));
     let mean = sum / count;
-    let reach = select(REACH, GLASS_REACH, nearest.guide_class == GUIDE_GLASS);
-    let deviation = reach * sqrt(max(squares / count - mean * mean, vec3f(0.0)));
+    let deviation = REACH * sqrt(max(squares / count - mean * mean, vec3f(0.0)));
     let limited = clamp(opponent_of(past_colour(place * past_shown / past_traced)), mean - deviation, mean + deviation);
     let old = max(colour_of(limited), vec3f(0.0));
     colours[pixel] = vec4f(mix(old, colour, max(uniforms.new_weight * largest, MIN_WEIGHT)), 0.0);

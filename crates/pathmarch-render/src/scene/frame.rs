@@ -69,7 +69,7 @@ shared_struct! {
         pub(crate) sky_cosine: f32,
         /// Side of a pixel at distance one, metres.
         pub(crate) pixel: f32,
-        /// Bits of the steps of the preview, see [`crate::preview::steps`].
+        /// Bits of the steps of the preview, see [`crate::preview_steps`].
         pub(crate) preview_steps: u32,
     }
 }

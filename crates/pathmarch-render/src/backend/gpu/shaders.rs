@@ -70,7 +70,7 @@ static FILES: &[ShaderFile] = shader_files![
     "intersect/ray",
     "preview/light_irradiance",
     "preview/preview" shares || {
-        preview::shared_wgsl() + &preview::steps::shared_wgsl() + &encode::preview::shared_wgsl() + &preview_material::shared_wgsl()
+        preview::shared_wgsl() + &preview_steps::shared_wgsl() + &encode::preview::shared_wgsl() + &preview_material::shared_wgsl()
     },
     "preview/soft_shadow" shares soft_shadow::shared_wgsl,
     "sampling/basis",

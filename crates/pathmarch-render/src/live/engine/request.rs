@@ -7,7 +7,7 @@ use crate::error::RenderError;
 use crate::job::tracer::Tracer;
 use crate::live::shared::lock;
 use crate::mode::Mode;
-use crate::preview::steps::PreviewSteps;
+use crate::preview_steps::PreviewSteps;
 use crate::reconstruct::Reconstruction;
 use crate::settings::Settings;
 use std::sync::Arc;

@@ -87,7 +87,7 @@ impl PreviewSteps {
 
 shared_constants! {
     /// Albedo of all surfaces if the preview leaves out their colours.
-    pub(super) const GREY_ALBEDO: f32 = 0.8;
+    pub(crate) const GREY_ALBEDO: f32 = 0.8;
     /// Bit of the step.
     const STEP_ALBEDO: u32 = PreviewStep::Albedo.bit();
     /// Bit of the step.
