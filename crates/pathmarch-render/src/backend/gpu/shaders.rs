@@ -10,6 +10,7 @@ use super::slice::Slice;
 use crate::integrator::{guides, light_sampling, medium, path, shadow, splitting};
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
+use crate::preview_steps;
 use crate::sampling::sobol::pair;
 use crate::scene::{FrameUniforms, LeafRecord, MaterialRecord, leaf, material, preview_material, textured_material};
 use crate::views;
@@ -70,7 +71,8 @@ static FILES: &[ShaderFile] = shader_files![
     "intersect/ray",
     "preview/light_irradiance",
     "preview/preview" shares || {
-        preview::shared_wgsl() + &preview_steps::shared_wgsl() + &encode::preview::shared_wgsl() + &preview_material::shared_wgsl()
+        [preview::shared_wgsl(), preview_steps::shared_wgsl(), encode::preview::shared_wgsl(),
+            preview_material::shared_wgsl()].concat()
     },
     "preview/soft_shadow" shares soft_shadow::shared_wgsl,
     "sampling/basis",
