@@ -5,7 +5,8 @@
 //! nothing stays that is not there any more. The picture may be larger than its samples: then a sample counts most in the
 //! pixels next to its position.
 //!
-//! **Source.** Karis 2014, "High-Quality Temporal Supersampling"; upscaling: Epic Games, "Temporal Upsampling" in Unreal
+//! **Source.** Karis 2014, "High-Quality Temporal Supersampling"; interpolation: Catmull and Rom 1974, "A Class of Local
+//! Interpolating Splines"; upscaling: Epic Games, "Temporal Upsampling" in Unreal
 //! Engine 4.19 (2018); clamping to mean and deviation: Salvi 2016, "An Excursion
 //! in Temporal Supersampling". Colours stay linear: compressing bright ones would darken the mean.
 
@@ -182,7 +183,7 @@ fn colour_of(opponent: Vec3) -> Vec3 {
 }
 
 impl ShownPicture {
-    /// Bilinear colour where a point of the frame `frame` was, if its surface has moved from `earlier` to `guide`; `None`
+    /// Colour where a point of the frame `frame` was, if its surface has moved from `earlier` to `guide`; `None`
     /// outside, and where that surface was hidden. The point is in pixels of the samples of that frame.
     fn before(
         &self,
@@ -201,22 +202,45 @@ impl ShownPicture {
         {
             return None;
         }
-        let [width, height] = self.size.map(|side| side as f32);
-        let (x, y) = (x * width / sampled[0], y * height / sampled[1]);
-        let (x, y) = ((x - 0.5).clamp(0.0, width - 1.0), (y - 0.5).clamp(0.0, height - 1.0));
-        let (fx, fy) = (x.fract(), y.fract());
-        let row = |row: f32| {
-            let start = row.min(height - 1.0) as usize * width as usize;
-            let next = (x as usize + 1).min(width as usize - 1);
-            self.colours[start + x as usize].lerp(self.colours[start + next], fx)
-        };
-        Some(row(y.floor()).lerp(row(y.floor() + 1.0), fy))
+        Some(self.cubic([x * self.size[0] as f32 / sampled[0], y * self.size[1] as f32 / sampled[1]]))
     }
+
+    /// Colour at a position, in pixels, by bicubic interpolation: bilinear interpolation, repeated in every picture, blurs.
+    fn cubic(&self, position: [f32; 2]) -> Vec3 {
+        let [width, height] = self.size.map(|side| side as i32);
+        let [x, y] = position.map(|coordinate| coordinate - 0.5);
+        let [columns, rows] = [x, y].map(|coordinate| catmull_rom(coordinate - coordinate.floor()));
+        let mut sum = Vec3::ZERO;
+        for (j, row) in rows.into_iter().enumerate() {
+            let start = (y.floor() as i32 - 1 + j as i32).clamp(0, height - 1) * width;
+            for (i, column) in columns.into_iter().enumerate() {
+                let place = start + (x.floor() as i32 - 1 + i as i32).clamp(0, width - 1);
+                sum += self.colours[place as usize] * (row * column);
+            }
+        }
+        sum
+    }
+}
+
+/// Weights of four points at -1, 0, 1 and 2 for the value at `t`, 0 to 1.
+fn catmull_rom(t: f32) -> [f32; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [-0.5 * t + t2 - 0.5 * t3, 1.0 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2.0 * t2 - 1.5 * t3, -0.5 * t2 + 0.5 * t3]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn interpolation_passes_through_its_points_and_keeps_slopes() {
+        assert_eq!(catmull_rom(0.0), [0.0, 1.0, 0.0, 0.0]);
+        for t in [0.1, 0.5, 0.8] {
+            let weights = catmull_rom(t);
+            let position: f32 = weights.iter().zip([-1.0, 0.0, 1.0, 2.0]).map(|(weight, at)| weight * at).sum();
+            assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6 && (position - t).abs() < 1e-6);
+        }
+    }
 
     #[test]
     fn opponent_colours_are_those_of_grey_and_back() {

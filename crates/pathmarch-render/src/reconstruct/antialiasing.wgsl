@@ -38,16 +38,31 @@ fn shown_before(guide: Guide, position: vec2f) -> bool {
     return false;
 }
 
-/// Bilinear colour of the last picture at a position, in its own pixels.
+/// Weights of four points at -1, 0, 1 and 2 for the value at `t`, 0 to 1.
+fn catmull_rom(t: f32) -> vec4f {
+    let t2 = t * t;
+    let t3 = t2 * t;
+    return vec4f(
+        -0.5 * t + t2 - 0.5 * t3,
+        1.0 - 2.5 * t2 + 1.5 * t3,
+        0.5 * t + 2.0 * t2 - 1.5 * t3,
+        -0.5 * t2 + 0.5 * t3,
+    );
+}
+
+/// Colour of the last picture at a position, in its own pixels, by bicubic interpolation.
 fn past_colour(position: vec2f) -> vec3f {
-    let size = vec2u(uniforms.past_shown_width, uniforms.past_shown_height);
-    let place = clamp(position - 0.5, vec2f(0.0), vec2f(size - 1u));
-    let first = vec2u(place);
-    let second = min(first + 1u, size - 1u);
-    let part = place - floor(place);
-    let above = mix(past_colours[first.y * size.x + first.x], past_colours[first.y * size.x + second.x], part.x);
-    let below = mix(past_colours[second.y * size.x + first.x], past_colours[second.y * size.x + second.x], part.x);
-    return mix(above, below, part.y).xyz;
+    let size = vec2i(i32(uniforms.past_shown_width), i32(uniforms.past_shown_height));
+    let corner = floor(position - 0.5);
+    let part = position - 0.5 - corner;
+    let columns = catmull_rom(part.x);
+    let rows = catmull_rom(part.y);
+    var sum = vec3f(0.0);
+    for (var k = 0; k < 16; k++) {
+        let place = clamp(vec2i(corner) + vec2i(k % 4 - 1, k / 4 - 1), vec2i(0), size - 1);
+        sum += past_colours[place.y * size.x + place.x].xyz * (columns[k % 4] * rows[k / 4]);
+    }
+    return sum;
 }
 
 /// Averages samples with the last picture.

@@ -105,40 +105,88 @@ impl Surfaces {
 /// Number of pixels beside the rows of [`Planes`], at least the largest reach of the filter and eight more.
 const MARGIN: usize = 16;
 
-/// Numbers of all pixels, one plane for each number, with a margin beside each row.
+/// `N` numbers of all pixels, row by row: a plane of the row for each number, with a margin on both sides.
 struct Planes<const N: usize> {
     stride: usize,
-    planes: [Vec<f32>; N],
+    numbers: Vec<f32>,
+}
+
+/// Place of eight adjoining pixels in planes: their row, and the column of the first with the margin.
+#[derive(Clone, Copy)]
+struct Place {
+    row: i32,
+    column: i32,
+}
+
+impl Place {
+    fn new(x: usize, row: i32) -> Self {
+        Self { row, column: (x + MARGIN) as i32 }
+    }
+
+    /// Place so many pixels further; `None` above and below the picture.
+    #[inline]
+    fn moved(self, grid: Grid, dx: i32, dy: i32) -> Option<Self> {
+        let row = self.row + dy;
+        (0..grid.height).contains(&row).then_some(Self { row, column: self.column + dx })
+    }
 }
 
 impl<const N: usize> Planes<N> {
-    /// Planes of a function of all pixels; the margin has these numbers.
-    fn new(grid: Grid, margin: [f32; N], values: impl Fn(usize) -> [f32; N]) -> Self {
-        let (width, height) = (grid.width as usize, grid.height as usize);
-        let stride = width + 2 * MARGIN;
-        let mut planes: [Vec<f32>; N] = std::array::from_fn(|k| vec![margin[k]; stride * height]);
-        for y in 0..height {
-            for x in 0..width {
-                let numbers = values(y * width + x);
+    /// Planes that `fill` writes: it receives the planes of a row, each with its margins, and the row.
+    fn filled(grid: Grid, fill: impl Fn(&mut [&mut [f32]; N], i32) + Sync) -> Self {
+        let stride = grid.width as usize + 2 * MARGIN;
+        let mut numbers = vec![0.0; N * stride * grid.height as usize];
+        numbers.par_chunks_mut(N * stride).enumerate().with_min_len(8).for_each(|(row, planes)| {
+            let mut planes = planes.chunks_mut(stride);
+            fill(&mut std::array::from_fn(|_| planes.next().unwrap_or_default()), row as i32);
+        });
+        Self { stride, numbers }
+    }
+
+    /// Planes of a function of all pixels; the margins have these numbers.
+    fn new(grid: Grid, margin: [f32; N], values: impl Fn(usize) -> [f32; N] + Sync) -> Self {
+        Self::filled(grid, |planes, row| {
+            for (plane, margin) in planes.iter_mut().zip(margin) {
+                plane.fill(margin);
+            }
+            for x in 0..grid.width as usize {
+                let numbers = values(row as usize * grid.width as usize + x);
                 for (plane, number) in planes.iter_mut().zip(numbers) {
-                    plane[y * stride + MARGIN + x] = number;
+                    plane[MARGIN + x] = number;
                 }
             }
-        }
-        Self { stride, planes }
+        })
     }
 
-    /// Numbers of eight pixels from this place on.
+    /// Planes of a function of eight adjoining pixels.
+    fn of_eight(grid: Grid, values: impl Fn(Place) -> [f32x8; N] + Sync) -> Self {
+        Self::filled(grid, |planes, row| {
+            for x in (0..grid.width as usize).step_by(8) {
+                for (plane, value) in planes.iter_mut().zip(values(Place::new(x, row))) {
+                    plane[MARGIN + x..MARGIN + x + 8].copy_from_slice(&value.to_array());
+                }
+            }
+        })
+    }
+
+    /// Number `k` of eight pixels.
     #[inline]
-    fn lanes(&self, at: usize) -> [f32x8; N] {
-        std::array::from_fn(|k| load(&self.planes[k], at))
+    fn load(&self, k: usize, place: Place) -> f32x8 {
+        let at = (place.row as usize * N + k) * self.stride + place.column as usize;
+        f32x8::new(self.numbers[at..at + 8].try_into().unwrap_or([0.0; 8]))
     }
-}
 
-/// Eight numbers of a plane.
-#[inline]
-fn load(plane: &[f32], at: usize) -> f32x8 {
-    f32x8::new(plane[at..at + 8].try_into().unwrap_or([0.0; 8]))
+    /// Numbers of eight pixels.
+    #[inline]
+    fn lanes(&self, place: Place) -> [f32x8; N] {
+        std::array::from_fn(|k| self.load(k, place))
+    }
+
+    /// Number `k` of a row, without its margins.
+    fn row(&self, grid: Grid, k: usize, row: usize) -> &[f32] {
+        let start = (row * N + k) * self.stride + MARGIN;
+        &self.numbers[start..start + grid.width as usize]
+    }
 }
 
 /// Planes of the surfaces: position, pixel, normal, seen normal, surface.
@@ -165,8 +213,8 @@ impl SurfacePlanes {
     }
 
     #[inline]
-    fn at(&self, at: usize) -> Surfaces {
-        let [px, py, pz, pixel, nx, ny, nz, sx, sy, sz, surface] = self.0.lanes(at);
+    fn at(&self, place: Place) -> Surfaces {
+        let [px, py, pz, pixel, nx, ny, nz, sx, sy, sz, surface] = self.0.lanes(place);
         Surfaces { position: [px, py, pz], pixel, normal: [nx, ny, nz], seen_normal: [sx, sy, sz], surface }
     }
 }
@@ -179,59 +227,39 @@ pub(super) fn filter(history: &History, settles: bool) -> Vec<Vec3> {
     let grid = Grid::new(history.frame.size());
     let surfaces = SurfacePlanes::new(grid, &history.guides, history.frame.pixel, settles);
     let first = first_estimates(grid, history, &surfaces);
-    let mut estimates = each_eight(grid, |x, y| with_smooth_variance(grid, &surfaces, &first, x, y));
+    let mut estimates = Estimates::of_eight(grid, |place| with_smooth_variance(grid, &surfaces, &first, place));
     for step in STEPS {
-        estimates = each_eight(grid, |x, y| filtered(grid, &surfaces, &estimates, x, y, step));
+        estimates = Estimates::of_eight(grid, |place| filtered(grid, &surfaces, &estimates, place, step));
     }
-    let [r, g, b, _] = &estimates.planes;
-    let place = |index: usize| index / grid.width as usize * estimates.stride + MARGIN + index % grid.width as usize;
-    (0..history.length.len()).map(place).map(|at| Vec3::new(r[at], g[at], b[at])).collect()
-}
-
-/// Planes of a function of eight adjoining pixels, of which the first is (x, y).
-fn each_eight(grid: Grid, value: impl Fn(usize, i32) -> [f32x8; 4] + Sync) -> Estimates {
-    let stride = grid.width as usize + 2 * MARGIN;
-    let mut planes: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; stride * grid.height as usize]);
-    let [r, g, b, variance] = &mut planes;
-    let rows = r.par_chunks_mut(stride).zip(g.par_chunks_mut(stride));
-    let rows = rows.zip(b.par_chunks_mut(stride)).zip(variance.par_chunks_mut(stride));
-    rows.enumerate().with_min_len(8).for_each(|(y, (((r, g), b), variance))| {
-        for x in (0..grid.width as usize).step_by(8) {
-            let values = value(x, y as i32);
-            for (row, value) in [&mut *r, &mut *g, &mut *b, &mut *variance].into_iter().zip(values) {
-                row[MARGIN + x..MARGIN + x + 8].copy_from_slice(&value.to_array());
-            }
-        }
-    });
-    Planes { stride, planes }
+    let colours = |row: usize| {
+        let [r, g, b] = [0, 1, 2].map(|k| estimates.row(grid, k, row));
+        r.iter().zip(g).zip(b).map(|((&r, &g), &b)| Vec3::new(r, g, b))
+    };
+    (0..grid.height as usize).flat_map(colours).collect()
 }
 
 /// One pass at eight pixels.
 #[inline]
-fn filtered(grid: Grid, surfaces: &SurfacePlanes, estimates: &Estimates, x: usize, y: i32, step: i32) -> [f32x8; 4] {
-    let at = y as usize * estimates.stride + MARGIN + x;
-    let (here, surface) = (estimates.lanes(at), surfaces.at(at));
+fn filtered(grid: Grid, surfaces: &SurfacePlanes, estimates: &Estimates, place: Place, step: i32) -> [f32x8; 4] {
+    let (here, surface) = (estimates.lanes(place), surfaces.at(place));
     let [mut r, mut g, mut b, mut variance] = here;
     let mut total = f32x8::ONE;
     // Pixels that saw no light yet take what their neighbours give: otherwise these would lose it.
-    for dy in (-1..=1).filter(|dy| (0..grid.height).contains(&(y + step * dy))) {
-        for dx in (-1..=1).filter(|dx| (*dx, dy) != (0, 0)) {
-            let place =
-                (at as isize + step as isize * (dy as isize * estimates.stride as isize + dx as isize)) as usize;
-            let similarity = surface.similarity(&surfaces.at(place), step as f32);
-            let there = estimates.lanes(place);
-            // The same for both, so that each gives the other as much as it takes.
-            let deviation = (here[3] + there[3]).sqrt();
-            let apart = (lane_luminance(here) - lane_luminance(there)).abs();
-            let difference = apart / (deviation * LUMINANCE_REACH + f32x8::splat(1e-6));
-            let kernel = if dx == 0 || dy == 0 { 0.5 } else { 0.25 };
-            let weight = similarity * (f32x8::ONE - difference).max(f32x8::ZERO) * kernel;
-            r += there[0] * weight;
-            g += there[1] * weight;
-            b += there[2] * weight;
-            variance += there[3] * weight * weight;
-            total += weight;
-        }
+    for (dx, dy) in square_around(1) {
+        let Some(other) = place.moved(grid, step * dx, step * dy) else { continue };
+        let similarity = surface.similarity(&surfaces.at(other), step as f32);
+        let there = estimates.lanes(other);
+        // The same for both, so that each gives the other as much as it takes.
+        let deviation = (here[3] + there[3]).sqrt();
+        let apart = (lane_luminance(here) - lane_luminance(there)).abs();
+        let difference = apart / (deviation * LUMINANCE_REACH + f32x8::splat(1e-6));
+        let kernel = if dx == 0 || dy == 0 { 0.5 } else { 0.25 };
+        let weight = similarity * (f32x8::ONE - difference).max(f32x8::ZERO) * kernel;
+        r += there[0] * weight;
+        g += there[1] * weight;
+        b += there[2] * weight;
+        variance += there[3] * weight * weight;
+        total += weight;
     }
     [r / total, g / total, b / total, variance / (total * total)]
 }
@@ -239,14 +267,12 @@ fn filtered(grid: Grid, surfaces: &SurfacePlanes, estimates: &Estimates, x: usiz
 /// Estimates of eight pixels, their variances averaged with those of the next pixels on the same surface: the variance of a
 /// few samples is itself noisy.
 #[inline]
-fn with_smooth_variance(grid: Grid, surfaces: &SurfacePlanes, estimates: &Estimates, x: usize, y: i32) -> [f32x8; 4] {
-    let at = y as usize * estimates.stride + MARGIN + x;
-    let ([r, g, b, mut variance], surface) = (estimates.lanes(at), surfaces.at(at));
+fn with_smooth_variance(grid: Grid, surfaces: &SurfacePlanes, estimates: &Estimates, place: Place) -> [f32x8; 4] {
+    let ([r, g, b, mut variance], surface) = (estimates.lanes(place), surfaces.at(place));
     let mut total = f32x8::ONE;
-    for (dx, dy) in square_around(1).filter(|(_, dy)| (0..grid.height).contains(&(y + dy))) {
-        let place = (at as isize + dy as isize * estimates.stride as isize + dx as isize) as usize;
-        let weight = surface.similarity(&surfaces.at(place), 1.0);
-        variance += load(&estimates.planes[3], place) * weight;
+    for other in square_around(1).filter_map(|(dx, dy)| place.moved(grid, dx, dy)) {
+        let weight = surface.similarity(&surfaces.at(other), 1.0);
+        variance += estimates.load(3, other) * weight;
         total += weight;
     }
     [r, g, b, variance / total]
@@ -263,18 +289,16 @@ fn first_estimates(grid: Grid, history: &History, surfaces: &SurfacePlanes) -> E
         let ([r, g, b], [mean, square]) = (history.irradiance[index].to_array(), history.moments[index]);
         [r, g, b, mean, square, history.length[index]]
     });
-    each_eight(grid, |x, y| {
-        let at = y as usize * means.stride + MARGIN + x;
-        let [r, g, b, mut mean, mut square, length] = means.lanes(at);
-        let surface = surfaces.at(at);
+    Estimates::of_eight(grid, |place| {
+        let [r, g, b, mut mean, mut square, length] = means.lanes(place);
+        let surface = surfaces.at(place);
         let is_young = length.simd_lt(f32x8::splat(TRUSTED_SAMPLES));
         if is_young.any() {
             let (mut means_around, mut squares_around, mut total) = (mean, square, f32x8::ONE);
-            for (dx, dy) in square_around(VARIANCE_RADIUS).filter(|(_, dy)| (0..grid.height).contains(&(y + dy))) {
-                let place = (at as isize + dy as isize * means.stride as isize + dx as isize) as usize;
-                let weight = surface.similarity(&surfaces.at(place), VARIANCE_RADIUS as f32);
-                means_around += load(&means.planes[3], place) * weight;
-                squares_around += load(&means.planes[4], place) * weight;
+            for other in square_around(VARIANCE_RADIUS).filter_map(|(dx, dy)| place.moved(grid, dx, dy)) {
+                let weight = surface.similarity(&surfaces.at(other), VARIANCE_RADIUS as f32);
+                means_around += means.load(3, other) * weight;
+                squares_around += means.load(4, other) * weight;
                 total += weight;
             }
             mean = is_young.select(means_around / total, mean);
@@ -367,7 +391,7 @@ mod tests {
             let (length, seen_object, class) = (4.0 + x, object, GuideClass::Surface);
             let guide =
                 Guide { position, normal, seen_normal: normal, length, object, seen_object, class, ..Guide::NONE };
-            SurfacePlanes::new(Grid::new([1, 1]), &[guide], 0.01, false).at(MARGIN)
+            SurfacePlanes::new(Grid::new([1, 1]), &[guide], 0.01, false).at(Place::new(0, 0))
         };
         let similarity = |a: &Surfaces, b: &Surfaces| a.similarity(b, 1.0).to_array()[0];
         let tilted = Vec3::new(0.2, 1.0, 0.0).normalize();
