@@ -313,19 +313,25 @@ fn first_estimates(grid: Grid, history: &History, surfaces: &SurfacePlanes) -> E
 /// Least and largest luminance that the mean of each pixel may have, judged from the samples around it.
 pub(super) fn plausible_luminances(size: [u32; 2], irradiance: &[Vec3]) -> Vec<[f32; 2]> {
     let grid = Grid::new(size);
-    let luminances: Vec<f32> = irradiance.par_iter().map(|colour| luminance(*colour)).collect();
-    grid.map(|x, y| {
-        let here = luminances[(y * grid.width + x) as usize];
-        let (mut sum, mut squares, mut count) = (here, here * here, 1.0);
-        for index in grid.around(x, y, PLAUSIBLE_RADIUS) {
-            sum += luminances[index];
-            squares += luminances[index] * luminances[index];
-            count += 1.0;
-        }
+    let moments: Vec<[f32; 3]> = irradiance
+        .par_iter()
+        .map(|colour| luminance(*colour))
+        .map(|luminance| [luminance, luminance * luminance, 1.0])
+        .collect();
+    // Sums over squares are sums over rows of sums over columns.
+    let sums = |moments: &[[f32; 3]], dx: i32, dy: i32| {
+        grid.map(|x, y| {
+            let places = -PLAUSIBLE_RADIUS..=PLAUSIBLE_RADIUS;
+            let around = places.filter_map(|k| grid.index(x + k * dx, y + k * dy));
+            around.fold([0.0; 3], |sum: [f32; 3], index| std::array::from_fn(|k| sum[k] + moments[index][k]))
+        })
+    };
+    let limits = |[sum, squares, count]: [f32; 3]| {
         let mean = sum / count;
         let reach = PLAUSIBLE_REACH * (squares / count - mean * mean).max(0.0).sqrt();
         [(mean - reach).max(0.0), mean + reach]
-    })
+    };
+    sums(&sums(&moments, 1, 0), 0, 1).into_iter().map(limits).collect()
 }
 
 /// Limits means of so many samples that are far above their neighbours, and gives what is above to the neighbours on the

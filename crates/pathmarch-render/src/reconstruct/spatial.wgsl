@@ -5,13 +5,13 @@
 override STEP: i32 = 1;
 
 /// Surface of pixels without noise.
-const UNFILTERED = 0xffffffffu;
+const NOT_FILTERED = 0xffffffffu;
 
-/// Equal on pixels that may share their light; `UNFILTERED` for those without noise.
+/// Equal on pixels that may share their light; `NOT_FILTERED` for those without noise.
 fn surface_of(guide: Guide) -> u32 {
     // The mean of several surfaces is that of none.
     if guide.guide_class == GUIDE_SKY || guide.guide_class == GUIDE_EMITTER || (uniforms.settles != 0u && guide.is_mixed) {
-        return UNFILTERED;
+        return NOT_FILTERED;
     }
     // Pixels of glass share light if they show one object.
     return select(2u * guide.object, 2u * guide.seen_object + 1u, guide.guide_class == GUIDE_GLASS);
@@ -20,7 +20,7 @@ fn surface_of(guide: Guide) -> u32 {
 /// Weight of two pixels, `distance` pixels apart, as parts of one smooth surface; the same for both.
 fn similarity(a: Guide, b: Guide, distance: f32) -> f32 {
     let surface = surface_of(a);
-    if surface == UNFILTERED || surface != surface_of(b) {
+    if surface == NOT_FILTERED || surface != surface_of(b) {
         return 0.0;
     }
     let apart = a.position - b.position;
@@ -128,7 +128,7 @@ fn start_filter(@builtin(global_invocation_id) id: vec3u) {
         moments /= total;
     }
     let variance = max(moments.y - moments.x * moments.x, 0.0) / here.length;
-    estimates[pixel] = vec4f(here.irradiance, select(variance, 0.0, surface_of(guide) == UNFILTERED));
+    estimates[pixel] = vec4f(here.irradiance, select(variance, 0.0, surface_of(guide) == NOT_FILTERED));
 }
 
 /// Averages the variances with those of the next pixels on the same surface.
@@ -167,7 +167,7 @@ fn filter_once(@builtin(global_invocation_id) id: vec3u) {
     var sum = here;
     var total = 1.0;
     // Pixels that saw no light yet take what their neighbours give: otherwise these would lose it.
-    if surface_of(guide) != UNFILTERED {
+    if surface_of(guide) != NOT_FILTERED {
         for (var k = 0; k < 9; k++) {
             let offset = vec2i(k % 3 - 1, k / 3 - 1);
             let place = position + STEP * offset;

@@ -106,9 +106,14 @@ impl History {
         let [width, height] = self.frame.size().map(|side| side as i32);
         let pixel = guide.length * self.frame.pixel.max(frame.pixel);
         let (x, y) = (x as i32, y as i32);
-        let rows = (y - 1).max(0)..=(y + 1).min(height - 1);
-        let mut around = rows.flat_map(|row| ((x - 1).max(0)..=(x + 1).min(width - 1)).map(move |x| row * width + x));
-        around.any(|index| same_point(guide, &self.guides[index as usize], self.frame.position.into(), pixel))
+        let eye = self.frame.position.into();
+        let shows = |(dx, dy): (i32, i32)| {
+            let (x, y) = (x + dx, y + dy);
+            let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
+            is_inside && same_point(guide, &self.guides[(y * width + x) as usize], eye, pixel)
+        };
+        // Most often the pixel itself shows it.
+        shows((0, 0)) || (-1..=1).any(|dy| (-1..=1).any(|dx| shows((dx, dy))))
     }
 
     /// Mean of the point of a guide, which the picture `frame` shows; `None` if this picture does not show the point.
