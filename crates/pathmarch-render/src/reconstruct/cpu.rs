@@ -6,7 +6,8 @@ use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
 use super::motion::{Motion, Poses};
 use super::temporal::{History, Samples};
 use super::{
-    Buffer, Changes, FULL_MOTION, MAX_HISTORY, ReconstructOptions, luminance, motions, settled_weight, settles, spatial,
+    Buffer, Changes, FULL_MOTION, MAX_HISTORY, PixelHistory, ReconstructOptions, luminance, motions, settled_weight,
+    settles, spatial,
 };
 use crate::integrator::guides::Guide;
 use crate::scene::{FrameUniforms, RenderScene};
@@ -87,11 +88,10 @@ impl CpuReconstruction {
         picture
     }
 
-    /// Position of the point of each pixel in the last picture, pixels of its samples, and number of samples in the mean of
-    /// each pixel. The position is `None` where the point was hidden.
-    pub(super) fn histories(&self) -> Vec<(Option<[f32; 2]>, f32)> {
+    /// Histories of all pixels of the last picture.
+    pub(super) fn histories(&self) -> Vec<PixelHistory> {
         let Some(Reconstructed { history, .. }) = &self.present else { return Vec::new() };
-        history.before.iter().copied().zip(history.length.iter().copied()).collect()
+        history.before.iter().zip(&history.length).map(|(&before, &length)| PixelHistory { before, length }).collect()
     }
 
     /// Motion of each pixel, see [`motions`](super::motions).

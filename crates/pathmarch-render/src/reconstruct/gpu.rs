@@ -9,7 +9,7 @@
 use super::motion::{LeafMotion, Motion, Poses};
 use super::spatial::STEPS;
 use super::temporal::camera_moves;
-use super::{Changes, ReconstructOptions, antialiasing, settles, spatial, temporal};
+use super::{Changes, PixelHistory, ReconstructOptions, antialiasing, settles, spatial, temporal};
 use crate::backend::RenderInput;
 use crate::backend::gpu::shaders::{ShaderFile, shader_files, with_imports};
 use crate::backend::gpu::{Device, GpuContext, ReconstructedFilm};
@@ -303,12 +303,12 @@ impl GpuReconstruction {
         Ok(colours.into_iter().map(|[r, g, b, _]| Vec3::new(r, g, b)).collect())
     }
 
-    /// Position of the point of each pixel in the last picture, pixels of its samples, and number of samples in the mean of
-    /// each pixel. The position is `None` where the point was hidden.
-    pub(super) fn histories(&self) -> Result<Vec<(Option<[f32; 2]>, f32)>, RenderError> {
+    /// Histories of all pixels of the last picture.
+    pub(super) fn histories(&self) -> Result<Vec<PixelHistory>, RenderError> {
         let (Some(buffers), Some(Shown { frame, .. })) = (&self.buffers, &self.present) else { return Ok(Vec::new()) };
         let histories = self.read_back::<[f32; 8]>(&buffers.films[self.turn].history, frame.size())?;
-        let of = |[_, _, _, length, _, _, x, y]: [f32; 8]| ((x > -1e8).then_some([x, y]), length);
+        let of =
+            |[_, _, _, length, _, _, x, y]: [f32; 8]| PixelHistory { before: (x > -1e8).then_some([x, y]), length };
         Ok(histories.into_iter().map(of).collect())
     }
 

@@ -215,9 +215,8 @@ impl Reconstruction {
         gpu.colours().map(Some)
     }
 
-    /// Position of the point of each pixel in the last picture, pixels of its samples, and number of samples in the mean of
-    /// each pixel. The position is `None` where the point was hidden.
-    fn histories(&self, tracer: &Tracer) -> Result<Vec<(Option<[f32; 2]>, f32)>, RenderError> {
+    /// Histories of all pixels of the last picture.
+    fn histories(&self, tracer: &Tracer) -> Result<Vec<PixelHistory>, RenderError> {
         match (tracer, &self.gpu) {
             (Tracer::Cpu(_), _) => Ok(self.cpu.histories()),
             (Tracer::Gpu(_), Some(gpu)) => gpu.histories(),
@@ -226,12 +225,20 @@ impl Reconstruction {
     }
 }
 
+/// History of a pixel.
+struct PixelHistory {
+    /// Position of the pixel's point in the last picture, pixels of its samples; `None` where it was hidden.
+    before: Option<[f32; 2]>,
+    /// Number of samples in the mean.
+    length: f32,
+}
+
 /// Position of the point of each pixel in the last picture, relative to the pixel: columns, rows, and 1 where that picture
 /// shows the point, else 0. The pictures have these sizes.
-fn motions(histories: &[(Option<[f32; 2]>, f32)], size: [u32; 2], last_size: [u32; 2]) -> Vec<[f32; 3]> {
+fn motions(histories: &[PixelHistory], size: [u32; 2], last_size: [u32; 2]) -> Vec<[f32; 3]> {
     let scale: [f32; 2] = std::array::from_fn(|k| size[k] as f32 / last_size[k] as f32);
-    let of = |(index, (before, _)): (usize, &(Option<[f32; 2]>, f32))| {
-        let Some([x, y]) = *before else { return [0.0; 3] };
+    let of = |(index, history): (usize, &PixelHistory)| {
+        let Some([x, y]) = history.before else { return [0.0; 3] };
         let (column, row) = (index % size[0] as usize, index / size[0] as usize);
         [x * scale[0] - column as f32 - 0.5, y * scale[1] - row as f32 - 0.5, 1.0]
     };

@@ -100,7 +100,7 @@ impl Sequence {
         let picture = |pixels: Vec<[f32; 3]>| Picture { pixels, ..noisy };
         Ok(Frame {
             motion: picture(motion),
-            history_length: picture(histories.into_iter().map(|(_, length)| [length; 3]).collect()),
+            history_length: picture(histories.into_iter().map(|history| [history.length; 3]).collect()),
             reconstructed: Picture { width: size[0], height: size[1], pixels },
             noisy,
             trace_seconds: (traced - began).as_secs_f64(),
