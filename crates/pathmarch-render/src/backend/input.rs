@@ -52,7 +52,7 @@ impl RenderInput {
         Self { scene: Arc::new(render_scene), frame, config, mode: settings.mode, data, wants_guides: false }
     }
 
-    /// Records the guides of the first sample where that is possible.
+    /// Input that records guides where that is possible.
     pub(crate) fn with_guides(self) -> Self {
         Self { wants_guides: true, ..self }
     }

@@ -4,7 +4,7 @@
 //! there twice, for the present film and for the one before. All of it stays on the device; the picture comes back as four
 //! bytes a pixel.
 //!
-//! **Cost.** 224 bytes of memory for each pixel. A film whose buffers the device cannot allocate is not reconstructed.
+//! **Cost.** 280 bytes of memory for each pixel, those of the tracer's guides included. A film whose buffers the device cannot allocate is not reconstructed.
 
 use super::motion::{LeafMotion, Motion, Poses};
 use super::spatial::STEPS;
@@ -96,7 +96,7 @@ struct Passes {
     show: wgpu::ComputePipeline,
 }
 
-/// Code of all passes: one module for each file, so that each has the shared constants of its twin.
+/// Code of a shader file with its imports.
 fn code(file: &str) -> String {
     with_imports(file, FILES, &|_| None)
 }

@@ -123,7 +123,7 @@ fn settles(samples: u32) -> bool {
     samples >= 4
 }
 
-/// Films that pictures are made of: what has changed since the last one.
+/// Changes since the last film.
 #[derive(Clone, Copy, Debug, Default)]
 struct Changes {
     /// Longest history, samples.

@@ -37,6 +37,14 @@ fn past_guide_at(pixel: u32) -> Guide {
     );
 }
 
+/// Mean of the samples of a pixel of the film.
+fn film_mean(position: vec2u, pixel: u32) -> vec3f {
+    let sum = film[pixel];
+    let has_more = position.y < uniforms.row || (position.y < uniforms.row + 8u && position.x < uniforms.column);
+    let samples = f32(uniforms.samples + select(0u, uniforms.begun, has_more)) - sum.w;
+    return sum.xyz / max(samples, 1.0);
+}
+
 /// True if a position is inside the picture of the samples.
 fn is_inside(position: vec2i) -> bool {
     return all(position >= vec2i(0)) && all(position < vec2i(i32(uniforms.width), i32(uniforms.height)));

@@ -25,14 +25,6 @@ fn mix_with_film(@builtin(global_invocation_id) id: vec3u) {
     estimates[pixel] = vec4f(colour, 0.0);
 }
 
-/// Mean of the samples of a pixel of the film.
-fn film_mean(position: vec2u, pixel: u32) -> vec3f {
-    let sum = film[pixel];
-    let has_more = position.y < uniforms.row || (position.y < uniforms.row + 8u && position.x < uniforms.column);
-    let samples = f32(uniforms.samples + select(0u, uniforms.begun, has_more)) - sum.w;
-    return sum.xyz / max(samples, 1.0);
-}
-
 /// sRGB codes from 0 to 1 of the shown buffer at a pixel of the samples.
 fn buffer_codes(position: vec2i, pixel: u32) -> vec3f {
     let here = history[pixel];

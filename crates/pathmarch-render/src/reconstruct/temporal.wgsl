@@ -10,10 +10,7 @@ fn divide(@builtin(global_invocation_id) id: vec3u) {
     }
     let pixel = pixel_index(position);
     let guide = guide_at(pixel);
-    let sum = film[pixel];
-    let has_more = id.y < uniforms.row || (id.y < uniforms.row + 8u && id.x < uniforms.column);
-    let samples = f32(uniforms.samples + select(0u, uniforms.begun, has_more)) - sum.w;
-    let irradiance = sum.xyz / max(samples, 1.0) / divisor(guide);
+    let irradiance = film_mean(id.xy, pixel) / divisor(guide);
     estimates[pixel] = vec4f(irradiance, luminance(irradiance));
     if guide.object != GLOSSY_BIT - 1u {
         let flags = guides[3u * pixel + 2u].x & ~(GLOSSY_BIT - 1u);

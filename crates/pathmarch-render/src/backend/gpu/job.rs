@@ -44,7 +44,7 @@ pub(crate) struct GpuJob {
     slices: wgpu::Buffer,
     slice_stride: u32,
     film: wgpu::Buffer,
-    /// Guides of the first sample, if they are recorded.
+    /// Guides, if they are recorded.
     guides: Option<wgpu::Buffer>,
     display_buffers: Option<DisplayBuffers>,
     size: [u32; 2],
@@ -96,7 +96,7 @@ fn film_bytes([width, height]: [u32; 2]) -> u64 {
     16 * u64::from(width) * u64::from(height)
 }
 
-/// Film that is reconstructed, and the guides of its first sample.
+/// Film that is reconstructed, and its guides.
 pub(crate) struct ReconstructedFilm<'a> {
     pub(crate) device: &'a Arc<GpuContext>,
     pub(crate) film: &'a wgpu::Buffer,
@@ -165,10 +165,14 @@ impl GpuJob {
             usage: storage | copied | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
+        let guide_bytes = 3 * film_bytes(size);
+        let limits = gpu.limits();
+        let guides_fit = guide_bytes <= limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let guides = source.bindings.has_guides.then(|| {
             gpu.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("guides"),
-                size: 3 * film_bytes(size),
+                // A kernel that stores no guides needs a binding nevertheless.
+                size: if guides_fit { guide_bytes } else { 256 },
                 usage: storage | wgpu::BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             })
@@ -218,7 +222,7 @@ impl GpuJob {
             slices,
             slice_stride,
             film,
-            guides,
+            guides: guides.filter(|_| guides_fit),
             display_buffers: None,
             size,
             first_sample,
@@ -350,7 +354,7 @@ impl GpuJob {
             rows: rows.min(height - row),
             first_column: column,
             columns,
-            guide_samples: if samples < FILM_SAMPLES { samples + 1 } else { 0 },
+            guide_samples: if self.guides.is_some() && samples < FILM_SAMPLES { samples + 1 } else { 0 },
             ..Slice::zeroed()
         };
         let band = f64::from(width) * f64::from(BAND);
