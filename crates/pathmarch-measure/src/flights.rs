@@ -14,6 +14,7 @@ use pathmarch_render::pathmarch_scene::{Camera, Moment, Scene};
 use pathmarch_render::reconstruct::{Frame, ReconstructOptions, Sequence};
 use pathmarch_render::tonemap::{Display, srgb_decode};
 use pathmarch_render::{Backend, Renderer, Settings};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -312,10 +313,19 @@ fn difference(a: &Picture, b: &Picture) -> f64 {
     a.pixels.iter().zip(&b.pixels).map(change).sum::<f64>() / a.pixels.len() as f64
 }
 
+/// Median and minimum of times in seconds, as text in milliseconds.
+fn milliseconds(seconds: &[f64]) -> String {
+    let mut sorted = seconds.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |index: usize| sorted.get(index).copied().unwrap_or_default() * 1e3;
+    format!("{:.1} ({:.1})", at(sorted.len() / 2), at(0))
+}
+
 fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let course = Course::new(flight, arguments)?;
     let mut sequence = Sequence::new(&course.renderer, ReconstructOptions::default());
-    let (mut flicker, mut times) = (Vec::new(), [0.0; 2]);
+    let (mut flicker, mut times) = (Vec::new(), [Vec::new(), Vec::new()]);
+    let mut passes = BTreeMap::new();
     let mut last: Option<Frame> = None;
     let mut scene = course.still.clone();
     for number in 0..FRAMES {
@@ -326,7 +336,12 @@ fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<
         let frame = sequence
             .render_upscaled(&scene, &course.settings(&scene, number), course.shown_size())
             .map_err(Failure::other)?;
-        times = [times[0] + frame.trace_seconds, times[1] + frame.reconstruct_seconds];
+        for (times, seconds) in times.iter_mut().zip([frame.trace_seconds, frame.reconstruct_seconds]) {
+            times.push(seconds);
+        }
+        for pass in &frame.passes {
+            passes.entry(pass.name).or_insert_with(Vec::new).push(pass.seconds);
+        }
         if let Some(last) = last.as_ref().filter(|_| number > MOVING_FRAMES + 4) {
             flicker.push(difference(&shown(&frame.reconstructed, &display), &shown(&last.reconstructed, &display)));
         }
@@ -350,12 +365,15 @@ fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<
         }
         last = Some(frame);
     }
-    let [trace, reconstruct] = times.map(|seconds| seconds * 1e3 / f64::from(FRAMES));
+    let [trace, reconstruct] = times.map(|seconds| milliseconds(&seconds));
     let flicker = flicker.iter().sum::<f64>() / flicker.len().max(1) as f64;
     println!(
-        "{:8} tracing {trace:.1} ms, reconstruction {reconstruct:.1} ms a frame; flicker at rest {flicker:.5}",
+        "{:8} milliseconds a frame, median (least): tracing {trace}, reconstruction {reconstruct}; flicker at rest {flicker:.5}",
         flight.name
     );
+    let passes: Vec<String> =
+        passes.iter().map(|(name, seconds)| format!("{name} {}", milliseconds(seconds))).collect();
+    println!("{:8} milliseconds a pass: {}", flight.name, passes.join(", "));
     Ok(())
 }
 

@@ -215,6 +215,14 @@ impl Reconstruction {
         gpu.colours().map(Some)
     }
 
+    /// Times of the passes of the last picture; empty on GPUs without timestamps.
+    fn passes(&self, tracer: &Tracer) -> Vec<PassTime> {
+        match tracer {
+            Tracer::Cpu(_) => self.cpu.passes.clone(),
+            Tracer::Gpu(_) => Vec::new(),
+        }
+    }
+
     /// Histories of all pixels of the last picture.
     fn histories(&self, tracer: &Tracer) -> Result<Vec<PixelHistory>, RenderError> {
         match (tracer, &self.gpu) {
@@ -223,6 +231,15 @@ impl Reconstruction {
             (Tracer::Gpu(_), None) => Ok(Vec::new()),
         }
     }
+}
+
+/// Time of a pass of reconstruction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassTime {
+    /// Name, in plain words.
+    pub name: &'static str,
+    /// Time on the processor that runs it, seconds.
+    pub seconds: f64,
 }
 
 /// History of a pixel.
