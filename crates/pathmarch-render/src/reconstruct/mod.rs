@@ -149,6 +149,8 @@ impl Changes {
 pub(crate) struct Reconstruction {
     cpu: CpuReconstruction,
     gpu: Option<GpuReconstruction>,
+    /// True if GPUs time the passes.
+    times_passes: bool,
 }
 
 impl Reconstruction {
@@ -184,7 +186,11 @@ impl Reconstruction {
             Tracer::Gpu(job) => {
                 let Some(film) = job.reconstructed_film()? else { return Ok(None) };
                 if self.gpu.as_ref().is_none_or(|gpu| !gpu.is_on(film.device)) {
-                    self.gpu = Some(GpuReconstruction::new(film.device)?);
+                    let mut gpu = GpuReconstruction::new(film.device)?;
+                    if self.times_passes {
+                        gpu.time_passes()?;
+                    }
+                    self.gpu = Some(gpu);
                 }
                 let Some(gpu) = &mut self.gpu else { return Ok(None) };
                 gpu.show(&film, input, film_weight, size, options, display)
@@ -219,7 +225,7 @@ impl Reconstruction {
     fn passes(&self, tracer: &Tracer) -> Vec<PassTime> {
         match tracer {
             Tracer::Cpu(_) => self.cpu.passes.clone(),
-            Tracer::Gpu(_) => Vec::new(),
+            Tracer::Gpu(_) => self.gpu.as_ref().map(|gpu| gpu.passes_done.clone()).unwrap_or_default(),
         }
     }
 

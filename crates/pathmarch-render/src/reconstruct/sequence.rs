@@ -54,7 +54,8 @@ impl Sequence {
     /// Empty sequence, which renders on the opened device of a renderer, or on the CPU if it has none. The buffer of the
     /// options has no effect.
     pub fn new(renderer: &Renderer, options: ReconstructOptions) -> Self {
-        let (renderer, reconstruction) = (renderer.clone(), Reconstruction::default());
+        let reconstruction = Reconstruction { times_passes: true, ..Reconstruction::default() };
+        let renderer = renderer.clone();
         Self { renderer, options, reconstruction, film: None, last_size: [1; 2] }
     }
 
