@@ -7,7 +7,7 @@
 
 use crate::bench;
 use crate::measure::Interrupt;
-use pathmarch_cli::{DONE, Failure, catch_interrupts, value_parsers};
+use pathmarch_cli::{DONE, Failure, catch_interrupts, outln, value_parsers};
 use pathmarch_render::image::{self, Picture, PictureKind, Provenance};
 use pathmarch_render::metrics::{self, block_means};
 use pathmarch_render::pathmarch_scene::{Camera, Moment, Scene};
@@ -154,7 +154,7 @@ impl Row {
     fn print(&self, name: &str) {
         let Self { frame, flip, relmse, short_history, temporal, energy, tiles } = self;
         let optional = |value: &Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.4}"));
-        println!(
+        outln!(
             "{name:8} {:3}   FLIP {:.3} -> {:.3}   relMSE {:8.4} -> {:.4}, short history {}   temporal {}   energy \
              {energy:.3}, tiles {:.3} to {:.3}",
             frame + 1,
@@ -352,7 +352,7 @@ fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<
     }
     let [trace, reconstruct] = times.map(|seconds| seconds * 1e3 / f64::from(FRAMES));
     let flicker = flicker.iter().sum::<f64>() / flicker.len().max(1) as f64;
-    println!(
+    outln!(
         "{:8} tracing {trace:.1} ms, reconstruction {reconstruct:.1} ms a frame; flicker at rest {flicker:.5}",
         flight.name
     );
