@@ -16,6 +16,7 @@ finish() {
     code=$?
     for pid in "${started[@]}"; do kill "$pid" 2>/dev/null || true; done
     [ "$code" = 0 ] || { tail -n 20 "$work"/*.log "$work"/*.out 2>/dev/null || true; }
+    wait 2>/dev/null || true
     rm -rf "$work"
     exit "$code"
 }
@@ -92,7 +93,7 @@ cd "$work"
 cp "$root/scenes/cornell.kdl" scene.kdl
 samples=64
 cuts=0,5,17,18,31,48,61,64
-options=(--backend cpu --size 480x360)
+options=(--backend cpu --size 320x240)
 "$PATHMARCH" render scene.kdl --samples $samples "${options[@]}" -o whole.exr 2>whole.log
 say "one render: $(sed -n 's/.* in \(.*\)/\1/p' whole.log)"
 start_slurm
@@ -107,6 +108,11 @@ wait_for still.exr.parts/1.film.checkpoint
 # Preempted: stopped and put back into the queue.
 scontrol requeue "${array}_1"
 say "Slurm: preempted task 1"
+# Slurm would wait two minutes before it runs it again.
+for _ in $(seq 30); do
+    if scontrol update JobId="${array}_1" StartTime=now 2>/dev/null; then break; fi
+    sleep 0.5
+done
 "$venv/bin/openjd" run "$farm/openjd/render.yaml" --step Render -p Scene="$work/scene.kdl" -p Output="$work/still.exr" \
     -p Farm="$farm" -p Program="$PATHMARCH" -p Samples=$samples -p Parts=$cuts -p PartRange=3-4 \
     -p Options="${options[*]}" >openjd.log 2>&1
@@ -121,7 +127,7 @@ say "Dask: killed the program of task 5"
 wait $dask
 say "Dask: parts 5 and 6"
 for part in 0 1 2; do wait_for still.exr.parts/$part.film; done
-say "Slurm: parts 0 to 2, $(grep -c 'samples' slurm-1.out) runs of task 1"
+say "Slurm: parts 0 to 2, $(grep -c ' on CPU' slurm-1.out) runs of task 1"
 "$PATHMARCH" merge still.exr.parts/*.film -o still.exr 2>merge.log
 "$PATHMARCH" compare still.exr whole.exr --max-relmse 0
 say "seven parts over three engines are the picture of one render"
