@@ -33,7 +33,7 @@ pub use backend::gpu::{AdapterDescription, adapters};
 pub use error::RenderError;
 pub use job::{Backend, BackendInfo, Job, Renderer, Shutter, kernel_wgsl, ray_stats};
 pub use mode::{Mode, relative_error};
-pub use output::{film, image, tonemap};
+pub use output::{film, image, parts, tonemap};
 pub use pathmarch_field;
 pub use pathmarch_scene;
 pub use preview_steps::{PreviewStep, PreviewSteps};

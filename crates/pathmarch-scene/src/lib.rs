@@ -19,6 +19,7 @@ pub mod scene;
 pub mod settings;
 pub mod sky;
 mod source;
+mod source_text;
 mod text;
 pub mod textures;
 
@@ -34,3 +35,4 @@ pub use scene::{Camera, Moment, Object, Parameter, Scene};
 pub use settings::{Caustics, DirectLighting, RenderSettings, Sampler, Tonemap};
 pub use sky::Sky;
 pub use source::read_text;
+pub use source_text::SourceText;

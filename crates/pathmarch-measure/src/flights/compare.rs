@@ -1,6 +1,7 @@
 //! Errors of reconstructed frames against converged ones.
 
 use pathmarch_cli::Failure;
+use pathmarch_cli::outln;
 use pathmarch_render::image::{Picture, PictureKind};
 use pathmarch_render::metrics::{self, block_means};
 use pathmarch_render::reconstruct::Frame;
@@ -30,7 +31,7 @@ impl Row {
     pub(super) fn print(&self, name: &str) {
         let Self { frame, flip, relmse, short_history, temporal, energy, tiles } = self;
         let optional = |value: &Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.4}"));
-        println!(
+        outln!(
             "{name:8} {:3}   FLIP {:.3} -> {:.3}   relMSE {:8.4} -> {:.4}, short history {}   temporal {}   energy \
              {energy:.3}, tiles {:.3} to {:.3}",
             frame + 1,

@@ -11,7 +11,7 @@ mod flight;
 use crate::measure::Interrupt;
 use compare::{compare, difference, enlarged, relmse_of_short_histories, shown, temporal_error};
 use flight::{FPS, FRAMES, Flight, MOVING_FRAMES};
-use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, value_parsers};
+use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, outln, value_parsers};
 use pathmarch_render::image::{self, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
 use pathmarch_render::reconstruct::{Frame, ReconstructOptions, Sequence};
@@ -174,13 +174,13 @@ fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<
     }
     let [trace, reconstruct] = times.map(|seconds| milliseconds(&seconds));
     let flicker = flicker.iter().sum::<f64>() / flicker.len().max(1) as f64;
-    println!(
+    outln!(
         "{:8} milliseconds a frame, median (least): tracing {trace}, reconstruction {reconstruct}; flicker at rest {flicker:.5}",
         flight.name
     );
     let passes: Vec<String> =
         passes.iter().map(|(name, seconds)| format!("{name} {}", milliseconds(seconds))).collect();
-    println!("{:8} milliseconds a pass: {}", flight.name, passes.join(", "));
+    outln!("{:8} milliseconds a pass: {}", flight.name, passes.join(", "));
     Ok(())
 }
 

@@ -5,8 +5,11 @@ pub mod compare;
 pub mod completions;
 pub mod devices;
 pub mod export;
+pub mod merge;
 pub mod render;
+mod scene_source;
 pub mod shapes;
+pub mod video;
 #[cfg_attr(not(feature = "window"), path = "no_window.rs")]
 pub mod view;
 

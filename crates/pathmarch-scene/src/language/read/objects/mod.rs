@@ -93,6 +93,11 @@ impl<'m> Solids<'m> {
         if let Some(&index) = self.materials.index.get(name) {
             return index;
         }
+        if context.report.is_full() {
+            // Nobody will see the nearest name, and to look for it takes time for each of many materials.
+            context.report.count();
+            return 0;
+        }
         let help = match nearest(name, self.materials.index.keys().map(String::as_str)) {
             Some(word) => format!("Did you mean `{word}`?"),
             None => format!("Declare it: material \"{}\" {{ diffuse 0.8 }}.", shown(name).trim_matches('`')),
