@@ -32,6 +32,8 @@ pub(crate) struct KernelConfig {
     pub(crate) orbits: bool,
     /// Some material has a bump map.
     pub(crate) bump: bool,
+    /// Shading normals differ from geometric ones: by bump maps, or by the normals of a mesh.
+    pub(crate) shading_normals: bool,
     pub(crate) direct_lighting: DirectLighting,
     /// [`RELAXATION`], or 0 for plain sphere tracing.
     pub(crate) relaxation: f32,
@@ -56,6 +58,7 @@ impl KernelConfig {
             textures: textured(|material| !material.is_plain()),
             orbits: textured(TexturedMaterial::has_orbit),
             bump: textured(TexturedMaterial::has_bump),
+            shading_normals: textured(TexturedMaterial::has_bump) || scene.field.has_shading_normals(),
             direct_lighting: settings.direct_lighting,
             relaxation: RELAXATION,
             splitting: if settings.mode == Mode::Path { settings.splitting.unwrap_or(1) } else { 1 },

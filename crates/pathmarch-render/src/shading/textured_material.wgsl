@@ -119,25 +119,10 @@ fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f
     }
 }
 
-/// Shading normal on the side of the geometric `normal`, after `evaluate_textures`; `view` is the unit vector towards
-/// the viewer.
-fn shading_normal(outward: vec3f, normal: vec3f, view: vec3f) -> vec3f {
+/// Normal `outward`, bent by the bump map, after `evaluate_textures`.
+fn bumped_normal(outward: vec3f) -> vec3f {
     if !HAS_BUMP || all(bump_gradient == vec3f(0.0)) {
-        return normal;
+        return outward;
     }
-    let tangential_gradient = bump_gradient - outward * dot(outward, bump_gradient);
-    let bumped = normalize(outward - tangential_gradient) * select(1.0, -1.0, dot(normal, outward) < 0.0);
-    let view_height = max(dot(view, normal), 1e-5);
-    let bumped_height = dot(bumped, normal);
-    let tangential_part = bumped - normal * bumped_height;
-    let tangent_length = length(tangential_part);
-    if tangent_length < 1e-6 {
-        return normal;
-    }
-    let tangent = tangential_part / tangent_length;
-    let view_tangent = dot(view, tangent);
-    let min_height = min(0.9 * view_height, 0.01);
-    let max_angle = 0.5 * (atan2(view_tangent, view_height) + acos(min_height / length(vec2f(view_tangent, view_height))));
-    let angle = min(atan2(tangent_length, bumped_height), max_angle);
-    return normal * cos(angle) + tangent * sin(angle);
+    return normalize(outward - (bump_gradient - outward * dot(outward, bump_gradient)));
 }

@@ -11,7 +11,8 @@
 //!
 //! **Cost.** One evaluation for each texture, four for a bump map, none for materials without textures.
 
-use crate::scene::TraceContext;
+use super::surface_interaction::SurfaceInteraction;
+use crate::scene::{KernelConfig, TraceContext};
 use crate::scene::preview_material::{PREVIEW_PARAMETERS, PreviewParameters, channel};
 use crate::scene::textured_material::{Change, KNOTS, Source, TexturedMaterial};
 use glam::Vec3;
@@ -143,16 +144,32 @@ impl<'p> TexturedPoint<'p> {
         parameters
     }
 
-    /// Shading normal on the side of the geometric `normal`; `view` is the unit vector towards the viewer.
-    pub(crate) fn normal(&self, outward: Vec3, normal: Vec3, view: Vec3) -> Vec3 {
-        let Some(bump) = &self.material.bump else { return normal };
+    /// Normal `outward`, bent by the bump map.
+    fn bumped(&self, outward: Vec3) -> Vec3 {
+        let Some(bump) = &self.material.bump else { return outward };
         let local_gradient = bump.texture.slope(&self.spot) * bump.height;
         let [x, y, z] = self.coordinates.gradients.map(|g| Vec3::new(g.x, g.y, g.z));
         let gradient = (x * local_gradient.x + y * local_gradient.y + z * local_gradient.z) * self.unit_length;
         let tangential_gradient = gradient - outward * outward.dot(gradient);
-        let side = if normal.dot(outward) < 0.0 { -1.0 } else { 1.0 };
-        visible_normal((outward - tangential_gradient).normalize() * side, normal, view)
+        (outward - tangential_gradient).normalize()
     }
+}
+
+/// Shading normal of an interaction, on the side of its geometric normal; `view` is the unit vector towards the viewer.
+#[inline]
+pub(crate) fn shading_normal(
+    config: &KernelConfig,
+    textured: Option<&TexturedPoint>,
+    interaction: &SurfaceInteraction,
+    view: Vec3,
+) -> Vec3 {
+    if !config.shading_normals {
+        return interaction.normal;
+    }
+    let smooth = interaction.shading_outward;
+    let bumped = textured.map_or(smooth, |textured| textured.bumped(smooth));
+    let side = if interaction.inside { -1.0 } else { 1.0 };
+    visible_normal(bumped * side, interaction.normal, view)
 }
 
 /// Normal nearest to `bumped`, between it and the geometric normal, whose mirrored view direction leaves the surface.

@@ -4,7 +4,7 @@
 /// Does nothing.
 fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) {}
 
-/// Returns the geometric normal.
-fn shading_normal(outward: vec3f, normal: vec3f, view: vec3f) -> vec3f {
-    return normal;
+/// Returns the normal itself.
+fn bumped_normal(outward: vec3f) -> vec3f {
+    return outward;
 }

@@ -30,6 +30,15 @@ pub(super) fn program(input: &RenderInput) -> Program {
     program
 }
 
+/// WGSL that the code of fields with meshes calls.
+const MESH_WORD: &str = "\
+/// Word of the meshes.
+fn mesh_word(index: u32) -> u32 {
+    return scene_data[MESH_DATA + index];
+}
+
+";
+
 /// Source of a picture's kernel in WGSL.
 pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings, data: &SceneData) -> String {
     let mut code = String::from("// ---- bindings ----\n");
@@ -37,6 +46,9 @@ pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings
     code += "\n// ---- configuration ----\n";
     code += &constants(input, data);
     code += "\n// ---- field ----\n";
+    if input.scene.field.has_meshes() {
+        code += MESH_WORD;
+    }
     code += &program.code;
     if input.mode.traces_paths() {
         if input.config.penumbra {
@@ -82,6 +94,8 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "texture_target" => {
             if_paths("shading/untextured_bsdf", "shading/untextured_preview", "shading/untextured_albedo")
         }
+        "mesh_normals" if input.scene.field.has_shading_normals() => "shading/mesh_normals",
+        "mesh_normals" => "shading/no_mesh_normals",
         "guides" if bindings.has_guides => "integrator/guides",
         "guides" => "integrator/no_guides",
         "march_stats" if matches!(mode, Mode::Steps | Mode::Violations) => "views/march_stats",
@@ -119,6 +133,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("HAS_TEXTURES", config.textures),
         ("HAS_ORBITS", config.orbits),
         ("HAS_BUMP", config.bump),
+        ("SHADING_NORMALS", config.shading_normals),
         ("HAS_PICTURES", textures.any(has_pictures)),
     ] {
         constant(name, &value);
@@ -139,6 +154,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("TEXTURE_DATA", data.textures as u32),
         ("LEAF_COUNT", scene.leaves.len() as u32),
         ("MODE_DATA", data.mode as u32),
+        ("MESH_DATA", data.meshes as u32),
     ] {
         constant(name, &format_args!("{value}u"));
     }
