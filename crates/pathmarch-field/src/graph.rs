@@ -32,7 +32,7 @@ pub use batch::Batch;
 use bvh::Bvh;
 pub use coordinates::Coordinates;
 pub use leaf::Leaf;
-pub use mesh_hit::{MeshHit, MeshInteraction};
+pub use mesh_hit::{MeshHit, MeshInteraction, NearestTriangle};
 pub use node::{Kind, Node};
 pub use pose::{Placement, Pose, Turn};
 use shape_grid::ShapeGrid;

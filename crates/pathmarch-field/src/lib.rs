@@ -36,6 +36,7 @@ pub use mesh_shape::{MeshShape, MeshSurface};
 pub use modifiers::{EvalModifier, Modifier, ModifierDef};
 pub use operators::{Boolean, EvalOperator, Operator, OperatorDef};
 pub use parameter::{Param, Unit};
+pub use pathmarch_mesh::MeshReport;
 pub use range::Range;
 pub use ray_interval::{RayInterval, T_MAX};
 pub use registry::Solid;

@@ -4,8 +4,9 @@
 //! time of change. A distance field takes seconds to build, so it is also kept in a directory that the program names
 //! ([`set_mesh_cache`]), under the hash of the triangles. Anything wrong with a kept file only means that it is built again.
 
-use pathmarch_field::mesh_shape::MeshError;
+use crate::mesh_materials;
 use pathmarch_field::MeshSurface;
+use pathmarch_field::mesh_shape::MeshError;
 use pathmarch_mesh::grid::GridError;
 use pathmarch_mesh::import::{TooManyTriangles, Warning};
 use pathmarch_mesh::{DistanceGrid, Imported, Material, ReadError, ReadOptions, TriangleMesh, material};
@@ -40,8 +41,10 @@ pub(crate) enum MeshFileError {
 pub(crate) struct MeshFile {
     pub(crate) surface: Arc<MeshSurface>,
     /// Materials of its triangles, in the order of their indices; at least one.
-    pub(crate) materials: Vec<Material>,
-    pub(crate) images: Vec<material::Image>,
+    materials: Vec<Material>,
+    images: Vec<material::Image>,
+    /// The same as materials of a scene, and what is not shown of them; made on first use.
+    scene_materials: OnceLock<Vec<(crate::Material, Vec<String>)>>,
     pub(crate) warnings: Vec<Warning>,
     /// Fields built so far, by resolution.
     fields: Mutex<Vec<(u32, Arc<DistanceGrid>)>>,
@@ -55,7 +58,13 @@ impl MeshFile {
         let Imported { materials, images, warnings, .. } = imported;
         let materials = used_materials(&mut mesh, materials);
         let surface = Arc::new(MeshSurface::new(mesh)?);
-        Ok(Self { surface, materials, images, warnings, fields: Mutex::default() })
+        Ok(Self { surface, materials, images, scene_materials: OnceLock::new(), warnings, fields: Mutex::default() })
+    }
+
+    /// Its materials as those of a scene, and what is not shown of each.
+    pub(crate) fn scene_materials(&self) -> &[(crate::Material, Vec<String>)] {
+        let convert = |source: &Material| mesh_materials::material(source, &self.images);
+        self.scene_materials.get_or_init(|| self.materials.iter().map(convert).collect())
     }
 
     /// Distance field with this number of voxels along its longest edge.

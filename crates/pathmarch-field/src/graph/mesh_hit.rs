@@ -33,6 +33,8 @@ pub struct MeshInteraction {
     pub shading_normal: glam::Vec3,
     /// Texture coordinates of both sets.
     pub uvs: [Vec2; 2],
+    /// Length in texture coordinates of a unit of the mesh's coordinates, for both sets.
+    pub uv_densities: [f32; 2],
 }
 
 /// Box test of a ray: the slabs of Kay and Kajiya (1986), with a margin that keeps flat boxes.
@@ -125,7 +127,31 @@ impl Field {
             normal: world(point.normal),
             shading_normal: world(point.shading_normal),
             uvs: point.uvs,
+            uv_densities: point.uv_densities,
         })
+    }
+}
+
+/// Triangle of a mesh that is closest to a point of its field.
+#[derive(Clone, Copy, Debug)]
+pub struct NearestTriangle {
+    /// Leaf of its material.
+    pub leaf: u32,
+    /// Texture coordinates of both sets at the point of the triangle that is closest.
+    pub uvs: [Vec2; 2],
+    /// Length in texture coordinates of a unit of the mesh's coordinates, for both sets.
+    pub uv_densities: [f32; 2],
+}
+
+impl Field {
+    /// Triangle closest to the world point `p` on the field of a mesh.
+    pub fn nearest_triangle(&self, leaf: usize, p: Vec3<f32>) -> Option<NearestTriangle> {
+        let mesh = self.leaves.get(leaf)?.shape.mesh()?;
+        let local = vector(self.coordinates(leaf, p)?.point);
+        let triangle = mesh.surface().closest_triangle(local);
+        let point = mesh.surface().point(triangle, local);
+        let leaf = leaf as u32 - self.leaves[leaf].slot + mesh.slot(triangle);
+        Some(NearestTriangle { leaf, uvs: point.uvs, uv_densities: point.uv_densities })
     }
 }
 

@@ -351,8 +351,7 @@ impl Field {
     /// Objects outside of shape grids and the BVH, each with its entry of `included`.
     pub(crate) fn single_objects_with(&self, included: &[bool]) -> impl Iterator<Item = (&Tree, bool)> {
         let all = self.objects.iter().zip(&self.strategies).zip(included);
-        all.filter(|((_, strategy), _)| is_single(**strategy))
-            .map(|((object, _), included)| (object, *included))
+        all.filter(|((_, strategy), _)| is_single(**strategy)).map(|((object, _), included)| (object, *included))
     }
 
     /// Indices of the shape grids with an included object.

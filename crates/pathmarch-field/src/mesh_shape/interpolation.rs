@@ -14,6 +14,14 @@ pub struct MeshPoint {
     pub shading_normal: Vec3,
     /// Texture coordinates of both sets; zero where the mesh has none.
     pub uvs: [Vec2; 2],
+    /// Length in texture coordinates of a unit of the mesh's coordinates, for both sets.
+    pub uv_densities: [f32; 2],
+}
+
+/// Length in texture coordinates of a unit on a triangle with these edges and corners.
+fn density(b: Vec3, c: Vec3, [uv_a, uv_b, uv_c]: [Vec2; 3]) -> f32 {
+    let area = b.cross(c).length();
+    ((uv_b - uv_a).perp_dot(uv_c - uv_a).abs() / area.max(f32::MIN_POSITIVE)).sqrt()
 }
 
 /// Unit normal of the triangle with edges `b` and `c` from its first corner. Edges are scaled first, so that the product of tiny
@@ -43,13 +51,12 @@ impl MeshSurface {
         let normal = normal_of(b, c);
         let [v, w] = barycentrics(b, c, offset);
         let corners = mesh.triangles[triangle as usize].map(|vertex| vertex as usize);
-        let uvs = [0, 1].map(|set| match mesh.uvs[set].is_empty() {
-            true => Vec2::ZERO,
-            false => {
-                let [a, b, c] = corners.map(|corner| mesh.uvs[set][corner]);
-                a + (b - a) * v + (c - a) * w
-            }
+        let corner_uvs = [0, 1].map(|set| match mesh.uvs[set].is_empty() {
+            true => [Vec2::ZERO; 3],
+            false => corners.map(|corner| mesh.uvs[set][corner]),
         });
+        let uvs = corner_uvs.map(|[a, b, c]| a + (b - a) * v + (c - a) * w);
+        let uv_densities = corner_uvs.map(|corners| density(b, c, corners));
         let shading_normal = match mesh.normals.is_empty() {
             true => normal,
             false => {
@@ -57,7 +64,7 @@ impl MeshSurface {
                 smooth(a * (1.0 - v - w) + b * v + c * w, normal)
             }
         };
-        MeshPoint { normal, plane_distance: normal.dot(offset), shading_normal, uvs }
+        MeshPoint { normal, plane_distance: normal.dot(offset), shading_normal, uvs, uv_densities }
     }
 }
 

@@ -31,7 +31,9 @@ pub const COARSE_RESOLUTION: u32 = 64;
 
 /// WGSL of the distance of a grid.
 pub(crate) const GRID_WGSL: &str = include_str!("grid.wgsl");
-/// WGSL of ray intersection, of surfaces and of vertex attributes.
+/// WGSL of vertex attributes, materials and closest triangles.
+pub(crate) const ATTRIBUTES_WGSL: &str = include_str!("attributes.wgsl");
+/// WGSL of ray intersection and of surfaces.
 pub(crate) const TRIANGLES_WGSL: &str = include_str!("triangles.wgsl");
 
 /// Shape of a mesh file.

@@ -1,10 +1,6 @@
 /// Bit that marks the id of a hit as an instance of triangles, not a leaf.
 const MESH = 0x40000000u;
 
-/// Nodes whose children are still to be visited: the index of the first child, and two masks of bytes, one of the children
-/// that the ray passes in its order, the other of the inner ones by their slots.
-var<private> mesh_stack: array<vec2u, MESH_STACK>;
-
 /// Bits of a byte of slots in the order in which a ray of this octant passes them.
 fn in_ray_order(slots: u32, octant: u32) -> u32 {
     var bits = slots;
@@ -135,11 +131,6 @@ fn surface_hit(surface_offset: u32, origin: vec3f, direction: vec3f, t_max: f32)
     return nearest;
 }
 
-/// Matrix whose columns are the rows of an instance's local coordinates, divided by its scale.
-fn instance_rows(instance: u32) -> mat3x3f {
-    return mat3x3f(mesh_vector(instance + 4u), mesh_vector(instance + 7u), mesh_vector(instance + 10u));
-}
-
 /// First hit of a ray with the triangles of all meshes, or the one found before.
 fn mesh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit {
     var nearest = before;
@@ -172,19 +163,6 @@ fn mesh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit
     return nearest;
 }
 
-/// Corners of a triangle: the first, and the offsets of the others from it.
-fn triangle_edges(instance: u32, triangle: u32) -> mat3x3f {
-    let at = mesh_word(mesh_word(instance + 13u) + 1u) + 9u * triangle;
-    let a = mesh_vector(at);
-    return mat3x3f(a, mesh_vector(at + 3u) - a, mesh_vector(at + 6u) - a);
-}
-
-/// Largest component of two vectors, above zero.
-fn largest_of_edges(b: vec3f, c: vec3f) -> f32 {
-    let size = max(abs(b), abs(c));
-    return max(max(size.x, size.y), max(size.z, 1e-37));
-}
-
 /// Surface at a hit of a triangle.
 fn mesh_surface(p: vec3f, instance: u32, triangle: u32) -> Surface {
     let rows = instance_rows(instance);
@@ -193,42 +171,5 @@ fn mesh_surface(p: vec3f, instance: u32, triangle: u32) -> Surface {
     let size = largest_of_edges(corners[1], corners[2]);
     let normal = normalize(cross(corners[1] / size, corners[2] / size));
     let local = (p - mesh_vector(instance)) * rows;
-    let materials = mesh_word(mesh_word(instance + 13u) + 6u);
-    var leaf = mesh_word(instance + 14u);
-    if materials != 0u {
-        leaf += min(mesh_word(materials + triangle), mesh_word(instance + 15u) - 1u);
-    }
-    return Surface(rows * normal * scale, dot(normal, local - corners[0]) * scale, leaf, triangle);
-}
-
-/// Weights of a triangle's second and third corner at the foot of a point in the mesh's coordinates, from 0 to 1.
-fn triangle_weights(corners: mat3x3f, p: vec3f) -> vec2f {
-    let size = largest_of_edges(corners[1], corners[2]);
-    let b = corners[1] / size;
-    let c = corners[2] / size;
-    let offset = (p - corners[0]) / size;
-    let normal = cross(b, c);
-    let inverse = 1.0 / max(dot(normal, normal), 1e-37);
-    let v = clamp(dot(cross(offset, c), normal) * inverse, 0.0, 1.0);
-    return vec2f(v, clamp(dot(cross(b, offset), normal) * inverse, 0.0, 1.0 - v));
-}
-
-/// Shading normal in world space at the point `p` of a triangle of the mesh of this leaf, on the side of its geometric normal
-/// `outward`, which it is where the mesh has none.
-fn mesh_shading_normal(leaf: u32, triangle: u32, p: vec3f, outward: vec3f) -> vec3f {
-    let instance = mesh_word(mesh_word(2u) + leaf);
-    let surface_offset = mesh_word(instance + 13u);
-    let normals = mesh_word(surface_offset + 3u);
-    if normals == 0u {
-        return outward;
-    }
-    let rows = instance_rows(instance);
-    let weights = triangle_weights(triangle_edges(instance, triangle), (p - mesh_vector(instance)) * rows);
-    let vertices = mesh_word(surface_offset + 2u) + 3u * triangle;
-    let a = mesh_vector(normals + 3u * mesh_word(vertices));
-    let b = mesh_vector(normals + 3u * mesh_word(vertices + 1u));
-    let c = mesh_vector(normals + 3u * mesh_word(vertices + 2u));
-    let interpolated = rows * (a * (1.0 - weights.x - weights.y) + b * weights.x + c * weights.y) * mesh_float(instance + 3u);
-    let size = length(interpolated);
-    return select(interpolated / size, outward, dot(interpolated, outward) <= 1e-3 * size);
+    return Surface(rows * normal * scale, dot(normal, local - corners[0]) * scale, leaf_of_triangle(instance, triangle), triangle);
 }

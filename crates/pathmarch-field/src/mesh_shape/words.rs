@@ -64,7 +64,7 @@ impl MeshWords {
             grids[index] = encoder.grid(mesh.grid());
             let first = index - leaf.slot as usize;
             let instance = match leaf.slot {
-                0 => encoder.instance(mesh, leaf, index),
+                0 => encoder.instance(mesh, leaf, [index as u32, grids[index], field.enclosing_modifier(index)]),
                 _ => encoder.words[HEADER_WORDS + first],
             };
             encoder.words[HEADER_WORDS + index] = instance;
@@ -99,14 +99,14 @@ impl Encoder {
         (self.words[0], self.words[1]) = (first as u32, self.words.len() as u32);
     }
 
-    /// Encodes a placed mesh: its pose, its surface, its first leaf and its number of materials.
-    fn instance(&mut self, mesh: &MeshShape, leaf: &Leaf, index: usize) -> u32 {
+    /// Encodes a placed mesh: its pose, its surface, its first leaf, its number of materials, its grid and the modifier around it.
+    fn instance(&mut self, mesh: &MeshShape, leaf: &Leaf, [index, grid, modifier]: [u32; 3]) -> u32 {
         let surface = self.surface(mesh.surface());
         let offset = self.words.len() as u32;
         self.floats(leaf.pose.at);
         self.floats([leaf.pose.scale]);
         self.floats(leaf.pose.local_from_world().as_flattened().iter().copied());
-        self.words.extend([surface, index as u32, mesh.tags().len().max(1) as u32]);
+        self.words.extend([surface, index, mesh.tags().len().max(1) as u32, grid, modifier]);
         offset
     }
 

@@ -218,7 +218,7 @@ fn scattered(
         }
         return None;
     }
-    let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), walk.length);
+    let textured = TexturedPoint::new(ctx, interaction, walk.length);
     let ns = shading_normal(&ctx.config, textured.as_ref(), interaction, -walk.ray.direction);
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
     let passes = material.has(DELTA) && surface_index <= MAX_DELTA_SURFACES.min(ctx.frame.bounces);

@@ -285,7 +285,7 @@ fn shade(
         return None;
     }
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
-    let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), path.length);
+    let textured = TexturedPoint::new(ctx, interaction, path.length);
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
     // Shading normal; the geometric normal decides on which side a direction is.

@@ -68,7 +68,7 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
     let hit_point = ray.origin + ray.direction * hit.t;
     (*path).ray.origin = hit_point;
     (*path).hit = hit;
-    (*path).surface_at_hit = surface(hit_point, hit.hit_id, hit.triangle, unstratified_seed((*path).sampler, (*path).surfaces));
+    (*path).surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, (*path).surfaces));
     let leaf = leaves[(*path).surface_at_hit.leaf];
     let m = leaf.material;
     if HAS_EMITTERS && (materials[m].flags & EMITS) != 0u {
@@ -99,8 +99,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     let interaction = resolve_surface((*path).ray.origin, incoming, (*path).hit, (*path).surface_at_hit);
     let m = leaves[interaction.leaf].material;
     let flags = materials[m].flags;
-    let outward = outward_normal(interaction);
-    evaluate_textures(m, interaction.leaf, interaction.p, outward, (*path).length);
+    evaluate_textures(m, interaction, (*path).length);
     record_guide(interaction, (*path).throughput, (*path).length, surface_index, packed(m, 0u).xyz);
     // Shading normal; the geometric normal decides on which side a direction is.
     let ns = shading_normal(interaction, -incoming);

@@ -100,11 +100,7 @@ fn intervals(field: &Field, frame: &FrameUniforms, rays: &Rays8) -> [Interval; 8
     let (analytic, leaf, t_max) = (analytic.to_array(), leaf.to_array(), t_max.to_array());
     std::array::from_fn(|lane| {
         let hit = Hit { t: analytic[lane], analytic: Some(leaf[lane] as u32), triangle: None };
-        Interval {
-            start: start[lane],
-            end: end[lane],
-            analytic_hit: (analytic[lane] < t_max[lane]).then_some(hit),
-        }
+        Interval { start: start[lane], end: end[lane], analytic_hit: (analytic[lane] < t_max[lane]).then_some(hit) }
     })
 }
 

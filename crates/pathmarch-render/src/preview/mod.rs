@@ -305,8 +305,7 @@ impl PreviewTracer<'_> {
             return None;
         }
         let direction = preview_ray.ray.direction;
-        let textured =
-            TexturedPoint::new(ctx, interaction.leaf, interaction.p, interaction.outward(), preview_ray.path_length);
+        let textured = TexturedPoint::new(ctx, interaction, preview_ray.path_length);
         let surface_material = match &textured {
             Some(textured) => preview_material::decode(&textured.preview(preview.materials[m])),
             None => preview_material::decode(&preview.materials[m]),

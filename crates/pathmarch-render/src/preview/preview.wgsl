@@ -94,8 +94,7 @@ fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
                 var n = interaction.normal;
                 var material = preview_material(m);
                 if HAS_TEXTURES {
-                    let outward = outward_normal(interaction);
-                    evaluate_textures(m, interaction.leaf, interaction.p, outward, path_length);
+                    evaluate_textures(m, interaction, path_length);
                     material = textured_preview(material);
                 }
                 n = shading_normal(interaction, -ray.direction);

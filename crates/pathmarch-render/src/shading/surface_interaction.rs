@@ -3,10 +3,11 @@
 use crate::intersect::march::{rounding_at, start_offset};
 use crate::intersect::ray::{Hit, RaySegment, Rays8, lanes};
 use crate::scene::TraceContext;
-use crate::scene::leaf::ANALYTIC;
-use glam::{Vec2, Vec3};
+use crate::scene::leaf::{ANALYTIC, MESH_FIELD};
+use glam::Vec3;
 use pathmarch_field::graph::{MeshInteraction, Surface};
 use pathmarch_field::number::{Dual, Mask8, Real, Vec3 as FieldVec3};
+use pathmarch_scene::textures::SurfaceUv;
 use wide::f32x8;
 
 /// Interaction of a ray with a surface.
@@ -23,7 +24,7 @@ pub(crate) struct SurfaceInteraction {
     /// True if that side is the inside of the solid.
     pub(crate) inside: bool,
     /// Texture coordinates of a mesh.
-    pub(crate) uvs: [Vec2; 2],
+    pub(crate) uv: SurfaceUv,
     /// Offset from `p` to the origin of rays that leave on this side, metres.
     pub(crate) normal_offset: Vec3,
     /// Length of the path up to `p`, metres.
@@ -56,6 +57,7 @@ pub(crate) fn surface_interactions(
         let surface = ctx.scene.field.surface_at_hit(hit_point, analytic, &threshold);
         let meshes = mesh_interactions(ctx, chunk);
         let Surface { field, leaf } = with_meshes(surface, &meshes, |lane| chunk[hit_index(lane)].1.analytic);
+        let (leaf, uv) = with_nearest_triangles(ctx, leaf, hit_point, &meshes);
         let leaf: [usize; 8] = leaf.to_array().map(|leaf| leaf as usize);
         let record = |lane: usize| &ctx.scene.leaves[leaf[lane]];
         let origin = FieldVec3::new(
@@ -83,7 +85,7 @@ pub(crate) fn surface_interactions(
             leaf: leaf[lane],
             normal: normal[lane],
             shading_outward: meshes[lane].map_or(outward[lane], |mesh| mesh.shading_normal),
-            uvs: meshes[lane].map_or([Vec2::ZERO; 2], |mesh| mesh.uvs),
+            uv: uv[lane],
             inside: inside >> lane & 1 == 1,
             normal_offset: normal_offset[lane],
             length: segment.path_length + hit.t,
@@ -126,6 +128,33 @@ fn with_meshes(
         _ => leaves[lane],
     });
     Surface { field: Dual { value: replaced(field.value, |mesh| mesh.distance), gradient }, leaf }
+}
+
+/// Leaves and texture coordinates of hits; on fields of meshes, those of the closest triangle.
+fn with_nearest_triangles(
+    ctx: &TraceContext,
+    leaf: f32x8,
+    p: FieldVec3<f32x8>,
+    meshes: &[Option<MeshInteraction>; 8],
+) -> (f32x8, [SurfaceUv; 8]) {
+    let mut uv = meshes.map(|mesh| {
+        mesh.map_or_else(SurfaceUv::default, |mesh| SurfaceUv { uvs: mesh.uvs, densities: mesh.uv_densities })
+    });
+    if !ctx.config.mesh_fields {
+        return (leaf, uv);
+    }
+    let mut leaves = leaf.to_array();
+    let [x, y, z] = [p.x, p.y, p.z].map(f32x8::to_array);
+    for lane in 0..8 {
+        let leaf = leaves[lane] as usize;
+        let is_field = ctx.scene.leaves[leaf].has(MESH_FIELD);
+        let at = FieldVec3::new(x[lane], y[lane], z[lane]);
+        if let Some(nearest) = is_field.then(|| ctx.scene.field.nearest_triangle(leaf, at)).flatten() {
+            leaves[lane] = nearest.leaf as f32;
+            uv[lane] = SurfaceUv { uvs: nearest.uvs, densities: nearest.uv_densities };
+        }
+    }
+    (f32x8::from(leaves), uv)
 }
 
 /// Vectors of the eight lanes.

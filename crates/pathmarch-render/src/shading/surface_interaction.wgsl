@@ -1,4 +1,4 @@
-// import: intersect/march
+// import: intersect/march, mesh_fields
 // Surface interactions: position, normal, side and leaf of a hit. Twin of surface_interaction.rs.
 
 /// Interaction of a ray with a surface.
@@ -17,10 +17,15 @@ struct SurfaceInteraction {
     offset: f32,
 }
 
+/// Surface at a hit; `seed` chooses one of two blended materials.
+fn surface_of_hit(hit_point: vec3f, hit: Hit, seed: u32) -> Surface {
+    return with_nearest_triangle(surface(hit_point, hit.hit_id, hit.triangle, seed), hit_point);
+}
+
 /// Surface interaction of a hit. `seed` chooses one of two blended materials.
 fn surface_interaction(ray: Ray, hit: Hit, seed: u32) -> SurfaceInteraction {
     let hit_point = ray.origin + ray.direction * hit.t;
-    return resolve_surface(hit_point, ray.direction, hit, surface(hit_point, hit.hit_id, hit.triangle, seed));
+    return resolve_surface(hit_point, ray.direction, hit, surface_of_hit(hit_point, hit, seed));
 }
 
 /// Surface interaction of a hit at `hit_point`, from the surface of the field there.

@@ -12,14 +12,14 @@
 //! **Cost.** One evaluation for each texture, four for a bump map, none for materials without textures.
 
 use super::surface_interaction::SurfaceInteraction;
-use crate::scene::{KernelConfig, TraceContext};
 use crate::scene::preview_material::{PREVIEW_PARAMETERS, PreviewParameters, channel};
 use crate::scene::textured_material::{Change, KNOTS, Source, TexturedMaterial};
+use crate::scene::{KernelConfig, TraceContext};
 use glam::Vec3;
 use pathmarch_field::graph::Coordinates;
 use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_scene::materials::BsdfParameters;
-use pathmarch_scene::textures::{Spot, ramp};
+use pathmarch_scene::textures::{Spot, SurfaceUv, ramp};
 
 /// Two knots around a value, and the interpolation weight of the second.
 fn interval<T>(knots: &[T], value: f32) -> (&T, &T, f32) {
@@ -39,16 +39,27 @@ pub(crate) struct TexturedPoint<'p> {
 }
 
 impl<'p> TexturedPoint<'p> {
-    /// Texture coordinates of the point `p` on a leaf, with its outward normal, at the end of a path of this length.
-    /// `None` for a material without textures.
+    /// Texture coordinates of an interaction, at the end of a path of this length. `None` for a material without textures.
     #[inline]
-    pub(crate) fn new(ctx: &TraceContext<'p>, leaf: usize, p: Vec3, outward: Vec3, path_length: f32) -> Option<Self> {
+    pub(crate) fn new(ctx: &TraceContext<'p>, interaction: &SurfaceInteraction, path_length: f32) -> Option<Self> {
+        let &SurfaceInteraction { leaf, p, uv, .. } = interaction;
+        Self::at(ctx, leaf, (p, interaction.outward(), uv), path_length)
+    }
+
+    /// [`new`](Self::new) for a point of a leaf, with its outward normal and texture coordinates.
+    #[inline]
+    pub(crate) fn at(
+        ctx: &TraceContext<'p>,
+        leaf: usize,
+        (p, outward, uv): (Vec3, Vec3, SurfaceUv),
+        path_length: f32,
+    ) -> Option<Self> {
         let scene = ctx.scene;
         let material = scene.textured_materials.get(scene.leaves[leaf].material as usize)?;
         if material.is_plain() {
             return None;
         }
-        Self::textured(material, ctx, leaf, p, outward, path_length)
+        Self::textured(material, ctx, leaf, (p, outward, uv), path_length)
     }
 
     /// Separate from [`new`](Self::new), so that materials without textures need no call.
@@ -56,8 +67,7 @@ impl<'p> TexturedPoint<'p> {
         material: &'p TexturedMaterial,
         ctx: &TraceContext,
         leaf: usize,
-        p: Vec3,
-        outward: Vec3,
+        (p, outward, uv): (Vec3, Vec3, SurfaceUv),
         path_length: f32,
     ) -> Option<Self> {
         let p = FieldVec3::new(p.x, p.y, p.z);
@@ -71,7 +81,7 @@ impl<'p> TexturedPoint<'p> {
         let local_normal = Vec3::from_array(cofactors.map(|cofactor| cofactor.dot(outward)));
         let normal = (local_normal * determinant.signum()).normalize_or(Vec3::Y);
         let footprint = ctx.frame.pixel * path_length;
-        let spot = Spot { p: vector(coordinates.point), normal, footprint: footprint / unit_length };
+        let spot = Spot { p: vector(coordinates.point), normal, footprint: footprint / unit_length, uv };
         let orbit = if material.has_orbit() { ctx.scene.field.orbit(leaf, p) } else { None };
         Some(Self { material, spot, coordinates, orbit, unit_length })
     }

@@ -3,7 +3,7 @@
 use super::Composer;
 use super::parameters::local;
 use crate::mesh_shape::words::{self, MeshWords};
-use crate::mesh_shape::TRIANGLES_WGSL;
+use crate::mesh_shape::{ATTRIBUTES_WGSL, TRIANGLES_WGSL};
 
 impl Composer<'_> {
     /// Encodes the meshes, and writes the offset of its grid to the parameters of each leaf.
@@ -21,10 +21,11 @@ impl Composer<'_> {
         let mut code = String::new();
         if self.field.has_meshes() {
             code += &words::grid_constants_wgsl();
+            code += &words::constants_wgsl();
+            code += "\n";
+            code += ATTRIBUTES_WGSL;
         }
         if self.field.has_triangles() {
-            code += "\n";
-            code += &words::constants_wgsl();
             code += "\n";
             code += TRIANGLES_WGSL;
         }

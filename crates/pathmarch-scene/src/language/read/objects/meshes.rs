@@ -10,7 +10,6 @@ use crate::language::read::settings::Properties;
 use crate::language::read::unexpected::unexpected_node;
 use crate::language::tree::{Entry, Node};
 use crate::mesh_files::MeshFile;
-use crate::mesh_materials;
 use crate::settings::MESH;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::{MeshShape, Node as FieldNode, ShapeRef};
@@ -80,14 +79,16 @@ impl Solids<'_> {
         if let Some((_, tags)) = self.mesh_materials.iter().find(|(known, _)| Arc::ptr_eq(known, file)) {
             return tags.clone();
         }
-        for warning in &file.warnings {
-            let draft = draft("pathmarch::mesh", entry.value_span, format!("Not all of this mesh is shown: {warning}."));
-            context.report.warn(draft.label("in this file"));
-        }
+        let mut warnings: Vec<String> = file.warnings.iter().map(ToString::to_string).collect();
         let mut tags = Vec::new();
-        for source in &file.materials {
+        for (material, unsupported) in file.scene_materials() {
             tags.push(self.materials.list.len() as u32);
-            self.materials.list.push(mesh_materials::material(source));
+            self.materials.list.push(material.clone());
+            warnings.extend(unsupported.iter().cloned());
+        }
+        for warning in warnings {
+            let message = format!("Not all of this mesh is shown: {warning}.");
+            context.report.warn(draft("pathmarch::mesh", entry.value_span, message).label("in this file"));
         }
         self.mesh_materials.push((Arc::clone(file), tags.clone()));
         tags
