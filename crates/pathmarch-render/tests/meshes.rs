@@ -51,8 +51,7 @@ fn a_box_of_triangles_looks_like_a_box(renderer: &Renderer) {
         let reference = render(&cpu(), &shapes, &settings).mean();
         let error = relmse(&render(renderer, &meshes, &settings).mean(), &reference).expect("equal sizes");
         println!("{mode:?} {}: relMSE {error:.2e}", renderer.backend().name);
-        // A few paths take another turn at an edge.
-        assert!(error < 2e-3, "{mode:?} {}: {error}", renderer.backend().name);
+        assert!(error < 1e-5, "{mode:?} {}: {error}", renderer.backend().name);
     }
 }
 
@@ -76,7 +75,7 @@ fn melting() -> Scene {
 
 fn both_backends_show_meshes_alike(renderer: &Renderer) {
     let scene = melting();
-    for (mode, limit) in [(Mode::Path, 2e-3), (Mode::Preview, 2e-3), (Mode::Normal, 1e-3)] {
+    for (mode, limit) in [(Mode::Path, 1e-4), (Mode::Preview, 1e-5), (Mode::Normal, 1e-5)] {
         let settings = Settings { size: [64, 36], samples: 8, mode, ..Settings::of(&scene) };
         let reference = render(&cpu(), &scene, &settings).mean();
         let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("equal sizes");
@@ -86,8 +85,7 @@ fn both_backends_show_meshes_alike(renderer: &Renderer) {
 }
 
 fn no_ray_leaves_a_closed_mesh(renderer: &Renderer) {
-    // Black inside, bright outside, so that each ray that finds a crack is a bright sample. The long thin triangles of a cylinder's
-    // ends meet at one corner.
+    // Black inside, bright outside, so that each ray that finds a crack is a bright sample.
     let spot = model("spot.obj");
     for target in ["0 0 0", "0.3 0.4 -0.8"] {
         let scene = parse(&format!(

@@ -77,7 +77,8 @@ fn mesh_uv(leaf: u32, triangle: u32, local: vec3f, uv_set: u32) -> vec3f {
     return vec3f(uvs[0] + uvs[1] * weights.x + uvs[2] * weights.y, sqrt(uv_area / max(area, 1e-37)));
 }
 
-/// Squared distance of a point to a triangle, given by its first corner and the offsets of the others (Quilez 2014).
+/// Squared distance of a point to a triangle, given by its first corner and the offsets of the others: that to its plane
+/// between the planes at its edges, else that to the nearest edge.
 fn squared_triangle_distance(corners: mat3x3f, p: vec3f) -> f32 {
     let b = corners[1];
     let c = corners[2];
