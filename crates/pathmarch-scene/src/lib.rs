@@ -34,6 +34,6 @@ pub use materials::{Material, MaterialKind};
 pub use mesh_files::set_mesh_cache;
 pub use parts::{PartsError, SceneParts};
 pub use scene::{Camera, Moment, Object, Parameter, Scene};
-pub use settings::{Caustics, RenderSettings, Sampler, Tonemap};
+pub use settings::{Caustics, DirectLighting, RenderSettings, Sampler, Tonemap};
 pub use sky::Sky;
 pub use source::read_text;

@@ -219,7 +219,7 @@ fn scattered(
         return None;
     }
     let textured = TexturedPoint::new(ctx, interaction, walk.length);
-    let ns = shading_normal(&ctx.config, textured.as_ref(), interaction, -walk.ray.direction);
+    let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -walk.ray.direction);
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
     let passes = material.has(DELTA) && surface_index <= MAX_DELTA_SURFACES.min(ctx.frame.bounces);
     if !passes {

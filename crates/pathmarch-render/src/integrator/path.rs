@@ -289,7 +289,7 @@ fn shade(
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
     // Shading normal; the geometric normal decides on which side a direction is.
-    let ns = shading_normal(&ctx.config, textured.as_ref(), interaction, -path.ray.direction);
+    let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
     let crosses_surface =
         |wi: Vec3, direction: Vec3| ctx.config.shading_normals && (wi.z < 0.0) != (direction.dot(normal) < 0.0);
     let world_from_local = basis(ns);

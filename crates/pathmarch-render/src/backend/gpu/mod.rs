@@ -22,3 +22,4 @@ pub(crate) use context::GpuContext;
 pub(crate) use device::Device;
 pub(crate) use job::{GpuJob, LIVE, OFFLINE, ReconstructedFilm};
 pub(crate) use kernel_cache::KernelSource;
+pub(crate) use timer::GpuTimer;
