@@ -61,6 +61,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "" "letters" "jpg" "Letters of a font, in low light.";
     "" "seams" "jpg" "Soft, round, chamfered and stepped seams.";
     "" "molten" "jpg" "Coloured clay, melted together.";
+    "" "melting" "jpg" "Meshes: textured, of glass, and melting into each other.";
     "" "rotunda" "jpg" "A round temple in still water.";
     "" "hall" "jpg" "A flooded hall of columns without end.";
     "" "gears" "jpg" "Gears that turn, by formulas; with motion blur.";
@@ -95,8 +96,13 @@ pub static EXAMPLES: &[Example] = examples! {
     "thesis/" "diffuse-sphere" "png" "The simplest: a ball and a floor.";
 };
 
-/// Other files that examples read, by their names in [`folder`]: environment maps.
-pub static ASSETS: &[(&str, &[u8])] = &[("environment.exr", include_bytes!("environment.exr"))];
+/// Other files that examples read, by their names in [`folder`]: environment maps, meshes and their textures.
+pub static ASSETS: &[(&str, &[u8])] = &[
+    ("environment.exr", include_bytes!("environment.exr")),
+    ("spot.obj", include_bytes!("spot.obj")),
+    ("spot.png", include_bytes!("spot.png")),
+    ("suzanne.glb", include_bytes!("suzanne.glb")),
+];
 
 /// Folder of the scenes on the machine that built this crate. It may not exist on another machine.
 pub fn folder() -> &'static Path {

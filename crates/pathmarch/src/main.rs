@@ -12,7 +12,8 @@ mod window;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use commands::{check, compare, completions, devices, export, merge, render, shapes, video as video_command, view};
-use pathmarch_cli::Failure;
+use pathmarch_cli::{AppDirs, Failure};
+use pathmarch_render::pathmarch_scene::set_mesh_cache;
 use std::process::ExitCode;
 
 /// A path tracer for signed distance fields.
@@ -61,6 +62,9 @@ fn main() -> ExitCode {
 }
 
 fn run(command: Command) -> Result<u8, Failure> {
+    if let Some(dirs) = AppDirs::of_user() {
+        set_mesh_cache(dirs.meshes);
+    }
     if !matches!(command, Command::View(_)) {
         pathmarch_cli::end_on_closed_pipe();
     }

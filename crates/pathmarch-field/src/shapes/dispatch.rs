@@ -3,6 +3,7 @@
 use crate::bounds::Aabb;
 use crate::expression::identifier;
 use crate::info::Info;
+use crate::mesh_shape::MeshShape;
 use crate::number::{Dual, Real, Vec3};
 use crate::parameter::Param;
 use crate::ray_interval::{RayInterval, T_MAX};
@@ -114,6 +115,10 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     }
     /// Lipschitz constant declared in the scene, by which the distance is divided.
     fn declared_lipschitz(&self) -> Option<f32> {
+        None
+    }
+    /// The mesh, if it is one.
+    fn mesh(&self) -> Option<&MeshShape> {
         None
     }
     /// Reports whether its WGSL is built in and may run without bounds checks.

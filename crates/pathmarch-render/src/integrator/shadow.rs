@@ -121,7 +121,7 @@ fn pass_clear_glass(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder:
         return false;
     }
     let cosine = occluder.normal.dot(test.ray.direction).abs();
-    let textured = TexturedPoint::new(ctx, occluder.leaf, occluder.p, occluder.outward(), test.path_length);
+    let textured = TexturedPoint::new(ctx, occluder, test.path_length);
     let parameters = textured.map_or(material.parameters, |textured| textured.parameters(&material.parameters));
     test.radiance *= straight_transmittance(&parameters, cosine.min(1.0));
     test.medium = medium_beyond(test.medium, Vec3::from(material.absorption), occluder.inside);

@@ -108,7 +108,13 @@ pub fn mesh(
     let view = ViewScene::new(&scene, &Settings::of(&scene));
     let ctx = view.context();
     let vertex_colour = |leaf: usize, p: [f32; 3], normal: [f32; 3]| {
-        let textured = TexturedPoint::new(&ctx, leaf, p.into(), normal.into(), 0.0).and_then(|point| point.colour());
+        let textured = TexturedPoint::at(
+            &ctx,
+            leaf,
+            (p.into(), normal.into(), pathmarch_scene::textures::SurfaceUv::default()),
+            0.0,
+        )
+        .and_then(|point| point.colour());
         textured.map_or_else(|| display_colour(&scene, scene.field.leaves()[leaf].tag), |colour| colour.to_array())
     };
     Mesh::new(&scene.field, fineness, cut, &vertex_colour, progress)

@@ -9,7 +9,7 @@
 use super::preview_material::{self, PreviewParameters};
 use crate::wgsl::shared_constants;
 use pathmarch_scene::materials::{Bsdf, BsdfParameters, Bump, Material, OrbitTrap, TextureMapping, Texturing};
-use pathmarch_scene::textures::Texture;
+use pathmarch_scene::textures::{Pattern, Texture};
 
 shared_constants! {
     /// Number of values of a parameter for which the material is packed.
@@ -84,6 +84,10 @@ impl TexturedMaterial {
 
     pub(crate) fn has_bump(&self) -> bool {
         self.bump.is_some()
+    }
+
+    pub(crate) fn has_uv_textures(&self) -> bool {
+        self.textures().any(|texture| matches!(texture.pattern, Pattern::UvPicture { .. }))
     }
 
     pub(crate) fn has_orbit(&self) -> bool {

@@ -10,6 +10,7 @@
 mod blend;
 mod camera;
 mod lights;
+mod mesh;
 mod placement;
 mod render;
 mod sky;
@@ -17,6 +18,7 @@ mod sky;
 pub use blend::BLEND;
 pub use camera::{CAMERA, EXPOSURE, LENS};
 pub use lights::{POINT, SUN};
+pub use mesh::MESH;
 pub use pathmarch_field::Range;
 pub use placement::{NORMAL, PLACEMENT};
 pub use render::{

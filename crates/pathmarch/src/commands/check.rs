@@ -3,10 +3,11 @@
 use pathmarch_cli::{DONE, FAILED, Failure, USAGE, outln, print_report};
 use pathmarch_render::pathmarch_field::graph::Kind;
 use pathmarch_render::pathmarch_field::lipschitz_check::check_lipschitz;
-use pathmarch_render::pathmarch_field::{Field, Node, Placement};
+use pathmarch_render::pathmarch_field::{Field, MeshReport, MeshSurface, Node, Placement};
 use pathmarch_render::pathmarch_scene::{Mistake, Scene, SceneError};
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -48,6 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                     scene.lights.len(),
                     scene.cameras.len(),
                 );
+                print_meshes(&scene);
                 if arguments.field && !(check_objects(&scene) & check_custom_shapes(&scene)) {
                     code = code.max(FAILED);
                 }
@@ -85,6 +87,26 @@ fn print_json(path: &Path, scene: &Result<Scene, SceneError>) -> u8 {
     };
     outln!("{value}");
     code
+}
+
+/// Prints what stands between each mesh and a good field: holes, flipped and duplicate triangles, thin walls.
+fn print_meshes(scene: &Scene) {
+    let mut seen: Vec<(*const MeshSurface, u32)> = Vec::new();
+    for mesh in scene.field.leaves().iter().filter_map(|leaf| leaf.shape.mesh()) {
+        let voxel = mesh.grid().voxel();
+        let key = (Arc::as_ptr(mesh.surface()), voxel.to_bits());
+        if seen.contains(&key) {
+            continue;
+        }
+        seen.push(key);
+        let object =
+            scene.field.leaves().iter().find(|leaf| leaf.shape.mesh().is_some_and(|other| std::ptr::eq(other, mesh)));
+        let name = object.map_or("mesh", |leaf| &*scene.objects[leaf.object as usize].name);
+        // The scene's reader has checked the triangles.
+        if let Ok(report) = MeshReport::new(mesh.surface().mesh(), voxel) {
+            outln!("  {name}: {}", report.to_string().replace('\n', "\n    "));
+        }
+    }
 }
 
 /// Prints the result of the Lipschitz check for each object; returns true if all are safe.
