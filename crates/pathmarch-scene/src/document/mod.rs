@@ -36,7 +36,7 @@ use crate::scene::{Camera, Moment, Scene};
 pub use control::{Addition, Control, ControlKind, Group, NumberRange, Value};
 use edits::transaction::Transaction;
 use edits::write::check::{check, keeping_formulas};
-use edits::{additions, camera, kinds, structure};
+use edits::{additions, camera, combine, kinds, structure};
 pub use error::EditError;
 use history::History;
 use parameters::{Parameter, Place, parameters};
@@ -57,6 +57,7 @@ pub struct Document {
     reading: Reading,
     last_good: Option<Arc<Scene>>,
     revision: u64,
+    scene_revision: u64,
     history: History,
     assets: Assets,
 }
@@ -101,7 +102,19 @@ impl Document {
         let last_good = reading.scene.as_ref().ok().cloned();
         let saved = text.clone();
         let history = History::default();
-        Self { name, text, moment, saved, is_saved: true, reading, last_good, revision: 0, history, assets }
+        Self {
+            name,
+            text,
+            moment,
+            saved,
+            is_saved: true,
+            reading,
+            last_good,
+            revision: 0,
+            scene_revision: 0,
+            history,
+            assets,
+        }
     }
     /// Path or name of the text.
     pub fn name(&self) -> &str {
@@ -153,6 +166,11 @@ impl Document {
     /// A number that rises whenever the text has changed, or has been read again.
     pub fn revision(&self) -> u64 {
         self.revision
+    }
+    /// A number that rises whenever [`Self::last_good`] may look different: not while comments and layout of the text
+    /// change.
+    pub fn scene_revision(&self) -> u64 {
+        self.scene_revision
     }
     /// The nodes at the top of the file, in its order.
     pub fn outline(&self) -> &[Item] {
@@ -241,15 +259,24 @@ impl Document {
         self.edit(&label, None, |transaction| structure::rename(transaction, path, new_name))
     }
     /// Moves a node, with its comments, into `new_parent` (the file without one), where it then has this `index`; one past
-    /// the end is the end. Says where it is.
+    /// the end is the end. An object that is moved into another or into an operator becomes its shapes; a shape that is
+    /// moved to the file becomes an object. They keep their materials, and what is empty without them is removed. Returns
+    /// the new path.
     pub fn move_to(&mut self, path: &Path, new_parent: Option<&Path>, index: usize) -> Result<Path, EditError> {
         let label = format!("Move {}", self.title(path));
-        self.edit(&label, None, |transaction| structure::move_to(transaction, path, new_parent, index))
+        self.edit(&label, None, |transaction| combine::move_to(transaction, path, new_parent, index))
     }
     /// Puts siblings into the braces of a new operator, which takes the place of the first of them.
     pub fn group(&mut self, paths: &[Path], operator: &str) -> Result<Path, EditError> {
         let label = format!("Group into {operator}");
         self.edit(&label, None, |transaction| structure::group(transaction, paths, operator))
+    }
+    /// Combines shapes, operators and objects by an operator, in the place of the first of them; the others follow it in
+    /// their order, so that `subtract` removes them from the first. They keep their materials, and what is empty without
+    /// them is removed. Returns the operator. Refused if a placed operator or a modifier is around some of them.
+    pub fn combine(&mut self, paths: &[Path], operator: &str) -> Result<Path, EditError> {
+        let label = format!("Combine into {operator}");
+        self.edit(&label, None, |transaction| combine::combine(transaction, paths, operator))
     }
     /// Replaces an operator by its children, with its material where they have none. Returns their paths. Refused for
     /// an operator with a placement, because the children would move.
@@ -365,13 +392,26 @@ impl Document {
     fn keep_scene(&mut self) {
         if let Ok(scene) = &self.reading.scene {
             self.last_good = Some(scene.clone());
+            self.scene_revision += 1;
         }
         self.revision += 1;
         self.is_saved = self.text == self.saved;
     }
     fn become_text(&mut self, text: String) {
-        self.text = text;
-        self.refresh();
+        let reading = Reading::new(&self.name, &text, self.moment, &mut self.assets);
+        self.become_reading(text, reading);
+    }
+    fn become_reading(&mut self, text: String, reading: Reading) {
+        let same = match (&reading.file, &self.reading.file) {
+            (Some(new), Some(old)) => self.reading.scene.is_ok() && new.has_same_nodes(old),
+            _ => false,
+        };
+        let before = self.scene_revision;
+        (self.text, self.reading) = (text, reading);
+        self.keep_scene();
+        if same {
+            self.scene_revision = before;
+        }
     }
 
     fn title(&self, path: &Path) -> String {
@@ -416,8 +456,7 @@ impl Document {
             });
         }
         self.history.push(label, gesture, &self.text, &text, &hunks);
-        (self.text, self.reading) = (text, reading);
-        self.keep_scene();
+        self.become_reading(text, reading);
         Ok(result)
     }
 

@@ -191,10 +191,7 @@ pub(crate) fn move_to(
         _ if found.kind == ItemKind::Version => {
             return not_here("The version stays at the top of the file.".to_owned());
         }
-        None if found.parent.is_some() => {
-            return not_here(format!("`{name}` must be in an object or an operator: add an object and move it there."));
-        }
-        Some(target) if !target.kind.holds_shapes() || !found.kind.is_solid() => {
+        Some(target) if !target.kind.holds_shapes() || !found.kind.is_solid() && found.kind != ItemKind::Object => {
             let target = title(target.node, target.kind);
             return not_here(format!(
                 "`{name}` cannot be in `{target}`: objects and operators contain shapes and operators."
@@ -206,13 +203,6 @@ pub(crate) fn move_to(
         return Ok(path.clone());
     }
     let site = transaction.site(found);
-    if parent != path.parent().as_ref() && found.parent.is_some() && shown(found.block, found.parent).count() == 1 {
-        let holder = transaction.find(&path.parent().unwrap_or_default())?;
-        let holder = title(holder.node, holder.kind);
-        let reason =
-            format!("`{name}` is all that `{holder}` contains. Add something to that first, or move all of it.");
-        return Err(EditError::Needed(reason));
-    }
     let chunk = Chunk::of(&transaction.text, &site, true);
     let parent = parent.and_then(|parent| parent.after_removal(path));
     transaction.take_out(path, true)?;

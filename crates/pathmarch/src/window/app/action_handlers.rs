@@ -13,7 +13,7 @@ use pathmarch_render::pathmarch_scene::document::{Item, ItemKind, Path as NodePa
 impl App {
     /// Runs an action.
     pub(crate) fn run_action(&mut self, ctx: &Context, action: Action) {
-        let selection = self.open.as_ref().and_then(|open| open.view.selection.clone());
+        let selection = self.open.as_ref().and_then(|open| open.view.selection.active().cloned());
         match action {
             Action::New => self.guard_unsaved(PendingAction::New),
             Action::Open => self.guard_unsaved(PendingAction::Open),
@@ -25,6 +25,11 @@ impl App {
             Action::Render => self.dialog = self.open.as_ref().and_then(RenderDialog::new).map(Dialog::Render),
             Action::Undo | Action::Redo => self.undo_or_redo(action == Action::Undo),
             Action::Help => self.help = !self.help,
+            Action::PictureOnly => self.picture_only = !self.picture_only,
+            Action::Recover => self.offer_recovery(),
+            // Escape closes what is on top first.
+            Action::Deselect if self.help => self.help = false,
+            Action::Deselect if self.picture_only => self.picture_only = false,
             Action::Play => self.play_or_pause(ctx),
             Action::NextFrame | Action::PreviousFrame => self.step_frame(action == Action::NextFrame),
             Action::RestartGraphics => {
@@ -67,14 +72,14 @@ impl App {
         if self.edit(|open| open.document.remove(&path)).is_some()
             && let Some(open) = &mut self.open
         {
-            open.view.selection = None;
+            open.view.selection.clear();
         }
     }
 
     /// Selects a node; `None` keeps the selection.
     pub(crate) fn select(&mut self, path: Option<NodePath>) {
         if let (Some(open), Some(path)) = (&mut self.open, path) {
-            open.view.selection = Some(path);
+            open.view.selection.set(&open.document, [path]);
         }
     }
 
@@ -91,7 +96,10 @@ impl App {
         let Some(open) = &mut self.open else { return };
         let view = &mut open.view;
         match action {
-            Action::Deselect => (view.selection, view.focus_click) = (None, false),
+            Action::Deselect => {
+                view.selection.clear();
+                view.focus_click = false;
+            }
             Action::ResetCamera | Action::NextCamera => {
                 let Some(scene) = open.document.last_good() else { return };
                 let cameras = &scene.cameras;
@@ -136,16 +144,16 @@ impl App {
             Ok(name)
         });
         if let Some(name) = written {
-            self.show_message(&format!("Camera “{name}” now has this view."));
+            self.show_message(&format!("View saved to camera “{name}”."));
         }
     }
 
     fn frame_selection(&mut self) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else { return };
-        let leaves = match &open.view.selection {
-            Some(path) => open.document.leaves_of(path),
-            None => (0..scene.field.leaves().len()).collect(),
+        let leaves: Vec<usize> = match open.view.selection.paths() {
+            [] => (0..scene.field.leaves().len()).collect(),
+            paths => paths.iter().flat_map(|path| open.document.leaves_of(path)).collect(),
         };
         let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf));
         let bounds = boxes.filter(|bounds| bounds.is_finite()).reduce(|all, bounds| all.union(bounds));
@@ -164,6 +172,8 @@ impl App {
         let texture = ctx.load_texture("kept picture", image, TextureOptions::LINEAR);
         let label = format!("{}, {:.0} samples", open.view.mode.name(), shown.samples);
         open.view.comparison = Some(ComparisonPicture { texture, label, split: 0.5, shown: true });
-        self.show_message("Stored for comparison: drag the line to compare, press B to hide it.");
+        self.show_message(
+            "Picture stored. Drag the line to compare it with the current picture; B hides the stored picture.",
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! The open scene: document, file on disk, and view.
 
 pub(crate) mod playback;
+pub(crate) mod selection;
 pub(crate) mod view_state;
 
 use crate::window::files::file_watcher::FileWatcher;

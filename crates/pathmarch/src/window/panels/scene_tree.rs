@@ -83,7 +83,7 @@ impl App {
         for item in open.document.outline() {
             gather(&open.collapsed, item, 0, &mut rows);
         }
-        let selection = open.view.selection.clone();
+        let selection = open.view.selection.active().cloned();
         let height = ui.spacing().interact_size.y;
         let to_selection = ui.data(|data| data.get_temp::<Option<Path>>(id.with("seen"))).flatten() != selection;
         ui.data_mut(|data| data.insert_temp(id.with("seen"), selection.clone()));
@@ -97,7 +97,7 @@ impl App {
         }
         let shown = area.show_rows(ui, height, rows.len(), |ui, range| {
             for row in &rows[range] {
-                self.row(ui, id, row, selection.as_ref() == Some(&row.item.path), actions);
+                self.row(ui, id, row, open.view.selection.contains(&row.item.path), actions);
             }
         });
         let top = shown.state.clamped_offset().y;

@@ -3,7 +3,7 @@
 use super::*;
 use pathmarch_render::pathmarch_field::registry;
 use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, ItemKind, key};
-use pathmarch_render::pathmarch_scene::materials;
+use pathmarch_render::pathmarch_scene::{materials, settings};
 
 /// A scene with every shape, operator and kind of material, each with all of its parameters or none.
 fn everything() -> String {
@@ -52,6 +52,8 @@ fn every_control_of_every_node_is_a_widget_with_its_label() {
         for control in controls {
             let label = &*control.label;
             let roles: &[Role] = match (&control.kind, &control.value) {
+                // The scene is still.
+                _ if settings::OF_MOTION.contains(&label) => &[Role::Button],
                 (ControlKind::Material(_), _) => &[Role::ComboBox],
                 (_, Value::None) => &[Role::Button],
                 (ControlKind::Number(_), _) => &[Role::Slider, Role::SpinButton],

@@ -13,7 +13,7 @@ fn a_stored_picture_is_compared_along_a_dragged_line() {
     let split =
         |person: &Person| person.open().view.comparison.as_ref().filter(|kept| kept.shown).map(|kept| kept.split);
     assert_eq!(split(&person), Some(0.5));
-    person.assert_said("Stored for comparison");
+    person.assert_said("Picture stored");
     let camera = person.open().view.camera.clone();
     person.drag(person.point(0.5, 0.1), person.point(0.25, 0.1), PointerButton::Primary, Modifiers::NONE);
     let moved = split(&person).expect("shown");
