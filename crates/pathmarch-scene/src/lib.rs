@@ -15,6 +15,7 @@ mod language;
 pub mod light;
 pub mod materials;
 pub mod parts;
+pub mod reference;
 pub mod scene;
 pub mod settings;
 pub mod sky;

@@ -9,7 +9,7 @@ mod picture;
 mod window;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{check, compare, completions, devices, export, render, shapes, view};
+use commands::{check, compare, completions, devices, export, help, render, shapes, view};
 use pathmarch_cli::Failure;
 use std::process::ExitCode;
 
@@ -19,7 +19,7 @@ use std::process::ExitCode;
 ///
 /// Exit codes: 0 success, 1 failure, 2 error in scene or usage, 130 interrupted.
 #[derive(Parser)]
-#[command(version, propagate_version = true)]
+#[command(version, propagate_version = true, disable_help_subcommand = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
@@ -41,6 +41,8 @@ enum Command {
     Devices,
     /// Reference of shapes and operators.
     Shapes(shapes::Arguments),
+    /// Help on a command, or on a word of the scene language.
+    Help(help::Arguments),
     /// Print shell completions.
     Completions(completions::Arguments),
     /// Print the manual pages.
@@ -66,6 +68,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Devices => devices::run(),
         Command::Shapes(arguments) => shapes::run(&arguments),
+        Command::Help(arguments) => help::run(&arguments, Arguments::command()),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
         Command::Man => completions::run_man(Arguments::command()),
     }

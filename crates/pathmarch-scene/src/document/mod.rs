@@ -34,9 +34,10 @@ use crate::language::tree::Block;
 use crate::language::{Read, Values};
 use crate::scene::{Camera, Moment, Scene};
 pub use control::{Addition, Control, ControlKind, Group, NumberRange, Value};
+pub use edits::presets::{PRESETS, Preset};
 use edits::transaction::Transaction;
 use edits::write::check::{check, keeping_formulas};
-use edits::{additions, camera, combine, kinds, structure};
+use edits::{additions, camera, combine, kinds, presets, structure};
 pub use error::EditError;
 use history::History;
 use parameters::{Parameter, Place, parameters};
@@ -181,6 +182,10 @@ impl Document {
         let (&first, rest) = path.indexes().split_first()?;
         rest.iter().try_fold(self.reading.outline.get(first)?, |item, &index| item.children.get(index))
     }
+    /// Number of objects, shapes and operators that name a material.
+    pub fn uses_of_material(&self, name: &str) -> usize {
+        self.reading.file.as_ref().map_or(0, |file| structure::uses_of(&file.nodes, name))
+    }
     /// Controls of a node; none for an unknown path.
     pub fn controls(&self, path: &Path) -> Vec<Control> {
         self.parameters(path).into_iter().map(|parameter| parameter.control).collect()
@@ -294,6 +299,17 @@ impl Document {
     pub fn set_kind(&mut self, path: &Path, kind: &str) -> Result<(), EditError> {
         let label = format!("Make {} {kind}", self.title(path));
         self.edit(&label, None, |transaction| kinds::set_kind(transaction, path, kind))
+    }
+    /// Makes a material one of [`PRESETS`]; comments and textures in its braces are lost.
+    pub fn apply_preset(&mut self, path: &Path, preset: &str) -> Result<(), EditError> {
+        let label = format!("Make {} {preset}", self.title(path));
+        self.edit(&label, None, |transaction| presets::apply(transaction, path, preset))
+    }
+    /// Gives a node that uses a material a copy of it, so that other users of the material stay as they are. Returns the
+    /// copy.
+    pub fn copy_material(&mut self, user: &Path, material: &Path) -> Result<Path, EditError> {
+        let label = format!("Copy {}", self.title(material));
+        self.edit(&label, None, |transaction| structure::copy_material(transaction, user, material))
     }
     /// Sets the material of an object, a shape or an operator; `None` removes it.
     pub fn set_material(&mut self, path: &Path, material: Option<&str>) -> Result<(), EditError> {

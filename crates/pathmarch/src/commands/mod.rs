@@ -5,6 +5,7 @@ pub mod compare;
 pub mod completions;
 pub mod devices;
 pub mod export;
+pub mod help;
 pub mod render;
 pub mod shapes;
 #[cfg_attr(not(feature = "window"), path = "no_window.rs")]

@@ -62,6 +62,29 @@ fn users(transaction: &Transaction, material: &str) -> Vec<String> {
     objects.filter(|node| uses(node, material)).map(|node| title(node, ItemKind::Object)).collect()
 }
 
+/// Copies a material, and gives the copy to one of its users.
+pub(crate) fn copy_material(transaction: &mut Transaction, user: &Path, material: &Path) -> Result<Path, EditError> {
+    let copy = duplicate(transaction, material)?;
+    let user = user.after_insertion(&copy);
+    let name = text_argument(transaction.find(&copy)?.node).unwrap_or_default().to_owned();
+    let node = transaction.find(&user)?.node;
+    let patch = match property(node, "material") {
+        Some(entry) => Patch::replace(bytes(entry.value_span), quoted(&name)),
+        None => Patch::insert(node.span().end as usize, format!(" material={}", quoted(&name))),
+    };
+    transaction.then(vec![patch])?;
+    Ok(copy)
+}
+
+/// The number of objects, shapes and operators that name a material.
+pub(crate) fn uses_of(nodes: &[Node<'static>], material: &str) -> usize {
+    let own = |node: &Node<'static>| {
+        let value = property(node, "material").map(|entry| &entry.value);
+        usize::from(matches!(value, Some(tree::Value::Text(name)) if name == material))
+    };
+    nodes.iter().map(|node| own(node) + uses_of(node.child_nodes(), material)).sum()
+}
+
 /// Gives a node another name, and all that refer to it.
 pub(crate) fn rename(transaction: &mut Transaction, path: &Path, new: &str) -> Result<(), EditError> {
     let found = transaction.find(path)?;

@@ -13,7 +13,6 @@ use pathmarch_render::pathmarch_scene::document::{Item, ItemKind, Path as NodePa
 impl App {
     /// Runs an action.
     pub(crate) fn run_action(&mut self, ctx: &Context, action: Action) {
-        let selection = self.open.as_ref().and_then(|open| open.view.selection.active().cloned());
         match action {
             Action::New => self.guard_unsaved(PendingAction::New),
             Action::Open => self.guard_unsaved(PendingAction::Open),
@@ -44,35 +43,7 @@ impl App {
                 self.preferences.dark = Some(dark);
                 ctx.set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
             }
-            Action::Duplicate => {
-                if let Some(path) = selection {
-                    let copy = self.edit(|open| open.document.duplicate(&path));
-                    self.select(copy);
-                }
-            }
-            Action::Delete => self.delete(selection),
-            Action::Group => {
-                if let Some(path) = selection {
-                    let group = self.edit(|open| open.document.group(&[path], "union"));
-                    self.select(group);
-                }
-            }
-            Action::Ungroup => {
-                if let Some(path) = selection {
-                    let freed = self.edit(|open| open.document.ungroup(&path));
-                    self.select(freed.and_then(|paths| paths.into_iter().next()));
-                }
-            }
-            _ => self.run_view_action(ctx, action),
-        }
-    }
-
-    fn delete(&mut self, selection: Option<NodePath>) {
-        let Some(path) = selection else { return };
-        if self.edit(|open| open.document.remove(&path)).is_some()
-            && let Some(open) = &mut self.open
-        {
-            open.view.selection.clear();
+            _ => self.run_edit_action(ctx, action),
         }
     }
 
@@ -92,7 +63,7 @@ impl App {
         }
     }
 
-    fn run_view_action(&mut self, ctx: &Context, action: Action) {
+    pub(super) fn run_view_action(&mut self, ctx: &Context, action: Action) {
         let Some(open) = &mut self.open else { return };
         let view = &mut open.view;
         match action {

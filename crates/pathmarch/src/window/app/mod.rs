@@ -4,6 +4,7 @@ mod action_handlers;
 pub(crate) mod actions;
 pub(crate) mod dialog;
 mod dialog_handlers;
+mod edit_handlers;
 mod file_handlers;
 mod live_picture;
 pub(crate) mod performance;

@@ -32,6 +32,8 @@ pub(crate) struct OpenScene {
     pub(crate) playback: Playback,
     /// Nodes that are collapsed in the scene tree.
     pub(crate) collapsed: Vec<NodePath>,
+    /// Text that the scene tree is searched for; empty shows everything.
+    pub(crate) tree_search: String,
 }
 
 /// Result of a change of the file on disk.
@@ -65,6 +67,7 @@ impl OpenScene {
             view,
             playback: Playback::default(),
             collapsed: Vec::new(),
+            tree_search: String::new(),
         }
     }
 

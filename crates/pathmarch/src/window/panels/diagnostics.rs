@@ -45,7 +45,7 @@ impl App {
         }
         overlay(ui, viewport, 44.0 + 44.0 * lines.len() as f32, |ui| {
             let title = if lines.len() == 1 { "1 error".to_owned() } else { format!("{} errors", lines.len()) };
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 ui.colored_label(ui.visuals().error_fg_color, RichText::new(title).strong());
                 ui.weak("The picture shows the last version without errors.");
             });

@@ -50,7 +50,12 @@ impl App {
                 enabled = label.is_some();
                 name = label.map_or(name, |label| format!("{}: {label}", entry.name));
             }
-            Action::Duplicate | Action::Delete | Action::Group | Action::Ungroup => enabled &= has_selection,
+            Action::Duplicate | Action::Delete | Action::Group | Action::Ungroup | Action::ToGround => {
+                enabled &= has_selection;
+            }
+            Action::Unite | Action::Subtract | Action::Intersect => {
+                enabled &= self.open.as_ref().is_some_and(|open| open.view.selection.paths().len() > 1);
+            }
             _ => {}
         }
         let mut button = egui::Button::new(name);

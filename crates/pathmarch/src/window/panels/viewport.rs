@@ -119,9 +119,20 @@ impl App {
         let Some(open) = &mut self.open else { return };
         let (scroll, zoom, modifiers) =
             ui.input(|input| (input.smooth_scroll_delta.y, input.zoom_delta(), input.modifiers));
-        let camera = &mut open.view.camera;
-        let before = camera.clone();
+        let before = open.view.camera.clone();
         let delta = response.drag_delta() / picture.height().max(1.0);
+        let boxes = modifiers.command && response.dragged_by(PointerButton::Primary);
+        let boxed = modifiers.command && response.drag_stopped_by(PointerButton::Primary);
+        if (boxes || boxed)
+            && let (Some(from), Some(to)) = ui.input(|input| (input.pointer.press_origin(), input.pointer.latest_pos()))
+        {
+            let rect = Rect::from_two_pos(from, to);
+            ui.painter().rect_stroke(rect, 0.0, Stroke::new(1.0, Color32::WHITE), egui::StrokeKind::Middle);
+            let paths = shapes_in(open, scene, picture, rect);
+            open.view.selection.set(&open.document, paths);
+            return;
+        }
+        let camera = &mut open.view.camera;
         let pans = response.dragged_by(PointerButton::Middle)
             || response.dragged_by(PointerButton::Primary) && modifiers.shift;
         if pans {
@@ -257,6 +268,20 @@ fn outline_of(ui: &Ui, picture: Rect, open: &OpenScene, scene: &Scene, node: &No
             }
         }
     }
+}
+
+/// Shapes whose bounds have their centre in a rectangle of the window.
+fn shapes_in(open: &OpenScene, scene: &Scene, picture: Rect, rect: Rect) -> Vec<NodePath> {
+    let projection = Projection::new(&open.view.camera, picture);
+    let is_inside = |leaf: &usize| {
+        let bounds = scene.field.leaf_bounds(*leaf);
+        let centre = DVec3::from_array(std::array::from_fn(|k| 0.5 * f64::from(bounds.min[k] + bounds.max[k])));
+        bounds.is_finite() && projection.project(centre).is_some_and(|at| rect.contains(at))
+    };
+    let mut paths: Vec<NodePath> =
+        (0..scene.field.leaves().len()).filter(is_inside).filter_map(|leaf| open.document.path_of_leaf(leaf)).collect();
+    paths.dedup();
+    paths
 }
 
 /// Picks the surface at a point of the window.

@@ -394,3 +394,19 @@ fn rotating_and_scaling_is_one_undo_step_each() {
     assert_eq!(person.text(), SCENE);
     assert_ne!(person.open().view.camera, camera);
 }
+
+#[test]
+fn a_shared_material_is_copied_and_becomes_a_preset() {
+    let mut person = Person::at_scene();
+    person.select("carved");
+    person.click("Make a copy");
+    assert!(person.text().contains("object \"carved\" material=\"grey 2\""), "{}", person.text());
+    assert!(person.text().contains("object \"floor\" material=\"grey\""));
+    assert_eq!(person.undo_all(), 1);
+    person.select("red");
+    person.click("Presets…");
+    person.click("gold");
+    assert!(person.text().contains("material \"red\" { metal 1 0.78 0.34; roughness 0.2 }"), "{}", person.text());
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), SCENE);
+}

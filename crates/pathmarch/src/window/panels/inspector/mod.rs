@@ -7,7 +7,7 @@ mod widgets;
 
 use crate::window::app::App;
 use egui::Ui;
-use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, Item, ItemKind, Path, Value, key};
+use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, Item, ItemKind, PRESETS, Path, Value, key};
 use pathmarch_render::pathmarch_scene::settings;
 use widgets::{Change, row};
 
@@ -63,15 +63,18 @@ impl App {
                 ui.weak(format!("line {line}"));
             }
         });
+        if item.kind == ItemKind::Material {
+            self.material_presets(ui, &item.path);
+        }
         self.controls_of(ui, &item.path);
         // Show the material of the object, or the inherited one.
         if item.kind == ItemKind::Object || item.kind.is_solid() {
             let Some(open) = &self.open else { return };
             let up = |path: &Path| path.parent();
             let around = std::iter::successors(Some(item.path.clone()), up);
-            let mut named = around.filter_map(|path| open.document.item(&path)?.material.clone());
-            if let Some(material) = named.next() {
-                self.linked_material(ui, &material);
+            let mut named = around.filter_map(|path| Some((open.document.item(&path)?.material.clone()?, path)));
+            if let Some((material, user)) = named.next() {
+                self.linked_material(ui, &material, &user);
             }
         }
     }
@@ -107,14 +110,51 @@ impl App {
     }
 
     /// Controls of the material that the selection uses.
-    fn linked_material(&mut self, ui: &mut Ui, material: &str) {
+    fn linked_material(&mut self, ui: &mut Ui, material: &str, user: &Path) {
         let Some(open) = &self.open else { return };
         let is_it = |item: &&Item| item.kind == ItemKind::Material && item.name.as_deref() == Some(material);
         let Some(path) = open.document.outline().iter().find(is_it).map(|item| item.path.clone()) else { return };
         egui::CollapsingHeader::new(format!("Material “{material}”"))
             .id_salt("linked material")
             .default_open(true)
-            .show(ui, |ui| self.controls_of(ui, &path));
+            .show(ui, |ui| {
+                self.shared_material(ui, material, &path, user);
+                self.material_presets(ui, &path);
+                self.controls_of(ui, &path);
+            });
+    }
+
+    /// Tells how many nodes use a material, and offers a copy for this one.
+    fn shared_material(&mut self, ui: &mut Ui, material: &str, path: &Path, user: &Path) {
+        let uses = self.open.as_ref().map_or(0, |open| open.document.uses_of_material(material));
+        if uses < 2 {
+            return;
+        }
+        let mut copied = false;
+        ui.horizontal_wrapped(|ui| {
+            ui.weak(format!("Used {uses} times."));
+            let button = ui.small_button("Make a copy").on_hover_text("Give this one a copy, to change it alone.");
+            copied = button.clicked();
+        });
+        if copied {
+            self.edit(|open| open.document.copy_material(user, path));
+        }
+    }
+
+    /// Menu of materials to start from.
+    fn material_presets(&mut self, ui: &mut Ui, path: &Path) {
+        let mut chosen = None;
+        ui.menu_button("Presets…", |ui| {
+            for preset in PRESETS {
+                if ui.button(preset.name).clicked() {
+                    chosen = Some(preset.name);
+                    ui.close();
+                }
+            }
+        });
+        if let Some(preset) = chosen {
+            self.edit(|open| open.document.apply_preset(path, preset));
+        }
     }
 
     /// All controls of a node.
