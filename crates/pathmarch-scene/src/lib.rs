@@ -17,6 +17,7 @@ pub mod materials;
 mod mesh_files;
 mod mesh_materials;
 pub mod parts;
+pub mod reference;
 pub mod scene;
 pub mod settings;
 pub mod sky;

@@ -11,7 +11,9 @@ mod video;
 mod window;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{check, compare, completions, devices, export, merge, render, shapes, video as video_command, view};
+use commands::{
+    check, compare, completions, devices, export, help, merge, render, shapes, video as video_command, view,
+};
 use pathmarch_cli::{AppDirs, Failure};
 use pathmarch_render::pathmarch_scene::set_mesh_cache;
 use std::process::ExitCode;
@@ -22,7 +24,7 @@ use std::process::ExitCode;
 ///
 /// Exit codes: 0 success, 1 failure, 2 error in scene or usage, 130 interrupted.
 #[derive(Parser)]
-#[command(version, propagate_version = true)]
+#[command(version, propagate_version = true, disable_help_subcommand = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
@@ -48,6 +50,8 @@ enum Command {
     Devices(devices::Arguments),
     /// Reference of shapes and operators.
     Shapes(shapes::Arguments),
+    /// Help on a command, or on a word of the scene language.
+    Help(help::Arguments),
     /// Print shell completions.
     Completions(completions::Arguments),
     /// Print the manual pages.
@@ -78,6 +82,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         Command::Shapes(arguments) => shapes::run(&arguments),
+        Command::Help(arguments) => help::run(&arguments, Arguments::command()),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
         Command::Man => completions::run_man(Arguments::command()),
     }

@@ -339,6 +339,50 @@ fn check_devices_and_shapes_answer() {
     );
 }
 
+#[test]
+fn help_answers_for_commands_and_words() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let stdout = |arguments: &[&str]| {
+        let output = pathmarch(arguments, directory.path());
+        assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    assert!(stdout(&["help"]).contains("Commands:"));
+    assert!(stdout(&["help", "export"]).contains("--resolution"));
+    let both = stdout(&["help", "render"]);
+    assert!(both.contains("--samples") && both.contains("node `render`"), "{both}");
+    assert!(stdout(&["help", "roughness"]).contains("`roughness` of material `metal`"));
+    assert!(stdout(&["help", "wood"]).contains("texture `wood`"));
+    assert!(stdout(&["help", "torus"]).contains("shape `torus`"));
+    assert!(stdout(&["help", "fog"]).contains("Not supported yet"));
+    for (word, help) in [("spere", "did you mean \"sphere\"?"), ("qqqqqqqq", "there is no command and no word")] {
+        let output = pathmarch(&["help", word], directory.path());
+        assert!(code(&output) == 2 && stderr(&output).contains(help), "{}", stderr(&output));
+    }
+    let texture = pathmarch(&["shapes", "wood"], directory.path());
+    assert!(stderr(&texture).contains("`pathmarch help wood`"), "{}", stderr(&texture));
+}
+
+const STEEP: &str = "pathmarch 1
+camera { position 0 1 4; target 0 0 0 }
+sky 1
+material \"lamp\" { emit 8 }
+field \"steep\" { bounds 2 2 2; wgsl \"fn distance(p: vec3f) -> f32 { return 3.0 * (length(p) - 0.5); }\" }
+object \"ball\" { steep }
+object \"lamps\" material=\"lamp\" { sphere 0.1 { at 2 0 0 }; sphere 0.1 { at -2 0 0 } }
+";
+
+#[test]
+fn check_counts_lamps_and_warns_of_steep_fields() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("steep.kdl"), STEEP).expect("written");
+    let output = pathmarch(&["check", "steep.kdl"], directory.path());
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(code(&output), 0, "{text}");
+    assert!(text.contains("OK: 3 shapes in 2 objects, 2 materials, 2 lights (2 shapes emitting), 1 camera"), "{text}");
+    assert!(text.contains("field `steep` is 3.00 times as steep"), "{text}");
+}
+
 const SOLIDS: &str = "pathmarch 1
 camera { position 0 1 4; target 0 0 0 }
 sky 1
@@ -364,9 +408,18 @@ fn export_writes_meshes() {
             let before = text.split(unit).next().and_then(|text| text.split_whitespace().last());
             before.and_then(|number| number.parse::<f64>().ok()).expect("a number")
         };
-        assert!((number(" m³") / (1.0 + std::f64::consts::PI / 6.0) - 1.0).abs() < 0.01, "{text}");
-        assert!((number(" m² in") / (6.0 + std::f64::consts::PI) - 1.0).abs() < 0.01, "{text}");
+        // STL is in millimetres, and its volume reported in cubic centimetres.
+        let (unit, per_metre, size) = if extension == "stl" { ("cm", 100.0, "mm") } else { ("m", 1.0, "m") };
+        let volume = number(&format!(" {unit}³")) / f64::powi(per_metre, 3);
+        let area = number(&format!(" {unit}² in")) / f64::powi(per_metre, 2);
+        assert!((volume / (1.0 + std::f64::consts::PI / 6.0) - 1.0).abs() < 0.01, "{text}");
+        assert!((area / (6.0 + std::f64::consts::PI) - 1.0).abs() < 0.01, "{text}");
+        assert!(text.contains(&format!(" {size}, ")), "its size: {text}");
     }
+    let output = export(&["--object", "block", "--unit", "inch", "-o", "a.obj"]);
+    assert!(code(&output) == 0 && stderr(&output).contains("39.37 x 39.37 x 39.37 in, "), "{}", stderr(&output));
+    let output = export(&["--object", "block", "--unit", "mm", "-o", "a.glb"]);
+    assert!(code(&output) == 2 && stderr(&output).contains("glTF files are in metres"), "{}", stderr(&output));
     // All solids, clipped; sheets are named and left out.
     let output = export(&["--bounds", "-1 -2.5 -1 3 1 1", "--cell", "0.1", "-o", "all.stl"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
@@ -573,7 +626,8 @@ fn more_threads_than_cores_are_not_started() {
     }
 }
 
-const COMMANDS: [&str; 9] = ["view", "render", "export", "check", "compare", "devices", "shapes", "completions", "man"];
+const COMMANDS: [&str; 10] =
+    ["view", "render", "export", "check", "compare", "devices", "shapes", "help", "completions", "man"];
 
 #[test]
 fn completions_and_man_pages_know_every_command() {
@@ -588,7 +642,7 @@ fn completions_and_man_pages_know_every_command() {
     let listed: Vec<_> = help.split("Commands:").nth(1).expect("commands").lines().skip(1).collect();
     let listed =
         listed.into_iter().take_while(|line| !line.is_empty()).filter_map(|line| line.split_whitespace().next());
-    assert_eq!(listed.filter(|name| *name != "help").collect::<Vec<_>>(), COMMANDS);
+    assert_eq!(listed.collect::<Vec<_>>(), COMMANDS);
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let script = stdout(&["completions", shell]);
         for command in COMMANDS {

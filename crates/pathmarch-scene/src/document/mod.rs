@@ -34,9 +34,10 @@ use crate::language::tree::Block;
 use crate::language::{Read, Values};
 use crate::scene::{Camera, Moment, Scene};
 pub use control::{Addition, Control, ControlKind, Group, NumberRange, Value};
+pub use edits::presets::{PRESETS, Preset};
 use edits::transaction::Transaction;
 use edits::write::check::{check, keeping_formulas};
-use edits::{additions, camera, kinds, structure};
+use edits::{additions, camera, combine, kinds, presets, structure};
 pub use error::EditError;
 use history::History;
 use parameters::{Parameter, Place, parameters};
@@ -57,6 +58,7 @@ pub struct Document {
     reading: Reading,
     last_good: Option<Arc<Scene>>,
     revision: u64,
+    scene_revision: u64,
     history: History,
     assets: Assets,
 }
@@ -101,7 +103,19 @@ impl Document {
         let last_good = reading.scene.as_ref().ok().cloned();
         let saved = text.clone();
         let history = History::default();
-        Self { name, text, moment, saved, is_saved: true, reading, last_good, revision: 0, history, assets }
+        Self {
+            name,
+            text,
+            moment,
+            saved,
+            is_saved: true,
+            reading,
+            last_good,
+            revision: 0,
+            scene_revision: 0,
+            history,
+            assets,
+        }
     }
     /// Path or name of the text.
     pub fn name(&self) -> &str {
@@ -154,6 +168,11 @@ impl Document {
     pub fn revision(&self) -> u64 {
         self.revision
     }
+    /// A number that rises whenever [`Self::last_good`] may look different: not while comments and layout of the text
+    /// change.
+    pub fn scene_revision(&self) -> u64 {
+        self.scene_revision
+    }
     /// The nodes at the top of the file, in its order.
     pub fn outline(&self) -> &[Item] {
         &self.reading.outline
@@ -162,6 +181,10 @@ impl Document {
     pub fn item(&self, path: &Path) -> Option<&Item> {
         let (&first, rest) = path.indexes().split_first()?;
         rest.iter().try_fold(self.reading.outline.get(first)?, |item, &index| item.children.get(index))
+    }
+    /// Number of objects, shapes and operators that name a material.
+    pub fn uses_of_material(&self, name: &str) -> usize {
+        self.reading.file.as_ref().map_or(0, |file| structure::uses_of(&file.nodes, name))
     }
     /// Controls of a node; none for an unknown path.
     pub fn controls(&self, path: &Path) -> Vec<Control> {
@@ -241,15 +264,24 @@ impl Document {
         self.edit(&label, None, |transaction| structure::rename(transaction, path, new_name))
     }
     /// Moves a node, with its comments, into `new_parent` (the file without one), where it then has this `index`; one past
-    /// the end is the end. Says where it is.
+    /// the end is the end. An object that is moved into another or into an operator becomes its shapes; a shape that is
+    /// moved to the file becomes an object. They keep their materials, and what is empty without them is removed. Returns
+    /// the new path.
     pub fn move_to(&mut self, path: &Path, new_parent: Option<&Path>, index: usize) -> Result<Path, EditError> {
         let label = format!("Move {}", self.title(path));
-        self.edit(&label, None, |transaction| structure::move_to(transaction, path, new_parent, index))
+        self.edit(&label, None, |transaction| combine::move_to(transaction, path, new_parent, index))
     }
     /// Puts siblings into the braces of a new operator, which takes the place of the first of them.
     pub fn group(&mut self, paths: &[Path], operator: &str) -> Result<Path, EditError> {
         let label = format!("Group into {operator}");
         self.edit(&label, None, |transaction| structure::group(transaction, paths, operator))
+    }
+    /// Combines shapes, operators and objects by an operator, in the place of the first of them; the others follow it in
+    /// their order, so that `subtract` removes them from the first. They keep their materials, and what is empty without
+    /// them is removed. Returns the operator. Refused if a placed operator or a modifier is around some of them.
+    pub fn combine(&mut self, paths: &[Path], operator: &str) -> Result<Path, EditError> {
+        let label = format!("Combine into {operator}");
+        self.edit(&label, None, |transaction| combine::combine(transaction, paths, operator))
     }
     /// Replaces an operator by its children, with its material where they have none. Returns their paths. Refused for
     /// an operator with a placement, because the children would move.
@@ -267,6 +299,17 @@ impl Document {
     pub fn set_kind(&mut self, path: &Path, kind: &str) -> Result<(), EditError> {
         let label = format!("Make {} {kind}", self.title(path));
         self.edit(&label, None, |transaction| kinds::set_kind(transaction, path, kind))
+    }
+    /// Makes a material one of [`PRESETS`]; comments and textures in its braces are lost.
+    pub fn apply_preset(&mut self, path: &Path, preset: &str) -> Result<(), EditError> {
+        let label = format!("Make {} {preset}", self.title(path));
+        self.edit(&label, None, |transaction| presets::apply(transaction, path, preset))
+    }
+    /// Gives a node that uses a material a copy of it, so that other users of the material stay as they are. Returns the
+    /// copy.
+    pub fn copy_material(&mut self, user: &Path, material: &Path) -> Result<Path, EditError> {
+        let label = format!("Copy {}", self.title(material));
+        self.edit(&label, None, |transaction| structure::copy_material(transaction, user, material))
     }
     /// Sets the material of an object, a shape or an operator; `None` removes it.
     pub fn set_material(&mut self, path: &Path, material: Option<&str>) -> Result<(), EditError> {
@@ -365,13 +408,26 @@ impl Document {
     fn keep_scene(&mut self) {
         if let Ok(scene) = &self.reading.scene {
             self.last_good = Some(scene.clone());
+            self.scene_revision += 1;
         }
         self.revision += 1;
         self.is_saved = self.text == self.saved;
     }
     fn become_text(&mut self, text: String) {
-        self.text = text;
-        self.refresh();
+        let reading = Reading::new(&self.name, &text, self.moment, &mut self.assets);
+        self.become_reading(text, reading);
+    }
+    fn become_reading(&mut self, text: String, reading: Reading) {
+        let same = match (&reading.file, &self.reading.file) {
+            (Some(new), Some(old)) => self.reading.scene.is_ok() && new.has_same_nodes(old),
+            _ => false,
+        };
+        let before = self.scene_revision;
+        (self.text, self.reading) = (text, reading);
+        self.keep_scene();
+        if same {
+            self.scene_revision = before;
+        }
     }
 
     fn title(&self, path: &Path) -> String {
@@ -416,8 +472,7 @@ impl Document {
             });
         }
         self.history.push(label, gesture, &self.text, &text, &hunks);
-        (self.text, self.reading) = (text, reading);
-        self.keep_scene();
+        self.become_reading(text, reading);
         Ok(result)
     }
 

@@ -105,6 +105,10 @@ impl Text<'_> {
 }
 
 impl Entry<'_> {
+    /// Name and value, without spans.
+    fn content(&self) -> (Option<&str>, &Value<'_>) {
+        (self.name.as_ref().map(|name| &*name.value), &self.value)
+    }
     fn into_owned(self) -> Entry<'static> {
         let value = match self.value {
             Value::Text(text) => Value::Text(owned(text)),
@@ -132,6 +136,18 @@ impl Block<'_> {
             }
             node.children.iter_mut().for_each(|block| block.shift(by));
         }
+    }
+    /// True if both contain the same nodes, wherever in a text these are.
+    pub(crate) fn has_same_nodes(&self, other: &Block) -> bool {
+        let same = |(a, b): (&Node, &Node)| {
+            let entries = a.entries.iter().map(Entry::content).eq(b.entries.iter().map(Entry::content));
+            let children = match (&a.children, &b.children) {
+                (Some(a), Some(b)) => a.has_same_nodes(b),
+                (a, b) => a.is_none() && b.is_none(),
+            };
+            a.name.value == b.name.value && entries && children
+        };
+        self.nodes.len() == other.nodes.len() && self.nodes.iter().zip(&other.nodes).all(same)
     }
     /// The same without the text.
     pub(crate) fn into_owned(self) -> Block<'static> {

@@ -27,6 +27,9 @@ pub use render::{
 };
 pub use sky::{DAY, DAY_GROUND, GRADIENT, PICTURE, SKY_FORMS};
 
+/// Names of the render settings that only scenes in motion use.
+pub const OF_MOTION: [&str; 2] = ["fps", "shutter"];
+
 /// One setting.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting {

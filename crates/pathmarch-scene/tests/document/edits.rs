@@ -454,17 +454,113 @@ fn nodes_move_with_their_comments() {
         })
     };
     assert_eq!(into("union", Some("union")), "`union` cannot be moved into itself.");
-    assert_eq!(into("a", Some("b")), "`a` cannot be in `b`: objects and operators contain shapes and operators.");
     assert_eq!(
         into("plane", Some("sphere")),
         "`plane` cannot be in `sphere`: objects and operators contain shapes and operators."
     );
-    assert_eq!(into("plane", None), "`plane` must be in an object or an operator: add an object and move it there.");
-    assert_eq!(
-        into("plane", Some("union")),
-        "`plane` is all that `b` contains. Add something to that first, or move all of it."
-    );
+    assert_eq!(into("main", Some("b")), "`main` cannot be in `b`: objects and operators contain shapes and operators.");
     assert_eq!(into("pathmarch", None), "The version stays at the top of the file.");
+}
+
+#[test]
+fn what_moves_keeps_its_material_and_what_is_empty_goes() {
+    let to = |before: &str, title: &str, parent: Option<&str>, after: &str| {
+        let edit = |document: &mut Document| {
+            let parent = parent.map(|parent| path(document, parent));
+            document.move_to(&path(document, title), parent.as_ref(), 9)
+        };
+        assert_eq!(edited(before, edit), after, "of {before}");
+    };
+    let red = "material \"red\" { diffuse 0.5 0 0 }\n";
+    to(
+        &format!("{red}object \"a\" material=\"red\" {{ sphere }}\nobject \"b\" {{ union {{ box }} }}\n"),
+        "a",
+        Some("union"),
+        &format!("{red}object \"b\" {{ union {{ box; sphere material=\"red\" }} }}\n"),
+    );
+    to(
+        &format!("{red}object \"a\" material=\"red\" {{ sphere; cone {{ at 1 0 0 }} }}\nobject \"b\" {{ box }}\n"),
+        "a",
+        Some("b"),
+        &format!("{red}object \"b\" {{ box; union material=\"red\" {{ sphere; cone {{ at 1 0 0 }} }} }}\n"),
+    );
+    to(
+        "object \"a\" { union { sphere } }\nobject \"b\" { plane }\n",
+        "sphere",
+        Some("b"),
+        "object \"b\" { plane; sphere }\n",
+    );
+    to(
+        &format!("{red}object \"a\" material=\"red\" {{ union {{ sphere; box }} }}\n"),
+        "sphere",
+        Some("a"),
+        &format!("{red}object \"a\" material=\"red\" {{ union {{ box }}; sphere }}\n"),
+    );
+    to(
+        "object \"a\" { union { sphere; box } }\n",
+        "box",
+        None,
+        "object \"a\" { union { sphere } }\nobject \"box\" { box }\n",
+    );
+}
+
+#[test]
+fn nodes_are_combined_in_the_order_of_selection() {
+    let combine = |before: &str, titles: &[&str], operator: &str, after: &str| {
+        let edit = |document: &mut Document| {
+            let paths: Vec<Path> = titles.iter().map(|title| path(document, title)).collect();
+            let made = document.combine(&paths, operator)?;
+            assert_eq!(document.item(&made).map(|item| item.title()), Some(operator));
+            Ok(())
+        };
+        assert_eq!(edited(before, edit), after, "of {before}");
+    };
+    combine(
+        "object \"a\" { sphere; box; plane }\n",
+        &["box", "sphere"],
+        "subtract",
+        "object \"a\" { subtract { box; sphere }; plane }\n",
+    );
+    let red = "material \"red\" { diffuse 0.5 0 0 }\n";
+    combine(
+        &format!("{red}object \"a\" material=\"red\" {{ sphere }}\nobject \"b\" {{ box; cone }}\n"),
+        &["b", "a"],
+        "subtract",
+        &format!("{red}object \"b\" {{ subtract {{ union {{ box; cone }}; sphere material=\"red\" }} }}\n"),
+    );
+    combine(
+        "object \"a\" {\n    sphere // ball\n}\nobject \"b\" {\n    box\n}\nobject \"c\" { cone }\n",
+        &["a", "b", "c"],
+        "intersect",
+        "object \"a\" {\n    intersect {\n        sphere // ball\n        box\n        cone\n    }\n}\n",
+    );
+    // One selected node is enough of what it contains.
+    combine(
+        "object \"a\" { sphere; box }\nobject \"b\" { cone }\n",
+        &["a", "sphere", "b"],
+        "union",
+        "object \"a\" { union { union { sphere; box }; cone } }\n",
+    );
+    let refuse = |before: &str, titles: &[&str]| {
+        refused(before, |document| {
+            let paths: Vec<Path> = titles.iter().map(|title| path(document, title)).collect();
+            document.combine(&paths, "union")
+        })
+    };
+    let scene = "object \"a\" { sphere; union { box; cone; at 1 0 0 }; twist 0.2 { torus } }\n";
+    assert_eq!(refuse(scene, &["sphere"]), "Select at least two shapes or objects to combine.");
+    assert_eq!(
+        refuse(scene, &["sphere", "main"]),
+        "`main` has no shape. Only shapes, operators and objects can be combined."
+    );
+    assert_eq!(
+        refuse(scene, &["sphere", "box"]),
+        "The `at` of a `union` moves some of the selected shapes and not the others. Ungroup it first."
+    );
+    assert_eq!(
+        refuse(scene, &["torus", "sphere"]),
+        "A `twist` changes some of the selected shapes and not the others. Select the `twist` itself."
+    );
 }
 
 #[test]

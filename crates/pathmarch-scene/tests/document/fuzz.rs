@@ -3,7 +3,7 @@
 
 use super::all_items;
 use pathmarch_field::registry;
-use pathmarch_scene::document::{Control, ControlKind, Document, EditError, Item, Path, Value};
+use pathmarch_scene::document::{Control, ControlKind, Document, EditError, Item, ItemKind, Path, Value};
 use pathmarch_scene::{Scene, materials};
 use proptest::prelude::*;
 use std::collections::HashMap;
@@ -121,6 +121,18 @@ fn assert_came_and_went(before: &[String], document: &Document, expected: (usize
     }
 }
 
+/// Number of shapes, in objects and operators of any depth.
+fn shapes(document: &Document) -> usize {
+    all_items(document).iter().filter(|item| matches!(item.kind, ItemKind::Shape | ItemKind::Instance)).count()
+}
+
+/// That the shapes are still there, if the text is a scene.
+fn assert_shapes(document: &Document, count: usize) {
+    if document.scene().is_ok() {
+        assert_eq!(shapes(document), count, "{}", document.text());
+    }
+}
+
 fn size(item: &Item) -> usize {
     1 + item.children.iter().map(size).sum::<usize>()
 }
@@ -169,10 +181,21 @@ fn edit(document: &mut Document, dice: &mut Dice) -> Result<bool, EditError> {
         10..=11 => {
             let parent =
                 [Some(&another), None, path.parent().as_ref(), another.parent().as_ref()][dice.below(4)].cloned();
+            let count = shapes(document);
             let moved = document.move_to(path, parent.as_ref(), dice.below(8))?;
             let now = document.item(&moved).expect("moved");
-            assert_eq!((&now.word, &now.name, now.children.len()), (&item.word, &item.name, item.children.len()));
-            assert_came_and_went(&before, document, (0, 0));
+            if parent == path.parent() {
+                assert_eq!((&now.word, &now.name, now.children.len()), (&item.word, &item.name, item.children.len()));
+                assert_came_and_went(&before, document, (0, 0));
+            }
+            assert_shapes(document, count);
+            return Ok(true);
+        }
+        12 if dice.below(2) == 0 => {
+            let chosen: Vec<Path> = (0..dice.below(4)).filter_map(|_| Some(dice.pick(&items)?.path.clone())).collect();
+            let count = shapes(document);
+            document.combine(&chosen, ["union", "subtract", "intersect"][dice.below(3)])?;
+            assert_shapes(document, count);
             return Ok(true);
         }
         12 => {
@@ -297,7 +320,7 @@ fn run(text: &str, numbers: &[u32]) -> HashMap<String, usize> {
 fn slow_random_edits_are_made() {
     let mut made: HashMap<String, usize> = HashMap::new();
     let mut state = 1_u32;
-    for round in 0..2 * TEXTS.len() {
+    for round in 0..4 * TEXTS.len() {
         let numbers: Vec<u32> = std::iter::repeat_with(|| {
             state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
             state >> 8
@@ -308,8 +331,20 @@ fn slow_random_edits_are_made() {
             .into_iter()
             .for_each(|(word, count)| *made.entry(word).or_default() += count);
     }
-    let words =
-        ["Change", "Reset", "Add", "Remove", "Rename", "Move", "Group", "Ungroup", "Duplicate", "Make", "Write"];
+    let words = [
+        "Change",
+        "Reset",
+        "Add",
+        "Remove",
+        "Rename",
+        "Move",
+        "Group",
+        "Combine",
+        "Ungroup",
+        "Duplicate",
+        "Make",
+        "Write",
+    ];
     for word in words {
         assert!(made.get(word).is_some_and(|count| *count >= 4), "{word} in {made:?}");
     }

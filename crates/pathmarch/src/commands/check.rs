@@ -1,7 +1,7 @@
 //! `pathmarch check`: reads scenes and reports every error.
 
 use pathmarch_cli::{DONE, FAILED, Failure, USAGE, outln, print_report};
-use pathmarch_render::pathmarch_field::graph::Kind;
+use pathmarch_render::pathmarch_field::graph::{Kind, Leaf};
 use pathmarch_render::pathmarch_field::lipschitz_check::check_lipschitz;
 use pathmarch_render::pathmarch_field::{Field, MeshReport, MeshSurface, Node, Placement};
 use pathmarch_render::pathmarch_scene::{Mistake, Scene, SceneError};
@@ -40,18 +40,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 for warning in &scene.warnings {
                     print_report(warning);
                 }
-                outln!(
-                    "{}: no errors: {} shapes in {} objects, {} materials, {} lights, {} cameras",
-                    path.display(),
-                    scene.field.leaves().len(),
-                    scene.objects.len(),
-                    scene.materials.len(),
-                    scene.lights.len(),
-                    scene.cameras.len(),
-                );
+                outln!("{}: OK: {}", path.display(), contents(&scene));
                 print_meshes(&scene);
-                if arguments.field && !(check_objects(&scene) & check_custom_shapes(&scene)) {
-                    code = code.max(FAILED);
+                if arguments.field {
+                    if !(check_objects(&scene) & check_custom_shapes(&scene)) {
+                        code = code.max(FAILED);
+                    }
+                } else {
+                    warn_of_custom_shapes(&scene);
                 }
             }
             Err(error) => {
@@ -109,6 +105,61 @@ fn print_meshes(scene: &Scene) {
     }
 }
 
+/// Contents of a scene, as in "6 shapes in 2 objects, 3 materials, 1 light, 1 camera".
+fn contents(scene: &Scene) -> String {
+    let many = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+    let emits = |leaf: &&Leaf| scene.materials[leaf.tag as usize].emits();
+    let lamps = scene.field.leaves().iter().filter(emits).count();
+    let lights = match lamps {
+        0 => many(scene.lights.len(), "light"),
+        _ => format!("{} ({} emitting)", many(scene.lights.len() + lamps, "light"), many(lamps, "shape")),
+    };
+    format!(
+        "{} in {}, {}, {lights}, {}",
+        many(scene.field.leaves().len(), "shape"),
+        many(scene.objects.len(), "object"),
+        many(scene.materials.len(), "material"),
+        many(scene.cameras.len(), "camera"),
+    )
+}
+
+/// Sample points for each custom shape, without `--field`.
+const FEW_POINTS: u32 = 2000;
+
+/// Warns of custom shapes that are steeper than declared, as far as a short look shows.
+fn warn_of_custom_shapes(scene: &Scene) {
+    let shapes = custom_shapes(scene);
+    for (name, declared, field) in &shapes {
+        let slope = check_lipschitz(field, FEW_POINTS).slope;
+        if slope > MAX_SLOPE {
+            outln!(
+                "  warning: field `{name}` is {slope:.2} times as steep as its lipschitz {declared} allows: holes and \
+                 errors are likely; `pathmarch check --field` measures it"
+            );
+        } else {
+            outln!("  field `{name}`: {FEW_POINTS} points look safe; `pathmarch check --field` tests it thoroughly");
+        }
+    }
+}
+
+/// Custom shapes with different parameters: name, declared Lipschitz constant, field of the shape alone.
+fn custom_shapes(scene: &Scene) -> Vec<(String, f32, Field)> {
+    let mut seen: Vec<(&str, &[f32])> = Vec::new();
+    let mut found = Vec::new();
+    for leaf in scene.field.leaves() {
+        let name = &*leaf.shape.info().name;
+        let Some(declared) = leaf.shape.declared_lipschitz() else { continue };
+        if seen.contains(&(name, &leaf.params)) {
+            continue;
+        }
+        seen.push((name, &leaf.params));
+        let params = leaf.params[..leaf.shape.params().len()].to_vec();
+        let kind = Kind::Shape { shape: leaf.shape.clone(), params, tag: 0 };
+        found.push((name.to_owned(), declared, Field::new(&[Node { kind, placement: Placement::default() }])));
+    }
+    found
+}
+
 /// Prints the result of the Lipschitz check for each object; returns true if all are safe.
 fn check_objects(scene: &Scene) -> bool {
     let mut safe = true;
@@ -140,18 +191,8 @@ const MAX_SLOPE: f32 = 1.01;
 
 /// Prints custom shapes that are steeper than their declared Lipschitz constant; returns true if there are none.
 fn check_custom_shapes(scene: &Scene) -> bool {
-    let mut seen: Vec<(&str, &[f32])> = Vec::new();
     let mut safe = true;
-    for leaf in scene.field.leaves() {
-        let name = &*leaf.shape.info().name;
-        let Some(declared) = leaf.shape.declared_lipschitz() else { continue };
-        if seen.contains(&(name, &leaf.params)) {
-            continue;
-        }
-        seen.push((name, &leaf.params));
-        let params = leaf.params[..leaf.shape.params().len()].to_vec();
-        let kind = Kind::Shape { shape: leaf.shape.clone(), params, tag: 0 };
-        let field = Field::new(&[Node { kind, placement: Placement::default() }]);
+    for (name, declared, field) in custom_shapes(scene) {
         let slope = check_lipschitz(&field, SAMPLE_POINTS).slope;
         let steepest = declared * slope;
         if slope <= MAX_SLOPE {

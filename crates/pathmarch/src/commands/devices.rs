@@ -33,16 +33,20 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         outln!("{}", json!({"gpus": gpus, "cpu": cpu}));
         return Ok(DONE);
     }
+    let is_software = preferred.is_some_and(|at| adapters[at].kind == "software");
     for (k, adapter) in adapters.iter().enumerate() {
         let remark = match adapter.unusable {
             Some(reason) => format!("  not usable: {reason}"),
+            None if Some(k) == preferred && is_software => {
+                "  <- used where a trial is faster than the CPU; the window uses the CPU".to_owned()
+            }
             None if Some(k) == preferred => "  <- default".to_owned(),
             None => String::new(),
         };
         outln!("GPU  {}  [{}, {}; {}]{remark}", adapter.name, adapter.backend, adapter.kind, adapter.driver);
     }
     let threads = rayon::current_num_threads();
-    let remark = if preferred.is_none() { "  <- default" } else { "" };
+    let remark = if preferred.is_none() || is_software { "  <- default" } else { "" };
     outln!("CPU  {threads} threads, eight rays per packet{remark}");
     if preferred.is_none() {
         outln!("No usable GPU adapter: install a graphics driver, or Mesa's software Vulkan (mesa-vulkan-drivers).");

@@ -27,9 +27,33 @@ pub struct Arguments {
     /// Size of a cell, metres, instead of a resolution
     #[arg(long, value_name = "METRES", value_parser = parse_cell, allow_hyphen_values = true, conflicts_with = "resolution")]
     cell: Option<f32>,
+    /// Unit of the numbers in the file [default: mm for .stl, as printers expect; m for others]
+    #[arg(long, value_name = "UNIT")]
+    unit: Option<Unit>,
     /// Clip to a box, given by two corners in metres: "-1 0 -1 1 2 1"
     #[arg(long, value_name = "X Y Z X Y Z", value_parser = parse_bounds, allow_hyphen_values = true)]
     bounds: Option<Aabb>,
+}
+
+/// Unit of length of a mesh file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Unit {
+    Mm,
+    Cm,
+    M,
+    Inch,
+}
+
+impl Unit {
+    /// Units in a metre, and name of the unit.
+    fn per_metre(self) -> (f64, &'static str) {
+        match self {
+            Self::Mm => (1000.0, "mm"),
+            Self::Cm => (100.0, "cm"),
+            Self::M => (1.0, "m"),
+            Self::Inch => (1.0 / 0.0254, "in"),
+        }
+    }
 }
 
 fn parse_cell(text: &str) -> Result<f32, String> {
@@ -51,7 +75,14 @@ fn parse_bounds(text: &str) -> Result<Aabb, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    MeshFormat::from_path(&arguments.output).map_err(|error| Failure::Usage(error.to_string()))?;
+    let format = MeshFormat::from_path(&arguments.output).map_err(|error| Failure::Usage(error.to_string()))?;
+    let default = if format == MeshFormat::Stl { Unit::Mm } else { Unit::M };
+    let unit = arguments.unit.unwrap_or(default);
+    if format == MeshFormat::Glb && unit != Unit::M {
+        return Err(Failure::Usage(
+            "glTF files are in metres: leave --unit out, or write .stl, .ply or .obj".to_owned(),
+        ));
+    }
     check_output(&arguments.output)?;
     let scene = Scene::load(&arguments.scene)?;
     for warning in &scene.warnings {
@@ -77,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         if interrupted.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     bar.finish_and_clear();
-    let mesh = match made {
+    let mut mesh = match made {
         Ok(mesh) => mesh,
         Err(MeshError::Stopped) => {
             note!("interrupted: nothing was written");
@@ -85,17 +116,31 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         Err(error) => return Err(Failure::Usage(error.to_string())),
     };
+    let (scale, unit) = unit.per_metre();
+    mesh.positions.iter_mut().flatten().for_each(|v| *v = (f64::from(*v) * scale) as f32);
     save(&arguments.output, &mesh).map_err(Failure::other)?;
+    // Volumes and areas of parts in millimetres are usual in centimetres.
+    let (reported, per) = if unit == "mm" { ("cm", 10.0_f64) } else { (unit, 1.0) };
     note!(
-        "wrote {}: {} triangles, {} vertices, {} m³, {} m² in {:.1} s",
+        "wrote {}: {} triangles, {} vertices, {} {unit}, {} {reported}³, {} {reported}² in {:.1} s",
         arguments.output.display(),
         mesh.triangles.len(),
         mesh.positions.len(),
-        in_figures(mesh.volume()),
-        in_figures(mesh.area()),
+        extent(&mesh.positions).map(in_figures).join(" x "),
+        in_figures(mesh.volume() / per.powi(3)),
+        in_figures(mesh.area() / per.powi(2)),
         started.elapsed().as_secs_f64(),
     );
     Ok(DONE)
+}
+
+/// Edge lengths of the bounding box of points.
+fn extent(points: &[[f32; 3]]) -> [f64; 3] {
+    std::array::from_fn(|axis| {
+        let along = points.iter().map(|point| f64::from(point[axis]));
+        let (min, max) = along.fold((f64::MAX, f64::MIN), |(min, max), v| (min.min(v), max.max(v)));
+        (max - min).max(0.0)
+    })
 }
 
 /// Formats a number with four significant digits.

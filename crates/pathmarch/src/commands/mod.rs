@@ -5,6 +5,7 @@ pub mod compare;
 pub mod completions;
 pub mod devices;
 pub mod export;
+pub mod help;
 pub mod merge;
 pub mod render;
 mod scene_source;

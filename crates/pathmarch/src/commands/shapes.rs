@@ -5,6 +5,7 @@ use pathmarch_render::pathmarch_field::Outline;
 use pathmarch_render::pathmarch_field::blend::DEFAULT_STEPS;
 use pathmarch_render::pathmarch_field::registry::{modifiers, operators, shapes, solid, solids};
 use pathmarch_render::pathmarch_field::{BlendProfile, Info, Param, Solid};
+use pathmarch_render::pathmarch_scene::reference;
 use serde_json::{Value, json};
 
 #[derive(clap::Args)]
@@ -113,6 +114,10 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             }
         }
         None => {
+            if !reference::entries(name).is_empty() {
+                let why = format!("\"{name}\" is no shape or operator; `pathmarch help {name}` describes it");
+                return Err(Failure::Usage(why));
+            }
             let names = solids().map(|solid| &*solid.info().name);
             let nearest = names.min_by_key(|known| strsim::damerau_levenshtein(known, name)).unwrap_or_default();
             return Err(Failure::Usage(format!(

@@ -2,8 +2,10 @@
 
 pub(super) mod additions;
 pub(super) mod camera;
+pub(super) mod combine;
 pub(super) mod kinds;
 mod naming;
+pub(super) mod presets;
 pub(super) mod structure;
 pub(super) mod transaction;
 pub(super) mod write;

@@ -62,6 +62,29 @@ fn users(transaction: &Transaction, material: &str) -> Vec<String> {
     objects.filter(|node| uses(node, material)).map(|node| title(node, ItemKind::Object)).collect()
 }
 
+/// Copies a material, and gives the copy to one of its users.
+pub(crate) fn copy_material(transaction: &mut Transaction, user: &Path, material: &Path) -> Result<Path, EditError> {
+    let copy = duplicate(transaction, material)?;
+    let user = user.after_insertion(&copy);
+    let name = text_argument(transaction.find(&copy)?.node).unwrap_or_default().to_owned();
+    let node = transaction.find(&user)?.node;
+    let patch = match property(node, "material") {
+        Some(entry) => Patch::replace(bytes(entry.value_span), quoted(&name)),
+        None => Patch::insert(node.span().end as usize, format!(" material={}", quoted(&name))),
+    };
+    transaction.then(vec![patch])?;
+    Ok(copy)
+}
+
+/// The number of objects, shapes and operators that name a material.
+pub(crate) fn uses_of(nodes: &[Node<'static>], material: &str) -> usize {
+    let own = |node: &Node<'static>| {
+        let value = property(node, "material").map(|entry| &entry.value);
+        usize::from(matches!(value, Some(tree::Value::Text(name)) if name == material))
+    };
+    nodes.iter().map(|node| own(node) + uses_of(node.child_nodes(), material)).sum()
+}
+
 /// Gives a node another name, and all that refer to it.
 pub(crate) fn rename(transaction: &mut Transaction, path: &Path, new: &str) -> Result<(), EditError> {
     let found = transaction.find(path)?;
@@ -191,10 +214,7 @@ pub(crate) fn move_to(
         _ if found.kind == ItemKind::Version => {
             return not_here("The version stays at the top of the file.".to_owned());
         }
-        None if found.parent.is_some() => {
-            return not_here(format!("`{name}` must be in an object or an operator: add an object and move it there."));
-        }
-        Some(target) if !target.kind.holds_shapes() || !found.kind.is_solid() => {
+        Some(target) if !target.kind.holds_shapes() || !found.kind.is_solid() && found.kind != ItemKind::Object => {
             let target = title(target.node, target.kind);
             return not_here(format!(
                 "`{name}` cannot be in `{target}`: objects and operators contain shapes and operators."
@@ -206,13 +226,6 @@ pub(crate) fn move_to(
         return Ok(path.clone());
     }
     let site = transaction.site(found);
-    if parent != path.parent().as_ref() && found.parent.is_some() && shown(found.block, found.parent).count() == 1 {
-        let holder = transaction.find(&path.parent().unwrap_or_default())?;
-        let holder = title(holder.node, holder.kind);
-        let reason =
-            format!("`{name}` is all that `{holder}` contains. Add something to that first, or move all of it.");
-        return Err(EditError::Needed(reason));
-    }
     let chunk = Chunk::of(&transaction.text, &site, true);
     let parent = parent.and_then(|parent| parent.after_removal(path));
     transaction.take_out(path, true)?;

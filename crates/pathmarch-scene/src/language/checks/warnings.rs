@@ -4,6 +4,7 @@ use crate::language::diagnostics::report::{Report, draft, shown};
 use crate::language::tree::Block;
 use crate::light::Light;
 use crate::scene::{Object, Scene};
+use crate::settings::Caustics;
 use pathmarch_field::number::Vec3;
 
 /// Warns of what is most likely not intended.
@@ -40,9 +41,32 @@ pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
         let help = "It is not sampled as a light, only found by chance; give it an end, or use `sky`.";
         report.warn(warning.label("endless").help(help));
     }
+    lost_light(scene, file, report);
     clear_sheets(scene, file, report);
     hidden_points(scene, file, report);
     hidden_cameras(scene, file, report);
+}
+
+/// Warns of lights without size in scenes with clear glass: no path finds them through it, so that its shadow is dark.
+fn lost_light(scene: &Scene, file: &Block, report: &mut Report) {
+    let materials = scene.field.leaves().iter().map(|leaf| &scene.materials[leaf.tag as usize]);
+    let clear = materials.clone().any(|material| material.transmits());
+    if !clear || scene.render.caustics != Caustics::default() {
+        return;
+    }
+    let nodes = |word: &'static str| file.nodes.iter().filter(move |node| node.name.value == word);
+    let suns = scene.lights.iter().filter(|light| matches!(light, Light::Sun { .. }));
+    let parallel = nodes("sun").zip(suns).filter(|(_, light)| matches!(light, Light::Sun { angle: 0.0, .. }));
+    let lights = parallel.map(|(node, _)| (node, "sun")).chain(nodes("point").map(|node| (node, "point light")));
+    for (node, what) in lights.take(3) {
+        let message = format!("Light of this {what} does not pass the clear materials of the scene: it has no size.");
+        let warning = draft("pathmarch::lost_light", node.name.span, message).label("no path meets it behind glass");
+        let help = match what {
+            "sun" => "Give it an `angle`, such as 0.53, or the scene `caustics \"fast\"`.",
+            _ => "Use a small sphere whose material emits, or give the scene `caustics \"fast\"`.",
+        };
+        report.warn(warning.help(help));
+    }
 }
 
 /// Warns of cameras inside opaque solids, whose pictures are black.

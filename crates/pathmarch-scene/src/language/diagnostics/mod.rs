@@ -1,4 +1,5 @@
 //! Diagnostics: mistakes and warnings at their places in the text, and suggestions for misspelt names.
 
+pub(crate) mod missing_words;
 pub(crate) mod report;
 pub(crate) mod spelling;

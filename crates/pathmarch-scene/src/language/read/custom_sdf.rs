@@ -175,6 +175,10 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, context:
     let code = match assets.code(identifier, &names, text) {
         Ok(code) => code,
         Err(faults) => {
+            if is_glsl(text) {
+                glsl(entry, &faults, context);
+                return None;
+            }
             for fault in faults {
                 wrong(entry, &fault, context);
             }
@@ -224,9 +228,43 @@ fn bounds(node: &Node, context: &mut Context) -> Option<Option<[f32; 3]>> {
     }
 }
 
+/// True for code with declarations of GLSL and no function of WGSL.
+fn is_glsl(code: &str) -> bool {
+    const TYPES: [&str; 9] = ["float", "int", "void", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4"];
+    let declares = |line: &str| {
+        let mut words = line.split_whitespace().skip_while(|word| matches!(*word, "const" | "uniform" | "highp"));
+        let is_type = words.next().is_some_and(|word| TYPES.contains(&word));
+        is_type && words.next().is_some_and(|word| word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_'))
+    };
+    let is_function = |line: &str| line.trim_start().starts_with("fn ");
+    code.lines().any(declares) && !code.lines().any(is_function)
+}
+
+/// Reports code in GLSL once, at the first place that is not WGSL.
+fn glsl(entry: &Entry, faults: &[CodeDiagnostic], context: &mut Context) {
+    let span = faults.first().and_then(|fault| place(entry, fault, context)).unwrap_or(entry.value_span);
+    let mistake =
+        draft("pathmarch::glsl", span, "This is GLSL; a field is written in WGSL.").label("no WGSL from here");
+    let help = "Write `fn distance(p: vec3f) -> f32 { … }` for `float map(vec3 p) { … }`, `f32` for `float`, `vec3f` for \
+                `vec3`, `let q = …` for `vec3 q = …`, and a `param` for a uniform. The table \"Porting a GLSL map()\" in \
+                docs/own-fields.md has the rest.";
+    context.report.add(mistake.help(help));
+}
+
 /// Reports a fault in WGSL at its place in the file.
 fn wrong(entry: &Entry, fault: &CodeDiagnostic, context: &mut Context) {
-    let span = fault.range.as_ref().and_then(|range| {
+    let span = place(entry, fault, context);
+    let mistake =
+        draft("pathmarch::wgsl", span.unwrap_or(entry.value_span), fault.message.clone()).label(fault.label.clone());
+    context.report.add(match &fault.help {
+        Some(help) => mistake.help(help.clone()),
+        None => mistake,
+    });
+}
+
+/// Place of a fault in the file.
+fn place(entry: &Entry, fault: &CodeDiagnostic, context: &Context) -> Option<Span> {
+    fault.range.as_ref().and_then(|range| {
         let (text, base) = context.report.text_at(entry.value_span);
         let start = entry.value_span.start as usize;
         let written = text.get(start - base..entry.value_span.end as usize - base)?;
@@ -235,13 +273,7 @@ fn wrong(entry: &Entry, fault: &CodeDiagnostic, context: &mut Context) {
         let last = *places.get(range.end.max(range.start + 1) - 1)?;
         let length = written.get(last..)?.chars().next()?.len_utf8();
         Some(Span::new(start + first, start + last + length))
-    });
-    let mistake =
-        draft("pathmarch::wgsl", span.unwrap_or(entry.value_span), fault.message.clone()).label(fault.label.clone());
-    context.report.add(match &fault.help {
-        Some(help) => mistake.help(help.clone()),
-        None => mistake,
-    });
+    })
 }
 
 /// The parameters of a field, which formulas in it may use from then on; nothing after a mistake.

@@ -9,7 +9,7 @@ use super::context::{Context, Files};
 use super::numbers::{in_range, numbers};
 use super::settings::NodesByName;
 use super::textures::{self, DEFAULT_COLOURS, Use};
-use super::unexpected::unexpected_node;
+use super::unexpected::{unexpected_node, with_article};
 use crate::language::diagnostics::report::{draft, shown};
 use crate::language::diagnostics::spelling::{listed, suggestion};
 use crate::language::keywords::{BUMP, COLOUR, ORBIT_TRAP, TRAP_NUMBERS};
@@ -79,6 +79,8 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
     if kind.bsdf.is_some() {
         known.extend([ORBIT_TRAP, BUMP]);
     }
+    let others = foreign_parameters(node, kind, context);
+    known.extend(others.iter().copied());
     let settings = NodesByName::new(node, &known, &format!("in a `{}` material", kind.name), context);
     let mut material = Material::new("", kind);
     for (index, param) in kind.params.iter().enumerate() {
@@ -107,6 +109,32 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
         }
     });
     Some(material)
+}
+
+/// Reports the parameters of other kinds of material, with what this kind has. Returns their names.
+fn foreign_parameters<'n>(node: &'n Node, kind: &materials::MaterialKind, context: &mut Context) -> Vec<&'n str> {
+    let has = |kind: &materials::MaterialKind, name: &str| kind.params.iter().skip(1).any(|param| param.name() == name);
+    let mut found: Vec<&str> = Vec::new();
+    for child in node.child_nodes() {
+        let name = &*child.name.value;
+        let owners = materials::kinds().iter().filter(|other| has(other, name)).map(|other| other.name);
+        let owners: Vec<&str> = owners.collect();
+        if owners.is_empty() || has(kind, name) || materials::kind(name).is_some() {
+            continue;
+        }
+        found.push(name);
+        let message = with_article(&format!("in a `{}` material", kind.name));
+        let message = format!("{} has no `{name}`.", message.trim_start_matches("in ").replacen('a', "A", 1));
+        let own = kind.params.iter().skip(1).map(MaterialParam::name).chain(kind.bsdf.map(|_| BUMP));
+        let own = match own.clone().count() {
+            0 => format!("`{}` has no parameters beside its value.", kind.name),
+            _ => format!("It has {}.", listed(own, "and")),
+        };
+        let help = format!("{own} `{name}` is a parameter of {}.", listed(owners, "and"));
+        let mistake = draft("pathmarch::unknown_node", child.name.span, message).label("unknown parameter");
+        context.report.add(mistake.help(help));
+    }
+    found
 }
 
 /// The texture in the braces of a parameter's node.

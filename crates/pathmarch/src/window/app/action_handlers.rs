@@ -13,7 +13,6 @@ use pathmarch_render::pathmarch_scene::document::{Item, ItemKind, Path as NodePa
 impl App {
     /// Runs an action.
     pub(crate) fn run_action(&mut self, ctx: &Context, action: Action) {
-        let selection = self.open.as_ref().and_then(|open| open.view.selection.clone());
         match action {
             Action::New => self.guard_unsaved(PendingAction::New),
             Action::Open => self.guard_unsaved(PendingAction::Open),
@@ -25,6 +24,11 @@ impl App {
             Action::Render => self.dialog = self.open.as_ref().and_then(RenderDialog::new).map(Dialog::Render),
             Action::Undo | Action::Redo => self.undo_or_redo(action == Action::Undo),
             Action::Help => self.help = !self.help,
+            Action::PictureOnly => self.picture_only = !self.picture_only,
+            Action::Recover => self.offer_recovery(),
+            // Escape closes what is on top first.
+            Action::Deselect if self.help => self.help = false,
+            Action::Deselect if self.picture_only => self.picture_only = false,
             Action::Play => self.play_or_pause(ctx),
             Action::NextFrame | Action::PreviousFrame => self.step_frame(action == Action::NextFrame),
             Action::RestartGraphics => {
@@ -39,42 +43,14 @@ impl App {
                 self.preferences.dark = Some(dark);
                 ctx.set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
             }
-            Action::Duplicate => {
-                if let Some(path) = selection {
-                    let copy = self.edit(|open| open.document.duplicate(&path));
-                    self.select(copy);
-                }
-            }
-            Action::Delete => self.delete(selection),
-            Action::Group => {
-                if let Some(path) = selection {
-                    let group = self.edit(|open| open.document.group(&[path], "union"));
-                    self.select(group);
-                }
-            }
-            Action::Ungroup => {
-                if let Some(path) = selection {
-                    let freed = self.edit(|open| open.document.ungroup(&path));
-                    self.select(freed.and_then(|paths| paths.into_iter().next()));
-                }
-            }
-            _ => self.run_view_action(ctx, action),
-        }
-    }
-
-    fn delete(&mut self, selection: Option<NodePath>) {
-        let Some(path) = selection else { return };
-        if self.edit(|open| open.document.remove(&path)).is_some()
-            && let Some(open) = &mut self.open
-        {
-            open.view.selection = None;
+            _ => self.run_edit_action(ctx, action),
         }
     }
 
     /// Selects a node; `None` keeps the selection.
     pub(crate) fn select(&mut self, path: Option<NodePath>) {
         if let (Some(open), Some(path)) = (&mut self.open, path) {
-            open.view.selection = Some(path);
+            open.view.selection.set(&open.document, [path]);
         }
     }
 
@@ -87,11 +63,14 @@ impl App {
         }
     }
 
-    fn run_view_action(&mut self, ctx: &Context, action: Action) {
+    pub(super) fn run_view_action(&mut self, ctx: &Context, action: Action) {
         let Some(open) = &mut self.open else { return };
         let view = &mut open.view;
         match action {
-            Action::Deselect => (view.selection, view.focus_click) = (None, false),
+            Action::Deselect => {
+                view.selection.clear();
+                view.focus_click = false;
+            }
             Action::ResetCamera | Action::NextCamera => {
                 let Some(scene) = open.document.last_good() else { return };
                 let cameras = &scene.cameras;
@@ -136,16 +115,16 @@ impl App {
             Ok(name)
         });
         if let Some(name) = written {
-            self.show_message(&format!("Camera “{name}” now has this view."));
+            self.show_message(&format!("View saved to camera “{name}”."));
         }
     }
 
     fn frame_selection(&mut self) {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else { return };
-        let leaves = match &open.view.selection {
-            Some(path) => open.document.leaves_of(path),
-            None => (0..scene.field.leaves().len()).collect(),
+        let leaves: Vec<usize> = match open.view.selection.paths() {
+            [] => (0..scene.field.leaves().len()).collect(),
+            paths => paths.iter().flat_map(|path| open.document.leaves_of(path)).collect(),
         };
         let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf));
         let bounds = boxes.filter(|bounds| bounds.is_finite()).reduce(|all, bounds| all.union(bounds));
@@ -164,6 +143,8 @@ impl App {
         let texture = ctx.load_texture("kept picture", image, TextureOptions::LINEAR);
         let label = format!("{}, {:.0} samples", open.view.mode.name(), shown.samples);
         open.view.comparison = Some(ComparisonPicture { texture, label, split: 0.5, shown: true });
-        self.show_message("Stored for comparison: drag the line to compare, press B to hide it.");
+        self.show_message(
+            "Picture stored. Drag the line to compare it with the current picture; B hides the stored picture.",
+        );
     }
 }

@@ -7,7 +7,7 @@ use super::requests::{FileRequest, file_dialog_options};
 use crate::picture::Rendered;
 use crate::window::background_render::{self, BackgroundRender, RenderRequest};
 use crate::window::file_dialog::FileDialog;
-use crate::window::files::recovery::RecoveredWork;
+use crate::window::files::recovery::{RecoveredWork, find_abandoned_work};
 use crate::window::open_scene::OpenScene;
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ImageFormat;
@@ -97,6 +97,15 @@ impl App {
                 self.file_dialog =
                     Some((self.with_bookmarks(FileDialog::save(&folder, &name, options)), FileRequest::Render));
             }
+        }
+    }
+
+    /// Lists the unsaved work of programs that have ended.
+    pub(super) fn offer_recovery(&mut self) {
+        let left = find_abandoned_work(&self.recovery_dir);
+        match left.is_empty() {
+            true => self.show_message("There is no unsaved work to recover."),
+            false => self.dialog = Some(Dialog::Recovered(left)),
         }
     }
 

@@ -7,7 +7,6 @@ use pathmarch_render::Settings;
 use pathmarch_render::live::RenderRequest;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::Display;
-use std::sync::Arc;
 use std::time::Duration;
 
 impl App {
@@ -50,7 +49,7 @@ impl App {
             reconstruct: self.preferences.reconstruct.then_some(self.reconstruct_options),
         };
         let same = self.ordered.as_ref().is_some_and(|old| {
-            Arc::ptr_eq(&old.scene, &order.scene)
+            self.ordered_revision == open.document.scene_revision()
                 && old.settings == order.settings
                 && old.display == order.display
                 && old.moving == order.moving
@@ -61,6 +60,7 @@ impl App {
             let number = self.live.show(order.clone());
             self.first_order.get_or_insert(number);
             self.ordered = Some(order);
+            self.ordered_revision = open.document.scene_revision();
         }
         if let Some(left) = moving {
             ctx.request_repaint_after(left + Duration::from_millis(5));

@@ -4,6 +4,7 @@ mod action_handlers;
 pub(crate) mod actions;
 pub(crate) mod dialog;
 mod dialog_handlers;
+mod edit_handlers;
 mod file_handlers;
 mod live_picture;
 pub(crate) mod performance;
@@ -57,6 +58,7 @@ pub(crate) struct App {
     /// Stages of reconstruction, and the buffer that is shown.
     pub(crate) reconstruct_options: ReconstructOptions,
     pub(crate) recovery: Recovery,
+    recovery_dir: PathBuf,
     pub(crate) file_dialog: Option<(FileDialog, FileRequest)>,
     pub(crate) dialog: Option<Dialog>,
     pub(crate) renders: Vec<BackgroundRender>,
@@ -64,6 +66,8 @@ pub(crate) struct App {
     pub(crate) performance: PerformanceHistory,
     pub(crate) gizmo: GizmoState,
     pub(crate) help: bool,
+    /// The picture fills the window.
+    pub(crate) picture_only: bool,
     /// Undo group of the current interaction. Edits between two pointer presses, or by the keyboard in one widget, form
     /// one undo step.
     pub(crate) undo_group: u64,
@@ -71,8 +75,10 @@ pub(crate) struct App {
     /// Time of the last edit in the source editor, seconds.
     pub(crate) last_typed_at: f64,
     /// A text field had the keyboard focus at the end of the last frame.
-    typing: bool,
+    pub(crate) typing: bool,
     ordered: Option<RenderRequest>,
+    /// Revision of the scene that was ordered.
+    ordered_revision: u64,
     /// Number of the first order for the open scene. Pictures of earlier orders show another scene.
     first_order: Option<u64>,
     started: Instant,
@@ -112,6 +118,7 @@ impl App {
             preferences,
             reconstruct_options: ReconstructOptions::default(),
             recovery,
+            recovery_dir: recovery_dir.clone(),
             file_dialog: None,
             dialog: None,
             renders: Vec::new(),
@@ -119,11 +126,13 @@ impl App {
             performance: PerformanceHistory::default(),
             gizmo: GizmoState::default(),
             help: false,
+            picture_only: false,
             undo_group: 0,
             last_typed_at: 0.0,
             focus: None,
             typing: false,
             ordered: None,
+            ordered_revision: 0,
             first_order: None,
             started,
             milestones: Vec::new(),
@@ -134,8 +143,12 @@ impl App {
             options,
         };
         let left = find_abandoned_work(&recovery_dir);
-        if !left.is_empty() {
-            app.dialog = Some(Dialog::Recovered(left));
+        let wanted = app.options.scene.as_deref().map(|path| std::path::absolute(path).unwrap_or(path.to_owned()));
+        if wanted.is_none() || left.iter().any(|one| one.scene_path == wanted) {
+            app.dialog = (!left.is_empty()).then_some(Dialog::Recovered(left));
+        } else if !left.is_empty() {
+            // Work on another scene does not stand in the way of this one.
+            app.show_message("There is unsaved work on another scene: File, Recover unsaved work.");
         }
         for problem in [app.recovery.problem(), app.preferences.notice().map(str::to_owned)].into_iter().flatten() {
             app.show_error(&problem);
@@ -176,26 +189,10 @@ impl App {
             }
             self.open_dropped_file(&ctx);
         }
-        self.menu_bar(ui);
-        self.status_bar(ui);
-        if self.open.is_some() {
-            self.timeline_panel(ui);
-            if self.preferences.show_plots {
-                self.plots_panel(ui);
-            }
-            if self.preferences.show_source {
-                self.source_panel(ui);
-            }
-            self.diagnostics_panel(ui);
-            if self.preferences.left_open {
-                self.tree_panel(ui);
-            }
-            if self.preferences.right_open {
-                self.inspector_panel(ui);
-            }
+        if self.picture_only && self.open.is_some() {
             self.viewport(ui);
         } else {
-            self.gallery_page(ui);
+            self.panels(ui);
         }
         self.help_window(&ctx);
         self.show_dialog(&ctx);
@@ -206,6 +203,30 @@ impl App {
         self.preferences.scale = ctx.zoom_factor();
         self.save_preferences();
         self.typing = ctx.text_edit_focused();
+    }
+
+    /// Draws the menu bar, the status bar, and the open scene with its panels or the gallery.
+    fn panels(&mut self, ui: &mut Ui) {
+        self.menu_bar(ui);
+        self.status_bar(ui);
+        if self.open.is_some() {
+            self.timeline_panel(ui);
+            if self.preferences.show_plots {
+                self.plots_panel(ui);
+            }
+            if self.preferences.show_source {
+                self.source_panel(ui);
+            }
+            if self.preferences.left_open {
+                self.tree_panel(ui);
+            }
+            if self.preferences.right_open {
+                self.inspector_panel(ui);
+            }
+            self.viewport(ui);
+        } else {
+            self.gallery_page(ui);
+        }
     }
 
     /// Saves the preferences. A failure is not reported: it would appear in every frame.
@@ -220,10 +241,7 @@ impl App {
         match reload {
             Some(FileChange::Reloaded) => {
                 self.document_changed();
-                if let Some(open) = &mut self.open {
-                    open.view.selection = None;
-                }
-                self.show_message("The file has changed on disk and was reloaded.");
+                self.show_message("Reloaded: the file changed on disk.");
             }
             Some(FileChange::Conflict) => self.dialog = Some(Dialog::Conflict),
             Some(FileChange::InSync) => {
@@ -237,7 +255,7 @@ impl App {
         }
         if self.open.as_mut().is_some_and(|open| open.poll_includes(&self.waker)) {
             self.document_changed();
-            self.show_message("An included file has changed and was reloaded.");
+            self.show_message("Reloaded: an included file changed on disk.");
         }
         let mut said = Vec::new();
         self.renders.retain(|export| match export.finished() {
@@ -264,10 +282,10 @@ impl App {
         if let Some(scene) = open.document.last_good().cloned() {
             open.view.sync_camera(&scene);
         }
-        if open.view.selection.as_ref().is_some_and(|path| open.document.item(path).is_none()) {
-            open.view.selection = None;
+        open.view.selection.restore(&open.document);
+        if self.ordered_revision != open.document.scene_revision() {
+            open.view.mark_moving();
         }
-        open.view.mark_moving();
         if open.has_unsaved_work() {
             self.recovery.keep(open.path.as_deref(), open.document.text(), open.base_text());
         } else {

@@ -34,6 +34,14 @@ pub(crate) fn target_node(document: &Document, selection: &Path) -> Option<Path>
     }
 }
 
+/// Position of a node relative to its parent, after a movement in world space by `by` metres.
+pub(crate) fn moved_by(document: &Document, path: &Path, by: [f64; 3]) -> [f32; 3] {
+    let outer = parent_transform(document, path);
+    let mut world = outer.then_local(local_transform(document, path));
+    world.translation += DVec3::from_array(by);
+    outer.to_local(world).translation.to_array().map(|v| round_to(v, 1e-4))
+}
+
 /// Property key of a light's position.
 const LIGHT_AT: &str = "at";
 

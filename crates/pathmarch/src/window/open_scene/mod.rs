@@ -1,6 +1,7 @@
 //! The open scene: document, file on disk, and view.
 
 pub(crate) mod playback;
+pub(crate) mod selection;
 pub(crate) mod view_state;
 
 use crate::window::files::file_watcher::FileWatcher;
@@ -31,6 +32,8 @@ pub(crate) struct OpenScene {
     pub(crate) playback: Playback,
     /// Nodes that are collapsed in the scene tree.
     pub(crate) collapsed: Vec<NodePath>,
+    /// Text that the scene tree is searched for; empty shows everything.
+    pub(crate) tree_search: String,
 }
 
 /// Result of a change of the file on disk.
@@ -64,6 +67,7 @@ impl OpenScene {
             view,
             playback: Playback::default(),
             collapsed: Vec::new(),
+            tree_search: String::new(),
         }
     }
 

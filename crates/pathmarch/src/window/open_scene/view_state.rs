@@ -1,7 +1,7 @@
 //! View of the open scene: camera, selection, mode and resolution.
 
+use super::selection::Selection;
 use egui::TextureHandle;
-use pathmarch_render::pathmarch_scene::document::Path as NodePath;
 use pathmarch_render::pathmarch_scene::{Camera, Scene};
 use pathmarch_render::{Mode, PreviewSteps};
 use std::time::{Duration, Instant};
@@ -58,7 +58,7 @@ pub(crate) struct ViewState {
     pub(crate) camera: Camera,
     /// The scene's camera that the view started from, as it was then.
     scene_camera: Option<Camera>,
-    pub(crate) selection: Option<NodePath>,
+    pub(crate) selection: Selection,
     pub(crate) mode: Mode,
     /// Steps of the mode "preview".
     pub(crate) preview_steps: PreviewSteps,
@@ -69,8 +69,10 @@ pub(crate) struct ViewState {
     pub(crate) comparison: Option<ComparisonPicture>,
     /// Time of the last movement.
     last_moved: Option<Instant>,
-    /// Size of the viewport, pixels.
+    /// Size that the picture has to fit into, pixels: that of the viewport, or larger.
     pub(crate) available_pixels: [u32; 2],
+    /// Size of the window for which that was set, pixels.
+    window_pixels: [u32; 2],
     /// The displayed picture: texture, serial number, size in pixels.
     pub(crate) picture: Option<(TextureHandle, u64, [u32; 2])>,
 }
@@ -90,7 +92,7 @@ impl Default for ViewState {
         Self {
             camera,
             scene_camera: None,
-            selection: None,
+            selection: Selection::default(),
             mode: Mode::Path,
             preview_steps: PreviewSteps::default(),
             resolution: Resolution::Fit,
@@ -99,6 +101,7 @@ impl Default for ViewState {
             comparison: None,
             last_moved: None,
             available_pixels: [0; 2],
+            window_pixels: [0; 2],
             picture: None,
         }
     }
@@ -150,6 +153,16 @@ impl ViewState {
             self.last_moved = None;
         }
         left
+    }
+
+    /// Adapts to the size of the viewport. A viewport that becomes smaller because a panel has opened shows the picture
+    /// smaller; the picture itself stays and goes on accumulating samples.
+    pub(crate) fn set_available(&mut self, viewport: [u32; 2], window: [u32; 2]) {
+        let known = self.available_pixels;
+        let fits = (0..2).all(|axis| viewport[axis] <= known[axis] && viewport[axis] * 3 >= known[axis]);
+        if !(fits && window == self.window_pixels) {
+            (self.available_pixels, self.window_pixels) = (viewport, window);
+        }
     }
 
     /// Size of the live picture, pixels.

@@ -1,17 +1,19 @@
 //! Diagnostics: errors and warnings of the scene, with their lines.
+//!
+//! They cover the lower part of the viewport: a panel would resize the picture with every mistake while typing.
 
 use crate::window::app::App;
-use egui::{RichText, Ui};
+use egui::{Pos2, Rect, RichText, Sense, Ui, UiBuilder};
 
 impl App {
     /// Lists the errors of the scene text, or its warnings while the source is shown.
-    pub(crate) fn diagnostics_panel(&mut self, ui: &mut Ui) {
+    pub(crate) fn diagnostics_panel(&mut self, ui: &mut Ui, viewport: Rect) {
         let Some(open) = &self.open else { return };
         let error = match open.document.scene() {
             Err(error) => error,
             Ok(scene) if !scene.warnings.is_empty() && self.preferences.show_source => {
                 let warnings: Vec<String> = scene.warnings.iter().map(ToString::to_string).collect();
-                egui::Panel::bottom("warnings").show(ui, |ui| {
+                overlay(ui, viewport, 24.0 + 20.0 * warnings.len() as f32, |ui| {
                     for warning in warnings {
                         ui.colored_label(ui.visuals().warn_fg_color, format!("warning: {warning}"));
                     }
@@ -41,13 +43,13 @@ impl App {
         if lines.is_empty() {
             lines.push((0, error.to_string(), None));
         }
-        egui::Panel::bottom("mistakes").resizable(true).default_size(130.0).max_size(360.0).show(ui, |ui| {
+        overlay(ui, viewport, 44.0 + 44.0 * lines.len() as f32, |ui| {
             let title = if lines.len() == 1 { "1 error".to_owned() } else { format!("{} errors", lines.len()) };
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 ui.colored_label(ui.visuals().error_fg_color, RichText::new(title).strong());
                 ui.weak("The picture shows the last version without errors.");
             });
-            egui::ScrollArea::vertical().show(ui, |ui| {
+            egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                 for (offset, message, help) in &lines {
                     ui.horizontal_wrapped(|ui| {
                         let before = text.get(..*offset).unwrap_or(text);
@@ -67,6 +69,21 @@ impl App {
             });
         });
     }
+}
+
+/// Largest share of the viewport that diagnostics cover.
+const MAX_SHARE: f32 = 0.65;
+
+/// Draws contents above the lower part of the viewport, as high as they need.
+fn overlay(ui: &mut Ui, viewport: Rect, height: f32, contents: impl FnOnce(&mut Ui)) {
+    let top = viewport.max.y - height.min(MAX_SHARE * viewport.height());
+    let rect = Rect::from_min_max(Pos2::new(viewport.min.x, top), viewport.max);
+    // Clicks on it do not reach the viewport below.
+    ui.interact(rect, ui.scope_id().with("diagnostics"), Sense::click_and_drag());
+    ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
+    let mut inner = ui.new_child(UiBuilder::new().max_rect(rect.shrink(8.0)));
+    inner.set_clip_rect(rect);
+    contents(&mut inner);
 }
 
 /// Line of the text that contains a byte offset, trimmed.

@@ -6,7 +6,7 @@ use crate::window::app::requests::PendingAction;
 use crate::window::files::recovery::RecoveredWork;
 use crate::window::files::relative_time::relative_time;
 use crate::window::open_scene::playback::LAST_FRAME;
-use egui::{Context, Id, Modal, RichText, Ui};
+use egui::{Context, Frame, Id, Key, Modal, RichText, Ui};
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::settings::{self, SettingKind};
 use std::time::SystemTime;
@@ -18,7 +18,8 @@ impl App {
             return;
         }
         let mut answer = Answer::None;
-        let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
+        let frame = Frame::popup(&ctx.global_style()).inner_margin(16.0);
+        let modal = Modal::new(Id::unique("dialog")).frame(frame).show(ctx, |ui| {
             ui.set_max_width(520.0);
             match dialog {
                 Dialog::Unsaved(after) => unsaved(ui, after, &mut answer),
@@ -27,7 +28,7 @@ impl App {
                     conflict(ui, theirs.and_then(|theirs| theirs.as_ref().err()), &mut answer);
                 }
                 Dialog::Recovered(left) => recovered(ui, left, &mut answer),
-                Dialog::Render(render) => render_settings(ui, render, &mut answer),
+                Dialog::Render(render) => render_settings(ui, render, self.typing, &mut answer),
                 Dialog::Busy => busy(ui, &mut answer),
             }
         });
@@ -73,9 +74,9 @@ fn busy(ui: &mut Ui, answer: &mut Answer) {
 fn conflict(ui: &mut Ui, unreadable: Option<&String>, answer: &mut Answer) {
     match unreadable {
         None => {
-            ui.heading("The file has changed on disk");
+            ui.heading("The file changed on disk");
             ui.label(
-                "Another program has changed the file, and you have unsaved changes. Both versions are still there.",
+                "The file changed on disk while you had unsaved changes. Nothing is lost. Which version do you want?",
             );
         }
         Some(why) => {
@@ -134,8 +135,10 @@ fn setting_row(ui: &mut Ui, name: &str, values: &mut [&mut u32]) {
     ui.end_row();
 }
 
-fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) {
+/// `typing`: a text field had the focus before this frame, and Enter belongs to it.
+fn render_settings(ui: &mut Ui, render: &mut RenderDialog, typing: bool, answer: &mut Answer) {
     ui.heading("Render to file");
+    ui.add_space(8.0);
     egui::Grid::new("render").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
         let label = ui.label("file");
         ui.horizontal(|ui| {
@@ -152,8 +155,8 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
         if render.may_choose_viewpoint {
             let label = ui.label("camera");
             ui.horizontal(|ui| {
-                ui.radio_value(&mut render.own_viewpoint, true, "current view").labelled_by(label.id);
-                ui.radio_value(&mut render.own_viewpoint, false, "scene camera").labelled_by(label.id);
+                ui.radio_value(&mut render.own_viewpoint, true, "Free view").labelled_by(label.id);
+                ui.radio_value(&mut render.own_viewpoint, false, "Scene camera").labelled_by(label.id);
             });
             ui.end_row();
         }
@@ -186,7 +189,11 @@ fn render_settings(ui: &mut Ui, render: &mut RenderDialog, answer: &mut Answer) 
     }
     ui.add_space(8.0);
     ui.horizontal(|ui| {
-        if ui.add_enabled(problem.is_none(), egui::Button::new(RichText::new("Start").strong())).clicked() {
+        let start = ui.add_enabled(problem.is_none(), egui::Button::new(RichText::new("Start").strong()));
+        // Enter starts, too, unless it presses another button.
+        let is_taken = typing || ui.memory(|memory| memory.focused()).is_some();
+        let enter = !is_taken && ui.input(|input| input.key_pressed(Key::Enter));
+        if start.clicked() || enter && problem.is_none() {
             *answer = Answer::StartRender;
         }
         if ui.button("Cancel").clicked() {

@@ -60,13 +60,18 @@ impl App {
 
 /// Draws a card with picture, name and description; returns true if it was clicked.
 fn card(ui: &mut Ui, example: &'static Example, picture: Option<&TextureHandle>) -> bool {
-    let size = Vec2::new(CARD.x + 12.0, CARD.y + 48.0);
-    let card = ui.allocate_ui(size, |ui| {
+    // Name and two lines of text. The space is the same for all cards, so that columns and rows stay aligned.
+    let size = Vec2::new(CARD.x + 12.0, CARD.y + 58.0);
+    let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(*ui.layout()));
+    ui.set_clip_rect(rect.intersect(ui.clip_rect()));
+    let card = {
         ui.vertical(|ui| {
+            ui.set_max_width(CARD.x);
             let clicked = match picture {
                 Some(texture) => {
                     let image = Image::new((texture.id(), CARD)).corner_radius(4.0).alt_text(example.name);
-                    ui.add(egui::Button::image(image).frame(false)).on_hover_text(example.doc).clicked()
+                    ui.add(egui::Button::image(image).frame(false)).clicked()
                 }
                 None => ui.add_sized(CARD, egui::Button::new(example.name)).clicked(),
             };
@@ -74,7 +79,6 @@ fn card(ui: &mut Ui, example: &'static Example, picture: Option<&TextureHandle>)
             ui.add(egui::Label::new(example.doc).wrap());
             clicked
         })
-        .inner
-    });
+    };
     card.inner
 }

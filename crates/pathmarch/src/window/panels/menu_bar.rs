@@ -41,7 +41,7 @@ impl App {
         let document = self.open.as_ref().map(|open| &open.document);
         let mut name = entry.name.to_owned();
         let mut enabled = document.is_some() || !entry.needs_scene;
-        let has_selection = self.open.as_ref().is_some_and(|open| open.view.selection.is_some());
+        let has_selection = self.open.as_ref().is_some_and(|open| open.view.selection.active().is_some());
         match entry.action {
             Action::Undo | Action::Redo => {
                 let label = document.and_then(|document| {
@@ -50,7 +50,12 @@ impl App {
                 enabled = label.is_some();
                 name = label.map_or(name, |label| format!("{}: {label}", entry.name));
             }
-            Action::Duplicate | Action::Delete | Action::Group | Action::Ungroup => enabled &= has_selection,
+            Action::Duplicate | Action::Delete | Action::Group | Action::Ungroup | Action::ToGround => {
+                enabled &= has_selection;
+            }
+            Action::Unite | Action::Subtract | Action::Intersect => {
+                enabled &= self.open.as_ref().is_some_and(|open| open.view.selection.paths().len() > 1);
+            }
             _ => {}
         }
         let mut button = egui::Button::new(name);

@@ -23,12 +23,17 @@ struct Row<'a> {
 /// A change that the user requests in the tree.
 enum TreeAction {
     Select(Path),
+    /// Adds a node to the selection, or removes it.
+    Toggle(Path),
+    /// Selects the rows from the active one to this one.
+    SelectTo(Path),
     Expand(Path, bool),
     Add(Option<Path>, Addition),
     Rename(Path, String),
     Duplicate(Path),
     Delete(Path),
     Group(Path, &'static str),
+    Combine(&'static str),
     Ungroup(Path),
     Move(Path, Option<Path>, usize),
 }
@@ -47,6 +52,11 @@ impl App {
                         .on_hover_text("Add an object, a material, a light or a camera.");
                 });
             });
+            if let Some(open) = &mut self.open {
+                let search = egui::TextEdit::singleline(&mut open.tree_search).hint_text("Search");
+                let search = ui.add(search.desired_width(f32::INFINITY));
+                search.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SearchInput, true, "Search the scene"));
+            }
             ui.separator();
             self.rows(ui, &mut actions);
             for action in actions {
@@ -81,9 +91,9 @@ impl App {
         let mut rows = Vec::new();
         let id = ui.scope_id();
         for item in open.document.outline() {
-            gather(&open.collapsed, item, 0, &mut rows);
+            gather(&open.collapsed, &open.tree_search, item, 0, &mut rows);
         }
-        let selection = open.view.selection.clone();
+        let selection = open.view.selection.active().cloned();
         let height = ui.spacing().interact_size.y;
         let to_selection = ui.data(|data| data.get_temp::<Option<Path>>(id.with("seen"))).flatten() != selection;
         ui.data_mut(|data| data.insert_temp(id.with("seen"), selection.clone()));
@@ -97,7 +107,7 @@ impl App {
         }
         let shown = area.show_rows(ui, height, rows.len(), |ui, range| {
             for row in &rows[range] {
-                self.row(ui, id, row, selection.as_ref() == Some(&row.item.path), actions);
+                self.row(ui, id, row, open.view.selection.contains(&row.item.path), actions);
             }
         });
         let top = shown.state.clamped_offset().y;
@@ -137,14 +147,22 @@ impl App {
         }
         let painter = ui.painter_at(body);
         let font = egui::TextStyle::Button.resolve(ui.style());
-        let at = Pos2::new(body.min.x + 4.0, body.center().y);
+        let at = Pos2::new(body.min.x + 8.0, body.center().y);
+        sign(&painter, at, item.kind, ui.visuals().weak_text_color());
+        let at = at + Vec2::new(10.0, 0.0);
         let drawn = painter.text(at, Align2::LEFT_CENTER, label(item), font.clone(), visuals.text_color());
         if let Some(material) = &item.material {
             let at = Pos2::new(drawn.max.x + 7.0, body.center().y);
             painter.text(at, Align2::LEFT_CENTER, material, font, ui.visuals().weak_text_color());
         }
         if response.clicked() {
-            actions.push(TreeAction::Select(item.path.clone()));
+            let modifiers = ui.input(|input| input.modifiers);
+            let select = match (modifiers.command, modifiers.shift) {
+                (true, _) => TreeAction::Toggle,
+                (_, true) => TreeAction::SelectTo,
+                _ => TreeAction::Select,
+            };
+            actions.push(select(item.path.clone()));
         }
         if response.double_clicked() {
             if item.name.is_some() {
@@ -160,7 +178,10 @@ impl App {
 
     fn context_menu(&self, ui: &mut Ui, row_id: egui::Id, item: &Item, actions: &mut Vec<TreeAction>) {
         let path = &item.path;
-        actions.push(TreeAction::Select(path.clone()));
+        let is_selected = self.open.as_ref().is_some_and(|open| open.view.selection.contains(path));
+        if !is_selected {
+            actions.push(TreeAction::Select(path.clone()));
+        }
         if item.kind.holds_shapes() {
             ui.menu_button("Add…", |ui| self.add_menu(ui, Some(path), actions));
         }
@@ -185,6 +206,13 @@ impl App {
                 }
             });
         }
+        let several = self.open.as_ref().is_some_and(|open| open.view.selection.paths().len() > 1);
+        for (name, operator) in [("Unite", "union"), ("Subtract", "subtract"), ("Intersect", "intersect")] {
+            if is_selected && several && ui.button(name).clicked() {
+                actions.push(TreeAction::Combine(operator));
+                ui.close();
+            }
+        }
         if item.kind == ItemKind::Operator && ui.button("Ungroup").clicked() {
             actions.push(TreeAction::Ungroup(path.clone()));
             ui.close();
@@ -206,6 +234,22 @@ impl App {
         }
     }
 
+    /// Selects the rows between the active one and another, which becomes active.
+    fn select_rows_to(&mut self, path: Path) {
+        let Some(open) = &self.open else { return };
+        let search = open.tree_search.clone();
+        let mut rows = Vec::new();
+        open.document.outline().iter().for_each(|item| gather(&open.collapsed, &search, item, 0, &mut rows));
+        let row_of = |wanted: &Path| rows.iter().position(|row| row.item.path == *wanted);
+        let from = open.view.selection.active().and_then(row_of);
+        let (Some(from), Some(to)) = (from, row_of(&path)) else { return self.select(Some(path)) };
+        let mut paths: Vec<Path> = rows[from.min(to)..=from.max(to)].iter().map(|row| row.item.path.clone()).collect();
+        if to < from {
+            paths.reverse();
+        }
+        self.select_all(paths);
+    }
+
     /// Number of siblings of a node, itself included.
     fn siblings(&self, path: &Path) -> usize {
         let Some(open) = &self.open else { return 0 };
@@ -218,6 +262,12 @@ impl App {
     fn apply_action(&mut self, action: TreeAction) {
         match action {
             TreeAction::Select(path) => self.select(Some(path)),
+            TreeAction::Toggle(path) => {
+                if let Some(open) = &mut self.open {
+                    open.view.selection.toggle(&open.document, path);
+                }
+            }
+            TreeAction::SelectTo(path) => self.select_rows_to(path),
             TreeAction::Expand(path, is_expanded) => {
                 if let Some(open) = &mut self.open {
                     open.collapsed.retain(|collapsed| *collapsed != path);
@@ -240,6 +290,7 @@ impl App {
                 let path = self.edit(|open| open.document.group(&[path], operator));
                 self.select(path);
             }
+            TreeAction::Combine(operator) => self.combine(operator),
             TreeAction::Ungroup(path) => {
                 let paths = self.edit(|open| open.document.ungroup(&path));
                 self.select(paths.and_then(|paths| paths.into_iter().next()));
@@ -270,16 +321,52 @@ fn label(item: &Item) -> String {
     }
 }
 
+/// True if an item or something in it contains the search text in its word, name or material.
+fn is_found(search: &str, item: &Item) -> bool {
+    let wanted = search.trim().to_lowercase();
+    let texts = [Some(&item.word), item.name.as_ref(), item.material.as_ref()];
+    wanted.is_empty()
+        || texts.into_iter().flatten().any(|text| text.to_lowercase().contains(&wanted))
+        || item.children.iter().any(|child| is_found(search, child))
+}
+
+/// Draws the sign of a node's kind: a disc for a shape, a ring for an operator, a square for an object, a filled
+/// triangle for a camera, a star of rays for a light, and a half disc for a material.
+fn sign(painter: &egui::Painter, at: Pos2, kind: ItemKind, colour: Color32) {
+    let stroke = Stroke::new(1.5, colour);
+    match kind {
+        ItemKind::Shape | ItemKind::Instance => painter.circle_filled(at, 3.5, colour),
+        ItemKind::Operator => painter.circle_stroke(at, 3.5, stroke),
+        ItemKind::Object | ItemKind::Declaration | ItemKind::Field => {
+            painter.rect_filled(Rect::from_center_size(at, Vec2::splat(7.0)), 1.0, colour)
+        }
+        ItemKind::Camera => painter.add(triangle(at, false, colour)),
+        ItemKind::Sun | ItemKind::Point | ItemKind::Sky => {
+            for turn in 0..3 {
+                let out = Vec2::angled(std::f32::consts::PI / 3.0 * turn as f32) * 4.5;
+                painter.line_segment([at - out, at + out], stroke);
+            }
+            return;
+        }
+        ItemKind::Material => {
+            painter.circle_stroke(at, 3.5, stroke);
+            painter.circle_filled(at + Vec2::new(1.0, 1.0), 2.0, colour)
+        }
+        _ => return,
+    };
+}
+
 /// Collects the rows of an item and of its visible children.
-fn gather<'a>(collapsed: &[Path], item: &'a Item, depth: usize, rows: &mut Vec<Row<'a>>) {
-    if item.kind == ItemKind::Version {
+fn gather<'a>(collapsed: &[Path], search: &str, item: &'a Item, depth: usize, rows: &mut Vec<Row<'a>>) {
+    if item.kind == ItemKind::Version || !is_found(search, item) {
         return;
     }
-    let is_expanded = (!item.children.is_empty()).then(|| !collapsed.contains(&item.path));
+    // A search looks into collapsed nodes, too.
+    let is_expanded = (!item.children.is_empty()).then(|| !search.trim().is_empty() || !collapsed.contains(&item.path));
     rows.push(Row { depth, item, is_expanded });
     if is_expanded == Some(true) {
         for child in &item.children {
-            gather(collapsed, child, depth + 1, rows);
+            gather(collapsed, search, child, depth + 1, rows);
         }
     }
 }
@@ -313,7 +400,7 @@ fn drag(ui: &Ui, response: &Response, item: &Item, actions: &mut Vec<TreeAction>
     }
     let rect = response.rect;
     let height = (pointer.y - rect.min.y) / rect.height();
-    let accepts = item.kind.holds_shapes() && dragged.parent().is_some();
+    let accepts = item.kind.holds_shapes();
     let into = accepts && (0.25..0.75).contains(&height);
     let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);
     if into {

@@ -11,7 +11,7 @@ impl App {
     pub(crate) fn source_panel(&mut self, ui: &mut Ui) {
         let Some(open) = &self.open else { return };
         let mut text = open.document.text().to_owned();
-        let line = open.view.selection.as_ref().and_then(|path| open.document.line_of(path));
+        let line = open.view.selection.active().and_then(|path| open.document.line_of(path));
         let mut changed = false;
         egui::Panel::bottom("source").resizable(true).default_size(220.0).max_size(600.0).show(ui, |ui| {
             ui.horizontal(|ui| {

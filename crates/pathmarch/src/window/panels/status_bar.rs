@@ -51,7 +51,11 @@ impl App {
         };
         let status = self.live.status();
         let Some((_, _, [width, height])) = &open.view.picture else {
-            ui.label(status.error.as_deref().unwrap_or("Waiting for the first picture."));
+            let waits = match open.document.last_good() {
+                Some(_) => "Rendering the first image…",
+                None => "No picture: the scene has errors.",
+            };
+            ui.label(status.error.as_deref().unwrap_or(waits));
             return;
         };
         let target = open.document.last_good().map_or(0, |scene| open.view.mode.samples(scene.render.samples));
@@ -81,8 +85,8 @@ impl App {
         }
         if open.view.is_camera_modified() {
             ui.separator();
-            ui.weak("modified view")
-                .on_hover_text("Home returns to the scene's camera; Ctrl+K applies this view to it.");
+            ui.weak("Free view (not saved)")
+                .on_hover_text("Home returns to the scene's camera; Ctrl+K saves this view to it.");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Toasts at the top of the window.
+//! Toasts at the bottom of the window, where they cover no title.
 
 use crate::window::app::App;
 use egui::{Color32, Context, RichText};
@@ -12,7 +12,7 @@ impl App {
         ctx.request_repaint_after(next - now);
         let mut closed = None;
         egui::Area::new(egui::Id::unique("messages"))
-            .anchor(egui::Align2::CENTER_TOP, [0.0, 34.0])
+            .anchor(egui::Align2::CENTER_BOTTOM, [0.0, -40.0])
             .order(egui::Order::Foreground)
             .show(ctx, |ui| {
                 for (index, toast) in self.toasts.iter().enumerate() {

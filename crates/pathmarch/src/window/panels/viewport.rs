@@ -9,6 +9,7 @@ use crate::window::open_scene::view_state::ComparisonPicture;
 use egui::{Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::pathmarch_scene::document::Path as NodePath;
 use pathmarch_render::{Picked, clearance, pick};
 use std::f32::consts::PI;
 
@@ -18,13 +19,19 @@ const GRAB_DISTANCE: f32 = 7.0;
 /// Action of a click, run after all borrows have ended.
 enum PickAction {
     Select(Option<Picked>),
+    /// Adds to the selection, or removes from it.
+    Extend(Option<Picked>),
     LookAt(Picked),
     Focus(Option<Picked>),
 }
 
 impl App {
     pub(crate) fn viewport(&mut self, ui: &mut Ui) {
-        egui::CentralPanel::no_frame().frame(egui::Frame::NONE).show(ui, |ui| self.picture(ui));
+        egui::CentralPanel::no_frame().frame(egui::Frame::NONE).show(ui, |ui| {
+            let area = ui.available_rect_before_wrap();
+            self.picture(ui);
+            self.diagnostics_panel(ui, area);
+        });
     }
 
     fn picture(&mut self, ui: &mut Ui) {
@@ -34,7 +41,7 @@ impl App {
         let Some(open) = &mut self.open else { return };
         let Some(scene) = open.document.last_good().cloned() else {
             fill_around(ui, area, Rect::from_center_size(area.center(), Vec2::ZERO));
-            let words = "This scene has errors, so there is no picture yet.\nThey are listed below. Fix the text here or in any editor.";
+            let words = "This scene has errors, so there is no picture yet.\nThey are listed below. Correct the text here or in any editor.";
             ui.painter().text(
                 area.center(),
                 Align2::CENTER_CENTER,
@@ -46,8 +53,10 @@ impl App {
         };
         let pixels_per_point = ui.ctx().pixels_per_point();
         let inner = area.shrink(6.0);
-        open.view.available_pixels =
-            [inner.width(), inner.height()].map(|side| (side * pixels_per_point).max(1.0) as u32);
+        let pixels = |side: f32| (side * pixels_per_point).max(1.0) as u32;
+        let window = ui.ctx().content_rect().size();
+        let available = [pixels(inner.width()), pixels(inner.height())];
+        open.view.set_available(available, [pixels(window.x), pixels(window.y)]);
         let (width, height) = scene.render.size;
         let fit = (inner.width() / width as f32).min(inner.height() / height as f32);
         let picture = Rect::from_center_size(area.center(), Vec2::new(width as f32, height as f32) * fit);
@@ -78,7 +87,7 @@ impl App {
     /// Draws the gizmo of the selection and applies its changes. Returns true if it uses the pointer.
     fn handles(&mut self, ui: &Ui, picture: Rect, response: &Response) -> bool {
         let Some(open) = &mut self.open else { return false };
-        let Some(selection) = open.view.selection.clone() else { return false };
+        let Some(selection) = open.view.selection.active().cloned() else { return false };
         if open.document.scene().is_err() {
             return false;
         }
@@ -110,9 +119,20 @@ impl App {
         let Some(open) = &mut self.open else { return };
         let (scroll, zoom, modifiers) =
             ui.input(|input| (input.smooth_scroll_delta.y, input.zoom_delta(), input.modifiers));
-        let camera = &mut open.view.camera;
-        let before = camera.clone();
+        let before = open.view.camera.clone();
         let delta = response.drag_delta() / picture.height().max(1.0);
+        let boxes = modifiers.command && response.dragged_by(PointerButton::Primary);
+        let boxed = modifiers.command && response.drag_stopped_by(PointerButton::Primary);
+        if (boxes || boxed)
+            && let (Some(from), Some(to)) = ui.input(|input| (input.pointer.press_origin(), input.pointer.latest_pos()))
+        {
+            let rect = Rect::from_two_pos(from, to);
+            ui.painter().rect_stroke(rect, 0.0, Stroke::new(1.0, Color32::WHITE), egui::StrokeKind::Middle);
+            let paths = shapes_in(open, scene, picture, rect);
+            open.view.selection.set(&open.document, paths);
+            return;
+        }
+        let camera = &mut open.view.camera;
         let pans = response.dragged_by(PointerButton::Middle)
             || response.dragged_by(PointerButton::Primary) && modifiers.shift;
         if pans {
@@ -141,6 +161,7 @@ impl App {
         let focuses = modifiers.alt || open.view.focus_click;
         let action = match picked {
             picked if focuses => PickAction::Focus(picked),
+            picked if modifiers.command || modifiers.shift => PickAction::Extend(picked),
             Some(picked) if response.double_clicked() => PickAction::LookAt(picked),
             picked => PickAction::Select(picked),
         };
@@ -151,8 +172,16 @@ impl App {
         let Some(open) = &mut self.open else { return };
         let view = &mut open.view;
         match action {
-            PickAction::Select(None) => view.selection = None,
-            PickAction::Select(Some(picked)) => view.selection = open.document.path_of_leaf(picked.leaf),
+            PickAction::Select(None) => view.selection.clear(),
+            PickAction::Select(Some(picked)) => {
+                view.selection.set(&open.document, open.document.path_of_leaf(picked.leaf));
+            }
+            PickAction::Extend(None) => {}
+            PickAction::Extend(Some(picked)) => {
+                if let Some(path) = open.document.path_of_leaf(picked.leaf) {
+                    view.selection.toggle(&open.document, path);
+                }
+            }
             PickAction::LookAt(picked) => {
                 navigation::look_at(&mut view.camera, picked.position.into());
                 // Focus on the new target, like a camera with centre autofocus.
@@ -212,10 +241,16 @@ fn fill_around(ui: &Ui, area: Rect, picture: Rect) {
     }
 }
 
-/// Draws the bounding box of the selection.
+/// Draws the bounding boxes of the selected nodes.
 fn outline(ui: &Ui, picture: Rect, open: &OpenScene, scene: &Scene) {
-    let Some(selection) = &open.view.selection else { return };
-    let leaves = open.document.leaves_of(selection);
+    for selection in open.view.selection.paths() {
+        outline_of(ui, picture, open, scene, selection);
+    }
+}
+
+/// Draws the bounding box of a node.
+fn outline_of(ui: &Ui, picture: Rect, open: &OpenScene, scene: &Scene, node: &NodePath) {
+    let leaves = open.document.leaves_of(node);
     let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf)).filter(|bounds| bounds.is_finite());
     let Some(bounds) = boxes.reduce(|all, bounds| all.union(bounds)) else { return };
     let projection = Projection::new(&open.view.camera, picture);
@@ -233,6 +268,20 @@ fn outline(ui: &Ui, picture: Rect, open: &OpenScene, scene: &Scene) {
             }
         }
     }
+}
+
+/// Shapes whose bounds have their centre in a rectangle of the window.
+fn shapes_in(open: &OpenScene, scene: &Scene, picture: Rect, rect: Rect) -> Vec<NodePath> {
+    let projection = Projection::new(&open.view.camera, picture);
+    let is_inside = |leaf: &usize| {
+        let bounds = scene.field.leaf_bounds(*leaf);
+        let centre = DVec3::from_array(std::array::from_fn(|k| 0.5 * f64::from(bounds.min[k] + bounds.max[k])));
+        bounds.is_finite() && projection.project(centre).is_some_and(|at| rect.contains(at))
+    };
+    let mut paths: Vec<NodePath> =
+        (0..scene.field.leaves().len()).filter(is_inside).filter_map(|leaf| open.document.path_of_leaf(leaf)).collect();
+    paths.dedup();
+    paths
 }
 
 /// Picks the surface at a point of the window.

@@ -3,7 +3,7 @@
 use super::*;
 use pathmarch_render::pathmarch_field::registry;
 use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, ItemKind, key};
-use pathmarch_render::pathmarch_scene::materials;
+use pathmarch_render::pathmarch_scene::{materials, settings};
 
 /// A scene with every shape, operator and kind of material, each with all of its parameters or none.
 fn everything() -> String {
@@ -52,6 +52,8 @@ fn every_control_of_every_node_is_a_widget_with_its_label() {
         for control in controls {
             let label = &*control.label;
             let roles: &[Role] = match (&control.kind, &control.value) {
+                // The scene is still.
+                _ if settings::OF_MOTION.contains(&label) => &[Role::Button],
                 (ControlKind::Material(_), _) => &[Role::ComboBox],
                 (_, Value::None) => &[Role::Button],
                 (ControlKind::Number(_), _) => &[Role::Slider, Role::SpinButton],
@@ -391,4 +393,20 @@ fn rotating_and_scaling_is_one_undo_step_each() {
     person.drag(out(-1.5, 0.0), out(1.0, 0.0), PointerButton::Primary, Modifiers::NONE);
     assert_eq!(person.text(), SCENE);
     assert_ne!(person.open().view.camera, camera);
+}
+
+#[test]
+fn a_shared_material_is_copied_and_becomes_a_preset() {
+    let mut person = Person::at_scene();
+    person.select("carved");
+    person.click("Make a copy");
+    assert!(person.text().contains("object \"carved\" material=\"grey 2\""), "{}", person.text());
+    assert!(person.text().contains("object \"floor\" material=\"grey\""));
+    assert_eq!(person.undo_all(), 1);
+    person.select("red");
+    person.click("Presets…");
+    person.click("gold");
+    assert!(person.text().contains("material \"red\" { metal 1 0.78 0.34; roughness 0.2 }"), "{}", person.text());
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), SCENE);
 }

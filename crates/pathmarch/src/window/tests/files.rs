@@ -49,7 +49,7 @@ fn saves_that_follow_soon_after_each_other_are_no_changes_by_others() {
     std::thread::sleep(Duration::from_millis(300));
     person.wait(2);
     assert_eq!(person.text(), person.on_disk());
-    assert!(!person.messages().iter().any(|message| message.contains("has changed")), "{:?}", person.messages());
+    assert!(!person.messages().iter().any(|message| message.contains("changed on disk")), "{:?}", person.messages());
 }
 
 #[test]
@@ -183,7 +183,7 @@ fn a_change_on_disk_is_shown() {
     std::fs::write(person.file(), &text).expect("written");
     person.until("the file is read", |person| person.text() == text);
     assert!(!person.open().has_unsaved_work());
-    person.assert_said("The file has changed");
+    person.assert_said("Reloaded: the file changed on disk");
     // An editor may replace the file; undo brings the old text back.
     replace_file(&person.file(), SCENE);
     person.until("the file is read", |person| person.text() == SCENE);
@@ -224,7 +224,7 @@ fn conflict() -> (Person, String, String) {
     std::fs::write(person.file(), &theirs).expect("written");
     person.until("it is asked", |person| matches!(person.app().dialog, Some(Dialog::Conflict)));
     person.wait(2);
-    assert!(person.has("The file has changed on disk"));
+    assert!(person.has("The file changed on disk"));
     person.key(Key::Escape);
     assert!(matches!(person.app().dialog, Some(Dialog::Conflict)), "that must be answered");
     assert_eq!(person.text(), mine);

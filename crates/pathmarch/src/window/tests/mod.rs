@@ -204,7 +204,7 @@ impl Person {
         self.document().control(&self.path(title), key).unwrap_or_else(|| panic!("no {key} of {title}")).value
     }
     fn selected(&self) -> Option<String> {
-        let path = self.open().view.selection.as_ref()?;
+        let path = self.open().view.selection.active()?;
         self.document().item(path).map(|item| item.title().to_owned())
     }
     fn select(&mut self, title: &str) {

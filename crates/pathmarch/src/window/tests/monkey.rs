@@ -78,6 +78,11 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
                 .harness
                 .query_all_by(|node| node.bounding_box().is_some() && !IDLE.contains(&node.role()))
                 .collect();
+            // The picture alone has no widgets.
+            if nodes.is_empty() {
+                drop(nodes);
+                return person.key(Key::Escape);
+            }
             let node = &nodes[random.below(nodes.len())];
             match random.below(8) {
                 0 => node.focus(),

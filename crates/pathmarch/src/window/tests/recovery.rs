@@ -128,7 +128,7 @@ fn work_does_not_replace_what_another_program_wrote_before_the_crash() {
     for _ in 0..2 {
         person = person.crash();
         person.answer("Open");
-        assert!(is_asked(&person) && person.has("The file has changed on disk"), "{:?}", person.messages());
+        assert!(is_asked(&person) && person.has("The file changed on disk"), "{:?}", person.messages());
         assert_eq!((person.text(), person.on_disk()), (mine.as_str(), theirs()));
         person.ctrl(Key::S);
         assert_eq!(person.on_disk(), theirs(), "not before it is answered");

@@ -92,3 +92,19 @@ fn frames_are_rendered_to_files_of_their_own() {
     person.assert_said("stopped; wrote");
     assert!(!person.file().with_file_name("scene-0119.png").exists());
 }
+
+#[test]
+fn a_turntable_starts_at_the_view_and_goes_around() {
+    let mut person = Person::at_scene();
+    let before = person.open().view.camera.position;
+    person.menu("Camera", "Turntable");
+    assert!(person.scene().animated, "{:?}", person.messages());
+    let near = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2e-3);
+    assert!(near(person.scene().cameras[0].position, before), "{:?}", person.scene().cameras[0].position);
+    assert_eq!(person.open().playback.last, 239);
+    // After a quarter of the turn the camera is a quarter around the target.
+    let fps = person.scene().render.fps;
+    person.app_mut().show_frame(60, fps);
+    let position = person.scene().cameras[0].position;
+    assert!((position[1] - before[1]).abs() < 1e-3 && (position[0].abs() - 4.5).abs() < 0.01, "{position:?}");
+}

@@ -185,3 +185,108 @@ fn an_edit_that_causes_an_error_is_refused_with_its_reason() {
     person.context("material “grey”", &["Delete"]);
     assert_eq!(person.text(), before, "it is still used");
 }
+
+/// Clicks rows with Ctrl, so that all of them are selected, in this order.
+fn select_rows(person: &mut Person, rows: &[&str]) {
+    for (index, row) in rows.iter().enumerate() {
+        let at = person.harness.get_by_role_and_label(Role::TreeItem, row).rect().center();
+        person.click_at(at, if index == 0 { Modifiers::NONE } else { CTRL });
+        person.wait(PAUSE);
+    }
+}
+
+#[test]
+fn several_rows_are_selected_and_combined_by_keys_and_menus() {
+    let mut person = Person::at_scene();
+    select_rows(&mut person, &["object “carved”", "object “ball”"]);
+    assert_eq!(person.open().view.selection.paths().len(), 2);
+    person.hover(person.picture().center());
+    person.key(Key::M);
+    assert_eq!(person.scene().objects.len(), 2, "{:?}", person.messages());
+    assert_eq!(person.selected().as_deref(), Some("subtract"));
+    assert!(person.text().contains("sphere 0.7 material=\"red\" { at 0 0.7 0 }"), "{}", person.text());
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), SCENE);
+    select_rows(&mut person, &["object “ball”", "object “floor”"]);
+    person.menu("Edit", "Unite");
+    assert_eq!(person.selected().as_deref(), Some("union"));
+    assert_eq!(person.undo_all(), 1);
+    // A second click with Ctrl removes a row from the selection.
+    select_rows(&mut person, &["object “ball”", "object “floor”", "object “ball”"]);
+    assert_eq!(person.open().view.selection.paths().len(), 1);
+    assert_eq!(person.selected().as_deref(), Some("floor"));
+}
+
+#[test]
+fn shift_selects_rows_up_to_another_and_edits_change_all_of_them() {
+    let mut person = Person::at_scene();
+    person.click_role(Role::TreeItem, "object “ball”");
+    let at = person.harness.get_by_role_and_label(Role::TreeItem, "subtract").rect().center();
+    person.click_at(at, Modifiers::SHIFT);
+    person.wait(PAUSE);
+    // The ball, its sphere, the carved object and its operator.
+    assert_eq!(person.open().view.selection.paths().len(), 4);
+    person.ctrl(Key::D);
+    assert_eq!(person.scene().objects.len(), 5);
+    person.key(Key::Delete);
+    assert_eq!(person.text(), SCENE);
+    assert!(person.open().view.selection.paths().is_empty());
+}
+
+#[test]
+fn an_object_is_dragged_into_an_operator() {
+    let mut person = Person::at_scene();
+    let rect = |person: &Person, row: &str| person.harness.get_by_role_and_label(Role::TreeItem, row).rect();
+    let (from, to) = (rect(&person, "object “ball”").center(), rect(&person, "subtract").center());
+    person.drag(from, to, PointerButton::Primary, Modifiers::NONE);
+    assert_eq!(person.scene().objects.len(), 2, "{:?}", person.messages());
+    let subtract = person.path("subtract");
+    let words: Vec<_> =
+        person.document().item(&subtract).expect("there").children.iter().map(|child| child.word.clone()).collect();
+    assert_eq!(words, ["box", "sphere", "sphere"]);
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn a_box_selects_the_shapes_in_it() {
+    let mut person = Person::at_scene();
+    let picture = person.picture();
+    person.drag(picture.min + Vec2::splat(2.0), picture.max - Vec2::splat(2.0), PointerButton::Primary, CTRL);
+    let selected = person.open().view.selection.paths().len();
+    assert_eq!(selected, 3, "the spheres and the box, but not the plane, which has no end");
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn a_shape_is_put_on_the_ground() {
+    let mut person = Start::with(&SCENE.replace("at 0 0.7 0", "at 0 2 0")).go();
+    person.select("ball");
+    person.hover(person.picture().center());
+    person.key(Key::G);
+    assert!(person.text().contains("sphere 0.7 { at 0 0.7 0 }"), "{}", person.text());
+    assert_eq!(person.undo_all(), 1);
+}
+
+#[test]
+fn the_tree_is_searched() {
+    let mut person = Person::at_scene();
+    let field = person.harness.get_by_role_and_label(Role::SearchInput, "Search the scene");
+    field.focus();
+    person.wait(2);
+    person.harness.event(egui::Event::Text("ball".to_owned()));
+    person.wait(2);
+    let has = |person: &Person, row: &str| person.harness.query_by_role_and_label(Role::TreeItem, row).is_some();
+    assert!(has(&person, "object “ball”") && !has(&person, "object “floor”") && !has(&person, "box"));
+}
+
+#[test]
+fn the_selection_survives_a_change_of_the_file() {
+    let mut person = Person::at_scene();
+    person.select("carved");
+    let text = SCENE.replace("object \"ball\"", "object \"new\" { torus }\nobject \"ball\"");
+    std::fs::write(person.file(), &text).expect("written");
+    person.until("the file is read", |person| person.text() == text);
+    person.wait(2);
+    assert_eq!(person.selected().as_deref(), Some("carved"));
+}

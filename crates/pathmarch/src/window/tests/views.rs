@@ -13,7 +13,7 @@ fn a_stored_picture_is_compared_along_a_dragged_line() {
     let split =
         |person: &Person| person.open().view.comparison.as_ref().filter(|kept| kept.shown).map(|kept| kept.split);
     assert_eq!(split(&person), Some(0.5));
-    person.assert_said("Stored for comparison");
+    person.assert_said("Picture stored");
     let camera = person.open().view.camera.clone();
     person.drag(person.point(0.5, 0.1), person.point(0.25, 0.1), PointerButton::Primary, Modifiers::NONE);
     let moved = split(&person).expect("shown");
@@ -179,4 +179,47 @@ fn restarting_the_graphics_asks_for_a_new_device_once() {
     assert!(person.app_mut().take_device_reset());
     assert!(!person.app_mut().take_device_reset());
     person.rest();
+}
+
+#[test]
+fn panels_selection_and_comments_leave_the_picture_alone() {
+    let mut person = Person::at_scene();
+    person.rest();
+    let serial = |person: &Person| person.open().view.picture.as_ref().map(|(_, serial, size)| (*serial, *size));
+    let before = serial(&person);
+    person.select("sphere");
+    person.key(Key::F4);
+    person.wait(3);
+    person.app_mut().edit(|open| {
+        let text = format!("// A comment.\n\n{}", open.document.text());
+        open.document.replace_text(text, "Test", None);
+        Ok(())
+    });
+    person.wait(3);
+    assert!(person.app().live.status().resting);
+    assert_eq!(serial(&person), before, "the same picture");
+    // A mistake covers the picture, and does not resize it.
+    let area = |person: &Person| person.harness.get_by_role_and_label(Role::Image, "Viewport").rect();
+    let before_mistake = area(&person);
+    person.app_mut().edit(|open| {
+        let text = format!("{}\nobject \"x\" {{ sfere }}\n", open.document.text());
+        open.document.replace_text(text, "Test", None);
+        Ok(())
+    });
+    person.wait(3);
+    assert!(person.has("1 error"));
+    assert_eq!((serial(&person), area(&person)), (before, before_mistake));
+}
+
+#[test]
+fn the_picture_fills_the_window_until_escape() {
+    let mut person = Person::at_scene();
+    person.key(Key::F11);
+    assert!(!person.has("Scene") && person.picture().width() > 850.0, "{:?}", person.picture());
+    person.key(Key::Escape);
+    assert!(person.has("Scene"));
+    person.key(Key::F1);
+    assert!(person.app().help);
+    person.key(Key::Escape);
+    assert!(!person.app().help, "Escape closes the help");
 }

@@ -57,13 +57,13 @@ fn is_owned(lock: &Path) -> bool {
     matches!(lock.try_lock(), Err(TryLockError::WouldBlock))
 }
 
-/// Removes lock files without work that are at least a day old: a newer one may not be locked yet.
+/// Removes lock files without work that are at least a minute old: a newer one may not be locked yet.
 pub(super) fn remove_stale_locks(directory: &Path) {
     for path in fs::read_dir(directory).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path())) {
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         let Some(stem) = name.strip_suffix(LOCK).filter(|stem| stem.ends_with('.')) else { continue };
         let changed = fs::metadata(&path).and_then(|data| data.modified());
-        let old = changed.is_ok_and(|at| at.elapsed().is_ok_and(|age| age > Duration::from_secs(24 * 60 * 60)));
+        let old = changed.is_ok_and(|at| at.elapsed().is_ok_and(|age| age > Duration::from_secs(60)));
         if old && !path.with_file_name(format!("{stem}{KEPT}")).exists() && !is_owned(&path) {
             // A leftover file is harmless.
             let _ = fs::remove_file(path);

@@ -54,7 +54,8 @@ impl App {
                 if ui.add(value).labelled_by(label.id).changed() {
                     camera.focus = Some(distance);
                 }
-                ui.toggle_value(&mut open.view.focus_click, "pick").on_hover_text("Click a surface to focus on it.");
+                ui.toggle_value(&mut open.view.focus_click, "Pick in view")
+                    .on_hover_text("Click a surface to focus on it.");
             });
             ui.end_row();
         });
@@ -79,7 +80,7 @@ impl App {
         ui.horizontal(|ui| {
             ui.add_enabled_ui(moved, |ui| {
                 let words = "Set the scene's camera to the current view.";
-                write = ui.button("Apply view to camera").on_hover_text(words).clicked();
+                write = ui.button("Save view to camera").on_hover_text(words).clicked();
                 back = ui.button("Reset").on_hover_text("Return to the scene's camera.").clicked();
             });
         });

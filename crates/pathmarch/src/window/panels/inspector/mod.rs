@@ -7,34 +7,51 @@ mod widgets;
 
 use crate::window::app::App;
 use egui::Ui;
-use pathmarch_render::pathmarch_scene::document::{Control, Item, ItemKind, Path, Value, key};
+use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, Item, ItemKind, PRESETS, Path, Value, key};
+use pathmarch_render::pathmarch_scene::settings;
 use widgets::{Change, row};
 
 /// Smallest window width with room for inspector and picture, points.
 const LEAST_WINDOW: f32 = 640.0;
+/// Space that a row needs beside its slider, points.
+const LABEL_AND_NUMBER: f32 = 225.0;
 
 impl App {
     pub(crate) fn inspector_panel(&mut self, ui: &mut Ui) {
-        // A narrow window leaves the space to the picture.
-        if ui.ctx().content_rect().width() < LEAST_WINDOW {
+        let screen = ui.ctx().content_rect();
+        if screen.width() < LEAST_WINDOW {
+            // A narrow window leaves the space to the picture: the properties float above it.
+            let window = egui::Window::new("Properties").default_open(false).default_width(0.6 * screen.width());
+            let place = window.anchor(egui::Align2::RIGHT_TOP, [-6.0, 30.0]).max_height(screen.height() - 110.0);
+            place.show(ui.ctx(), |ui| self.properties(ui));
             return;
         }
         let panel = egui::Panel::right("inspector").default_size(310.0).min_size(220.0).max_size(560.0);
         panel.show(ui, |ui| {
-            egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-                self.selected_controls(ui);
-                ui.separator();
-                self.parameter_controls(ui);
-                self.camera_controls(ui);
-                ui.separator();
-                self.picture_controls(ui);
-            });
+            // Contents wider than the panel are cut off instead of widening it, because that would resize the picture.
+            let rect = ui.available_rect_before_wrap();
+            let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(rect));
+            inner.set_clip_rect(rect.expand(2.0).intersect(ui.clip_rect()));
+            self.properties(&mut inner);
+            ui.allocate_rect(rect, egui::Sense::hover());
+        });
+    }
+
+    fn properties(&mut self, ui: &mut Ui) {
+        ui.spacing_mut().slider_width = (ui.available_width() - LABEL_AND_NUMBER).clamp(50.0, 130.0);
+        egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            self.selected_controls(ui);
+            ui.separator();
+            self.parameter_controls(ui);
+            self.camera_controls(ui);
+            ui.separator();
+            self.picture_controls(ui);
         });
     }
 
     fn selected_controls(&mut self, ui: &mut Ui) {
         let Some(open) = &self.open else { return };
-        let Some(item) = open.view.selection.as_ref().and_then(|path| open.document.item(path)).cloned() else {
+        let Some(item) = open.view.selection.active().and_then(|path| open.document.item(path)).cloned() else {
             ui.add_space(6.0);
             ui.weak("Nothing selected. Click a shape in the viewport or a row in the scene tree.");
             return;
@@ -46,15 +63,18 @@ impl App {
                 ui.weak(format!("line {line}"));
             }
         });
+        if item.kind == ItemKind::Material {
+            self.material_presets(ui, &item.path);
+        }
         self.controls_of(ui, &item.path);
         // Show the material of the object, or the inherited one.
         if item.kind == ItemKind::Object || item.kind.is_solid() {
             let Some(open) = &self.open else { return };
             let up = |path: &Path| path.parent();
             let around = std::iter::successors(Some(item.path.clone()), up);
-            let mut named = around.filter_map(|path| open.document.item(&path)?.material.clone());
-            if let Some(material) = named.next() {
-                self.linked_material(ui, &material);
+            let mut named = around.filter_map(|path| Some((open.document.item(&path)?.material.clone()?, path)));
+            if let Some((material, user)) = named.next() {
+                self.linked_material(ui, &material, &user);
             }
         }
     }
@@ -90,20 +110,59 @@ impl App {
     }
 
     /// Controls of the material that the selection uses.
-    fn linked_material(&mut self, ui: &mut Ui, material: &str) {
+    fn linked_material(&mut self, ui: &mut Ui, material: &str, user: &Path) {
         let Some(open) = &self.open else { return };
         let is_it = |item: &&Item| item.kind == ItemKind::Material && item.name.as_deref() == Some(material);
         let Some(path) = open.document.outline().iter().find(is_it).map(|item| item.path.clone()) else { return };
         egui::CollapsingHeader::new(format!("Material “{material}”"))
             .id_salt("linked material")
             .default_open(true)
-            .show(ui, |ui| self.controls_of(ui, &path));
+            .show(ui, |ui| {
+                self.shared_material(ui, material, &path, user);
+                self.material_presets(ui, &path);
+                self.controls_of(ui, &path);
+            });
+    }
+
+    /// Tells how many nodes use a material, and offers a copy for this one.
+    fn shared_material(&mut self, ui: &mut Ui, material: &str, path: &Path, user: &Path) {
+        let uses = self.open.as_ref().map_or(0, |open| open.document.uses_of_material(material));
+        if uses < 2 {
+            return;
+        }
+        let mut copied = false;
+        ui.horizontal_wrapped(|ui| {
+            ui.weak(format!("Used {uses} times."));
+            let button = ui.small_button("Make a copy").on_hover_text("Give this one a copy, to change it alone.");
+            copied = button.clicked();
+        });
+        if copied {
+            self.edit(|open| open.document.copy_material(user, path));
+        }
+    }
+
+    /// Menu of materials to start from.
+    fn material_presets(&mut self, ui: &mut Ui, path: &Path) {
+        let mut chosen = None;
+        ui.menu_button("Presets…", |ui| {
+            for preset in PRESETS {
+                if ui.button(preset.name).clicked() {
+                    chosen = Some(preset.name);
+                    ui.close();
+                }
+            }
+        });
+        if let Some(preset) = chosen {
+            self.edit(|open| open.document.apply_preset(path, preset));
+        }
     }
 
     /// All controls of a node.
     fn controls_of(&mut self, ui: &mut Ui, path: &Path) {
         let Some(open) = &self.open else { return };
-        let controls = open.document.controls(path);
+        let animated = open.document.last_good().is_some_and(|scene| scene.animated);
+        let (unset, controls): (Vec<Control>, Vec<Control>) =
+            open.document.controls(path).into_iter().partition(|control| is_unset(control, animated));
         let mut change = None;
         egui::Grid::new(("controls", path)).num_columns(2).spacing([8.0, 5.0]).striped(true).show(ui, |ui| {
             for control in &controls {
@@ -113,6 +172,16 @@ impl App {
                 ui.end_row();
             }
         });
+        if !unset.is_empty() {
+            ui.horizontal_wrapped(|ui| {
+                ui.weak("Add:");
+                for control in &unset {
+                    if ui.small_button(&*control.label).on_hover_text(&*control.doc).clicked() {
+                        change = Some((&*control.key, Change::Set(control.initial.clone())));
+                    }
+                }
+            });
+        }
         let undo_group = self.undo_group;
         match change {
             Some((key::NAME, Change::Set(Value::Text(name)))) => {
@@ -127,6 +196,13 @@ impl App {
             None => {}
         }
     }
+}
+
+/// True for a control that is not shown until it is added: one without value, or of motion in a still scene.
+fn is_unset(control: &Control, animated: bool) -> bool {
+    let of_motion = settings::OF_MOTION.contains(&&*control.key);
+    let has_none = control.value == Value::None && !matches!(control.kind, ControlKind::Material(_));
+    has_none || of_motion && !control.given && !animated
 }
 
 /// Heading of a node: kind and name.

@@ -24,13 +24,6 @@ pub(super) fn row(ui: &mut Ui, path: &Path, control: &Control) -> Option<Change>
         });
     }
     ui.horizontal(|ui| {
-        if control.value == Value::None && !matches!(control.kind, ControlKind::Material(_)) {
-            let button = ui.button("set").labelled_by(label.id).on_hover_text(format!("Set {}.", control.label));
-            if button.clicked() {
-                change = Some(Change::Set(control.initial.clone()));
-            }
-            return;
-        }
         let as_text = ui.data(|data| data.get_temp::<bool>(typing)).unwrap_or(false);
         let value = match (&control.value, numbers) {
             (Value::Formulas(texts), _) => formulas(ui, path, control, texts, &label),
@@ -120,7 +113,7 @@ fn widget(ui: &mut Ui, path: &Path, control: &Control, label: &Response) -> Opti
             choose(ui, &control.key, path, value, names, label).map(Value::Text)
         }
         (ControlKind::Material(names), value) => {
-            let of_parent = "inherited".to_owned();
+            let of_parent = "Inherit".to_owned();
             let shown = if let Value::Text(name) = value { name.as_str() } else { "" };
             let names = names.iter().map(|name| (name.clone(), name.clone()));
             let names = std::iter::once((String::new(), of_parent)).chain(names);

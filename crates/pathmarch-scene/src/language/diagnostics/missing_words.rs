@@ -1,0 +1,108 @@
+//! Words of other programs that the scene language does not have, with what to do instead.
+
+/// A word, and what to do instead of it.
+pub(crate) type MissingWord = (&'static str, &'static str);
+
+const BOOLEAN: &str = "Use `union`, `subtract` or `intersect`; `smooth=` blends them.";
+const EMITTER: &str = "Give a `rect`, `disc` or `sphere` a material that emits: material \"lamp\" { emit 8 }.";
+const VOLUME: &str = "Not supported yet: light is scattered at surfaces only. Glass absorbs light with `absorb r g b`.";
+const NORMAL_MAP: &str = "Use `bump` with a texture: bump { fbm size=0.05 height=0.005 }.";
+const KEYFRAMES: &str = "Use a formula of the time t in seconds: sphere \"0.5 + 0.1 * sin(t)\".";
+const SCATTERING: &str = "Not supported yet: a `principled` material with `transmission` comes nearest.";
+
+/// Words in use elsewhere, in alphabetical order.
+pub(crate) const MISSING_WORDS: &[MissingWord] = &[
+    ("albedo", "Use `diffuse r g b` or the colour of a `principled` material."),
+    ("anisotropy", "Not supported yet: reflections are isotropic."),
+    ("area", EMITTER),
+    ("arealight", EMITTER),
+    ("background", "Use `sky`: one radiance, a gradient, a day or a picture."),
+    ("basecolor", "Write the colour after `principled`: principled 0.8 0.1 0.1."),
+    ("bevel", "Use `round`, or `smooth=` of an operator."),
+    ("boolean", BOOLEAN),
+    ("clearcoat", "Use `coat` of a `principled` material."),
+    ("cube", "Use `box`."),
+    ("difference", "Use `subtract`: its first child minus all the others."),
+    ("directional", "Use `sun { direction x y z; irradiance r g b }`."),
+    ("emission", "Use `emit`: material \"lamp\" { emit 8 }."),
+    ("emissive", "Use `emit`: material \"lamp\" { emit 8 }."),
+    ("environment", "Use a sky with a picture: sky \"studio.hdr\"."),
+    ("envmap", "Use a sky with a picture: sky \"studio.hdr\"."),
+    ("eta", "Use `ior`."),
+    ("fog", VOLUME),
+    ("fur", "Not supported yet: there are no hairs."),
+    ("fuzz", "Not supported yet: there is no sheen."),
+    ("ground", "Use `object \"floor\" { plane }`."),
+    ("group", "Use `union`, which takes `at`, `rotate` and `scale`."),
+    ("hair", "Not supported yet: there are no hairs."),
+    ("hdri", "Use a sky with a picture: sky \"studio.hdr\"."),
+    ("ies", "Not supported yet: lights have no profiles."),
+    ("instance", "Declare a `shape` and use it by its name."),
+    ("keyframe", KEYFRAMES),
+    ("keyframes", KEYFRAMES),
+    ("lambert", "Use `diffuse`."),
+    ("light", "Use `point`, `sun`, `sky`, or an object with a material that emits."),
+    ("lookat", "Use `target x y z` of a camera."),
+    ("nodes", "Write textures in the braces of a parameter: diffuse { wood }."),
+    ("normalmap", NORMAL_MAP),
+    ("offset", "Use `round`, which adds to the distance, or `shell`."),
+    ("opacity", "Not supported: use `glass` for clear solids, or `subtract` for holes."),
+    ("orthographic", "Not supported yet: use a small `fov` from far away."),
+    ("plastic", "Use `principled` with a `roughness`."),
+    ("pointlight", "Use `point { at x y z; intensity r g b }`."),
+    ("quad", "Use `rect`."),
+    ("reflectivity", "Use `metal`, or `metallic` of a `principled` material."),
+    ("rotation", "Use `rotate x y z`, in degrees."),
+    ("sdf", "Use `field` for a distance function in WGSL."),
+    ("sheen", "Not supported yet: there is no sheen."),
+    ("skybox", "Use a sky with a picture: sky \"studio.hdr\"."),
+    ("smoke", VOLUME),
+    ("specular", "Use `metal` for conductors, or `ior` of a `principled` material."),
+    ("spot", "Not supported yet: put a lamp into a tube, a `subtract` of two cylinders."),
+    ("spotlight", "Not supported yet: put a lamp into a tube, a `subtract` of two cylinders."),
+    ("sss", SCATTERING),
+    ("subsurface", SCATTERING),
+    ("texture", "Write a texture in the braces of a parameter: diffuse { wood }."),
+    ("transform", "Use `at`, `rotate` and `scale` in the braces of the shape."),
+    ("translate", "Use `at x y z`."),
+    ("transparent", "Use `glass`."),
+    ("tube", "Use `subtract` of two cylinders, or `shell`."),
+    ("volume", VOLUME),
+    ("wall", "Use `box`."),
+];
+
+/// Advice for a word that is spelt like this, whatever its case and the signs in it.
+pub(crate) fn advice(word: &str) -> Option<&'static str> {
+    let letters =
+        |word: &str| -> String { word.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_lowercase() };
+    let wanted = letters(word);
+    MISSING_WORDS.iter().find(|(word, _)| letters(word) == wanted).map(|(_, advice)| *advice)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::language::keywords::{TOP, solids};
+    use crate::{materials, settings, textures};
+
+    #[test]
+    fn words_are_sorted_and_missing() {
+        assert!(MISSING_WORDS.is_sorted_by_key(|(word, _)| word));
+        for (word, advice) in MISSING_WORDS {
+            let exists = TOP.contains(word)
+                || solids().any(|solid| solid == *word)
+                || materials::kind(word).is_some()
+                || textures::names().contains(word)
+                || settings::RENDER.iter().chain(settings::CAMERA).any(|setting| setting.name == *word);
+            assert!(!exists, "{word} exists");
+            assert!(advice.ends_with('.'), "{word}");
+        }
+    }
+
+    #[test]
+    fn case_and_signs_do_not_matter() {
+        assert_eq!(advice("Spot_Light"), advice("spotlight"));
+        assert!(advice("FOG").is_some_and(|advice| advice.starts_with("Not supported yet")));
+        assert_eq!(advice("sphere"), None);
+    }
+}

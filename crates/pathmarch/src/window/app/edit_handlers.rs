@@ -1,0 +1,146 @@
+//! Handlers of actions that edit the selected nodes.
+
+use super::App;
+use super::actions::Action;
+use crate::window::gizmo;
+use egui::Context;
+use pathmarch_render::pathmarch_scene::document::{Item, ItemKind, Path, Value, key};
+
+/// Duration of a turn of a turntable, seconds.
+const TURN_SECONDS: f32 = 10.0;
+
+/// Formulas of a camera position on a circle around the vertical axis through the target; at t = 0 it is `position`.
+fn orbit(position: [f32; 3], target: [f32; 3]) -> Vec<String> {
+    let (x, z) = (position[0] - target[0], position[2] - target[2]);
+    let (radius, start) = (x.hypot(z), z.atan2(x).to_degrees());
+    let angle = format!("radians({start:.2} + {}*t)", 360.0 / TURN_SECONDS);
+    let along = |middle: f32, function: &str| format!("{middle:.3} + {radius:.3}*{function}({angle})");
+    vec![along(target[0], "cos"), format!("{:.3}", position[1]), along(target[2], "sin")]
+}
+
+impl App {
+    /// Runs an action of the menu Edit; leaves others to the view.
+    pub(super) fn run_edit_action(&mut self, ctx: &Context, action: Action) {
+        match action {
+            Action::Duplicate => self.duplicate(),
+            Action::Delete => self.delete(),
+            Action::Group => self.group_into("union"),
+            Action::Ungroup => self.ungroup(),
+            Action::Unite => self.combine("union"),
+            Action::Subtract => self.combine("subtract"),
+            Action::Intersect => self.combine("intersect"),
+            Action::ToGround => self.put_on_ground(),
+            Action::Turntable => self.turntable(),
+            _ => self.run_view_action(ctx, action),
+        }
+    }
+
+    /// Selected nodes in the order of selection, without those inside other selected ones.
+    fn selected_paths(&self) -> Vec<Path> {
+        let all = self.open.as_ref().map_or(&[][..], |open| open.view.selection.paths());
+        let inside = |path: &&Path| all.iter().any(|other| other != *path && path.is_within(other));
+        all.iter().filter(|path| !inside(path)).cloned().collect()
+    }
+
+    /// Selected nodes from the end of the file to its start: an edit of one leaves the paths of the next ones alone.
+    fn from_the_end(&self) -> Vec<Path> {
+        let mut paths = self.selected_paths();
+        paths.sort();
+        paths.reverse();
+        paths
+    }
+
+    /// Selects nodes alone.
+    pub(crate) fn select_all(&mut self, paths: Vec<Path>) {
+        if let Some(open) = &mut self.open {
+            open.view.selection.set(&open.document, paths);
+        }
+    }
+
+    fn duplicate(&mut self) {
+        let mut copies: Vec<Path> = Vec::new();
+        for path in self.from_the_end() {
+            let Some(copy) = self.edit(|open| open.document.duplicate(&path)) else { break };
+            copies = copies.iter().map(|other| other.after_insertion(&copy)).collect();
+            copies.push(copy);
+        }
+        if !copies.is_empty() {
+            self.select_all(copies);
+        }
+    }
+
+    fn delete(&mut self) {
+        for path in self.from_the_end() {
+            if self.edit(|open| open.document.remove(&path)).is_none() {
+                return;
+            }
+        }
+        self.select_all(Vec::new());
+    }
+
+    /// Puts the selected shapes into an operator.
+    pub(crate) fn group_into(&mut self, operator: &str) {
+        let paths = self.selected_paths();
+        if !paths.is_empty() {
+            let group = self.edit(|open| open.document.group(&paths, operator));
+            self.select(group);
+        }
+    }
+
+    fn ungroup(&mut self) {
+        let Some(path) = self.selected_paths().pop() else { return };
+        if let Some(freed) = self.edit(|open| open.document.ungroup(&path)) {
+            self.select_all(freed);
+        }
+    }
+
+    /// Combines the selected shapes and objects.
+    pub(crate) fn combine(&mut self, operator: &str) {
+        let paths = self.selected_paths();
+        let combined = self.edit(|open| open.document.combine(&paths, operator));
+        self.select(combined);
+    }
+
+    /// Lets the camera circle its target, by formulas of the time; the playback ends after one turn.
+    fn turntable(&mut self) {
+        self.write_camera();
+        let Some(open) = &self.open else { return };
+        let (camera, name) = (open.view.camera.clone(), open.view.camera_name().to_owned());
+        let is_it = |item: &&Item| item.kind == ItemKind::Camera && item.title() == name;
+        let Some(path) = open.document.outline().iter().find(is_it).map(|item| item.path.clone()) else { return };
+        let position = Value::Formulas(orbit(camera.position, camera.target));
+        if self.edit(|open| open.document.set(&path, "position", position, None)).is_some()
+            && let Some(open) = &mut self.open
+        {
+            let fps = open.document.last_good().map_or(24.0, |scene| scene.render.fps);
+            open.playback.last = (TURN_SECONDS * fps).round().max(2.0) as u32 - 1;
+            self.show_message(
+                "The camera goes around its target in 10 s. Space plays; File, Render writes the frames.",
+            );
+        }
+    }
+
+    /// Moves each selected node along the y axis until the bounds of its shapes touch the height 0.
+    fn put_on_ground(&mut self) {
+        self.undo_group += 1;
+        let undo_group = self.undo_group;
+        for path in self.selected_paths() {
+            let Some((target, at)) = self.place_on_ground(&path) else {
+                self.show_error("Only shapes with finite bounds can be put on the ground.");
+                return;
+            };
+            self.edit(|open| open.document.set(&target, key::AT, Value::Triple(at), Some(undo_group)));
+        }
+    }
+
+    /// The node to move, and its new position relative to its parent.
+    fn place_on_ground(&self, path: &Path) -> Option<(Path, [f32; 3])> {
+        let document = &self.open.as_ref()?.document;
+        let scene = document.scene().ok()?;
+        let target = gizmo::target_node(document, path)?;
+        let leaves = document.leaves_of(&target).into_iter();
+        let bounds = leaves.map(|leaf| scene.field.leaf_bounds(leaf)).reduce(|all, bounds| all.union(bounds))?;
+        let height = f64::from(bounds.min[1]);
+        height.is_finite().then(|| gizmo::moved_by(document, &target, [0.0, -height, 0.0])).map(|at| (target, at))
+    }
+}
