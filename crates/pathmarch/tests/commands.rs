@@ -573,7 +573,8 @@ fn more_threads_than_cores_are_not_started() {
     }
 }
 
-const COMMANDS: [&str; 9] = ["view", "render", "export", "check", "compare", "devices", "shapes", "completions", "man"];
+const COMMANDS: [&str; 11] =
+    ["view", "render", "merge", "video", "export", "check", "compare", "devices", "shapes", "completions", "man"];
 
 #[test]
 fn completions_and_man_pages_know_every_command() {

@@ -169,6 +169,9 @@ fn picture(node: &Node, size: f32, encoded: bool, files: &mut Files, context: &m
         return None;
     }
     let path = relative_to(files.scene, name);
+    if context.refuses(&path, entry) {
+        return None;
+    }
     match files.assets.texture(&path, encoded) {
         Ok(picture) => Some(Pattern::Picture { picture, size }),
         Err(error) => {
