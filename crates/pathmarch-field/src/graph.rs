@@ -150,10 +150,10 @@ impl Field {
         let strategy = self.leaves.get(leaf).and_then(|leaf| self.strategies.get(leaf.object as usize));
         matches!(strategy, Some(EvalStrategy::Analytic | EvalStrategy::InBvh))
     }
-    /// Orbit traps of a world point on this leaf ([`EvalShape::orbit`](crate::EvalShape::orbit)), if it is a fractal.
-    pub fn orbit(&self, leaf: usize, p: Vec3<f32>) -> Option<[f32; TRAPS]> {
+    /// Orbit traps of a world point on this leaf, about a centre in its local coordinates ([`EvalShape::orbit`](crate::EvalShape::orbit)), if it is a fractal.
+    pub fn orbit(&self, leaf: usize, p: Vec3<f32>, centre: Vec3<f32>) -> Option<[f32; TRAPS]> {
         let shape = self.leaves.get(leaf).filter(|leaf| leaf.shape.has_orbit())?;
-        Some(shape.shape.orbit(self.coordinates(leaf, p)?.point, &shape.params))
+        Some(shape.shape.orbit(self.coordinates(leaf, p)?.point, centre, &shape.params))
     }
     /// World bounds of this leaf; those of its object if it is inside a modifier.
     pub fn leaf_bounds(&self, leaf: usize) -> Aabb {

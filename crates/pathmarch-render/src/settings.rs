@@ -5,26 +5,13 @@ use crate::mode::Mode;
 use crate::output::image::MAX_SIDE;
 use crate::output::parts::Rect;
 use crate::preview_steps::PreviewSteps;
-use pathmarch_scene::{Camera, Caustics, RenderSettings, Sampler, Scene, settings};
+use pathmarch_scene::{Camera, Caustics, DirectLighting, RenderSettings, Sampler, Scene, settings};
 
 /// Largest number of bounces of a path.
 pub const MAX_BOUNCES: u32 = settings::BOUNCES.1;
 
 /// Largest number of paths that share a camera ray.
 pub const MAX_SPLITTING: u32 = 8;
-
-/// Estimator of direct light from lights that a path can hit, that is from all but points. All estimators converge to the
-/// same picture; those other than [`Mis`](Self::Mis) are for comparison.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DirectLighting {
-    /// Light and BSDF sampling, combined by multiple importance sampling.
-    #[default]
-    Mis,
-    /// Light sampling alone, at every surface whose BSDF is not a delta distribution.
-    LightSampling,
-    /// BSDF sampling alone: paths hit lights by chance.
-    BsdfSampling,
-}
 
 /// Settings of one picture. On one adapter, a picture is a pure function of the scene and its settings.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,7 +124,7 @@ impl From<&RenderSettings> for Settings {
             caustics: render.caustics,
             clamp: render.clamp,
             detail: render.detail,
-            direct_lighting: DirectLighting::Mis,
+            direct_lighting: render.estimator,
             camera: 0,
             viewpoint: None,
             mode: Mode::Path,

@@ -32,7 +32,7 @@ pub use light::Light;
 pub use materials::{Material, MaterialKind};
 pub use parts::{PartsError, SceneParts};
 pub use scene::{Camera, Moment, Object, Parameter, Scene};
-pub use settings::{Caustics, RenderSettings, Sampler, Tonemap};
+pub use settings::{Caustics, DirectLighting, RenderSettings, Sampler, Tonemap};
 pub use sky::Sky;
 pub use source::read_text;
 pub use source_text::SourceText;

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use wide::f32x8;
 
 /// Number of orbit traps; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
-pub const TRAPS: usize = 5;
+pub const TRAPS: usize = 6;
 
 /// Surface on which a light is sampled; lengths in metres, local coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,8 +43,8 @@ pub trait EvalShape<N: Real> {
     fn ray(&self, _origin: Vec3<N>, _direction: Vec3<N>, _params: &[f32]) -> N {
         N::constant(T_MAX)
     }
-    /// Orbit traps of a point; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
-    fn orbit(&self, _p: Vec3<N>, _params: &[f32]) -> [N; TRAPS] {
+    /// Orbit traps of a point about `centre`; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
+    fn orbit(&self, _p: Vec3<N>, _centre: Vec3<N>, _params: &[f32]) -> [N; TRAPS] {
         [N::zero(); TRAPS]
     }
 }
@@ -92,7 +92,7 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     fn has_orbit(&self) -> bool {
         false
     }
-    /// Orbit traps as a WGSL function `NAME_orbit(p: vec3f, …) -> array<f32, 5>`.
+    /// Orbit traps as a WGSL function `NAME_orbit(p: vec3f, centre: vec3f, …) -> array<f32, 6>`.
     fn wgsl_orbit(&self) -> String {
         String::new()
     }

@@ -206,8 +206,9 @@ impl Study<'_> {
     /// Writes the page of all existing parts.
     fn write_page(&self) -> Result<(), Failure> {
         let mut page = format!(
-            "# The evaluation of the thesis, repeated\n\nCarvalho, \"Combining the Ray Marching and Rasterization rendering \
-             models\", University of Porto, 2020, chapter 5, measured again with pathmarch {}. Each part lists its hardware \
+            "# The evaluation of the thesis, repeated\n\nRúben André Campos de Carvalho, \"Combining the Ray Marching and \
+             Rasterization rendering models to provide real-time high-fidelity graphics\", Master's thesis, University of \
+             Porto, June 2020, chapter 5, measured again with pathmarch {}. Each part lists its hardware \
              and the command that repeats it; its tables are also available as CSV, its plots as SVG.\n",
             env!("CARGO_PKG_VERSION")
         );

@@ -5,8 +5,8 @@ use super::light::LightShape;
 use super::material::TRANSMITS;
 use super::textured_material::TexturedMaterial;
 use crate::mode::Mode;
-use crate::settings::{DirectLighting, Settings};
-use pathmarch_scene::Caustics;
+use crate::settings::Settings;
+use pathmarch_scene::{Caustics, DirectLighting};
 
 /// Over-relaxation factor. With 2, a step ends where two neighbouring unbounding spheres just touch by the estimated
 /// slope.

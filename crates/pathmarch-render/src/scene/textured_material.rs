@@ -87,7 +87,15 @@ impl TexturedMaterial {
     }
 
     pub(crate) fn has_orbit(&self) -> bool {
-        self.layers.iter().any(|layer| matches!(layer.source, Source::Orbit(_)))
+        self.trap_centre().is_some()
+    }
+
+    /// Centre of the orbit trap, in the local coordinates of the fractal.
+    pub(crate) fn trap_centre(&self) -> Option<[f32; 3]> {
+        self.layers.iter().find_map(|layer| match &layer.source {
+            Source::Orbit(trap) => Some(trap.centre),
+            Source::Texture(_) => None,
+        })
     }
 
     /// Textures of all layers and of the bump map.

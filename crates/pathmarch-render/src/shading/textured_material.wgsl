@@ -33,7 +33,7 @@ fn texture_at(texture_offset: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
         if !has_orbit(leaf) {
             return vec4f(0.0, 0.0, 0.0, -1.0);
         }
-        var values = orbit(leaf, leaf_spot.p);
+        var values = orbit(leaf, leaf_spot.p, texture_vector(texture_offset + TEXTURE_PARAMETERS + 3u));
         let range_start = texture_number(texture_offset + TEXTURE_PARAMETERS + 1u);
         let to = texture_number(texture_offset + TEXTURE_PARAMETERS + 2u);
         let range = select(to - range_start, 1e-20, to == range_start);

@@ -32,7 +32,7 @@ pub(crate) struct TexturedPoint<'p> {
     material: &'p TexturedMaterial,
     spot: Spot,
     coordinates: Coordinates,
-    orbit: Option<[f32; 5]>,
+    orbit: Option<[f32; 6]>,
     /// Length of a local unit, metres.
     unit_length: f32,
 }
@@ -71,7 +71,8 @@ impl<'p> TexturedPoint<'p> {
         let normal = (local_normal * determinant.signum()).normalize_or(Vec3::Y);
         let footprint = ctx.frame.pixel * path_length;
         let spot = Spot { p: vector(coordinates.point), normal, footprint: footprint / unit_length };
-        let orbit = if material.has_orbit() { ctx.scene.field.orbit(leaf, p) } else { None };
+        let centre = material.trap_centre().map(|[x, y, z]| FieldVec3::new(x, y, z));
+        let orbit = centre.and_then(|centre| ctx.scene.field.orbit(leaf, p, centre));
         Some(Self { material, spot, coordinates, orbit, unit_length })
     }
 

@@ -35,6 +35,8 @@ pub(crate) const BUMP: &str = "bump";
 pub(crate) const COLOUR: &str = "colour";
 /// Node of a material that colours fractals by their orbits.
 pub(crate) const ORBIT_TRAP: &str = "orbit-trap";
+/// Properties of an orbit trap and their defaults: its centre, and its values at the first and the last colour.
+pub(crate) const TRAP_NUMBERS: [(&str, f32); 5] = [("x", 0.0), ("y", 0.0), ("z", 0.0), ("from", 0.0), ("to", 1.0)];
 
 /// Names of all shapes and operators of the registry.
 pub(crate) fn solids<'a>() -> impl Iterator<Item = &'a str> {

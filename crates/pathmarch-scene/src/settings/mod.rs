@@ -20,7 +20,8 @@ pub use lights::{POINT, SUN};
 pub use pathmarch_field::Range;
 pub use placement::{NORMAL, PLACEMENT};
 pub use render::{
-    BOUNCES, CLAMP, Caustics, DETAIL, FPS, RENDER, RenderSettings, SAMPLES, SHUTTER, SIDE, Sampler, Tonemap,
+    BOUNCES, CLAMP, Caustics, DETAIL, DirectLighting, FPS, RENDER, RenderSettings, SAMPLES, SHUTTER, SIDE, Sampler,
+    Tonemap,
 };
 pub use sky::{DAY, DAY_GROUND, GRADIENT, PICTURE, SKY_FORMS};
 

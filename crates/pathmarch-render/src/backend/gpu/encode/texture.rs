@@ -98,9 +98,10 @@ impl<'a> Encoder<'a> {
         let texture = match &layer.source {
             Source::Orbit(trap) => {
                 let [from, to] = trap.range.map(f32::to_bits);
+                let [x, y, z] = trap.centre.map(f32::to_bits);
                 let mut record = [0; TEXTURE_WORDS];
                 record[0] = ORBIT_SOURCE;
-                record[PARAMETERS..PARAMETERS + 3].copy_from_slice(&[trap.trap as u32, from, to]);
+                record[PARAMETERS..PARAMETERS + 6].copy_from_slice(&[trap.trap as u32, from, to, x, y, z]);
                 self.record(record)
             }
             Source::Texture(texture) => self.texture(texture),
