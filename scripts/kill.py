@@ -161,6 +161,8 @@ def main():
         before = work.kills
         kind(work, seconds)
         counts[kind.__name__] += work.kills - before
+        if work.kills // 50 > before // 50:
+            print(f"{work.kills} kills in {time.monotonic() - started:.0f} s: {counts}", flush=True)
     work.run("render", "room.kdl", *cpu, "-o", "a.exr")
     left = [path.name for path in directory.iterdir() if path.name.endswith(".part") and path.name.startswith(".a.exr.")]
     assert not left, f"the next run of an output removes what was left of it: {left}"

@@ -33,6 +33,12 @@ impl Animation {
         let path = path.as_ref();
         Ok(Self::new(path.display().to_string(), read_text(path)?))
     }
+    /// The same, but it reads no file outside the folder of the scene: for scenes of strangers.
+    #[must_use]
+    pub fn confined(mut self) -> Self {
+        self.assets.confined = true;
+        self
+    }
     /// The scene at a moment.
     ///
     /// # Errors

@@ -75,6 +75,8 @@ const TEXTURES: usize = 16;
 /// Skies and textures of the last readings of a text.
 #[derive(Default)]
 pub(crate) struct Assets {
+    /// True if only files of the scene's folder are read.
+    pub(crate) confined: bool,
     source: Option<Source>,
     /// Picture of `source` as used last, with its strength.
     picture: Option<(f32, Picture)>,

@@ -626,8 +626,9 @@ fn more_threads_than_cores_are_not_started() {
     }
 }
 
-const COMMANDS: [&str; 10] =
-    ["view", "render", "export", "check", "compare", "devices", "shapes", "help", "completions", "man"];
+const COMMANDS: [&str; 12] = [
+    "view", "render", "merge", "video", "export", "check", "compare", "devices", "shapes", "help", "completions", "man",
+];
 
 #[test]
 fn completions_and_man_pages_know_every_command() {

@@ -367,3 +367,37 @@ fn videos_are_made_of_frames() {
         }
     }
 }
+
+#[test]
+fn scenes_read_no_file_outside_their_folder_unless_asked() {
+    let place = Place::new(ROOM);
+    let folder = place.path().join("strange");
+    std::fs::create_dir(&folder).expect("created");
+    std::fs::write(place.path().join("parts.kdl"), "pathmarch 1\nobject \"secret\" { sphere }\n").expect("written");
+    std::fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/images/gyroid.jpg"), place.path().join("a.jpg"))
+        .expect("copied");
+    let texture = "material \"p\" { diffuse { picture \"../a.jpg\" } }";
+    for (node, name) in [("include \"../parts.kdl\"", "include"), (texture, "texture")] {
+        std::fs::write(folder.join("scene.kdl"), format!("{ROOM}{node}\n")).expect("written");
+        for command in ["check", "render", "export"] {
+            let more: &[&str] = match command {
+                "check" => &[],
+                "render" => &["--backend", "cpu", "--samples", "1", "--size", "8x8", "-o", "a.png"],
+                _ => &["-o", "a.stl", "--resolution", "16", "--object", "ball"],
+            };
+            let run = |allow: &[&str]| place.run(&[&[command, "strange/scene.kdl"], more, allow].concat());
+            let output = run(&[]);
+            let message = stderr(&output);
+            assert!(
+                code(&output) == 2 && message.contains("outside the folder of the scene"),
+                "{name} {command}: {message}"
+            );
+            let output = run(&["--allow-files"]);
+            assert_eq!(code(&output), 0, "{name} {command}: {}", stderr(&output));
+        }
+    }
+    // A scene may read its own folder, whatever it is called.
+    std::fs::write(folder.join("scene.kdl"), format!("{ROOM}include \"../strange/own.kdl\"\n")).expect("written");
+    std::fs::write(folder.join("own.kdl"), "pathmarch 1\nobject \"own\" { sphere }\n").expect("written");
+    place.done(&["check", "strange/scene.kdl"]);
+}

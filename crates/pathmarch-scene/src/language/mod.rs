@@ -26,7 +26,7 @@ use formulas::scope::Scope;
 use keywords::TOP;
 use pathmarch_field::Field;
 use read::arguments::twice;
-use read::context::{Context, Files};
+use read::context::{Context, Files, folder_of};
 use read::custom_sdf::CustomSdfs;
 use read::declarations::Declarations;
 use read::include::Included;
@@ -135,11 +135,12 @@ fn read_nodes(
     assets: &mut Assets,
     report: Report,
 ) -> (Result<Scene, SceneError>, Values) {
-    let mut context = Context { report, scope: Scope::at(moment) };
+    let folder = assets.confined.then(|| folder_of(source.name));
+    let mut context = Context { report, scope: Scope::at(moment), folder };
     let included = Included::of(source.name, source.text, file, &mut context);
     let mut fields = CustomSdfs::default();
     let scene = complete_scene(source, file, &included, assets, &mut fields, &mut context);
-    let Context { report, scope } = context;
+    let Context { report, scope, .. } = context;
     let values = Values { formulas: scope.values, fields, included: Arc::new(included.nodes) };
     match scene {
         Some(scene) if !report.has_mistakes() => (Ok(Scene { warnings: report.into_warnings(), ..scene }), values),

@@ -1,5 +1,6 @@
 //! `pathmarch check`: reads scenes and reports every error.
 
+use super::scene_source::load;
 use pathmarch_cli::{DONE, FAILED, Failure, USAGE, outln, print_report};
 use pathmarch_render::pathmarch_field::graph::{Kind, Leaf};
 use pathmarch_render::pathmarch_field::lipschitz_check::check_lipschitz;
@@ -17,6 +18,9 @@ pub struct Arguments {
     /// Test the distance field of each object for steps that are too long
     #[arg(long)]
     field: bool,
+    /// Allow the scene to read files outside its folder
+    #[arg(long)]
+    allow_files: bool,
     /// Print a line of JSON for each scene
     #[arg(long, conflicts_with = "field")]
     json: bool,
@@ -30,7 +34,7 @@ const MIN_SAFE_FACTOR: f32 = 0.99;
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let mut code = DONE;
     for path in &arguments.scenes {
-        let scene = Scene::load(path);
+        let scene = load(path, arguments.allow_files);
         if arguments.json {
             code = code.max(print_json(path, &scene));
             continue;

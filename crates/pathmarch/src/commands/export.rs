@@ -1,5 +1,6 @@
 //! `pathmarch export`: exports objects of a scene as a triangle mesh.
 
+use super::scene_source::load;
 use super::{listed, progress_bar};
 use pathmarch_cli::{DONE, Failure, INTERRUPTED, catch_interrupts, check_output, note, print_report, value_parsers};
 use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
@@ -21,6 +22,9 @@ pub struct Arguments {
     /// Object to export; can be repeated [default: all solids, as one mesh]
     #[arg(long = "object", value_name = "NAME")]
     objects: Vec<String>,
+    /// Allow the scene to read files outside its folder
+    #[arg(long)]
+    allow_files: bool,
     /// Number of cells along the longest side
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = value_parsers::whole((1, 100_000)), allow_hyphen_values = true)]
     resolution: u32,
@@ -84,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         ));
     }
     check_output(&arguments.output)?;
-    let scene = Scene::load(&arguments.scene)?;
+    let scene = load(&arguments.scene, arguments.allow_files)?;
     for warning in &scene.warnings {
         print_report(warning);
     }

@@ -2,7 +2,7 @@
 
 use pathmarch_cli::Failure;
 use pathmarch_gallery::{ASSETS, EXAMPLES};
-use pathmarch_render::pathmarch_scene::Animation;
+use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene, SceneError};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -48,14 +48,25 @@ impl SceneSource {
         Ok(Self::Example { scene, _directory: directory })
     }
 
-    /// The animation; a still scene is one, too.
+    /// The animation; a still scene is one, too. Unless `allow_files` is true, it reads no file outside its folder.
     ///
     /// # Errors
     /// If the file cannot be read.
-    pub fn animation(&self) -> Result<Animation, Failure> {
-        Ok(match self {
+    pub fn animation(&self, allow_files: bool) -> Result<Animation, Failure> {
+        let animation = match self {
             Self::File(path) | Self::Example { scene: path, .. } => Animation::load(path)?,
             Self::Text(name, text) => Animation::new(name.clone(), text.clone()),
-        })
+        };
+        Ok(if allow_files { animation } else { animation.confined() })
     }
+}
+
+/// Loads a still scene; unless `allow_files` is true, it reads no file outside its folder.
+///
+/// # Errors
+/// Those of [`Scene::load`].
+pub fn load(path: &Path, allow_files: bool) -> Result<Scene, SceneError> {
+    let animation = Animation::load(path)?;
+    let mut animation = if allow_files { animation } else { animation.confined() };
+    animation.at(Moment::default())
 }

@@ -1,14 +1,39 @@
 //! State of the reader of nodes.
 
 use crate::assets::Assets;
-use crate::language::diagnostics::report::Report;
+use crate::language::diagnostics::report::{Report, draft};
 use crate::language::formulas::scope::Scope;
+use crate::language::tree::Entry;
 use std::path::{Path, PathBuf};
 
 /// Diagnostics so far, and the names that formulas may use.
 pub(crate) struct Context {
     pub(crate) report: Report,
     pub(crate) scope: Scope,
+    /// Folder outside of which no file is read; `None` for no limit.
+    pub(crate) folder: Option<PathBuf>,
+}
+
+/// Folder of the scene file `scene`, without detours.
+pub(crate) fn folder_of(scene: &str) -> PathBuf {
+    let folder = Path::new(scene).parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+}
+
+impl Context {
+    /// Reports a file that must not be read, and returns true.
+    pub(crate) fn refuses(&mut self, path: &Path, entry: &Entry) -> bool {
+        let Some(folder) = &self.folder else { return false };
+        // A file that is missing is reported when it is read.
+        let Ok(whole) = path.canonicalize() else { return false };
+        if whole.starts_with(folder) {
+            return false;
+        }
+        let mistake = draft("pathmarch::outside", entry.value_span, "This file is outside the folder of the scene.");
+        let help = "Copy it there; or, if you trust the scene, allow it with --allow-files.";
+        self.report.add(mistake.label("not read").help(help));
+        true
+    }
 }
 
 /// Files that a scene names.

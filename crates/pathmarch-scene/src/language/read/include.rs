@@ -62,6 +62,9 @@ impl Included {
                 draft("pathmarch::include", entry.value_span, message).label(label).help(help)
             };
             let found = path.parent().unwrap_or(Path::new("")).join(given);
+            if context.refuses(&found, entry) {
+                continue;
+            }
             let whole = found.canonicalize().unwrap_or_else(|_| found.clone());
             if around.contains(&whole) {
                 let message = format!("{} would include itself.", shown(given));

@@ -89,6 +89,9 @@ fn font_file(entry: &Entry, files: &mut Files, context: &mut Context) -> Option<
         return None;
     }
     let path = relative_to(files.scene, name);
+    if context.refuses(&path, entry) {
+        return None;
+    }
     match files.assets.font(&path) {
         Ok(bytes) => Some(bytes),
         Err(reason) => {

@@ -109,6 +109,9 @@ fn picture(node: &Node, entry: &Entry, scene: &str, assets: &mut Assets, context
         context.report.add(mistake.label("unknown name").help(help));
         return None;
     }
+    if context.refuses(&path, entry) {
+        return None;
+    }
     no_children(node, context);
     arguments(node, 1, "`sky \"studio.hdr\" strength=1 rotate=90`", context);
     let properties = Properties::new(node, PICTURE, context);

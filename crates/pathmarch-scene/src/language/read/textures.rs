@@ -179,6 +179,9 @@ fn picture(node: &Node, size: Option<f32>, encoded: bool, files: &mut Files, con
         return None;
     }
     let path = relative_to(files.scene, name);
+    if context.refuses(&path, entry) {
+        return None;
+    }
     match files.assets.texture(&path, encoded) {
         Ok(picture) => Some(match size {
             Some(size) => Pattern::Picture { picture, size },

@@ -75,6 +75,9 @@ pub struct Arguments {
     /// Rectangle of pixels to render: width, height, left column and top row, as in 640x360+0+360
     #[arg(long, value_name = "WxH+X+Y", value_parser = parse_crop)]
     pub(super) crop: Option<Rect>,
+    /// Allow the scene to read files outside its folder
+    #[arg(long)]
+    pub(super) allow_files: bool,
     /// Print progress as lines of JSON on standard output
     #[arg(long)]
     pub(super) json: bool,

@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
 /// Renders one scene.
 fn render(arguments: &Arguments, output: &Path, interrupted: &AtomicBool) -> Result<u8, Failure> {
     let source = SceneSource::of(&arguments.scenes[0])?;
-    let mut animation = source.animation()?;
+    let mut animation = source.animation(arguments.allow_files)?;
     let fps = arguments.render_settings(&animation.at(Moment::default())?).fps;
     let progress = Progress::new(arguments.json, arguments.seconds);
     if let Some(range) = arguments.frames {

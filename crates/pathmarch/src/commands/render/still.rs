@@ -118,7 +118,6 @@ impl Task<'_> {
     }
 
     /// The job, its part with the samples of the checkpoint, their number, and the checkpoint.
-    #[expect(clippy::type_complexity, reason = "used once")]
     fn begin(&self, job: Job) -> Result<(Job, FilmPart, u32, FilmHeader, Option<Checkpoint>), Failure> {
         let settings = &self.settings;
         let (first, end) = (settings.first_sample, settings.first_sample + settings.samples);
