@@ -6,7 +6,7 @@ use super::pose::Frame;
 use super::{EvalStrategy, Field, Kind, Leaf, Modified, Node, Tree, shape_grid};
 use crate::blend::Blend;
 use crate::bounds::Aabb;
-use crate::mesh_shape::MeshShape;
+use crate::mesh_shape::MeshGeometry;
 use crate::operators::Operator;
 use crate::registry::union;
 use crate::shapes::ShapeRef;
@@ -70,7 +70,7 @@ impl Field {
         let frame = frame.inside(&node.placement);
         match &node.kind {
             Kind::Shape { shape, params, tag } => {
-                let tags = shape.mesh().map(MeshShape::tags).filter(|tags| !tags.is_empty());
+                let tags = shape.mesh().map(MeshGeometry::tags).filter(|tags| !tags.is_empty());
                 let first = self.leaves.len() as u32;
                 for (slot, &tag) in (0..).zip(tags.unwrap_or(std::slice::from_ref(tag))) {
                     self.leaves.push(Leaf {

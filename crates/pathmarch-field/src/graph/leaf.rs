@@ -1,7 +1,7 @@
 //! Leaf of a field: a shape, its coefficients and its pose.
 
 use super::{Batch, Pose};
-use crate::mesh_shape::MeshShape;
+use crate::mesh_shape::MeshGeometry;
 use crate::number::{Dual, Vec3};
 use crate::ray_interval::RayInterval;
 use crate::shapes::ShapeRef;
@@ -30,7 +30,7 @@ pub struct Leaf {
 impl Leaf {
     /// Reports whether rays intersect it as triangles, by [`Field::mesh_hit`](super::Field::mesh_hit).
     pub fn is_triangles(&self) -> bool {
-        !self.modified && self.shape.mesh().is_some_and(MeshShape::is_triangles)
+        !self.modified && self.shape.mesh().is_some_and(MeshGeometry::is_triangles)
     }
 
     #[inline]

@@ -6,7 +6,7 @@
 
 use super::bvh::Bvh;
 use super::{EvalStrategy, Field, Tree};
-use crate::mesh_shape::{MeshShape, vector};
+use crate::mesh_shape::{MeshGeometry, vector};
 use crate::number::Vec3;
 use glam::Vec2;
 use pathmarch_mesh::bvh::Ray;
@@ -157,7 +157,7 @@ impl Field {
 
 impl super::Leaf {
     fn mesh_has_normals(&self) -> bool {
-        self.shape.mesh().map(MeshShape::surface).is_some_and(|surface| !surface.mesh().normals.is_empty())
+        self.shape.mesh().map(MeshGeometry::surface).is_some_and(|surface| !surface.mesh().normals.is_empty())
     }
 
     /// World point in local coordinates; only for leaves without modifiers around them.

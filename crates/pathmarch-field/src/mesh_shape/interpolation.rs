@@ -1,6 +1,6 @@
 //! Interpolation on a triangle: barycentric coordinates, normals and texture coordinates at a point.
 
-use super::MeshSurface;
+use super::surface::MeshSurface;
 use glam::{Vec2, Vec3};
 
 /// Point on a triangle, in the mesh's coordinates.

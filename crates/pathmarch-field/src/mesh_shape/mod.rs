@@ -9,25 +9,24 @@
 //! **Limits.** The distance of triangles is that of the coarse grid of [`COARSE_RESOLUTION`] voxels. **Cost.** A field costs one trilinear
 //! interpolation.
 
+mod geometry;
 mod interpolation;
 mod surface;
 pub(crate) mod words;
 
+pub use geometry::MeshGeometry;
+pub(crate) use geometry::vector;
 pub use interpolation::MeshPoint;
-pub use surface::{MeshError, MeshSurface};
+pub use surface::{COARSE_RESOLUTION, MeshError, MeshSurface};
 
 use crate::bounds::Aabb;
-use crate::graph::Batch;
 use crate::info::Info;
-use crate::number::{Dual, Real, Vec3};
+use crate::number::{Dual, Vec3};
 use crate::parameter::Param;
 use crate::shapes::{EvalShape, Shape};
 use pathmarch_mesh::DistanceGrid;
 use std::sync::Arc;
 use wide::f32x8;
-
-/// Voxels along the longest edge of the grid of triangles.
-pub const COARSE_RESOLUTION: u32 = 64;
 
 /// WGSL of the distance of a grid.
 pub(crate) const GRID_WGSL: &str = include_str!("grid.wgsl");
@@ -39,64 +38,29 @@ pub(crate) const TRIANGLES_WGSL: &str = include_str!("triangles.wgsl");
 /// Shape of a mesh file.
 pub struct MeshShape {
     info: Info,
-    surface: Arc<MeshSurface>,
-    /// Its distance field; `None` for triangles.
-    field: Option<Arc<DistanceGrid>>,
-    /// Tag of each material of the mesh; one for all if there is only one.
-    tags: Vec<u32>,
+    geometry: MeshGeometry,
 }
 
 impl MeshShape {
     /// Shape of triangles.
     pub fn triangles(surface: Arc<MeshSurface>, tags: Vec<u32>) -> Self {
         let info = Info::new("mesh", "Triangles of a mesh file.", "Woop et al. 2013; Ylitie et al. 2017");
-        Self { info: info.inexact(), surface, field: None, tags }
+        Self { info: info.inexact(), geometry: MeshGeometry::new(surface, None, tags) }
     }
 
     /// Shape of the distance field of a mesh.
     pub fn field(surface: Arc<MeshSurface>, grid: Arc<DistanceGrid>, tags: Vec<u32>) -> Self {
         let info = Info::new("mesh", "Distance field of a mesh file.", "Frisken et al. 2000; Barill et al. 2018");
-        Self { info: info.inexact(), surface, field: Some(grid), tags }
+        Self { info: info.inexact(), geometry: MeshGeometry::new(surface, Some(grid), tags) }
     }
-
-    /// Triangles of the mesh.
-    pub fn surface(&self) -> &Arc<MeshSurface> {
-        &self.surface
-    }
-
-    /// Tag of each material.
-    pub fn tags(&self) -> &[u32] {
-        &self.tags
-    }
-
-    /// Reports whether rays intersect the triangles.
-    pub fn is_triangles(&self) -> bool {
-        self.field.is_none()
-    }
-
-    /// The distance grid.
-    pub fn grid(&self) -> &Arc<DistanceGrid> {
-        self.field.as_ref().unwrap_or_else(|| self.surface.coarse_grid())
-    }
-
-    /// Number of a triangle's material among the [tags](Self::tags).
-    pub(crate) fn slot(&self, triangle: u32) -> u32 {
-        let material = self.surface.mesh().material(triangle as usize);
-        material.min(self.tags.len().saturating_sub(1) as u32)
-    }
-}
-
-/// Vector of another crate.
-pub(crate) fn vector(p: Vec3<f32>) -> glam::Vec3 {
-    glam::Vec3::new(p.x, p.y, p.z)
 }
 
 impl EvalShape<f32> for MeshShape {
     fn distance(&self, p: Vec3<f32>, _params: &[f32]) -> f32 {
-        self.grid().distance(vector(p))
+        self.geometry.grid().distance(vector(p))
     }
     fn gradient(&self, p: Vec3<Dual<f32>>, _params: &[f32]) -> Dual<f32> {
-        let (value, gradient) = self.grid().distance_and_gradient(vector(p.values()));
+        let (value, gradient) = self.geometry.grid().distance_and_gradient(vector(p.values()));
         Dual { value, gradient: p.pulled_back(Vec3::new(gradient.x, gradient.y, gradient.z)) }
     }
 }
@@ -104,18 +68,18 @@ impl EvalShape<f32> for MeshShape {
 impl EvalShape<f32x8> for MeshShape {
     fn distance(&self, p: Vec3<f32x8>, _params: &[f32]) -> f32x8 {
         let [x, y, z] = [p.x, p.y, p.z].map(f32x8::to_array);
-        let grid = self.grid();
+        let grid = self.geometry.grid();
         f32x8::from(std::array::from_fn(|lane| grid.distance(glam::Vec3::new(x[lane], y[lane], z[lane]))))
     }
     fn gradient(&self, p: Vec3<Dual<f32x8>>, _params: &[f32]) -> Dual<f32x8> {
         let point = p.values();
         let [x, y, z] = [point.x, point.y, point.z].map(f32x8::to_array);
-        let grid = self.grid();
+        let grid = self.geometry.grid();
         let sample = |lane: usize| grid.distance_and_gradient(glam::Vec3::new(x[lane], y[lane], z[lane]));
         let samples: [(f32, glam::Vec3); 8] = std::array::from_fn(sample);
-        let component = |axis: usize| f32x8::from_lanes(samples.map(|(_, gradient)| gradient[axis]));
+        let component = |axis: usize| f32x8::from(samples.map(|(_, gradient)| gradient[axis]));
         let gradient = Vec3::new(component(0), component(1), component(2));
-        Dual { value: f32x8::from_lanes(samples.map(|(value, _)| value)), gradient: p.pulled_back(gradient) }
+        Dual { value: f32x8::from(samples.map(|(value, _)| value)), gradient: p.pulled_back(gradient) }
     }
 }
 
@@ -128,22 +92,22 @@ impl Shape for MeshShape {
     }
     fn coefficients(&self, _params: &[f32]) -> Vec<f32> {
         // The offset of its grid, which the program sets.
-        vec![f32::zero()]
+        vec![0.0]
     }
     fn bounds(&self, _params: &[f32]) -> Aabb {
-        let bounds = self.surface.mesh_bounds();
+        let bounds = self.geometry.surface().mesh_bounds();
         // The field of a coarse grid may reach beyond the mesh by the rounding of creases.
-        let margin = self.field.as_ref().map_or(0.0, |grid| grid.voxel());
+        let margin = self.geometry.field().map_or(0.0, DistanceGrid::voxel);
         Aabb { min: (bounds.min - margin).into(), max: (bounds.max + margin).into() }
     }
     fn lipschitz(&self, _params: &[f32]) -> f32 {
-        self.field.as_ref().map_or(1.0, |grid| grid.lipschitz())
+        self.geometry.field().map_or(1.0, DistanceGrid::lipschitz)
     }
     fn is_analytic(&self) -> bool {
-        self.is_triangles()
+        self.geometry.is_triangles()
     }
-    fn mesh(&self) -> Option<&MeshShape> {
-        Some(self)
+    fn mesh(&self) -> Option<&MeshGeometry> {
+        Some(&self.geometry)
     }
     fn wgsl_distance(&self) -> String {
         "/// Signed distance of a mesh with this grid.\nfn mesh_distance(p: vec3f, grid: f32) -> f32 {\n    return \

@@ -1,12 +1,13 @@
 //! Surface of a mesh: its triangles, with a hierarchy for the CPU and one for the GPU.
 
-use super::COARSE_RESOLUTION;
 use pathmarch_mesh::bvh::{BuildError, CompressedBvh, Ray};
 use pathmarch_mesh::grid::GridError;
 use pathmarch_mesh::{Bounds, Bvh, DistanceGrid, TriangleMesh};
 use std::ops::ControlFlow;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
+/// Voxels along the longest edge of the grid of triangles.
+pub const COARSE_RESOLUTION: u32 = 64;
 /// Most levels of a hierarchy that kernels traverse.
 pub(crate) const MAX_DEPTH: usize = 48;
 
@@ -29,7 +30,7 @@ pub struct MeshSurface {
     mesh: TriangleMesh,
     bvh: Bvh,
     bounds: Bounds,
-    compressed: OnceLock<CompressedBvh>,
+    compressed: CompressedBvh,
     coarse_grid: Arc<DistanceGrid>,
 }
 
@@ -40,15 +41,19 @@ impl std::fmt::Debug for MeshSurface {
 }
 
 impl MeshSurface {
-    /// Builds the hierarchy and the coarse grid of a mesh.
+    /// Builds the hierarchies and the coarse grid of a mesh.
     ///
     /// # Errors
     /// [`MeshError`] for a mesh without size, or that is nested too deeply.
     pub fn new(mesh: TriangleMesh) -> Result<Self, MeshError> {
         let bvh = Bvh::build(&mesh)?;
         let coarse_grid = DistanceGrid::build(&mesh, COARSE_RESOLUTION, &|_| ControlFlow::Continue(()))?;
+        let compressed = CompressedBvh::build(&mesh)?;
+        if compressed.depth() > MAX_DEPTH {
+            return Err(MeshError::TooDeep(compressed.depth()));
+        }
         let bounds = bvh.bounds();
-        Ok(Self { mesh, bvh, bounds, compressed: OnceLock::new(), coarse_grid: Arc::new(coarse_grid) })
+        Ok(Self { mesh, bvh, bounds, compressed, coarse_grid: Arc::new(coarse_grid) })
     }
 
     /// Triangles and attributes.
@@ -61,10 +66,9 @@ impl MeshSurface {
         &self.bvh
     }
 
-    /// Hierarchy for the GPU, built on first use.
+    /// Hierarchy for the GPU.
     pub(crate) fn compressed(&self) -> &CompressedBvh {
-        // The mesh has been checked when the other hierarchy was built of it.
-        self.compressed.get_or_init(|| CompressedBvh::build(&self.mesh).unwrap_or_default())
+        &self.compressed
     }
 
     pub(crate) fn coarse_grid(&self) -> &Arc<DistanceGrid> {

@@ -2,7 +2,7 @@
 //!
 //! Each surface and each grid is encoded once, however many leaves use it. Offsets count words from the start of the buffer.
 
-use super::{MeshShape, MeshSurface};
+use super::{MeshGeometry, MeshSurface};
 use crate::graph::{Field, Leaf};
 use pathmarch_mesh::{DistanceGrid, GridArrays};
 use std::fmt::Write;
@@ -100,7 +100,7 @@ impl Encoder {
     }
 
     /// Encodes a placed mesh: its pose, its surface, its first leaf, its number of materials, its grid and the modifier around it.
-    fn instance(&mut self, mesh: &MeshShape, leaf: &Leaf, [index, grid, modifier]: [u32; 3]) -> u32 {
+    fn instance(&mut self, mesh: &MeshGeometry, leaf: &Leaf, [index, grid, modifier]: [u32; 3]) -> u32 {
         let surface = self.surface(mesh.surface());
         let offset = self.words.len() as u32;
         self.floats(leaf.pose.at);

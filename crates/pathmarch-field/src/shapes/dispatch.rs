@@ -3,7 +3,7 @@
 use crate::bounds::Aabb;
 use crate::expression::identifier;
 use crate::info::Info;
-use crate::mesh_shape::MeshShape;
+use crate::mesh_shape::MeshGeometry;
 use crate::number::{Dual, Real, Vec3};
 use crate::parameter::Param;
 use crate::ray_interval::{RayInterval, T_MAX};
@@ -118,7 +118,7 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
         None
     }
     /// The mesh, if it is one.
-    fn mesh(&self) -> Option<&MeshShape> {
+    fn mesh(&self) -> Option<&MeshGeometry> {
         None
     }
     /// Reports whether its WGSL is built in and may run without bounds checks.

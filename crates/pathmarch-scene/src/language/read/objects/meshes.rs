@@ -12,7 +12,7 @@ use crate::language::tree::{Entry, Node};
 use crate::mesh_files::MeshFile;
 use crate::settings::MESH;
 use pathmarch_field::graph::Kind;
-use pathmarch_field::{MeshShape, Node as FieldNode, ShapeRef};
+use pathmarch_field::{MeshGeometry, MeshShape, Node as FieldNode, ShapeRef};
 use std::sync::Arc;
 
 impl Solids<'_> {
@@ -112,7 +112,7 @@ pub(super) fn refuse_combined_triangles(node: &FieldNode, owner: &Node, context:
 
 fn has_triangles(node: &FieldNode) -> bool {
     match &node.kind {
-        Kind::Shape { shape, .. } => shape.mesh().is_some_and(MeshShape::is_triangles),
+        Kind::Shape { shape, .. } => shape.mesh().is_some_and(MeshGeometry::is_triangles),
         Kind::Operator { children, .. } | Kind::Modifier { children, .. } => children.iter().any(has_triangles),
     }
 }

@@ -1,0 +1,57 @@
+//! A mesh as a shape uses it: its surface, its form and the tags of its materials.
+
+use super::surface::MeshSurface;
+use crate::number::Vec3;
+use pathmarch_mesh::DistanceGrid;
+use std::sync::Arc;
+
+/// Surface of a mesh, and its form.
+pub struct MeshGeometry {
+    surface: Arc<MeshSurface>,
+    /// Its distance field; `None` for triangles.
+    field: Option<Arc<DistanceGrid>>,
+    /// Tag of each material of the mesh; one for all if there is only one.
+    tags: Vec<u32>,
+}
+
+impl MeshGeometry {
+    pub(super) fn new(surface: Arc<MeshSurface>, field: Option<Arc<DistanceGrid>>, tags: Vec<u32>) -> Self {
+        Self { surface, field, tags }
+    }
+
+    /// Triangles of the mesh.
+    pub fn surface(&self) -> &Arc<MeshSurface> {
+        &self.surface
+    }
+
+    /// Tag of each material.
+    pub fn tags(&self) -> &[u32] {
+        &self.tags
+    }
+
+    /// Reports whether rays intersect the triangles.
+    pub fn is_triangles(&self) -> bool {
+        self.field.is_none()
+    }
+
+    /// The field of the mesh; `None` for triangles.
+    pub(super) fn field(&self) -> Option<&DistanceGrid> {
+        self.field.as_deref()
+    }
+
+    /// The distance grid: that of the field, or the coarse one of triangles.
+    pub fn grid(&self) -> &Arc<DistanceGrid> {
+        self.field.as_ref().unwrap_or_else(|| self.surface.coarse_grid())
+    }
+
+    /// Number of a triangle's material among the [tags](Self::tags).
+    pub(crate) fn slot(&self, triangle: u32) -> u32 {
+        let material = self.surface.mesh().material(triangle as usize);
+        material.min(self.tags.len().saturating_sub(1) as u32)
+    }
+}
+
+/// Vector of another crate.
+pub(crate) fn vector(p: Vec3<f32>) -> glam::Vec3 {
+    glam::Vec3::new(p.x, p.y, p.z)
+}
