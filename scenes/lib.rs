@@ -61,6 +61,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "" "letters" "jpg" "Letters of a font, in low light.";
     "" "seams" "jpg" "Soft, round, chamfered and stepped seams.";
     "" "molten" "jpg" "Coloured clay, melted together.";
+    "" "melting" "jpg" "Meshes: textured, of glass, and melting into each other.";
     "" "rotunda" "jpg" "A round temple in still water.";
     "" "hall" "jpg" "A flooded hall of columns without end.";
     "" "gears" "jpg" "Gears that turn, by formulas; with motion blur.";
@@ -72,16 +73,19 @@ pub static EXAMPLES: &[Example] = examples! {
     "" "many-lights" "jpg" "Sixty-four lamps.";
     "" "environment" "jpg" "Lit by a picture of the sky.";
     "" "ten-lines" "png" "A whole scene in ten lines of text.";
+    "thesis/" "orbit-traps" "jpg" "Three fractals, three orbit traps.";
     "thesis/" "twisted-cube" "jpg" "A cube, twisted about its axis.";
-    "thesis/" "combinations" "jpg" "Union, subtraction and intersection, sharp and smooth.";
+    "thesis/" "combinations" "jpg" "Union, subtraction and intersection.";
     "thesis/" "solids" "jpg" "The solids.";
     "thesis/" "grey-mandelbulb" "jpg" "The mandelbulb of the thesis.";
     "thesis/" "glass-prism" "jpg" "A prism of glass.";
-    "thesis/" "refractive-prisms" "jpg" "Prisms that refract.";
-    "thesis/" "specular-prisms" "jpg" "Prisms that mirror.";
+    "" "refractive-prisms" "jpg" "Prisms that refract.";
+    "" "specular-prisms" "jpg" "Prisms that mirror.";
+    "thesis/" "green-lamp" "jpg" "A green lamp.";
+    "thesis/" "soft-shadows" "jpg" "Shadows that soften with the distance.";
     "thesis/" "emitting-spheres" "jpg" "Balls that shine.";
-    "thesis/" "three-spheres" "jpg" "Diffuse, mirroring and refracting balls.";
-    "thesis/" "metal-light" "jpg" "A metal ball and a light.";
+    "thesis/" "three-spheres" "jpg" "Three balls of rough metal.";
+    "" "metal-light" "jpg" "A metal ball and a light.";
     "thesis/" "metal-room-rough-05" "jpg" "Metal in a room, nearly a mirror.";
     "thesis/" "metal-room-rough-50" "jpg" "Metal in a room, half rough.";
     "thesis/" "metal-room-rough-90" "jpg" "Metal in a room, rough.";
@@ -92,8 +96,13 @@ pub static EXAMPLES: &[Example] = examples! {
     "thesis/" "diffuse-sphere" "png" "The simplest: a ball and a floor.";
 };
 
-/// Other files that examples read, by their names in [`folder`]: environment maps.
-pub static ASSETS: &[(&str, &[u8])] = &[("environment.exr", include_bytes!("environment.exr"))];
+/// Other files that examples read, by their names in [`folder`]: environment maps, meshes and their textures.
+pub static ASSETS: &[(&str, &[u8])] = &[
+    ("environment.exr", include_bytes!("environment.exr")),
+    ("spot.obj", include_bytes!("spot.obj")),
+    ("spot.png", include_bytes!("spot.png")),
+    ("suzanne.glb", include_bytes!("suzanne.glb")),
+];
 
 /// Folder of the scenes on the machine that built this crate. It may not exist on another machine.
 pub fn folder() -> &'static Path {

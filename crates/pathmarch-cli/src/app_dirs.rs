@@ -19,6 +19,8 @@ pub struct AppDirs {
     pub recovery: PathBuf,
     /// Converged reference pictures; they can be rendered again.
     pub references: PathBuf,
+    /// Distance fields of meshes; they can be built again.
+    pub meshes: PathBuf,
 }
 
 impl AppDirs {
@@ -30,14 +32,15 @@ impl AppDirs {
     fn with_home(home: Option<OsString>) -> Option<Self> {
         if let Some(home) = home.filter(|home| !home.is_empty()) {
             let home = PathBuf::from(home);
-            let (recovery, references) = (home.join("recovery"), home.join("references"));
-            return Some(Self { preferences: home, recovery, references });
+            let [recovery, references, meshes] = ["recovery", "references", "meshes"].map(|name| home.join(name));
+            return Some(Self { preferences: home, recovery, references, meshes });
         }
         let system = ProjectDirs::from("org", "pathmarch", "pathmarch")?;
         Some(Self {
             preferences: system.config_dir().to_owned(),
             recovery: system.data_local_dir().join("recovery"),
             references: system.cache_dir().join("references"),
+            meshes: system.cache_dir().join("meshes"),
         })
     }
 }

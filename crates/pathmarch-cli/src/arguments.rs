@@ -2,7 +2,7 @@
 
 use crate::Failure;
 use clap::ValueEnum;
-use pathmarch_render::Backend;
+use pathmarch_render::{Backend, image};
 use std::path::Path;
 
 /// Values of `--backend`.
@@ -27,7 +27,17 @@ impl From<BackendArgument> for Backend {
     }
 }
 
-/// Checks that the directory of an output file exists, before long work rather than after it.
+/// Checks that an output file can be written, before long work rather than after it: that its directory exists, and that it is
+/// a file if there is something of its name.
+///
+/// # Errors
+/// Fails if it cannot.
+pub fn check_output(output: &Path) -> Result<(), Failure> {
+    check_directory(output)?;
+    image::check_writable(output).map_err(Failure::other)
+}
+
+/// Checks that the directory of an output file exists.
 ///
 /// # Errors
 /// Fails if it does not exist.

@@ -1,6 +1,6 @@
 //! Start and end of a program: exit codes, failures, checks at start-up.
 
-use crate::threads;
+use crate::{note, threads};
 use pathmarch_render::pathmarch_scene::SceneError;
 use std::process::ExitCode;
 
@@ -31,6 +31,14 @@ impl Failure {
     pub fn other(error: impl ToString) -> Self {
         Self::Other(error.to_string())
     }
+    /// Message of the failure, without the places in a scene.
+    pub fn message(&self) -> String {
+        match self {
+            Self::Scene(error) => error.to_string(),
+            Self::Interrupted => "interrupted".to_owned(),
+            Self::Usage(message) | Self::Other(message) => message.clone(),
+        }
+    }
     /// Exit code of the process.
     pub fn code(&self) -> u8 {
         match self {
@@ -43,8 +51,8 @@ impl Failure {
     pub fn print(&self) {
         match self {
             Self::Scene(error) => print_report(&**error),
-            Self::Interrupted => eprintln!("pathmarch: interrupted"),
-            Self::Usage(message) | Self::Other(message) => eprintln!("pathmarch: {message}"),
+            Self::Interrupted => note!("pathmarch: interrupted"),
+            Self::Usage(message) | Self::Other(message) => note!("pathmarch: {message}"),
         }
     }
 }
@@ -65,20 +73,21 @@ pub fn end_on_closed_pipe() {
 pub fn print_report(report: &dyn miette::Diagnostic) {
     let mut text = String::new();
     match miette::GraphicalReportHandler::new().render_report(&mut text, report) {
-        Ok(()) => eprint!("{text}"),
-        Err(_) => eprintln!("pathmarch: {report}"),
+        Ok(()) => note!("{}", text.trim_end_matches('\n')),
+        Err(_) => note!("pathmarch: {report}"),
     }
 }
 
 /// Runs a program and returns its exit code: checks the CPU, silences drivers, starts the threads, prints a failure.
 pub fn run(program: impl FnOnce() -> Result<u8, Failure>) -> ExitCode {
     if let Err(missing) = check_cpu_features() {
-        eprintln!("pathmarch: {missing}");
+        note!("pathmarch: {missing}");
         return ExitCode::from(FAILED);
     }
     quiet_drivers();
+    report_file_limits();
     if let Some(note) = threads::start() {
-        eprintln!("note: {note}");
+        note!("note: {note}");
     }
     match program() {
         Ok(code) => ExitCode::from(code),
@@ -86,6 +95,15 @@ pub fn run(program: impl FnOnce() -> Result<u8, Failure>) -> ExitCode {
             failure.print();
             ExitCode::from(failure.code())
         }
+    }
+}
+
+/// Makes a write beyond the limit of file sizes fail, instead of ending the program with what it has written left behind.
+fn report_file_limits() {
+    #[cfg(unix)]
+    // SAFETY: the handler is the system's own.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
     }
 }
 

@@ -7,11 +7,46 @@ use clap::builder::ValueParser;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
 use pathmarch_render::pathmarch_scene::RenderSettings;
 use pathmarch_render::pathmarch_scene::settings::{self, Setting, SettingKind, SettingValue};
+use std::ops::Range;
+
+/// Name of the setting that may be given as a range.
+const SAMPLES: &str = "samples";
 
 /// Render settings that override those of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct RenderOptions {
     values: Vec<(&'static str, SettingValue)>,
+    sample_range: Option<Range<u32>>,
+}
+
+/// Value of an option: of the setting, or a range of samples.
+#[derive(Clone, Debug)]
+struct OptionValue {
+    setting: Option<SettingValue>,
+    samples: Option<Range<u32>>,
+}
+
+impl From<SettingValue> for OptionValue {
+    fn from(value: SettingValue) -> Self {
+        Self { setting: Some(value), samples: None }
+    }
+}
+
+/// Parses a number of samples, a range `A..B` of them, or `A..B/N`: the range of a picture of N samples.
+fn parse_samples(text: &str, limits: (u32, u32)) -> Result<OptionValue, String> {
+    let whole = value_parsers::whole(limits);
+    let Some((start, rest)) = text.split_once("..") else {
+        return whole(text).map(|samples| SettingValue::Whole(samples).into());
+    };
+    let (end, of) = match rest.split_once('/') {
+        Some((end, of)) => (end, Some(whole(of)?)),
+        None => (rest, None),
+    };
+    let (start, end) = (value_parsers::whole((0, limits.1))(start)?, whole(end)?);
+    if start >= end || of.is_some_and(|of| end > of) {
+        return Err("a range is A..B with A below B, or A..B/N with B at most N".to_owned());
+    }
+    Ok(OptionValue { setting: of.map(SettingValue::Whole), samples: Some(start..end) })
 }
 
 impl RenderOptions {
@@ -23,6 +58,11 @@ impl RenderOptions {
         }
     }
 
+    /// Range of the samples to render, if only a part of them.
+    pub fn sample_range(&self) -> Option<Range<u32>> {
+        self.sample_range.clone()
+    }
+
     /// Whether the setting of this name is overridden.
     pub fn overrides(&self, name: &str) -> bool {
         self.values.iter().any(|(other, _)| *other == name)
@@ -32,20 +72,24 @@ impl RenderOptions {
 /// Parser of a setting's value; `None` for kinds that are no options.
 fn parser(setting: &Setting) -> Option<ValueParser> {
     Some(match setting.kind {
+        SettingKind::Whole { range, .. } if setting.name == SAMPLES => {
+            ValueParser::new(move |text: &str| parse_samples(text, range))
+        }
         SettingKind::Number { range, .. } => {
             let parse = value_parsers::number(range);
-            ValueParser::new(move |text: &str| parse(text).map(SettingValue::Number))
+            ValueParser::new(move |text: &str| parse(text).map(|value| OptionValue::from(SettingValue::Number(value))))
         }
         SettingKind::Whole { range, .. } => {
             let parse = value_parsers::whole(range);
-            ValueParser::new(move |text: &str| parse(text).map(SettingValue::Whole))
+            ValueParser::new(move |text: &str| parse(text).map(|value| OptionValue::from(SettingValue::Whole(value))))
         }
         SettingKind::Size { .. } => ValueParser::new(|text: &str| {
-            value_parsers::size(text).map(|[width, height]| SettingValue::Size((width, height)))
+            value_parsers::size(text).map(|[width, height]| OptionValue::from(SettingValue::Size((width, height))))
         }),
         SettingKind::Choice { names, .. } => ValueParser::new(move |text: &str| {
             let name = names().into_iter().find(|name| *name == text);
-            name.map(SettingValue::Choice).ok_or_else(|| format!("expected one of {}", names().join(", ")))
+            name.map(|name| OptionValue::from(SettingValue::Choice(name)))
+                .ok_or_else(|| format!("expected one of {}", names().join(", ")))
         }),
         _ => return None,
     })
@@ -55,7 +99,8 @@ fn parser(setting: &Setting) -> Option<ValueParser> {
 fn help(setting: &Setting) -> String {
     let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
     let doc = setting.doc.trim_end_matches('.');
-    format!("{doc} ({}{unit}) [default: the scene's]", setting.kind.range_in_words())
+    let part = if setting.name == SAMPLES { "; or a part of them, A..B or A..B/N" } else { "" };
+    format!("{doc} ({}{unit}){part} [default: the scene's]", setting.kind.range_in_words())
 }
 
 /// Name of a value in the usage of an option.
@@ -83,8 +128,12 @@ impl Args for RenderOptions {
 
 impl FromArgMatches for RenderOptions {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
-        let value = |setting: &Setting| Some((setting.name, *matches.get_one::<SettingValue>(setting.name)?));
-        Ok(Self { values: settings::RENDER.iter().filter_map(value).collect() })
+        let value = |setting: &Setting| {
+            let given = matches.get_one::<OptionValue>(setting.name)?;
+            Some((setting.name, given.setting?))
+        };
+        let sample_range = matches.get_one::<OptionValue>(SAMPLES).and_then(|given| given.samples.clone());
+        Ok(Self { values: settings::RENDER.iter().filter_map(value).collect(), sample_range })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
@@ -115,6 +164,24 @@ mod tests {
             options.apply(&mut render);
             assert!(options.overrides(setting.name));
             assert_ne!(render.get(setting.name), RenderSettings::DEFAULT.get(setting.name), "{}", setting.name);
+        }
+    }
+
+    #[test]
+    fn samples_may_be_a_range() {
+        let command = RenderOptions::augment_args(Command::new("test"));
+        let parse = |text: &str| {
+            let matches = command.clone().try_get_matches_from(["test", "--samples", text]).ok()?;
+            let options = RenderOptions::from_arg_matches(&matches).ok()?;
+            let mut render = RenderSettings::DEFAULT;
+            options.apply(&mut render);
+            Some((options.sample_range(), options.overrides(SAMPLES).then_some(render.samples)))
+        };
+        assert_eq!(parse("12"), Some((None, Some(12))));
+        assert_eq!(parse("3..12"), Some((Some(3..12), None)));
+        assert_eq!(parse("0..12/64"), Some((Some(0..12), Some(64))));
+        for wrong in ["12..3", "3..3", "3..12/11", "..3", "3..", "a..b", "3..12/"] {
+            assert_eq!(parse(wrong), None, "{wrong}");
         }
     }
 

@@ -16,6 +16,7 @@ mod coordinates;
 mod distance;
 mod far_field;
 mod leaf;
+mod mesh_hit;
 mod node;
 mod pose;
 pub(crate) mod shape_grid;
@@ -31,6 +32,7 @@ pub use batch::Batch;
 use bvh::Bvh;
 pub use coordinates::Coordinates;
 pub use leaf::Leaf;
+pub use mesh_hit::{MeshHit, MeshInteraction, NearestTriangle};
 pub use node::{Kind, Node};
 pub use pose::{Placement, Pose, Turn};
 use shape_grid::ShapeGrid;
@@ -87,6 +89,8 @@ pub struct Field {
     shape_grids: Vec<ShapeGrid>,
     /// Hierarchy over many analytic objects.
     bvh: Bvh,
+    /// Hierarchy over the meshes of triangles.
+    mesh_instances: Bvh,
     /// Numbers of choices and modifiers so far.
     choices: u32,
     modifiers: u32,
@@ -108,6 +112,8 @@ pub(crate) enum EvalStrategy {
     InShapeGrid,
     /// Its single shape is analytic and in the BVH.
     InBvh,
+    /// By itself: rays intersect its triangles.
+    Triangles,
 }
 
 impl Field {
@@ -143,17 +149,20 @@ impl Field {
     }
     /// Reports whether finding the hit of a ray takes loops: sphere tracing or the traversal of a BVH or grid.
     pub fn has_loops(&self) -> bool {
-        !self.sphere_traced_bounds().is_empty() || !self.bvh.nodes.is_empty() || !self.shape_grids.is_empty()
+        !self.sphere_traced_bounds().is_empty()
+            || !self.bvh.nodes.is_empty()
+            || !self.shape_grids.is_empty()
+            || self.has_triangles()
     }
     /// Reports whether the object of this leaf is analytic.
     pub fn is_analytic_leaf(&self, leaf: usize) -> bool {
         let strategy = self.leaves.get(leaf).and_then(|leaf| self.strategies.get(leaf.object as usize));
-        matches!(strategy, Some(EvalStrategy::Analytic | EvalStrategy::InBvh))
+        matches!(strategy, Some(EvalStrategy::Analytic | EvalStrategy::InBvh | EvalStrategy::Triangles))
     }
-    /// Orbit traps of a world point on this leaf ([`EvalShape::orbit`](crate::EvalShape::orbit)), if it is a fractal.
-    pub fn orbit(&self, leaf: usize, p: Vec3<f32>) -> Option<[f32; TRAPS]> {
+    /// Orbit traps of a world point on this leaf, about a centre in its local coordinates ([`EvalShape::orbit`](crate::EvalShape::orbit)), if it is a fractal.
+    pub fn orbit(&self, leaf: usize, p: Vec3<f32>, centre: Vec3<f32>) -> Option<[f32; TRAPS]> {
         let shape = self.leaves.get(leaf).filter(|leaf| leaf.shape.has_orbit())?;
-        Some(shape.shape.orbit(self.coordinates(leaf, p)?.point, &shape.params))
+        Some(shape.shape.orbit(self.coordinates(leaf, p)?.point, centre, &shape.params))
     }
     /// World bounds of this leaf; those of its object if it is inside a modifier.
     pub fn leaf_bounds(&self, leaf: usize) -> Aabb {

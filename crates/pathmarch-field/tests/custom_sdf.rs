@@ -200,6 +200,20 @@ fn hostile_texts_neither_panic_nor_hang() {
 
 /// Texts that are nested, chained or large without bound.
 #[test]
+fn deep_brackets_are_refused_with_a_reason() {
+    for (open, close) in [("(", ")"), ("-(", ")"), ("{", "}")] {
+        let (open, close) = (open.repeat(5000), close.repeat(5000));
+        let text = match open.starts_with('{') {
+            true => format!("fn distance(p: vec3f) -> f32 {{ {open}{close} return p.x; }}"),
+            false => format!("fn distance(p: vec3f) -> f32 {{ return {open}p.x{close}; }}"),
+        };
+        let faults = code(&[], &text).err().expect("too deep");
+        assert!(faults[0].message.contains("nested too deeply"), "{faults:?}");
+        assert!(faults[0].help.is_some());
+    }
+}
+
+#[test]
 fn large_texts_are_refused_or_run() {
     let start = Instant::now();
     let body = |body: &str| format!("fn distance(p: vec3f) -> f32 {{ {body} }}");

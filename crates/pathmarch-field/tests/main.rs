@@ -7,6 +7,7 @@ mod fractals;
 mod graph;
 mod lipschitz_check;
 mod mesh;
+mod mesh_shape;
 mod modifiers;
 mod number;
 mod operators;

@@ -112,7 +112,7 @@ fn outlines() -> Vec<(&'static str, Vec<f32>)> {
 fn distances_are_those_to_the_edge_of_what_is_inside() {
     for (name, segments) in outlines() {
         for fill in [Fill::EvenOdd, Fill::NonZero] {
-            if !has_area(&segments, fill) {
+            if has_area(&segments, fill) == Some(false) {
                 continue;
             }
             let (shape, table) = (drawn(fill), table(&segments, fill));
@@ -209,15 +209,15 @@ fn what_has_no_area_is_nowhere() {
     let flat: Vec<f32> = contour(&[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]).collect();
     let point: Vec<f32> = contour(&[[1.0, 0.0]; 3]).collect();
     for segments in [flat, point, vec![0.0; 8], Vec::new()] {
-        assert!(!has_area(&segments, Fill::EvenOdd) && !has_area(&segments, Fill::NonZero));
+        assert_eq!([Fill::EvenOdd, Fill::NonZero].map(|fill| has_area(&segments, fill)), [Some(false); 2]);
         if !segments.is_empty() {
             let table = table(&segments, Fill::EvenOdd);
             assert!(drawn(Fill::EvenOdd).distance(Vec3::new(0.5, 0.25, 0.0), &table) > 0.0);
         }
     }
-    assert!(has_area(&outlines()[0].1, Fill::EvenOdd));
+    assert_eq!(has_area(&outlines()[0].1, Fill::EvenOdd), Some(true));
     let twice = outlines().into_iter().find(|(name, _)| *name == "twice").expect("there").1;
-    assert!(!has_area(&twice, Fill::EvenOdd) && has_area(&twice, Fill::NonZero));
+    assert_eq!([Fill::EvenOdd, Fill::NonZero].map(|fill| has_area(&twice, fill)), [Some(false), Some(true)]);
 }
 
 #[test]

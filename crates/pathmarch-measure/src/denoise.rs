@@ -8,7 +8,7 @@
 
 use crate::bench;
 use crate::measure::{self, Interrupt, MAX_SAMPLES, Reference, ReferenceStore};
-use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, value_parsers};
+use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, outln, value_parsers};
 use pathmarch_render::denoise::{Denoiser, Features, HalfBuffers};
 use pathmarch_render::image::{self, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::Scene;
@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     arguments.denoiser.check().map_err(Failure::other)?;
     let renderer = Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
     let references = ReferenceStore::new(arguments.references.clone(), arguments.reference_seconds);
-    println!("{:26} samples  seconds: sampling + features + filter = total   relMSE before -> after   mean", "scene");
+    outln!("{:26} samples  seconds: sampling + features + filter = total   relMSE before -> after   mean", "scene");
     for path in &arguments.scenes {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let scene = load(path)?;
@@ -124,7 +124,7 @@ fn measure(
 
 fn print_row(name: &str, measured: &Measured, reference: &Reference) -> Result<(), Failure> {
     let [sampling, features, filter] = measured.seconds;
-    println!(
+    outln!(
         "{name:26} {:7}  {sampling:.2} + {features:.2} + {filter:.2} = {:.2} s   {:.2e} -> {:.2e}   {:+.3} % -> {:+.3} %",
         measured.samples,
         sampling + features + filter,

@@ -5,6 +5,7 @@
 mod bench;
 mod denoise;
 mod flights;
+mod fuzz;
 mod measure;
 mod study;
 
@@ -29,6 +30,8 @@ enum Command {
     Denoise(denoise::Arguments),
     /// Measure the error of reconstructed sequences against converged ones.
     Flights(flights::Arguments),
+    /// Try random inputs on everything that reads files.
+    Fuzz(fuzz::Arguments),
     /// Repeat the evaluation of the thesis: tables, plots and pictures.
     Study(study::Arguments),
 }
@@ -39,6 +42,7 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Denoise(arguments) => denoise::run(&arguments),
         Command::Flights(arguments) => flights::run(&arguments),
+        Command::Fuzz(arguments) => fuzz::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
     })
 }

@@ -16,7 +16,7 @@ mod winding;
 
 pub use bounds::Bounds;
 pub use bvh::Bvh;
-pub use grid::DistanceGrid;
+pub use grid::{DistanceGrid, GridArrays};
 pub use import::Imported;
 pub use material::Material;
 pub use read::{EXTENSIONS, Mistake, ReadError, ReadOptions, read, read_bytes};

@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
 //! Rays intersect the scene by sphere tracing (*path marching*; Carvalho, "Combining the Ray Marching and Rasterization
-//! rendering models", University of Porto, 2020). Light transport is Monte Carlo path tracing with next-event estimation.
+//! rendering models to provide real-time high-fidelity graphics", University of Porto, 2020). Light transport is Monte Carlo path tracing with next-event estimation.
 //! Samples accumulate in a [`film::Film`].
 
 pub mod denoise;
@@ -33,12 +33,12 @@ pub use backend::gpu::{AdapterDescription, adapters};
 pub use error::RenderError;
 pub use job::{Backend, BackendInfo, Job, Renderer, Shutter, kernel_wgsl, ray_stats};
 pub use mode::{Mode, relative_error};
-pub use output::{film, image, tonemap};
+pub use output::{film, image, parts, tonemap};
 pub use pathmarch_field;
 pub use pathmarch_scene;
 pub use preview_steps::{PreviewStep, PreviewSteps};
 pub use ray_stats::RayStats;
-pub use settings::{DirectLighting, MAX_BOUNCES, MAX_SPLITTING, Settings};
+pub use settings::{MAX_BOUNCES, MAX_SPLITTING, Settings};
 pub use views::aov;
 pub use views::pick::{Picked, clearance, pick};
 

@@ -3,27 +3,15 @@
 use crate::error::RenderError;
 use crate::mode::Mode;
 use crate::output::image::MAX_SIDE;
+use crate::output::parts::Rect;
 use crate::preview_steps::PreviewSteps;
-use pathmarch_scene::{Camera, Caustics, RenderSettings, Sampler, Scene, settings};
+use pathmarch_scene::{Camera, Caustics, DirectLighting, RenderSettings, Sampler, Scene, settings};
 
 /// Largest number of bounces of a path.
 pub const MAX_BOUNCES: u32 = settings::BOUNCES.1;
 
 /// Largest number of paths that share a camera ray.
 pub const MAX_SPLITTING: u32 = 8;
-
-/// Estimator of direct light from lights that a path can hit, that is from all but points. All estimators converge to the
-/// same picture; those other than [`Mis`](Self::Mis) are for comparison.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DirectLighting {
-    /// Light and BSDF sampling, combined by multiple importance sampling.
-    #[default]
-    Mis,
-    /// Light sampling alone, at every surface whose BSDF is not a delta distribution.
-    LightSampling,
-    /// BSDF sampling alone: paths hit lights by chance.
-    BsdfSampling,
-}
 
 /// Settings of one picture. On one adapter, a picture is a pure function of the scene and its settings.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +20,8 @@ pub struct Settings {
     pub size: [u32; 2],
     /// Samples of each pixel, at least 1.
     pub samples: u32,
+    /// Number of samples of the whole picture, if these are a part of it; the splitting suits the whole.
+    pub whole_samples: Option<u32>,
     /// Index of the first sample. Films of adjoining ranges add up to the film of the whole range.
     pub first_sample: u32,
     /// Scattering events after the first hit, from 0 (emitted and direct light only) to [`MAX_BOUNCES`].
@@ -59,6 +49,8 @@ pub struct Settings {
     /// Number of paths that share a camera ray, from 1 to [`MAX_SPLITTING`]; `None` for the number that converges soonest. All
     /// are unbiased. Applies to [`Mode::Path`].
     pub splitting: Option<u32>,
+    /// Pixels to render; the film has only these. `None` for all. For stills; live pictures ignore it.
+    pub crop: Option<Rect>,
 }
 
 impl Settings {
@@ -73,6 +65,11 @@ impl Settings {
     /// If there is no [`viewpoint`](Self::viewpoint) and the scene has no camera of this index.
     pub fn camera_of<'a>(&'a self, scene: &'a Scene) -> &'a Camera {
         self.viewpoint.as_ref().unwrap_or_else(|| &scene.cameras[self.camera])
+    }
+
+    /// Pixels that are rendered: the crop, or all.
+    pub fn rect(&self) -> Rect {
+        self.crop.unwrap_or(Rect::of(self.size))
     }
 
     /// Checks the settings for a scene.
@@ -90,6 +87,9 @@ impl Settings {
                 "there are {} samples from index {}; use at least one, and indices below 2³²",
                 self.samples, self.first_sample
             ));
+        }
+        if let Some(crop) = self.crop.filter(|crop| crop.pixels() == 0 || !Rect::of(self.size).contains(crop)) {
+            return fail(format!("the crop {crop} is not within the picture, {width}x{height} pixels"));
         }
         if !(self.detail > 0.0 && self.detail.is_finite()) {
             return fail(format!("the detail is {} pixels; it must be finite and above 0", self.detail));
@@ -116,6 +116,7 @@ impl From<&RenderSettings> for Settings {
         Self {
             size: [render.size.0, render.size.1],
             samples: render.samples,
+            whole_samples: None,
             first_sample: 0,
             bounces: render.bounces,
             seed: 0,
@@ -123,12 +124,13 @@ impl From<&RenderSettings> for Settings {
             caustics: render.caustics,
             clamp: render.clamp,
             detail: render.detail,
-            direct_lighting: DirectLighting::Mis,
+            direct_lighting: render.estimator,
             camera: 0,
             viewpoint: None,
             mode: Mode::Path,
             preview_steps: PreviewSteps::default(),
             splitting: None,
+            crop: None,
         }
     }
 }

@@ -4,8 +4,8 @@
 use crate::common::{mean, on_each_backend, parse, render};
 use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::{block_means, mean_colour, relmse};
-use pathmarch_render::pathmarch_scene::{Caustics, Scene, Sky};
-use pathmarch_render::{Backend, DirectLighting, Renderer, Settings};
+use pathmarch_render::pathmarch_scene::{Caustics, DirectLighting, Scene, Sky};
+use pathmarch_render::{Backend, Renderer, Settings};
 use pathmarch_testing::{plain, tests};
 use std::f32::consts::PI;
 

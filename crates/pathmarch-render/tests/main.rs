@@ -12,6 +12,7 @@ mod light;
 mod live;
 mod long_paths;
 mod mesh_file;
+mod meshes;
 mod missing_gpu;
 mod modes;
 mod motion;
@@ -37,6 +38,7 @@ fn main() {
         long_paths::tests(),
         shape_grids::tests(),
         mesh_file::tests(),
+        meshes::tests(),
         missing_gpu::tests(),
         modes::tests(),
         motion::tests(),

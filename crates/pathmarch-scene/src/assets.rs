@@ -1,15 +1,16 @@
 //! Cache of what a scene needs besides its text and is costly to make: pictures of the sky and of textures, computed
-//! days, fonts, compiled custom SDFs.
+//! days, fonts, meshes, compiled custom SDFs.
 //!
 //! An edited text is read again after every change, and most changes do not concern the sky. The cache contains what
 //! the last readings used: a picture by its file's path, size and time of change, a day by its parameters, a custom SDF
 //! by its text. An unchanged sky is the same `Arc`, so that renderers detect changes by its address. Cost: the picture
 //! of the last sky, twice once its strength or rotation has changed, at most 192 MiB; 1.5 MiB for each day; the last 16
-//! pictures of textures.
+//! pictures of textures; the last 32 meshes.
 
 use crate::atmosphere::Day;
 use crate::environment::{Environment, EnvironmentError, Loaded};
 use crate::light::Light;
+use crate::mesh_files::{MeshFile, MeshFileError};
 use crate::textures::{Picture as Texture, PictureError};
 use pathmarch_field::custom_sdf::{Code, CodeDiagnostic};
 use std::path::{Path, PathBuf};
@@ -23,6 +24,9 @@ const DAYS: usize = 8;
 const FONTS: usize = 4;
 /// Larger files are no fonts.
 const MAX_FONT_BYTES: u64 = 64 << 20;
+
+/// Meshes that are kept.
+const MESHES: usize = 32;
 
 /// Codes of fields that are kept: those of a scene, and steps back and forth.
 const CODES: usize = 128;
@@ -81,6 +85,7 @@ pub(crate) struct Assets {
     /// The last ones used come first.
     textures: Vec<(Source, Arc<Texture>)>,
     fonts: Vec<(Source, Arc<[u8]>)>,
+    meshes: Vec<(Source, Arc<MeshFile>)>,
 }
 
 impl Assets {
@@ -164,6 +169,18 @@ impl Assets {
         self.fonts.truncate(FONTS - 1);
         self.fonts.insert(0, (source, Arc::clone(&bytes)));
         Ok(bytes)
+    }
+
+    /// The mesh in the file at `path`. Files that it names are not watched.
+    pub(crate) fn mesh(&mut self, path: &Path) -> Result<Arc<MeshFile>, MeshFileError> {
+        let source = Source::now(path);
+        let file = match self.meshes.iter().position(|(known, _)| *known == source) {
+            Some(index) => self.meshes.remove(index).1,
+            None => Arc::new(MeshFile::load(path)?),
+        };
+        self.meshes.truncate(MESHES - 1);
+        self.meshes.insert(0, (source, Arc::clone(&file)));
+        Ok(file)
     }
 
     /// The sky of a day and its sun.

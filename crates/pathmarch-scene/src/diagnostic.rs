@@ -3,7 +3,8 @@
 //! The shape of the report is miette's: one [`SceneError`] for a file, its [`Mistake`]s as related diagnostics, each
 //! with the text it complains of underlined. Printing is the caller's business.
 
-use miette::{Diagnostic, NamedSource, SourceSpan};
+use crate::source_text::SourceText;
+use miette::{Diagnostic, SourceSpan};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -26,7 +27,7 @@ pub struct Mistake {
     /// True for a warning.
     pub warning: bool,
     /// Name and text of the file.
-    pub source_code: Arc<NamedSource<String>>,
+    pub source_code: Arc<SourceText>,
 }
 
 impl Diagnostic for Mistake {
@@ -45,6 +46,7 @@ impl Diagnostic for Mistake {
     fn labels(&self) -> Option<Box<dyn Iterator<Item = miette::LabeledSpan> + '_>> {
         let label = |primary: bool, span: SourceSpan, text: &str| {
             let text = (!text.is_empty()).then(|| text.to_owned());
+            let span = self.source_code.shown_part(span);
             if primary {
                 miette::LabeledSpan::new_primary_with_span(text, span)
             } else {

@@ -6,6 +6,7 @@ mod extremes;
 mod formulas;
 mod include;
 mod materials;
+mod meshes;
 mod mistakes;
 mod random;
 mod reference_page;

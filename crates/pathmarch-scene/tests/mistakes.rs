@@ -358,6 +358,50 @@ fn too_many_mistakes() {
 }
 
 #[test]
+fn many_unknown_materials_are_counted() {
+    let objects: String = (0..20_000).map(|k| format!("object \"o{k}\" material=\"n{k}\" {{ sphere }}\n")).collect();
+    let materials: String = (0..20_000).map(|k| format!("material \"m{k}\" {{ diffuse 0.5 }}\n")).collect();
+    let error = error(&format!("{HEAD}{materials}{objects}"));
+    assert_eq!(error.to_string(), "scene.kdl has 20000 mistakes, of which 100 are shown");
+    assert!(rendered(&error).contains("Did you mean `m0`?"));
+}
+
+#[test]
+fn of_long_lines_a_part_is_shown() {
+    let semicolons = error(&format!("{HEAD}{}", ";".repeat(1_000_000)));
+    let report = rendered(&semicolons);
+    assert!(report.contains("scene.kdl:4:101") && report.len() < 100_000, "{} bytes", report.len());
+    // A mistake as long as its line, beside wide characters, and between long lines.
+    let name = "ü".repeat(5000);
+    let long = "x".repeat(5000);
+    for text in [
+        format!("{HEAD}{name} 1\n"),
+        format!("{HEAD}object \"{name}\" {{ spher }}"),
+        format!("{HEAD}// {long}\nspher 1\n// {long}"),
+        format!("{HEAD}object \"a\" {{ sphere {{\n{}spher\n }} }}", " ".repeat(5000)),
+        format!("{HEAD}object \"a\" {{ sphere\n\n // {long}"),
+    ] {
+        let report = rendered(&error(&text));
+        assert!(report.contains("scene.kdl:") && report.len() < 10_000, "{report}");
+    }
+}
+
+#[test]
+fn polygons_cross_themselves_a_limited_number_of_times() {
+    let polygon = |points: u32, turns: u32| {
+        let points = (0..points).map(|k| {
+            let angle = f64::from(k * turns % points) / f64::from(points) * std::f64::consts::TAU;
+            format!("point {} {}\n", angle.cos(), angle.sin())
+        });
+        format!("{HEAD}object \"a\" {{ extrude 1 {{ polygon {{\n{}}} }} }}", points.collect::<String>())
+    };
+    // A star of 101 points crosses itself 101 times for each turn but the first.
+    assert!(Scene::parse("scene.kdl", &polygon(101, 20)).is_ok());
+    let report = rendered(&error(&polygon(999, 400)));
+    assert!(report.contains("crosses itself too often") && report.contains("more than 10000 crossings"), "{report}");
+}
+
+#[test]
 fn unreadable() {
     let folder = std::env::temp_dir().join(format!("pathmarch-scene-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("the folder for temporary files is writable");

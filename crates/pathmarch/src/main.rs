@@ -3,14 +3,19 @@
 //! Rendering is in the libraries. Exit codes: 0 success, 1 failure, 2 error in scene or usage, 130 interrupted.
 
 mod commands;
+mod film_notes;
 mod frames;
 mod picture;
+mod video;
 #[cfg(feature = "window")]
 mod window;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{check, compare, completions, devices, export, help, render, shapes, view};
-use pathmarch_cli::Failure;
+use commands::{
+    check, compare, completions, devices, export, help, merge, render, shapes, video as video_command, view,
+};
+use pathmarch_cli::{AppDirs, Failure};
+use pathmarch_render::pathmarch_scene::set_mesh_cache;
 use std::process::ExitCode;
 
 /// A path tracer for signed distance fields.
@@ -29,8 +34,12 @@ struct Arguments {
 enum Command {
     /// Open a window to view and edit a scene.
     View(view::Arguments),
-    /// Render a scene to a picture.
+    /// Render scenes to pictures.
     Render(render::Arguments),
+    /// Merge films that were rendered in parts.
+    Merge(merge::Arguments),
+    /// Make a video of pictures.
+    Video(video_command::Arguments),
     /// Export objects of a scene as a mesh: .stl, .ply, .obj or .glb.
     Export(export::Arguments),
     /// Read scenes and report every error in them.
@@ -38,7 +47,7 @@ enum Command {
     /// Compare a picture with a reference.
     Compare(compare::Arguments),
     /// List the devices that can render.
-    Devices,
+    Devices(devices::Arguments),
     /// Reference of shapes and operators.
     Shapes(shapes::Arguments),
     /// Help on a command, or on a word of the scene language.
@@ -57,16 +66,21 @@ fn main() -> ExitCode {
 }
 
 fn run(command: Command) -> Result<u8, Failure> {
+    if let Some(dirs) = AppDirs::of_user() {
+        set_mesh_cache(dirs.meshes);
+    }
     if !matches!(command, Command::View(_)) {
         pathmarch_cli::end_on_closed_pipe();
     }
     match command {
         Command::View(arguments) => view::run(arguments),
         Command::Render(arguments) => render::run(&arguments),
+        Command::Video(arguments) => video_command::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
-        Command::Devices => devices::run(),
+        Command::Devices(arguments) => devices::run(&arguments),
         Command::Shapes(arguments) => shapes::run(&arguments),
         Command::Help(arguments) => help::run(&arguments, Arguments::command()),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),

@@ -3,7 +3,7 @@
 use pathmarch_render::aov::{self, Layer};
 use pathmarch_render::denoise::Denoiser;
 use pathmarch_render::film::Film;
-use pathmarch_render::image::{self, Channel, ChannelValues, Picture, Provenance};
+use pathmarch_render::image::{self, Channel, ChannelValues, ImageFormat, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{BackendInfo, Settings, scene_hash};
@@ -42,8 +42,25 @@ impl Rendered<'_> {
     /// denoised picture has one with the mean of its samples.
     ///
     /// # Errors
-    /// Fails with a message if [`image::save_with`] or [`aov::render`] fail.
+    /// Fails with a message if [`image::encode`] or [`aov::render`] fail, or the file cannot be written.
     pub fn write(&self, output: &Path, display: &Display, layers: &[Layer]) -> Result<(), String> {
+        let format = ImageFormat::from_path(output).map_err(|error| error.to_string())?;
+        image::check_writable(output).map_err(|error| error.to_string())?;
+        let bytes = self.encode(output, format, display, layers)?;
+        image::write_file(output, &bytes).map_err(|error| error.to_string())
+    }
+
+    /// Bytes of the file that [`write`](Self::write) would write; errors name `path`.
+    ///
+    /// # Errors
+    /// Fails with a message if [`image::encode`] or [`aov::render`] fail.
+    pub fn encode(
+        &self,
+        path: &Path,
+        format: ImageFormat,
+        display: &Display,
+        layers: &[Layer],
+    ) -> Result<Vec<u8>, String> {
         let mut channels = Vec::new();
         if !layers.is_empty() {
             let aovs = aov::render(self.scene, self.settings).map_err(|error| error.to_string())?;
@@ -66,6 +83,6 @@ impl Rendered<'_> {
             channels.extend(noisy_channels(&mean));
         }
         let picture = self.denoised.as_ref().map_or(&mean, |denoised| &denoised.picture);
-        image::save_with(output, picture, channels, display, &provenance).map_err(|error| error.to_string())
+        image::encode(path, format, picture, channels, display, &provenance).map_err(|error| error.to_string())
     }
 }

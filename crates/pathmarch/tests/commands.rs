@@ -70,15 +70,18 @@ fn frames_are_rendered_one_after_the_other() {
     let output = run(&["--time", "0.3", "-o", "at.exr"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert_eq!(picture("f-003.exr"), picture("at.exr"));
-    // Existing files are skipped.
-    std::fs::write(directory.path().join("f-003.exr"), "mine").expect("written");
-    let output = run(&["--frames", "3-4", "-o", "f-###.exr", "--skip-existing"]);
+    // Existing files are skipped if they are whole.
+    std::fs::copy(directory.path().join("f-001.exr"), directory.path().join("f-003.exr")).expect("copied");
+    std::fs::write(directory.path().join("f-002.exr"), "torn").expect("written");
+    let output = run(&["--frames", "2-3", "-o", "f-###.exr", "--skip-existing"]);
+    assert!(stderr(&output).contains("f-002.exr is damaged"), "{}", stderr(&output));
     assert!(
         stderr(&output).contains("wrote 1 frame to f-###.exr") && stderr(&output).contains("1 existed already"),
         "{}",
         stderr(&output)
     );
-    assert_eq!(std::fs::read_to_string(directory.path().join("f-003.exr")).expect("text"), "mine");
+    assert_eq!(picture("f-003.exr"), picture("f-001.exr"), "it was left as it is");
+    assert_ne!(picture("f-002.exr"), picture("f-001.exr"));
     // Without -o, a range gets a file name with digits.
     assert_eq!(code(&run(&["--frames", "7"])), 0);
     assert!(there("ball-0007.png"));

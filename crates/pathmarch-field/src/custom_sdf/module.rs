@@ -138,7 +138,14 @@ fn sentence(text: &str) -> String {
     format!("{first}{}.", chars.as_str())
 }
 
+/// Start of the messages of naga for code that it gives up on; the only cause is nesting beyond its limit.
+const GIVEN_UP: &str = "internal wgsl front end error";
+
 fn parse_fault(error: &naga::front::wgsl::ParseError, text: &str) -> CodeDiagnostic {
+    if error.message().to_lowercase().starts_with(GIVEN_UP) {
+        let help = Some("Use at most about 60 levels of brackets: name a part with `let`.".to_owned());
+        return CodeDiagnostic { help, ..whole("This text is nested too deeply.", "in this text") };
+    }
     let place = error.labels().find_map(|(span, label)| Some((within(range(span)?, text)?, label.to_owned())));
     let notes: Vec<String> = error.notes().map(sentence).collect();
     let (range, label) = match place {

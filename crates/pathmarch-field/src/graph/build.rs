@@ -6,6 +6,7 @@ use super::pose::Frame;
 use super::{EvalStrategy, Field, Kind, Leaf, Modified, Node, Tree, shape_grid};
 use crate::blend::Blend;
 use crate::bounds::Aabb;
+use crate::mesh_shape::MeshShape;
 use crate::operators::Operator;
 use crate::registry::union;
 use crate::shapes::ShapeRef;
@@ -39,6 +40,7 @@ impl Field {
             strategies: Vec::new(),
             shape_grids: Vec::new(),
             bvh: Bvh::default(),
+            mesh_instances: Bvh::default(),
             choices: 0,
             modifiers: 0,
         };
@@ -47,7 +49,9 @@ impl Field {
                 let bounds = field.tree_bounds(&tree);
                 field.bounds = field.bounds.union(bounds);
                 field.object_bounds.push(bounds);
-                if field.is_analytic(&tree) {
+                if field.is_triangles(&tree) {
+                    field.strategies.push(EvalStrategy::Triangles);
+                } else if field.is_analytic(&tree) {
                     field.strategies.push(EvalStrategy::Analytic);
                     field.mark_subtracted(&tree, false);
                 } else {
@@ -57,6 +61,7 @@ impl Field {
                 field.objects.push(tree);
             }
         }
+        field.gather_mesh_instances();
         field.gather_shape_grids(least);
         field
     }
@@ -65,16 +70,21 @@ impl Field {
         let frame = frame.inside(&node.placement);
         match &node.kind {
             Kind::Shape { shape, params, tag } => {
-                self.leaves.push(Leaf {
-                    shape: shape.variant(params).map_or_else(|| shape.clone(), ShapeRef::from),
-                    params: shape.coefficients(params),
-                    tag: *tag,
-                    object,
-                    pose: frame.pose(),
-                    modified,
-                    subtracted: false,
-                });
-                Some(Tree::Leaf(self.leaves.len() as u32 - 1))
+                let tags = shape.mesh().map(MeshShape::tags).filter(|tags| !tags.is_empty());
+                let first = self.leaves.len() as u32;
+                for (slot, &tag) in (0..).zip(tags.unwrap_or(std::slice::from_ref(tag))) {
+                    self.leaves.push(Leaf {
+                        shape: shape.variant(params).map_or_else(|| shape.clone(), ShapeRef::from),
+                        params: shape.coefficients(params),
+                        tag,
+                        object,
+                        pose: frame.pose(),
+                        modified,
+                        slot,
+                        subtracted: false,
+                    });
+                }
+                Some(Tree::Leaf(first))
             }
             Kind::Operator { operator, smooth, children } => {
                 let scale = if operator.blends() { frame.scale } else { 1.0 };

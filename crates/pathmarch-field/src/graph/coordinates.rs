@@ -56,7 +56,9 @@ impl Field {
     fn modifiers_around(&self, leaf: usize) -> Vec<&Modified> {
         let mut around = Vec::new();
         if self.leaves.get(leaf).is_some_and(|leaf| leaf.modified) {
-            self.objects.iter().any(|object| find(object, leaf as u32, &mut around));
+            // The tree has the first leaf of a mesh.
+            let first = leaf as u32 - self.leaves[leaf].slot;
+            self.objects.iter().any(|object| find(object, first, &mut around));
             around.reverse();
         }
         around

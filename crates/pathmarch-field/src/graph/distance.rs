@@ -48,11 +48,11 @@ impl Field {
         for (object, _) in self.single_objects_with(included).filter(|(_, included)| *included) {
             let closer = nearest.min(self.tree_distance(object, p).abs());
             nearest = match self.direct(object) {
-                Some(leaf) => {
+                Some(leaf) if !self.leaves[leaf as usize].is_triangles() => {
                     let is_ignored = (ignored_leaf - N::constant(leaf as f32)).abs().lt(N::constant(0.5));
                     N::select(is_ignored, nearest, closer)
                 }
-                None => closer,
+                _ => closer,
             };
         }
         for shape_grid in self.included_shape_grids(included) {

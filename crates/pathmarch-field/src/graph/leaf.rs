@@ -1,6 +1,7 @@
 //! Leaf of a field: a shape, its coefficients and its pose.
 
 use super::{Batch, Pose};
+use crate::mesh_shape::MeshShape;
 use crate::number::{Dual, Vec3};
 use crate::ray_interval::RayInterval;
 use crate::shapes::ShapeRef;
@@ -20,11 +21,18 @@ pub struct Leaf {
     pub pose: Pose,
     /// True if the pose is in the space of a modifier.
     pub modified: bool,
+    /// Number of its material among those of a mesh, whose leaves are consecutive; 0 for all other shapes.
+    pub slot: u32,
     /// True if its analytic object subtracts it: rays hit it from inside.
     pub subtracted: bool,
 }
 
 impl Leaf {
+    /// Reports whether rays intersect it as triangles, by [`Field::mesh_hit`](super::Field::mesh_hit).
+    pub fn is_triangles(&self) -> bool {
+        !self.modified && self.shape.mesh().is_some_and(MeshShape::is_triangles)
+    }
+
     #[inline]
     pub(super) fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let distance = N::shape(&*self.shape).distance(self.pose.local(p), &self.params);

@@ -47,6 +47,11 @@ pub(crate) struct ShapeGrid {
     grid: Arc<OnceLock<SparseGrid>>,
 }
 
+/// Reports whether an object is evaluated by itself.
+fn is_single(strategy: EvalStrategy) -> bool {
+    matches!(strategy, EvalStrategy::Analytic | EvalStrategy::SphereTraced | EvalStrategy::Triangles)
+}
+
 /// Largest offset of the surface of a fold beyond its shapes, metres: a result that is so far below the next distance does not
 /// change any more.
 pub(crate) fn growth(smooth: Option<Blend>, shapes: usize) -> f32 {
@@ -256,10 +261,11 @@ impl Field {
     pub(super) fn gather_shape_grids(&mut self, least: usize) {
         let least = least.max(2);
         let mut strategies = std::mem::take(&mut self.strategies);
-        // Fractals stay code, because their orbit traps are code.
+        // Fractals stay code, because their orbit traps are code. Meshes have data of their own.
         let finite_bounds = |leaf: u32| {
             let bounds = Some(self.leaf_bounds(leaf as usize)).filter(|b| b.is_finite() && !b.is_empty());
-            bounds.filter(|_| !self.leaves[leaf as usize].shape.has_orbit())
+            let shape = &self.leaves[leaf as usize].shape;
+            bounds.filter(|_| !shape.has_orbit() && shape.mesh().is_none())
         };
         let mut shape_grids = Vec::new();
         let (mut separate, mut analytic) = (Vec::new(), Vec::new());
@@ -321,7 +327,7 @@ impl Field {
 
     /// Objects outside of shape grids and the BVH.
     pub(crate) fn single_objects(&self) -> impl Iterator<Item = &Tree> {
-        self.with_strategy(|strategy| matches!(strategy, EvalStrategy::Analytic | EvalStrategy::SphereTraced))
+        self.with_strategy(is_single)
     }
 
     /// Analytic objects among them.
@@ -345,8 +351,7 @@ impl Field {
     /// Objects outside of shape grids and the BVH, each with its entry of `included`.
     pub(crate) fn single_objects_with(&self, included: &[bool]) -> impl Iterator<Item = (&Tree, bool)> {
         let all = self.objects.iter().zip(&self.strategies).zip(included);
-        all.filter(|((_, strategy), _)| matches!(strategy, EvalStrategy::Analytic | EvalStrategy::SphereTraced))
-            .map(|((object, _), included)| (object, *included))
+        all.filter(|((_, strategy), _)| is_single(**strategy)).map(|((object, _), included)| (object, *included))
     }
 
     /// Indices of the shape grids with an included object.
@@ -354,9 +359,9 @@ impl Field {
         let last = self.shape_grids.len().wrapping_sub(1);
         let number = |(strategy, included): (&EvalStrategy, &bool)| match strategy {
             _ if !included => None,
-            EvalStrategy::Analytic | EvalStrategy::SphereTraced | EvalStrategy::InBvh => None,
             EvalStrategy::ShapeGrid(shape_grid) => Some(*shape_grid),
             EvalStrategy::InShapeGrid => Some(last),
+            _ => None,
         };
         let numbers: BTreeSet<usize> = self.strategies.iter().zip(included).filter_map(number).collect();
         numbers.into_iter().collect()

@@ -54,7 +54,7 @@ impl Field {
             if all[..lane].contains(&leaf) {
                 continue;
             }
-            let Some(shape) = self.leaves.get(leaf as usize) else { continue };
+            let Some(shape) = self.leaves.get(leaf as usize).filter(|leaf| !leaf.is_triangles()) else { continue };
             let field = if shape.subtracted { -shape.surface(p) } else { shape.surface(p) };
             let is_hit = (hit_leaf - N::constant(leaf)).abs().lt(N::constant(0.5));
             result = Surface {
@@ -81,7 +81,7 @@ impl Field {
             };
         };
         for (object, strategy) in self.objects.iter().zip(&self.strategies) {
-            let analytic = matches!(strategy, EvalStrategy::Analytic | EvalStrategy::InBvh);
+            let analytic = matches!(strategy, EvalStrategy::Analytic | EvalStrategy::InBvh | EvalStrategy::Triangles);
             let is_evaluated = analytic || *strategy == EvalStrategy::SphereTraced;
             if is_evaluated && N::any(is_included(analytic)) {
                 add(self.tree_surface(object, p, threshold), is_included(analytic));

@@ -58,9 +58,10 @@ pub trait ShapeDef: Send + Sync + 'static {
     }
     /// True for a fractal, which implements [`orbit`](Self::orbit).
     const ORBIT: bool = false;
-    /// Orbit traps of `p`: the least distances of its orbit to the origin, the y axis, the plane y = 0 and the unit sphere,
-    /// and the fraction of iterations before it escaped, 0..1.
-    fn orbit<N: Real>(_p: Vec3<N>, _params: Self::Params<N>) -> [N; TRAPS] {
+    /// Orbit traps of `p` about `centre`: the least distances of its orbit to the centre, the line through it along y, the
+    /// plane through it across y and the unit sphere about it; the largest distance to the centre; and the fraction of
+    /// iterations before it escaped, 0..1.
+    fn orbit<N: Real>(_p: Vec3<N>, _centre: Vec3<N>, _params: Self::Params<N>) -> [N; TRAPS] {
         [N::zero(); TRAPS]
     }
 }

@@ -3,6 +3,7 @@
 use crate::bounds::Aabb;
 use crate::expression::identifier;
 use crate::info::Info;
+use crate::mesh_shape::MeshShape;
 use crate::number::{Dual, Real, Vec3};
 use crate::parameter::Param;
 use crate::ray_interval::{RayInterval, T_MAX};
@@ -12,7 +13,7 @@ use std::sync::Arc;
 use wide::f32x8;
 
 /// Number of orbit traps; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
-pub const TRAPS: usize = 5;
+pub const TRAPS: usize = 6;
 
 /// Surface on which a light is sampled; lengths in metres, local coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,8 +44,8 @@ pub trait EvalShape<N: Real> {
     fn ray(&self, _origin: Vec3<N>, _direction: Vec3<N>, _params: &[f32]) -> N {
         N::constant(T_MAX)
     }
-    /// Orbit traps of a point; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
-    fn orbit(&self, _p: Vec3<N>, _params: &[f32]) -> [N; TRAPS] {
+    /// Orbit traps of a point about `centre`; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
+    fn orbit(&self, _p: Vec3<N>, _centre: Vec3<N>, _params: &[f32]) -> [N; TRAPS] {
         [N::zero(); TRAPS]
     }
 }
@@ -92,7 +93,7 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     fn has_orbit(&self) -> bool {
         false
     }
-    /// Orbit traps as a WGSL function `NAME_orbit(p: vec3f, …) -> array<f32, 5>`.
+    /// Orbit traps as a WGSL function `NAME_orbit(p: vec3f, centre: vec3f, …) -> array<f32, 6>`.
     fn wgsl_orbit(&self) -> String {
         String::new()
     }
@@ -114,6 +115,10 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     }
     /// Lipschitz constant declared in the scene, by which the distance is divided.
     fn declared_lipschitz(&self) -> Option<f32> {
+        None
+    }
+    /// The mesh, if it is one.
+    fn mesh(&self) -> Option<&MeshShape> {
         None
     }
     /// Reports whether its WGSL is built in and may run without bounds checks.

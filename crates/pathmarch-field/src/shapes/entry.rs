@@ -47,8 +47,8 @@ impl<T: ShapeDef, N: Differentiable> EvalShape<N> for Entry<T> {
     fn ray(&self, origin: Vec3<N>, direction: Vec3<N>, params: &[f32]) -> N {
         T::ray(origin, direction, values(params))
     }
-    fn orbit(&self, p: Vec3<N>, params: &[f32]) -> [N; TRAPS] {
-        T::orbit(p, values(params))
+    fn orbit(&self, p: Vec3<N>, centre: Vec3<N>, params: &[f32]) -> [N; TRAPS] {
+        T::orbit(p, centre, values(params))
     }
 }
 
@@ -84,9 +84,11 @@ impl<T: ShapeDef> Shape for Entry<T> {
         T::ORBIT
     }
     fn wgsl_orbit(&self) -> String {
-        let doc = "Orbit traps of `NAME`: point, line, plane, sphere; fraction of iterations.";
-        shape_function(self, "orbit", &["p"], doc.replace("NAME", &T::INFO.name))
-            .print(&|inputs| T::orbit(Expr::point(inputs, 0), T::Params::from_fn(|k| inputs[3 + k])).to_vec())
+        let doc = "Orbit traps of `NAME` about a centre: point, line, plane, sphere, farthest; fraction of iterations.";
+        shape_function(self, "orbit", &["p", "centre"], doc.replace("NAME", &T::INFO.name)).print(&|inputs| {
+            let params = T::Params::from_fn(|k| inputs[6 + k]);
+            T::orbit(Expr::point(inputs, 0), Expr::point(inputs, 1), params).to_vec()
+        })
     }
     fn wgsl_interval(&self) -> String {
         let doc = "Interval of a line inside `NAME`, metres.".replace("NAME", &T::INFO.name);

@@ -73,11 +73,12 @@ pub(crate) fn descending<N: Real>([x, y, z]: [N; 3]) -> Vec3<N> {
     Vec3::new(x, y, z)
 }
 
-/// Iterates an orbit and returns its traps; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
+/// Iterates an orbit and returns its traps about `centre`; see [`ShapeDef::orbit`](super::ShapeDef::orbit).
 ///
 /// `T` is `K + TRAPS`, the state and the traps side by side.
 #[inline(always)]
 pub(crate) fn traps<N: Real, const K: usize, const T: usize>(
+    centre: Vec3<N>,
     iterations: N,
     limit: u32,
     start: [N; K],
@@ -87,17 +88,18 @@ pub(crate) fn traps<N: Real, const K: usize, const T: usize>(
     let farthest = N::constant(T_MAX);
     let state: [N; T] = std::array::from_fn(|k| match k {
         _ if k < K => start[k],
-        _ if k == T - 1 => N::zero(),
+        _ if k >= T - 2 => N::zero(),
         _ => farthest,
     });
     let state = N::iterate(iterations, limit, state, |state| {
         let (next, go_on) = step(std::array::from_fn(|k| state[k]));
-        let z = Vec3::new(next[0], next[1], next[2]);
+        let z = Vec3::new(next[0] - centre.x, next[1] - centre.y, next[2] - centre.z);
         let length = z.length();
         let near = [length, z.x.hypot(z.z), z.y.abs(), (length - N::one()).abs()];
         let next = std::array::from_fn(|k| match k {
             _ if k < K => next[k],
             _ if k == T - 1 => state[k] + N::one(),
+            _ if k == T - 2 => state[k].max(length),
             _ => state[k].min(near[k - K]),
         });
         (next, go_on)

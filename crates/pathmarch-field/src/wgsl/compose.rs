@@ -7,6 +7,7 @@ mod analytic;
 mod bvh;
 mod coordinates;
 mod distance;
+mod mesh;
 mod modifiers;
 mod parameters;
 mod shape_grid;
@@ -14,6 +15,7 @@ mod surface;
 
 use crate::blend::{Blend, BlendProfile};
 use crate::graph::{Field, Tree};
+use crate::mesh_shape::words::MeshWords;
 use std::collections::BTreeSet;
 
 /// Largest number of parameter vectors for uniform memory: 64 KiB, which every adapter has.
@@ -26,8 +28,9 @@ pub type Parameters = Vec<[f32; 4]>;
 ///
 /// The code reads an array `field_parameters` of `vec4f`. It declares the WGSL of [`Field`] methods:
 /// `sphere_traced_distance(p: vec3f) -> f32`, `analytic_hit(origin: vec3f, direction: vec3f) -> AnalyticHit`, and
-/// `surface(p: vec3f, hit_id: u32, seed: u32) -> Surface` for [`Field::surface_at_hit`], where `hit_id` is that of an analytic
-/// hit or `SPHERE_TRACED`.
+/// `surface(p: vec3f, hit_id: u32, triangle: u32, seed: u32) -> Surface` for [`Field::surface_at_hit`], where `hit_id` and
+/// `triangle` are those of an analytic hit, or `hit_id` is `SPHERE_TRACED`. The code of fields with meshes calls
+/// `mesh_word(index: u32) -> u32`, which the kernel declares: a word of [`Program::mesh_words`].
 #[derive(Clone, Debug)]
 pub struct Program {
     /// WGSL text, equal for scenes of equal structure.
@@ -37,6 +40,8 @@ pub struct Program {
     pub estimated_distance: String,
     /// Parameters, at least one vector.
     pub parameters: Parameters,
+    /// Words of all meshes; empty if there are none.
+    pub mesh_words: Vec<u32>,
     /// True if the code reads tables of any length. Then the type of the array has no length, so that it does not change with
     /// the number of points of an outline.
     pub has_tables: bool,
@@ -48,10 +53,14 @@ const SURFACE: &str = "\
 /// Id of a sphere-traced hit.
 const SPHERE_TRACED = 0xffffffffu;
 
-/// First analytic hit of a ray: metres, or 1e30, and the id that `surface` takes.
+/// Triangle of a hit that is none of a mesh.
+const NO_TRIANGLE = 0xffffffffu;
+
+/// First analytic hit of a ray: metres, or 1e30, and the id and triangle that `surface` takes.
 struct AnalyticHit {
     t: f32,
     hit_id: u32,
+    triangle: u32,
 }
 
 /// Surface nearest to a point.
@@ -59,6 +68,8 @@ struct Surface {
     gradient: vec3f,
     distance: f32,
     leaf: u32,
+    /// Triangle of a mesh, or NO_TRIANGLE.
+    triangle: u32,
 }
 ";
 
@@ -143,10 +154,11 @@ impl Program {
             code += "\n";
             code += function;
         }
+        code += &composer.mesh_code();
         let shape_grids = composer.records() + &composer.shape_grids() + &composer.bvh();
         let code = format!("{code}\n{shape_grids}{distance}\n{analytic_hit}\n{surface}");
-        let Composer { parameters, bvh_records, .. } = composer;
-        Self { code, estimated_distance, parameters, has_tables, bvh_records }
+        let Composer { parameters, bvh_records, meshes, .. } = composer;
+        Self { code, estimated_distance, parameters, mesh_words: meshes.words, has_tables, bvh_records }
     }
 
     /// WGSL text of functions `NAME(p: vec3f, ignored_leaf: u32) -> f32`, to be appended to [`code`](Self::code): each is
@@ -192,6 +204,7 @@ impl<'a> Composed<'a> {
             shape_grid_starts: Vec::new(),
             bvh_start: 0,
             bvh_records: Vec::new(),
+            meshes: MeshWords::default(),
         };
         let mut functions = BTreeSet::new();
         let mut printed = BTreeSet::new();
@@ -222,6 +235,7 @@ impl<'a> Composed<'a> {
         for tree in field.single_objects() {
             composer.modifiers(tree, &mut functions);
         }
+        composer.append_meshes();
         composer.append_tables();
         composer.append_shape_grids();
         composer.append_bvh();
@@ -244,6 +258,7 @@ struct Composer<'a> {
     bvh_start: usize,
     /// Leaves of the BVH and the indices of their records.
     bvh_records: Vec<(u32, usize)>,
+    meshes: MeshWords,
 }
 
 fn profile(smooth: Option<Blend>) -> Option<BlendProfile> {

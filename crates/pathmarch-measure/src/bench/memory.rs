@@ -5,7 +5,7 @@
 
 use super::{Arguments, scenes};
 use crate::measure::{self, Interrupt};
-use pathmarch_cli::{DONE, Failure};
+use pathmarch_cli::{DONE, Failure, outln};
 use pathmarch_render::{Renderer, Settings};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -30,7 +30,7 @@ pub fn report(arguments: &Arguments, interrupt: &Interrupt) -> Result<u8, Failur
         }
     }
     if let Some(peak) = peak_of_this_process() {
-        println!("{peak}");
+        outln!("{peak}");
     }
     Ok(DONE)
 }

@@ -16,7 +16,8 @@ mod scenes;
 
 use crate::measure::{self, Budget, Interrupt, ReferenceStore};
 use pathmarch_cli::{
-    AppDirs, BackendArgument, DONE, FAILED, Failure, INTERRUPTED, catch_interrupts, check_directory, value_parsers,
+    AppDirs, BackendArgument, DONE, FAILED, Failure, INTERRUPTED, catch_interrupts, check_directory, note,
+    value_parsers,
 };
 use pathmarch_render::pathmarch_scene::{Scene, settings};
 use pathmarch_render::{Renderer, Settings, ray_stats};
@@ -171,7 +172,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 break;
             }
             Err(failure) => {
-                eprintln!("{}: skipped", chosen.name);
+                note!("{}: skipped", chosen.name);
                 failure.print();
             }
         }
@@ -184,7 +185,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     }
     Ok(match (interrupted, results.entries.is_empty()) {
         (true, _) => {
-            eprintln!("interrupted: results are those of the scenes before");
+            note!("interrupted: results are those of the scenes before");
             INTERRUPTED
         }
         (false, true) => FAILED,
@@ -203,7 +204,7 @@ struct SceneBench<'a> {
 
 impl SceneBench<'_> {
     fn log(&self, what: &str) {
-        eprintln!("[{}] {}: {what}", self.place, self.chosen.name);
+        note!("[{}] {}: {what}", self.place, self.chosen.name);
     }
 
     /// Ratio of the pixels timed to the pixels counted.

@@ -1,6 +1,6 @@
 //! Benchmark results: table, JSON file, and comparison with another run.
 
-use pathmarch_cli::Failure;
+use pathmarch_cli::{Failure, out, outln};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -119,19 +119,24 @@ impl Results {
     /// Prints the table's header.
     pub fn print_head(&self) {
         let [width, height] = self.size;
-        println!("{width}x{height}, {} bounces, {} rounds of {} samples", self.bounces, self.rounds, self.samples);
-        print!(
+        outln!("{width}x{height}, {} bounces, {} rounds of {} samples", self.bounces, self.rounds, self.samples);
+        out!(
             "{:<24} {:>9} {:>17} {:>8} {:>10} {:>8} {:>8} {:>7} {:>8}",
-            "scene", "ms/sample", "min-max", "GPU ms", "compile ms", "rays/px", "evals/px", "steps", "peak MiB"
+            "scene",
+            "ms/sample",
+            "min-max",
+            "GPU ms",
+            "compile ms",
+            "rays/px",
+            "evals/px",
+            "steps",
+            "peak MiB"
         );
         if let Some([width, height]) = self.error_size {
             let size = format!("{width}x{height}:");
-            print!(
-                "  {size:>10} {:>7} {:>6} {:>9} {:>10} {:>9}",
-                "seconds", "spp", "relMSE", "s x relMSE", "ref noise"
-            );
+            out!("  {size:>10} {:>7} {:>6} {:>9} {:>10} {:>9}", "seconds", "spp", "relMSE", "s x relMSE", "ref noise");
         }
-        println!("  backend");
+        outln!("  backend");
     }
 
     /// Prints the ratios of these results to an earlier run; below 1 is less than before.
@@ -139,11 +144,15 @@ impl Results {
         if (before.size, before.bounces) != (self.size, self.bounces) {
             let description =
                 |results: &Results| format!("{}x{} and {} bounces", results.size[0], results.size[1], results.bounces);
-            println!("\nwarning: different settings: {} before, {} now", description(before), description(self));
+            outln!("\nwarning: different settings: {} before, {} now", description(before), description(self));
         }
-        println!(
+        outln!(
             "\nnow / before: {:<12} {:>9} {:>10} {:>8} {:>10}  backend",
-            "scene", "ms/sample", "evals/px", "MiB", "s x relMSE"
+            "scene",
+            "ms/sample",
+            "evals/px",
+            "MiB",
+            "s x relMSE"
         );
         let ratio = |now: Option<f64>, then: Option<f64>| match (now, then) {
             (Some(now), Some(then)) if then > 0.0 => format!("{:.3}", now / then),
@@ -153,11 +162,11 @@ impl Results {
         for now in &self.entries {
             let is_it = |then: &&Entry| then.scene == now.scene && then.backend == now.backend;
             let Some(then) = before.entries.iter().find(is_it) else {
-                println!("{:<24} not measured before, on {}", now.scene, now.backend);
+                outln!("{:<24} not measured before, on {}", now.scene, now.backend);
                 continue;
             };
             let cost = |entry: &Entry| entry.quality.as_ref().and_then(|quality| quality.seconds_relmse);
-            println!(
+            outln!(
                 "{:<24} {:>9} {:>10} {:>8} {:>10}  {}",
                 now.scene,
                 ratio(Some(now.ms_per_sample.median), Some(then.ms_per_sample.median)),
@@ -170,7 +179,7 @@ impl Results {
         }
         if !logarithms.is_empty() {
             let mean = (logarithms.iter().sum::<f64>() / logarithms.len() as f64).exp();
-            println!("{:<24} {mean:>9.3}  geometric mean", "all");
+            outln!("{:<24} {mean:>9.3}  geometric mean", "all");
         }
     }
 }
@@ -179,7 +188,7 @@ impl Entry {
     /// Prints the entry's row.
     pub fn print(&self) {
         let Spread { median, min, max } = self.ms_per_sample;
-        print!(
+        out!(
             "{:<24} {median:>9.1} {:>17} {:>8} {:>10.1} {:>8.2} {:>8} {:>7} {:>8}",
             self.scene,
             format!("{min:.1}-{max:.1}"),
@@ -192,7 +201,7 @@ impl Entry {
         );
         if let Some(quality) = &self.quality {
             let small = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2e}"));
-            print!(
+            out!(
                 "  {:>10} {:>7.2} {:>6} {:>9} {:>10} {:>9}",
                 "",
                 quality.seconds,
@@ -202,6 +211,6 @@ impl Entry {
                 small(quality.reference_relmse)
             );
         }
-        println!("  {}", self.backend);
+        outln!("  {}", self.backend);
     }
 }

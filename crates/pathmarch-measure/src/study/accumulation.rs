@@ -124,7 +124,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         4 * samples
     ));
     Ok(format!(
-        "## Accumulation\n\nFigure 5.3: the error as samples accumulate; pictures of `{PICTURED_SCENE}`. Sums are kept in 32-bit \
+        "## Accumulation\n\nAfter Figure 5.3, which shows a fractal: the error as samples accumulate; pictures of `{PICTURED_SCENE}`. Sums are kept in 32-bit \
          floats, so that the error goes on falling; the thesis's program keeps a blend of fixed weight in 8 bits, which \
          stops improving at about 39 samples. Independent random numbers fall as one over the samples, -1; the program's \
          Sobol' points at least as fast.\n\n{}\n{}\n![Error by samples](accumulation.png)\n\n{conditions}",

@@ -20,7 +20,7 @@ mod table;
 use crate::bench;
 use crate::measure::{self, Budget, Interrupt};
 use clap::ValueEnum;
-use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, value_parsers};
+use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, note, value_parsers};
 use pathmarch_render::image::{self, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::Display;
@@ -150,7 +150,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         study.write(&format!("{}.md", part.name()), &text)?;
         study.write_page()?;
     }
-    eprintln!("wrote {}", directory.join("README.md").display());
+    note!("wrote {}", directory.join("README.md").display());
     Ok(DONE)
 }
 
@@ -195,7 +195,7 @@ fn example(name: &str) -> Result<Scene, Failure> {
 
 impl Study<'_> {
     fn log(&self, what: &str) {
-        eprintln!("{what}");
+        note!("{what}");
     }
 
     fn write(&self, name: &str, text: &str) -> Result<(), Failure> {
@@ -206,8 +206,9 @@ impl Study<'_> {
     /// Writes the page of all existing parts.
     fn write_page(&self) -> Result<(), Failure> {
         let mut page = format!(
-            "# The evaluation of the thesis, repeated\n\nCarvalho, \"Combining the Ray Marching and Rasterization rendering \
-             models\", University of Porto, 2020, chapter 5, measured again with pathmarch {}. Each part lists its hardware \
+            "# The evaluation of the thesis, repeated\n\nRúben André Campos de Carvalho, \"Combining the Ray Marching and \
+             Rasterization rendering models to provide real-time high-fidelity graphics\", Master's thesis, University of \
+             Porto, June 2020, chapter 5, measured again with pathmarch {}. Each part lists its hardware \
              and the command that repeats it; its tables are also available as CSV, its plots as SVG.\n",
             env!("CARGO_PKG_VERSION")
         );
@@ -251,7 +252,7 @@ impl Study<'_> {
             match measure::start(renderer, scene, &settings) {
                 Ok(job) => jobs.push(job),
                 Err(failure) => {
-                    eprintln!("not on {}:", measure::backend_label(renderer));
+                    note!("not on {}:", measure::backend_label(renderer));
                     failure.print();
                     able.push(false);
                     continue;

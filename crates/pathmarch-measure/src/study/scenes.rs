@@ -33,29 +33,32 @@ const fn row(
     Row { kind, scene, figure, published, then }
 }
 
-static ROWS: [Row; 22] = [
+static ROWS: [Row; 25] = [
     row("diffuse", "diffuse-sphere", "5.5", Some("6-10"), Some(640.0)),
     row("diffuse", "solids", "4.6", None, None),
     row("diffuse", "combinations", "4.7", None, None),
     row("diffuse", "twisted-cube", "2.2", None, None),
+    row("diffuse", "soft-shadows", "5.7", None, None),
     row("specular", "metal-room-rough-90", "5.8", Some("26-29"), Some(2561.0)),
     row("specular", "metal-room-rough-50", "5.8", Some("26-29"), Some(2561.0)),
     row("specular", "metal-room-rough-05", "5.8", Some("26-29"), Some(2561.0)),
     row("specular", "three-spheres", "5.1", None, Some(1558.0)),
-    row("specular", "specular-prisms", "4.13", None, None),
+    row("specular", "specular-prisms", "-", None, None),
     row("refractive", "glass-prism", "5.10", Some("29-37"), Some(1199.0)),
-    row("refractive", "refractive-prisms", "4.14", None, None),
-    row("refractive", "caustics", "5.11", None, None),
-    row("refractive", "caustics-fast", "5.11", None, None),
+    row("refractive", "refractive-prisms", "-", None, None),
+    row("refractive", "caustics", "section 5.3.3", None, None),
+    row("refractive", "caustics-fast", "section 5.3.3", None, None),
     row("global light", "open-room-sky", "5.12", Some("14-25"), Some(1773.0)),
     row("global light", "open-room", "5.12", Some("14-25"), Some(1773.0)),
-    row("emissive", "metal-light", "5.13", None, None),
+    row("emissive", "metal-light", "-", None, None),
+    row("emissive", "green-lamp", "4.13", None, None),
     row("emissive", "emitting-spheres", "5.14", Some("14.3"), Some(694.0)),
     row("fractal", "grey-mandelbulb", "5.16", Some("45.5"), Some(5504.0)),
-    row("fractal", "mandelbulb-landscape", "1.2", None, None),
-    row("fractal", "inside-mandelbox", "1.2", None, None),
+    row("fractal", "mandelbulb-landscape", "5.4", None, None),
+    row("fractal", "inside-mandelbox", "5.4", None, None),
     row("fractal", "cream-julia", "2.11", None, None),
-    row("fractal", "cubes", "5.17", None, None),
+    row("fractal", "cubes", "2.11", None, None),
+    row("fractal", "orbit-traps", "5.17", None, None),
 ];
 
 pub fn study(study: &mut Study) -> Result<String, Failure> {

@@ -70,6 +70,22 @@ impl CompressedBvh {
         Ok(compressed)
     }
 
+    /// Number of levels of nodes; zero without triangles. A traversal that keeps the rest of each node on its stack needs as
+    /// many entries.
+    pub fn depth(&self) -> usize {
+        let mut level = if self.nodes.is_empty() { Vec::new() } else { vec![0] };
+        let mut depth = 0;
+        while !level.is_empty() {
+            let children = |index: usize| {
+                let node = self.node(index);
+                (0..8).filter_map(move |slot| node.inner_child(slot))
+            };
+            level = level.into_iter().flat_map(children).collect();
+            depth += 1;
+        }
+        depth
+    }
+
     /// Bytes in use.
     pub fn size_in_bytes(&self) -> usize {
         4 * (self.nodes.len() + self.corners.len() + self.triangles.len())
@@ -253,6 +269,14 @@ impl Decoder<'_> {
             }))
         };
         (self.byte(META, slot) != 0).then(|| Bounds { min: corner(BOXES), max: corner(BOXES + 6) })
+    }
+
+    /// Index of the inner node of a slot.
+    fn inner_child(&self, slot: usize) -> Option<usize> {
+        match self.child(slot) {
+            Child::Inner(child) if self.byte(META, slot) != 0 => Some(child),
+            _ => None,
+        }
     }
 
     fn child(&self, slot: usize) -> Child {

@@ -83,6 +83,36 @@ pub struct DistanceGrid {
     lipschitz: f32,
 }
 
+/// Arrays of a [`DistanceGrid`]. In all of them x varies fastest.
+#[derive(Clone, Copy, Debug)]
+pub struct GridArrays<'g> {
+    /// Least corner of the box.
+    pub origin: Vec3,
+    /// Edge of a voxel.
+    pub voxel: f32,
+    /// Number of blocks of [`GridArrays::BLOCK`]³ voxels along each axis.
+    pub blocks: UVec3,
+    /// Distance that a brick's sample of one stands for.
+    pub unit: f32,
+    /// Distance at each coarse sample, every [`GridArrays::COARSE`] voxels, both borders included.
+    pub coarse: &'g [f32],
+    /// Index of each block's brick, or [`GridArrays::NO_BRICK`].
+    pub bricks_of_blocks: &'g [u32],
+    /// Samples of all bricks, [`GridArrays::SIDE`]³ each.
+    pub bricks: &'g [i16],
+}
+
+impl GridArrays<'_> {
+    /// Voxels along the edge of a block.
+    pub const BLOCK: u32 = BLOCK;
+    /// Voxels between coarse samples.
+    pub const COARSE: u32 = COARSE;
+    /// Samples along the edge of a brick.
+    pub const SIDE: u32 = SIDE;
+    /// Index of a block without brick.
+    pub const NO_BRICK: u32 = NO_BRICK;
+}
+
 impl DistanceGrid {
     /// Builds the field of a mesh, on all cores of the current `rayon` pool. The result does not depend on their number.
     ///
@@ -145,6 +175,21 @@ impl DistanceGrid {
     /// Bytes in use.
     pub fn size_in_bytes(&self) -> usize {
         4 * (self.coarse.len() + self.bricks_of_blocks.len() + self.slopes.len()) + 2 * self.bricks.len()
+    }
+
+    /// The arrays of the grid, for evaluation elsewhere.
+    pub fn arrays(&self) -> GridArrays<'_> {
+        let Layout { origin, voxel, blocks } = self.layout;
+        let unit = SAMPLE_RANGE * voxel / f32::from(i16::MAX);
+        GridArrays {
+            origin,
+            voxel,
+            blocks,
+            unit,
+            coarse: &self.coarse,
+            bricks_of_blocks: &self.bricks_of_blocks,
+            bricks: &self.bricks,
+        }
     }
 
     /// Distance and gradient of a point.

@@ -5,6 +5,7 @@ use crate::integrator::guides::{FILM_SAMPLES, Guide};
 use crate::integrator::splitting;
 use crate::mode::{Mode, uncertainty_of};
 use crate::output::film::Film;
+use crate::output::parts::Rect;
 use crate::output::tonemap::Display;
 use crate::ray_stats::RayCounters;
 use glam::Vec3;
@@ -19,6 +20,8 @@ const TILE: u32 = 16;
 pub(crate) struct CpuJob {
     input: RenderInput,
     stats: Option<Arc<RayCounters>>,
+    /// Pixels of the film.
+    rect: Rect,
     tiles: Vec<Tile>,
     film: Film,
     /// Number of finished tiles of the current samples.
@@ -53,17 +56,35 @@ fn kept(value: Vec3) -> Vec3 {
     if is_kept(value) { value } else { Vec3::ZERO }
 }
 
-fn tiles(width: u32, height: u32) -> Vec<Tile> {
-    let starts = |length: u32| (0..length).step_by(TILE as usize).map(move |at| [at, (at + TILE).min(length)]);
-    starts(height).flat_map(|y| starts(width).map(move |x| Tile { x, y })).collect()
+fn tiles(rect: Rect) -> Vec<Tile> {
+    let starts = |start: u32, end: u32| (start..end).step_by(TILE as usize).map(move |at| [at, (at + TILE).min(end)]);
+    let rows = starts(rect.y, rect.bottom());
+    rows.flat_map(|y| starts(rect.x, rect.right()).map(move |x| Tile { x, y })).collect()
 }
 
 impl CpuJob {
     pub(crate) fn new(input: RenderInput, first_sample: u32) -> Self {
-        let [width, height] = input.frame.size();
-        let (tiles, film) = (tiles(width, height), Film::new(width, height));
+        let rect = Rect::of(input.frame.size());
+        let (tiles, film) = (tiles(rect), Film::new(rect.width, rect.height));
         let guides = input.records_guides().then(Arc::default);
-        Self { input, stats: None, tiles, film, done: 0, begun: 0, first_sample, guides }
+        Self { input, stats: None, rect, tiles, film, done: 0, begun: 0, first_sample, guides }
+    }
+
+    /// Renders only some pixels; the film has only these.
+    pub(crate) fn cropped(self, rect: Rect) -> Self {
+        Self { rect, tiles: tiles(rect), film: Film::new(rect.width, rect.height), ..self }
+    }
+
+    /// Returns the film so far and starts a new one at the next sample. The caller ensures that no sample is half done.
+    pub(crate) fn take(&mut self) -> Film {
+        self.first_sample += self.film.samples;
+        let empty = Film::new(self.film.width, self.film.height);
+        std::mem::replace(&mut self.film, empty)
+    }
+
+    /// Number of paths that share a camera ray.
+    pub(crate) fn splitting(&self) -> u32 {
+        self.input.config.splitting
     }
 
     /// Guides, if they are recorded.
@@ -80,7 +101,8 @@ impl CpuJob {
     pub(crate) fn reframe(&mut self, input: &RenderInput) {
         let (width, height) = (input.frame.width, input.frame.height);
         if (width, height) != (self.film.width, self.film.height) {
-            self.tiles = tiles(width, height);
+            self.rect = Rect::of([width, height]);
+            self.tiles = tiles(self.rect);
         }
         self.input.frame = input.frame;
         self.film = Film::new(width, height);
@@ -116,7 +138,7 @@ impl CpuJob {
         }
         let begun = self.begun;
         let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];
-        let width = self.film.width;
+        let Rect { x: left, y: top, width, .. } = self.rect;
         // All tiles of a row share its rows of pixels.
         let sums = self.film.sums.chunks_mut((TILE * width) as usize);
         let rows: Vec<Mutex<&mut [[f32; 3]]>> = sums.map(Mutex::new).collect();
@@ -133,10 +155,11 @@ impl CpuJob {
             } else {
                 (self.input.samples_of(self.stats.as_deref(), &pixels, sample, begun), Vec::new())
             };
-            let row = tile.y[0] / TILE;
+            let row = (tile.y[0] - top) / TILE;
             let mut rejected = Vec::new();
             let mut sums = rows[row as usize].lock().unwrap_or_else(PoisonError::into_inner);
             for (&(x, y), values) in pixels.iter().zip(values.chunks(begun as usize)) {
+                let (x, y) = (x - left, y - top);
                 let pixel = ((y - row * TILE) * width + x) as usize;
                 for value in values {
                     if is_kept(*value) {
@@ -153,7 +176,7 @@ impl CpuJob {
             all.resize(self.film.sums.len(), Guide::NONE);
             for (tile, (_, guides)) in tiles.iter().zip(&results) {
                 for ((x, y), guide) in tile.pixels().into_iter().zip(guides) {
-                    match (index, &mut all[(y * width + x) as usize]) {
+                    match (index, &mut all[((y - top) * width + x - left) as usize]) {
                         (0, first) => *first = *guide,
                         (index, means) => means.add(guide, index),
                     }
@@ -190,7 +213,7 @@ impl CpuJob {
         let mut counts = self.film.sample_counts();
         for tile in &self.tiles[..self.done] {
             for (x, y) in tile.pixels() {
-                counts[(y * self.film.width + x) as usize] += self.begun;
+                counts[((y - self.rect.y) * self.film.width + x - self.rect.x) as usize] += self.begun;
             }
         }
         counts

@@ -24,7 +24,7 @@ use crate::scene::TraceContext;
 use crate::scene::material::DELTA;
 use crate::settings::Settings;
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
-use crate::shading::textured_point::TexturedPoint;
+use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_scene::{Animation, Scene};
@@ -218,10 +218,8 @@ fn scattered(
         }
         return None;
     }
-    let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), walk.length);
-    let ns = textured
-        .as_ref()
-        .map_or(normal, |textured| textured.normal(interaction.outward(), normal, -walk.ray.direction));
+    let textured = TexturedPoint::new(ctx, interaction, walk.length);
+    let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -walk.ray.direction);
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
     let passes = material.has(DELTA) && surface_index <= MAX_DELTA_SURFACES.min(ctx.frame.bounces);
     if !passes {

@@ -195,8 +195,7 @@ impl GuideRecorder {
         let albedo = if is_glass {
             Vec3::ONE
         } else {
-            let p = interaction.p;
-            let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), interaction.length);
+            let textured = TexturedPoint::new(ctx, interaction, interaction.length);
             let plain = Vec3::from(ctx.scene.base_colours[leaf.material as usize]);
             throughput * textured.and_then(|textured| textured.colour()).unwrap_or(plain)
         };

@@ -11,9 +11,9 @@ use crate::sampling::basis::basis;
 use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight};
 use crate::scene::sky::EnvironmentSample;
 use crate::scene::{SkyLight, TraceContext};
-use crate::settings::DirectLighting;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
+use pathmarch_scene::DirectLighting;
 use std::f32::consts::{PI, TAU};
 
 /// Sample of a light, before visibility.

@@ -31,7 +31,7 @@ use crate::scene::TraceContext;
 use crate::scene::leaf::IN_GLASS;
 use crate::scene::material::{DELTA, TRANSMITS};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
-use crate::shading::textured_point::TexturedPoint;
+use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
@@ -285,12 +285,13 @@ fn shade(
         return None;
     }
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
-    let textured = TexturedPoint::new(ctx, interaction.leaf, p, interaction.outward(), path.length);
+    let textured = TexturedPoint::new(ctx, interaction, path.length);
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
     // Shading normal; the geometric normal decides on which side a direction is.
-    let ns = textured.map_or(normal, |textured| textured.normal(interaction.outward(), normal, -path.ray.direction));
-    let crosses_surface = |wi: Vec3, direction: Vec3| ctx.config.bump && (wi.z < 0.0) != (direction.dot(normal) < 0.0);
+    let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
+    let crosses_surface =
+        |wi: Vec3, direction: Vec3| ctx.config.shading_normals && (wi.z < 0.0) != (direction.dot(normal) < 0.0);
     let world_from_local = basis(ns);
     let local_from_world = world_from_local.transpose();
     let wo_unclamped = local_from_world * -path.ray.direction;

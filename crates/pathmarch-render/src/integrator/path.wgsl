@@ -1,5 +1,5 @@
 // import: film_value, guides, integrator/camera, integrator/light_sampling, integrator/shadow, integrator/sky
-// import: sampler, sampling/basis, shading/surface_interaction, textures
+// import: sampler, sampling/basis, shading/shading_normal, shading/surface_interaction, textures
 // Path tracing. Twin of path.rs, which explains it.
 
 /// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
@@ -68,7 +68,7 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
     let hit_point = ray.origin + ray.direction * hit.t;
     (*path).ray.origin = hit_point;
     (*path).hit = hit;
-    (*path).surface_at_hit = surface(hit_point, hit.hit_id, unstratified_seed((*path).sampler, (*path).surfaces));
+    (*path).surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, (*path).surfaces));
     let leaf = leaves[(*path).surface_at_hit.leaf];
     let m = leaf.material;
     if HAS_EMITTERS && (materials[m].flags & EMITS) != 0u {
@@ -99,11 +99,10 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     let interaction = resolve_surface((*path).ray.origin, incoming, (*path).hit, (*path).surface_at_hit);
     let m = leaves[interaction.leaf].material;
     let flags = materials[m].flags;
-    let outward = outward_normal(interaction);
-    evaluate_textures(m, interaction.leaf, interaction.p, outward, (*path).length);
+    evaluate_textures(m, interaction, (*path).length);
     record_guide(interaction, (*path).throughput, (*path).length, surface_index, packed(m, 0u).xyz);
     // Shading normal; the geometric normal decides on which side a direction is.
-    let ns = shading_normal(outward, interaction.normal, -incoming);
+    let ns = shading_normal(interaction, -incoming);
     let world_from_local = basis(ns);
     let wo_unclamped = -incoming * world_from_local;
     // The normal of a rough field may point away from the ray: then its mirrored direction replaces it.
@@ -117,7 +116,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
         let light = sample_light((*path).previous_vertex, choice.x, sample_2d((*path).sampler, pair + PAIR_LIGHT));
         let wi = light.direction * world_from_local;
         let is_transmission = wi.z < 0.0;
-        let crosses_surface = HAS_BUMP && is_transmission != (dot(light.direction, interaction.normal) < 0.0);
+        let crosses_surface = SHADING_NORMALS && is_transmission != (dot(light.direction, interaction.normal) < 0.0);
         if (wi.z > 0.0 || transmits) && !crosses_surface && largest(light.irradiance) > 0.0 {
             let evaluated = bsdf_eval(materials[m].kind, m, wo, wi, interaction.inside);
             if largest(evaluated.xyz) > 0.0 {
@@ -143,7 +142,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
         return false;
     }
     let direction = normalize(world_from_local * scattered.wi);
-    if HAS_BUMP && (scattered.wi.z < 0.0) != (dot(direction, interaction.normal) < 0.0) {
+    if SHADING_NORMALS && (scattered.wi.z < 0.0) != (dot(direction, interaction.normal) < 0.0) {
         return false;
     }
     (*path).throughput *= scattered.weight;

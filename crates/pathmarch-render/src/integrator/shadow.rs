@@ -2,7 +2,7 @@
 //!
 //! A shadow ray is traced towards the light. An occluder blocks it completely, but for two settings. With
 //! `caustics "fast"`, the ray passes straight through clear glass, weighted by Fresnel transmittance, tint and absorption (the
-//! simplification of Carvalho 2020, section 4.4, with the physics of the interface). That is biased but free of noise,
+//! simplification of Carvalho 2020, section 5.3.3, with the physics of the interface). That is biased but free of noise,
 //! and the only way for light of a `point` or of a `sun` without size through glass. A `penumbra` on such a light
 //! softens its shadows by the near misses of the shadow ray (Quilez 2010, "Soft shadows in raymarched SDFs"). This
 //! approximation depends neither on the size of the light nor on its distance, and glass casts the shadow of an opaque
@@ -121,7 +121,7 @@ fn pass_clear_glass(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder:
         return false;
     }
     let cosine = occluder.normal.dot(test.ray.direction).abs();
-    let textured = TexturedPoint::new(ctx, occluder.leaf, occluder.p, occluder.outward(), test.path_length);
+    let textured = TexturedPoint::new(ctx, occluder, test.path_length);
     let parameters = textured.map_or(material.parameters, |textured| textured.parameters(&material.parameters));
     test.radiance *= straight_transmittance(&parameters, cosine.min(1.0));
     test.medium = medium_beyond(test.medium, Vec3::from(material.absorption), occluder.inside);

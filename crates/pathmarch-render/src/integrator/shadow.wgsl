@@ -35,7 +35,7 @@ fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, sca
             return vec3f(0.0);
         }
         let cosine = min(abs(dot(occluder.normal, ray.direction)), 1.0);
-        let colour = glass_colour(m, occluder.leaf, occluder.p, outward_normal(occluder), path_length);
+        let colour = glass_colour(m, occluder, path_length);
         attenuation *= colour * (1.0 - fresnel(cosine, materials[m].parameters[1].x));
         medium = medium_beyond(medium, materials[m].absorption, occluder.inside);
         // BSDF sampling leaves out this light.

@@ -7,14 +7,19 @@ fn camera_ray_index(sample: u32) -> u32 {
     return unsplit + (sample - unsplit) / SPLITTING;
 }
 
-/// Sum of the film values of the slice's samples of a pixel.
-fn slice_value(x: u32, y: u32) -> vec4f {
+/// Adds the film values of the slice's samples of a pixel to those before, one after the other.
+fn add_samples(before: vec4f, x: u32, y: u32) -> vec4f {
     let sampler = pixel_sampler(x, y, camera_ray_index(slice.sample), frame.seed);
     var first_path = path_from(camera_ray(x, y, sampler), sampler);
     if !path_intersect(&first_path) {
-        return checked(kept(film_value(first_path.radiance)) * f32(slice.samples));
+        let value = kept(film_value(first_path.radiance));
+        var sum = before;
+        for (var k = 0u; k < slice.samples; k++) {
+            sum += value;
+        }
+        return checked(sum);
     }
-    var sum = vec4f(0.0);
+    var sum = before;
     var samples_done = 0u;
     var path = first_path;
     path.sampler.sample = slice.sample;

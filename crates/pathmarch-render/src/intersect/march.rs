@@ -98,12 +98,19 @@ fn intervals(field: &Field, frame: &FrameUniforms, rays: &Rays8) -> [Interval; 8
     }
     let (start, end) = (start.to_array(), end.to_array());
     let (analytic, leaf, t_max) = (analytic.to_array(), leaf.to_array(), t_max.to_array());
-    std::array::from_fn(|lane| Interval {
-        start: start[lane],
-        end: end[lane],
-        analytic_hit: (analytic[lane] < t_max[lane])
-            .then_some(Hit { t: analytic[lane], analytic: Some(leaf[lane] as u32) }),
+    std::array::from_fn(|lane| {
+        let hit = Hit { t: analytic[lane], analytic: Some(leaf[lane] as u32), triangle: None };
+        Interval { start: start[lane], end: end[lane], analytic_hit: (analytic[lane] < t_max[lane]).then_some(hit) }
     })
+}
+
+/// Ends an interval at the first hit of its ray with a triangle.
+fn intersect_triangles(field: &Field, frame: &FrameUniforms, segment: &RaySegment, interval: Interval) -> Interval {
+    let Ray { origin, direction } = segment.ray;
+    let t_max = interval.analytic_hit.map_or(segment.limit.min(frame.far), |hit| hit.t);
+    let Some(hit) = field.mesh_hit(origin, direction, t_max) else { return interval };
+    let analytic_hit = Some(Hit { t: hit.t, analytic: Some(hit.leaf), triangle: Some(hit.triangle) });
+    Interval { end: interval.end.min(hit.t), analytic_hit, ..interval }
 }
 
 /// First hit of each ray; `None` for a miss.
@@ -130,10 +137,14 @@ fn sphere_trace<const STATS: bool>(
     const IDLE: usize = usize::MAX;
     let mut hits = Vec::with_capacity(rays.len());
     let mut pending = Vec::new();
+    let has_triangles = field.has_triangles();
     for chunk in rays.chunks(8) {
-        for interval in &intervals(field, frame, &Rays8::new(chunk.iter()))[..chunk.len()] {
+        for (segment, mut interval) in chunk.iter().zip(intervals(field, frame, &Rays8::new(chunk.iter()))) {
+            if has_triangles {
+                interval = intersect_triangles(field, frame, segment, interval);
+            }
             if interval.start < interval.end {
-                pending.push((hits.len(), *interval));
+                pending.push((hits.len(), interval));
             }
             hits.push(interval.analytic_hit);
         }
@@ -246,7 +257,7 @@ fn sphere_trace<const STATS: bool>(
                         MarchStats { evaluations: steps[lane], steepest: evaluated[2].to_array()[lane] };
                 }
                 if was_hit >> lane & 1 == 1 {
-                    hits[lane_ray[lane]] = Some(Hit { t: state[6][lane], analytic: None });
+                    hits[lane_ray[lane]] = Some(Hit { t: state[6][lane], analytic: None, triangle: None });
                 }
                 refill(lane, &mut lane_ray, &mut state, &mut steps);
             }

@@ -34,6 +34,8 @@ struct Hit {
     analytic: bool,
     /// Analytic shape, or SPHERE_TRACED, as `surface` takes it.
     hit_id: u32,
+    /// Triangle of a hit with a mesh, or NO_TRIANGLE.
+    triangle: u32,
 }
 
 /// First hit of a ray that continues a path of this length, up to `limit` metres.
@@ -49,7 +51,7 @@ fn march(ray: Ray, path_length: f32, limit: f32) -> Hit {
     var t = max(largest(near), 0.0);
     let analytic_t = select(NO_HIT, analytic.t, analytic.t < t_max);
     if !HAS_SPHERE_TRACED {
-        return Hit(analytic_t, true, analytic.hit_id);
+        return Hit(analytic_t, true, analytic.hit_id, analytic.triangle);
     }
     // While the ray leaves the surface that it starts on and the distance rises, a small distance is no hit.
     var last_distance = select(AT_INFINITY, 0.0, t == 0.0);
@@ -90,7 +92,7 @@ fn march(ray: Ray, path_length: f32, limit: f32) -> Hit {
     }
     // A ray without steps left hits a surface that is close.
     if distance < 0.01 * (path_length + t) {
-        return Hit(t, false, SPHERE_TRACED);
+        return Hit(t, false, SPHERE_TRACED, NO_TRIANGLE);
     }
-    return Hit(analytic_t, true, analytic.hit_id);
+    return Hit(analytic_t, true, analytic.hit_id, analytic.triangle);
 }

@@ -65,6 +65,8 @@ pub(crate) struct Hit {
     pub(crate) t: f32,
     /// Leaf of an analytic hit; `None` for a sphere-traced hit.
     pub(crate) analytic: Option<u32>,
+    /// Triangle of a hit with a mesh.
+    pub(crate) triangle: Option<u32>,
 }
 
 impl Hit {

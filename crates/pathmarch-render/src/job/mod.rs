@@ -1,7 +1,9 @@
 //! Jobs: pictures being rendered, still or with motion blur, each on the backend that suits it.
 
 mod backend_choice;
+mod identity;
 mod motion;
+mod record;
 pub(crate) mod tracer;
 
 use crate::backend::RenderInput;
@@ -109,7 +111,7 @@ impl Renderer {
     /// [`RenderError`] if settings are out of range or the GPU refuses.
     pub fn start(&self, scene: &Scene, settings: &Settings) -> Result<Job, RenderError> {
         let (tracer, backend) = self.trace(scene, settings)?;
-        Ok(Job { work: Work::Still(tracer), settings: settings.clone(), backend })
+        Ok(Job { work: Work::Still(tracer), settings: settings.clone(), backend, taken: 0 })
     }
 
     /// Starts a picture with motion blur over the time that the shutter is open. `scene` is the animation at the moment at which
@@ -132,7 +134,7 @@ impl Renderer {
         let renderer = self.settled(scene, settings, &RenderInput::new(scene, settings));
         let backend = renderer.backend();
         let motion = MotionBlur::new(renderer, animation.clone(), settings, shutter);
-        Ok(Job { work: Work::Moving(Box::new(motion)), settings: settings.clone(), backend })
+        Ok(Job { work: Work::Moving(Box::new(motion)), settings: settings.clone(), backend, taken: 0 })
     }
 
     /// Renders a whole picture.
@@ -169,9 +171,9 @@ impl Renderer {
             }
         }
         if settings.splitting.is_none() {
-            input.choose_splitting(settings.samples, false);
+            input.choose_splitting(settings.whole_samples.unwrap_or(settings.samples), false);
         }
-        let job = CpuJob::new(input, settings.first_sample);
+        let job = CpuJob::new(input, settings.first_sample).cropped(settings.rect());
         Ok((Tracer::Cpu(Box::new(job)), BackendInfo::cpu(notice)))
     }
 }
@@ -190,9 +192,9 @@ fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -
     // Paths that share a camera ray cannot be resumed on adapters that end loops, see backend/gpu/loop_limit.rs.
     let limited = gpu.is_software() && input.scene.field.has_loops();
     if settings.splitting.is_none() && !limited {
-        input.choose_splitting(settings.samples, true);
+        input.choose_splitting(settings.whole_samples.unwrap_or(settings.samples), true);
     }
-    GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::OFFLINE)
+    Ok(GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::OFFLINE)?.cropped(settings.rect()))
 }
 
 /// Picture being rendered.
@@ -200,6 +202,8 @@ pub struct Job {
     work: Work,
     settings: Settings,
     backend: BackendInfo,
+    /// Number of samples in films that were taken.
+    taken: u32,
 }
 
 enum Work {
@@ -224,8 +228,8 @@ impl Job {
     /// of a sample.
     pub fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
         match &mut self.work {
-            Work::Still(tracer) => tracer.advance(samples.min(self.settings.samples)),
-            Work::Moving(motion) => motion.advance(),
+            Work::Still(tracer) => tracer.advance(samples.min(self.settings.samples).saturating_sub(self.taken)),
+            Work::Moving(motion) => motion.advance(samples.min(self.settings.samples).saturating_sub(self.taken)),
         }
     }
 
@@ -244,13 +248,14 @@ impl Job {
 
     /// Samples of every pixel that are done or submitted, with a fraction for one that is begun.
     pub fn samples_done(&self) -> f64 {
-        match &self.work {
+        let done = match &self.work {
             Work::Still(tracer) => tracer.samples_done(),
             Work::Moving(motion) => motion.samples_done(),
-        }
+        };
+        f64::from(self.taken) + done
     }
 
-    /// Film so far; finishes samples that are begun.
+    /// Film so far, without what [`record`](Self::record) has taken; finishes samples that are begun.
     ///
     /// # Errors
     /// Those of [`advance`](Self::advance).

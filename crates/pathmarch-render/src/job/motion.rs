@@ -9,7 +9,8 @@
 //! (Burley 2020, section 5). 2^k consecutive runs from a multiple of 2^k thus have one moment in each of 2^k equal parts of the
 //! time. A moment is a pure function of seed and sample, so that films of adjoining sample ranges add up.
 //!
-//! **Cost.** Each run parses and prepares the scene, a few milliseconds for small scenes, and reads its film back. The kernel
+//! **Cost.** Each run parses and prepares the scene, a few milliseconds for small scenes, and reads its film back once for
+//! each sample. The kernel
 //! is compiled once if only parameters change.
 
 use super::tracer::Tracer;
@@ -66,7 +67,9 @@ pub(super) struct MotionBlur {
     settings: Settings,
     shutter: Shutter,
     film: Film,
-    /// Tracer of the current run, and its number of samples.
+    /// Index of the first sample of the film.
+    first_sample: u32,
+    /// Tracer of the current run, and its number of samples that are not in the film.
     run: Option<(Tracer, u32)>,
     backend: Option<BackendInfo>,
 }
@@ -79,9 +82,10 @@ impl MotionBlur {
         settings: &Settings,
         shutter: Shutter,
     ) -> Self {
-        let [width, height] = settings.size;
-        let film = Film::new(width, height);
-        Self { renderer, animation, settings: settings.clone(), shutter, film, run: None, backend: None }
+        let rect = settings.rect();
+        let film = Film::new(rect.width, rect.height);
+        let first_sample = settings.first_sample;
+        Self { renderer, animation, settings: settings.clone(), shutter, film, first_sample, run: None, backend: None }
     }
 
     /// Backend of the latest run.
@@ -93,26 +97,44 @@ impl MotionBlur {
         f64::from(self.film.samples) + self.run.as_ref().map_or(0.0, |(tracer, _)| tracer.samples_done())
     }
 
-    pub(super) fn advance(&mut self) -> Result<(), RenderError> {
-        if self.film.samples >= self.settings.samples {
+    /// Renders a slice of the work towards `samples` samples.
+    pub(super) fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
+        if self.film.samples >= samples {
             return Ok(());
         }
-        let (mut tracer, samples) = match self.run.take() {
+        let (mut tracer, left) = match self.run.take() {
             Some(run) => run,
             None => self.start_run()?,
         };
-        tracer.advance(samples)?;
-        if tracer.samples_done() < f64::from(samples) {
-            self.run = Some((tracer, samples));
+        // One by one, so that the sum is the same wherever runs of several samples start and end.
+        tracer.advance(1)?;
+        if tracer.samples_done() < 1.0 {
+            self.run = Some((tracer, left));
             return Ok(());
         }
-        self.add(&mut tracer)
+        self.add(&mut tracer)?;
+        self.run = (left > 1).then_some((tracer, left - 1));
+        Ok(())
+    }
+
+    /// True if every pixel has the same number of samples.
+    pub(super) fn is_whole(&self) -> bool {
+        self.run.as_ref().is_none_or(|(tracer, _)| tracer.samples_done() == 0.0)
+    }
+
+    /// Takes the film so far, and starts a new one at the next sample.
+    pub(super) fn take(&mut self) -> Result<Film, RenderError> {
+        let film = self.film()?;
+        self.first_sample += film.samples;
+        self.film = Film::new(film.width, film.height);
+        Ok(film)
     }
 
     /// Starts the run of the next sample, at its moment.
     fn start_run(&mut self) -> Result<(Tracer, u32), RenderError> {
-        let first = self.settings.first_sample + self.film.samples;
-        let samples = (RUN - first % RUN).min(self.settings.samples - self.film.samples);
+        let first = self.first_sample + self.film.samples;
+        let end = self.settings.first_sample + self.settings.samples;
+        let samples = (RUN - first % RUN).min(end - first);
         let moment = self.shutter.moment(self.settings.seed, first);
         let scene = self.animation.lock().unwrap_or_else(PoisonError::into_inner).at(moment)?;
         let settings = Settings { first_sample: first, samples, ..self.settings.clone() };
@@ -122,13 +144,18 @@ impl MotionBlur {
     }
 
     fn add(&mut self, tracer: &mut Tracer) -> Result<(), RenderError> {
-        self.film.add(&tracer.film()?).map_err(|error| RenderError::Settings(error.to_string()))
+        let taken = tracer.take()?;
+        self.film.add(&tracer.finish(taken)?).map_err(|error| RenderError::Settings(error.to_string()))
     }
 
     /// Film so far: of the runs that are done, and of the run that is begun.
     pub(super) fn film(&mut self) -> Result<Film, RenderError> {
-        if let Some((mut tracer, _)) = self.run.take() {
+        if let Some((mut tracer, left)) = self.run.take().filter(|_| !self.is_whole()) {
+            while tracer.samples_done() < 1.0 {
+                tracer.advance(1)?;
+            }
             self.add(&mut tracer)?;
+            self.run = (left > 1).then_some((tracer, left - 1));
         }
         Ok(self.film.clone())
     }

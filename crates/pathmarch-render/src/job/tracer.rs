@@ -2,7 +2,7 @@
 
 use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
-use crate::backend::gpu::GpuJob;
+use crate::backend::gpu::{FilmCopy, GpuJob};
 use crate::error::RenderError;
 use crate::mode::Mode;
 use crate::output::film::Film;
@@ -63,7 +63,7 @@ impl Tracer {
     }
 
     /// True if every pixel has the same number of samples.
-    fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         match self {
             Self::Gpu(job) => job.is_whole(),
             Self::Cpu(job) => job.is_whole(),
@@ -81,6 +81,31 @@ impl Tracer {
         }
     }
 
+    /// Takes the film so far, which must be whole, and starts a new one at the next sample. On a GPU it does not wait.
+    pub(crate) fn take(&mut self) -> Result<TakenFilm, RenderError> {
+        match self {
+            Self::Gpu(job) => job.take().map(TakenFilm::Copy),
+            Self::Cpu(job) => Ok(TakenFilm::Film(job.take())),
+        }
+    }
+
+    /// Waits for a film that was taken.
+    pub(crate) fn finish(&mut self, taken: TakenFilm) -> Result<Film, RenderError> {
+        match (self, taken) {
+            (Self::Gpu(job), TakenFilm::Copy(copy)) => job.finish(copy),
+            (_, TakenFilm::Film(film)) => Ok(film),
+            (Self::Cpu(_), TakenFilm::Copy(_)) => Err(RenderError::Settings("a film of another backend".to_owned())),
+        }
+    }
+
+    /// Number of paths that share a camera ray.
+    pub(crate) fn splitting(&self) -> u32 {
+        match self {
+            Self::Gpu(job) => job.splitting(),
+            Self::Cpu(job) => job.splitting(),
+        }
+    }
+
     /// Tone-maps the film so far: red, green, blue and 255 for each pixel.
     pub(crate) fn show(&mut self, display: &Display, mode: Mode) -> Result<Vec<u8>, RenderError> {
         match self {
@@ -88,4 +113,11 @@ impl Tracer {
             Self::Cpu(job) => Ok(job.show(display, mode)),
         }
     }
+}
+
+/// Film that a tracer has finished.
+pub(crate) enum TakenFilm {
+    Film(Film),
+    /// Film that is being read back.
+    Copy(FilmCopy),
 }

@@ -22,7 +22,7 @@ mod obj;
 mod ply;
 mod stl;
 
-use crate::output::atomic_file;
+use crate::output::atomic_file::AtomicFile;
 use crate::settings::Settings;
 use crate::shading::textured_point::TexturedPoint;
 use crate::views::{ViewScene, display_colour};
@@ -108,7 +108,13 @@ pub fn mesh(
     let view = ViewScene::new(&scene, &Settings::of(&scene));
     let ctx = view.context();
     let vertex_colour = |leaf: usize, p: [f32; 3], normal: [f32; 3]| {
-        let textured = TexturedPoint::new(&ctx, leaf, p.into(), normal.into(), 0.0).and_then(|point| point.colour());
+        let textured = TexturedPoint::at(
+            &ctx,
+            leaf,
+            (p.into(), normal.into(), pathmarch_scene::textures::SurfaceUv::default()),
+            0.0,
+        )
+        .and_then(|point| point.colour());
         textured.map_or_else(|| display_colour(&scene, scene.field.leaves()[leaf].tag), |colour| colour.to_array())
     };
     Mesh::new(&scene.field, fineness, cut, &vertex_colour, progress)
@@ -121,7 +127,7 @@ pub fn mesh(
 pub fn save(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
     let format = MeshFormat::from_path(path)?;
     let write_error = |source| MeshFileError::Write { path: path.to_owned(), source };
-    let mut writer = BufWriter::new(atomic_file::beside(path).map_err(write_error)?);
+    let mut writer = BufWriter::new(AtomicFile::create(path).map_err(write_error)?);
     let write = match format {
         MeshFormat::Stl => stl::write,
         MeshFormat::Ply => ply::write,
@@ -130,8 +136,7 @@ pub fn save(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
     };
     write(&mut writer, mesh).map_err(write_error)?;
     let file = writer.into_inner().map_err(|error| write_error(error.into_error()))?;
-    file.persist(path).map_err(|error| write_error(error.error))?;
-    Ok(())
+    file.commit().map_err(write_error)
 }
 
 /// Writes 32-bit floats in little-endian order.

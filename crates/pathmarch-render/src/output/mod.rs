@@ -3,4 +3,5 @@
 pub(crate) mod atomic_file;
 pub mod film;
 pub mod image;
+pub mod parts;
 pub mod tonemap;

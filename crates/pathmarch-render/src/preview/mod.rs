@@ -35,12 +35,12 @@ use crate::preview_steps::{GREY_ALBEDO, PreviewStep, PreviewSteps};
 use crate::sampling::r2_sequence;
 use crate::scene::preview_material::{self, PreviewParameters};
 use crate::scene::{LightShape, TraceContext};
-use crate::settings::DirectLighting;
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
-use crate::shading::textured_point::TexturedPoint;
+use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::number::Vec3 as FieldVec3;
+use pathmarch_scene::DirectLighting;
 use pathmarch_scene::Scene;
 use std::f32::consts::PI;
 use wide::f32x8;
@@ -305,15 +305,12 @@ impl PreviewTracer<'_> {
             return None;
         }
         let direction = preview_ray.ray.direction;
-        let textured =
-            TexturedPoint::new(ctx, interaction.leaf, interaction.p, interaction.outward(), preview_ray.path_length);
+        let textured = TexturedPoint::new(ctx, interaction, preview_ray.path_length);
         let surface_material = match &textured {
             Some(textured) => preview_material::decode(&textured.preview(preview.materials[m])),
             None => preview_material::decode(&preview.materials[m]),
         };
-        let n = textured.map_or(interaction.normal, |textured| {
-            textured.normal(interaction.outward(), interaction.normal, -direction)
-        });
+        let n = shading_normal(ctx.config, textured.as_ref(), interaction, -direction);
         let has = |step| PreviewSteps::from_bits(ctx.frame.preview_steps).has(step);
         let mut albedo = Vec3::from(surface_material.diffuse);
         if !has(PreviewStep::Albedo) && albedo.max_element() > 0.0 {

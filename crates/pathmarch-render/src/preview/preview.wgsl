@@ -1,5 +1,5 @@
 // import: integrator/light_sampling, integrator/medium, integrator/sky, intersect/march, preview/light_irradiance
-// import: preview/soft_shadow, sampler, sampling/basis, shading/surface_interaction, textures
+// import: preview/soft_shadow, sampler, sampling/basis, shading/shading_normal, shading/surface_interaction, textures
 // Previews without noise. Twin of preview/mod.rs, which explains them.
 
 /// Largest number of surfaces along the camera ray: rays pass only through clear surfaces.
@@ -94,11 +94,10 @@ fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
                 var n = interaction.normal;
                 var material = preview_material(m);
                 if HAS_TEXTURES {
-                    let outward = outward_normal(interaction);
-                    evaluate_textures(m, interaction.leaf, interaction.p, outward, path_length);
+                    evaluate_textures(m, interaction, path_length);
                     material = textured_preview(material);
-                    n = shading_normal(outward, n, -ray.direction);
                 }
+                n = shading_normal(interaction, -ray.direction);
                 if !has_step(STEP_ALBEDO) && largest(material.diffuse) > 0.0 {
                     material.diffuse = vec3f(GREY_ALBEDO);
                 }

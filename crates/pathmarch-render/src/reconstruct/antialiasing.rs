@@ -11,11 +11,11 @@
 //! in Temporal Supersampling". Colours stay linear: compressing bright ones would darken the mean.
 
 use super::motion::Motion;
-use super::temporal::{History, project};
+use super::temporal::{History, Projection};
 use crate::integrator::guides::Guide;
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
-use glam::Vec3;
+use glam::{Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
 shared_constants! {
@@ -37,11 +37,9 @@ pub(super) fn new_weight(samples: u32) -> f32 {
 
 /// Picture that was shown.
 pub(super) struct ShownPicture {
-    /// Frame of its samples.
-    pub(super) frame: FrameUniforms,
     /// Width and height, pixels; at least those of its samples.
     pub(super) size: [u32; 2],
-    pub(super) colours: Vec<Vec3>,
+    pub(super) colours: Vec<Vec4>,
 }
 
 /// Last picture, what it shows, and the motion since.
@@ -56,9 +54,9 @@ pub(super) struct Last<'a> {
 
 /// Samples of a picture around one of its points.
 struct Neighbourhood<'a> {
-    /// Sums of the opponent colours and of their squares.
-    sum: Vec3,
-    squares: Vec3,
+    /// Sums of the opponent colours and of their squares, and what fills up their vectors.
+    sum: Vec4,
+    squares: Vec4,
     count: f32,
     /// Guide nearest to the camera: edges move with what is in front.
     nearest: &'a Guide,
@@ -70,8 +68,11 @@ struct Neighbourhood<'a> {
 /// New samples of a picture, which is shown at another size.
 struct Upscaling<'a> {
     frame: &'a FrameUniforms,
+    projection: Projection,
     guides: &'a [Guide],
     samples: &'a [Vec3],
+    /// Opponent colour of each sample, and the length of its path.
+    opponents: Vec<Vec4>,
     /// Position of each sample, pixels of the samples; empty if the picture is as large as they are.
     positions: Vec<[f32; 2]>,
     /// Pixels of the picture for each pixel of the samples.
@@ -87,32 +88,38 @@ pub(super) fn antialiased(
     last: Option<Last>,
 ) -> ShownPicture {
     let is_larger = size != frame.size();
-    let position = |(index, guide): (usize, &Guide)| sample_position(frame, index, guide);
+    let projection = Projection::new(frame);
+    let position = |(index, guide): (usize, &Guide)| sample_position(frame, &projection, index, guide);
+    let opponent = |(sample, guide): (&Vec3, &Guide)| opponent_of(*sample).extend(guide.length);
     let upscaling = Upscaling {
         frame,
+        projection,
         guides,
         samples,
+        opponents: samples.par_iter().zip(guides).with_min_len(4096).map(opponent).collect(),
         positions: if is_larger { guides.par_iter().enumerate().map(position).collect() } else { Vec::new() },
         factor: [size[0] as f32 / frame.width as f32, size[1] as f32 / frame.height as f32],
     };
-    let pixel = |index: usize| {
-        let (x, y) = (index % size[0] as usize, index / size[0] as usize);
-        let point = [(x as f32 + 0.5) / upscaling.factor[0], (y as f32 + 0.5) / upscaling.factor[1]];
-        upscaling.pixel(point, last)
+    let upscaling = &upscaling;
+    let row = |y: u32| {
+        (0..size[0]).map(move |x| {
+            let point = [(x as f32 + 0.5) / upscaling.factor[0], (y as f32 + 0.5) / upscaling.factor[1]];
+            upscaling.pixel(point, last).extend(0.0)
+        })
     };
-    let count = size[0] as usize * size[1] as usize;
     let colours = match (last, is_larger) {
-        (None, false) => samples.to_vec(),
-        _ => (0..count).into_par_iter().with_min_len(1024).map(pixel).collect(),
+        (None, false) => samples.iter().map(|sample| sample.extend(0.0)).collect(),
+        _ => (0..size[1]).into_par_iter().with_min_len(8).flat_map_iter(row).collect(),
     };
-    ShownPicture { frame: *frame, size, colours }
+    ShownPicture { size, colours }
 }
 
 /// Position of the sample of a pixel, from its guide.
-fn sample_position(frame: &FrameUniforms, index: usize, guide: &Guide) -> [f32; 2] {
+fn sample_position(frame: &FrameUniforms, projection: &Projection, index: usize, guide: &Guide) -> [f32; 2] {
     let pixel = [index % frame.width as usize, index / frame.width as usize].map(|at| at as f32);
     // A lens moves the projection out of the pixel.
-    project(frame, guide.position)
+    projection
+        .project(guide.position)
         .map_or(pixel.map(|at| at + 0.5), |at| std::array::from_fn(|k| at[k].clamp(pixel[k], pixel[k] + 1.0)))
 }
 
@@ -121,11 +128,26 @@ impl Upscaling<'_> {
     fn pixel(&self, point: [f32; 2], last: Option<Last>) -> Vec3 {
         let Neighbourhood { sum, squares, count, nearest, colour: new, weight } = self.around(point);
         let Some(Last { picture: shown, history, motion, new_weight }) = last else { return new };
-        let Some(old) = shown.before(self.frame, point, nearest, &motion.earlier(nearest), history) else { return new };
-        let mean = sum / count;
-        let deviation = REACH * (squares / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
+        let Some(position) = self.before(point, nearest, history, motion) else { return new };
+        let sampled = history.frame.size();
+        let old = shown.cubic(std::array::from_fn(|k| position[k] * shown.size[k] as f32 / sampled[k] as f32));
+        let mean = sum.xyz() / count;
+        let deviation = REACH * (squares.xyz() / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
         let old = colour_of(opponent_of(old).clamp(mean - deviation, mean + deviation)).max(Vec3::ZERO);
         old.lerp(new, (new_weight * weight).max(MIN_WEIGHT))
+    }
+
+    /// Position of a point in the last picture, if it moves as this guide does; `None` outside, and where the surface of the
+    /// guide was hidden. Both positions are in pixels of the samples.
+    fn before(&self, point: [f32; 2], guide: &Guide, history: &History, motion: &Motion) -> Option<[f32; 2]> {
+        let sought = history.sought(guide, motion, self.frame);
+        let [old, new] = [history.projection.project(sought.position)?, self.projection.project(guide.position)?];
+        // Pictures may differ in size.
+        let size = [history.frame.width as f32, history.frame.height as f32];
+        let scale = [size[0] / self.frame.width as f32, size[1] / self.frame.height as f32];
+        let [x, y]: [f32; 2] = std::array::from_fn(|k| (point[k] - new[k]) * scale[k] + old[k]);
+        let is_inside = (0.0..size[0]).contains(&x) && (0.0..size[1]).contains(&y);
+        (is_inside && history.shows(&sought, [x, y])).then_some([x, y])
     }
 
     /// Samples of the nine pixels around a point.
@@ -133,16 +155,16 @@ impl Upscaling<'_> {
         let [width, height] = self.frame.size().map(|side| side as usize);
         let (x, y) = ((point[0] as usize).min(width - 1), (point[1] as usize).min(height - 1));
         let centre = y * width + x;
-        let (mut sum, mut squares, mut count) = (Vec3::ZERO, Vec3::ZERO, 0.0);
-        let mut nearest = &self.guides[centre];
+        let (mut sum, mut squares, mut count) = (Vec4::ZERO, Vec4::ZERO, 0.0);
+        let (mut nearest, mut least) = (centre, self.opponents[centre].w);
         let (mut colour, mut total, mut largest) = (Vec3::ZERO, 0.0, 0.0);
         for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
             for column in x.saturating_sub(1)..=(x + 1).min(width - 1) {
                 let index = row * width + column;
-                if self.guides[index].length < nearest.length {
-                    nearest = &self.guides[index];
+                let opponent = self.opponents[index];
+                if opponent.w < least {
+                    (nearest, least) = (index, opponent.w);
                 }
-                let opponent = opponent_of(self.samples[index]);
                 sum += opponent;
                 squares += opponent * opponent;
                 count += 1.0;
@@ -159,7 +181,7 @@ impl Upscaling<'_> {
         } else {
             (colour, total) = (self.samples[centre], 1.0);
         }
-        Neighbourhood { sum, squares, count, nearest, colour, weight: total }
+        Neighbourhood { sum, squares, count, nearest: &self.guides[nearest], colour, weight: total }
     }
 
     /// Weight of a sample at this distance, in pixels of the samples: a Gaussian.
@@ -183,26 +205,18 @@ fn colour_of(opponent: Vec3) -> Vec3 {
 }
 
 impl ShownPicture {
-    /// Colour where a point of the frame `frame` was, if its surface has moved from `earlier` to `guide`; `None`
-    /// outside, and where that surface was hidden. The point is in pixels of the samples of that frame.
-    fn before(
-        &self,
-        frame: &FrameUniforms,
-        point: [f32; 2],
-        guide: &Guide,
-        earlier: &Guide,
-        history: &History,
-    ) -> Option<Vec3> {
-        let sampled = self.frame.size().map(|side| side as f32);
-        let [old, new] = [project(&self.frame, earlier.position)?, project(frame, guide.position)?];
-        // Pictures may differ in size.
-        let scale = [sampled[0] / frame.width as f32, sampled[1] / frame.height as f32];
-        let [x, y]: [f32; 2] = std::array::from_fn(|k| (point[k] - new[k]) * scale[k] + old[k]);
-        if !(0.0..sampled[0]).contains(&x) || !(0.0..sampled[1]).contains(&y) || !history.shows(earlier, frame, [x, y])
-        {
-            return None;
+    /// A colour, limited to the range of those at a pixel and next to it.
+    pub(super) fn limited(&self, index: usize, colour: Vec3) -> Vec3 {
+        let [width, height] = self.size.map(|side| side as usize);
+        let (x, y) = (index % width, index / width);
+        let (mut least, mut most) = (self.colours[index], self.colours[index]);
+        for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
+            for column in x.saturating_sub(1)..=(x + 1).min(width - 1) {
+                let there = self.colours[row * width + column];
+                (least, most) = (least.min(there), most.max(there));
+            }
         }
-        Some(self.cubic([x * self.size[0] as f32 / sampled[0], y * self.size[1] as f32 / sampled[1]]))
+        colour.clamp(least.xyz(), most.xyz())
     }
 
     /// Colour at a position, in pixels, by bicubic interpolation: bilinear interpolation, repeated in every picture, blurs.
@@ -210,7 +224,7 @@ impl ShownPicture {
         let [width, height] = self.size.map(|side| side as i32);
         let [x, y] = position.map(|coordinate| coordinate - 0.5);
         let [columns, rows] = [x, y].map(|coordinate| catmull_rom(coordinate - coordinate.floor()));
-        let mut sum = Vec3::ZERO;
+        let mut sum = Vec4::ZERO;
         for (j, row) in rows.into_iter().enumerate() {
             let start = (y.floor() as i32 - 1 + j as i32).clamp(0, height - 1) * width;
             for (i, column) in columns.into_iter().enumerate() {
@@ -218,7 +232,7 @@ impl ShownPicture {
                 sum += self.colours[place as usize] * (row * column);
             }
         }
-        sum
+        sum.xyz()
     }
 }
 

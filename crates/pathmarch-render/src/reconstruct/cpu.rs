@@ -4,16 +4,17 @@
 
 use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
 use super::motion::{Motion, Poses};
-use super::temporal::{History, Samples};
+use super::temporal::{History, PixelMean, Samples};
 use super::{
-    Buffer, Changes, FULL_MOTION, MAX_HISTORY, PixelHistory, ReconstructOptions, luminance, motions, settled_weight,
-    settles, spatial,
+    Buffer, Changes, FULL_MOTION, MAX_HISTORY, PassTime, PixelHistory, ReconstructOptions, luminance, motions,
+    settled_weight, settles, spatial,
 };
 use crate::integrator::guides::Guide;
 use crate::scene::{FrameUniforms, RenderScene};
-use glam::Vec3;
+use glam::{Vec3, Vec4Swizzles};
 use rayon::prelude::*;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Result of a film.
 struct Reconstructed {
@@ -30,6 +31,29 @@ pub(super) struct CpuReconstruction {
     /// Result of the present film.
     present: Option<Reconstructed>,
     changes: Changes,
+    /// Passes of the last picture.
+    pub(super) passes: Vec<PassTime>,
+}
+
+/// Clock that times passes.
+struct PassClock {
+    last: Instant,
+    passes: Vec<PassTime>,
+}
+
+impl Default for PassClock {
+    fn default() -> Self {
+        Self { last: Instant::now(), passes: Vec::new() }
+    }
+}
+
+impl PassClock {
+    /// Records the pass of this name, which ends now.
+    fn ends(&mut self, name: &'static str) {
+        let seconds = self.last.elapsed().as_secs_f64();
+        self.last = Instant::now();
+        self.passes.push(PassTime { name, seconds });
+    }
 }
 
 /// Film of a sequence, as reconstruction reads it.
@@ -55,10 +79,13 @@ impl CpuReconstruction {
     /// Linear picture of a film, of this size.
     pub(super) fn picture(&mut self, film: &FilmView, size: [u32; 2], options: &ReconstructOptions) -> Vec<Vec3> {
         let &FilmView { scene, frame, guides, means, samples, weight } = film;
+        let mut clock = PassClock::default();
         let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| *mean / guide.divisor());
         let mut irradiance: Vec<Vec3> = divided.collect();
+        clock.ends("division by the albedo");
         if options.firefly_filter {
             spatial::spread_fireflies(frame.size(), guides, samples as f32, &mut irradiance);
+            clock.ends("fireflies");
         }
         let past = self.past.as_ref();
         let poses = Poses::new(scene);
@@ -69,9 +96,14 @@ impl CpuReconstruction {
         let new = Samples { irradiance: &irradiance, count: samples as f32 };
         let max_length = self.changes.max_history * (1.0 - weight);
         let history = History::new(frame, guides, new, past_history, max_length, limits.as_deref());
-        let filtered = options.spatial_filter.then(|| spatial::filter(&history, settles(samples)));
-        let multiplied = filtered.as_ref().unwrap_or(&history.irradiance).par_iter().zip(guides.par_iter());
-        let clean: Vec<Vec3> = multiplied.map(|(irradiance, guide)| *irradiance * guide.divisor()).collect();
+        clock.ends("reprojection");
+        let clean = match options.spatial_filter {
+            true => spatial::filter(&history, settles(samples)),
+            false => {
+                history.means.iter().zip(guides.iter()).map(|(mean, guide)| mean.irradiance * guide.divisor()).collect()
+            }
+        };
+        clock.ends("spatial filter");
         let last = past.filter(|_| options.antialiasing);
         let last = last.map(|past| Last {
             picture: &past.shown,
@@ -80,10 +112,13 @@ impl CpuReconstruction {
             new_weight: new_weight(samples),
         });
         let shown = antialiased(frame, guides, &clean, size, last);
+        clock.ends("anti-aliasing");
         let picture = match settles(samples) && frame.size() == size {
-            true => mixed_with_film(film, &shown.colours),
-            false => shown.colours.clone(),
+            true => mixed_with_film(film, &shown),
+            false => shown.colours.iter().map(|colour| colour.xyz()).collect(),
         };
+        clock.ends("mix with the film");
+        self.passes = clock.passes;
         self.present = Some(Reconstructed { poses, history, shown });
         picture
     }
@@ -91,7 +126,7 @@ impl CpuReconstruction {
     /// Histories of all pixels of the last picture.
     pub(super) fn histories(&self) -> Vec<PixelHistory> {
         let Some(Reconstructed { history, .. }) = &self.present else { return Vec::new() };
-        history.before.iter().zip(&history.length).map(|(&before, &length)| PixelHistory { before, length }).collect()
+        history.means.iter().map(|&PixelMean { before, length, .. }| PixelHistory { before, length }).collect()
     }
 
     /// Motion of each pixel, see [`motions`](super::motions).
@@ -108,8 +143,8 @@ impl CpuReconstruction {
         let codes: Vec<[f32; 3]> = match buffer {
             Buffer::Picture => return None,
             Buffer::Motion => self.motion().into_iter().map(motion_code).collect(),
-            Buffer::HistoryLength => history.length.iter().map(|length| [length / MAX_HISTORY; 3]).collect(),
-            Buffer::Deviation => history.moments.iter().zip(&history.length).map(deviation_code).collect(),
+            Buffer::HistoryLength => history.means.iter().map(|mean| [mean.length / MAX_HISTORY; 3]).collect(),
+            Buffer::Deviation => history.means.iter().map(deviation_code).collect(),
         };
         let [width, height] = history.frame.size();
         let code = |index: u32| {
@@ -122,13 +157,15 @@ impl CpuReconstruction {
 }
 
 /// Mixes a picture with the means of its film, each pixel by the noise of the film.
-fn mixed_with_film(film: &FilmView, colours: &[Vec3]) -> Vec<Vec3> {
-    let mixed = |((colour, mean), guide): ((&Vec3, &Vec3), &Guide)| {
-        let settled = settled_weight(guide, luminance(*mean / guide.divisor()), film.samples as f32);
-        colour.lerp(*mean, film.weight.max(settled))
+fn mixed_with_film(film: &FilmView, shown: &ShownPicture) -> Vec<Vec3> {
+    let mixed = |index: usize| {
+        let (mean, guide) = (film.means[index], &film.guides[index]);
+        let settled = settled_weight(guide, luminance(mean / guide.divisor()), film.samples as f32);
+        // Pixels of several surfaces are not filtered; their noise ends where no colour around them is.
+        let settling = if guide.is_mixed { shown.limited(index, mean) } else { mean };
+        shown.colours[index].xyz().lerp(settling, settled).lerp(mean, film.weight)
     };
-    let pixels = colours.par_iter().zip(film.means).zip(film.guides.par_iter());
-    pixels.with_min_len(4096).map(mixed).collect()
+    (0..film.means.len()).into_par_iter().with_min_len(4096).map(mixed).collect()
 }
 
 /// Colour of a motion as [`motions`] gives it: red rightwards, green downwards, blue where it is unknown.
@@ -136,8 +173,8 @@ fn motion_code([dx, dy, is_known]: [f32; 3]) -> [f32; 3] {
     if is_known == 0.0 { [0.0, 0.0, 1.0] } else { [0.5 - 0.5 * dx / FULL_MOTION, 0.5 - 0.5 * dy / FULL_MOTION, 0.0] }
 }
 
-/// Standard deviation of a mean of `length` samples with these moments, divided by the mean.
-fn deviation_code(([mean, square], length): (&[f32; 2], &f32)) -> [f32; 3] {
+/// Standard deviation of a mean, divided by the mean.
+fn deviation_code(&PixelMean { moments: [mean, square], length, .. }: &PixelMean) -> [f32; 3] {
     let variance = (square - mean * mean).max(0.0) / length;
     [variance.sqrt() / mean.max(1e-6); 3]
 }

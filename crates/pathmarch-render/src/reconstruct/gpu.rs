@@ -9,16 +9,17 @@
 use super::motion::{LeafMotion, Motion, Poses};
 use super::spatial::STEPS;
 use super::temporal::camera_moves;
-use super::{Changes, PixelHistory, ReconstructOptions, antialiasing, settles, spatial, temporal};
+use super::{Changes, PassTime, PixelHistory, ReconstructOptions, antialiasing, settles, spatial, temporal};
 use crate::backend::RenderInput;
 use crate::backend::gpu::shaders::{ShaderFile, shader_files, with_imports};
-use crate::backend::gpu::{Device, GpuContext, ReconstructedFilm};
+use crate::backend::gpu::{Device, GpuContext, GpuTimer, ReconstructedFilm};
 use crate::error::RenderError;
 use crate::output::tonemap::{self, Display};
 use crate::scene::FrameUniforms;
 use crate::wgsl::{declaration, shared_struct};
 use glam::Vec3;
 use std::sync::Arc;
+use std::time::Duration;
 
 shared_struct! {
     /// Uniforms of all passes: both frames, the film and the options.
@@ -228,6 +229,10 @@ pub(super) struct GpuReconstruction {
     past: Option<Shown>,
     present: Option<Shown>,
     changes: Changes,
+    /// Timer of the passes of sequences; `None` in windows, and on adapters without timestamps.
+    timer: Option<GpuTimer>,
+    /// Passes of the last picture, if there is a timer.
+    pub(super) passes_done: Vec<PassTime>,
 }
 
 impl GpuReconstruction {
@@ -247,7 +252,15 @@ impl GpuReconstruction {
             past: None,
             present: None,
             changes: Changes::default(),
+            timer: None,
+            passes_done: Vec::new(),
         })
+    }
+
+    /// Times the passes of all further pictures, if the adapter can.
+    pub(super) fn time_passes(&mut self) -> Result<(), RenderError> {
+        self.timer = GpuTimer::new(&self.device)?;
+        Ok(())
     }
 
     /// True if it runs on this device.
@@ -394,7 +407,7 @@ impl GpuReconstruction {
 
     /// Runs all passes and reads the codes of the picture back.
     fn run(
-        &self,
+        &mut self,
         film: &ReconstructedFilm,
         leaf_motions: &wgpu::Buffer,
         traced: [u32; 2],
@@ -408,7 +421,8 @@ impl GpuReconstruction {
         let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("reconstruct") });
         let guide_bytes = GUIDE_BYTES * u64::from(traced[0]) * u64::from(traced[1]);
         encoder.copy_buffer_to_buffer(film.guides, 0, &present.guides, 0, guide_bytes);
-        let mut run = |pipeline: &wgpu::ComputePipeline, bindings: &[u32], source: usize, size: [u32; 2]| {
+        let (mut timer, mut names) = (self.timer.take(), Vec::new());
+        let mut run = |name, pipeline: &wgpu::ComputePipeline, bindings: &[u32], source: usize, size: [u32; 2]| {
             let entry = |&binding: &u32| {
                 let buffer = match binding {
                     0 => &self.uniforms,
@@ -433,37 +447,55 @@ impl GpuReconstruction {
                 layout: &layout,
                 entries: &entries,
             });
-            let descriptor = wgpu::ComputePassDescriptor { label: Some("reconstruct"), timestamp_writes: None };
+            names.push(name);
+            let timestamp_writes = timer.as_mut().map(GpuTimer::next);
+            let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
             let mut pass = encoder.begin_compute_pass(&descriptor);
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &group, &[]);
             pass.dispatch_workgroups(size[0].div_ceil(8), size[1].div_ceil(8), 1);
         };
         let passes = &self.passes;
-        run(&passes.divide, &[0, 1, 2, 4, 7], 0, traced);
+        run("division by the albedo", &passes.divide, &[0, 1, 2, 4, 7], 0, traced);
         if options.firefly_filter {
-            run(&passes.find_fireflies, &[0, 2, 7, 8], 0, traced);
-            run(&passes.spread_fireflies, &[0, 2, 7, 8], 0, traced);
+            run("fireflies", &passes.find_fireflies, &[0, 2, 7, 8], 0, traced);
+            run("fireflies", &passes.spread_fireflies, &[0, 2, 7, 8], 0, traced);
         }
-        run(&passes.accumulate, &[0, 2, 3, 4, 5, 6, 7], 0, traced);
-        run(&passes.start_filter, &[0, 2, 5, 7], 0, traced);
+        run("reprojection", &passes.accumulate, &[0, 2, 3, 4, 5, 6, 7], 0, traced);
+        run("spatial filter", &passes.start_filter, &[0, 2, 5, 7], 0, traced);
         let mut source = 0;
         let filters = std::iter::once(&passes.smooth_variance).chain(&passes.filter);
         for pipeline in filters.filter(|_| options.spatial_filter) {
-            run(pipeline, &[0, 2, 7, 8], source, traced);
+            run("spatial filter", pipeline, &[0, 2, 7, 8], source, traced);
             source = 1 - source;
         }
-        run(&passes.antialias, &[0, 2, 3, 4, 7, 9, 10], source, size);
-        run(&passes.mix_with_film, &[0, 1, 2, 7, 10], 0, size);
-        run(&passes.show, &[0, 5, 7, 11], 0, size);
+        run("anti-aliasing", &passes.antialias, &[0, 2, 3, 4, 7, 9, 10], source, size);
+        run("mix with the film", &passes.mix_with_film, &[0, 1, 2, 7, 10], 0, size);
+        run("display", &passes.show, &[0, 5, 7, 11], 0, size);
         let bytes = SCREEN_BYTES * u64::from(size[0]) * u64::from(size[1]);
         encoder.copy_buffer_to_buffer(&buffers.screen, 0, &buffers.copy, 0, bytes);
         self.device.queue.submit([encoder.finish()]);
         if let Some(error) = pollster::block_on(validation.pop()) {
             return Err(self.device.error(error));
         }
+        if let Some(timer) = &mut timer {
+            self.passes_done = pass_times(&names, &timer.read_passes(&self.device)?);
+        }
+        self.timer = timer;
         self.device.read(&buffers.copy, bytes, <[u8]>::to_vec).map(Some)
     }
+}
+
+/// Times of passes, those of one name added up.
+fn pass_times(names: &[&'static str], times: &[Duration]) -> Vec<PassTime> {
+    let mut passes: Vec<PassTime> = Vec::new();
+    for (name, time) in names.iter().zip(times) {
+        match passes.iter_mut().find(|pass| pass.name == *name) {
+            Some(pass) => pass.seconds += time.as_secs_f64(),
+            None => passes.push(PassTime { name, seconds: time.as_secs_f64() }),
+        }
+    }
+    passes
 }
 
 #[cfg(test)]

@@ -149,6 +149,8 @@ impl Changes {
 pub(crate) struct Reconstruction {
     cpu: CpuReconstruction,
     gpu: Option<GpuReconstruction>,
+    /// True if GPUs time the passes.
+    times_passes: bool,
 }
 
 impl Reconstruction {
@@ -184,7 +186,11 @@ impl Reconstruction {
             Tracer::Gpu(job) => {
                 let Some(film) = job.reconstructed_film()? else { return Ok(None) };
                 if self.gpu.as_ref().is_none_or(|gpu| !gpu.is_on(film.device)) {
-                    self.gpu = Some(GpuReconstruction::new(film.device)?);
+                    let mut gpu = GpuReconstruction::new(film.device)?;
+                    if self.times_passes {
+                        gpu.time_passes()?;
+                    }
+                    self.gpu = Some(gpu);
                 }
                 let Some(gpu) = &mut self.gpu else { return Ok(None) };
                 gpu.show(&film, input, film_weight, size, options, display)
@@ -215,6 +221,14 @@ impl Reconstruction {
         gpu.colours().map(Some)
     }
 
+    /// Times of the passes of the last picture; empty on GPUs without timestamps.
+    fn passes(&self, tracer: &Tracer) -> Vec<PassTime> {
+        match tracer {
+            Tracer::Cpu(_) => self.cpu.passes.clone(),
+            Tracer::Gpu(_) => self.gpu.as_ref().map(|gpu| gpu.passes_done.clone()).unwrap_or_default(),
+        }
+    }
+
     /// Histories of all pixels of the last picture.
     fn histories(&self, tracer: &Tracer) -> Result<Vec<PixelHistory>, RenderError> {
         match (tracer, &self.gpu) {
@@ -223,6 +237,15 @@ impl Reconstruction {
             (Tracer::Gpu(_), None) => Ok(Vec::new()),
         }
     }
+}
+
+/// Time of a pass of reconstruction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassTime {
+    /// Name, in plain words.
+    pub name: &'static str,
+    /// Time on the processor that runs it, seconds.
+    pub seconds: f64,
 }
 
 /// History of a pixel.

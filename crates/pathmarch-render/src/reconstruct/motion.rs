@@ -81,11 +81,16 @@ impl Motion {
         scene.field.leaves().iter().enumerate().map(record).collect()
     }
 
-    /// Guide of the same point in the earlier scene.
-    pub(super) fn earlier(&self, guide: &Guide) -> Guide {
-        let displacement = self.0.get(guide.leaf as usize).copied().flatten().filter(|_| guide.leaf != NO_LEAF);
-        let Some(Displacement { rotation, scale, offset }) = displacement else { return *guide };
-        Guide { position: rotation * guide.position * scale + offset, normal: rotation * guide.normal, ..*guide }
+    /// Position and normal of the point of a guide in the earlier scene.
+    #[inline]
+    pub(super) fn earlier(&self, guide: &Guide) -> (Vec3, Vec3) {
+        let &Guide { position, normal, leaf, .. } = guide;
+        match self.0.get(leaf as usize) {
+            Some(Some(Displacement { rotation, scale, offset })) if leaf != NO_LEAF => {
+                (*rotation * position * *scale + *offset, *rotation * normal)
+            }
+            _ => (position, normal),
+        }
     }
 }
 
@@ -109,13 +114,13 @@ mod tests {
         // A corner of the box: (0.5, 1, 1.5) in its own coordinates.
         let present = Vec3::new(-1.0 + 1.5, 1.0, 4.0 - 0.5);
         let guide = Guide { position: present, normal: Vec3::X, leaf: 1, ..Guide::NONE };
-        let earlier = motion.earlier(&guide);
-        assert!((earlier.position - Vec3::new(2.0, 4.0, 6.0)).length() < 1e-5, "{earlier:?}");
-        assert!((earlier.normal - Vec3::Z).length() < 1e-6, "{earlier:?}");
+        let (position, normal) = motion.earlier(&guide);
+        assert!((position - Vec3::new(2.0, 4.0, 6.0)).length() < 1e-5, "{position}");
+        assert!((normal - Vec3::Z).length() < 1e-6, "{normal}");
         // The floor stands still, and so does what mirrors show.
         for leaf in [0, NO_LEAF] {
             let guide = Guide { leaf, ..guide };
-            assert_eq!(motion.earlier(&guide), guide);
+            assert_eq!(motion.earlier(&guide), (guide.position, guide.normal));
         }
     }
 
@@ -123,6 +128,6 @@ mod tests {
     fn nothing_moves_between_different_structures() {
         let motion = Motion::new(&Poses(Vec::new()), &poses("at 1 2 3"));
         let guide = Guide { position: Vec3::ONE, leaf: 1, ..Guide::NONE };
-        assert_eq!(motion.earlier(&guide), guide);
+        assert_eq!(motion.earlier(&guide), (guide.position, guide.normal));
     }
 }

@@ -1,6 +1,6 @@
 //! Reconstructed sequences of pictures, for measurements and for programs without a window.
 
-use super::{ReconstructOptions, Reconstruction, motions, upscaled_size};
+use super::{PassTime, ReconstructOptions, Reconstruction, motions, upscaled_size};
 use crate::Renderer;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
@@ -28,6 +28,8 @@ pub struct Frame {
     pub trace_seconds: f64,
     /// Time of reconstruction, seconds.
     pub reconstruct_seconds: f64,
+    /// Passes of reconstruction; empty on GPUs without timestamps.
+    pub passes: Vec<PassTime>,
 }
 
 /// Film of a sequence: its scene, its settings without the number of samples, and its tracer.
@@ -52,7 +54,8 @@ impl Sequence {
     /// Empty sequence, which renders on the opened device of a renderer, or on the CPU if it has none. The buffer of the
     /// options has no effect.
     pub fn new(renderer: &Renderer, options: ReconstructOptions) -> Self {
-        let (renderer, reconstruction) = (renderer.clone(), Reconstruction::default());
+        let reconstruction = Reconstruction { times_passes: true, ..Reconstruction::default() };
+        let renderer = renderer.clone();
         Self { renderer, options, reconstruction, film: None, last_size: [1; 2] }
     }
 
@@ -95,6 +98,7 @@ impl Sequence {
         }
         let pixels = shown.unwrap_or(means).into_iter().map(Into::into).collect();
         let histories = self.reconstruction.histories(&film.tracer)?;
+        let passes = self.reconstruction.passes(&film.tracer);
         let motion = motions(&histories, settings.size, self.last_size);
         self.film = Some(film);
         let picture = |pixels: Vec<[f32; 3]>| Picture { pixels, ..noisy };
@@ -105,6 +109,7 @@ impl Sequence {
             noisy,
             trace_seconds: (traced - began).as_secs_f64(),
             reconstruct_seconds,
+            passes,
         })
     }
 

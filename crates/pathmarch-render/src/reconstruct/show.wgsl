@@ -21,8 +21,28 @@ fn mix_with_film(@builtin(global_invocation_id) id: vec3u) {
     let visible = sqrt(variance) / (VISIBLE_NOISE * max(irradiance, 1e-4));
     let clean = max(1.0 - visible, 0.0);
     let settled = select(clean * clean, 1.0, guide.is_mixed) * min(samples / SETTLING_SAMPLES, 1.0);
-    let colour = mix(colours[pixel].xyz, mean, max(uniforms.weight, settled));
+    // Pixels of several surfaces are not filtered; their noise ends where no colour around them is.
+    var settling = mean;
+    if guide.is_mixed {
+        settling = limited(vec2i(id.xy), mean);
+    }
+    let colour = mix(mix(colours[pixel].xyz, settling, settled), mean, uniforms.weight);
     estimates[pixel] = vec4f(colour, 0.0);
+}
+
+/// A colour, limited to the range of those of the picture at a pixel and next to it.
+fn limited(position: vec2i, colour: vec3f) -> vec3f {
+    let size = vec2i(i32(uniforms.shown_width), i32(uniforms.shown_height));
+    let here = colours[position.y * size.x + position.x].xyz;
+    var least = here;
+    var most = here;
+    for (var k = 0; k < 9; k++) {
+        let place = clamp(position + vec2i(k % 3 - 1, k / 3 - 1), vec2i(0), size - 1);
+        let there = colours[place.y * size.x + place.x].xyz;
+        least = min(least, there);
+        most = max(most, there);
+    }
+    return clamp(colour, least, most);
 }
 
 /// sRGB codes from 0 to 1 of the shown buffer at a pixel of the samples.

@@ -1,7 +1,7 @@
 //! Spatial filter: an à-trous filter along surfaces, and the spreading of fireflies.
 
 use super::luminance;
-use super::temporal::History;
+use super::temporal::{History, PixelMean};
 use crate::integrator::guides::{Guide, GuideClass};
 use crate::scene::light::LUMINANCE_WEIGHTS;
 use crate::wgsl::shared_constants;
@@ -52,9 +52,9 @@ impl Grid {
 
     /// Values of a function of all pixels (x, y).
     fn map<T: Send>(self, value: impl Fn(i32, i32) -> T + Sync) -> Vec<T> {
-        let count = (self.width * self.height) as usize;
-        let of = |index: usize| value(index as i32 % self.width, index as i32 / self.width);
-        (0..count).into_par_iter().with_min_len(1024).map(of).collect()
+        let value = &value;
+        let row = |y: i32| (0..self.width).map(move |x| value(x, y));
+        (0..self.height).into_par_iter().with_min_len(8).flat_map_iter(row).collect()
     }
 
     /// Pixels of the square around a pixel, without itself.
@@ -89,9 +89,10 @@ fn dot(a: [f32x8; 3], b: [f32x8; 3]) -> f32x8 {
 
 impl Surfaces {
     /// Weights of pairs of pixels, `distance` pixels apart, as parts of one smooth surface; the same for both.
-    #[inline]
+    #[inline(always)]
     fn similarity(&self, other: &Self, distance: f32) -> f32x8 {
-        let apart: [f32x8; 3] = std::array::from_fn(|k| self.position[k] - other.position[k]);
+        let ([ax, ay, az], [bx, by, bz]) = (self.position, other.position);
+        let apart = [ax - bx, ay - by, az - bz];
         let along = dot(self.normal, apart).abs().max(dot(other.normal, apart).abs());
         let plane = f32x8::ONE - along / (self.pixel.max(other.pixel) * (PLANE_REACH * distance));
         let cosine = dot(self.seen_normal, other.seen_normal).max(f32x8::ZERO);
@@ -124,7 +125,7 @@ impl Place {
     }
 
     /// Place so many pixels further; `None` above and below the picture.
-    #[inline]
+    #[inline(always)]
     fn moved(self, grid: Grid, dx: i32, dy: i32) -> Option<Self> {
         let row = self.row + dy;
         (0..grid.height).contains(&row).then_some(Self { row, column: self.column + dx })
@@ -170,16 +171,21 @@ impl<const N: usize> Planes<N> {
     }
 
     /// Number `k` of eight pixels.
-    #[inline]
+    #[inline(always)]
     fn load(&self, k: usize, place: Place) -> f32x8 {
         let at = (place.row as usize * N + k) * self.stride + place.column as usize;
         f32x8::new(self.numbers[at..at + 8].try_into().unwrap_or([0.0; 8]))
     }
 
     /// Numbers of eight pixels.
-    #[inline]
+    #[inline(always)]
     fn lanes(&self, place: Place) -> [f32x8; N] {
-        std::array::from_fn(|k| self.load(k, place))
+        // A loop is unrolled where `from_fn` becomes calls.
+        let mut lanes = [f32x8::ZERO; N];
+        for (k, lane) in lanes.iter_mut().enumerate() {
+            *lane = self.load(k, place);
+        }
+        lanes
     }
 
     /// Number `k` of a row, without its margins.
@@ -212,7 +218,7 @@ impl SurfacePlanes {
         }))
     }
 
-    #[inline]
+    #[inline(always)]
     fn at(&self, place: Place) -> Surfaces {
         let [px, py, pz, pixel, nx, ny, nz, sx, sy, sz, surface] = self.0.lanes(place);
         Surfaces { position: [px, py, pz], pixel, normal: [nx, ny, nz], seen_normal: [sx, sy, sz], surface }
@@ -222,59 +228,111 @@ impl SurfacePlanes {
 /// Irradiance and variance of the luminance of all pixels, while they are filtered.
 type Estimates = Planes<4>;
 
-/// Filtered irradiance; `settles` if the film has samples enough to show edges.
+/// Offsets to half of the eight taps of a pass, in steps, and their weights in the kernel; the others are opposite.
+const HALF_OF_TAPS: [([i32; 2], f32); 4] = [([1, 0], 0.5), ([-1, 1], 0.25), ([0, 1], 0.5), ([1, 1], 0.25)];
+
+/// Similarities of all pairs of pixels that a pass compares: of each pixel with half of its taps. They are symmetric.
+struct PairWeights {
+    step: i32,
+    similarities: Planes<4>,
+}
+
+/// Pixels that are a tap of eight others, and the similarities of both.
+struct Tap {
+    place: Place,
+    similarity: f32x8,
+    kernel: f32,
+}
+
+impl PairWeights {
+    fn new(grid: Grid, surfaces: &SurfacePlanes, step: i32) -> Self {
+        let similarities = Planes::of_eight(grid, |place| {
+            let surface = surfaces.at(place);
+            let mut similarities = [f32x8::ZERO; 4];
+            for (([dx, dy], _), similarity) in HALF_OF_TAPS.into_iter().zip(&mut similarities) {
+                if let Some(other) = place.moved(grid, step * dx, step * dy) {
+                    *similarity = surface.similarity(&surfaces.at(other), step as f32);
+                }
+            }
+            similarities
+        });
+        Self { step, similarities }
+    }
+
+    /// Calls a function with all taps of eight pixels.
+    #[inline(always)]
+    fn for_taps(&self, grid: Grid, place: Place, mut visit: impl FnMut(Tap)) {
+        for (k, ([dx, dy], kernel)) in HALF_OF_TAPS.into_iter().enumerate() {
+            let [dx, dy] = [self.step * dx, self.step * dy];
+            if let Some(other) = place.moved(grid, dx, dy) {
+                visit(Tap { place: other, similarity: self.similarities.load(k, place), kernel });
+            }
+            if let Some(other) = place.moved(grid, -dx, -dy) {
+                visit(Tap { place: other, similarity: self.similarities.load(k, other), kernel });
+            }
+        }
+    }
+}
+
+/// Filtered radiance; `settles` if the film has samples enough to show edges.
 pub(super) fn filter(history: &History, settles: bool) -> Vec<Vec3> {
     let grid = Grid::new(history.frame.size());
     let surfaces = SurfacePlanes::new(grid, &history.guides, history.frame.pixel, settles);
     let first = first_estimates(grid, history, &surfaces);
-    let mut estimates = Estimates::of_eight(grid, |place| with_smooth_variance(grid, &surfaces, &first, place));
+    let mut weights = PairWeights::new(grid, &surfaces, STEPS[0]);
+    let mut estimates = Estimates::of_eight(grid, |place| with_smooth_variance(grid, &weights, &first, place));
     for step in STEPS {
-        estimates = Estimates::of_eight(grid, |place| filtered(grid, &surfaces, &estimates, place, step));
+        if step != weights.step {
+            weights = PairWeights::new(grid, &surfaces, step);
+        }
+        estimates = Estimates::of_eight(grid, |place| filtered(grid, &weights, &estimates, place));
     }
-    let colours = |row: usize| {
+    let mut colours = vec![Vec3::ZERO; history.guides.len()];
+    let rows = colours.par_chunks_mut(grid.width as usize).zip(history.guides.par_chunks(grid.width as usize));
+    rows.enumerate().with_min_len(8).for_each(|(row, (colours, guides))| {
         let [r, g, b] = [0, 1, 2].map(|k| estimates.row(grid, k, row));
-        r.iter().zip(g).zip(b).map(|((&r, &g), &b)| Vec3::new(r, g, b))
-    };
-    (0..grid.height as usize).flat_map(colours).collect()
+        for (x, (colour, guide)) in colours.iter_mut().zip(guides).enumerate() {
+            *colour = Vec3::new(r[x], g[x], b[x]) * guide.divisor();
+        }
+    });
+    colours
 }
 
 /// One pass at eight pixels.
-#[inline]
-fn filtered(grid: Grid, surfaces: &SurfacePlanes, estimates: &Estimates, place: Place, step: i32) -> [f32x8; 4] {
-    let (here, surface) = (estimates.lanes(place), surfaces.at(place));
+#[inline(always)]
+fn filtered(grid: Grid, weights: &PairWeights, estimates: &Estimates, place: Place) -> [f32x8; 4] {
+    let here = estimates.lanes(place);
+    let luminance_here = lane_luminance(here);
     let [mut r, mut g, mut b, mut variance] = here;
     let mut total = f32x8::ONE;
     // Pixels that saw no light yet take what their neighbours give: otherwise these would lose it.
-    for (dx, dy) in square_around(1) {
-        let Some(other) = place.moved(grid, step * dx, step * dy) else { continue };
-        let similarity = surface.similarity(&surfaces.at(other), step as f32);
-        let there = estimates.lanes(other);
+    weights.for_taps(grid, place, |Tap { place, similarity, kernel }| {
+        let there = estimates.lanes(place);
         // The same for both, so that each gives the other as much as it takes.
         let deviation = (here[3] + there[3]).sqrt();
-        let apart = (lane_luminance(here) - lane_luminance(there)).abs();
+        let apart = (luminance_here - lane_luminance(there)).abs();
         let difference = apart / (deviation * LUMINANCE_REACH + f32x8::splat(1e-6));
-        let kernel = if dx == 0 || dy == 0 { 0.5 } else { 0.25 };
         let weight = similarity * (f32x8::ONE - difference).max(f32x8::ZERO) * kernel;
         r += there[0] * weight;
         g += there[1] * weight;
         b += there[2] * weight;
         variance += there[3] * weight * weight;
         total += weight;
-    }
-    [r / total, g / total, b / total, variance / (total * total)]
+    });
+    let share = f32x8::ONE / total;
+    [r * share, g * share, b * share, variance * share * share]
 }
 
 /// Estimates of eight pixels, their variances averaged with those of the next pixels on the same surface: the variance of a
 /// few samples is itself noisy.
-#[inline]
-fn with_smooth_variance(grid: Grid, surfaces: &SurfacePlanes, estimates: &Estimates, place: Place) -> [f32x8; 4] {
-    let ([r, g, b, mut variance], surface) = (estimates.lanes(place), surfaces.at(place));
+#[inline(always)]
+fn with_smooth_variance(grid: Grid, weights: &PairWeights, estimates: &Estimates, place: Place) -> [f32x8; 4] {
+    let [r, g, b, mut variance] = estimates.lanes(place);
     let mut total = f32x8::ONE;
-    for other in square_around(1).filter_map(|(dx, dy)| place.moved(grid, dx, dy)) {
-        let weight = surface.similarity(&surfaces.at(other), 1.0);
-        variance += estimates.load(3, other) * weight;
-        total += weight;
-    }
+    weights.for_taps(grid, place, |Tap { place, similarity, .. }| {
+        variance += estimates.load(3, place) * similarity;
+        total += similarity;
+    });
     [r, g, b, variance / total]
 }
 
@@ -286,8 +344,9 @@ fn lane_luminance([r, g, b, _]: [f32x8; 4]) -> f32x8 {
 /// Means of the history and their variances. That of a young history is taken from its neighbours on the same surface.
 fn first_estimates(grid: Grid, history: &History, surfaces: &SurfacePlanes) -> Estimates {
     let means = Planes::new(grid, [0.0; 6], |index| {
-        let ([r, g, b], [mean, square]) = (history.irradiance[index].to_array(), history.moments[index]);
-        [r, g, b, mean, square, history.length[index]]
+        let PixelMean { irradiance: Vec3 { x: r, y: g, z: b }, length, moments: [mean, square], .. } =
+            history.means[index];
+        [r, g, b, mean, square, length]
     });
     Estimates::of_eight(grid, |place| {
         let [r, g, b, mut mean, mut square, length] = means.lanes(place);
@@ -334,34 +393,47 @@ pub(super) fn plausible_luminances(size: [u32; 2], irradiance: &[Vec3]) -> Vec<[
     sums(&sums(&moments, 1, 0), 0, 1).into_iter().map(limits).collect()
 }
 
+/// Columns of those of eight pixels that are brighter than all next to them.
+fn peaks(grid: Grid, luminances: &Planes<1>, place: Place) -> impl Iterator<Item = i32> + use<> {
+    let here = luminances.load(0, place);
+    let others = square_around(1).filter_map(|(dx, dy)| place.moved(grid, dx, dy));
+    let most = others.fold(f32x8::splat(-1.0), |most, other| most.max(luminances.load(0, other)));
+    let is_peak = here.simd_gt(most).to_bitmask();
+    let first = place.column - MARGIN as i32;
+    (0..8).filter(move |lane| is_peak & (1 << lane) != 0).map(move |lane| first + lane)
+}
+
 /// Limits means of so many samples that are far above their neighbours, and gives what is above to the neighbours on the
 /// same surface.
 pub(super) fn spread_fireflies(size: [u32; 2], guides: &[Guide], samples: f32, irradiance: &mut [Vec3]) {
     let grid = Grid::new(size);
-    let luminances: Vec<f32> = irradiance.par_iter().map(|colour| luminance(*colour)).collect();
+    let luminances = Planes::new(grid, [-1.0], |index| [luminance(irradiance[index])]);
     let shares = |centre: usize, index: &usize| {
         let (a, b) = (&guides[centre], &guides[*index]);
         a.class == b.class && a.object == b.object && a.seen_normal.dot(b.seen_normal) > 0.7
     };
     let excess = |x: i32, y: i32| -> Option<(usize, Vec3)> {
         let centre = (y * grid.width + x) as usize;
-        let light = luminances[centre];
-        // Most pixels are not above all of the next ones, let alone of those on the same surface.
-        if grid.around(x, y, 1).any(|index| luminances[index] >= light)
-            || matches!(guides[centre].class, GuideClass::Sky | GuideClass::Emitter)
-        {
+        if matches!(guides[centre].class, GuideClass::Sky | GuideClass::Emitter) {
             return None;
         }
+        let light = luminance(irradiance[centre]);
         let (mut sum, mut count) = (0.0, 0.0);
         for index in grid.around(x, y, FIREFLY_RADIUS).filter(|index| shares(centre, index)) {
-            sum += luminances[index];
+            sum += luminance(irradiance[index]);
             count += 1.0;
         }
         let limit = (1.0 + FIREFLY / samples.sqrt()) * sum / f32::max(count, 1.0);
         // Without light around it, nothing tells a firefly from the only lit pixel.
         (sum > 0.0 && light > limit).then(|| (centre, irradiance[centre] * (1.0 - limit / light)))
     };
-    let found: Vec<(usize, Vec3)> = grid.map(excess).into_iter().flatten().collect();
+    // Most pixels are not above all of the next ones, let alone of those on the same surface.
+    let (luminances, excess) = (&luminances, &excess);
+    let in_row = |y: i32| {
+        let peaks = (0..grid.width as usize).step_by(8).flat_map(move |x| peaks(grid, luminances, Place::new(x, y)));
+        peaks.filter_map(move |x| excess(x, y))
+    };
+    let found: Vec<(usize, Vec3)> = (0..grid.height).into_par_iter().with_min_len(8).flat_map_iter(in_row).collect();
     for (centre, excess) in found {
         let (x, y) = (centre as i32 % grid.width, centre as i32 / grid.width);
         let takers: Vec<usize> = grid.around(x, y, FIREFLY_RADIUS).filter(|index| shares(centre, index)).collect();

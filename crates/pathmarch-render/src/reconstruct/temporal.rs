@@ -13,15 +13,73 @@ use std::sync::Arc;
 pub(super) struct History {
     pub(super) frame: FrameUniforms,
     pub(super) guides: Arc<Vec<Guide>>,
-    /// Mean irradiance.
-    pub(super) irradiance: Vec<Vec3>,
+    pub(super) means: Vec<PixelMean>,
+    pub(super) projection: Projection,
+    points: Vec<ShownPoint>,
+}
+
+/// Mean of a pixel.
+#[derive(Clone, Copy)]
+pub(super) struct PixelMean {
+    pub(super) irradiance: Vec3,
+    /// Number of samples in the mean.
+    pub(super) length: f32,
     /// Means of the luminance and of its square, over samples.
-    pub(super) moments: Vec<[f32; 2]>,
-    /// Number of samples in each mean.
-    pub(super) length: Vec<f32>,
-    /// Position of each pixel's point in the last picture, pixels of that picture from its top left corner; `None` where it
+    pub(super) moments: [f32; 2],
+    /// Position of the pixel's point in the last picture, pixels of that picture from its top left corner; `None` where it
     /// was hidden.
-    pub(super) before: Vec<Option<[f32; 2]>>,
+    pub(super) before: Option<[f32; 2]>,
+}
+
+/// Point that a pixel shows, as the next picture looks it up. Small, since every pixel looks at several.
+struct ShownPoint {
+    position: Vec3,
+    /// Reciprocal of the cosine between the normal and the ray: seen at a grazing angle, a pixel covers more of the plane.
+    stretch: f32,
+    normal: Vec3,
+    /// Equal on points of one surface.
+    surface: u32,
+}
+
+/// Point of a present picture, where it was in an earlier scene.
+pub(super) struct SoughtPoint {
+    pub(super) position: Vec3,
+    normal: Vec3,
+    /// Side of a pixel at its distance, metres: that of the picture with the larger pixels.
+    pixel: f32,
+    surface: u32,
+    is_sky: bool,
+}
+
+/// Surface of a guide, as a number that is equal on points of one surface.
+fn surface_of(guide: &Guide) -> u32 {
+    4 * guide.object + guide.class as u32
+}
+
+impl ShownPoint {
+    /// Point of a guide in a picture from `eye`.
+    fn new(guide: &Guide, eye: Vec3) -> Self {
+        let &Guide { position, normal, .. } = guide;
+        let cosine = normal.dot((position - eye).normalize()).abs();
+        Self { position, stretch: cosine.max(MIN_GRAZING_COSINE).recip(), normal, surface: surface_of(guide) }
+    }
+
+    /// True if it and a point that was sought show one place of one surface, to within a few sides of a pixel.
+    #[inline]
+    fn is_at(&self, sought: &SoughtPoint) -> bool {
+        if self.surface != sought.surface {
+            return false;
+        }
+        if sought.is_sky {
+            return true;
+        }
+        let (apart, pixel) = (sought.position - self.position, sought.pixel);
+        let along = sought.normal.dot(apart).abs().min(self.normal.dot(apart).abs());
+        let stretched = pixel * POINT_TOLERANCE * self.stretch;
+        along <= PLANE_TOLERANCE * pixel
+            && apart.length_squared() <= stretched * stretched
+            && sought.normal.dot(self.normal) >= MIN_NORMAL_COSINE
+    }
 }
 
 /// New samples of each pixel.
@@ -30,14 +88,6 @@ pub(super) struct Samples<'a> {
     pub(super) irradiance: &'a [Vec3],
     /// Number of samples in each mean.
     pub(super) count: f32,
-}
-
-/// Mean of a point in an earlier picture.
-struct Found {
-    position: [f32; 2],
-    irradiance: Vec3,
-    moments: [f32; 2],
-    length: f32,
 }
 
 shared_constants! {
@@ -72,14 +122,14 @@ impl History {
             // Fireflies of a single sample have been spread.
             let square = if samples > 1.0 { guide.square } else { l * l };
             let found = past.filter(|_| max_length > 0.0);
-            let found = found.and_then(|(past, motion)| past.find(&motion.earlier(guide), frame));
-            let Some(Found { position, irradiance: mut before, mut moments, length }) = found else {
-                return (irradiance, [l, square], samples, None);
+            let found = found.and_then(|(past, motion)| past.find(&past.sought(guide, motion, frame)));
+            let Some(PixelMean { irradiance: mut old, length, mut moments, before }) = found else {
+                return PixelMean { irradiance, length: samples, moments: [l, square], before: None };
             };
             if let Some([least, most]) = limits.map(|limits| limits[index]) {
-                let old = luminance(before);
-                let factor = old.clamp(least, most) / old.max(1e-9);
-                before *= factor;
+                let old_luminance = luminance(old);
+                let factor = old_luminance.clamp(least, most) / old_luminance.max(1e-9);
+                old *= factor;
                 moments = [moments[0] * factor, moments[1] * factor * factor];
             }
             let limit = if moves && guide.is_glossy { max_length.min(MAX_GLOSSY_HISTORY) } else { max_length };
@@ -87,42 +137,43 @@ impl History {
             let share = samples / (samples + length);
             let mean = |old: f32, new: f32| old + (new - old) * share;
             let moments = [mean(moments[0], l), mean(moments[1], square)];
-            (before.lerp(irradiance, share), moments, samples + length, Some(position))
+            PixelMean { irradiance: old.lerp(irradiance, share), length: samples + length, moments, before }
         };
-        let joined: Vec<_> = (0..guides.len()).into_par_iter().with_min_len(1024).map(join).collect();
+        let eye = frame.position.into();
         Self {
             frame: *frame,
             guides: guides.clone(),
-            irradiance: joined.iter().map(|joined| joined.0).collect(),
-            moments: joined.iter().map(|joined| joined.1).collect(),
-            length: joined.iter().map(|joined| joined.2).collect(),
-            before: joined.iter().map(|joined| joined.3).collect(),
+            projection: Projection::new(frame),
+            means: (0..guides.len()).into_par_iter().with_min_len(1024).map(join).collect(),
+            points: guides.par_iter().with_min_len(1024).map(|guide| ShownPoint::new(guide, eye)).collect(),
         }
     }
 
-    /// True if this picture shows the point of a guide, which the picture `frame` shows, at a position or next to it, in
-    /// pixels.
-    pub(super) fn shows(&self, guide: &Guide, frame: &FrameUniforms, [x, y]: [f32; 2]) -> bool {
-        let [width, height] = self.frame.size().map(|side| side as i32);
+    /// Point of a guide of the picture `frame`, as this picture may show it.
+    pub(super) fn sought(&self, guide: &Guide, motion: &Motion, frame: &FrameUniforms) -> SoughtPoint {
+        let (position, normal) = motion.earlier(guide);
         let pixel = guide.length * self.frame.pixel.max(frame.pixel);
+        SoughtPoint { position, normal, pixel, surface: surface_of(guide), is_sky: guide.class == GuideClass::Sky }
+    }
+
+    /// True if this picture shows a point at a position, in pixels, or next to it.
+    pub(super) fn shows(&self, sought: &SoughtPoint, [x, y]: [f32; 2]) -> bool {
+        let [width, height] = self.frame.size().map(|side| side as i32);
         let (x, y) = (x as i32, y as i32);
-        let eye = self.frame.position.into();
         let shows = |(dx, dy): (i32, i32)| {
             let (x, y) = (x + dx, y + dy);
             let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
-            is_inside && same_point(guide, &self.guides[(y * width + x) as usize], eye, pixel)
+            is_inside && self.points[(y * width + x) as usize].is_at(sought)
         };
         // Most often the pixel itself shows it.
         shows((0, 0)) || (-1..=1).any(|dy| (-1..=1).any(|dx| shows((dx, dy))))
     }
 
-    /// Mean of the point of a guide, which the picture `frame` shows; `None` if this picture does not show the point.
-    fn find(&self, guide: &Guide, frame: &FrameUniforms) -> Option<Found> {
+    /// Mean of a point, and its position here; `None` if this picture does not show it.
+    fn find(&self, sought: &SoughtPoint) -> Option<PixelMean> {
         let [width, height] = self.frame.size();
-        let position = project(&self.frame, guide.position)?;
+        let position = self.projection.project(sought.position)?;
         let [x, y] = position.map(|coordinate| coordinate - 0.5);
-        // Pictures of a smaller size have larger pixels.
-        let pixel = guide.length * self.frame.pixel.max(frame.pixel);
         let (mut irradiance, mut moments, mut length, mut total) = (Vec3::ZERO, [0.0; 2], 0.0, 0.0);
         for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
             let (column, row) = (x.floor() + dx, y.floor() + dy);
@@ -130,20 +181,21 @@ impl History {
                 continue;
             }
             let index = row as usize * width as usize + column as usize;
-            if !same_point(guide, &self.guides[index], self.frame.position.into(), pixel) {
+            let weight = (1.0 - (x - column).abs()) * (1.0 - (y - row).abs());
+            if weight <= 0.0 || !self.points[index].is_at(sought) {
                 continue;
             }
-            let weight = (1.0 - (x - column).abs()) * (1.0 - (y - row).abs());
-            irradiance += self.irradiance[index] * weight;
-            moments = [moments[0] + self.moments[index][0] * weight, moments[1] + self.moments[index][1] * weight];
-            length += self.length[index] * weight;
+            let mean = &self.means[index];
+            irradiance += mean.irradiance * weight;
+            moments = [moments[0] + mean.moments[0] * weight, moments[1] + mean.moments[1] * weight];
+            length += mean.length * weight;
             total += weight;
         }
-        (total > 0.01).then(|| Found {
-            position,
+        (total > 0.01).then(|| PixelMean {
             irradiance: irradiance / total,
-            moments: moments.map(|moment| moment / total),
             length: length / total,
+            moments: moments.map(|moment| moment / total),
+            before: Some(position),
         })
     }
 }
@@ -154,35 +206,36 @@ pub(super) fn camera_moves(before: &FrameUniforms, after: &FrameUniforms) -> boo
     view(before) != view(after)
 }
 
-/// True if a guide and one of a picture from `eye` show one place of one surface, to within a few sides of a pixel.
-fn same_point(a: &Guide, b: &Guide, eye: Vec3, pixel: f32) -> bool {
-    if a.class != b.class || a.object != b.object {
-        return false;
-    }
-    if a.class == GuideClass::Sky {
-        return true;
-    }
-    let apart = a.position - b.position;
-    let along = a.normal.dot(apart).abs().min(b.normal.dot(apart).abs());
-    // Seen at a grazing angle, a pixel covers more of the plane.
-    let cosine = b.normal.dot((b.position - eye).normalize()).abs();
-    let stretched = pixel * POINT_TOLERANCE / cosine.max(MIN_GRAZING_COSINE);
-    along <= PLANE_TOLERANCE * pixel
-        && apart.length_squared() <= stretched * stretched
-        && a.normal.dot(b.normal) >= MIN_NORMAL_COSINE
+/// Projection of points into a picture.
+#[derive(Clone, Copy)]
+pub(super) struct Projection {
+    position: Vec3,
+    forward: Vec3,
+    /// Vectors whose dot products with a vector, divided by its depth, are pixels from the middle of the picture.
+    right: Vec3,
+    down: Vec3,
+    middle: [f32; 2],
 }
 
-/// Position of a point in a picture, in pixels from its top left corner; `None` behind the camera.
-pub(super) fn project(frame: &FrameUniforms, point: Vec3) -> Option<[f32; 2]> {
-    let [position, right, up, forward] = [frame.position, frame.right, frame.up, frame.forward].map(Vec3::from);
-    let v = point - position;
-    let depth = v.dot(forward);
-    if depth <= 1e-6 * v.length() {
-        return None;
+impl Projection {
+    pub(super) fn new(frame: &FrameUniforms) -> Self {
+        let [position, right, up, forward] = [frame.position, frame.right, frame.up, frame.forward].map(Vec3::from);
+        let middle = [0.5 * frame.width as f32, 0.5 * frame.height as f32];
+        let (right, down) = (right * middle[0] / right.length_squared(), up * -middle[1] / up.length_squared());
+        Self { position, forward, right, down, middle }
     }
-    let across = v.dot(right) / (right.length_squared() * depth);
-    let upwards = v.dot(up) / (up.length_squared() * depth);
-    Some([0.5 * (across + 1.0) * frame.width as f32, 0.5 * (1.0 - upwards) * frame.height as f32])
+
+    /// Position of a point, in pixels from the top left corner; `None` behind the camera.
+    #[inline]
+    pub(super) fn project(&self, point: Vec3) -> Option<[f32; 2]> {
+        let v = point - self.position;
+        let depth = v.dot(self.forward);
+        if depth <= 1e-6 * v.abs().max_element() {
+            return None;
+        }
+        let scale = depth.recip();
+        Some([self.middle[0] + v.dot(self.right) * scale, self.middle[1] + v.dot(self.down) * scale])
+    }
 }
 
 #[cfg(test)]
@@ -210,9 +263,10 @@ mod tests {
         let frame = input([1.0, 2.0, 6.0]).frame;
         for [x, y] in [[0.5, 0.5], [20.0, 15.0], [39.5, 3.25], [7.0, 29.0]] {
             let ray = central_ray(&frame, x, y);
-            let [across, down] = project(&frame, ray.origin + ray.direction * 3.7).expect("in front");
+            let projection = Projection::new(&frame);
+            let [across, down] = projection.project(ray.origin + ray.direction * 3.7).expect("in front");
             assert!((across - x).abs() < 1e-3 && (down - y).abs() < 1e-3, "{x} {y}: {across} {down}");
-            assert!(project(&frame, ray.origin - ray.direction).is_none());
+            assert!(projection.project(ray.origin - ray.direction).is_none());
         }
     }
 

@@ -1,12 +1,13 @@
 //! Kernel configuration: the features of the estimator that a scene uses.
 
 use super::RenderScene;
+use super::leaf::MESH_FIELD;
 use super::light::LightShape;
 use super::material::TRANSMITS;
 use super::textured_material::TexturedMaterial;
 use crate::mode::Mode;
-use crate::settings::{DirectLighting, Settings};
-use pathmarch_scene::Caustics;
+use crate::settings::Settings;
+use pathmarch_scene::{Caustics, DirectLighting};
 
 /// Over-relaxation factor. With 2, a step ends where two neighbouring unbounding spheres just touch by the estimated
 /// slope.
@@ -28,10 +29,16 @@ pub(crate) struct KernelConfig {
     pub(crate) penumbra: bool,
     /// Some material is textured.
     pub(crate) textures: bool,
+    /// Some texture is at the texture coordinates of meshes.
+    pub(crate) uv_textures: bool,
+    /// Some leaf is a [`MESH_FIELD`].
+    pub(crate) mesh_fields: bool,
     /// An orbit trap colours some material.
     pub(crate) orbits: bool,
     /// Some material has a bump map.
     pub(crate) bump: bool,
+    /// Shading normals differ from geometric ones: by bump maps, or by the normals of a mesh.
+    pub(crate) shading_normals: bool,
     pub(crate) direct_lighting: DirectLighting,
     /// [`RELAXATION`], or 0 for plain sphere tracing.
     pub(crate) relaxation: f32,
@@ -54,8 +61,11 @@ impl KernelConfig {
             fast_caustics: settings.caustics == Caustics::Fast && transmits,
             penumbra: scene.lights.iter().any(|light| penumbra(&light.shape)),
             textures: textured(|material| !material.is_plain()),
+            uv_textures: textured(TexturedMaterial::has_uv_textures),
+            mesh_fields: scene.leaves.iter().any(|leaf| leaf.has(MESH_FIELD)),
             orbits: textured(TexturedMaterial::has_orbit),
             bump: textured(TexturedMaterial::has_bump),
+            shading_normals: textured(TexturedMaterial::has_bump) || scene.field.has_shading_normals(),
             direct_lighting: settings.direct_lighting,
             relaxation: RELAXATION,
             splitting: if settings.mode == Mode::Path { settings.splitting.unwrap_or(1) } else { 1 },

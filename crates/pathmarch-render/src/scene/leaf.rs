@@ -4,6 +4,7 @@ use super::flag_if;
 use super::light::Light;
 use crate::wgsl::{shared_constants, shared_struct};
 use pathmarch_scene::Scene;
+use pathmarch_scene::textures::Pattern;
 use std::collections::HashMap;
 
 shared_struct! {
@@ -15,7 +16,7 @@ shared_struct! {
         pub(crate) material: u32,
         /// Origin of the local coordinates, in world space.
         pub(crate) origin: [f32; 3],
-        /// [`SHEET`], [`ANALYTIC`] and [`IN_GLASS`]. The bits from [`LIGHT_SHIFT`] on are one more than the index of
+        /// [`SHEET`], [`ANALYTIC`], [`IN_GLASS`] and [`MESH_FIELD`]. The bits from [`LIGHT_SHIFT`] on are one more than the index of
         /// its light, or zero.
         pub(crate) flags: u32,
     }
@@ -28,8 +29,10 @@ shared_constants! {
     pub(crate) const ANALYTIC: u32 = 2;
     /// Leaf of an object with some transmissive material, so that paths hit it from inside.
     pub(crate) const IN_GLASS: u32 = 4;
+    /// Field of a mesh whose materials or texture coordinates are those of the closest triangle.
+    pub(crate) const MESH_FIELD: u32 = 8;
     /// First bit of the light index in the flags.
-    pub(crate) const LIGHT_SHIFT: u32 = 3;
+    pub(crate) const LIGHT_SHIFT: u32 = 4;
 }
 
 impl LeafRecord {
@@ -44,6 +47,16 @@ impl LeafRecord {
     pub(crate) fn light(&self) -> Option<usize> {
         (self.flags >> LIGHT_SHIFT).checked_sub(1).map(|index| index as usize)
     }
+}
+
+/// Reports whether the materials or texture coordinates of a leaf are those of the closest triangle of its mesh.
+fn is_mesh_field(scene: &Scene, leaf: &pathmarch_field::graph::Leaf) -> bool {
+    let has_uvs = |tag: u32| {
+        let textured = &scene.materials[tag as usize].textured;
+        textured.iter().any(|textured| matches!(textured.texture.pattern, Pattern::UvPicture { .. }))
+    };
+    let mesh = leaf.shape.mesh().filter(|mesh| !mesh.is_triangles());
+    mesh.is_some_and(|mesh| mesh.tags().len() > 1 || has_uvs(leaf.tag))
 }
 
 /// Records of all leaves.
@@ -65,6 +78,7 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
             flags: flag_if(SHEET, leaf.shape.info().sheet && !leaf.modified)
                 | flag_if(ANALYTIC, field.is_analytic_leaf(index))
                 | flag_if(IN_GLASS, in_glass[leaf.object as usize])
+                | flag_if(MESH_FIELD, is_mesh_field(scene, leaf))
                 | (light << LIGHT_SHIFT),
         }
     };

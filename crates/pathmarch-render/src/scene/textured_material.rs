@@ -9,7 +9,7 @@
 use super::preview_material::{self, PreviewParameters};
 use crate::wgsl::shared_constants;
 use pathmarch_scene::materials::{Bsdf, BsdfParameters, Bump, Material, OrbitTrap, TextureMapping, Texturing};
-use pathmarch_scene::textures::Texture;
+use pathmarch_scene::textures::{Pattern, Texture};
 
 shared_constants! {
     /// Number of values of a parameter for which the material is packed.
@@ -86,8 +86,20 @@ impl TexturedMaterial {
         self.bump.is_some()
     }
 
+    pub(crate) fn has_uv_textures(&self) -> bool {
+        self.textures().any(|texture| matches!(texture.pattern, Pattern::UvPicture { .. }))
+    }
+
     pub(crate) fn has_orbit(&self) -> bool {
-        self.layers.iter().any(|layer| matches!(layer.source, Source::Orbit(_)))
+        self.trap_centre().is_some()
+    }
+
+    /// Centre of the orbit trap, in the local coordinates of the fractal.
+    pub(crate) fn trap_centre(&self) -> Option<[f32; 3]> {
+        self.layers.iter().find_map(|layer| match &layer.source {
+            Source::Orbit(trap) => Some(trap.centre),
+            Source::Texture(_) => None,
+        })
     }
 
     /// Textures of all layers and of the bump map.

@@ -4,6 +4,6 @@ fn has_orbit(leaf: u32) -> bool {
     return false;
 }
 
-fn orbit(leaf: u32, p: vec3f) -> array<f32, 5> {
-    return array<f32, 5>();
+fn orbit(leaf: u32, p: vec3f, centre: vec3f) -> array<f32, 6> {
+    return array<f32, 6>();
 }

@@ -3,10 +3,11 @@
 use crate::intersect::march::{rounding_at, start_offset};
 use crate::intersect::ray::{Hit, RaySegment, Rays8, lanes};
 use crate::scene::TraceContext;
-use crate::scene::leaf::ANALYTIC;
+use crate::scene::leaf::{ANALYTIC, MESH_FIELD};
 use glam::Vec3;
-use pathmarch_field::graph::Surface;
-use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
+use pathmarch_field::graph::{MeshInteraction, Surface};
+use pathmarch_field::number::{Dual, Mask8, Real, Vec3 as FieldVec3};
+use pathmarch_scene::textures::SurfaceUv;
 use wide::f32x8;
 
 /// Interaction of a ray with a surface.
@@ -18,8 +19,12 @@ pub(crate) struct SurfaceInteraction {
     pub(crate) leaf: usize,
     /// Unit geometric normal on the side of the ray's origin.
     pub(crate) normal: Vec3,
+    /// Unit shading normal that points out of the solid: interpolated on meshes, else the geometric one.
+    pub(crate) shading_outward: Vec3,
     /// True if that side is the inside of the solid.
     pub(crate) inside: bool,
+    /// Texture coordinates of a mesh.
+    pub(crate) uv: SurfaceUv,
     /// Offset from `p` to the origin of rays that leave on this side, metres.
     pub(crate) normal_offset: Vec3,
     /// Length of the path up to `p`, metres.
@@ -49,7 +54,10 @@ pub(crate) fn surface_interactions(
         let hit_point = rays.origin + rays.direction * t;
         let analytic = lanes(|lane| Hit::encoded(chunk[hit_index(lane)].1.analytic));
         let threshold = |blend| lanes(|lane| threshold(8 * chunk_index + hit_index(lane), blend));
-        let Surface { field, leaf } = ctx.scene.field.surface_at_hit(hit_point, analytic, &threshold);
+        let surface = ctx.scene.field.surface_at_hit(hit_point, analytic, &threshold);
+        let meshes = mesh_interactions(ctx, chunk);
+        let Surface { field, leaf } = with_meshes(surface, &meshes, |lane| chunk[hit_index(lane)].1.analytic);
+        let (leaf, uv) = with_nearest_triangles(ctx, leaf, hit_point, &meshes);
         let leaf: [usize; 8] = leaf.to_array().map(|leaf| leaf as usize);
         let record = |lane: usize| &ctx.scene.leaves[leaf[lane]];
         let origin = FieldVec3::new(
@@ -71,17 +79,82 @@ pub(crate) fn surface_interactions(
         let normal = outward * Real::select(Mask8(inside), f32x8::splat(-1.0), f32x8::ONE);
         let (p, normal_offset) =
             (to_lanes(hit_point - outward * residual), to_lanes(normal * start_offset(rounding, residual)));
-        let (normal, inside) = (to_lanes(normal), inside.to_bitmask());
+        let (normal, outward, inside) = (to_lanes(normal), to_lanes(outward), inside.to_bitmask());
         result.extend(chunk.iter().enumerate().map(|(lane, (segment, hit))| SurfaceInteraction {
             p: p[lane],
             leaf: leaf[lane],
             normal: normal[lane],
+            shading_outward: meshes[lane].map_or(outward[lane], |mesh| mesh.shading_normal),
+            uv: uv[lane],
             inside: inside >> lane & 1 == 1,
             normal_offset: normal_offset[lane],
             length: segment.path_length + hit.t,
         }));
     }
     result
+}
+
+/// Geometry of up to eight hits with meshes.
+fn mesh_interactions(ctx: &TraceContext, hits: &[(RaySegment, Hit)]) -> [Option<MeshInteraction>; 8] {
+    let interaction = |(RaySegment { ray, .. }, hit): &(RaySegment, Hit)| {
+        let (leaf, triangle) = (hit.analytic?, hit.triangle?);
+        ctx.scene.field.mesh_interaction(leaf, triangle, ray.origin + ray.direction * hit.t)
+    };
+    std::array::from_fn(|lane| hits.get(lane).and_then(interaction))
+}
+
+/// Surfaces in which those of meshes replace the lanes that hit one.
+fn with_meshes(
+    surface: Surface<f32x8>,
+    meshes: &[Option<MeshInteraction>; 8],
+    hit_leaf: impl Fn(usize) -> Option<u32>,
+) -> Surface<f32x8> {
+    if meshes.iter().all(Option::is_none) {
+        return surface;
+    }
+    let replaced = |old: f32x8, new: fn(&MeshInteraction) -> f32| {
+        let old = old.to_array();
+        lanes(|lane| meshes[lane].as_ref().map_or(old[lane], new))
+    };
+    let Surface { field, leaf } = surface;
+    let gradient = FieldVec3::new(
+        replaced(field.gradient.x, |mesh| mesh.normal.x),
+        replaced(field.gradient.y, |mesh| mesh.normal.y),
+        replaced(field.gradient.z, |mesh| mesh.normal.z),
+    );
+    let leaves = leaf.to_array();
+    let leaf = lanes(|lane| match (meshes[lane], hit_leaf(lane)) {
+        (Some(_), Some(leaf)) => leaf as f32,
+        _ => leaves[lane],
+    });
+    Surface { field: Dual { value: replaced(field.value, |mesh| mesh.distance), gradient }, leaf }
+}
+
+/// Leaves and texture coordinates of hits; on fields of meshes, those of the closest triangle.
+fn with_nearest_triangles(
+    ctx: &TraceContext,
+    leaf: f32x8,
+    p: FieldVec3<f32x8>,
+    meshes: &[Option<MeshInteraction>; 8],
+) -> (f32x8, [SurfaceUv; 8]) {
+    let mut uv = meshes.map(|mesh| {
+        mesh.map_or_else(SurfaceUv::default, |mesh| SurfaceUv { uvs: mesh.uvs, densities: mesh.uv_densities })
+    });
+    if !ctx.config.mesh_fields {
+        return (leaf, uv);
+    }
+    let mut leaves = leaf.to_array();
+    let [x, y, z] = [p.x, p.y, p.z].map(f32x8::to_array);
+    for lane in 0..8 {
+        let leaf = leaves[lane] as usize;
+        let is_field = ctx.scene.leaves[leaf].has(MESH_FIELD);
+        let at = FieldVec3::new(x[lane], y[lane], z[lane]);
+        if let Some(nearest) = is_field.then(|| ctx.scene.field.nearest_triangle(leaf, at)).flatten() {
+            leaves[lane] = nearest.leaf as f32;
+            uv[lane] = SurfaceUv { uvs: nearest.uvs, densities: nearest.uv_densities };
+        }
+    }
+    (f32x8::from(leaves), uv)
 }
 
 /// Vectors of the eight lanes.

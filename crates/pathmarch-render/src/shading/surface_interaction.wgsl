@@ -1,4 +1,4 @@
-// import: intersect/march
+// import: intersect/march, mesh_fields
 // Surface interactions: position, normal, side and leaf of a hit. Twin of surface_interaction.rs.
 
 /// Interaction of a ray with a surface.
@@ -11,14 +11,21 @@ struct SurfaceInteraction {
     normal: vec3f,
     /// True if that side is the inside of the solid.
     inside: bool,
+    /// Triangle of a mesh, or NO_TRIANGLE.
+    triangle: u32,
     /// Distance from `p` along `normal` to the origin of rays that leave on this side, metres.
     offset: f32,
+}
+
+/// Surface at a hit; `seed` chooses one of two blended materials.
+fn surface_of_hit(hit_point: vec3f, hit: Hit, seed: u32) -> Surface {
+    return with_nearest_triangle(surface(hit_point, hit.hit_id, hit.triangle, seed), hit_point);
 }
 
 /// Surface interaction of a hit. `seed` chooses one of two blended materials.
 fn surface_interaction(ray: Ray, hit: Hit, seed: u32) -> SurfaceInteraction {
     let hit_point = ray.origin + ray.direction * hit.t;
-    return resolve_surface(hit_point, ray.direction, hit, surface(hit_point, hit.hit_id, seed));
+    return resolve_surface(hit_point, ray.direction, hit, surface_of_hit(hit_point, hit, seed));
 }
 
 /// Surface interaction of a hit at `hit_point`, from the surface of the field there.
@@ -31,7 +38,14 @@ fn resolve_surface(hit_point: vec3f, direction: vec3f, hit: Hit, surface_at_hit:
     let inside = select((surface_at_hit.distance < 0.0), (dot(outward, direction) > 0.0), on_surface);
     let residual = surface_at_hit.distance / gradient_length;
     let normal = select(outward, -outward, inside);
-    return SurfaceInteraction(hit_point - outward * residual, surface_at_hit.leaf, normal, inside, start_offset(rounding, residual));
+    return SurfaceInteraction(
+        hit_point - outward * residual,
+        surface_at_hit.leaf,
+        normal,
+        inside,
+        surface_at_hit.triangle,
+        start_offset(rounding, residual),
+    );
 }
 
 /// Unit normal that points out of the solid.

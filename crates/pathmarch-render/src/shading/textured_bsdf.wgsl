@@ -36,10 +36,10 @@ fn apply_layer(layer: u32, texel: vec4f) {
 }
 
 /// Colour of clear glass that a shadow ray passes through. Leaves the parameters of the last interaction unchanged.
-fn glass_colour(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) -> vec3f {
+fn glass_colour(m: u32, interaction: SurfaceInteraction, path_length: f32) -> vec3f {
     let saved_parameters = textured_parameters;
     let saved_gradient = bump_gradient;
-    evaluate_textures(m, leaf, p, outward, path_length);
+    evaluate_textures(m, interaction, path_length);
     let colour = textured_parameters[0].xyz;
     textured_parameters = saved_parameters;
     bump_gradient = saved_gradient;

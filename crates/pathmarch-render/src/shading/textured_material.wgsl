@@ -1,4 +1,4 @@
-// import: texture_target
+// import: mesh_uvs, shading/surface_interaction, texture_target
 // Textured materials. Twin of textured_point.rs, which explains them. Each mode implements `apply_layer`.
 
 /// Gradient of the bump map in world space, metres per metre.
@@ -33,7 +33,7 @@ fn texture_at(texture_offset: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
         if !has_orbit(leaf) {
             return vec4f(0.0, 0.0, 0.0, -1.0);
         }
-        var values = orbit(leaf, leaf_spot.p);
+        var values = orbit(leaf, leaf_spot.p, texture_vector(texture_offset + TEXTURE_PARAMETERS + 3u));
         let range_start = texture_number(texture_offset + TEXTURE_PARAMETERS + 1u);
         let to = texture_number(texture_offset + TEXTURE_PARAMETERS + 2u);
         let range = select(to - range_start, 1e-20, to == range_start);
@@ -47,8 +47,11 @@ fn texture_at(texture_offset: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
     let n = leaf_spot.normal;
     let p = vec3f(dot(x, offset), dot(y, offset), dot(z, offset));
     let spot = Spot(p, vec3f(dot(x, n), dot(y, n), dot(z, n)) * scale, leaf_spot.footprint / scale);
-    if HAS_PICTURES && kind == PICTURE_SOURCE {
+    if HAS_PICTURES && (kind == PICTURE_SOURCE || kind == UV_PICTURE_SOURCE) {
         let picture = TexturePicture(scene_data[texture_offset + TEXTURE_PARAMETERS], scene_data[texture_offset + TEXTURE_PARAMETERS + 1u], scene_data[texture_offset + TEXTURE_PARAMETERS + 2u], scene_data[texture_offset + TEXTURE_PARAMETERS + 3u], scene_data[texture_offset + TEXTURE_PARAMETERS + 5u] != 0u);
+        if kind == UV_PICTURE_SOURCE {
+            return uv_picture(texture_offset, picture, leaf_spot.footprint);
+        }
         let colour = picture_projected(picture, spot, texture_number(texture_offset + TEXTURE_PARAMETERS + 4u));
         return vec4f(colour, clamp(dot(colour, vec3f(0.2126, 0.7152, 0.0722)), 0.0, 1.0));
     }
@@ -74,16 +77,18 @@ fn layer_colour(layer: u32, texel: vec4f) -> vec3f {
     return a + (b - a) * (position - f32(first));
 }
 
-/// Evaluates the textures of material `m` at `p` on a leaf with this outward normal, at the end of a path of this
-/// length.
-fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) {
+/// Evaluates the textures of material `m` at an interaction, at the end of a path of this length.
+fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) {
+    let leaf = interaction.leaf;
+    let outward = outward_normal(interaction);
     bump_gradient = vec3f(0.0);
     begin_textures(m);
     let material = scene_data[TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + m];
     if material == 0u {
         return;
     }
-    let coordinates = leaf_coordinates(leaf, p);
+    let coordinates = leaf_coordinates(leaf, interaction.p);
+    begin_uvs(leaf, interaction.triangle, coordinates.p);
     let cofactors = mat3x3f(cross(coordinates.y, coordinates.z), cross(coordinates.z, coordinates.x), cross(coordinates.x, coordinates.y));
     let determinant = dot(coordinates.x, cofactors[0]);
     let unit_length = pow(max(abs(determinant), 1e-30), -1.0 / 3.0);
@@ -119,25 +124,10 @@ fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f
     }
 }
 
-/// Shading normal on the side of the geometric `normal`, after `evaluate_textures`; `view` is the unit vector towards
-/// the viewer.
-fn shading_normal(outward: vec3f, normal: vec3f, view: vec3f) -> vec3f {
+/// Normal `outward`, bent by the bump map, after `evaluate_textures`.
+fn bumped_normal(outward: vec3f) -> vec3f {
     if !HAS_BUMP || all(bump_gradient == vec3f(0.0)) {
-        return normal;
+        return outward;
     }
-    let tangential_gradient = bump_gradient - outward * dot(outward, bump_gradient);
-    let bumped = normalize(outward - tangential_gradient) * select(1.0, -1.0, dot(normal, outward) < 0.0);
-    let view_height = max(dot(view, normal), 1e-5);
-    let bumped_height = dot(bumped, normal);
-    let tangential_part = bumped - normal * bumped_height;
-    let tangent_length = length(tangential_part);
-    if tangent_length < 1e-6 {
-        return normal;
-    }
-    let tangent = tangential_part / tangent_length;
-    let view_tangent = dot(view, tangent);
-    let min_height = min(0.9 * view_height, 0.01);
-    let max_angle = 0.5 * (atan2(view_tangent, view_height) + acos(min_height / length(vec2f(view_tangent, view_height))));
-    let angle = min(atan2(tangent_length, bumped_height), max_angle);
-    return normal * cos(angle) + tangent * sin(angle);
+    return normalize(outward - (bump_gradient - outward * dot(outward, bump_gradient)));
 }

@@ -11,14 +11,15 @@
 //!
 //! **Cost.** One evaluation for each texture, four for a bump map, none for materials without textures.
 
-use crate::scene::TraceContext;
+use super::surface_interaction::SurfaceInteraction;
 use crate::scene::preview_material::{PREVIEW_PARAMETERS, PreviewParameters, channel};
 use crate::scene::textured_material::{Change, KNOTS, Source, TexturedMaterial};
+use crate::scene::{KernelConfig, TraceContext};
 use glam::Vec3;
 use pathmarch_field::graph::Coordinates;
 use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_scene::materials::BsdfParameters;
-use pathmarch_scene::textures::{Spot, ramp};
+use pathmarch_scene::textures::{Spot, SurfaceUv, ramp};
 
 /// Two knots around a value, and the interpolation weight of the second.
 fn interval<T>(knots: &[T], value: f32) -> (&T, &T, f32) {
@@ -32,22 +33,33 @@ pub(crate) struct TexturedPoint<'p> {
     material: &'p TexturedMaterial,
     spot: Spot,
     coordinates: Coordinates,
-    orbit: Option<[f32; 5]>,
+    orbit: Option<[f32; 6]>,
     /// Length of a local unit, metres.
     unit_length: f32,
 }
 
 impl<'p> TexturedPoint<'p> {
-    /// Texture coordinates of the point `p` on a leaf, with its outward normal, at the end of a path of this length.
-    /// `None` for a material without textures.
+    /// Texture coordinates of an interaction, at the end of a path of this length. `None` for a material without textures.
     #[inline]
-    pub(crate) fn new(ctx: &TraceContext<'p>, leaf: usize, p: Vec3, outward: Vec3, path_length: f32) -> Option<Self> {
+    pub(crate) fn new(ctx: &TraceContext<'p>, interaction: &SurfaceInteraction, path_length: f32) -> Option<Self> {
+        let &SurfaceInteraction { leaf, p, uv, .. } = interaction;
+        Self::at(ctx, leaf, (p, interaction.outward(), uv), path_length)
+    }
+
+    /// [`new`](Self::new) for a point of a leaf, with its outward normal and texture coordinates.
+    #[inline]
+    pub(crate) fn at(
+        ctx: &TraceContext<'p>,
+        leaf: usize,
+        (p, outward, uv): (Vec3, Vec3, SurfaceUv),
+        path_length: f32,
+    ) -> Option<Self> {
         let scene = ctx.scene;
         let material = scene.textured_materials.get(scene.leaves[leaf].material as usize)?;
         if material.is_plain() {
             return None;
         }
-        Self::textured(material, ctx, leaf, p, outward, path_length)
+        Self::textured(material, ctx, leaf, (p, outward, uv), path_length)
     }
 
     /// Separate from [`new`](Self::new), so that materials without textures need no call.
@@ -55,8 +67,7 @@ impl<'p> TexturedPoint<'p> {
         material: &'p TexturedMaterial,
         ctx: &TraceContext,
         leaf: usize,
-        p: Vec3,
-        outward: Vec3,
+        (p, outward, uv): (Vec3, Vec3, SurfaceUv),
         path_length: f32,
     ) -> Option<Self> {
         let p = FieldVec3::new(p.x, p.y, p.z);
@@ -70,8 +81,9 @@ impl<'p> TexturedPoint<'p> {
         let local_normal = Vec3::from_array(cofactors.map(|cofactor| cofactor.dot(outward)));
         let normal = (local_normal * determinant.signum()).normalize_or(Vec3::Y);
         let footprint = ctx.frame.pixel * path_length;
-        let spot = Spot { p: vector(coordinates.point), normal, footprint: footprint / unit_length };
-        let orbit = if material.has_orbit() { ctx.scene.field.orbit(leaf, p) } else { None };
+        let spot = Spot { p: vector(coordinates.point), normal, footprint: footprint / unit_length, uv };
+        let centre = material.trap_centre().map(|[x, y, z]| FieldVec3::new(x, y, z));
+        let orbit = centre.and_then(|centre| ctx.scene.field.orbit(leaf, p, centre));
         Some(Self { material, spot, coordinates, orbit, unit_length })
     }
 
@@ -143,16 +155,32 @@ impl<'p> TexturedPoint<'p> {
         parameters
     }
 
-    /// Shading normal on the side of the geometric `normal`; `view` is the unit vector towards the viewer.
-    pub(crate) fn normal(&self, outward: Vec3, normal: Vec3, view: Vec3) -> Vec3 {
-        let Some(bump) = &self.material.bump else { return normal };
+    /// Normal `outward`, bent by the bump map.
+    fn bumped(&self, outward: Vec3) -> Vec3 {
+        let Some(bump) = &self.material.bump else { return outward };
         let local_gradient = bump.texture.slope(&self.spot) * bump.height;
         let [x, y, z] = self.coordinates.gradients.map(|g| Vec3::new(g.x, g.y, g.z));
         let gradient = (x * local_gradient.x + y * local_gradient.y + z * local_gradient.z) * self.unit_length;
         let tangential_gradient = gradient - outward * outward.dot(gradient);
-        let side = if normal.dot(outward) < 0.0 { -1.0 } else { 1.0 };
-        visible_normal((outward - tangential_gradient).normalize() * side, normal, view)
+        (outward - tangential_gradient).normalize()
     }
+}
+
+/// Shading normal of an interaction, on the side of its geometric normal; `view` is the unit vector towards the viewer.
+#[inline]
+pub(crate) fn shading_normal(
+    config: &KernelConfig,
+    textured: Option<&TexturedPoint>,
+    interaction: &SurfaceInteraction,
+    view: Vec3,
+) -> Vec3 {
+    if !config.shading_normals {
+        return interaction.normal;
+    }
+    let smooth = interaction.shading_outward;
+    let bumped = textured.map_or(smooth, |textured| textured.bumped(smooth));
+    let side = if interaction.inside { -1.0 } else { 1.0 };
+    visible_normal(bumped * side, interaction.normal, view)
 }
 
 /// Normal nearest to `bumped`, between it and the geometric normal, whose mirrored view direction leaves the surface.

@@ -1,10 +1,10 @@
-// import: texture_target
+// import: shading/surface_interaction, texture_target
 // Materials without textures. Takes the place of textured_material.wgsl.
 
 /// Does nothing.
-fn evaluate_textures(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) {}
+fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) {}
 
-/// Returns the geometric normal.
-fn shading_normal(outward: vec3f, normal: vec3f, view: vec3f) -> vec3f {
-    return normal;
+/// Returns the normal itself.
+fn bumped_normal(outward: vec3f) -> vec3f {
+    return outward;
 }

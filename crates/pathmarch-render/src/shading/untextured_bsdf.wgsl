@@ -6,6 +6,6 @@ fn packed(m: u32, k: u32) -> vec4f {
 }
 
 /// Colour of clear glass that a shadow ray passes through.
-fn glass_colour(m: u32, leaf: u32, p: vec3f, outward: vec3f, path_length: f32) -> vec3f {
+fn glass_colour(m: u32, interaction: SurfaceInteraction, path_length: f32) -> vec3f {
     return materials[m].parameters[0].xyz;
 }

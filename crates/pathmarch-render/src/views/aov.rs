@@ -252,7 +252,7 @@ fn add_hit(
     }
     pixel.normal += normal;
     if !is_dark_side(ctx, leaf, normal) {
-        let textured = TexturedPoint::new(ctx, leaf, p, interaction.outward(), interaction.length);
+        let textured = TexturedPoint::new(ctx, interaction, interaction.length);
         pixel.albedo +=
             textured.and_then(|textured| textured.colour()).unwrap_or(colours[material]) / GRID_POSITIONS as f32;
     }

@@ -140,8 +140,7 @@ pub(crate) fn view(ctx: &TraceContext, mode: Mode, table: &[f32], pixels: &[(u32
             }
             Mode::Albedo if is_dark_side(ctx, interaction.leaf, interaction.normal) => Vec3::ZERO,
             Mode::Albedo => {
-                let textured =
-                    TexturedPoint::new(ctx, interaction.leaf, interaction.p, interaction.outward(), interaction.length);
+                let textured = TexturedPoint::new(ctx, &interaction, interaction.length);
                 textured.and_then(|textured| textured.colour()).unwrap_or(colour(interaction.leaf))
             }
             _ => colour(interaction.leaf),

@@ -40,7 +40,7 @@ fn estimate(ray: Ray, sampler: PixelSampler) -> vec3f {
     }
     var colour = view_colour(interaction.leaf);
     if HAS_TEXTURES {
-        evaluate_textures(leaves[interaction.leaf].material, interaction.leaf, interaction.p, outward_normal(interaction), hit.t);
+        evaluate_textures(leaves[interaction.leaf].material, interaction, hit.t);
         colour = select(colour, textured_albedo.xyz, textured_albedo.w > 0.0);
     }
     let is_dark_side = VIEW == VIEW_ALBEDO && (materials[leaves[interaction.leaf].material].flags & EMITS) != 0u && !emits_towards(interaction.leaf, interaction.normal);

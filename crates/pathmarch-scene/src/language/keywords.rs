@@ -24,6 +24,8 @@ pub(crate) const PLACEMENT: &[&str] =
 pub(crate) const NORMAL: &str = settings::NORMAL.name;
 /// Node in polygons.
 pub(crate) const POINT: &str = "point";
+/// Shape of a mesh file.
+pub(crate) const MESH: &str = "mesh";
 /// Property of texts that names a font.
 pub(crate) const FONT: &str = "font";
 /// Names of the axes, in the order of the values of [`Unit::Axis`](pathmarch_field::Unit::Axis).
@@ -35,8 +37,10 @@ pub(crate) const BUMP: &str = "bump";
 pub(crate) const COLOUR: &str = "colour";
 /// Node of a material that colours fractals by their orbits.
 pub(crate) const ORBIT_TRAP: &str = "orbit-trap";
+/// Properties of an orbit trap and their defaults: its centre, and its values at the first and the last colour.
+pub(crate) const TRAP_NUMBERS: [(&str, f32); 5] = [("x", 0.0), ("y", 0.0), ("z", 0.0), ("from", 0.0), ("to", 1.0)];
 
-/// Names of all shapes and operators of the registry.
+/// Names of all shapes and operators: those of the registry, and meshes.
 pub(crate) fn solids<'a>() -> impl Iterator<Item = &'a str> {
-    registry::solids().map(|solid| &*solid.info().name)
+    registry::solids().map(|solid| &*solid.info().name).chain([MESH])
 }

@@ -268,7 +268,9 @@ impl TexturedParameter {
                 let sum = colours.iter().fold(Vec3::ZERO, |sum, colour| sum + Vec3::from(*colour));
                 (sum / colours.len().max(1) as f32).into()
             }
-            (TextureMapping::Direct, Pattern::Picture { picture, .. }) => picture.mean().into(),
+            (TextureMapping::Direct, Pattern::Picture { picture, .. } | Pattern::UvPicture { picture, .. }) => {
+                picture.mean().into()
+            }
             (TextureMapping::Direct, _) => [0.5; 3],
             (TextureMapping::Range([from, to]), _) => [0.5 * (from + to), 0.0, 0.0],
         }

@@ -6,21 +6,23 @@ use crate::textures::ramp;
 /// Geometry that traps orbits: the numbers of [`Field::orbit`](pathmarch_field::Field::orbit), in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trap {
-    /// The origin: least distance.
+    /// The centre: least distance.
     Point,
-    /// The y axis: least distance.
+    /// The line through the centre along y: least distance.
     Line,
-    /// The plane y = 0: least distance.
+    /// The plane through the centre across y: least distance.
     Plane,
-    /// The sphere of radius one about the origin: least distance.
+    /// The sphere of radius one about the centre: least distance.
     Sphere,
+    /// The centre: largest distance.
+    Farthest,
     /// Not a trap: fraction of all iterations after which the orbit escaped, 0 to 1.
     Iterations,
 }
 
 impl Trap {
     /// All of them, in the order of the orbit's numbers.
-    pub const ALL: [Self; 5] = [Self::Point, Self::Line, Self::Plane, Self::Sphere, Self::Iterations];
+    pub const ALL: [Self; 6] = [Self::Point, Self::Line, Self::Plane, Self::Sphere, Self::Farthest, Self::Iterations];
 
     /// Name in the scene language.
     pub fn name(self) -> &'static str {
@@ -29,6 +31,7 @@ impl Trap {
             Self::Line => "line",
             Self::Plane => "plane",
             Self::Sphere => "sphere",
+            Self::Farthest => "farthest",
             Self::Iterations => "iterations",
         }
     }
@@ -39,6 +42,8 @@ impl Trap {
 pub struct OrbitTrap {
     /// Geometry of the trap.
     pub trap: Trap,
+    /// Centre of the trap, in the local coordinates of the fractal.
+    pub centre: [f32; 3],
     /// Values of the trap at the first and the last colour.
     pub range: [f32; 2],
     /// Linear Rec. 709, evenly spaced over the range; at least one.
@@ -67,8 +72,12 @@ mod tests {
 
     #[test]
     fn colours_are_evenly_spaced_and_end_at_both_ends() {
-        let mut trap =
-            OrbitTrap { trap: Trap::Line, range: [1.0, 3.0], colours: vec![[0.0; 3], [1.0, 0.5, 0.0], [1.0; 3]] };
+        let mut trap = OrbitTrap {
+            trap: Trap::Line,
+            centre: [0.0; 3],
+            range: [1.0, 3.0],
+            colours: vec![[0.0; 3], [1.0, 0.5, 0.0], [1.0; 3]],
+        };
         for (value, colour) in [
             (-9.0, [0.0; 3]),
             (1.5, [0.5, 0.25, 0.0]),

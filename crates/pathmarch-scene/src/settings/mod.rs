@@ -10,6 +10,7 @@
 mod blend;
 mod camera;
 mod lights;
+mod mesh;
 mod placement;
 mod render;
 mod sky;
@@ -17,10 +18,12 @@ mod sky;
 pub use blend::BLEND;
 pub use camera::{CAMERA, EXPOSURE, LENS};
 pub use lights::{POINT, SUN};
+pub use mesh::MESH;
 pub use pathmarch_field::Range;
 pub use placement::{NORMAL, PLACEMENT};
 pub use render::{
-    BOUNCES, CLAMP, Caustics, DETAIL, FPS, RENDER, RenderSettings, SAMPLES, SHUTTER, SIDE, Sampler, Tonemap,
+    BOUNCES, CLAMP, Caustics, DETAIL, DirectLighting, FPS, RENDER, RenderSettings, SAMPLES, SHUTTER, SIDE, Sampler,
+    Tonemap,
 };
 pub use sky::{DAY, DAY_GROUND, GRADIENT, PICTURE, SKY_FORMS};
 

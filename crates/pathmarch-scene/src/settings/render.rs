@@ -112,6 +112,12 @@ render_settings! {
         example: "caustics \"traced\"",
         doc: "Light through clear glass: traced, or passed straight on by shadow rays (fast), which is biased.",
     }
+    estimator: DirectLighting = DirectLighting::Mis => {
+        kind: choice("estimator of direct light", DirectLighting::names),
+        unit: "",
+        example: "estimator \"mis\"",
+        doc: "Direct light: by sampling lights and BSDFs (mis), or one of both alone (light, bsdf), to compare with.",
+    }
     clamp: Option<f32> = None => {
         kind: optional(CLAMP),
         unit: "W/(m² sr)",
@@ -284,6 +290,21 @@ pub enum Caustics {
 }
 
 named!(Caustics { Traced = "traced", Fast = "fast" });
+
+/// Estimator of direct light from lights that a path can hit, that is from all but points and suns without size. All
+/// estimators converge to the same picture; those other than [`Mis`](Self::Mis) are for comparison.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum DirectLighting {
+    /// Light and BSDF sampling, combined by multiple importance sampling.
+    #[default]
+    Mis,
+    /// Light sampling alone (next-event estimation), at every surface whose BSDF is not a delta distribution.
+    LightSampling,
+    /// BSDF sampling alone: paths hit lights by chance.
+    BsdfSampling,
+}
+
+named!(DirectLighting { Mis = "mis", LightSampling = "light", BsdfSampling = "bsdf" });
 
 #[cfg(test)]
 mod tests {

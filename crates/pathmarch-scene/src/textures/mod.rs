@@ -8,8 +8,9 @@
 
 mod noise;
 mod picture;
+mod uv;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use pathmarch_field::Param;
 use pathmarch_field::graph::Pose;
 pub use picture::{Picture, PictureError};
@@ -54,6 +55,17 @@ pub struct Spot {
     pub normal: Vec3,
     /// Footprint of a pixel, in these coordinates.
     pub footprint: f32,
+    /// Texture coordinates.
+    pub uv: SurfaceUv,
+}
+
+/// Texture coordinates of a point of a mesh; zero on other shapes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfaceUv {
+    /// Coordinates of both sets; (0, 0) is the upper left corner of a picture.
+    pub uvs: [Vec2; 2],
+    /// Length in texture coordinates of a unit of the shape's coordinates, for both sets.
+    pub densities: [f32; 2],
 }
 
 /// WGSL that textures share: `Spot` as in Rust, and noise.
@@ -61,6 +73,9 @@ pub const SHARED_WGSL: &str = include_str!("noise.wgsl");
 /// WGSL of pictures: `picture_projected(picture: TexturePicture, spot: Spot, size: f32) -> vec3f`, with the picture's texels in
 /// the array `tables`.
 pub const PICTURE_WGSL: &str = include_str!("picture.wgsl");
+
+pub(crate) use picture::tinted;
+pub use uv::{Channel, UvMapping};
 
 const OCTAVES: Param = Param::count("octaves", 5.0, 1.0, 12.0, "How many sizes of detail, each half as large.");
 const GAIN: Param = Param::between("gain", 0.5, 0.0, 1.0, "How strong each size of detail is against the one before.");
@@ -113,6 +128,13 @@ pub enum Pattern {
         /// Its width, metres.
         size: f32,
     },
+    /// A picture at the texture coordinates of a mesh.
+    UvPicture {
+        /// Its texels.
+        picture: Arc<Picture>,
+        /// From texture coordinates to the picture.
+        mapping: UvMapping,
+    },
 }
 
 /// A texture with its placement.
@@ -138,6 +160,7 @@ impl Texture {
             p: turned(offset),
             normal: turned(spot.normal) * self.pose.scale,
             footprint: spot.footprint / self.pose.scale,
+            uv: spot.uv,
         }
     }
 
@@ -146,6 +169,7 @@ impl Texture {
         let value = match &self.pattern {
             Pattern::Computed { kind, parameters } => (kind.value)(&self.placed(spot), parameters),
             Pattern::Picture { .. } => self.colour(spot).dot(Vec3::from(LUMINANCE)),
+            Pattern::UvPicture { mapping, .. } => mapping.channel.of(self.colour(spot)),
         };
         // What is not a number is 0.
         if value > 0.0 { value.min(1.0) } else { 0.0 }
@@ -156,6 +180,7 @@ impl Texture {
         match &self.pattern {
             Pattern::Computed { .. } => Vec3::splat(self.value(spot)),
             Pattern::Picture { picture, size } => picture.projected(&self.placed(spot), *size),
+            Pattern::UvPicture { picture, mapping } => picture.at_uv(&spot.uv, spot.footprint, mapping),
         }
     }
 
@@ -165,6 +190,8 @@ impl Texture {
         let own = match &self.pattern {
             Pattern::Computed { kind, parameters } => (kind.step)(parameters),
             Pattern::Picture { picture, size } => size / picture.width as f32,
+            // Its value does not change along the shape's coordinates.
+            Pattern::UvPicture { .. } => 1.0,
         };
         let step = (own * self.pose.scale).max(0.5 * spot.footprint);
         let here = self.value(spot);

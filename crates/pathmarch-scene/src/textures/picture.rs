@@ -119,8 +119,12 @@ impl Picture {
         let mut limits = Limits::no_limits();
         limits.max_alloc = Some(16 * MAX_TEXELS);
         reader.limits(limits);
-        let decoded = reader.decode().map_err(first_line)?.into_rgb8();
-        let mut level = decoded;
+        Ok(Self::of_image(reader.decode().map_err(first_line)?.into_rgb8(), encoded))
+    }
+
+    /// The picture with these texels of the whole.
+    pub(crate) fn of_image(image: RgbImage, encoded: bool) -> Self {
+        let mut level = image;
         while level.width().max(level.height()) > KEPT_SIDE {
             level = halved(&level, encoded);
         }
@@ -134,7 +138,7 @@ impl Picture {
             }
             level = halved(&level, encoded);
         }
-        Ok(Self { width, height, encoded, texels })
+        Self { width, height, encoded, texels }
     }
 
     /// Number of levels.
@@ -148,7 +152,7 @@ impl Picture {
     }
 
     /// Linear colour of a texel of a level that starts at `start`.
-    fn texel(&self, start: usize, width: u32, x: u32, y: u32) -> Vec3 {
+    pub(super) fn texel(&self, start: usize, width: u32, x: u32, y: u32) -> Vec3 {
         let [r, g, b, _] = self.texels[start + (y * width + x) as usize].to_le_bytes();
         Vec3::new(f32::from(r), f32::from(g), f32::from(b))
             .to_array()
@@ -156,13 +160,19 @@ impl Picture {
             .into()
     }
 
-    /// A level at a place: x from the left, y from the bottom, the whole picture once from 0 to 1.
-    fn bilinear(&self, level: u32, place: Vec2) -> Vec3 {
+    /// First texel, width and height of a level.
+    pub(super) fn level(&self, level: u32) -> (usize, u32, u32) {
         let (mut start, mut width, mut height) = (0, self.width, self.height);
         for _ in 0..level {
             start += (width * height) as usize;
             (width, height) = ((width / 2).max(1), (height / 2).max(1));
         }
+        (start, width, height)
+    }
+
+    /// A level at a place: x from the left, y from the bottom, the whole picture once from 0 to 1.
+    fn bilinear(&self, level: u32, place: Vec2) -> Vec3 {
+        let (start, width, height) = self.level(level);
         let inside = place - place.floor();
         let at = Vec2::new(inside.x * width as f32, (1.0 - inside.y) * height as f32) - 0.5;
         let corner = at.floor();
@@ -207,6 +217,16 @@ impl Picture {
         }
         sum
     }
+}
+
+/// The picture with each colour times a factor from 0 to 1.
+pub(crate) fn tinted(image: &RgbImage, factor: [f32; 3]) -> RgbImage {
+    let tables = factor.map(|factor| -> Vec<u8> {
+        let tinted = |byte: u32| code(light(byte as f32 / 255.0, true) * factor, true) * 255.0;
+        (0..256).map(|byte| tinted(byte).round() as u8).collect()
+    });
+    let texel = |Rgb(codes): Rgb<u8>| Rgb(std::array::from_fn(|k| tables[k][usize::from(codes[k])]));
+    RgbImage::from_fn(image.width(), image.height(), |x, y| texel(*image.get_pixel(x, y)))
 }
 
 /// Light of a code from 0 to 1.

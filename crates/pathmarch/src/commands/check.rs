@@ -1,11 +1,13 @@
 //! `pathmarch check`: reads scenes and reports every error.
 
-use pathmarch_cli::{DONE, FAILED, Failure, USAGE, print_report};
+use pathmarch_cli::{DONE, FAILED, Failure, USAGE, outln, print_report};
 use pathmarch_render::pathmarch_field::graph::{Kind, Leaf};
 use pathmarch_render::pathmarch_field::lipschitz_check::check_lipschitz;
-use pathmarch_render::pathmarch_field::{Field, Node, Placement};
-use pathmarch_render::pathmarch_scene::Scene;
-use std::path::PathBuf;
+use pathmarch_render::pathmarch_field::{Field, MeshReport, MeshSurface, Node, Placement};
+use pathmarch_render::pathmarch_scene::{Mistake, Scene, SceneError};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -15,6 +17,9 @@ pub struct Arguments {
     /// Test the distance field of each object for steps that are too long
     #[arg(long)]
     field: bool,
+    /// Print a line of JSON for each scene
+    #[arg(long, conflicts_with = "field")]
+    json: bool,
 }
 
 /// Number of sample points for each object.
@@ -25,12 +30,18 @@ const MIN_SAFE_FACTOR: f32 = 0.99;
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let mut code = DONE;
     for path in &arguments.scenes {
-        match Scene::load(path) {
+        let scene = Scene::load(path);
+        if arguments.json {
+            code = code.max(print_json(path, &scene));
+            continue;
+        }
+        match scene {
             Ok(scene) => {
                 for warning in &scene.warnings {
                     print_report(warning);
                 }
-                println!("{}: OK: {}", path.display(), contents(&scene));
+                outln!("{}: OK: {}", path.display(), contents(&scene));
+                print_meshes(&scene);
                 if arguments.field {
                     if !(check_objects(&scene) & check_custom_shapes(&scene)) {
                         code = code.max(FAILED);
@@ -46,6 +57,52 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
     }
     Ok(code)
+}
+
+/// Prints what is in a scene, or its mistakes, as JSON; returns the exit code.
+fn print_json(path: &Path, scene: &Result<Scene, SceneError>) -> u8 {
+    let mistake = |mistake: &Mistake| {
+        let before = &mistake.source_code.inner()[..mistake.span.offset()];
+        let line = 1 + before.matches('\n').count();
+        let column = 1 + before.chars().rev().take_while(|c| *c != '\n').count();
+        let file = mistake.source_code.name();
+        json!({"file": file, "line": line, "column": column, "code": mistake.code, "message": mistake.message,
+            "label": mistake.label, "help": mistake.help})
+    };
+    let (value, code) = match scene {
+        Ok(scene) => {
+            let counts = json!({"shapes": scene.field.leaves().len(), "objects": scene.objects.len(),
+                "materials": scene.materials.len(), "lights": scene.lights.len(), "cameras": scene.cameras.len()});
+            let warnings: Vec<_> = scene.warnings.iter().map(mistake).collect();
+            (json!({"scene": path, "ok": true, "counts": counts, "warnings": warnings}), DONE)
+        }
+        Err(error) => {
+            let mistakes: Vec<_> = error.mistakes().iter().map(mistake).collect();
+            (json!({"scene": path, "ok": false, "error": error.to_string(), "mistakes": mistakes}), USAGE)
+        }
+    };
+    outln!("{value}");
+    code
+}
+
+/// Prints what stands between each mesh and a good field: holes, flipped and duplicate triangles, thin walls.
+fn print_meshes(scene: &Scene) {
+    let mut seen: Vec<(*const MeshSurface, u32)> = Vec::new();
+    for mesh in scene.field.leaves().iter().filter_map(|leaf| leaf.shape.mesh()) {
+        let voxel = mesh.grid().voxel();
+        let key = (Arc::as_ptr(mesh.surface()), voxel.to_bits());
+        if seen.contains(&key) {
+            continue;
+        }
+        seen.push(key);
+        let object =
+            scene.field.leaves().iter().find(|leaf| leaf.shape.mesh().is_some_and(|other| std::ptr::eq(other, mesh)));
+        let name = object.map_or("mesh", |leaf| &*scene.objects[leaf.object as usize].name);
+        // The scene's reader has checked the triangles.
+        if let Ok(report) = MeshReport::new(mesh.surface().mesh(), voxel) {
+            outln!("  {name}: {}", report.to_string().replace('\n', "\n    "));
+        }
+    }
 }
 
 /// Contents of a scene, as in "6 shapes in 2 objects, 3 materials, 1 light, 1 camera".
@@ -75,12 +132,12 @@ fn warn_of_custom_shapes(scene: &Scene) {
     for (name, declared, field) in &shapes {
         let slope = check_lipschitz(field, FEW_POINTS).slope;
         if slope > MAX_SLOPE {
-            println!(
+            outln!(
                 "  warning: field `{name}` is {slope:.2} times as steep as its lipschitz {declared} allows: holes and \
                  errors are likely; `pathmarch check --field` measures it"
             );
         } else {
-            println!("  field `{name}`: {FEW_POINTS} points look safe; `pathmarch check --field` tests it thoroughly");
+            outln!("  field `{name}`: {FEW_POINTS} points look safe; `pathmarch check --field` tests it thoroughly");
         }
     }
 }
@@ -111,13 +168,13 @@ fn check_objects(scene: &Scene) -> bool {
         let finding = check_lipschitz(&field, SAMPLE_POINTS);
         let declared = field.lipschitz();
         if finding.safe_factor >= MIN_SAFE_FACTOR {
-            println!("  {}: safe; slope up to {:.3}, declared {declared}", object.name, finding.slope);
+            outln!("  {}: safe; slope up to {:.3}, declared {declared}", object.name, finding.slope);
             continue;
         }
         safe = false;
         let [x, y, z] = finding.at;
         let shape = field.leaves().get(finding.leaf as usize).map_or("field", |leaf| &*leaf.shape.info().name);
-        println!(
+        outln!(
             "  {}: NOT SAFE: at {x:.3} {y:.3} {z:.3} the surface of `{shape}` is {:.2} times nearer than the step of its \
              distance; steps {:.2} times as long are safe, which is a Lipschitz constant of {:.2} instead of {declared}",
             object.name,
@@ -139,12 +196,12 @@ fn check_custom_shapes(scene: &Scene) -> bool {
         let slope = check_lipschitz(&field, SAMPLE_POINTS).slope;
         let steepest = declared * slope;
         if slope <= MAX_SLOPE {
-            println!("  field `{name}`: safe; slope up to {steepest:.3}, declared lipschitz {declared}");
+            outln!("  field `{name}`: safe; slope up to {steepest:.3}, declared lipschitz {declared}");
             continue;
         }
         safe = false;
         let enough = (steepest * 102.0).ceil() / 100.0;
-        println!(
+        outln!(
             "  field `{name}`: NOT SAFE: its slope is up to {steepest:.3}, {slope:.2} times the declared lipschitz {declared}; \
              lipschitz {enough} would be safe"
         );

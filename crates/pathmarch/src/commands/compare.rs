@@ -1,8 +1,9 @@
 //! `pathmarch compare`: error of a picture against a reference.
 
-use pathmarch_cli::{DONE, FAILED, Failure};
+use pathmarch_cli::{DONE, FAILED, Failure, note, outln};
 use pathmarch_render::image;
 use pathmarch_render::metrics::compare;
+use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -14,6 +15,9 @@ pub struct Arguments {
     /// Fail (exit code 1) if relMSE is above this
     #[arg(long, value_name = "X", value_parser = parse_limit, allow_hyphen_values = true)]
     max_relmse: Option<f64>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
 }
 
 fn parse_limit(text: &str) -> Result<f64, String> {
@@ -31,24 +35,38 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         ));
     }
     let result = compare(&a.picture, &b.picture, a.kind).map_err(Failure::other)?;
-    let colour = |c: [f64; 3]| format!("{:.5} {:.5} {:.5}", c[0], c[1], c[2]);
-    println!("size       {}x{}", result.width, result.height);
-    println!("relMSE     {:.3e}", result.relmse);
-    println!("MSE        {:.3e}", result.mse);
-    println!("FLIP       {:.5}", result.flip);
-    println!("mean       {}  {}", colour(result.image_mean), arguments.picture.display());
-    println!("mean       {}  {}", colour(result.reference_mean), arguments.reference.display());
+    if arguments.json {
+        outln!(
+            "{}",
+            json!({
+                "size": [result.width, result.height],
+                "relmse": result.relmse,
+                "mse": result.mse,
+                "flip": result.flip,
+                "mean": result.image_mean,
+                "reference_mean": result.reference_mean,
+            })
+        );
+    } else {
+        let colour = |c: [f64; 3]| format!("{:.5} {:.5} {:.5}", c[0], c[1], c[2]);
+        outln!("size       {}x{}", result.width, result.height);
+        outln!("relMSE     {:.3e}", result.relmse);
+        outln!("MSE        {:.3e}", result.mse);
+        outln!("FLIP       {:.5}", result.flip);
+        outln!("mean       {}  {}", colour(result.image_mean), arguments.picture.display());
+        outln!("mean       {}  {}", colour(result.reference_mean), arguments.reference.display());
+    }
     let mut code = DONE;
     for (count, path) in
         [(result.image_non_finite, &arguments.picture), (result.reference_non_finite, &arguments.reference)]
     {
         if count > 0 {
-            eprintln!("pathmarch: {}: {count} non-finite pixels were ignored", path.display());
+            note!("pathmarch: {}: {count} non-finite pixels were ignored", path.display());
             code = FAILED;
         }
     }
     if let Some(limit) = arguments.max_relmse.filter(|limit| result.relmse.is_nan() || result.relmse > *limit) {
-        eprintln!("pathmarch: relMSE {:.3e} is above {limit:.3e}", result.relmse);
+        note!("pathmarch: relMSE {:.3e} is above {limit:.3e}", result.relmse);
         code = FAILED;
     }
     Ok(code)

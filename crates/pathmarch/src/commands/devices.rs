@@ -1,11 +1,38 @@
 //! `pathmarch devices`: lists the devices that can render.
 
-use pathmarch_cli::{DONE, Failure};
+use pathmarch_cli::{DONE, Failure, outln};
 use pathmarch_render::adapters;
+use serde_json::json;
 
-pub fn run() -> Result<u8, Failure> {
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let adapters = adapters();
     let preferred = adapters.iter().position(|adapter| adapter.unusable.is_none());
+    if arguments.json {
+        let gpus: Vec<_> = adapters
+            .iter()
+            .enumerate()
+            .map(|(k, adapter)| {
+                json!({
+                    "name": adapter.name,
+                    "backend": adapter.backend,
+                    "kind": adapter.kind,
+                    "driver": adapter.driver,
+                    "unusable": adapter.unusable.map(|reason| reason.to_string()),
+                    "default": Some(k) == preferred,
+                })
+            })
+            .collect();
+        let cpu = json!({"threads": rayon::current_num_threads(), "default": preferred.is_none()});
+        outln!("{}", json!({"gpus": gpus, "cpu": cpu}));
+        return Ok(DONE);
+    }
     let is_software = preferred.is_some_and(|at| adapters[at].kind == "software");
     for (k, adapter) in adapters.iter().enumerate() {
         let remark = match adapter.unusable {
@@ -16,13 +43,13 @@ pub fn run() -> Result<u8, Failure> {
             None if Some(k) == preferred => "  <- default".to_owned(),
             None => String::new(),
         };
-        println!("GPU  {}  [{}, {}; {}]{remark}", adapter.name, adapter.backend, adapter.kind, adapter.driver);
+        outln!("GPU  {}  [{}, {}; {}]{remark}", adapter.name, adapter.backend, adapter.kind, adapter.driver);
     }
     let threads = rayon::current_num_threads();
     let remark = if preferred.is_none() || is_software { "  <- default" } else { "" };
-    println!("CPU  {threads} threads, eight rays per packet{remark}");
+    outln!("CPU  {threads} threads, eight rays per packet{remark}");
     if preferred.is_none() {
-        println!("No usable GPU adapter: install a graphics driver, or Mesa's software Vulkan (mesa-vulkan-drivers).");
+        outln!("No usable GPU adapter: install a graphics driver, or Mesa's software Vulkan (mesa-vulkan-drivers).");
     }
     Ok(DONE)
 }

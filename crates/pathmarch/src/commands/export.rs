@@ -1,7 +1,7 @@
 //! `pathmarch export`: exports objects of a scene as a triangle mesh.
 
 use super::{listed, progress_bar};
-use pathmarch_cli::{DONE, Failure, INTERRUPTED, catch_interrupts, check_directory, print_report, value_parsers};
+use pathmarch_cli::{DONE, Failure, INTERRUPTED, catch_interrupts, check_output, note, print_report, value_parsers};
 use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
 use pathmarch_render::pathmarch_field::mesh::{Fineness, MeshError};
 use pathmarch_render::pathmarch_field::{Aabb, Field};
@@ -83,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             "glTF files are in metres: leave --unit out, or write .stl, .ply or .obj".to_owned(),
         ));
     }
-    check_directory(&arguments.output)?;
+    check_output(&arguments.output)?;
     let scene = Scene::load(&arguments.scene)?;
     for warning in &scene.warnings {
         print_report(warning);
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let objects = arguments.solids(&scene)?;
     let interrupted = catch_interrupts()?;
     let fineness = arguments.cell.map_or(Fineness::Resolution(arguments.resolution), Fineness::Cell);
-    eprintln!(
+    note!(
         "{}: {}, {}",
         arguments.scene.display(),
         listed(objects.iter().map(|object| object.name.as_str())),
@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let mut mesh = match made {
         Ok(mesh) => mesh,
         Err(MeshError::Stopped) => {
-            eprintln!("interrupted: nothing was written");
+            note!("interrupted: nothing was written");
             return Ok(INTERRUPTED);
         }
         Err(error) => return Err(Failure::Usage(error.to_string())),
@@ -121,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     save(&arguments.output, &mesh).map_err(Failure::other)?;
     // Volumes and areas of parts in millimetres are usual in centimetres.
     let (reported, per) = if unit == "mm" { ("cm", 10.0_f64) } else { (unit, 1.0) };
-    eprintln!(
+    note!(
         "wrote {}: {} triangles, {} vertices, {} {unit}, {} {reported}³, {} {reported}² in {:.1} s",
         arguments.output.display(),
         mesh.triangles.len(),
@@ -170,7 +170,7 @@ impl Arguments {
             }));
         }
         if !sheets.is_empty() {
-            eprintln!("note: left out sheets without thickness: {}", names(&sheets));
+            note!("note: left out sheets without thickness: {}", names(&sheets));
         }
         let is_endless = |object: &&Object| !Field::new(std::slice::from_ref(&object.root)).bounds().is_finite();
         let endless: Vec<_> = solids.iter().copied().filter(is_endless).collect();

@@ -1,7 +1,7 @@
 //! `pathmarch help`: help on commands, and on every word of the scene language.
 
 use clap::Command;
-use pathmarch_cli::{DONE, Failure};
+use pathmarch_cli::{DONE, Failure, outln};
 use pathmarch_render::pathmarch_scene::reference::{self, Entry};
 
 #[derive(clap::Args)]
@@ -16,7 +16,7 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<u8, Failure> {
     if let Some(command) = command.find_subcommand_mut(word) {
         printed(command)?;
         if !entries.is_empty() {
-            println!("\nIn scenes:\n");
+            outln!("\nIn scenes:\n");
         }
     } else if entries.is_empty() {
         let nearest = reference::nearest(word).map_or(String::new(), |word| format!("; did you mean \"{word}\"?"));
@@ -32,9 +32,9 @@ fn printed(command: &mut Command) -> Result<u8, Failure> {
 }
 
 fn print(entry: &Entry) {
-    println!("{}\n  {}", entry.title, entry.doc);
+    outln!("{}\n  {}", entry.title, entry.doc);
     for line in &entry.details {
-        println!("    {line}");
+        outln!("    {line}");
     }
-    println!();
+    outln!();
 }

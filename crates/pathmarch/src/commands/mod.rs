@@ -6,8 +6,11 @@ pub mod completions;
 pub mod devices;
 pub mod export;
 pub mod help;
+pub mod merge;
 pub mod render;
+mod scene_source;
 pub mod shapes;
+pub mod video;
 #[cfg_attr(not(feature = "window"), path = "no_window.rs")]
 pub mod view;
 

@@ -1,6 +1,6 @@
 //! `pathmarch view` in a program built without the feature `window`: explains how to get one.
 
-use pathmarch_cli::Failure;
+use pathmarch_cli::{Failure, note};
 use std::ffi::OsString;
 
 #[derive(clap::Args)]
@@ -12,7 +12,7 @@ pub struct Arguments {
 
 /// Prints the help of the whole program, then fails.
 pub fn run_without_command(mut command: clap::Command) -> Result<u8, Failure> {
-    eprintln!("{}", command.render_help());
+    note!("{}", command.render_help());
     Err(no_window())
 }
 

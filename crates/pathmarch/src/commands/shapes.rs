@@ -1,11 +1,12 @@
 //! `pathmarch shapes`: reference of shapes and operators, from the registry.
 
-use pathmarch_cli::{DONE, Failure};
+use pathmarch_cli::{DONE, Failure, out, outln};
 use pathmarch_render::pathmarch_field::Outline;
 use pathmarch_render::pathmarch_field::blend::DEFAULT_STEPS;
 use pathmarch_render::pathmarch_field::registry::{modifiers, operators, shapes, solid, solids};
 use pathmarch_render::pathmarch_field::{BlendProfile, Info, Param, Solid};
 use pathmarch_render::pathmarch_scene::reference;
+use serde_json::{Value, json};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -14,55 +15,79 @@ pub struct Arguments {
     /// Print its generated WGSL
     #[arg(long, requires = "name")]
     wgsl: bool,
+    /// Print all shapes, operators and modifiers, with their parameters, as JSON
+    #[arg(long, conflicts_with_all = ["name", "wgsl"])]
+    json: bool,
+}
+
+/// Everything in the registry.
+fn all_as_json() -> Value {
+    let entry = |info: &Info, params: &[Param]| {
+        let param = |param: &Param| {
+            json!({"name": param.name, "doc": param.doc, "unit": param.unit.name(),
+                "default": param.default_in_words(), "range": param.range_in_words()})
+        };
+        json!({"name": info.name, "doc": info.doc, "source": info.source, "exact": info.exact,
+            "params": params.iter().map(param).collect::<Vec<_>>()})
+    };
+    json!({
+        "shapes": shapes().iter().map(|shape| entry(shape.info(), shape.params())).collect::<Vec<_>>(),
+        "operators": operators().iter().map(|operator| entry(operator.info(), operator.params())).collect::<Vec<_>>(),
+        "modifiers": modifiers().iter().map(|modifier| entry(modifier.info(), modifier.params())).collect::<Vec<_>>(),
+    })
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    if arguments.json {
+        outln!("{}", all_as_json());
+        return Ok(DONE);
+    }
     let Some(name) = &arguments.name else {
-        println!("Shapes\n");
+        outln!("Shapes\n");
         for shape in shapes() {
-            println!("  {:<40} {}", usage(shape.info(), shape.params()), shape.info().doc);
+            outln!("  {:<40} {}", usage(shape.info(), shape.params()), shape.info().doc);
         }
-        println!("\nOperators (children in braces; smooth= blends over metres)\n");
+        outln!("\nOperators (children in braces; smooth= blends over metres)\n");
         for operator in operators() {
             let names = if operator.blends() { "smooth=0".to_owned() } else { param_names(operator.params()) };
-            println!("  {:<40} {}", format!("{} {names}", operator.info().name), operator.info().doc);
+            outln!("  {:<40} {}", format!("{} {names}", operator.info().name), operator.info().doc);
         }
-        println!("\nModifiers of the union of their children\n");
+        outln!("\nModifiers of the union of their children\n");
         for modifier in modifiers() {
-            println!("  {:<40} {}", usage(modifier.info(), modifier.params()), modifier.info().doc);
+            outln!("  {:<40} {}", usage(modifier.info(), modifier.params()), modifier.info().doc);
         }
-        println!("\nAny of them takes at, rotate and scale as children. `pathmarch shapes NAME` describes one.");
+        outln!("\nAny of them takes at, rotate and scale as children. `pathmarch shapes NAME` describes one.");
         return Ok(DONE);
     };
     match solid(name) {
         Some(Solid::Shape(shape)) if arguments.wgsl => {
-            print!("{}\n{}", shape.wgsl_distance(), shape.wgsl_gradient());
+            out!("{}\n{}", shape.wgsl_distance(), shape.wgsl_gradient());
         }
         Some(Solid::Shape(shape)) => {
             page(shape.info(), shape.params());
             match shape.info().outline {
                 Some(Outline::Points) => {
-                    println!("\n  A child point x y is a corner; at least three, or none for an arrow.")
+                    outln!("\n  A child point x y is a corner; at least three, or none for an arrow.")
                 }
-                Some(Outline::Text) => println!(
-                    "\n  The argument is the text. font= names a .ttf or .otf file relative to the scene file."
-                ),
+                Some(Outline::Text) => {
+                    outln!("\n  The argument is the text. font= names a .ttf or .otf file relative to the scene file.")
+                }
                 None => {}
             }
             if shape.info().profile {
-                println!("\n  Use it in extrude or revolve.");
+                outln!("\n  Use it in extrude or revolve.");
             }
             if shape.info().facing {
-                println!("\n  A child normal x y z rotates +y to this direction.");
+                outln!("\n  A child normal x y z rotates +y to this direction.");
             }
             if shape.info().sheet {
-                println!("  No thickness; an emissive material emits only on the front side.");
+                outln!("  No thickness; an emissive material emits only on the front side.");
             }
         }
         Some(Solid::Operator(operator)) if arguments.wgsl => {
             let profiles = BlendProfile::ALL.map(Some).into_iter().take(if operator.blends() { 4 } else { 1 });
             for profile in profiles.chain([None]) {
-                println!(
+                outln!(
                     "{}\n{}\n{}",
                     operator.wgsl_distance(profile),
                     operator.wgsl_gradient(profile),
@@ -73,19 +98,19 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         Some(Solid::Operator(operator)) => {
             page(operator.info(), operator.params());
             if operator.blends() {
-                println!("\n  smooth=    Width of the blend, metres; sharp without it.");
-                println!("  profile=   Shape of the seam:");
+                outln!("\n  smooth=    Width of the blend, metres; sharp without it.");
+                outln!("  profile=   Shape of the seam:");
                 for profile in BlendProfile::ALL {
-                    println!("    {:<8} {}", profile.name(), profile.doc());
+                    outln!("    {:<8} {}", profile.name(), profile.doc());
                 }
-                println!("  steps=     Number of steps of the profile stairs. Default {DEFAULT_STEPS}.");
+                outln!("  steps=     Number of steps of the profile stairs. Default {DEFAULT_STEPS}.");
             }
         }
-        Some(Solid::Modifier(modifier)) if arguments.wgsl => print!("{}", modifier.wgsl()),
+        Some(Solid::Modifier(modifier)) if arguments.wgsl => out!("{}", modifier.wgsl()),
         Some(Solid::Modifier(modifier)) => {
             page(modifier.info(), modifier.params());
             if modifier.needs_bounds() {
-                println!("\n  The child must have finite bounds.");
+                outln!("\n  The child must have finite bounds.");
             }
         }
         None => {
@@ -112,21 +137,21 @@ fn param_names(params: &[Param]) -> String {
 }
 
 fn page(info: &Info, params: &[Param]) {
-    println!("{}\n\n  {}", usage(info, params), info.doc);
-    println!(
+    outln!("{}\n\n  {}", usage(info, params), info.doc);
+    outln!(
         "  {} Source: {}.",
         if info.exact { "Exact distance." } else { "Lower bound of the distance." },
         info.source
     );
     if info.size_params > 1 {
-        println!("  One number sets the first {} parameters.", info.size_params);
+        outln!("  One number sets the first {} parameters.", info.size_params);
     }
     if !params.is_empty() {
-        println!();
+        outln!("");
     }
     for param in params {
         let unit = if param.unit.name().is_empty() { String::new() } else { format!(", {}", param.unit.name()) };
-        println!(
+        outln!(
             "  {:<10} {} Default {}{unit}; {}.",
             param.name,
             param.doc,

@@ -58,10 +58,11 @@ fn bound<N: Real>(p: Vec3<N>) -> N {
 
 impl ShapeDef for Shape {
     const INFO: Info = Info::new(
-            "apollonian",
-            "Sheets of an Apollonian packing in the cube of edge 2 centred at the origin.",
-            "Quilez 2013, Apollonian; Mandelbrot 1983",
-        ).inexact();
+        "apollonian",
+        "Sheets of an Apollonian packing in the cube of edge 2 centred at the origin.",
+        "Quilez 2013, Apollonian; Mandelbrot 1983",
+    )
+    .inexact();
     const PARAMS: &'static [Param] = &[
         Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often space is inverted."),
         Param::between("ratio", 1.2, 1.1, 1.5, "Square of the radius of inversion."),
@@ -81,8 +82,8 @@ impl ShapeDef for Shape {
         Aabb::centred(1.0, 1.0, 1.0)
     }
     const ORBIT: bool = true;
-    fn orbit<N: Real>(p: Vec3<N>, [iterations, ratio]: [N; 2]) -> [N; TRAPS] {
+    fn orbit<N: Real>(p: Vec3<N>, centre: Vec3<N>, [iterations, ratio]: [N; 2]) -> [N; TRAPS] {
         let near = orbit::is_near(bound(p), N::one());
-        orbit::traps::<N, 4, 9>(iterations, LIMIT, start(p), |state| step(state, ratio, near))
+        orbit::traps::<N, 4, 10>(centre, iterations, LIMIT, start(p), |state| step(state, ratio, near))
     }
 }

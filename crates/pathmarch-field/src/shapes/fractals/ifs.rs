@@ -77,10 +77,11 @@ fn start<N: Real>(p: Vec3<N>) -> State<N> {
 
 impl ShapeDef for Shape {
     const INFO: Info = Info::new(
-            "ifs",
-            "Kaleidoscopic iterated function system with the mirrors of a cube, centred at the origin.",
-            "Knighty 2010; Hutchinson 1981",
-        ).inexact();
+        "ifs",
+        "Kaleidoscopic iterated function system with the mirrors of a cube, centred at the origin.",
+        "Knighty 2010; Hutchinson 1981",
+    )
+    .inexact();
     const PARAMS: &'static [Param] = &[
         Param::between("scale", 2.0, 1.1, 4.0, "How much smaller each copy is."),
         Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often copies are made of copies."),
@@ -107,9 +108,9 @@ impl ShapeDef for Shape {
         Aabb::centred(radius, radius, radius)
     }
     const ORBIT: bool = true;
-    fn orbit<N: Real>(p: Vec3<N>, params: [N; 8]) -> [N; TRAPS] {
+    fn orbit<N: Real>(p: Vec3<N>, centre: Vec3<N>, params: [N; 8]) -> [N; TRAPS] {
         let map = Map::new(params);
         let near = orbit::is_near(p.length() - map.radius, map.radius);
-        orbit::traps::<N, 4, 9>(map.iterations, LIMIT, start(p), |state| map.step(state, near))
+        orbit::traps::<N, 4, 10>(centre, map.iterations, LIMIT, start(p), |state| map.step(state, near))
     }
 }

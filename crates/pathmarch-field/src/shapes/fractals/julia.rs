@@ -76,10 +76,11 @@ fn radius<N: Real>(size: N) -> N {
 
 impl ShapeDef for Shape {
     const INFO: Info = Info::new(
-            "julia",
-            "Slice of the quaternion Julia set of q² + c, the real axis along x.",
-            "Norton 1982; Hart et al. 1989, section 3",
-        ).inexact();
+        "julia",
+        "Slice of the quaternion Julia set of q² + c, the real axis along x.",
+        "Norton 1982; Hart et al. 1989, section 3",
+    )
+    .inexact();
     const PARAMS: &'static [Param] = &[
         Param::between("x", -0.2, -1.0, 1.0, "Real part of c."),
         Param::between("y", 0.4, -1.0, 1.0, "Part of c along i."),
@@ -104,9 +105,9 @@ impl ShapeDef for Shape {
         Aabb::centred(radius, radius, radius)
     }
     const ORBIT: bool = true;
-    fn orbit<N: Real>(p: Vec3<N>, params: [N; 5]) -> [N; TRAPS] {
+    fn orbit<N: Real>(p: Vec3<N>, centre: Vec3<N>, params: [N; 5]) -> [N; TRAPS] {
         let map = Map::new(params);
         let near = orbit::is_near(p.length() - map.radius, map.radius);
-        orbit::traps::<N, 6, 11>(map.iterations, LIMIT, map.start(p, near), |state| map.step(state, near))
+        orbit::traps::<N, 6, 12>(centre, map.iterations, LIMIT, map.start(p, near), |state| map.step(state, near))
     }
 }

@@ -58,10 +58,11 @@ fn bound<N: Real>(p: Vec3<N>) -> N {
 
 impl ShapeDef for Shape {
     const INFO: Info = Info::new(
-            "kleinian",
-            "Pseudo-Kleinian fractal in the cube of edge 4 centred at the origin.",
-            "Theli-at and Knighty 2011",
-        ).inexact();
+        "kleinian",
+        "Pseudo-Kleinian fractal in the cube of edge 4 centred at the origin.",
+        "Theli-at and Knighty 2011",
+    )
+    .inexact();
     const PARAMS: &'static [Param] = &[
         Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often space is mirrored and inverted."),
         Param::between("x", 0.92, 0.5, 1.5, "Half of the box's edge along x.").with_unit(Unit::Metres),
@@ -85,8 +86,8 @@ impl ShapeDef for Shape {
         Aabb::centred(HALF_EDGE, HALF_EDGE, HALF_EDGE)
     }
     const ORBIT: bool = true;
-    fn orbit<N: Real>(p: Vec3<N>, [iterations, x, y, z, radius]: [N; 5]) -> [N; TRAPS] {
+    fn orbit<N: Real>(p: Vec3<N>, centre: Vec3<N>, [iterations, x, y, z, radius]: [N; 5]) -> [N; TRAPS] {
         let near = orbit::is_near(bound(p), N::constant(HALF_EDGE));
-        orbit::traps::<N, 4, 9>(iterations, LIMIT, start(p), |state| step(state, [x, y, z], radius, near))
+        orbit::traps::<N, 4, 10>(centre, iterations, LIMIT, start(p), |state| step(state, [x, y, z], radius, near))
     }
 }

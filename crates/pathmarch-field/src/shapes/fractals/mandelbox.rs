@@ -77,9 +77,16 @@ fn half_edge<N: Real>(scale: N, fold: N) -> N {
 }
 
 impl ShapeDef for Shape {
-    const INFO: Info = Info::new("mandelbox", "Mandelbox centred at the origin.", "Lowe 2010; Christensen 2011, part VI").inexact();
+    const INFO: Info =
+        Info::new("mandelbox", "Mandelbox centred at the origin.", "Lowe 2010; Christensen 2011, part VI").inexact();
     const PARAMS: &'static [Param] = &[
-        Param::between("scale", -1.5, -3.0, 3.0, "Factor of each iteration; the set is the richer the nearer to -1 or 1."),
+        Param::between(
+            "scale",
+            -1.5,
+            -3.0,
+            3.0,
+            "Factor of each iteration; the set is the richer the nearer to -1 or 1.",
+        ),
         Param::count("iterations", 12.0, 1.0, LIMIT as f32, "How often space is folded."),
         Param::between("fold", 1.0, 0.5, 2.0, "Where coordinates are mirrored.").with_unit(Unit::Metres),
         Param::between("min-radius", 0.5, 0.25, 2.0, "Within it all points are scaled alike.").with_unit(Unit::Metres),
@@ -108,10 +115,10 @@ impl ShapeDef for Shape {
         if scale.abs() < 1.1 { 4.0 } else { 1.0 }
     }
     const ORBIT: bool = true;
-    fn orbit<N: Real>(p: Vec3<N>, params: [N; 5]) -> [N; TRAPS] {
+    fn orbit<N: Real>(p: Vec3<N>, centre: Vec3<N>, params: [N; 5]) -> [N; TRAPS] {
         let map = Map::new(params);
         let near = orbit::is_near(map.bound(p), map.half);
         let start = [p.x, p.y, p.z, N::one()];
-        orbit::traps::<N, 4, 9>(map.iterations, LIMIT, start, |state| map.step(state, p, near))
+        orbit::traps::<N, 4, 10>(centre, map.iterations, LIMIT, start, |state| map.step(state, p, near))
     }
 }

@@ -120,14 +120,12 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
         let across = across_square.sqrt().named("across");
         let length = (across_square + y * y).sqrt();
         // From the axis: a + iρb.
-        let [a, b] = self.raised([y, N::one()], |u, v| {
-            [u[0] * v[0] - across_square * (u[1] * v[1]), u[0] * v[1] + u[1] * v[0]]
-        });
+        let [a, b] =
+            self.raised([y, N::one()], |u, v| [u[0] * v[0] - across_square * (u[1] * v[1]), u[0] * v[1] + u[1] * v[0]]);
         // About the axis: of length one, or zero on it.
         let inverse = N::one() / across.max(tiny);
         let about = [x * inverse, z * inverse];
-        let [cos, sin] =
-            self.raised(about, |u, v| [u[0] * v[0] - u[1] * v[1], u[0] * v[1] + u[1] * v[0]]);
+        let [cos, sin] = self.raised(about, |u, v| [u[0] * v[0] - u[1] * v[1], u[0] * v[1] + u[1] * v[0]]);
         let radial = across * b;
         let [raised, along] = self.lengths(length, a, radial);
         let about_axis = b.abs() / raised.max(N::one());
@@ -200,19 +198,20 @@ fn distance_of_any<N: Real>(p: Vec3<N>, params: [N; 2], known: u32) -> N {
 
 /// The traps with a power of `known`, or of the parameters.
 #[inline(never)]
-fn orbit_of_any<N: Real>(p: Vec3<N>, params: [N; 2], known: u32) -> [N; TRAPS] {
+fn orbit_of_any<N: Real>(p: Vec3<N>, centre: Vec3<N>, params: [N; 2], known: u32) -> [N; TRAPS] {
     let map = Map::<N, 0>::new(params, known);
     let near = orbit::is_near(p.length() - map.radius, map.radius);
     let p = kept(p, near);
-    orbit::traps::<N, 5, 10>(map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near))
+    orbit::traps::<N, 5, 11>(centre, map.iterations, LIMIT, map.start(p), |state| map.step(state, p, near))
 }
 
 impl<const POWER: u32> ShapeDef for Shape<POWER> {
     const INFO: Info = Info::new(
-            "mandelbulb",
-            "Mandelbulb centred at the origin, its axis along y.",
-            "White and Nylander 2009; Hart et al. 1989, section 3",
-        ).inexact();
+        "mandelbulb",
+        "Mandelbulb centred at the origin, its axis along y.",
+        "White and Nylander 2009; Hart et al. 1989, section 3",
+    )
+    .inexact();
     const PARAMS: &'static [Param] = &[
         Param::count("power", 8.0, 2.0, 16.0, "The power that points are raised to."),
         Param::count("iterations", 8.0, 1.0, LIMIT as f32, "How often the power is taken."),
@@ -243,7 +242,7 @@ impl<const POWER: u32> ShapeDef for Shape<POWER> {
         if POWER > 0 { None } else { of_power!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16) }
     }
     const ORBIT: bool = true;
-    fn orbit<N: Real>(p: Vec3<N>, params: [N; 2]) -> [N; TRAPS] {
-        orbit_of_any(p, params, POWER)
+    fn orbit<N: Real>(p: Vec3<N>, centre: Vec3<N>, params: [N; 2]) -> [N; TRAPS] {
+        orbit_of_any(p, centre, params, POWER)
     }
 }

@@ -67,7 +67,7 @@ impl ShapeDef for Shape {
         Aabb::centred(1.0, 1.0, 1.0)
     }
     const ORBIT: bool = true;
-    fn orbit<N: Real>(p: Vec3<N>, [iterations]: [N; 1]) -> [N; TRAPS] {
-        orbit::traps::<N, 5, 10>(iterations, LIMIT, start(p), step)
+    fn orbit<N: Real>(p: Vec3<N>, centre: Vec3<N>, [iterations]: [N; 1]) -> [N; TRAPS] {
+        orbit::traps::<N, 5, 11>(centre, iterations, LIMIT, start(p), step)
     }
 }

@@ -52,10 +52,11 @@ fn bound<N: Real>(p: Vec3<N>) -> N {
 
 impl ShapeDef for Shape {
     const INFO: Info = Info::new(
-            "sierpinski",
-            "Sierpinski's tetrahedron on alternate corners of the cube of edge 2 centred at the origin.",
-            "Sierpinski 1915; Knighty 2010",
-        ).inexact();
+        "sierpinski",
+        "Sierpinski's tetrahedron on alternate corners of the cube of edge 2 centred at the origin.",
+        "Sierpinski 1915; Knighty 2010",
+    )
+    .inexact();
     const PARAMS: &'static [Param] =
         &[Param::count("iterations", 10.0, 1.0, LIMIT as f32, "How often each tetrahedron is replaced by four.")];
     type Params<N: Real> = [N; 1];
@@ -73,8 +74,8 @@ impl ShapeDef for Shape {
         Aabb::centred(1.0, 1.0, 1.0)
     }
     const ORBIT: bool = true;
-    fn orbit<N: Real>(p: Vec3<N>, [iterations]: [N; 1]) -> [N; TRAPS] {
+    fn orbit<N: Real>(p: Vec3<N>, centre: Vec3<N>, [iterations]: [N; 1]) -> [N; TRAPS] {
         let near = orbit::is_near(bound(p), N::constant(RADIUS));
-        orbit::traps::<N, 4, 9>(iterations, LIMIT, start(p), |state| step(state, near))
+        orbit::traps::<N, 4, 10>(centre, iterations, LIMIT, start(p), |state| step(state, near))
     }
 }

@@ -10,6 +10,9 @@ use std::collections::{HashMap, HashSet};
 
 type Point = [f64; 2];
 
+/// Largest number of points at which an outline crosses itself. Each costs a test of its pieces against a row of segments.
+pub const MAX_CROSSINGS: usize = 10_000;
+
 /// Piece of an outline with the inside on its left; the sign of each end is 1 if its corner is convex, -1 if it is reflex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
@@ -54,8 +57,14 @@ fn dot([ax, ay]: Point, [bx, by]: Point) -> f64 {
     ax * bx + ay * by
 }
 
-/// Pieces of the outline of these segments, four numbers each, without crossings.
+/// Pieces of the outline of these segments, four numbers each, without crossings; none of an outline that crosses itself more
+/// than [`MAX_CROSSINGS`] times.
 pub(super) fn cleaned(numbers: &[f32], fill: Fill) -> Vec<Piece> {
+    pieces(numbers, fill).unwrap_or_default()
+}
+
+/// As [`cleaned`], but `None` of an outline that crosses itself too often.
+pub(super) fn pieces(numbers: &[f32], fill: Fill) -> Option<Vec<Piece>> {
     let mut segments: Vec<[Point; 2]> = numbers
         .chunks_exact(4)
         .map(|s| [[f64::from(s[0]), f64::from(s[1])], [f64::from(s[2]), f64::from(s[3])]])
@@ -65,7 +74,7 @@ pub(super) fn cleaned(numbers: &[f32], fill: Fill) -> Vec<Piece> {
     // Points closer than this are merged; f32 does not resolve them.
     let grain = reach * 1e-7;
     if segments.is_empty() || !grain.is_finite() || grain <= 0.0 {
-        return Vec::new();
+        return Some(Vec::new());
     }
     // Sorted by the left end within each row.
     segments.sort_by(|[a, b], [c, d]| a[0].min(b[0]).total_cmp(&c[0].min(d[0])));
@@ -73,7 +82,7 @@ pub(super) fn cleaned(numbers: &[f32], fill: Fill) -> Vec<Piece> {
     let mut seen = HashSet::new();
     let key = |[x, y]: Point| ((x / grain).round() as i64, (y / grain).round() as i64);
     let mut pieces = Vec::new();
-    for (mut points, [a, b]) in cut_points(&segments, &rows, grain).into_iter().zip(&segments) {
+    for (mut points, [a, b]) in cut_points(&segments, &rows, grain)?.into_iter().zip(&segments) {
         points.extend([*a, *b]);
         let along = minus(*b, *a);
         points.sort_by(|p, q| dot(minus(*p, *a), along).total_cmp(&dot(minus(*q, *a), along)));
@@ -98,12 +107,13 @@ pub(super) fn cleaned(numbers: &[f32], fill: Fill) -> Vec<Piece> {
             }
         }
     }
-    with_corners(&pieces, key)
+    Some(with_corners(&pieces, key))
 }
 
-/// Points at which each segment meets others.
-fn cut_points(segments: &[[Point; 2]], rows: &Rows, grain: f64) -> Vec<Vec<Point>> {
+/// Points at which each segment meets others; `None` if there are too many.
+fn cut_points(segments: &[[Point; 2]], rows: &Rows, grain: f64) -> Option<Vec<Vec<Point>>> {
     let mut cuts = vec![Vec::new(); segments.len()];
+    let mut crossings = 0;
     let extent = |k: u32| {
         let [a, b] = segments[k as usize];
         [0, 1].map(|axis| (a[axis].min(b[axis]) - grain, a[axis].max(b[axis]) + grain))
@@ -146,6 +156,10 @@ fn cut_points(segments: &[[Point; 2]], rows: &Rows, grain: f64) -> Vec<Vec<Point
                 let area = cross(ab, cd);
                 let (t, u) = (cross(minus(c, a), cd) / area, cross(minus(c, a), ab) / area);
                 if !touches && (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u) {
+                    crossings += 1;
+                    if crossings > MAX_CROSSINGS {
+                        return None;
+                    }
                     let p = [a[0] + t * ab[0], a[1] + t * ab[1]];
                     cuts[one as usize].push(p);
                     cuts[other as usize].push(p);
@@ -153,7 +167,7 @@ fn cut_points(segments: &[[Point; 2]], rows: &Rows, grain: f64) -> Vec<Vec<Point
             }
         }
     }
-    cuts
+    Some(cuts)
 }
 
 fn is_inside([x, y]: Point, segments: &[[Point; 2]], rows: &Rows, fill: Fill) -> bool {

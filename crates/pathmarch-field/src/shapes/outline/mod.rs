@@ -26,6 +26,7 @@ use crate::number::{Differentiable, Dual, Real, Vec3};
 use crate::parameter::Param;
 use crate::ray_interval::T_MAX;
 use cells::{HEADER, PER_SEGMENT};
+pub use clean::MAX_CROSSINGS;
 
 /// Fill rule: the areas of an outline that are inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,9 +46,9 @@ pub fn contour(points: &[[f32; 2]]) -> impl Iterator<Item = f32> {
     points.iter().zip(next).flat_map(|([ax, ay], [bx, by])| [*ax, *ay, *bx, *by])
 }
 
-/// Reports whether the outline of these segments has an inside.
-pub fn has_area(segments: &[f32], fill: Fill) -> bool {
-    !clean::cleaned(segments, fill).is_empty()
+/// Reports whether the outline of these segments has an inside; `None` if it crosses itself more than [`MAX_CROSSINGS`] times.
+pub fn has_area(segments: &[f32], fill: Fill) -> Option<bool> {
+    clean::pieces(segments, fill).map(|pieces| !pieces.is_empty())
 }
 
 /// Drawn shape. Its values are the parameters and behind them the segments, four numbers each.

@@ -39,10 +39,13 @@ impl Composer<'_> {
                 None => self.combined_hit(object, &mut text),
             }
         }
-        match self.field.bvh().nodes.is_empty() {
-            true => text + "    return AnalyticHit(nearest, hit_id);\n}\n",
-            false => text + "    return bvh_hit(origin, direction, AnalyticHit(nearest, hit_id));\n}\n",
+        let mut hit = "AnalyticHit(nearest, hit_id, NO_TRIANGLE)".to_owned();
+        for (is_used, function) in
+            [(!self.field.bvh().nodes.is_empty(), "bvh_hit"), (self.field.has_triangles(), "mesh_hit")]
+        {
+            hit = if is_used { format!("{function}(origin, direction, {hit})") } else { hit };
         }
+        text + &format!("    return {hit};\n}}\n")
     }
 
     /// Prints the first hit with a combination, if it is nearer.

@@ -37,7 +37,7 @@ fn bvh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit 
             }
             let t = record_ray(record, origin, direction);
             if t < nearest.t {
-                nearest = AnalyticHit(t, BVH + record);
+                nearest = AnalyticHit(t, BVH + record, NO_TRIANGLE);
             }
             break;
         }

@@ -41,7 +41,7 @@ impl Program {
         )
     }
 
-    /// WGSL text of `has_orbit(leaf: u32) -> bool` and `orbit(leaf: u32, p: vec3f) -> array<f32, 5>`, to be appended to
+    /// WGSL text of `has_orbit(leaf: u32) -> bool` and `orbit(leaf: u32, p: vec3f, centre: vec3f) -> array<f32, 6>`, to be appended to
     /// [`code`](Self::code): [`Field::orbit`] of a point in local coordinates.
     pub fn orbits(field: &Field) -> String {
         let Composed { composer, .. } = Composed::new(field);
@@ -53,13 +53,13 @@ impl Program {
             let values = arguments(next, leaf.params.len());
             let name = leaf.shape.wgsl_name();
             write!(has, " || leaf == {index}u").expect("writing to a string");
-            writeln!(cases, "    if leaf == {index}u {{\n        return {name}_orbit(p{values});\n    }}")
+            writeln!(cases, "    if leaf == {index}u {{\n        return {name}_orbit(p, centre{values});\n    }}")
                 .expect("writing to a string");
         }
         let functions: String = functions.iter().map(|function| format!("{function}\n")).collect();
         format!(
             "{functions}/// Reports whether the leaf is a fractal.\nfn has_orbit(leaf: u32) -> bool {{\n    return false{has};\n}}\n\n\
-             /// Orbit traps of a point.\nfn orbit(leaf: u32, p: vec3f) -> array<f32, {TRAPS}> {{\n{cases}    \
+             /// Orbit traps of a point about a centre.\nfn orbit(leaf: u32, p: vec3f, centre: vec3f) -> array<f32, {TRAPS}> {{\n{cases}    \
              return array<f32, {TRAPS}>();\n}}\n\n"
         )
     }

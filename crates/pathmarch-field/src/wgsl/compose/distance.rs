@@ -29,7 +29,7 @@ impl Composer<'_> {
         let mut counter = 0;
         for object in objects {
             let value = self.tree_distance(object, &mut text, &mut counter);
-            match self.field.direct(object).filter(|_| set.is_some()) {
+            match self.field.convex_object(object).filter(|_| set.is_some()) {
                 Some(leaf) => {
                     writeln!(
                         text,

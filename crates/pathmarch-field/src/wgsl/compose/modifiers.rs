@@ -36,7 +36,7 @@ impl Composer<'_> {
             "/// Surface of the child of modifier {index}, `{name}`.\nfn inside_{index}_surface(p: vec3f, seed: u32) -> Surface {{\n"
         );
         let (gradient, leaf) = self.tree_surface(inside, &mut surface, &mut counter);
-        surface += &format!("    return Surface({gradient}.xyz, {gradient}.w, {leaf});\n}}\n");
+        surface += &format!("    return Surface({gradient}.xyz, {gradient}.w, {leaf}, NO_TRIANGLE);\n}}\n");
         let scale = match pose.turn {
             Turn::None => String::new(),
             _ => format!(" * {}", component(start, 3)),
@@ -60,7 +60,7 @@ impl Composer<'_> {
              let p = {point};\n{looked}    let inside = inside_{index}_surface({name}_point(p, copy{numbers}), seed);\n    \
              let pulled = {name}_pull(p, copy, inside.gradient{numbers});\n    \
              let local = {name}_gradient(p, vec4f(pulled, inside.distance){numbers});\n    let result = {back};\n    \
-             return Surface(result.xyz, result.w, inside.leaf);\n}}\n"
+             return Surface(result.xyz, result.w, inside.leaf, NO_TRIANGLE);\n}}\n"
         );
         [distance, surface, estimated_distance, surface_of_modifier].join("\n")
     }

@@ -319,7 +319,7 @@ fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) ->
          cell.far_field.w < 0.0);\n    var result = vec4f(away / value, value);\n    var leaf = u32(cell.entry.y);\n    let start = \
          leaf;\n    let count = select(0u, u32(cell.entry.z), cell.entry.x == 1.0);\n    for (var k = 0u; k < count; k++) \
          {{\n{listed}        let d = record_gradient(record, p);\n{shown}        leaf = select(leaf, \
-         u32(field_parameters[record + 3u].w), shows);\n    }}\n    return Surface(result.xyz, result.w, leaf);\n}}\n"
+         u32(field_parameters[record + 3u].w), shows);\n    }}\n    return Surface(result.xyz, result.w, leaf, NO_TRIANGLE);\n}}\n"
     );
     format!("{distance}\n{surface}\n")
 }

@@ -11,7 +11,7 @@ impl Composer<'_> {
         let mut text = String::from(
             "/// Surface at the hit `p` of a ray, of an analytic leaf or of the sphere-traced objects: signed distance, gradient,\n\
              /// and the leaf whose material shows.\n\
-             fn surface(p: vec3f, hit_id: u32, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
+             fn surface(p: vec3f, hit_id: u32, triangle: u32, seed: u32) -> Surface {\n    var nearest = vec4f(0.0, 0.0, 0.0, 1e30);\n    var leaf = 0u;\n",
         );
         let mut counter = 0;
         let objects: Vec<&Tree> = self.field.sphere_traced_objects().collect();
@@ -53,7 +53,13 @@ impl Composer<'_> {
                      u32(field_parameters[record + 3u].w);\n";
             text += END_SKIPPED;
         }
-        text + "    return Surface(nearest.xyz, nearest.w, leaf);\n}\n"
+        if self.field.has_triangles() {
+            text += &skipped_if("hit_id < MESH || hit_id >= 2u * MESH");
+            text += "    let triangle_surface = mesh_surface(p, hit_id - MESH, triangle);\n    nearest = \
+                     vec4f(triangle_surface.gradient, triangle_surface.distance);\n    leaf = triangle_surface.leaf;\n";
+            text += END_SKIPPED;
+        }
+        text + "    return Surface(nearest.xyz, nearest.w, leaf, triangle);\n}\n"
     }
 
     /// Prints the statements of a tree's surface to `text`; returns the expressions of gradient and distance, and of the leaf.

@@ -30,6 +30,24 @@ pub(super) fn program(input: &RenderInput) -> Program {
     program
 }
 
+/// WGSL that the code of fields with meshes calls.
+const MESH_WORD: &str = "\
+/// Word of the meshes.
+fn mesh_word(index: u32) -> u32 {
+    return scene_data[MESH_DATA + index];
+}
+
+";
+
+/// WGSL in place of that of triangles, for textures at texture coordinates in fields without them.
+const NO_MESH_UV: &str = "\
+/// Never called: no hit has a triangle.
+fn mesh_uv(leaf: u32, triangle: u32, local: vec3f, uv_set: u32) -> vec3f {
+    return vec3f(0.0);
+}
+
+";
+
 /// Source of a picture's kernel in WGSL.
 pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings, data: &SceneData) -> String {
     let mut code = String::from("// ---- bindings ----\n");
@@ -37,6 +55,15 @@ pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings
     code += "\n// ---- configuration ----\n";
     code += &constants(input, data);
     code += "\n// ---- field ----\n";
+    if input.scene.field.has_meshes() {
+        code += MESH_WORD;
+    }
+    if input.config.mesh_fields && !input.config.textures {
+        code += &Program::coordinates(&input.scene.field);
+    }
+    if input.config.uv_textures && !input.scene.field.has_meshes() {
+        code += NO_MESH_UV;
+    }
     code += &program.code;
     if input.mode.traces_paths() {
         if input.config.penumbra {
@@ -82,6 +109,12 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "texture_target" => {
             if_paths("shading/untextured_bsdf", "shading/untextured_preview", "shading/untextured_albedo")
         }
+        "mesh_normals" if input.scene.field.has_shading_normals() => "shading/mesh_normals",
+        "mesh_normals" => "shading/no_mesh_normals",
+        "mesh_fields" if input.config.mesh_fields => "shading/mesh_fields",
+        "mesh_fields" => "shading/no_mesh_fields",
+        "mesh_uvs" if input.config.uv_textures => "shading/mesh_uvs",
+        "mesh_uvs" => "shading/no_mesh_uvs",
         "guides" if bindings.has_guides => "integrator/guides",
         "guides" => "integrator/no_guides",
         "march_stats" if matches!(mode, Mode::Steps | Mode::Violations) => "views/march_stats",
@@ -102,7 +135,8 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
     let mut constant = |name: &str, value: &dyn Display| {
         writeln!(code, "const {name} = {value};").expect("writing to a string");
     };
-    let has_pictures = |texture: &Texture| matches!(texture.pattern, Pattern::Picture { .. });
+    let has_pictures =
+        |texture: &Texture| matches!(texture.pattern, Pattern::Picture { .. } | Pattern::UvPicture { .. });
     let mut textures = scene.textured_materials.iter().flat_map(TexturedMaterial::textures);
     for (name, value) in [
         ("ABSORPTION", config.absorption),
@@ -119,6 +153,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("HAS_TEXTURES", config.textures),
         ("HAS_ORBITS", config.orbits),
         ("HAS_BUMP", config.bump),
+        ("SHADING_NORMALS", config.shading_normals),
         ("HAS_PICTURES", textures.any(has_pictures)),
     ] {
         constant(name, &value);
@@ -139,6 +174,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("TEXTURE_DATA", data.textures as u32),
         ("LEAF_COUNT", scene.leaves.len() as u32),
         ("MODE_DATA", data.mode as u32),
+        ("MESH_DATA", data.meshes as u32),
     ] {
         constant(name, &format_args!("{value}u"));
     }
@@ -159,7 +195,7 @@ fn textures_of(input: &RenderInput) -> String {
     let kinds: BTreeSet<usize> = textures
         .filter_map(|texture| match &texture.pattern {
             Pattern::Computed { kind, .. } => Some(encode::computed_kind(kind)),
-            Pattern::Picture { .. } => None,
+            Pattern::Picture { .. } | Pattern::UvPicture { .. } => None,
         })
         .collect();
     let mut code = Program::coordinates(&scene.field);

@@ -97,13 +97,37 @@ impl Device {
         bytes: u64,
         take: impl FnOnce(&[u8]) -> T,
     ) -> Result<T, RenderError> {
+        self.read_after(buffer, bytes, None, take)
+    }
+
+    /// Reads the first bytes of a buffer once a submission is complete; later ones may go on.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] if the device fails.
+    pub(crate) fn read_submitted<T>(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        submission: wgpu::SubmissionIndex,
+        take: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, RenderError> {
+        self.read_after(buffer, bytes, Some(submission), take)
+    }
+
+    fn read_after<T>(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        submission_index: Option<wgpu::SubmissionIndex>,
+        take: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, RenderError> {
         let (sender, receiver) = std::sync::mpsc::channel();
         buffer.slice(..bytes).map_async(wgpu::MapMode::Read, move |result| {
             // The receiver is gone only if this function has already failed.
             let _ = sender.send(result);
         });
         self.device
-            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(self.timeout()) })
+            .poll(wgpu::PollType::Wait { submission_index, timeout: Some(self.timeout()) })
             .map_err(|error| self.error(error))?;
         self.check()?;
         match receiver.try_recv() {

@@ -19,9 +19,11 @@ use crate::integrator::guides::FILM_SAMPLES;
 use crate::integrator::splitting;
 use crate::mode::Mode;
 use crate::output::film::Film;
+use crate::output::parts::Rect;
 use crate::output::tonemap::Display;
 use crate::scene::FrameUniforms;
 use bytemuck::Zeroable;
+use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -48,6 +50,10 @@ pub(crate) struct GpuJob {
     guides: Option<wgpu::Buffer>,
     display_buffers: Option<DisplayBuffers>,
     size: [u32; 2],
+    /// Pixels to render.
+    rect: Rect,
+    /// Buffer of the last film that was taken, to be used again.
+    staging: Option<wgpu::Buffer>,
     first_sample: u32,
     /// Work submitted so far.
     submitted: Progress,
@@ -225,6 +231,8 @@ impl GpuJob {
             guides: guides.filter(|_| guides_fit),
             display_buffers: None,
             size,
+            rect: Rect::of(size),
+            staging: None,
             first_sample,
             submitted: Progress::default(),
             target,
@@ -255,6 +263,7 @@ impl GpuJob {
         }
         self.wait()?;
         self.size = size;
+        self.rect = Rect::of(size);
         self.bounces = self.bounces.map(|_| frame.bounces);
         self.submitted = Progress::default();
         self.device.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
@@ -339,7 +348,7 @@ impl GpuJob {
     /// Next slice towards `upto` samples, of about `work` samples summed over pixels: whole workgroups, and whole bands if
     /// they fit.
     fn next_slice(&mut self, upto: u32, work: f64) -> Slice {
-        let [width, height] = self.size;
+        let Rect { width, height, .. } = self.rect;
         let Progress { samples, row, column, .. } = self.submitted;
         let sample = self.first_sample + samples;
         if self.is_whole() {
@@ -350,9 +359,9 @@ impl GpuJob {
         let slice = |rows: u32, columns: u32| Slice {
             sample,
             samples: begun,
-            first_row: row,
+            first_row: self.rect.y + row,
             rows: rows.min(height - row),
-            first_column: column,
+            first_column: self.rect.x + column,
             columns,
             guide_samples: if self.guides.is_some() && samples < FILM_SAMPLES { samples + 1 } else { 0 },
             ..Slice::zeroed()
@@ -425,7 +434,7 @@ impl GpuJob {
 
     /// Submitted samples of every pixel, with a fraction for one that is begun.
     pub(crate) fn samples_done(&self) -> f64 {
-        let [width, height] = self.size.map(f64::from);
+        let [width, height] = [self.rect.width, self.rect.height].map(f64::from);
         let Progress { samples, begun, row, column } = self.submitted;
         let band = f64::from(BAND).min(height - f64::from(row));
         f64::from(samples) + f64::from(begun) * (f64::from(row) + band * f64::from(column) / width) / height
@@ -456,27 +465,87 @@ impl GpuJob {
         self.timer.as_mut().map(|timer| timer.read(&self.device)).transpose()
     }
 
+    /// Renders only some pixels; films have only these.
+    pub(crate) fn cropped(self, rect: Rect) -> Self {
+        Self { rect, ..self }
+    }
+
+    /// Number of paths that share a camera ray.
+    pub(crate) fn splitting(&self) -> u32 {
+        self.splitting
+    }
+
     /// Reads the film back. The caller ensures that no sample is half done.
     pub(crate) fn film(&mut self) -> Result<Film, RenderError> {
-        self.wait()?;
-        let bytes = film_bytes(self.size);
-        let copy = self.device.allocate(&wgpu::BufferDescriptor {
-            label: Some("film copy"),
-            size: bytes,
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        })?;
+        let copy = self.copy_film(false)?;
+        self.finish(copy)
+    }
+
+    /// Starts to read the film back, and a new film at the next sample. Does not wait. The caller ensures that no sample is
+    /// half done.
+    pub(crate) fn take(&mut self) -> Result<FilmCopy, RenderError> {
+        let copy = self.copy_film(true)?;
+        self.first_sample += self.submitted.samples;
+        self.submitted = Progress::default();
+        Ok(copy)
+    }
+
+    /// Submits a copy of the rows of the film that are rendered; clears the film if `clear` is true.
+    fn copy_film(&mut self, clear: bool) -> Result<FilmCopy, RenderError> {
+        let row = 16 * u64::from(self.size[0]);
+        let (start, bytes) = (row * u64::from(self.rect.y), row * u64::from(self.rect.height));
+        let buffer = match self.staging.take().filter(|buffer| buffer.size() == bytes) {
+            Some(buffer) => buffer,
+            None => self.device.allocate(&wgpu::BufferDescriptor {
+                label: Some("film copy"),
+                size: bytes,
+                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+                mapped_at_creation: false,
+            })?,
+        };
         let gpu = &self.device.device;
         let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("film copy") });
-        encoder.copy_buffer_to_buffer(&self.film, 0, &copy, 0, bytes);
-        self.device.queue.submit([encoder.finish()]);
-        let sums: Vec<[f32; 4]> = self.device.read(&copy, bytes, |bytes| bytemuck::cast_slice(bytes).to_vec())?;
-        let mut film = Film::new(self.size[0], self.size[1]);
-        film.samples = self.submitted.samples;
-        for (pixel, [r, g, b, rejected]) in sums.into_iter().enumerate() {
-            film.sums[pixel] = [r, g, b];
-            film.count_rejected(pixel, rejected as u32);
+        encoder.copy_buffer_to_buffer(&self.film, start, &buffer, 0, bytes);
+        if clear {
+            encoder.clear_buffer(&self.film, 0, Some(film_bytes(self.size)));
         }
+        let submission = self.device.queue.submit([encoder.finish()]);
+        Ok(FilmCopy { buffer, bytes, submission, samples: self.submitted.samples })
+    }
+
+    /// Waits for a copy of a film, and reads it.
+    pub(crate) fn finish(&mut self, copy: FilmCopy) -> Result<Film, RenderError> {
+        let Rect { x, width, height, .. } = self.rect;
+        let columns = x as usize..(x + width) as usize;
+        let row = self.size[0] as usize;
+        let mut film = Film::new(width, height);
+        film.samples = copy.samples;
+        let rejected = self.device.read_submitted(&copy.buffer, copy.bytes, copy.submission, |bytes| {
+            let sums: &[[f32; 4]] = bytemuck::cast_slice(bytes);
+            let rows = film.sums.par_chunks_mut(width as usize).zip(sums.par_chunks(row));
+            let rejected = rows.map(|(pixels, sums)| {
+                let sums = &sums[columns.clone()];
+                pixels.iter_mut().zip(sums).for_each(|(pixel, [r, g, b, _])| *pixel = [*r, *g, *b]);
+                sums.iter().any(|[.., rejected]| *rejected > 0.0)
+            });
+            let rows: Vec<bool> = rejected.collect();
+            let rows = rows.into_iter().enumerate().filter(|(_, rejected)| *rejected).map(|(y, _)| y);
+            let of_row = |y: usize| {
+                let sums = sums[y * row..][columns.clone()].iter().enumerate();
+                sums.map(|(x, [.., count])| (y * width as usize + x, *count as u32)).collect::<Vec<_>>()
+            };
+            rows.flat_map(of_row).collect::<Vec<(usize, u32)>>()
+        })?;
+        rejected.into_iter().for_each(|(pixel, count)| film.count_rejected(pixel, count));
+        self.staging = Some(copy.buffer);
         Ok(film)
     }
+}
+
+/// Film that is being read back.
+pub(crate) struct FilmCopy {
+    buffer: wgpu::Buffer,
+    bytes: u64,
+    submission: wgpu::SubmissionIndex,
+    samples: u32,
 }

@@ -17,6 +17,7 @@ use pathmarch_field::registry::{modifiers, operators, shapes};
 use pathmarch_scene::{Scene, textures};
 use rayon::prelude::*;
 use std::collections::HashSet;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -91,6 +92,7 @@ fn features(picture: &Path) -> Vec<Feature> {
         "picture as bump",
         &format!("diffuse 0.5; bump {{ picture \"{picture}\" height=0.01 }}"),
     ));
+    all.extend(mesh_features(&picture.to_string()));
     for (name, material) in [
         ("diffuse", "diffuse 0.5"),
         ("metal", "metal 1 0.8 0.4; roughness 0.3"),
@@ -154,6 +156,26 @@ fn features(picture: &Path) -> Vec<Feature> {
     all.push(Feature::new("many objects", copies(60, "object \"o", "\" { sphere 0.1 }")));
     all.push(Feature::new("many sphere-traced objects", copies(30, "object \"torus ", "\" { torus 0.3 0.1 }")));
     all
+}
+
+/// Features of meshes; `picture` is the path of an image file.
+fn mesh_features(picture: &str) -> Vec<Feature> {
+    let model = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../pathmarch-mesh/tests/data").join(name);
+    let (plain, smooth) = (model("BoxVertexColors.glb"), model("suzanne.glb"));
+    let (plain, smooth) = (plain.display(), smooth.display());
+    let field = |path: &dyn Display| format!("mesh \"{path}\" as=\"field\" resolution=16");
+    let at_uvs = |name: &str, solid: &str| {
+        let material = format!("material \"m {name}\" {{ diffuse {{ picture \"{picture}\" uv=#true }} }}");
+        Feature::new(name, format!("{material}\nobject \"{name}\" material=\"m {name}\" {{ {solid} }}"))
+    };
+    vec![
+        Feature::object("triangles", &format!("mesh \"{plain}\"")),
+        Feature::object("smooth triangles", &format!("mesh \"{smooth}\" {{ rotate 0 30 0; scale 0.5 }}")),
+        Feature::object("mesh field", &format!("union smooth=0.1 {{ sphere 0.5; {} }}", field(&smooth))),
+        at_uvs("uv triangles", &format!("mesh \"{plain}\"")),
+        at_uvs("uv field", &format!("twist 0.1 {{ {} }}", field(&plain))),
+        at_uvs("uv box", "box 1"),
+    ]
 }
 
 /// Scene with all of these features; of several skies, it has the first.

@@ -20,5 +20,6 @@ pub use adapter::{AdapterDescription, adapters};
 pub(crate) use bindings::{FRAME, LEAVES};
 pub(crate) use context::GpuContext;
 pub(crate) use device::Device;
-pub(crate) use job::{GpuJob, LIVE, OFFLINE, ReconstructedFilm};
+pub(crate) use job::{FilmCopy, GpuJob, LIVE, OFFLINE, ReconstructedFilm};
 pub(crate) use kernel_cache::KernelSource;
+pub(crate) use timer::GpuTimer;

@@ -1,10 +1,10 @@
 // import: backend/gpu/film, estimator, guides, integrator/camera, loop_check, sampler
 // One sample of a pixel.
 
-/// Value of the slice's sample of a pixel, as the film adds it.
-fn slice_value(x: u32, y: u32) -> vec4f {
+/// Adds the slice's sample of a pixel to those before.
+fn add_samples(before: vec4f, x: u32, y: u32) -> vec4f {
     let sampler = pixel_sampler(x, y, slice.sample, frame.seed);
     let value = kept(estimate(camera_ray(x, y, sampler), sampler));
     store_guide(y * frame.width + x, value.xyz);
-    return checked(value);
+    return before + checked(value);
 }

@@ -37,8 +37,8 @@ fn suspend(slot: u32, path: Path) {
     atomicAdd(&suspended.count, 1u);
 }
 
-/// Value of the slice's sample of a pixel, or zero while its path is suspended.
-fn slice_value(x: u32, y: u32) -> vec4f {
+/// Adds the slice's sample of a pixel to those before, unless its path is suspended.
+fn add_samples(before: vec4f, x: u32, y: u32) -> vec4f {
     let slot = slice.first_slot + (y - slice.first_row) * slice.columns + x - slice.first_column;
     let sampler = pixel_sampler(x, y, slice.sample, frame.seed);
     var path: Path;
@@ -46,7 +46,7 @@ fn slice_value(x: u32, y: u32) -> vec4f {
         path = path_from(camera_ray(x, y, sampler), sampler);
     } else {
         if suspended.paths[slot].surfaces == FINISHED {
-            return vec4f(0.0);
+            return before;
         }
         path = resumed(suspended.paths[slot], sampler);
     }
@@ -55,12 +55,12 @@ fn slice_value(x: u32, y: u32) -> vec4f {
         let goes_on = path_intersect(&path) && path_scatter(&path);
         if loops_ended() {
             suspend(slot, before);
-            return vec4f(0.0);
+            return before;
         }
         if !goes_on {
             break;
         }
     }
     suspended.paths[slot].surfaces = FINISHED;
-    return kept(film_value(path.radiance));
+    return before + kept(film_value(path.radiance));
 }

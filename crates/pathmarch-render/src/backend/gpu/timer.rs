@@ -16,7 +16,7 @@ const PASSES: u32 = 1024;
 const TIMESTAMP_BYTES: u64 = wgpu::QUERY_SIZE as u64;
 
 /// Timer of compute passes.
-pub(super) struct GpuTimer {
+pub(crate) struct GpuTimer {
     timestamps: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     copy: wgpu::Buffer,
@@ -27,7 +27,7 @@ pub(super) struct GpuTimer {
 
 impl GpuTimer {
     /// Creates a timer; `None` if the adapter does not support timestamps.
-    pub(super) fn new(device: &Device) -> Result<Option<Self>, RenderError> {
+    pub(crate) fn new(device: &Device) -> Result<Option<Self>, RenderError> {
         if !device.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
             return Ok(None);
         }
@@ -53,12 +53,12 @@ impl GpuTimer {
     }
 
     /// True if it must be read before the next pass.
-    pub(super) fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.passes == PASSES
     }
 
     /// Timestamps that the next pass must write. The timer must not be full.
-    pub(super) fn next(&mut self) -> wgpu::ComputePassTimestampWrites<'_> {
+    pub(crate) fn next(&mut self) -> wgpu::ComputePassTimestampWrites<'_> {
         let first = 2 * self.passes;
         self.passes += 1;
         wgpu::ComputePassTimestampWrites {
@@ -69,23 +69,28 @@ impl GpuTimer {
     }
 
     /// Total time of all passes so far; waits for them.
-    pub(super) fn read(&mut self, device: &Device) -> Result<Duration, RenderError> {
-        if self.passes > 0 {
-            let timestamps = 2 * self.passes;
-            let bytes = u64::from(timestamps) * TIMESTAMP_BYTES;
-            let mut encoder =
-                device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("timestamps") });
-            encoder.resolve_query_set(&self.timestamps, 0..timestamps, &self.resolved, 0);
-            encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.copy, 0, bytes);
-            device.queue.submit([encoder.finish()]);
-            let ticks = device.read(&self.copy, bytes, |bytes| {
-                let pairs = bytemuck::cast_slice::<u8, [u64; 2]>(bytes);
-                pairs.iter().map(|[began, ended]| ended.saturating_sub(*began)).sum::<u64>()
-            })?;
-            let nanoseconds = ticks as f64 * f64::from(device.queue.get_timestamp_period());
-            self.total += Duration::from_secs_f64(nanoseconds * 1e-9);
-            self.passes = 0;
-        }
+    pub(crate) fn read(&mut self, device: &Device) -> Result<Duration, RenderError> {
+        let passes: Duration = self.read_passes(device)?.iter().sum();
+        self.total += passes;
         Ok(self.total)
+    }
+
+    /// Time of each pass since the last readback; waits for them.
+    pub(crate) fn read_passes(&mut self, device: &Device) -> Result<Vec<Duration>, RenderError> {
+        if self.passes == 0 {
+            return Ok(Vec::new());
+        }
+        let timestamps = 2 * self.passes;
+        let bytes = u64::from(timestamps) * TIMESTAMP_BYTES;
+        let mut encoder =
+            device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("timestamps") });
+        encoder.resolve_query_set(&self.timestamps, 0..timestamps, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.copy, 0, bytes);
+        device.queue.submit([encoder.finish()]);
+        self.passes = 0;
+        let period = f64::from(device.queue.get_timestamp_period()) * 1e-9;
+        let duration =
+            |[began, ended]: &[u64; 2]| Duration::from_secs_f64(ended.saturating_sub(*began) as f64 * period);
+        device.read(&self.copy, bytes, |bytes| bytemuck::cast_slice(bytes).iter().map(duration).collect())
     }
 }

@@ -13,5 +13,6 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
         return;
     }
     let y = slice.first_row + id.y;
-    film[y * frame.width + x] += slice_value(x, y);
+    let pixel = y * frame.width + x;
+    film[pixel] = add_samples(film[pixel], x, y);
 }

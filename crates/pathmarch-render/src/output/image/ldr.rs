@@ -3,7 +3,7 @@
 //! **Idea.** The writer applies exposure, tone curve and the sRGB curve, and rounds to 8 bits. The reader decodes codes to
 //! linear light in 0..=1; it does not invert the tone curve. An `sRGB` chunk (PNG 3, section 11.3.2.5) declares the colour
 //! space of a PNG. The encoder does not support the chunk, so that the writer inserts its 13 bytes after the header, whose
-//! length is fixed.
+//! length is fixed. The provenance of a picture is in `tEXt` chunks behind it.
 //!
 //! **Limits.** The reader ignores colour profiles and gamma: all files count as sRGB. It drops alpha.
 
@@ -15,7 +15,7 @@ use ::image::codecs::png::PngEncoder;
 use ::image::{ExtendedColorType, ImageEncoder, ImageReader, Limits};
 use rayon::prelude::*;
 
-use super::{ImageError, ImageFormat, MAX_SIDE, Picture, check_size};
+use super::{ImageError, ImageFormat, MAX_SIDE, Picture, Provenance, check_size};
 use crate::output::tonemap::{Display, srgb_decode};
 
 /// JPEG quality, from 1 to 100.
@@ -27,14 +27,29 @@ const PNG_HEADER_BYTES: usize = 33;
 /// Complete `sRGB` chunk: length 1, name, rendering intent 0 (perceptual), checksum.
 const PNG_SRGB_CHUNK: [u8; 13] = [0, 0, 0, 1, b's', b'R', b'G', b'B', 0, 0xae, 0xce, 0x1c, 0xe9];
 
-/// Encodes the picture as a PNG file; errors name `path`.
-pub(super) fn encode_png(path: &Path, picture: &Picture, display: &Display) -> Result<Vec<u8>, ImageError> {
+/// Encodes the picture as a PNG file with its provenance; errors name `path`.
+pub(super) fn encode_png(
+    path: &Path,
+    picture: &Picture,
+    display: &Display,
+    provenance: &Provenance,
+) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
         .write_image(&codes(picture, display), picture.width, picture.height, ExtendedColorType::Rgb8)
         .map_err(|error| encode_error(path, &error))?;
-    bytes.splice(PNG_HEADER_BYTES..PNG_HEADER_BYTES, PNG_SRGB_CHUNK);
+    let mut chunks = PNG_SRGB_CHUNK.to_vec();
+    provenance.named_values().into_iter().for_each(|(name, value)| chunks.extend(text_chunk(name, &value)));
+    bytes.splice(PNG_HEADER_BYTES..PNG_HEADER_BYTES, chunks);
     Ok(bytes)
+}
+
+/// `tEXt` chunk (PNG 3, section 11.3.3.2): a keyword, a zero, and text in Latin-1, here printable ASCII.
+fn text_chunk(keyword: &str, text: &str) -> Vec<u8> {
+    let text: String = text.chars().map(|c| if matches!(c, ' '..='~') { c } else { '?' }).collect();
+    let body = [b"tEXt", keyword.as_bytes(), b"\0", text.as_bytes()].concat();
+    let length = (body.len() as u32 - 4).to_be_bytes();
+    [&length[..], &body, &crc32fast::hash(&body).to_be_bytes()].concat()
 }
 
 /// Encodes the picture as a JPEG file; errors name `path`.

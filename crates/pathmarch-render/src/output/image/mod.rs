@@ -15,9 +15,9 @@ mod ldr;
 
 pub use crate::output::tonemap::Display;
 
-use crate::output::atomic_file;
+use crate::output::atomic_file::{self, AtomicFile};
 use std::fs::File;
-use std::io::{self, BufWriter, Read, Write};
+use std::io::{self, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Largest width or height of a picture, pixels.
@@ -131,6 +131,25 @@ pub struct Provenance {
     pub version: String,
     /// Name of the [`Denoiser`](crate::denoise::Denoiser); `None` for pictures that are the mean of their samples.
     pub denoiser: Option<String>,
+}
+
+impl Provenance {
+    /// Values with the names that they have in PNG files.
+    fn named_values(&self) -> Vec<(&'static str, String)> {
+        let mut values = vec![
+            ("Software", format!("pathmarch {}", self.version)),
+            ("pathmarch:sceneHash", self.scene_hash.clone()),
+            ("pathmarch:samples", self.samples.to_string()),
+            ("pathmarch:firstSample", self.first_sample.to_string()),
+            ("pathmarch:seed", self.seed.to_string()),
+            ("pathmarch:bounces", self.bounces.to_string()),
+            ("pathmarch:mode", self.mode.clone()),
+            ("pathmarch:adapter", self.adapter.clone()),
+            ("pathmarch:backend", self.backend.clone()),
+        ];
+        values.extend(self.denoiser.clone().map(|denoiser| ("pathmarch:denoiser", denoiser)));
+        values
+    }
 }
 
 /// Image file formats.
@@ -289,7 +308,40 @@ pub fn save_with(
     display: &Display,
     provenance: &Provenance,
 ) -> Result<(), ImageError> {
+    let directory = atomic_file::directory(path);
+    if !directory.is_dir() {
+        return Err(ImageError::MissingDirectory { path: path.to_owned(), directory: directory.to_owned() });
+    }
     let format = ImageFormat::from_path(path)?;
+    let bytes = encode(path, format, picture, channels, display, provenance)?;
+    write_file(path, &bytes)
+}
+
+/// Writes a file atomically.
+///
+/// # Errors
+/// [`ImageError::Write`].
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+    let write = || {
+        let mut file = AtomicFile::create(path)?;
+        file.write_all(bytes)?;
+        file.commit()
+    };
+    write().map_err(|source| ImageError::Write { path: path.to_owned(), source })
+}
+
+/// Bytes of an image file, as [`save_with`] writes it; errors name `path`.
+///
+/// # Errors
+/// Those of [`save_with`] that are not of files.
+pub fn encode(
+    path: &Path,
+    format: ImageFormat,
+    picture: &Picture,
+    channels: Vec<Channel>,
+    display: &Display,
+    provenance: &Provenance,
+) -> Result<Vec<u8>, ImageError> {
     check_size(path, picture.width.into(), picture.height.into())?;
     let encode_error = |reason| Err(ImageError::Encode { path: path.to_owned(), reason });
     if format != ImageFormat::Exr && !channels.is_empty() {
@@ -303,21 +355,27 @@ pub fn save_with(
         }
     }
 
+    match format {
+        ImageFormat::Exr => {
+            let mut bytes = Cursor::new(Vec::new());
+            exr::write(path, &mut bytes, picture, channels, provenance)?;
+            Ok(bytes.into_inner())
+        }
+        ImageFormat::Png => ldr::encode_png(path, picture, display, provenance),
+        ImageFormat::Jpeg => ldr::encode_jpeg(path, picture, display),
+    }
+}
+
+/// Checks that a file can be written, before long work rather than after it.
+///
+/// # Errors
+/// [`ImageError`]: a directory that does not exist, or a path that cannot be written or is not a file.
+pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     let directory = atomic_file::directory(path);
     if !directory.is_dir() {
         return Err(ImageError::MissingDirectory { path: path.to_owned(), directory: directory.to_owned() });
     }
-    let write_error = |source| ImageError::Write { path: path.to_owned(), source };
-    let file = atomic_file::beside(path).map_err(write_error)?;
-    let mut writer = BufWriter::new(file);
-    match format {
-        ImageFormat::Exr => exr::write(path, &mut writer, picture, channels, provenance)?,
-        ImageFormat::Png => writer.write_all(&ldr::encode_png(path, picture, display)?).map_err(write_error)?,
-        ImageFormat::Jpeg => writer.write_all(&ldr::encode_jpeg(path, picture, display)?).map_err(write_error)?,
-    }
-    let file = writer.into_inner().map_err(|error| write_error(error.into_error()))?;
-    file.persist(path).map_err(|error| write_error(error.error))?;
-    Ok(())
+    AtomicFile::create(path).map(drop).map_err(|source| ImageError::Write { path: path.to_owned(), source })
 }
 
 /// Reads a picture; detects the format from the content, not from the name.

@@ -6,7 +6,7 @@ use super::place::{Inside, Place, colours};
 use crate::document::control::{Control, ControlKind, Value};
 use crate::document::key;
 use crate::document::tree::nodes::{child, texture_node};
-use crate::language::keywords::{BUMP, COLOUR, ORBIT_TRAP};
+use crate::language::keywords::{BUMP, COLOUR, ORBIT_TRAP, TRAP_NUMBERS};
 use crate::materials::{BUMP_HEIGHT, MaterialParam, ParamKind, Texturing};
 use crate::settings::PLACEMENT;
 use crate::textures::{self, PICTURE, PICTURE_SIZE};
@@ -50,8 +50,11 @@ impl List<'_> {
     /// Adds the range and the colours of an orbit trap.
     pub(super) fn orbit_trap_colours(&mut self) {
         let Some(node) = child(self.node, ORBIT_TRAP) else { return };
-        for (word, default) in [("from", 0.0), ("to", 1.0)] {
-            let doc = "Value of the trap at this end of the colours.";
+        for (word, default) in TRAP_NUMBERS {
+            let doc = match word {
+                "from" | "to" => "Value of the trap at this end of the colours.",
+                _ => "Centre of the trap, in the coordinates of the fractal.",
+            };
             let end = Param { default, ..Param::any("", 0.0, doc) };
             self.inside(ORBIT_TRAP, ORBIT_TRAP, word, &end, Inside::Property(word));
         }

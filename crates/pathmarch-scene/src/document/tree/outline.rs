@@ -2,7 +2,7 @@
 
 use super::nodes::{arguments, material_kind, property, text_argument};
 use super::path::Path;
-use crate::language::keywords::{FIELD, INCLUDE, NORMAL, PARAM, PLACEMENT, POINT, SHAPE};
+use crate::language::keywords::{FIELD, INCLUDE, MESH, NORMAL, PARAM, PLACEMENT, POINT, SHAPE};
 use crate::language::read::declarations::leaf_counts;
 use crate::language::tree::{Block, Node, Value};
 use pathmarch_field::registry;
@@ -64,7 +64,7 @@ impl ItemKind {
             (Some(_), word) => match registry::solid(word) {
                 Some(solid) if solid.is_operator() => Self::Operator,
                 Some(_) => Self::Shape,
-                None if declared(word) => Self::Shape,
+                None if word == MESH || declared(word) => Self::Shape,
                 None => Self::Instance,
             },
             _ => Self::Other,

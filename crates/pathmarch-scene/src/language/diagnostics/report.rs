@@ -3,7 +3,7 @@
 use crate::diagnostic::{Mistake, SceneError};
 use crate::language::characters::is_forbidden;
 use crate::language::tree::Span;
-use miette::NamedSource;
+use crate::source_text::SourceText;
 use std::sync::Arc;
 
 /// Largest number of mistakes that are kept; the others are only counted.
@@ -28,7 +28,7 @@ pub(crate) struct Report {
 struct Source {
     base: u32,
     bytes: u32,
-    code: Arc<NamedSource<String>>,
+    code: Arc<SourceText>,
 }
 
 impl Source {
@@ -39,7 +39,7 @@ impl Source {
             1 => '?',
             _ => char::REPLACEMENT_CHARACTER,
         };
-        let code = Arc::new(NamedSource::new(name, text.chars().map(visible).collect()));
+        let code = Arc::new(SourceText::new(name, text.chars().map(visible).collect()));
         Self { base, bytes: text.len() as u32, code }
     }
     /// Span within this text of a span among all texts.

@@ -11,7 +11,7 @@ use super::custom_sdf::CustomSdfs;
 use super::params::{declared_name, nodes};
 use crate::language::diagnostics::report::{Report, draft, shown};
 use crate::language::formulas::scope::Scope;
-use crate::language::keywords::{FIELD, MATERIAL, NORMAL, PARAM, PLACEMENT, SHAPE, solids};
+use crate::language::keywords::{FIELD, MATERIAL, MESH, NORMAL, PARAM, PLACEMENT, SHAPE, solids};
 use crate::language::syntax::MAX_NESTING;
 use crate::language::tree::{Entry, Node, Span};
 use std::collections::HashMap;
@@ -196,6 +196,7 @@ fn leaves(node: &Node, all: &Declarations, counts: &HashMap<String, usize>) -> O
         let own = match pathmarch_field::registry::solid(&child.name.value) {
             Some(solid) if !solid.is_operator() => 1,
             Some(_) => leaves(child, all, counts)?,
+            None if child.name.value == MESH => 1,
             None => match counts.get(&*child.name.value) {
                 Some(&count) => count,
                 None if all.find(&child.name.value).is_some() => return None,

@@ -12,7 +12,7 @@ use super::textures::{self, DEFAULT_COLOURS, Use};
 use super::unexpected::{unexpected_node, with_article};
 use crate::language::diagnostics::report::{draft, shown};
 use crate::language::diagnostics::spelling::{listed, suggestion};
-use crate::language::keywords::{BUMP, COLOUR, ORBIT_TRAP};
+use crate::language::keywords::{BUMP, COLOUR, ORBIT_TRAP, TRAP_NUMBERS};
 use crate::language::tree::{Node, Span};
 use crate::materials::{
     self, Bump, Material, MaterialParam, OrbitTrap, ParamKind, TextureMapping, TexturedParameter, Texturing, Trap,
@@ -159,13 +159,15 @@ fn painted(
     Some(TexturedParameter { param: index, texture, mapping })
 }
 
-/// `orbit-trap "point" from=0 to=1 { colour …; colour … }`.
+/// `orbit-trap "point" x=0 y=0 z=0 from=0 to=1 { colour …; colour … }`.
 fn orbit_trap(node: &Node, context: &mut Context) -> Option<OrbitTrap> {
     let usage = "`orbit-trap \"point\" from=0 to=1 { colour 0; colour 1 }`";
     let entries = arguments(node, 1, usage, context);
-    let mut range = [Some(0.0), Some(1.0)];
-    for (word, entry) in properties(node, &["from", "to"], context) {
-        range[usize::from(word == "to")] = in_range(entry, &format!("`{word}`"), Range::ANY, context);
+    let mut numbers = TRAP_NUMBERS.map(|(_, default)| Some(default));
+    for (word, entry) in properties(node, &TRAP_NUMBERS.map(|(word, _)| word), context) {
+        if let Some(index) = TRAP_NUMBERS.iter().position(|(name, _)| *name == word) {
+            numbers[index] = in_range(entry, &format!("`{word}`"), Range::ANY, context);
+        }
     }
     for child in node.child_nodes().iter().filter(|child| child.name.value != COLOUR) {
         unexpected_node(&child.name, &[COLOUR], "in an `orbit-trap`", context);
@@ -185,12 +187,13 @@ fn orbit_trap(node: &Node, context: &mut Context) -> Option<OrbitTrap> {
         }
         None => Trap::Point,
     };
-    let [from, to] = [range[0]?, range[1]?];
+    let [x, y, z, from, to] = numbers;
+    let (centre, range) = ([x?, y?, z?], [from?, to?]);
     let mut colours = colours?;
     if colours.is_empty() {
         colours = DEFAULT_COLOURS.to_vec();
     }
-    Some(OrbitTrap { trap, range: [from, to], colours })
+    Some(OrbitTrap { trap, centre, range, colours })
 }
 
 /// The value that a node gives a parameter; the default without arguments.

@@ -68,7 +68,8 @@ fn no_formula(entry: &Entry, text: &str, what: &str, trouble: Trouble, context: 
         }
         Trouble::UnknownName(name, range) => {
             let message = format!("There is no parameter {}.", shown(&name));
-            let help = match nearest(&name, context.scope.names()) {
+            let close = if context.report.is_full() { None } else { nearest(&name, context.scope.names()) };
+            let help = match close {
                 Some(word) => format!("Did you mean `{word}`?"),
                 None => format!("Declare it at the top: param {} 1.", shown(&name).trim_matches('`')),
             };

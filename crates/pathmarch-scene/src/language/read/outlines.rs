@@ -8,7 +8,7 @@ use crate::language::keywords::POINT;
 use crate::language::tree::{Entry, Node};
 use crate::settings::Range;
 use crate::text::{self, DEFAULT_FONT, DEFAULT_TEXT};
-use pathmarch_field::outline::{Fill, contour, has_area};
+use pathmarch_field::outline::{Fill, MAX_CROSSINGS, contour, has_area};
 
 /// The most points of a polygon.
 const MAX_POINTS: usize = 1000;
@@ -37,7 +37,14 @@ pub(super) fn points(node: &Node, context: &mut Context) -> Vec<f32> {
         return Vec::new();
     }
     let segments: Vec<f32> = contour(&points).collect();
-    if !has_area(&segments, Fill::EvenOdd) {
+    let Some(has_area) = has_area(&segments, Fill::EvenOdd) else {
+        let message = format!("This `{}` crosses itself too often.", node.name.value);
+        let mistake = draft("pathmarch::too_many_crossings", node.name.span, message);
+        let mistake = mistake.label(format!("more than {MAX_CROSSINGS} crossings"));
+        context.report.add(mistake.help("Put the points in their order along the outline, or use several polygons."));
+        return Vec::new();
+    };
+    if !has_area {
         let message = format!("This `{}` has no inside.", node.name.value);
         let mistake = draft("pathmarch::no_area", node.name.span, message).label("its points lie on a line");
         context.report.add(mistake.help("Move one of them aside."));

@@ -3,7 +3,7 @@
 //! The node that names the kind carries its parameters as properties; its placement and, for a colour, its colour ramp
 //! are in its braces.
 
-use super::arguments::{arguments, missing_arguments, no_children, properties, string};
+use super::arguments::{arguments, flag, missing_arguments, no_children, properties, string};
 use super::colours::colour;
 use super::context::{Context, Files, relative_to};
 use super::numbers::in_range;
@@ -15,7 +15,7 @@ use crate::language::keywords::{COLOUR, PLACEMENT};
 use crate::language::tree::{Entry, Node};
 use crate::materials::{BUMP_HEIGHT, TextureMapping};
 use crate::settings::Range;
-use crate::textures::{self, PICTURE_SIZE, Pattern, Texture, TextureKind, TextureParameters};
+use crate::textures::{self, PICTURE_SIZE, Pattern, Texture, TextureKind, TextureParameters, UvMapping};
 use pathmarch_field::Param;
 
 /// Use of a texture's values.
@@ -69,7 +69,9 @@ pub(super) fn texture(
         Use::Number(_) => &["from", "to"],
         Use::Height => &[&BUMP_HEIGHT.name],
     };
-    let known: Vec<&str> = numbers.iter().map(|param| &*param.name).chain(meant.iter().copied()).collect();
+    let only_pictures = kind.is_none().then_some(UV);
+    let words = numbers.iter().map(|param| &*param.name).chain(meant.iter().copied()).chain(only_pictures);
+    let known: Vec<&str> = words.collect();
     let named = properties(node, &known, context);
     let values = values(numbers, &named, context);
     let mapping = mapping(node, kind, to, &named, context);
@@ -86,7 +88,12 @@ pub(super) fn texture(
             arguments(node, 0, &format!("`{}`, with its numbers by name", kind.name), context);
             Pattern::Computed { kind, parameters: values }
         }
-        None => picture(node, values[0], matches!(to, Use::Colour), files, context)?,
+        None => {
+            let uv = named.iter().find(|(name, _)| *name == UV).map(|(_, entry)| *entry);
+            let by_uv = uv.is_some_and(|entry| flag(entry, "`uv`", context).unwrap_or_default());
+            let size = (!by_uv).then_some(values[0]);
+            picture(node, size, matches!(to, Use::Colour), files, context)?
+        }
     };
     Some((Texture { pattern, pose: placement.value.pose() }, mapping?))
 }
@@ -154,8 +161,11 @@ pub(super) fn colours(node: &Node, context: &mut Context) -> Option<Vec<[f32; 3]
     read.into_iter().collect()
 }
 
-/// `picture "wood.jpg" size=1`.
-fn picture(node: &Node, size: f32, encoded: bool, files: &mut Files, context: &mut Context) -> Option<Pattern> {
+/// Property of pictures at the texture coordinates of a mesh.
+const UV: &str = "uv";
+
+/// `picture "wood.jpg" size=1`; without a size, at texture coordinates.
+fn picture(node: &Node, size: Option<f32>, encoded: bool, files: &mut Files, context: &mut Context) -> Option<Pattern> {
     let usage = "`picture \"wood.jpg\" size=1`";
     let entries = arguments(node, 1, usage, context);
     let Some(entry) = entries.first() else {
@@ -170,7 +180,10 @@ fn picture(node: &Node, size: f32, encoded: bool, files: &mut Files, context: &m
     }
     let path = relative_to(files.scene, name);
     match files.assets.texture(&path, encoded) {
-        Ok(picture) => Some(Pattern::Picture { picture, size }),
+        Ok(picture) => Some(match size {
+            Some(size) => Pattern::Picture { picture, size },
+            None => Pattern::UvPicture { picture, mapping: UvMapping::default() },
+        }),
         Err(error) => {
             let message = format!("The picture {} cannot be a texture.", shown(name));
             let mistake = draft("pathmarch::texture_picture", entry.value_span, message);

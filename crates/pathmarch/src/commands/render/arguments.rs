@@ -1,20 +1,28 @@
 //! Arguments of `pathmarch render`, and the settings they stand for.
 
+use super::default_output;
+use super::output::Output;
 use crate::commands::listed;
+use crate::commands::merge::is_film;
 use crate::frames::{self, FrameRange};
-use pathmarch_cli::{BackendArgument, Failure, RenderOptions, check_directory, value_parsers};
+use crate::video;
+use pathmarch_cli::{BackendArgument, Failure, RenderOptions, value_parsers};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::denoise::Denoiser;
 use pathmarch_render::image::ImageFormat;
+use pathmarch_render::parts::Rect;
 use pathmarch_render::pathmarch_scene::{RenderSettings, Scene, settings};
+use pathmarch_render::tonemap::Display;
 use pathmarch_render::{MAX_SPLITTING, Mode, PreviewStep, Settings, Shutter};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct Arguments {
-    /// Scene file
-    pub(super) scene: PathBuf,
-    /// Picture to write: .png, .jpg or .exr [default: name of the scene with .png, in the current directory]
+    /// Scene files; - for standard input, or the name of an example of the gallery
+    #[arg(required = true, value_name = "SCENE")]
+    pub(super) scenes: Vec<PathBuf>,
+    /// Picture to write: .png, .jpg or .exr; with --frames also .mp4, .webm, .gif or .apng; .film for a part to be merged; - for a PNG on standard output; a directory for
+    /// several scenes [default: name of the scene with .png, in the current directory]
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -61,6 +69,15 @@ pub struct Arguments {
     /// Time of the picture: seconds since frame 0
     #[arg(long, value_name = "SECONDS", conflicts_with = "frames", value_parser = parse_time, allow_hyphen_values = true)]
     pub(super) time: Option<f64>,
+    /// Continue from the checkpoint that an interrupted render left beside its output
+    #[arg(long)]
+    pub(super) resume: bool,
+    /// Rectangle of pixels to render: width, height, left column and top row, as in 640x360+0+360
+    #[arg(long, value_name = "WxH+X+Y", value_parser = parse_crop)]
+    pub(super) crop: Option<Rect>,
+    /// Print progress as lines of JSON on standard output
+    #[arg(long)]
+    pub(super) json: bool,
     /// Render backend
     #[arg(long, value_enum, default_value = "auto")]
     pub(super) backend: BackendArgument,
@@ -70,6 +87,20 @@ pub struct Arguments {
     /// Write the GPU kernel of the picture as commented WGSL, and render nothing
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "output"])]
     pub(super) dump_wgsl: Option<PathBuf>,
+}
+
+/// Parses a rectangle such as `640x360+0+360`.
+fn parse_crop(text: &str) -> Result<Rect, String> {
+    let number = |text: &str| text.trim().parse::<u32>().ok();
+    let parse = || {
+        let (size, place) = text.split_once('+')?;
+        let (width, height) = size.split_once(['x', 'X', '×'])?;
+        let (x, y) = place.split_once('+')?;
+        Some(Rect { x: number(x)?, y: number(y)?, width: number(width)?, height: number(height)? })
+    };
+    parse()
+        .filter(|rect| rect.pixels() > 0)
+        .ok_or_else(|| "expected WIDTHxHEIGHT+X+Y in pixels, such as 640x360+0+360".to_owned())
 }
 
 /// Parser for a setting with a fixed set of names.
@@ -181,8 +212,15 @@ impl Arguments {
         for step in &self.preview_without {
             settings.preview_steps.set(*step, false);
         }
-        let (first_sample, seed, splitting) = (self.first_sample, self.seed, self.splitting);
-        Ok(Settings { first_sample, seed, camera, mode, splitting, ..settings })
+        let (first_sample, seed, splitting, crop) = (self.first_sample, self.seed, self.splitting, self.crop);
+        let whole = Settings { first_sample, seed, camera, mode, splitting, crop, ..settings };
+        let Some(range) = self.render.sample_range() else { return Ok(whole) };
+        Ok(Settings {
+            first_sample: range.start,
+            whole_samples: Some(whole.samples.max(range.end)),
+            samples: range.end - range.start,
+            ..whole
+        })
     }
 
     /// Render settings of the scene with those of the command line.
@@ -209,27 +247,92 @@ impl Arguments {
         Shutter::open_for(scene, self.render_settings(scene).shutter, fps)
     }
 
-    pub(super) fn output(&self) -> Result<PathBuf, Failure> {
-        let output = match &self.output {
-            Some(output) => output.clone(),
-            None => {
-                let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
-                let digits = if self.frames.is_some() { "-####" } else { "" };
-                PathBuf::from(format!("{stem}{digits}.png"))
-            }
-        };
-        if let Some(frames) = self.frames {
-            frames::check_pattern(&output, frames).map_err(Failure::Usage)?;
+    /// Name of the first scene, for messages.
+    pub(super) fn scene_name(&self) -> String {
+        self.scenes.first().map_or_else(String::new, |scene| scene.display().to_string())
+    }
+
+    /// Tone curve and exposure.
+    pub(super) fn display(&self, scene: &Scene, settings: &Settings) -> Display {
+        Display {
+            tonemap: self.render_settings(scene).tonemap,
+            exposure_stops: self.exposure.unwrap_or(settings.camera_of(scene).exposure),
         }
-        let format = ImageFormat::from_path(&output).map_err(|error| Failure::Usage(error.to_string()))?;
-        if self.aov.is_some() && format != ImageFormat::Exr {
+    }
+
+    /// Checks arguments that exclude each other.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        self.check_denoiser()?;
+        let refuse = |message: &str| Err(Failure::Usage(message.to_owned()));
+        if self.first_sample > 0 && self.render.sample_range().is_some() {
+            return refuse("--first-sample and a range of --samples exclude each other; use --samples A..B");
+        }
+        if self.denoise.is_some() && self.resume {
+            return refuse(
+                "--denoise and --resume exclude each other: a denoiser needs samples that no checkpoint has",
+            );
+        }
+        if self.denoise.is_some() && (self.crop.is_some() || self.output.as_ref().is_some_and(|output| is_film(output)))
+        {
+            return refuse("--denoise needs the whole picture; it excludes --crop and .film");
+        }
+        if self.aov.is_some() && self.crop.is_some() {
+            return refuse("--aov and --crop exclude each other");
+        }
+        if self.json && self.output.as_deref() == Some(Path::new("-")) {
+            return refuse("--json and -o - both write to standard output");
+        }
+        Ok(())
+    }
+
+    /// Output of each scene.
+    pub(super) fn outputs(&self) -> Result<Vec<PathBuf>, Failure> {
+        let has_frames = self.frames.is_some();
+        let outputs: Vec<PathBuf> = match &self.output {
+            Some(directory) if directory.is_dir() && self.scenes.len() > 1 => {
+                self.scenes.iter().map(|scene| directory.join(default_output(scene, has_frames))).collect()
+            }
+            Some(output) if self.scenes.len() == 1 => vec![output.clone()],
+            Some(output) => {
+                let message = format!("{} is not a directory; -o must name one for several scenes", output.display());
+                return Err(Failure::Usage(message));
+            }
+            None => self.scenes.iter().map(|scene| default_output(scene, has_frames)).collect(),
+        };
+        for (index, output) in outputs.iter().enumerate() {
+            if outputs[..index].contains(output) {
+                return Err(Failure::Usage(format!(
+                    "two scenes would be written to {}; render them one by one",
+                    output.display()
+                )));
+            }
+            self.check_output(output)?;
+        }
+        Ok(outputs)
+    }
+
+    fn check_output(&self, output: &Path) -> Result<(), Failure> {
+        if video::is_video(output) {
+            if self.frames.is_none() {
+                return Err(Failure::Usage(format!(
+                    "{}: a video needs --frames, as in --frames 1-120",
+                    output.display()
+                )));
+            }
+            video::check(output)?;
+            return pathmarch_cli::check_output(output);
+        }
+        if let Some(frames) = self.frames {
+            frames::check_pattern(output, frames).map_err(Failure::Usage)?;
+        }
+        let kind = Output::of(output)?;
+        if self.aov.is_some() && ImageFormat::from_path(output).ok() != Some(ImageFormat::Exr) {
             return Err(Failure::Usage(format!(
                 "--aov: {} cannot store layers, only OpenEXR can; use -o {}",
                 output.display(),
                 output.with_extension("exr").display()
             )));
         }
-        check_directory(&output)?;
-        Ok(output)
+        if self.dump_wgsl.is_some() { Ok(()) } else { kind.check() }
     }
 }

@@ -1,34 +1,77 @@
-//! `pathmarch render`: renders a scene to a picture.
+//! `pathmarch render`: renders scenes to pictures.
 
 mod arguments;
+mod checkpoint;
 mod denoising;
+mod frame_directory;
+mod frames;
+mod output;
+mod progress;
+mod still;
 
-use super::progress_bar;
-use crate::frames::{self, FrameRange};
+use super::scene_source::SceneSource;
 use crate::picture::{Denoised, Rendered};
+use crate::video;
 pub use arguments::Arguments;
 use arguments::Layers;
-use denoising::Samples;
-use pathmarch_cli::{DONE, Failure, INTERRUPTED, catch_interrupts, print_report};
+use frame_directory::FrameDirectory;
+use frames::Frames;
+use output::Output;
+use pathmarch_cli::{DONE, Failure, INTERRUPTED, catch_interrupts, note, print_report};
 use pathmarch_render::film::Film;
+use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
-use pathmarch_render::tonemap::Display;
-use pathmarch_render::{BackendInfo, Mode, RenderError, Renderer, Settings, kernel_wgsl};
-use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use pathmarch_render::{Backend, BackendInfo, Mode, RenderError, Renderer, Settings, kernel_wgsl};
+use progress::Progress;
+use serde_json::json;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
+use still::{Outcome, Task};
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let output = arguments.output()?;
-    arguments.check_denoiser()?;
-    let mut animation = Animation::load(&arguments.scene)?;
-    let fps = arguments.render_settings(&animation.at(Moment::default())?).fps;
-    if let Some(frames) = arguments.frames {
-        return run_frames(arguments, frames, fps, &output, animation);
+    arguments.check()?;
+    let outputs = arguments.outputs()?;
+    let interrupted = catch_interrupts()?;
+    let mut code = DONE;
+    for (scene, output) in arguments.scenes.iter().zip(&outputs) {
+        let one = Arguments { scenes: vec![scene.clone()], ..arguments.clone() };
+        code = render(&one, output, &interrupted)?;
+        if code == INTERRUPTED {
+            break;
+        }
     }
-    let moment = Moment::of_seconds(arguments.time.unwrap_or(0.0), fps);
-    let scene = animation.at(moment)?;
+    Ok(code)
+}
+
+/// Renders one scene.
+fn render(arguments: &Arguments, output: &Path, interrupted: &AtomicBool) -> Result<u8, Failure> {
+    let source = SceneSource::of(&arguments.scenes[0])?;
+    let mut animation = source.animation()?;
+    let fps = arguments.render_settings(&animation.at(Moment::default())?).fps;
+    let progress = Progress::new(arguments.json, arguments.seconds);
+    if let Some(range) = arguments.frames {
+        let (renderer, animation) = (open_renderer(arguments, None)?, Arc::new(Mutex::new(animation)));
+        let still_frames = video::is_video(output).then(|| FrameDirectory::of(output));
+        let pattern = still_frames.as_ref().map_or(Ok(output), |frames| frames.create(arguments))?;
+        let frames = Frames {
+            arguments,
+            frames: range,
+            fps,
+            pattern,
+            animation,
+            renderer: &renderer,
+            interrupted,
+            progress: &progress,
+        };
+        let code = frames.run()?;
+        return match still_frames {
+            Some(frames) if code == DONE => frames.encode(output, range, fps).map(|()| code),
+            _ => Ok(code),
+        };
+    }
+    let scene = animation.at(Moment::of_seconds(arguments.time.unwrap_or(0.0), fps))?;
     for warning in &scene.warnings {
         print_report(warning);
     }
@@ -36,41 +79,79 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     if let Some(file) = &arguments.dump_wgsl {
         return dump_wgsl(&scene, &settings, file);
     }
-    let interrupted = catch_interrupts()?;
-    let renderer = Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
-    let animation = Arc::new(Mutex::new(animation));
-    let shutter = arguments.shutter(&scene, fps);
-    let mut job = renderer.start_motion_blur(&animation, &scene, &settings, shutter).map_err(render_failure)?;
-    print_settings(arguments, job.backend(), &settings);
-    let started = Instant::now();
-    // In units of 1/1000 sample, so that slow samples show progress.
-    let bar = progress_bar(u64::from(settings.samples) * 1000);
-    let stop = |done: f64| should_stop(arguments, &interrupted, started, done);
-    let samples = Samples::render(&mut job, arguments.denoise, stop, |done| {
-        bar.set_position((done * 1000.0) as u64);
-        let rate = done / started.elapsed().as_secs_f64().max(1e-9);
-        bar.set_message(format!("{}/{} samples, {rate:.2} samples/s", done as u32, settings.samples));
-    })
-    .map_err(render_failure)?;
-    bar.finish_and_clear();
-    let (film, seconds) = (samples.film(), started.elapsed().as_secs_f64());
-    let denoised = samples.denoised(&animation, &scene, &settings, shutter)?;
-    let filter_seconds = started.elapsed().as_secs_f64() - seconds;
-    let denoising = denoised.as_ref().map_or(String::new(), |_| format!(", denoised in {filter_seconds:.1} s"));
-    write(arguments, job.backend(), &scene, &settings, film, denoised, &output)?;
+    still(arguments, (animation, &scene, fps), settings, &Output::of(output)?, (interrupted, &progress))
+}
+
+/// Renders one picture.
+fn still(
+    arguments: &Arguments,
+    (animation, scene, fps): (Animation, &Scene, f32),
+    settings: Settings,
+    output: &Output,
+    (interrupted, progress): (&AtomicBool, &Progress),
+) -> Result<u8, Failure> {
+    let engine = still::engine_of_checkpoint(arguments, output);
+    let renderer = open_renderer(arguments, engine.as_deref())?;
+    let task = Task {
+        arguments,
+        renderer: &renderer,
+        animation: &Arc::new(Mutex::new(animation)),
+        scene,
+        settings,
+        shutter: arguments.shutter(scene, fps),
+        output,
+        interrupted,
+        progress,
+        place: (0, 1, None),
+        says_settings: true,
+    };
+    let outcome = task.run()?;
+    progress.finish();
+    report(&outcome, output, progress);
+    Ok(if outcome.interrupted { INTERRUPTED } else { DONE })
+}
+
+/// Opens the backend of the arguments; `engine` is that of a checkpoint, which decides if the arguments do not.
+fn open_renderer(arguments: &Arguments, engine: Option<&str>) -> Result<Renderer, Failure> {
+    let backend = match (Backend::from(arguments.backend), engine) {
+        (Backend::Auto, Some(engine)) if engine.starts_with("CPU") => Backend::Cpu,
+        (Backend::Auto, Some(_)) => Backend::Gpu,
+        (backend, _) => backend,
+    };
+    let adapter = engine.and_then(|engine| engine.split_once(": ")).filter(|(name, _)| !name.starts_with("CPU"));
+    let adapter =
+        arguments.adapter.as_deref().or(adapter.map(|(_, adapter)| adapter)).filter(|_| backend != Backend::Cpu);
+    Renderer::open(backend, adapter).map_err(Failure::other)
+}
+
+/// Says what was rendered.
+fn report(outcome: &Outcome, output: &Output, progress: &Progress) {
+    let Outcome { film, of, seconds, .. } = outcome;
     if film.non_finite() > 0 {
-        eprintln!("warning: {} non-finite samples were discarded", film.non_finite());
+        note!("warning: {} non-finite samples were discarded", film.non_finite());
     }
-    let cut_short = film.samples < settings.samples && interrupted.load(Ordering::SeqCst);
-    eprintln!(
-        "{}wrote {} after {} of {} samples in {seconds:.1} s ({:.2} samples/s){denoising}",
-        if cut_short { "interrupted: " } else { "" },
-        output.display(),
+    let denoising = outcome.denoising.map_or_else(String::new, |seconds| format!(", denoised in {seconds:.1} s"));
+    let resume = outcome.checkpoint.as_ref().map_or_else(String::new, |_| "; continue with --resume".to_owned());
+    note!(
+        "{}{} {} after {} of {of} samples in {seconds:.1} s ({:.2} samples/s){denoising}{resume}",
+        if outcome.interrupted { "interrupted: " } else { "" },
+        if outcome.written { "wrote" } else { "did not write" },
+        output.name(),
         film.samples,
-        settings.samples,
-        f64::from(film.samples) / seconds,
+        f64::from(outcome.rendered) / seconds,
     );
-    Ok(if cut_short { INTERRUPTED } else { DONE })
+    progress.event(
+        if outcome.interrupted { "interrupted" } else { "done" },
+        [
+            ("output", json!(output.name())),
+            ("written", json!(outcome.written)),
+            ("samples", json!(film.samples)),
+            ("of", json!(of)),
+            ("seconds", json!(seconds)),
+            ("rejected", json!(film.non_finite())),
+            ("checkpoint", json!(outcome.checkpoint)),
+        ],
+    );
 }
 
 /// Writes the kernel of the picture, and renders nothing.
@@ -78,115 +159,33 @@ fn dump_wgsl(scene: &Scene, settings: &Settings, file: &Path) -> Result<u8, Fail
     let code = kernel_wgsl(scene, settings, false).map_err(render_failure)?;
     std::fs::write(file, &code)
         .map_err(|error| Failure::Other(format!("{}: cannot be written: {error}", file.display())))?;
-    eprintln!("wrote {}: the kernel of a GPU, {} lines of WGSL", file.display(), code.lines().count());
+    note!("wrote {}: the kernel of a GPU, {} lines of WGSL", file.display(), code.lines().count());
     Ok(DONE)
 }
 
-/// Renders frames one after the other; a frame is written once it is complete.
-fn run_frames(
-    arguments: &Arguments,
-    frames: FrameRange,
-    fps: f32,
-    pattern: &Path,
-    animation: Animation,
-) -> Result<u8, Failure> {
-    let all: Vec<u32> = frames.numbers().collect();
-    let there = |frame: &u32| arguments.skip_existing && frames::file(pattern, *frame).exists();
-    let left: Vec<u32> = all.iter().copied().filter(|frame| !there(frame)).collect();
-    let skipped = all.len() - left.len();
-    let Some(&first) = left.first() else {
-        eprintln!("all {} frames exist already", all.len());
-        return Ok(DONE);
-    };
-    let interrupted = catch_interrupts()?;
-    let renderer = Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
-    let animation = Arc::new(Mutex::new(animation));
-    let began = Instant::now();
-    let bar = progress_bar(left.len() as u64 * 1000);
-    let mut non_finite = 0;
-    let mut warned: Vec<String> = Vec::new();
-    for (index, &frame) in left.iter().enumerate() {
-        let moment = Moment::of_frame(frame, fps);
-        let scene = animation.lock().unwrap_or_else(PoisonError::into_inner).at(moment);
-        let scene = scene.map_err(|error| in_frame(frame, error.into()))?;
-        for warning in scene.warnings.iter().filter(|warning| !warned.contains(&warning.message)) {
-            bar.suspend(|| print_report(warning));
-        }
-        warned.extend(scene.warnings.iter().map(|warning| warning.message.clone()));
-        let settings = arguments.settings(&scene)?;
-        let shutter = arguments.shutter(&scene, fps);
-        let job = renderer.start_motion_blur(&animation, &scene, &settings, shutter);
-        let mut job = job.map_err(|error| in_frame(frame, render_failure(error)))?;
-        if frame == first {
-            print_settings(arguments, job.backend(), &settings);
-        }
-        let started = Instant::now();
-        let stop = |done: f64| should_stop(arguments, &interrupted, started, done);
-        let samples = Samples::render(&mut job, arguments.denoise, stop, |done| {
-            let share = done / f64::from(settings.samples);
-            bar.set_position(((index as f64 + share) * 1000.0) as u64);
-            let (number, count) = (index + 1, left.len());
-            bar.set_message(format!("frame {frame} ({number}/{count}), {}/{} samples", done as u32, settings.samples));
-        });
-        let samples = samples.map_err(|error| in_frame(frame, render_failure(error)))?;
-        // An incomplete frame is not written: its file would count as done.
-        if interrupted.load(Ordering::SeqCst) {
-            bar.finish_and_clear();
-            let (wrote, more) = (frame_count(index), left.len() - index);
-            eprintln!("interrupted: wrote {wrote}, {more} left; continue with --skip-existing");
-            return Ok(INTERRUPTED);
-        }
-        let output = frames::file(pattern, frame);
-        let denoised = samples.denoised(&animation, &scene, &settings, shutter);
-        let wrote = denoised
-            .and_then(|denoised| write(arguments, job.backend(), &scene, &settings, samples.film(), denoised, &output));
-        wrote.map_err(|failure| in_frame(frame, failure))?;
-        non_finite += samples.film().non_finite();
-    }
-    bar.finish_and_clear();
-    if non_finite > 0 {
-        eprintln!("warning: {non_finite} non-finite samples were discarded");
-    }
-    let there = if skipped > 0 { format!(", {skipped} existed already") } else { String::new() };
-    let (wrote, seconds) = (frame_count(left.len()), began.elapsed().as_secs_f64());
-    eprintln!("wrote {wrote} to {} in {seconds:.1} s{there}", pattern.display());
-    Ok(DONE)
-}
-
-fn frame_count(frames: usize) -> String {
-    if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") }
-}
-
-/// Adds the frame number to a failure.
-fn in_frame(frame: u32, failure: Failure) -> Failure {
-    match failure {
-        Failure::Scene(error) => {
-            eprintln!("frame {frame} cannot be rendered; frames written before it are kept");
-            Failure::Scene(error)
-        }
-        Failure::Interrupted => Failure::Interrupted,
-        Failure::Usage(message) => Failure::Usage(format!("frame {frame}: {message}")),
-        Failure::Other(message) => Failure::Other(format!("frame {frame}: {message}")),
-    }
-}
-
-/// Returns true if a picture has to stop early.
-fn should_stop(arguments: &Arguments, interrupted: &AtomicBool, started: Instant, done: f64) -> bool {
-    let late = arguments.seconds.is_some_and(|seconds| started.elapsed().as_secs_f64() >= seconds);
-    interrupted.load(Ordering::SeqCst) || late && done >= 1.0
-}
-
-fn print_settings(arguments: &Arguments, backend: &BackendInfo, settings: &Settings) {
-    if let Some(notice) = &backend.notice {
-        eprintln!("note: {notice}; rendering on the CPU");
-    }
+fn print_settings(arguments: &Arguments, backend: &BackendInfo, settings: &Settings, progress: &Progress) {
     let [width, height] = settings.size;
-    eprintln!(
-        "{}: {width}x{height}, {}, on {} ({})",
-        arguments.scene.display(),
-        described(settings),
-        backend.name,
-        backend.adapter,
+    progress.suspend(|| {
+        if let Some(notice) = &backend.notice {
+            note!("note: {notice}; rendering on the CPU");
+        }
+        note!(
+            "{}: {width}x{height}, {}, on {} ({})",
+            arguments.scene_name(),
+            described(settings),
+            backend.name,
+            backend.adapter,
+        );
+    });
+    progress.event(
+        "start",
+        [
+            ("scene", json!(arguments.scene_name())),
+            ("size", json!(settings.size)),
+            ("samples", json!(settings.samples)),
+            ("backend", json!(backend.name)),
+            ("adapter", json!(backend.adapter)),
+        ],
     );
 }
 
@@ -198,15 +197,17 @@ fn write(
     settings: &Settings,
     film: &Film,
     denoised: Option<Denoised>,
-    output: &Path,
+    output: &Output,
 ) -> Result<(), Failure> {
-    let display = settings.mode.display(Display {
-        tonemap: arguments.render_settings(scene).tonemap,
-        exposure_stops: arguments.exposure.unwrap_or(settings.camera_of(scene).exposure),
-    });
+    let display = settings.mode.display(arguments.display(scene, settings));
     let rendered = Rendered { scene, settings, film, backend, denoised };
     let layers = arguments.aov.as_ref().map_or(&[][..], |Layers(layers)| layers);
-    rendered.write(output, &display, layers).map_err(Failure::Other)
+    let Some(file) = output.file() else {
+        let bytes = rendered.encode(Path::new("standard output"), ImageFormat::Png, &display, layers);
+        let mut out = std::io::stdout().lock();
+        return out.write_all(&bytes.map_err(Failure::Other)?).and_then(|()| out.flush()).map_err(Failure::other);
+    };
+    rendered.write(file, &display, layers).map_err(Failure::Other)
 }
 
 fn render_failure(error: RenderError) -> Failure {
@@ -219,10 +220,22 @@ fn render_failure(error: RenderError) -> Failure {
 
 /// Description of the render settings.
 fn described(settings: &Settings) -> String {
-    let Settings { samples, bounces, mode, .. } = settings;
+    let Settings { samples, first_sample, bounces, mode, .. } = settings;
+    let samples = match settings.whole_samples {
+        Some(whole) => format!("samples {first_sample}..{} of {whole}", first_sample + samples),
+        None => format!("{samples} samples"),
+    };
+    let samples = settings.crop.map_or(samples.clone(), |crop| format!("pixels {crop}, {samples}"));
     match mode {
-        Mode::Path => format!("{samples} samples, {bounces} bounces"),
-        Mode::Variance => format!("mode {}, {samples} samples, {bounces} bounces", mode.name()),
-        _ => format!("mode {}, {samples} samples", mode.name()),
+        Mode::Path => format!("{samples}, {bounces} bounces"),
+        Mode::Variance => format!("mode {}, {samples}, {bounces} bounces", mode.name()),
+        _ => format!("mode {}, {samples}", mode.name()),
     }
+}
+
+/// Default name of the output of a scene.
+fn default_output(scene: &Path, frames: bool) -> PathBuf {
+    let stem =
+        if scene == Path::new("-") { "stdin".into() } else { scene.file_stem().unwrap_or_default().to_string_lossy() };
+    PathBuf::from(format!("{stem}{}.png", if frames { "-####" } else { "" }))
 }

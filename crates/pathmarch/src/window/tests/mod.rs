@@ -116,7 +116,12 @@ impl Start {
         let desk = Desk {
             app: None,
             options: Options { scene: self.scene, backend: Backend::Cpu, adapter: None, timings: false },
-            dirs: AppDirs { recovery: home.join("recovery"), references: home.join("references"), preferences: home },
+            dirs: AppDirs {
+                recovery: home.join("recovery"),
+                references: home.join("references"),
+                meshes: home.join("meshes"),
+                preferences: home,
+            },
         };
         let frame = |ui: &mut egui::Ui, desk: &mut Desk| {
             let Desk { app, options, dirs } = desk;

@@ -1,10 +1,10 @@
 //! Lights as records of one layout.
 
 use crate::scene::light::{BoxLight, Light, LightShape, SheetLight, SphereLight};
-use crate::settings::DirectLighting;
 use crate::wgsl::{declaration, shared_struct, write_constant};
 use bytemuck::Zeroable;
 use glam::Vec3;
+use pathmarch_scene::DirectLighting;
 
 shared_struct! {
     /// Light. A field that a kind of light lacks is zero.

@@ -1,7 +1,7 @@
 //! Encoding of a scene for the kernel's buffers.
 //!
 //! Leaves and materials have the same layout on both backends. This module encodes the other tables: lights as records, and
-//! textures, the sky's alias tables, the directional albedos of GGX and the data of the mode as words of one buffer.
+//! textures, the sky's alias tables, the directional albedos of GGX, the data of the mode and meshes as words of one buffer.
 
 pub(super) mod light;
 pub(super) mod preview;
@@ -13,6 +13,7 @@ pub(super) use texture::computed_kind;
 use crate::backend::{ModeData, RenderInput};
 use crate::scene::SkyLight;
 use crate::wgsl::write_constant;
+use pathmarch_field::wgsl::Program;
 use pathmarch_scene::Sampler;
 use pathmarch_scene::materials::albedo;
 
@@ -29,11 +30,13 @@ pub(crate) struct SceneData {
     pub(super) textures: usize,
     /// Offset of the data of the mode.
     pub(super) mode: usize,
+    /// Offset of the meshes.
+    pub(super) meshes: usize,
 }
 
 impl SceneData {
     /// Encodes a scene and its mode.
-    pub(super) fn new(input: &RenderInput) -> Self {
+    pub(super) fn new(input: &RenderInput, program: &Program) -> Self {
         let scene = &input.scene;
         let mut words: Vec<u32> =
             scene.sky.alias_tables().flat_map(|&(threshold, alias)| [threshold.to_bits(), alias]).collect();
@@ -53,7 +56,9 @@ impl SceneData {
             ModeData::Preview(data) => words.extend(preview::encode(data)),
             ModeData::View(table) => words.extend(table.iter().map(|number| number.to_bits())),
         }
-        Self { words, sky_texels, sky: 0, ggx, textures, mode }
+        let meshes = words.len();
+        words.extend(&program.mesh_words);
+        Self { words, sky_texels, sky: 0, ggx, textures, mode, meshes }
     }
 }
 

@@ -6,6 +6,7 @@
 use crate::scene::textured_material::{Change, Layer, Source, TexturedMaterial};
 use crate::wgsl::shared_constants;
 use pathmarch_field::Field;
+use pathmarch_mesh::material::Wrap;
 use pathmarch_scene::textures::{self, Pattern, Picture, Texture, TextureKind};
 
 shared_constants! {
@@ -20,6 +21,7 @@ shared_constants! {
     /// Kinds of textures that are not functions of the point alone.
     const ORBIT_SOURCE: u32 = 1000;
     const PICTURE_SOURCE: u32 = 1001;
+    const UV_PICTURE_SOURCE: u32 = 1002;
     /// Words of a layer: texture, kind, place or number of places, preview materials, contents.
     const LAYER_KIND: u32 = 1;
     const LAYER_PLACE: u32 = 2;
@@ -57,6 +59,15 @@ pub(super) fn encode(field: &Field, materials: &[TexturedMaterial], start: usize
 
 /// [`TEXTURE_PARAMETERS`] as an index.
 const PARAMETERS: usize = TEXTURE_PARAMETERS as usize;
+
+/// Code of a continuation.
+fn wrap_code(wrap: Wrap) -> u32 {
+    match wrap {
+        Wrap::Repeat => 0,
+        Wrap::MirroredRepeat => 1,
+        Wrap::ClampToEdge => 2,
+    }
+}
 
 struct Encoder<'a> {
     words: Vec<u32>,
@@ -98,9 +109,10 @@ impl<'a> Encoder<'a> {
         let texture = match &layer.source {
             Source::Orbit(trap) => {
                 let [from, to] = trap.range.map(f32::to_bits);
+                let [x, y, z] = trap.centre.map(f32::to_bits);
                 let mut record = [0; TEXTURE_WORDS];
                 record[0] = ORBIT_SOURCE;
-                record[PARAMETERS..PARAMETERS + 3].copy_from_slice(&[trap.trap as u32, from, to]);
+                record[PARAMETERS..PARAMETERS + 6].copy_from_slice(&[trap.trap as u32, from, to, x, y, z]);
                 self.record(record)
             }
             Source::Texture(texture) => self.texture(texture),
@@ -150,8 +162,27 @@ impl<'a> Encoder<'a> {
                 ]);
                 size / picture.width as f32
             }
+            Pattern::UvPicture { picture, mapping } => {
+                let texels = self.texels(picture);
+                record[0] = UV_PICTURE_SOURCE;
+                record[PARAMETERS..].copy_from_slice(&[
+                    texels,
+                    picture.width,
+                    picture.height,
+                    picture.levels(),
+                    mapping.scale().to_bits(),
+                    u32::from(picture.encoded),
+                    wrap_code(mapping.wrap[0]) | wrap_code(mapping.wrap[1]) << 2,
+                    mapping.set as u32 | (mapping.channel as u32) << 1,
+                ]);
+                1.0
+            }
         };
-        let rows = texture.pose.local_from_world();
+        let mut rows = texture.pose.local_from_world();
+        if let Pattern::UvPicture { mapping, .. } = &texture.pattern {
+            // Their coordinates are not those of the shape.
+            rows[..2].copy_from_slice(&mapping.rows);
+        }
         let numbers = texture.pose.at.iter().chain(rows.as_flattened()).chain([&texture.pose.scale, &step]);
         for (word, number) in record[1..].iter_mut().zip(numbers) {
             *word = number.to_bits();

@@ -3,6 +3,7 @@
 //! Names, parameters and ranges come from [`pathmarch_field::registry`]; nothing here knows a particular shape.
 
 mod instances;
+mod meshes;
 
 use super::arguments::{arguments, missing_arguments, name, properties, string, twice};
 use super::context::{Context, Files};
@@ -16,10 +17,11 @@ use super::settings::Properties;
 use super::unexpected::unexpected_node;
 use crate::language::diagnostics::report::{draft, shown};
 use crate::language::diagnostics::spelling::{listed, nearest};
-use crate::language::keywords::{FONT, MATERIAL, NORMAL, PLACEMENT, POINT, solids};
+use crate::language::keywords::{FONT, MATERIAL, MESH, NORMAL, PLACEMENT, POINT, solids};
 use crate::language::syntax::MAX_NESTING;
 use crate::language::tree::{Entry, Node, Span};
 use crate::materials::Material;
+use crate::mesh_files::MeshFile;
 use crate::scene::Object;
 use crate::settings::{self, BLEND};
 use pathmarch_field::Outline;
@@ -27,6 +29,7 @@ use pathmarch_field::graph::Kind;
 use pathmarch_field::{
     Blend, BlendProfile, Field, Modifier, Node as FieldNode, Operator, Placement, ShapeRef, Solid, registry,
 };
+use std::sync::Arc;
 
 /// More shapes are refused.
 pub(crate) const MAX_SHAPES: usize = 100_000;
@@ -52,6 +55,8 @@ pub(crate) struct Solids<'m> {
     shapes: usize,
     segments: usize,
     default: Option<u32>,
+    /// Mesh files whose materials the scene has, and their indices.
+    mesh_materials: Vec<(Arc<MeshFile>, Vec<u32>)>,
     /// Number of operators of profiles around.
     planes: usize,
 }
@@ -75,6 +80,7 @@ impl<'m> Solids<'m> {
             shapes: 0,
             segments: 0,
             default: None,
+            mesh_materials: Vec::new(),
             planes: 0,
         }
     }
@@ -92,6 +98,11 @@ impl<'m> Solids<'m> {
         let Some(name) = string(entry, "`material`", context) else { return 0 };
         if let Some(&index) = self.materials.index.get(name) {
             return index;
+        }
+        if context.report.is_full() {
+            // Nobody will see the nearest name, and to look for it takes time for each of many materials.
+            context.report.count();
+            return 0;
         }
         let help = match nearest(name, self.materials.index.keys().map(String::as_str)) {
             Some(word) => format!("Did you mean `{word}`?"),
@@ -137,6 +148,7 @@ impl<'m> Solids<'m> {
             );
         }
         let root = if children.len() > 1 { combined("union", children)? } else { children.pop()? };
+        meshes::refuse_combined_triangles(&root, node, context);
         let material = material.unwrap_or_else(|| first_tag(&root)) as usize;
         Some(Object { name: given?.0.to_owned(), material, root })
     }
@@ -172,6 +184,7 @@ impl<'m> Solids<'m> {
             Some(Solid::Shape(shape)) => self.counted_shape(shape.into(), node, material, context),
             Some(Solid::Operator(operator)) => self.operator(operator, node, material, context),
             Some(Solid::Modifier(modifier)) => self.modifier(modifier, node, material, context),
+            None if node.name.value == MESH => self.mesh(node, material, context),
             None => {
                 if let Some(shape) = self.fields.shape(&node.name.value) {
                     return self.counted_shape(shape, node, material, context);

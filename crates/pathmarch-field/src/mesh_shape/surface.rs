@@ -1,0 +1,87 @@
+//! Surface of a mesh: its triangles, with a hierarchy for the CPU and one for the GPU.
+
+use super::COARSE_RESOLUTION;
+use pathmarch_mesh::bvh::{BuildError, CompressedBvh, Ray};
+use pathmarch_mesh::grid::GridError;
+use pathmarch_mesh::{Bounds, Bvh, DistanceGrid, TriangleMesh};
+use std::ops::ControlFlow;
+use std::sync::{Arc, OnceLock};
+
+/// Most levels of a hierarchy that kernels traverse.
+pub(crate) const MAX_DEPTH: usize = 48;
+
+/// Mesh that cannot be a shape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// No hierarchy can be built of it.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// No distance grid can be built of it.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// Its hierarchy is too deep for kernels.
+    #[error("the triangles are nested {0} levels deep, more than {MAX_DEPTH}; leave out the smallest of them")]
+    TooDeep(usize),
+}
+
+/// Triangles of a mesh file, shared by all its uses.
+pub struct MeshSurface {
+    mesh: TriangleMesh,
+    bvh: Bvh,
+    bounds: Bounds,
+    compressed: OnceLock<CompressedBvh>,
+    coarse_grid: Arc<DistanceGrid>,
+}
+
+impl std::fmt::Debug for MeshSurface {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("MeshSurface").field("triangles", &self.mesh.triangles.len()).finish_non_exhaustive()
+    }
+}
+
+impl MeshSurface {
+    /// Builds the hierarchy and the coarse grid of a mesh.
+    ///
+    /// # Errors
+    /// [`MeshError`] for a mesh without size, or that is nested too deeply.
+    pub fn new(mesh: TriangleMesh) -> Result<Self, MeshError> {
+        let bvh = Bvh::build(&mesh)?;
+        let coarse_grid = DistanceGrid::build(&mesh, COARSE_RESOLUTION, &|_| ControlFlow::Continue(()))?;
+        let bounds = bvh.bounds();
+        Ok(Self { mesh, bvh, bounds, compressed: OnceLock::new(), coarse_grid: Arc::new(coarse_grid) })
+    }
+
+    /// Triangles and attributes.
+    pub fn mesh(&self) -> &TriangleMesh {
+        &self.mesh
+    }
+
+    /// Hierarchy for the CPU.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// Hierarchy for the GPU, built on first use.
+    pub(crate) fn compressed(&self) -> &CompressedBvh {
+        // The mesh has been checked when the other hierarchy was built of it.
+        self.compressed.get_or_init(|| CompressedBvh::build(&self.mesh).unwrap_or_default())
+    }
+
+    pub(crate) fn coarse_grid(&self) -> &Arc<DistanceGrid> {
+        &self.coarse_grid
+    }
+
+    pub(crate) fn mesh_bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// First hit of a ray in local coordinates.
+    pub(crate) fn hit(&self, ray: &Ray) -> Option<(f32, u32)> {
+        self.bvh.intersect(ray).map(|hit| (hit.t, hit.triangle))
+    }
+
+    /// Triangle that is closest to a point in local coordinates.
+    pub(crate) fn closest_triangle(&self, p: glam::Vec3) -> u32 {
+        self.bvh.closest_point(&self.mesh, p, f32::INFINITY).map_or(0, |closest| closest.triangle)
+    }
+}

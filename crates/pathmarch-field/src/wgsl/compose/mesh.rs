@@ -1,0 +1,34 @@
+//! WGSL of meshes: functions that read [`Program::mesh_words`](super::Program::mesh_words).
+
+use super::Composer;
+use super::parameters::local;
+use crate::mesh_shape::words::{self, MeshWords};
+use crate::mesh_shape::{ATTRIBUTES_WGSL, TRIANGLES_WGSL};
+
+impl Composer<'_> {
+    /// Encodes the meshes, and writes the offset of its grid to the parameters of each leaf.
+    pub(super) fn append_meshes(&mut self) {
+        self.meshes = MeshWords::new(self.field);
+        let leaves = self.field.leaves().iter().enumerate().filter(|(_, leaf)| leaf.shape.mesh().is_some());
+        for (index, leaf) in leaves {
+            let (_, offset) = local(&leaf.pose, self.starts[index], "p");
+            self.parameters[offset][0] = self.meshes.grids[index] as f32;
+        }
+    }
+
+    /// Functions of meshes that are not those of their shape: constants, and ray intersection.
+    pub(super) fn mesh_code(&self) -> String {
+        let mut code = String::new();
+        if self.field.has_meshes() {
+            code += &words::grid_constants_wgsl();
+            code += &words::constants_wgsl();
+            code += "\n";
+            code += ATTRIBUTES_WGSL;
+        }
+        if self.field.has_triangles() {
+            code += "\n";
+            code += TRIANGLES_WGSL;
+        }
+        code
+    }
+}

@@ -1,0 +1,84 @@
+//! Recording of a job's samples in a part of a film.
+
+use super::tracer::TakenFilm;
+use super::{Job, Work};
+use crate::error::RenderError;
+use crate::output::film::Film;
+use crate::output::parts::FilmPart;
+
+/// Sums that were taken from a tracer, and the index of their first sample.
+struct Taken {
+    first: u32,
+    film: TakenFilm,
+}
+
+impl Job {
+    /// Renders until the job has all its samples or `stop` returns true, and records them in `part`; calls `progress` after each
+    /// slice. Both receive the number of samples of this job that are done. The part then has all samples so far, and the next call goes on.
+    ///
+    /// # Errors
+    /// Those of [`advance`](Self::advance).
+    pub fn record(
+        &mut self,
+        part: &mut FilmPart,
+        stop: impl Fn(f64) -> bool,
+        mut progress: impl FnMut(f64),
+    ) -> Result<(), RenderError> {
+        let (first, samples) = (self.settings.first_sample, self.settings.samples);
+        let mut reading: Option<Taken> = None;
+        while self.taken < samples && !stop(self.samples_done()) {
+            let goal = (FilmPart::end_of_sum(first + self.taken) - first).min(samples);
+            self.advance(goal)?;
+            progress(self.samples_done());
+            if self.samples_done() >= f64::from(goal) {
+                // While one film is read back, the next is rendered.
+                let taken = self.take()?;
+                self.put(part, reading.replace(taken))?;
+            }
+        }
+        self.put(part, reading)?;
+        while !self.is_whole() {
+            self.advance(self.samples_done() as u32 + 1)?;
+        }
+        let taken = self.take()?;
+        self.put(part, Some(taken))
+    }
+
+    /// Number of paths that share a camera ray.
+    pub fn splitting(&self) -> u32 {
+        match &self.work {
+            Work::Still(tracer) => tracer.splitting(),
+            Work::Moving(_) => 1,
+        }
+    }
+
+    fn is_whole(&self) -> bool {
+        match &self.work {
+            Work::Still(tracer) => tracer.is_whole(),
+            Work::Moving(motion) => motion.is_whole(),
+        }
+    }
+
+    /// Takes the sums since the last call.
+    fn take(&mut self) -> Result<Taken, RenderError> {
+        let first = self.settings.first_sample + self.taken;
+        let done = self.samples_done() as u32;
+        let film = match &mut self.work {
+            Work::Still(tracer) => tracer.take()?,
+            Work::Moving(motion) => TakenFilm::Film(motion.take()?),
+        };
+        self.taken = done;
+        Ok(Taken { first, film })
+    }
+
+    fn put(&mut self, part: &mut FilmPart, taken: Option<Taken>) -> Result<(), RenderError> {
+        let Some(Taken { first, film }) = taken else { return Ok(()) };
+        let film: Film = match (&mut self.work, film) {
+            (Work::Still(tracer), film) => tracer.finish(film)?,
+            (Work::Moving(_), TakenFilm::Film(film)) => film,
+            (Work::Moving(_), TakenFilm::Copy(_)) => return Ok(()),
+        };
+        part.record(first, film);
+        Ok(())
+    }
+}

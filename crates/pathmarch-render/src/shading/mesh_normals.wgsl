@@ -1,0 +1,12 @@
+// import: shading/surface_interaction
+// Normals of meshes.
+
+/// Shading normal that points out of the solid: interpolated on meshes, else the geometric one.
+fn smooth_outward(interaction: SurfaceInteraction) -> vec3f {
+    let outward = outward_normal(interaction);
+    // The gradient is the normal of a field.
+    if interaction.triangle == NO_TRIANGLE || (leaves[interaction.leaf].flags & MESH_FIELD) != 0u {
+        return outward;
+    }
+    return mesh_shading_normal(interaction.leaf, interaction.triangle, interaction.p, outward);
+}

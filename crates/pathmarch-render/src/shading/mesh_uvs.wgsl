@@ -1,0 +1,68 @@
+// Pictures at the texture coordinates of meshes. Twin of uv.rs in the crate of scenes, which explains them.
+
+/// Leaf, triangle and local point of the interaction that is being textured.
+var<private> uv_leaf: u32;
+var<private> uv_triangle: u32;
+var<private> uv_point: vec3f;
+
+/// Starts the evaluation of textures at a point in the coordinates of a leaf.
+fn begin_uvs(leaf: u32, triangle: u32, local: vec3f) {
+    uv_leaf = leaf;
+    uv_triangle = triangle;
+    uv_point = local;
+}
+
+/// Texel of a row of `count` that a position stands for.
+fn uv_texel(position: i32, count: i32, wrap: u32) -> u32 {
+    let twice = ((position % (2 * count)) + 2 * count) % (2 * count);
+    let mirrored = select(min(twice, 2 * count - 1 - twice), clamp(position, 0, count - 1), wrap == 2u);
+    return u32(select(mirrored, ((position % count) + count) % count, wrap == 0u));
+}
+
+fn uv_bilinear(picture: TexturePicture, level: u32, place: vec2f, wraps: u32) -> vec3f {
+    var start = 0u;
+    var width = picture.width;
+    var height = picture.height;
+    for (var k = 0u; k < level; k++) {
+        start += width * height;
+        width = max(width / 2u, 1u);
+        height = max(height / 2u, 1u);
+    }
+    let at = place * vec2f(f32(width), f32(height)) - 0.5;
+    let corner = floor(at);
+    let part = at - corner;
+    let first = vec2i(corner);
+    let x0 = uv_texel(first.x, i32(width), wraps & 3u);
+    let x1 = uv_texel(first.x + 1, i32(width), wraps & 3u);
+    let y0 = start + width * uv_texel(first.y, i32(height), wraps >> 2u);
+    let y1 = start + width * uv_texel(first.y + 1, i32(height), wraps >> 2u);
+    let upper = mix(picture_texel(picture, y0 + x0), picture_texel(picture, y0 + x1), part.x);
+    let lower = mix(picture_texel(picture, y1 + x0), picture_texel(picture, y1 + x1), part.x);
+    return mix(upper, lower, part.y);
+}
+
+/// Colour (xyz) and value (w) of the picture at offset `texture`, for a footprint in the coordinates of the leaf.
+fn uv_picture(texture: u32, picture: TexturePicture, footprint: f32) -> vec4f {
+    let flags = scene_data[texture + TEXTURE_PARAMETERS + 7u];
+    var uv = vec3f(0.0);
+    if uv_triangle != NO_TRIANGLE {
+        uv = mesh_uv(uv_leaf, uv_triangle, uv_point, flags & 1u);
+    }
+    let rows = mat2x3f(texture_vector(texture + TEXTURE_ROWS), texture_vector(texture + TEXTURE_ROWS + 3u));
+    // Larger coordinates are not told apart.
+    let place = clamp(vec3f(uv.xy, 1.0) * rows, vec2f(-1e4), vec2f(1e4));
+    let texels = footprint * uv.z * texture_number(texture + TEXTURE_PARAMETERS + 4u) * f32(max(picture.width, picture.height));
+    let last = picture.levels - 1u;
+    let level = min(log2(max(texels, 1.0)), f32(last));
+    let first = floor(level);
+    let wraps = scene_data[texture + TEXTURE_PARAMETERS + 6u];
+    var colour = uv_bilinear(picture, u32(first), place, wraps);
+    if level != first {
+        colour = mix(colour, uv_bilinear(picture, min(u32(first) + 1u, last), place, wraps), level - first);
+    }
+    var value = dot(colour, vec3f(0.2126, 0.7152, 0.0722));
+    if (flags >> 1u) != 0u {
+        value = colour[(flags >> 1u) - 1u];
+    }
+    return vec4f(colour, clamp(value, 0.0, 1.0));
+}

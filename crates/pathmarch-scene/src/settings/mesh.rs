@@ -1,0 +1,24 @@
+//! Properties of `mesh`.
+
+use super::{Setting, SettingKind, setting};
+
+/// Names of the forms of a mesh, the default first.
+pub(crate) const FORMS: [&str; 2] = ["triangles", "field"];
+
+/// Properties of a `mesh`.
+pub const MESH: &[Setting] = &[
+    setting(
+        "as",
+        SettingKind::Choice { noun: "form of a mesh", names: || FORMS.to_vec() },
+        "",
+        "as=\"field\"",
+        "Exact triangles, as an object of its own; or a distance field, for operators.",
+    ),
+    setting(
+        "resolution",
+        SettingKind::Whole { range: (16, 1024), default: 192 },
+        "",
+        "resolution=192",
+        "Voxels of a field along its longest edge.",
+    ),
+];

@@ -1,0 +1,244 @@
+//! One picture: its samples with checkpoints, and its file.
+
+use super::arguments::Arguments;
+use super::checkpoint::{self, Checkpoint};
+use super::denoising::Samples;
+use super::output::Output;
+use super::progress::{Picture, Progress};
+use super::{print_settings, render_failure};
+use crate::film_notes;
+use pathmarch_cli::{Failure, note};
+use pathmarch_render::film::Film;
+use pathmarch_render::parts::{FilmFile, FilmHeader, FilmPart};
+use pathmarch_render::pathmarch_scene::{Animation, Scene};
+use pathmarch_render::{Job, Renderer, Settings, Shutter};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+/// A picture to render.
+pub(super) struct Task<'a> {
+    pub(super) arguments: &'a Arguments,
+    pub(super) renderer: &'a Renderer,
+    pub(super) animation: &'a Arc<Mutex<Animation>>,
+    pub(super) scene: &'a Scene,
+    pub(super) settings: Settings,
+    pub(super) shutter: Shutter,
+    pub(super) output: &'a Output,
+    pub(super) interrupted: &'a AtomicBool,
+    pub(super) progress: &'a Progress,
+    /// Its number among the frames, their number, and its frame.
+    pub(super) place: (usize, usize, Option<u32>),
+    /// True if the settings are printed.
+    pub(super) says_settings: bool,
+}
+
+/// What was rendered.
+pub(super) struct Outcome {
+    pub(super) film: Film,
+    /// Samples of the whole picture.
+    pub(super) of: u32,
+    /// Samples that this run rendered.
+    pub(super) rendered: u32,
+    pub(super) seconds: f64,
+    /// Seconds of the denoiser, if there is one.
+    pub(super) denoising: Option<f64>,
+    /// True if the output was written; an interrupted frame or film is not, because its file would count as done.
+    pub(super) written: bool,
+    /// True if it is not complete because it was interrupted.
+    pub(super) interrupted: bool,
+    /// File from which `--resume` goes on.
+    pub(super) checkpoint: Option<String>,
+}
+
+impl Task<'_> {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        self.progress.preparing(&self.arguments.scene_name());
+        let job = self.start(&self.settings)?;
+        if self.arguments.denoise.is_some() {
+            return self.denoised(job);
+        }
+        self.recorded(job)
+    }
+
+    fn start(&self, settings: &Settings) -> Result<Job, Failure> {
+        check_memory(settings)?;
+        let job = self.renderer.start_motion_blur(self.animation, self.scene, settings, self.shutter);
+        job.map_err(render_failure)
+    }
+
+    fn picture(&self, before: u32) -> Picture {
+        let (index, count, frame) = self.place;
+        Picture { index, count, frame, started: Instant::now(), before, samples: self.settings.samples }
+    }
+
+    /// Renders with checkpoints.
+    fn recorded(&self, job: Job) -> Result<Outcome, Failure> {
+        let (mut job, mut part, before, header, mut checkpoint) = self.begin(job)?;
+        if self.says_settings {
+            print_settings(self.arguments, job.backend(), &self.settings, self.progress);
+        }
+        let picture = self.picture(before);
+        let of = self.settings.samples;
+        let late = || self.arguments.seconds.is_some_and(|seconds| picture.started.elapsed().as_secs_f64() >= seconds);
+        let ends = |done: f64| self.interrupted.load(Ordering::SeqCst) || late() && f64::from(before) + done >= 1.0;
+        let mut done = before;
+        while done < of {
+            let doubled =
+                if self.progress.estimates_error() { done.max(1).next_power_of_two().max(16) } else { u32::MAX };
+            let doubled = if doubled == done { doubled.saturating_mul(2) } else { doubled };
+            let pauses =
+                |now: f64| checkpoint.as_ref().is_some_and(Checkpoint::is_due) || before + now as u32 >= doubled;
+            let progress = |now: f64| self.progress.show(&picture, now, &self.settings);
+            job.record(&mut part, |now| ends(now) || pauses(now), progress).map_err(render_failure)?;
+            done = part.samples().count();
+            if done >= doubled {
+                self.progress.record(done, &part.film().mean().pixels);
+            }
+            let is_due = checkpoint.as_ref().is_some_and(Checkpoint::is_due);
+            if let Some(checkpoint) = checkpoint.as_mut().filter(|_| is_due && done < of) {
+                // A full disk must not end a long render.
+                if let Err(failure) = checkpoint.save(&header, &part) {
+                    self.progress.suspend(|| note!("warning: no checkpoint: {}", failure.message()));
+                }
+            }
+            if ends(f64::from(done - before)) {
+                break;
+            }
+        }
+        let seconds = picture.started.elapsed().as_secs_f64();
+        let film = part.film();
+        let interrupted = done < of && self.interrupted.load(Ordering::SeqCst);
+        let written = !interrupted || self.place.2.is_none() && !matches!(self.output, Output::Film(_));
+        if written {
+            self.write(&job, &film, &header, &part)?;
+        }
+        let checkpoint = self.close(checkpoint, &header, &part, done < of)?;
+        Ok(Outcome { film, of, rendered: done - before, seconds, denoising: None, written, interrupted, checkpoint })
+    }
+
+    /// The job, its part with the samples of the checkpoint, their number, and the checkpoint.
+    #[expect(clippy::type_complexity, reason = "used once")]
+    fn begin(&self, job: Job) -> Result<(Job, FilmPart, u32, FilmHeader, Option<Checkpoint>), Failure> {
+        let settings = &self.settings;
+        let (first, end) = (settings.first_sample, settings.first_sample + settings.samples);
+        let header = FilmHeader {
+            size: settings.size,
+            samples: [first, self.whole_end()],
+            identity: job.identity(self.scene, self.shutter),
+            engines: vec![job.engine()],
+            notes: film_notes::notes(self.arguments.display(self.scene, settings), settings, self.scene),
+            regions: Vec::new(),
+        };
+        let checkpoint = self.output.file().map(Checkpoint::of);
+        let empty = FilmPart::new(settings.rect());
+        let film = match &checkpoint {
+            Some(checkpoint) if self.arguments.resume => checkpoint.open()?,
+            Some(checkpoint) if checkpoint.exists() && self.place.2.is_none() => {
+                let file = checkpoint.path().display();
+                note!("note: {file} is of a render that was not finished; --resume would go on from there");
+                None
+            }
+            _ => None,
+        };
+        let Some(film) = film else {
+            if self.arguments.resume && self.place.2.is_none() {
+                note!("note: there is no checkpoint; rendering from the first sample");
+            }
+            return Ok((job, empty, 0, header, checkpoint));
+        };
+        let part = checkpoint::part(film, &header.identity, &header.engines[0], settings.rect(), [first, end])?;
+        let before = part.samples().count();
+        if before == 0 || before >= settings.samples {
+            return Ok((job, part, before.min(settings.samples), header, checkpoint));
+        }
+        let rest = Settings {
+            first_sample: first + before,
+            samples: settings.samples - before,
+            whole_samples: Some(settings.whole_samples.unwrap_or(settings.samples)),
+            splitting: Some(job.splitting()).filter(|_| settings.mode.traces_paths()).or(settings.splitting),
+            ..settings.clone()
+        };
+        Ok((self.start(&rest)?, part, before, header, checkpoint))
+    }
+
+    /// End of the samples of the whole picture, of which this may be a part.
+    fn whole_end(&self) -> u32 {
+        let end = self.settings.first_sample + self.settings.samples;
+        self.settings.whole_samples.map_or(end, |whole| whole.max(end))
+    }
+
+    fn write(&self, job: &Job, film: &Film, header: &FilmHeader, part: &FilmPart) -> Result<(), Failure> {
+        match self.output {
+            Output::Film(file) => pathmarch_render::parts::save(file, header, part).map_err(Failure::other),
+            output => super::write(self.arguments, job.backend(), self.scene, &self.settings, film, None, output),
+        }
+    }
+
+    /// Removes the checkpoint of a complete picture, and writes that of another.
+    fn close(
+        &self,
+        checkpoint: Option<Checkpoint>,
+        header: &FilmHeader,
+        part: &FilmPart,
+        incomplete: bool,
+    ) -> Result<Option<String>, Failure> {
+        let Some(mut checkpoint) = checkpoint else { return Ok(None) };
+        if incomplete && part.samples().count() > 0 {
+            checkpoint.save(header, part)?;
+            return Ok(Some(checkpoint.path().display().to_string()));
+        }
+        checkpoint.remove();
+        Ok(None)
+    }
+
+    /// Renders for a denoiser, which needs the samples in two halves; without checkpoints.
+    fn denoised(&self, mut job: Job) -> Result<Outcome, Failure> {
+        if self.says_settings {
+            print_settings(self.arguments, job.backend(), &self.settings, self.progress);
+        }
+        let picture = self.picture(0);
+        let seconds = || picture.started.elapsed().as_secs_f64();
+        let stop = |done: f64| {
+            let late = self.arguments.seconds.is_some_and(|limit| seconds() >= limit);
+            self.interrupted.load(Ordering::SeqCst) || late && done >= 1.0
+        };
+        let show = |done: f64| self.progress.show(&picture, done, &self.settings);
+        let samples = Samples::render(&mut job, self.arguments.denoise, stop, show).map_err(render_failure)?;
+        let rendering = seconds();
+        let of = self.settings.samples;
+        let film = samples.film().clone();
+        let interrupted = film.samples < of && self.interrupted.load(Ordering::SeqCst);
+        let mut denoising = None;
+        let written = !interrupted || self.place.2.is_none();
+        if written {
+            let denoised = samples.denoised(self.animation, self.scene, &self.settings, self.shutter)?;
+            denoising = denoised.as_ref().map(|_| seconds() - rendering);
+            let (arguments, settings) = (self.arguments, &self.settings);
+            super::write(arguments, job.backend(), self.scene, settings, &film, denoised, self.output)?;
+        }
+        let rendered = film.samples;
+        Ok(Outcome { film, of, rendered, seconds: rendering, denoising, written, interrupted, checkpoint: None })
+    }
+}
+
+/// Fails if there is no memory for the film, instead of ending the program when it is needed.
+fn check_memory(settings: &Settings) -> Result<(), Failure> {
+    /// Bytes of a pixel: sums of blocks, of a block, and of the picture.
+    const PIXEL: usize = 49 + 4 * 12;
+    let bytes = settings.rect().pixels().saturating_mul(PIXEL);
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
+        let [width, height] = settings.size;
+        Failure::Other(format!(
+            "a picture of {width}x{height} needs {} MB of memory; render it in parts with --crop",
+            bytes >> 20
+        ))
+    })
+}
+
+/// Backend and adapter of a checkpoint, if one is to be resumed.
+pub(super) fn engine_of_checkpoint(arguments: &Arguments, output: &Output) -> Option<String> {
+    let file = output.file().filter(|_| arguments.resume)?;
+    let film: FilmFile = Checkpoint::of(file).open().ok()??;
+    film.header().engines.first().cloned()
+}

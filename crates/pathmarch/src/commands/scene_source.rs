@@ -1,0 +1,61 @@
+//! Where a scene comes from: a file, standard input, or the gallery.
+
+use pathmarch_cli::Failure;
+use pathmarch_gallery::{ASSETS, EXAMPLES};
+use pathmarch_render::pathmarch_scene::Animation;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Largest scene on standard input, bytes.
+const MAX_BYTES: u64 = 16 << 20;
+
+/// Source of a scene.
+pub enum SceneSource {
+    /// File.
+    File(PathBuf),
+    /// Name and text.
+    Text(String, String),
+    /// Example of the gallery, in a directory with the files that it uses.
+    Example {
+        /// The file.
+        scene: PathBuf,
+        /// Its directory, which is removed with this.
+        _directory: tempfile::TempDir,
+    },
+}
+
+impl SceneSource {
+    /// Source of a name: `-` is standard input; the name of an example is that, unless there is such a file.
+    ///
+    /// # Errors
+    /// If standard input cannot be read, or the files of an example cannot be written.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        if path == Path::new("-") {
+            let mut text = String::new();
+            let read = std::io::stdin().lock().take(MAX_BYTES + 1).read_to_string(&mut text);
+            read.map_err(|error| Failure::Other(format!("standard input: {error}")))?;
+            return Ok(Self::Text("standard input".to_owned(), text));
+        }
+        let example = EXAMPLES.iter().find(|example| Path::new(example.name) == path).filter(|_| !path.exists());
+        let Some(example) = example else { return Ok(Self::File(path.to_owned())) };
+        let directory = tempfile::tempdir().map_err(Failure::other)?;
+        let scene = directory.path().join(format!("{}.kdl", example.name));
+        std::fs::write(&scene, example.text).map_err(Failure::other)?;
+        // Examples in a subdirectory name the files of the directory above.
+        for (name, bytes) in ASSETS {
+            std::fs::write(directory.path().join(name), bytes).map_err(Failure::other)?;
+        }
+        Ok(Self::Example { scene, _directory: directory })
+    }
+
+    /// The animation; a still scene is one, too.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn animation(&self) -> Result<Animation, Failure> {
+        Ok(match self {
+            Self::File(path) | Self::Example { scene: path, .. } => Animation::load(path)?,
+            Self::Text(name, text) => Animation::new(name.clone(), text.clone()),
+        })
+    }
+}
