@@ -36,5 +36,5 @@ fn print(entry: &Entry) {
     for line in &entry.details {
         outln!("    {line}");
     }
-    outln!();
+    outln!("");
 }
