@@ -23,7 +23,7 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<u8, Failure> {
 pub fn run_man(mut command: Command) -> Result<u8, Failure> {
     command.build();
     let mut pages = Vec::new();
-    let of_subcommands = command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help").cloned();
+    let of_subcommands = command.get_subcommands().cloned();
     for page in std::iter::once(command.clone()).chain(of_subcommands) {
         clap_mangen::Man::new(page).render(&mut pages).map_err(Failure::other)?;
     }

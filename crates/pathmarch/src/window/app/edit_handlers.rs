@@ -43,7 +43,7 @@ impl App {
     }
 
     /// Selected nodes from the end of the file to its start: an edit of one leaves the paths of the next ones alone.
-    fn from_the_end(&self) -> Vec<Path> {
+    fn last_first(&self) -> Vec<Path> {
         let mut paths = self.selected_paths();
         paths.sort();
         paths.reverse();
@@ -59,7 +59,7 @@ impl App {
 
     fn duplicate(&mut self) {
         let mut copies: Vec<Path> = Vec::new();
-        for path in self.from_the_end() {
+        for path in self.last_first() {
             let Some(copy) = self.edit(|open| open.document.duplicate(&path)) else { break };
             copies = copies.iter().map(|other| other.after_insertion(&copy)).collect();
             copies.push(copy);
@@ -70,7 +70,7 @@ impl App {
     }
 
     fn delete(&mut self) {
-        for path in self.from_the_end() {
+        for path in self.last_first() {
             if self.edit(|open| open.document.remove(&path)).is_none() {
                 return;
             }

@@ -335,25 +335,30 @@ fn is_found(search: &str, item: &Item) -> bool {
 fn sign(painter: &egui::Painter, at: Pos2, kind: ItemKind, colour: Color32) {
     let stroke = Stroke::new(1.5, colour);
     match kind {
-        ItemKind::Shape | ItemKind::Instance => painter.circle_filled(at, 3.5, colour),
-        ItemKind::Operator => painter.circle_stroke(at, 3.5, stroke),
-        ItemKind::Object | ItemKind::Declaration | ItemKind::Field => {
-            painter.rect_filled(Rect::from_center_size(at, Vec2::splat(7.0)), 1.0, colour)
+        ItemKind::Shape | ItemKind::Instance => {
+            painter.circle_filled(at, 3.5, colour);
         }
-        ItemKind::Camera => painter.add(triangle(at, false, colour)),
+        ItemKind::Operator => {
+            painter.circle_stroke(at, 3.5, stroke);
+        }
+        ItemKind::Object | ItemKind::Declaration | ItemKind::Field => {
+            painter.rect_filled(Rect::from_center_size(at, Vec2::splat(7.0)), 1.0, colour);
+        }
+        ItemKind::Camera => {
+            painter.add(triangle(at, false, colour));
+        }
         ItemKind::Sun | ItemKind::Point | ItemKind::Sky => {
             for turn in 0..3 {
                 let out = Vec2::angled(std::f32::consts::PI / 3.0 * turn as f32) * 4.5;
                 painter.line_segment([at - out, at + out], stroke);
             }
-            return;
         }
         ItemKind::Material => {
             painter.circle_stroke(at, 3.5, stroke);
-            painter.circle_filled(at + Vec2::new(1.0, 1.0), 2.0, colour)
+            painter.circle_filled(at + Vec2::new(1.0, 1.0), 2.0, colour);
         }
-        _ => return,
-    };
+        _ => {}
+    }
 }
 
 /// Collects the rows of an item and of its visible children.
