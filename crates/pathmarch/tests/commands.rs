@@ -627,7 +627,18 @@ fn more_threads_than_cores_are_not_started() {
 }
 
 const COMMANDS: [&str; 12] = [
-    "view", "render", "merge", "video", "export", "check", "compare", "devices", "shapes", "help", "completions", "man",
+    "view",
+    "render",
+    "merge",
+    "video",
+    "export",
+    "check",
+    "compare",
+    "devices",
+    "shapes",
+    "help",
+    "completions",
+    "man",
 ];
 
 #[test]
