@@ -51,10 +51,10 @@ fn add_samples(before: vec4f, x: u32, y: u32) -> vec4f {
         path = resumed(suspended.paths[slot], sampler);
     }
     loop {
-        let before = path;
+        let last = path;
         let goes_on = path_intersect(&path) && path_scatter(&path);
         if loops_ended() {
-            suspend(slot, before);
+            suspend(slot, last);
             return before;
         }
         if !goes_on {
