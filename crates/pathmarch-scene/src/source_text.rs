@@ -82,8 +82,10 @@ impl SourceCode for SourceText {
         let (start, end) = self.excerpt(span.offset()).unwrap_or_else(|| self.line(span.offset()));
         let line = self.text[..start].matches('\n').count();
         let (line_start, _) = self.line(span.offset());
+        // Without lines around it, miette asks where the mistake is.
+        let first = if lines_before == 0 { span.offset().min(end) } else { start };
         let data = &self.text.as_bytes()[start..end];
         let span = (start, end - start).into();
-        Ok(Box::new(MietteSpanContents::new_named(name, data, span, line, start - line_start, 1)))
+        Ok(Box::new(MietteSpanContents::new_named(name, data, span, line, first - line_start, 1)))
     }
 }

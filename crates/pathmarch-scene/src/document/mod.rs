@@ -277,8 +277,8 @@ impl Document {
         self.edit(&label, None, |transaction| structure::group(transaction, paths, operator))
     }
     /// Combines shapes, operators and objects by an operator, in the place of the first of them; the others follow it in
-    /// their order, so that `subtract` removes them from the first. They keep their materials, and what is empty without
-    /// them is removed. Returns the operator. Refused if a placed operator or a modifier is around some of them.
+    /// their order, so that `subtract` removes them from the first. They keep their materials; what is empty without
+    /// them is removed, with its comments. Returns the operator. Refused if a placed operator or a modifier is around some of them.
     pub fn combine(&mut self, paths: &[Path], operator: &str) -> Result<Path, EditError> {
         let label = format!("Combine into {operator}");
         self.edit(&label, None, |transaction| combine::combine(transaction, paths, operator))

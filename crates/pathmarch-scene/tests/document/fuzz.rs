@@ -189,14 +189,16 @@ fn edit(document: &mut Document, dice: &mut Dice) -> Result<bool, EditError> {
                 assert_came_and_went(&before, document, (0, 0));
             }
             assert_shapes(document, count);
-            return Ok(true);
+            // What is empty after the move goes, with its comments.
+            let holder = items.iter().find(|holder| Some(&holder.path) == path.parent().as_ref());
+            let was_alone = holder.is_some_and(|holder| holder.children.len() == 1);
+            return Ok(parent == path.parent() || now.word == item.word && !was_alone);
         }
         12 if dice.below(2) == 0 => {
             let chosen: Vec<Path> = (0..dice.below(4)).filter_map(|_| Some(dice.pick(&items)?.path.clone())).collect();
             let count = shapes(document);
             document.combine(&chosen, ["union", "subtract", "intersect"][dice.below(3)])?;
             assert_shapes(document, count);
-            return Ok(true);
         }
         12 => {
             let siblings: Vec<Path> =
