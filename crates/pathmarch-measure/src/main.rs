@@ -7,6 +7,7 @@ mod denoise;
 mod flights;
 mod fuzz;
 mod measure;
+mod peers;
 mod study;
 
 use clap::{Parser, Subcommand};

@@ -74,6 +74,12 @@ impl PreviewSteps {
         self.0 = if is_on { self.0 | step.bit() } else { self.0 & !step.bit() };
     }
 
+    /// The set without a step.
+    pub fn without(mut self, step: PreviewStep) -> Self {
+        self.set(step, false);
+        self
+    }
+
     /// The set as bits of `FrameUniforms::preview_steps`.
     pub(crate) fn bits(self) -> u32 {
         self.0

@@ -1,30 +1,36 @@
 //! `pathmarch-measure study`: the evaluation of the thesis, chapter 5, repeated with pathmarch.
 //!
-//! **Idea.** One page of tables, plots and pictures, in independent parts: cost of bounces ([`bounces`]), error over
-//! accumulated frames ([`accumulation`]), time of each material and scene ([`scenes`]), and features ([`features`]). A
-//! part is a Markdown file with its tables, plots and pictures beside it; the page, `README.md`, joins all existing
-//! parts, so that each can be repeated alone.
+//! **Idea.** One page of tables, plots and pictures, in independent parts. A part is a Markdown file with its tables,
+//! plots and pictures beside it; the page, `README.md`, joins all existing parts, so that each can be repeated alone.
 //!
-//! **Source.** Carvalho 2020, chapter 5. The times of its program on two cores were measured with its published source
-//! and scenes modelled after its figures.
+//! **Source.** Carvalho 2020, chapters 2 to 5. The thesis's program runs from its published source, Cycles from PyPI's
+//! `bpy`, both on scenes laid out after the thesis's figures ([`crate::peers`]).
 //!
-//! **Cost.** A few minutes on two cores by default; `--quick` takes seconds and only shows that everything works.
+//! **Cost.** About an hour and a half on two cores; `--quick` takes seconds and only shows that everything works.
 
 mod accumulation;
 mod bounces;
+mod comparison;
 mod features;
+mod figures;
+mod machine;
+mod marching;
+mod picture_grid;
 mod plot;
-mod scenes;
+mod raster;
+mod realtime;
+mod rows;
 mod table;
+mod tables;
 
 use crate::bench;
 use crate::measure::{self, Budget, Interrupt};
+use crate::peers::Python;
 use clap::ValueEnum;
 use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, note, value_parsers};
-use pathmarch_render::image::{self, Picture, Provenance};
+use pathmarch_render::image::Picture;
 use pathmarch_render::pathmarch_scene::Scene;
-use pathmarch_render::tonemap::Display;
-use pathmarch_render::{Renderer, Settings};
+use pathmarch_render::{Backend, Renderer, Settings};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -44,16 +50,13 @@ pub struct Arguments {
     /// Size of the pictures whose error is measured [default: 640x360]
     #[arg(long, value_name = "WxH", value_parser = value_parsers::size, allow_hyphen_values = true)]
     error_size: Option<[u32; 2]>,
-    /// Size of the pictures on the page [default: 256x144]
-    #[arg(long, value_name = "WxH", value_parser = value_parsers::size, allow_hyphen_values = true)]
-    picture_size: Option<[u32; 2]>,
     /// Number of timed samples [default: 3]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, 1000)), allow_hyphen_values = true)]
     rounds: Option<u32>,
     /// Maximum number of samples whose error is measured; the reference has four times as many [default: 64]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((2, 65_536)), allow_hyphen_values = true)]
     samples: Option<u32>,
-    /// Samples of the pictures on the page [default: 48]
+    /// Samples of the pictures on the page [default: 96]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, 65_536)), allow_hyphen_values = true)]
     picture_samples: Option<u32>,
     /// Backend to time [default: every adapter, and the CPU; the fastest one renders the pictures]
@@ -62,43 +65,86 @@ pub struct Arguments {
     /// GPU adapter, by a part of its name
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+    /// Render time of a reference [default: 60]
+    #[arg(long, value_name = "SECONDS", value_parser = value_parsers::seconds, allow_hyphen_values = true)]
+    reference_seconds: Option<f64>,
+    /// Existing directory in which references are kept
+    #[arg(long, value_name = "DIR")]
+    references: Option<PathBuf>,
+    /// Python with the modules bpy (for Cycles) and moderngl (for the thesis's program) [default: python3]
+    #[arg(long, value_name = "PROGRAM")]
+    python: Option<PathBuf>,
+    /// The thesis's program: shaders/pathTracer.fs of github.com/Arukiap/Path-marcher
+    #[arg(long, value_name = "FILE")]
+    thesis_shader: Option<PathBuf>,
 }
 
 /// Time limit of a scene, seconds; no further round begins after it.
 const TIME_LIMIT: f64 = 8.0;
 
-/// A part of the study.
+/// A part of the study, in the order of the page.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Part {
-    /// Cost and contribution of bounces: Figures 5.1 and 5.2
+    /// The machine: Table 5.1
+    Machine,
+    /// Error over time beside Cycles, for each row of Tables 5.2 to 5.7
+    Comparison,
+    /// Time of a sample beside the thesis's program: Tables 5.2 to 5.7
+    Tables,
+    /// Frames a second in motion, against the thesis's 24
+    Realtime,
+    /// Cost and worth of bounces: Figures 5.1 and 5.2
     Bounces,
-    /// Error over samples: Figure 5.3
+    /// Error over accumulated frames: Figure 5.3
     Accumulation,
-    /// Time of each material and scene: Tables 5.2 to 5.7
-    Scenes,
-    /// Features of the thesis's program, Cycles and pathmarch: Table 5.8
+    /// Features: Table 5.8
     Features,
+    /// Fixed steps against sphere tracing: Figures 2.9 and 2.10
+    Marching,
+    /// Rasterisation beside marching: Figures 2.2 to 2.4
+    Raster,
+    /// The other figures
+    Figures,
 }
 
 impl Part {
-    fn name(self) -> &'static str {
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
+    fn study(self, study: &mut Study) -> Result<String, Failure> {
         match self {
-            Self::Bounces => "bounces",
-            Self::Accumulation => "accumulation",
-            Self::Scenes => "scenes",
-            Self::Features => "features",
+            Self::Machine => machine::study(study),
+            Self::Comparison => comparison::study(study),
+            Self::Tables => tables::study(study),
+            Self::Realtime => realtime::study(study),
+            Self::Bounces => bounces::study(study),
+            Self::Accumulation => accumulation::study(study),
+            Self::Features => features::study(study),
+            Self::Marching => marching::study(study),
+            Self::Raster => raster::study(study),
+            Self::Figures => figures::study(study),
         }
     }
 }
 
-/// Sizes and sample counts.
+/// Sizes, sample counts and times.
 struct Plan {
     size: [u32; 2],
     error_size: [u32; 2],
-    picture_size: [u32; 2],
+    marching_size: [u32; 2],
     rounds: u32,
     samples: u32,
     picture_samples: u32,
+    /// Most samples of Cycles.
+    cycles_samples: u32,
+    /// Cells along the longest side of the meshes that are rasterised.
+    mesh_resolution: u32,
+    reference_seconds: f64,
+    /// Time of each picture in the study of bounces.
+    bounce_seconds: f64,
+    /// True for some rows and figures only.
+    few_rows: bool,
 }
 
 impl Plan {
@@ -109,10 +155,15 @@ impl Plan {
         Self {
             size: size(arguments.size, [1280, 720]),
             error_size: size(arguments.error_size, [640, 360]),
-            picture_size: size(arguments.picture_size, [256, 144]),
+            marching_size: size(None, [640, 360]),
             rounds: number(arguments.rounds, 1, 3),
             samples: number(arguments.samples, 4, 64),
-            picture_samples: number(arguments.picture_samples, 4, 48),
+            picture_samples: number(arguments.picture_samples, 4, 96),
+            cycles_samples: number(None, 2, 128),
+            mesh_resolution: number(None, 24, 256),
+            reference_seconds: arguments.reference_seconds.unwrap_or(if small { 0.2 } else { 60.0 }),
+            bounce_seconds: if small { 0.1 } else { 3.0 },
+            few_rows: small,
         }
     }
 }
@@ -123,6 +174,9 @@ struct Study<'a> {
     plan: Plan,
     renderers: Vec<Renderer>,
     interrupt: Interrupt,
+    python: Python,
+    thesis_shader: Option<PathBuf>,
+    references: Option<PathBuf>,
     /// Command line that repeats the study.
     command: String,
 }
@@ -138,15 +192,19 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let interrupt = Interrupt(catch_interrupts()?);
     let renderers = measure::renderers(arguments.backend.map(Into::into), arguments.adapter.as_deref())?;
     let plan = Plan::of(arguments);
-    let mut study = Study { directory, plan, renderers, interrupt, command: command(arguments) };
+    let mut study = Study {
+        directory,
+        plan,
+        renderers,
+        interrupt,
+        python: Python::new(arguments.python.as_deref()),
+        thesis_shader: arguments.thesis_shader.clone(),
+        references: arguments.references.clone(),
+        command: command(arguments),
+    };
     let asked = |part: &Part| arguments.parts.is_empty() || arguments.parts.contains(part);
     for part in Part::value_variants().iter().copied().filter(asked) {
-        let text = match part {
-            Part::Bounces => bounces::study(&mut study)?,
-            Part::Accumulation => accumulation::study(&mut study)?,
-            Part::Scenes => scenes::study(&mut study)?,
-            Part::Features => features::study(&mut study)?,
-        };
+        let text = part.study(&mut study)?;
         study.write(&format!("{}.md", part.name()), &text)?;
         study.write_page()?;
     }
@@ -164,8 +222,7 @@ fn command(arguments: &Arguments) -> String {
     if arguments.quick {
         command += " --quick";
     }
-    let sizes =
-        [("size", arguments.size), ("error-size", arguments.error_size), ("picture-size", arguments.picture_size)];
+    let sizes = [("size", arguments.size), ("error-size", arguments.error_size)];
     for (name, size) in sizes {
         if let Some([width, height]) = size {
             command += &format!(" --{name} {width}x{height}");
@@ -180,6 +237,12 @@ fn command(arguments: &Arguments) -> String {
     }
     if let Some(value) = arguments.backend.and_then(|backend| backend.to_possible_value()) {
         command += &format!(" --backend {}", value.get_name());
+    }
+    if let Some(seconds) = arguments.reference_seconds {
+        command += &format!(" --reference-seconds {seconds}");
+    }
+    if arguments.thesis_shader.is_some() {
+        command += " --thesis-shader pathTracer.fs";
     }
     if let Some(adapter) = &arguments.adapter {
         command += &format!(" --adapter \"{adapter}\"");
@@ -208,8 +271,8 @@ impl Study<'_> {
         let mut page = format!(
             "# The evaluation of the thesis, repeated\n\nRúben André Campos de Carvalho, \"Combining the Ray Marching and \
              Rasterization rendering models to provide real-time high-fidelity graphics\", Master's thesis, University of \
-             Porto, June 2020, chapter 5, measured again with pathmarch {}. Each part lists its hardware \
-             and the command that repeats it; its tables are also available as CSV, its plots as SVG.\n",
+             Porto, June 2020: every table and figure of what its program did, again, with pathmarch {}. Each part states what \
+             it ran on and the command that repeats it; its tables are also available as CSV, its plots as SVG.\n",
             env!("CARGO_PKG_VERSION")
         );
         for part in Part::value_variants() {
@@ -243,9 +306,9 @@ impl Study<'_> {
     }
 
     /// Median milliseconds per sample on each backend; `None` if it cannot render the scene.
-    fn time(&mut self, scene: &Scene, bounces: u32, size: [u32; 2]) -> Result<Vec<Option<f64>>, Failure> {
+    fn time_view(&mut self, scene: &Scene, settings: &Settings, bounces: u32) -> Result<Vec<Option<f64>>, Failure> {
         let rounds = self.plan.rounds;
-        let settings = Settings { size, bounces, samples: 1 + rounds, ..Settings::of(scene) };
+        let settings = Settings { bounces, samples: 1 + rounds, ..settings.clone() };
         let (mut jobs, mut able) = (Vec::new(), Vec::new());
         for renderer in &mut self.renderers {
             self.interrupt.check()?;
@@ -271,18 +334,10 @@ impl Study<'_> {
         (0..times.len()).min_by(|a, b| time(a).total_cmp(&time(b))).unwrap_or(0)
     }
 
-    /// Renders and writes a picture of the page; returns it for measurement.
-    fn picture(&mut self, name: &str, scene: &Scene, settings: &Settings, backend: usize) -> Result<Picture, Failure> {
-        let budget = Budget::Samples(settings.samples);
-        let taken = measure::render_for(&self.renderers[backend], scene, settings, budget, &self.interrupt)?;
-        let display = Display { tonemap: scene.render.tonemap, exposure_stops: settings.camera_of(scene).exposure };
-        let path = self.directory.join(name);
-        image::save(&path, &taken.picture, &display, &Provenance::default()).map_err(Failure::other)?;
-        Ok(taken.picture)
-    }
-
-    /// Settings of the page's pictures.
-    fn picture_settings(&self, scene: &Scene) -> Settings {
-        Settings { size: self.plan.picture_size, samples: self.plan.picture_samples, ..Settings::of(scene) }
+    /// Renders a picture of the page on the backend that suits the scene.
+    fn render(&self, scene: &Scene, settings: &Settings, samples: u32) -> Result<Picture, Failure> {
+        let renderer = Renderer::open(Backend::Auto, None).map_err(Failure::other)?;
+        let settings = Settings { samples, ..settings.clone() };
+        Ok(measure::render_for(&renderer, scene, &settings, Budget::Samples(samples), &self.interrupt)?.picture)
     }
 }

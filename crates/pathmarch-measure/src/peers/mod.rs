@@ -1,0 +1,57 @@
+//! Peers: other renderers that render the same scenes, as programs of their own.
+//!
+//! Their scripts are part of this program, so that it runs anywhere; they need Python and the peer.
+
+mod cycles;
+mod described_scene;
+mod thesis;
+
+pub use cycles::{Cycles, CyclesPicture};
+pub use described_scene::DescribedScene;
+pub use thesis::{ThesisFrame, ThesisProgram};
+
+use pathmarch_cli::Failure;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Python interpreter with the modules of the peers.
+#[derive(Clone, Debug)]
+pub struct Python(PathBuf);
+
+impl Python {
+    /// An interpreter, `python3` by default.
+    pub fn new(path: Option<&Path>) -> Self {
+        Self(path.map_or_else(|| PathBuf::from("python3"), Path::to_owned))
+    }
+
+    /// Reports whether it imports a module.
+    pub fn has(&self, module: &str) -> bool {
+        let output = Command::new(&self.0).args(["-c", &format!("import {module}")]).output();
+        output.is_ok_and(|output| output.status.success())
+    }
+
+    /// Runs a script, and returns the lines of its output that begin with `RESULT `, without that word.
+    ///
+    /// # Errors
+    /// [`Failure::Other`] with the end of its error output.
+    fn run(&self, name: &str, script: &str, arguments: &[String]) -> Result<Vec<String>, Failure> {
+        let directory = tempfile::tempdir().map_err(Failure::other)?;
+        let path = directory.path().join(name);
+        std::fs::write(&path, script).map_err(Failure::other)?;
+        let output = Command::new(&self.0).arg(&path).args(arguments).output();
+        let output = output.map_err(|error| Failure::Other(format!("{}: {error}", self.0.display())))?;
+        if !output.status.success() {
+            let errors = String::from_utf8_lossy(&output.stderr);
+            let last: Vec<&str> = errors.lines().rev().take(4).collect();
+            let reason: Vec<&str> = last.into_iter().rev().collect();
+            return Err(Failure::Other(format!("{name} ended with {}: {}", output.status, reason.join("; "))));
+        }
+        let text = String::from_utf8_lossy(&output.stdout);
+        Ok(text.lines().filter_map(|line| line.strip_prefix("RESULT ")).map(str::to_owned).collect())
+    }
+}
+
+/// Parses a line of a script's results.
+fn parsed<T: serde::de::DeserializeOwned>(line: &str) -> Result<T, Failure> {
+    serde_json::from_str(line).map_err(|error| Failure::Other(format!("{line}: {error}")))
+}
