@@ -175,20 +175,23 @@ fn described_material(material: &Material, vertex_colours: bool) -> Result<Value
     if !material.textured.is_empty() || material.bump.is_some() {
         return fail("a texture");
     }
-    let value = |name: &str| material.value(name).unwrap_or_default();
-    let number = |name: &str| value(name)[0];
+    let value = |name: &str| {
+        let missing = || Failure::Other(format!("a {} material has no {name}", material.kind.name));
+        material.value(name).ok_or_else(missing)
+    };
+    let number = |name: &str| value(name).map(|value| value[0]);
     Ok(match material.kind.name {
         "diffuse" => json!({
-            "name": material.name, "kind": "diffuse", "colour": value("colour"), "vertex_colours": vertex_colours,
+            "name": material.name, "kind": "diffuse", "colour": value("albedo")?, "vertex_colours": vertex_colours,
         }),
         "metal" => json!({
             "name": material.name, "kind": "metal",
-            "colour": value("colour"), "edge": value("edge"), "roughness": number("roughness"),
+            "colour": value("colour")?, "edge": value("edge")?, "roughness": number("roughness")?,
         }),
         "glass" => json!({
-            "name": material.name, "kind": "glass", "colour": value("colour"), "ior": number("ior"),
+            "name": material.name, "kind": "glass", "colour": value("colour")?, "ior": number("ior")?,
         }),
-        "emit" => json!({ "name": material.name, "kind": "emit", "radiance": value("radiance") }),
+        "emit" => json!({ "name": material.name, "kind": "emit", "radiance": value("radiance")? }),
         other => return fail(&format!("the kind {other}")),
     })
 }
@@ -219,6 +222,7 @@ mod tests {
         );
         let index = part["material"].as_u64().unwrap_or_default() as usize;
         assert_eq!(scene["materials"][index]["kind"], "metal");
+        assert_eq!(scene["materials"][index]["colour"], json!([0.5, 0.5, 0.5]));
     }
 
     #[test]

@@ -156,7 +156,7 @@ fn fractal(study: &mut Study) -> Result<String, Failure> {
     let times = study.time_view(&scene, &Settings { size: study.plan.size, ..settings.clone() }, settings.bounces)?;
     let backend = Study::fastest(&times);
     study.log(&format!("accumulation: {FRACTAL}, frames"));
-    let reference = study.render(&scene, &Settings { seed: 1, ..settings.clone() }, 4 * study.plan.samples)?;
+    let reference = study.render(&scene, &Settings { seed: 1, ..settings.clone() }, Some(4 * study.plan.samples))?;
     let expected = shown(&reference);
     let most = study.plan.samples;
     let mut job = start(&study.renderers[backend], &scene, &Settings { samples: most, ..settings.clone() })?;

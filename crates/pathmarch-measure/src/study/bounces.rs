@@ -78,7 +78,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
             }
             if name == SCENES[0] {
                 let settings = Settings { size: study.plan.size, clamp: scene.render.clamp, ..settings };
-                let picture = study.render(&scene, &settings, study.plan.picture_samples)?;
+                let picture = study.render(&scene, &settings, None)?;
                 panels.push(Panel::of(&picture, &display).reduced(3));
             }
             let light = taken.picture.mean_colour().iter().sum::<f64>() / all_light;
@@ -112,8 +112,8 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     let [error_width, error_height] = study.plan.error_size;
     let conditions = study.conditions(&format!(
         "times at {width}x{height}, median of {}; errors at {error_width}x{error_height} after {} s against 32 hits; \
-         pictures of {} samples",
-        study.plan.rounds, study.plan.bounce_seconds, study.plan.picture_samples
+         pictures of {} s",
+        study.plan.rounds, study.plan.bounce_seconds, study.plan.picture_seconds
     ));
     Ok(format!(
         "## Bounces\n\nFigures 5.1 and 5.2 (pages 58 and 59). The thesis concludes that 4 to 6 bounces are best, its hits, and \

@@ -16,7 +16,7 @@ use std::sync::Arc;
 struct Shot {
     scene: &'static str,
     change: fn(&mut Settings),
-    /// Samples; `None` for those of the page's pictures.
+    /// Samples; `None` for the time of the page's pictures.
     samples: Option<u32>,
 }
 
@@ -183,7 +183,7 @@ fn panel(study: &mut Study, shot: &Shot, columns: u32) -> Result<Panel, Failure>
     let scene = example(shot.scene)?;
     let mut settings = Settings { size: study.plan.size, ..Settings::of(&scene) };
     (shot.change)(&mut settings);
-    let picture = study.render(&scene, &settings, shot.samples.unwrap_or(study.plan.picture_samples))?;
+    let picture = study.render(&scene, &settings, shot.samples)?;
     let display = Display { tonemap: scene.render.tonemap, exposure_stops: settings.camera_of(&scene).exposure };
     Ok(Panel::of(&picture, &display).reduced(columns))
 }
@@ -208,7 +208,7 @@ fn moving(study: &mut Study) -> Result<String, Failure> {
         last = Some((scene, settings, frame));
     }
     let Some((scene, settings, frame)) = last else { return Ok(String::new()) };
-    let reference = study.render(&scene, &Settings { seed: 1000, ..settings }, 4 * study.plan.picture_samples)?;
+    let reference = study.render(&scene, &Settings { seed: 1000, ..settings }, None)?;
     let display = Display { tonemap: scene.render.tonemap, exposure_stops: scene.cameras[0].exposure };
     let pictures = [&mean, &frame.reconstructed, &reference];
     let panels = pictures.map(|picture| Panel::of(picture, &display));
@@ -246,7 +246,7 @@ fn soft_shadows(study: &mut Study) -> Result<String, Failure> {
     for scene in [&hard, &soft] {
         let settings = Settings { size: study.plan.size, ..Settings::of(scene) };
         times.push(study.time_view(scene, &settings, super::tables::BOUNCES)?);
-        let picture = study.render(scene, &settings, study.plan.picture_samples)?;
+        let picture = study.render(scene, &settings, None)?;
         let display = Display { tonemap: scene.render.tonemap, exposure_stops: scene.cameras[0].exposure };
         panels.push(Panel::of(&picture, &display).reduced(2));
     }
@@ -281,7 +281,6 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     text += &moving(study)?;
     study.log("figures: 5.7");
     text += &soft_shadows(study)?;
-    let conditions =
-        study.conditions(&format!("pictures of {} samples unless said otherwise", study.plan.picture_samples));
+    let conditions = study.conditions(&format!("pictures of {} s unless said otherwise", study.plan.picture_seconds));
     Ok(text + &conditions)
 }

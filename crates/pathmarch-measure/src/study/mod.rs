@@ -56,9 +56,9 @@ pub struct Arguments {
     /// Maximum number of samples whose error is measured; the reference has four times as many [default: 64]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((2, 65_536)), allow_hyphen_values = true)]
     samples: Option<u32>,
-    /// Samples of the pictures on the page [default: 96]
-    #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, 65_536)), allow_hyphen_values = true)]
-    picture_samples: Option<u32>,
+    /// Render time of each picture on the page [default: 15]
+    #[arg(long, value_name = "SECONDS", value_parser = value_parsers::seconds, allow_hyphen_values = true)]
+    picture_seconds: Option<f64>,
     /// Backend to time [default: every adapter, and the CPU; the fastest one renders the pictures]
     #[arg(long, value_enum)]
     backend: Option<BackendArgument>,
@@ -135,7 +135,8 @@ struct Plan {
     marching_size: [u32; 2],
     rounds: u32,
     samples: u32,
-    picture_samples: u32,
+    /// Render time of each picture on the page.
+    picture_seconds: f64,
     /// Most samples of Cycles.
     cycles_samples: u32,
     /// Cells along the longest side of the meshes that are rasterised.
@@ -158,7 +159,7 @@ impl Plan {
             marching_size: size(None, [640, 360]),
             rounds: number(arguments.rounds, 1, 3),
             samples: number(arguments.samples, 4, 64),
-            picture_samples: number(arguments.picture_samples, 4, 96),
+            picture_seconds: arguments.picture_seconds.unwrap_or(if small { 0.1 } else { 15.0 }),
             cycles_samples: number(None, 2, 128),
             mesh_resolution: number(None, 24, 256),
             reference_seconds: arguments.reference_seconds.unwrap_or(if small { 0.2 } else { 60.0 }),
@@ -228,8 +229,7 @@ fn command(arguments: &Arguments) -> String {
             command += &format!(" --{name} {width}x{height}");
         }
     }
-    let numbers =
-        [("rounds", arguments.rounds), ("samples", arguments.samples), ("picture-samples", arguments.picture_samples)];
+    let numbers = [("rounds", arguments.rounds), ("samples", arguments.samples)];
     for (name, number) in numbers {
         if let Some(number) = number {
             command += &format!(" --{name} {number}");
@@ -238,8 +238,11 @@ fn command(arguments: &Arguments) -> String {
     if let Some(value) = arguments.backend.and_then(|backend| backend.to_possible_value()) {
         command += &format!(" --backend {}", value.get_name());
     }
-    if let Some(seconds) = arguments.reference_seconds {
-        command += &format!(" --reference-seconds {seconds}");
+    let times = [("reference-seconds", arguments.reference_seconds), ("picture-seconds", arguments.picture_seconds)];
+    for (name, seconds) in times {
+        if let Some(seconds) = seconds {
+            command += &format!(" --{name} {seconds}");
+        }
     }
     if arguments.thesis_shader.is_some() {
         command += " --thesis-shader pathTracer.fs";
@@ -334,10 +337,11 @@ impl Study<'_> {
         (0..times.len()).min_by(|a, b| time(a).total_cmp(&time(b))).unwrap_or(0)
     }
 
-    /// Renders a picture of the page on the backend that suits the scene.
-    fn render(&self, scene: &Scene, settings: &Settings, samples: u32) -> Result<Picture, Failure> {
+    /// Renders a picture of the page on the backend that suits the scene: with so many samples, or for
+    /// [`Plan::picture_seconds`].
+    fn render(&self, scene: &Scene, settings: &Settings, samples: Option<u32>) -> Result<Picture, Failure> {
         let renderer = Renderer::open(Backend::Auto, None).map_err(Failure::other)?;
-        let settings = Settings { samples, ..settings.clone() };
-        Ok(measure::render_for(&renderer, scene, &settings, Budget::Samples(samples), &self.interrupt)?.picture)
+        let budget = samples.map_or(Budget::Seconds(self.plan.picture_seconds), Budget::Samples);
+        Ok(measure::render_for(&renderer, scene, settings, budget, &self.interrupt)?.picture)
     }
 }

@@ -5,7 +5,6 @@ mod rasteriser;
 use super::picture_grid::{Panel, save as save_grid};
 use super::table::{Table, milliseconds};
 use super::{Study, example};
-use crate::measure::{self, Budget};
 use pathmarch_cli::Failure;
 use pathmarch_render::mesh_file;
 use pathmarch_render::pathmarch_field::mesh::Fineness;
@@ -72,11 +71,8 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         let previews = study.time_view(&scene, &preview_settings, settings.bounces)?;
         let paths = study.time_view(&scene, &settings, super::tables::BOUNCES)?;
         let best = |times: &[Option<f64>]| times.iter().flatten().copied().min_by(f64::total_cmp);
-        let backend = Study::fastest(&paths);
-        for (settings, samples) in [(&preview_settings, 4), (&settings, study.plan.picture_samples)] {
-            let renderer = &study.renderers[backend];
-            let taken = measure::render_for(renderer, &scene, settings, Budget::Samples(samples), &study.interrupt)?;
-            panels.push(Panel::of(&taken.picture, &display).reduced(3));
+        for (settings, samples) in [(&preview_settings, Some(4)), (&settings, None)] {
+            panels.push(Panel::of(&study.render(&scene, settings, samples)?, &display).reduced(3));
         }
         save_grid(&study.directory.join(format!("raster-{name}.jpg")), &panels, panels.len() as u32)?;
         table.push([
