@@ -32,7 +32,7 @@ pub use custom_sdf::CustomShape;
 pub use graph::{Field, Node, Placement};
 pub use info::{Info, Outline};
 pub use mesh::Mesh;
-pub use mesh_shape::{MeshGeometry, MeshShape, MeshSurface};
+pub use mesh_shape::{MeshAttributes, MeshGeometry, MeshOpacity, MeshShape, MeshSurface};
 pub use modifiers::{EvalModifier, Modifier, ModifierDef};
 pub use operators::{Boolean, EvalOperator, Operator, OperatorDef};
 pub use parameter::{Param, Unit};

@@ -10,6 +10,7 @@ pub mod import;
 pub mod material;
 mod read;
 pub mod report;
+mod tangents;
 mod topology;
 mod triangle_mesh;
 mod winding;

@@ -37,7 +37,7 @@ pub struct Material {
     pub emission_texture: Option<Texture>,
     /// Use of alpha.
     pub alpha_mode: AlphaMode,
-    /// Both sides are shaded; otherwise the back is not shown.
+    /// Both sides are shown; otherwise rays pass through the back.
     pub is_double_sided: bool,
     /// Index of refraction.
     pub ior: f32,
@@ -178,6 +178,28 @@ impl Wrap {
             Self::Repeat => coordinate - coordinate.floor(),
             Self::MirroredRepeat => 1.0 - (coordinate - 2.0 * (0.5 * coordinate).floor() - 1.0).abs(),
             Self::ClampToEdge => coordinate.clamp(0.0, 1.0),
+        }
+    }
+
+    /// Texel of a row of `count` that a position stands for.
+    pub fn texel(self, position: i32, count: i32) -> u32 {
+        let texel = match self {
+            Self::Repeat => position.rem_euclid(count),
+            Self::MirroredRepeat => {
+                let twice = position.rem_euclid(2 * count);
+                twice.min(2 * count - 1 - twice)
+            }
+            Self::ClampToEdge => position.clamp(0, count - 1),
+        };
+        texel as u32
+    }
+
+    /// Code of the continuation, as kernels read it.
+    pub fn code(self) -> u32 {
+        match self {
+            Self::Repeat => 0,
+            Self::MirroredRepeat => 1,
+            Self::ClampToEdge => 2,
         }
     }
 }

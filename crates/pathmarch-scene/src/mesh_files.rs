@@ -4,9 +4,10 @@
 //! time of change. A distance field takes seconds to build, so it is also kept in a directory that the program names
 //! ([`set_mesh_cache`]), under the hash of the triangles. Anything wrong with a kept file only means that it is built again.
 
-use crate::mesh_materials;
-use pathmarch_field::MeshSurface;
+use crate::mesh_materials::{self, Converted, Pictures};
+use glam::Vec4;
 use pathmarch_field::mesh_shape::MeshError;
+use pathmarch_field::{MeshOpacity, MeshSurface};
 use pathmarch_mesh::grid::GridError;
 use pathmarch_mesh::import::{TooManyTriangles, Warning};
 use pathmarch_mesh::{DistanceGrid, Imported, Material, ReadError, ReadOptions, TriangleMesh, material};
@@ -44,7 +45,9 @@ pub(crate) struct MeshFile {
     materials: Vec<Material>,
     images: Vec<material::Image>,
     /// The same as materials of a scene, and what is not shown of them; made on first use.
-    scene_materials: OnceLock<Vec<(crate::Material, Vec<String>)>>,
+    scene_materials: OnceLock<Vec<Converted>>,
+    /// Opacity of the materials; made on first use.
+    opacity: OnceLock<Option<Arc<MeshOpacity>>>,
     pub(crate) warnings: Vec<Warning>,
     /// Fields built so far, by resolution.
     fields: Mutex<Vec<(u32, Arc<DistanceGrid>)>>,
@@ -55,16 +58,28 @@ impl MeshFile {
     pub(crate) fn load(path: &Path) -> Result<Self, MeshFileError> {
         let imported = pathmarch_mesh::read(path, &ReadOptions::default())?;
         let mut mesh = imported.merged(MAX_TRIANGLES)?;
-        let Imported { materials, images, warnings, .. } = imported;
+        let Imported { materials, images, mut warnings, lights, cameras, .. } = imported;
+        warnings.extend(left_out("light", lights.len()));
+        warnings.extend(left_out("camera", cameras.len()));
         let materials = used_materials(&mut mesh, materials);
+        keep_used_attributes(&mut mesh, &materials);
         let surface = Arc::new(MeshSurface::new(mesh)?);
-        Ok(Self { surface, materials, images, scene_materials: OnceLock::new(), warnings, fields: Mutex::default() })
+        let (scene_materials, opacity) = (OnceLock::new(), OnceLock::new());
+        Ok(Self { surface, materials, images, scene_materials, opacity, warnings, fields: Mutex::default() })
     }
 
     /// Its materials as those of a scene, and what is not shown of each.
-    pub(crate) fn scene_materials(&self) -> &[(crate::Material, Vec<String>)] {
-        let convert = |source: &Material| mesh_materials::material(source, &self.images);
-        self.scene_materials.get_or_init(|| self.materials.iter().map(convert).collect())
+    pub(crate) fn scene_materials(&self) -> &[Converted] {
+        let has_colours = !self.surface.mesh().colours.is_empty();
+        self.scene_materials.get_or_init(|| {
+            let mut pictures = Pictures::new(&self.images);
+            self.materials.iter().map(|source| mesh_materials::convert(source, &mut pictures, has_colours)).collect()
+        })
+    }
+
+    /// Opacity of its materials.
+    pub(crate) fn opacity(&self) -> Option<Arc<MeshOpacity>> {
+        self.opacity.get_or_init(|| mesh_materials::opacity(&self.materials, &self.images)).clone()
     }
 
     /// Distance field with this number of voxels along its longest edge.
@@ -77,6 +92,26 @@ impl MeshFile {
         fields.push((resolution, Arc::clone(&grid)));
         Ok(grid)
     }
+}
+
+/// Warning of lights or cameras in a file, which a mesh does not place.
+fn left_out(what: &str, count: usize) -> Option<Warning> {
+    let message = format!("a `mesh` has no {what}s; `pathmarch import` reads them");
+    (count > 0).then(|| Warning { place: format!("{what}s"), message, count })
+}
+
+/// Leaves out colours that are all white, and tangents without a normal map; computes those that a normal map lacks.
+fn keep_used_attributes(mesh: &mut TriangleMesh, materials: &[Material]) {
+    if mesh.colours.iter().all(|&colour| colour == Vec4::ONE) {
+        mesh.colours = Vec::new();
+    }
+    if materials.iter().all(|material| material.normal_texture.is_none()) {
+        mesh.tangents = Vec::new();
+        return;
+    }
+    let uv_set =
+        |material: u32| materials.get(material as usize)?.normal_texture.as_ref().map(|texture| texture.uv_set);
+    mesh.add_tangents(uv_set);
 }
 
 /// Keeps the materials that triangles have, and renumbers them.

@@ -5,11 +5,11 @@ use crate::random::Random;
 use glam::Vec3;
 use pathmarch_field::Placement;
 use pathmarch_scene::materials::{TextureMapping, Texturing, kinds};
-use pathmarch_scene::textures::{self, Pattern, Spot, SurfaceUv, Texture, TextureKind, TextureParameters};
+use pathmarch_scene::textures::{self, MeshAttributes, Pattern, Spot, Texture, TextureKind, TextureParameters};
 use pathmarch_scene::{Material, Scene};
 
 fn spot(p: Vec3) -> Spot {
-    Spot { p, normal: Vec3::Z, footprint: 0.0, uv: SurfaceUv::default() }
+    Spot { p, normal: Vec3::Z, footprint: 0.0, attributes: MeshAttributes::default() }
 }
 
 fn defaults(kind: &TextureKind) -> TextureParameters {

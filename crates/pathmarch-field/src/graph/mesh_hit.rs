@@ -6,9 +6,8 @@
 
 use super::bvh::Bvh;
 use super::{EvalStrategy, Field, Tree};
-use crate::mesh_shape::{MeshGeometry, vector};
+use crate::mesh_shape::{MeshAttributes, MeshGeometry, vector};
 use crate::number::Vec3;
-use glam::Vec2;
 use pathmarch_mesh::bvh::Ray;
 
 /// Hit of a ray with a triangle.
@@ -31,10 +30,8 @@ pub struct MeshInteraction {
     pub normal: glam::Vec3,
     /// Unit shading normal on the front of the triangle.
     pub shading_normal: glam::Vec3,
-    /// Texture coordinates of both sets.
-    pub uvs: [Vec2; 2],
-    /// Length in texture coordinates of a unit of the mesh's coordinates, for both sets.
-    pub uv_densities: [f32; 2],
+    /// Attributes for textures.
+    pub attributes: MeshAttributes,
 }
 
 /// Box test of a ray: the slabs of Kay and Kajiya (1986), with a margin that keeps flat boxes.
@@ -81,6 +78,11 @@ impl Field {
         self.leaves.iter().any(|leaf| leaf.shape.mesh().is_some())
     }
 
+    /// Reports whether rays pass through some triangles.
+    pub(crate) fn has_opacity(&self) -> bool {
+        self.leaves.iter().any(|leaf| leaf.shape.mesh().is_some_and(|mesh| mesh.opacity().is_some()))
+    }
+
     /// Reports whether some mesh has shading normals.
     pub fn has_shading_normals(&self) -> bool {
         self.leaves.iter().any(|leaf| leaf.is_triangles() && leaf.mesh_has_normals())
@@ -112,7 +114,7 @@ impl Field {
         let local = vector(pose.local(Vec3::new(origin.x, origin.y, origin.z)));
         let turned = vector(pose.turned(Vec3::new(direction.x, direction.y, direction.z)));
         let ray = Ray { t_max, ..Ray::new(local, turned / pose.scale) };
-        let (t, triangle) = mesh.surface().hit(&ray)?;
+        let (t, triangle) = mesh.hit(&ray)?;
         Some(MeshHit { t, leaf: leaf + mesh.slot(triangle), triangle })
     }
 
@@ -126,8 +128,7 @@ impl Field {
             distance: point.plane_distance * instance.pose.scale,
             normal: world(point.normal),
             shading_normal: world(point.shading_normal),
-            uvs: point.uvs,
-            uv_densities: point.uv_densities,
+            attributes: point.attributes,
         })
     }
 }
@@ -137,10 +138,8 @@ impl Field {
 pub struct NearestTriangle {
     /// Leaf of its material.
     pub leaf: u32,
-    /// Texture coordinates of both sets at the point of the triangle that is closest.
-    pub uvs: [Vec2; 2],
-    /// Length in texture coordinates of a unit of the mesh's coordinates, for both sets.
-    pub uv_densities: [f32; 2],
+    /// Attributes for textures at the point of the triangle that is closest.
+    pub attributes: MeshAttributes,
 }
 
 impl Field {
@@ -151,7 +150,7 @@ impl Field {
         let triangle = mesh.surface().closest_triangle(local);
         let point = mesh.surface().point(triangle, local);
         let leaf = leaf as u32 - self.leaves[leaf].slot + mesh.slot(triangle);
-        Some(NearestTriangle { leaf, uvs: point.uvs, uv_densities: point.uv_densities })
+        Some(NearestTriangle { leaf, attributes: point.attributes })
     }
 }
 

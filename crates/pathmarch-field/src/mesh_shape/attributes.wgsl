@@ -32,8 +32,8 @@ fn triangle_weights(corners: mat3x3f, p: vec3f) -> vec2f {
     return vec2f(v, clamp(dot(cross(b, offset), normal) * inverse, 0.0, 1.0 - v));
 }
 
-/// Shading normal in world space at the point `p` of a triangle of the mesh of this leaf, on the side of its geometric normal
-/// `outward`, which it is where the mesh has none.
+/// Shading normal in world space at the point `p` of a triangle of the mesh of this leaf, on the side of `outward`, one of its
+/// two geometric normals; that itself where the mesh has none.
 fn mesh_shading_normal(leaf: u32, triangle: u32, p: vec3f, outward: vec3f) -> vec3f {
     let instance = mesh_word(mesh_word(2u) + leaf);
     let surface_offset = mesh_word(instance + 13u);
@@ -42,12 +42,16 @@ fn mesh_shading_normal(leaf: u32, triangle: u32, p: vec3f, outward: vec3f) -> ve
         return outward;
     }
     let rows = instance_rows(instance);
-    let weights = triangle_weights(triangle_edges(instance, triangle), (p - mesh_vector(instance)) * rows);
+    let corners = triangle_edges(instance, triangle);
+    let weights = triangle_weights(corners, (p - mesh_vector(instance)) * rows);
     let vertices = mesh_word(surface_offset + 2u) + 3u * triangle;
     let a = mesh_vector(normals + 3u * mesh_word(vertices));
     let b = mesh_vector(normals + 3u * mesh_word(vertices + 1u));
     let c = mesh_vector(normals + 3u * mesh_word(vertices + 2u));
-    let interpolated = rows * (a * (1.0 - weights.x - weights.y) + b * weights.x + c * weights.y) * mesh_float(instance + 3u);
+    let size_of_edges = largest_of_edges(corners[1], corners[2]);
+    let is_back = dot(rows * cross(corners[1] / size_of_edges, corners[2] / size_of_edges), outward) < 0.0;
+    let scale = mesh_float(instance + 3u) * select(1.0, -1.0, is_back);
+    let interpolated = rows * (a * (1.0 - weights.x - weights.y) + b * weights.x + c * weights.y) * scale;
     let size = length(interpolated);
     return select(interpolated / size, outward, dot(interpolated, outward) <= 1e-3 * size);
 }
@@ -64,6 +68,48 @@ fn triangle_uvs(surface_offset: u32, triangle: u32, uv_set: u32) -> mat3x2f {
     let c = uvs + 2u * mesh_word(vertices + 2u);
     let first = vec2f(mesh_float(a), mesh_float(a + 1u));
     return mat3x2f(first, vec2f(mesh_float(b), mesh_float(b + 1u)) - first, vec2f(mesh_float(c), mesh_float(c + 1u)) - first);
+}
+
+/// Linear colour and alpha of the vertices at a point of a triangle; white where there is none.
+fn triangle_colour(surface_offset: u32, triangle: u32, weights: vec2f) -> vec4f {
+    let colours = mesh_word(surface_offset + 9u);
+    if colours == 0u {
+        return vec4f(1.0);
+    }
+    let vertices = mesh_word(surface_offset + 2u) + 3u * triangle;
+    var sum = vec4f(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        let at = colours + 2u * mesh_word(vertices + k);
+        let colour = vec4f(unpack2x16unorm(mesh_word(at)), unpack2x16unorm(mesh_word(at + 1u)));
+        sum += colour * select(1.0 - weights.x - weights.y, weights[max(k, 1u) - 1u], k > 0u);
+    }
+    return sum;
+}
+
+/// Linear colour and alpha of the vertices at a point in the mesh's coordinates.
+fn mesh_colour(leaf: u32, triangle: u32, local: vec3f) -> vec4f {
+    let instance = mesh_word(mesh_word(2u) + leaf);
+    return triangle_colour(mesh_word(instance + 13u), triangle, triangle_weights(triangle_edges(instance, triangle), local));
+}
+
+/// Tangent in the mesh's coordinates, of any length, and sign of the bitangent, at a point in these coordinates; zero where
+/// there is none.
+fn mesh_tangent(leaf: u32, triangle: u32, local: vec3f) -> vec4f {
+    let instance = mesh_word(mesh_word(2u) + leaf);
+    let surface_offset = mesh_word(instance + 13u);
+    let tangents = mesh_word(surface_offset + 8u);
+    if tangents == 0u {
+        return vec4f(0.0);
+    }
+    let weights = triangle_weights(triangle_edges(instance, triangle), local);
+    let vertices = mesh_word(surface_offset + 2u) + 3u * triangle;
+    var sum = vec4f(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        let at = tangents + 2u * mesh_word(vertices + k);
+        let tangent = vec4f(unpack2x16snorm(mesh_word(at)), unpack2x16snorm(mesh_word(at + 1u)));
+        sum += tangent * select(1.0 - weights.x - weights.y, weights[max(k, 1u) - 1u], k > 0u);
+    }
+    return sum;
 }
 
 /// Texture coordinates (xy) of one set at a point in the mesh's coordinates, and their length for a unit of those (z).

@@ -1,8 +1,10 @@
 //! A mesh as a shape uses it: its surface, its form and the tags of its materials.
 
+use super::opacity::MeshOpacity;
 use super::surface::MeshSurface;
 use crate::number::Vec3;
 use pathmarch_mesh::DistanceGrid;
+use pathmarch_mesh::bvh::{Hit, Ray};
 use std::sync::Arc;
 
 /// Surface of a mesh, and its form.
@@ -12,11 +14,35 @@ pub struct MeshGeometry {
     field: Option<Arc<DistanceGrid>>,
     /// Tag of each material of the mesh; one for all if there is only one.
     tags: Vec<u32>,
+    /// Opacity of its materials; `None` if no ray passes through its triangles.
+    opacity: Option<Arc<MeshOpacity>>,
 }
 
 impl MeshGeometry {
     pub(super) fn new(surface: Arc<MeshSurface>, field: Option<Arc<DistanceGrid>>, tags: Vec<u32>) -> Self {
-        Self { surface, field, tags }
+        Self { surface, field, tags, opacity: None }
+    }
+
+    pub(super) fn with_opacity(self, opacity: Option<Arc<MeshOpacity>>) -> Self {
+        Self { opacity, ..self }
+    }
+
+    /// Opacity of its materials; `None` if no ray passes through its triangles.
+    pub(crate) fn opacity(&self) -> Option<&Arc<MeshOpacity>> {
+        self.opacity.as_ref()
+    }
+
+    /// First hit of a ray in local coordinates: its parameter and the triangle.
+    pub(crate) fn hit(&self, ray: &Ray) -> Option<(f32, u32)> {
+        let bvh = self.surface.bvh();
+        let hit = match &self.opacity {
+            None => bvh.intersect(ray),
+            Some(opacity) => {
+                let material = |hit: &Hit| self.surface.mesh().material(hit.triangle as usize) as usize;
+                bvh.intersect_where(ray, |hit| opacity.is_present(&self.surface, material(hit), ray, hit))
+            }
+        };
+        hit.map(|hit| (hit.t, hit.triangle))
     }
 
     /// Triangles of the mesh.

@@ -11,12 +11,14 @@
 
 mod geometry;
 mod interpolation;
+mod opacity;
 mod surface;
 pub(crate) mod words;
 
 pub use geometry::MeshGeometry;
 pub(crate) use geometry::vector;
-pub use interpolation::MeshPoint;
+pub use interpolation::{MeshAttributes, MeshPoint};
+pub use opacity::{AlphaTest, AlphaTexture, MaterialOpacity, MeshOpacity};
 pub use surface::{COARSE_RESOLUTION, MeshError, MeshSurface};
 
 use crate::bounds::Aabb;
@@ -34,6 +36,10 @@ pub(crate) const GRID_WGSL: &str = include_str!("grid.wgsl");
 pub(crate) const ATTRIBUTES_WGSL: &str = include_str!("attributes.wgsl");
 /// WGSL of ray intersection and of surfaces.
 pub(crate) const TRIANGLES_WGSL: &str = include_str!("triangles.wgsl");
+/// WGSL of opacity.
+pub(crate) const OPACITY_WGSL: &str = include_str!("opacity.wgsl");
+/// WGSL in place of that of opacity, for opaque meshes.
+pub(crate) const OPAQUE_WGSL: &str = include_str!("opaque.wgsl");
 
 /// Shape of a mesh file.
 pub struct MeshShape {
@@ -46,6 +52,11 @@ impl MeshShape {
     pub fn triangles(surface: Arc<MeshSurface>, tags: Vec<u32>) -> Self {
         let info = Info::new("mesh", "Triangles of a mesh file.", "Woop et al. 2013; Ylitie et al. 2017");
         Self { info: info.inexact(), geometry: MeshGeometry::new(surface, None, tags) }
+    }
+
+    /// Triangles with this opacity of the mesh's materials; `None` if no ray passes through them.
+    pub fn with_opacity(self, opacity: Option<Arc<MeshOpacity>>) -> Self {
+        Self { geometry: self.geometry.with_opacity(opacity), ..self }
     }
 
     /// Shape of the distance field of a mesh.

@@ -1,6 +1,6 @@
 //! Surface of a mesh: its triangles, with a hierarchy for the CPU and one for the GPU.
 
-use pathmarch_mesh::bvh::{BuildError, CompressedBvh, Ray};
+use pathmarch_mesh::bvh::{BuildError, CompressedBvh};
 use pathmarch_mesh::grid::GridError;
 use pathmarch_mesh::{Bounds, Bvh, DistanceGrid, TriangleMesh};
 use std::ops::ControlFlow;
@@ -77,11 +77,6 @@ impl MeshSurface {
 
     pub(crate) fn mesh_bounds(&self) -> Bounds {
         self.bounds
-    }
-
-    /// First hit of a ray in local coordinates.
-    pub(crate) fn hit(&self, ray: &Ray) -> Option<(f32, u32)> {
-        self.bvh.intersect(ray).map(|hit| (hit.t, hit.triangle))
     }
 
     /// Triangle that is closest to a point in local coordinates.

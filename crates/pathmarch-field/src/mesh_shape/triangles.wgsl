@@ -35,6 +35,8 @@ struct MeshRay {
     /// Origin with the longest axis last.
     turned_origin: vec3f,
     shear: vec3f,
+    /// Hash for random opacity.
+    seed: u32,
 }
 
 fn mesh_ray(origin: vec3f, direction: vec3f, largest_coordinate: f32) -> MeshRay {
@@ -46,7 +48,7 @@ fn mesh_ray(origin: vec3f, direction: vec3f, largest_coordinate: f32) -> MeshRay
     let inverse = 1.0 / safe;
     let octant = u32(safe.x < 0.0) | (u32(safe.y < 0.0) << 1u) | (u32(safe.z < 0.0) << 2u);
     let margin = abs(inverse) * (1e-6 * (abs(origin) + largest_coordinate));
-    return MeshRay(origin, inverse, margin, octant, long_axis, with_long_axis_last(origin, long_axis), vec3f(d.xy / d.z, 1.0 / d.z));
+    return MeshRay(origin, inverse, margin, octant, long_axis, with_long_axis_last(origin, long_axis), vec3f(d.xy / d.z, 1.0 / d.z), ray_seed(origin, direction));
 }
 
 /// First hit of a ray with the triangles of a surface: its parameter, and the triangle in the order of the leaves.
@@ -56,7 +58,7 @@ struct TriangleHit {
 }
 
 /// Hit with a triangle, if it is nearer.
-fn triangle_hit(corners: u32, triangle: u32, ray: MeshRay, nearest: TriangleHit) -> TriangleHit {
+fn triangle_hit(surface_offset: u32, corners: u32, opacity: u32, triangle: u32, ray: MeshRay, nearest: TriangleHit) -> TriangleHit {
     let at = corners + 9u * triangle;
     let p = with_long_axis_last(mesh_vector(at), ray.long_axis) - ray.turned_origin;
     let q = with_long_axis_last(mesh_vector(at + 3u), ray.long_axis) - ray.turned_origin;
@@ -68,7 +70,12 @@ fn triangle_hit(corners: u32, triangle: u32, ray: MeshRay, nearest: TriangleHit)
     let determinant = edges.x + edges.y + edges.z;
     let has_both_signs = any(edges < vec3f(0.0)) && any(edges > vec3f(0.0));
     let t = dot(edges, ray.shear.z * vec3f(p.z, q.z, r.z)) / determinant;
-    let is_hit = !has_both_signs && determinant != 0.0 && t > 0.0 && t < nearest.t;
+    var is_hit = !has_both_signs && determinant != 0.0 && t > 0.0 && t < nearest.t;
+    if HAS_OPACITY && is_hit && opacity != 0u {
+        let toward = vec3f(ray.shear.xy, 1.0) * ray.shear.z;
+        let is_back = dot(cross(q - p, r - p), toward) > 0.0;
+        is_hit = is_present(opacity, surface_offset, triangle, edges.yz / determinant, is_back, ray.seed);
+    }
     return TriangleHit(select(nearest.t, t, is_hit), select(nearest.triangle, triangle, is_hit));
 }
 
@@ -95,7 +102,7 @@ fn passed_children(node: u32, half: u32, ray: MeshRay, t_max: f32) -> u32 {
 }
 
 /// First hit of a ray with a surface before `t_max` (Ylitie et al. 2017; Woop et al. 2013).
-fn surface_hit(surface_offset: u32, origin: vec3f, direction: vec3f, t_max: f32) -> TriangleHit {
+fn surface_hit(surface_offset: u32, opacity: u32, origin: vec3f, direction: vec3f, t_max: f32) -> TriangleHit {
     let nodes = mesh_word(surface_offset);
     let corners = mesh_word(surface_offset + 1u);
     let ray = mesh_ray(origin, direction, mesh_float(surface_offset + 7u));
@@ -124,7 +131,7 @@ fn surface_hit(surface_offset: u32, origin: vec3f, direction: vec3f, t_max: f32)
         let first = mesh_word(node + 5u);
         var triangles = bits & 0xffffffu;
         while triangles != 0u {
-            nearest = triangle_hit(corners, first + firstTrailingBit(triangles), ray, nearest);
+            nearest = triangle_hit(surface_offset, corners, opacity, first + firstTrailingBit(triangles), ray, nearest);
             triangles &= triangles - 1u;
         }
     }
@@ -152,7 +159,8 @@ fn mesh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit
                 break;
             }
             let rows = instance_rows(instance);
-            let hit = surface_hit(mesh_word(instance + 13u), (origin - mesh_vector(instance)) * rows, direction * rows, nearest.t);
+            let opacity = mesh_word(instance + 18u);
+            let hit = surface_hit(mesh_word(instance + 13u), opacity, (origin - mesh_vector(instance)) * rows, direction * rows, nearest.t);
             if hit.t < nearest.t {
                 nearest = AnalyticHit(hit.t, MESH + instance, hit.triangle);
             }

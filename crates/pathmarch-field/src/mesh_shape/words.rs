@@ -2,7 +2,7 @@
 //!
 //! Each surface and each grid is encoded once, however many leaves use it. Offsets count words from the start of the buffer.
 
-use super::{MeshGeometry, MeshSurface};
+use super::{AlphaTest, AlphaTexture, MeshGeometry, MeshOpacity, MeshSurface};
 use crate::graph::{Field, Leaf};
 use pathmarch_mesh::{DistanceGrid, GridArrays};
 use std::fmt::Write;
@@ -13,6 +13,9 @@ const HEADER_WORDS: usize = 4;
 /// Words of a top-level node: least corner, the node behind its subtree, greatest corner, its instance or zero.
 const NODE_WORDS: usize = 8;
 
+/// Words of the opacity of a material: flags, alpha, cutoff, texture or zero.
+const OPACITY_WORDS: usize = 4;
+
 /// Constants of the encoding in WGSL.
 pub(crate) fn constants_wgsl() -> String {
     let mut text = String::new();
@@ -20,6 +23,7 @@ pub(crate) fn constants_wgsl() -> String {
         ("MESH_STACK", super::surface::MAX_DEPTH as u32),
         ("MESH_NODE_WORDS", pathmarch_mesh::bvh::NODE_WORDS as u32),
         ("TOP_NODE_WORDS", NODE_WORDS as u32),
+        ("OPACITY_WORDS", OPACITY_WORDS as u32),
     ] {
         writeln!(text, "const {name} = {value}u;").expect("writing to a string");
     }
@@ -52,7 +56,7 @@ impl MeshWords {
     /// Encodes the meshes of a field; no words if there are none.
     pub(crate) fn new(field: &Field) -> Self {
         let leaves = field.leaves();
-        let mut encoder = Encoder { words: Vec::new(), surfaces: Vec::new(), grids: Vec::new() };
+        let mut encoder = Encoder::default();
         if leaves.iter().all(|leaf| leaf.shape.mesh().is_none()) {
             return Self::default();
         }
@@ -74,10 +78,12 @@ impl MeshWords {
     }
 }
 
+#[derive(Default)]
 struct Encoder {
     words: Vec<u32>,
     surfaces: Vec<(Arc<MeshSurface>, u32)>,
     grids: Vec<(Arc<DistanceGrid>, u32)>,
+    opacities: Vec<(Arc<MeshOpacity>, u32)>,
 }
 
 impl Encoder {
@@ -99,7 +105,8 @@ impl Encoder {
         (self.words[0], self.words[1]) = (first as u32, self.words.len() as u32);
     }
 
-    /// Encodes a placed mesh: its pose, its surface, its first leaf, its number of materials, its grid and the modifier around it.
+    /// Encodes a placed mesh: its pose, its surface, its first leaf, its number of materials, its grid, the modifier around it and its
+    /// opacity.
     fn instance(&mut self, mesh: &MeshGeometry, leaf: &Leaf, [index, grid, modifier]: [u32; 3]) -> u32 {
         let surface = self.surface(mesh.surface());
         let offset = self.words.len() as u32;
@@ -107,6 +114,46 @@ impl Encoder {
         self.floats([leaf.pose.scale]);
         self.floats(leaf.pose.local_from_world().as_flattened().iter().copied());
         self.words.extend([surface, index, mesh.tags().len().max(1) as u32, grid, modifier]);
+        let opacity_word = self.words.len();
+        self.words.push(0);
+        self.words[opacity_word] = mesh.opacity().map_or(0, |opacity| self.opacity(opacity));
+        offset
+    }
+
+    /// Encodes the opacity of the materials of a mesh: flags, alpha, cutoff and texture of each.
+    fn opacity(&mut self, opacity: &Arc<MeshOpacity>) -> u32 {
+        if let Some((_, offset)) = self.opacities.iter().find(|(known, _)| Arc::ptr_eq(known, opacity)) {
+            return *offset;
+        }
+        let offset = self.words.len();
+        self.words.resize(offset + OPACITY_WORDS * opacity.materials.len(), 0);
+        for (index, material) in opacity.materials.iter().enumerate() {
+            let (test, cutoff) = match material.test {
+                AlphaTest::Opaque => (0, 0.0),
+                AlphaTest::Mask(cutoff) => (1, cutoff),
+                AlphaTest::Blend => (2, 0.0),
+            };
+            let texture = material.texture.as_ref().map_or(0, |texture| self.alpha_texture(texture));
+            let record =
+                [test | u32::from(material.is_single_sided) << 2, material.alpha.to_bits(), cutoff.to_bits(), texture];
+            let at = offset + OPACITY_WORDS * index;
+            self.words[at..at + OPACITY_WORDS].copy_from_slice(&record);
+        }
+        self.opacities.push((Arc::clone(opacity), offset as u32));
+        offset as u32
+    }
+
+    /// Encodes a texture of alpha: width, height, modes, two rows of its transform, and four texels a word.
+    fn alpha_texture(&mut self, texture: &AlphaTexture) -> u32 {
+        let offset = self.words.len() as u32;
+        let modes = texture.wrap[0].code()
+            | texture.wrap[1].code() << 2
+            | u32::from(texture.is_nearest) << 4
+            | (texture.uv_set as u32) << 5;
+        self.words.extend([texture.width, texture.height, modes]);
+        self.floats(texture.rows.as_flattened().iter().copied());
+        let word = |texels: &[u8]| texels.iter().rev().fold(0, |word, &texel| word << 8 | u32::from(texel));
+        self.words.extend(texture.texels.chunks(4).map(word));
         offset
     }
 
@@ -125,9 +172,15 @@ impl Encoder {
             true => 0,
             false => self.append(in_order().map(|triangle| mesh.material(triangle))),
         };
+        let snorm = |v: f32| u32::from((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
+        let unorm = |v: f32| (v.clamp(0.0, 1.0) * 65535.0).round() as u32;
+        let pairs = |[x, y, z, w]: [u32; 4]| [x | y << 16, z | w << 16];
+        let tangents = self.append(mesh.tangents.iter().flat_map(|t| pairs(t.to_array().map(snorm))));
+        let colours = self.append(mesh.colours.iter().flat_map(|c| pairs(c.to_array().map(unorm))));
         let offset = self.words.len() as u32;
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         self.words.extend([nodes, corners, vertices, normals, uvs[0], uvs[1], materials, largest.to_bits()]);
+        self.words.extend([tangents, colours]);
         self.surfaces.push((Arc::clone(surface), offset));
         offset
     }

@@ -23,10 +23,29 @@ impl Bvh {
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let mut closest = None;
         self.traverse(ray, |block, sheared, t_max| {
-            let hit = self.blocks[block].intersect(sheared, ray.t_min, t_max)?;
+            let hit = self.blocks[block].intersect(sheared, ray.t_min, t_max, u32::MAX)?;
             let triangle = self.blocks[block].triangles[hit.lane];
             closest = Some(Hit { t: hit.t, triangle, barycentrics: hit.barycentrics });
             Some(hit.t)
+        });
+        closest
+    }
+
+    /// Closest hit of a ray with t_min < t < t_max that is accepted. `accepts` is called in no particular order.
+    pub fn intersect_where(&self, ray: &Ray, accepts: impl Fn(&Hit) -> bool) -> Option<Hit> {
+        let mut closest = None;
+        self.traverse(ray, |block, sheared, t_max| {
+            let block = &self.blocks[block];
+            let mut lanes = u32::MAX;
+            while let Some(hit) = block.intersect(sheared, ray.t_min, t_max, lanes) {
+                let accepted = Hit { t: hit.t, triangle: block.triangles[hit.lane], barycentrics: hit.barycentrics };
+                if accepts(&accepted) {
+                    closest = Some(accepted);
+                    return Some(hit.t);
+                }
+                lanes &= !(1 << hit.lane);
+            }
+            None
         });
         closest
     }
@@ -35,7 +54,7 @@ impl Bvh {
     pub fn occluded(&self, ray: &Ray) -> bool {
         let mut is_occluded = false;
         self.traverse(ray, |block, sheared, t_max| {
-            is_occluded |= self.blocks[block].intersect(sheared, ray.t_min, t_max).is_some();
+            is_occluded |= self.blocks[block].intersect(sheared, ray.t_min, t_max, u32::MAX).is_some();
             is_occluded.then_some(f32::NEG_INFINITY)
         });
         is_occluded

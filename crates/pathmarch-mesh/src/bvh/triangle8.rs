@@ -52,15 +52,16 @@ impl Triangle8 {
         Self { corners: lanes.map(|corner| corner.map(f32x8::from)), triangles: indices }
     }
 
-    /// Nearest hit with a parameter in the ray's range, exclusive of both ends.
+    /// Nearest hit with a parameter in the ray's range, exclusive of both ends, among the triangles of these lanes (a bit
+    /// each).
     #[inline(always)]
-    pub fn intersect(&self, ray: &ShearedRay, t_min: f32, t_max: f32) -> Option<BlockHit> {
+    pub fn intersect(&self, ray: &ShearedRay, t_min: f32, t_max: f32, lanes: u32) -> Option<BlockHit> {
         let [a, b, c] = self.corners.map(|corner| ray.shear(corner));
         let edges = EdgeFunctions::new([a, b, c]);
         let determinant = edges.u + edges.v + edges.w;
         let t = (edges.u * a[2] + edges.v * b[2] + edges.w * c[2]) / determinant;
         let is_hit = edges.same_sign() & t.simd_gt(f32x8::splat(t_min)) & t.simd_lt(f32x8::splat(t_max));
-        let mut mask = is_hit.to_bitmask();
+        let mut mask = is_hit.to_bitmask() & lanes;
         if mask == 0 {
             return None;
         }

@@ -29,8 +29,10 @@ pub use error::{Mistake, ReadError};
 
 use crate::import::Imported;
 use crate::material::Material;
+use crate::triangle_mesh::TriangleMesh;
 use error::Warnings;
 use files::Companions;
+use glam::Vec3;
 use std::path::Path;
 
 /// Settings of [`read`].
@@ -68,7 +70,11 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Imported, ReadError> {
 pub fn read_bytes(bytes: &[u8], extension: &str, path: &Path, options: &ReadOptions) -> Result<Imported, ReadError> {
     let companions = Companions::new(path, options);
     let mut warnings = Warnings::default();
-    let of_mesh = |mesh| Imported::of_mesh(mesh, vec![Material::plain()]);
+    let of_mesh = |mesh: TriangleMesh| {
+        let plain = Material::plain();
+        let base_colour = if mesh.colours.is_empty() { plain.base_colour } else { Vec3::ONE };
+        Imported::of_mesh(mesh, vec![Material { base_colour, ..plain }])
+    };
     let imported = match extension {
         "glb" | "gltf" => gltf::read(bytes, &companions, &mut warnings),
         "obj" => obj::read(bytes, &companions, &mut warnings),

@@ -217,7 +217,9 @@ impl<'a> Reader<'a> {
         if let Some(material) = self.material {
             return material;
         }
-        self.materials.push(Material::plain());
+        let plain = Material::plain();
+        let base_colour = if self.colours.is_empty() { plain.base_colour } else { Vec3::ONE };
+        self.materials.push(Material { base_colour, ..plain });
         let index = self.materials.len() as u32 - 1;
         self.material = Some(index);
         index

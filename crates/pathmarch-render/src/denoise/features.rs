@@ -21,7 +21,7 @@ use crate::job::Shutter;
 use crate::sampling::basis::basis;
 use crate::sampling::sobol::{PixelSampler, hash, pair};
 use crate::scene::TraceContext;
-use crate::scene::material::DELTA;
+use crate::scene::material::{DELTA, GLOWS};
 use crate::settings::Settings;
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
@@ -219,6 +219,10 @@ fn scattered(
         return None;
     }
     let textured = TexturedPoint::new(ctx, interaction, walk.length);
+    if material.has(GLOWS) && ctx.scene.emits_towards(interaction.leaf, normal) {
+        let emission = textured.as_ref().and_then(TexturedPoint::emission).unwrap_or(material.emission.into());
+        sums[walk.slot].emission += walk.throughput * emission;
+    }
     let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -walk.ray.direction);
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
     let passes = material.has(DELTA) && surface_index <= MAX_DELTA_SURFACES.min(ctx.frame.bounces);

@@ -29,7 +29,7 @@ use crate::sampling::basis::basis;
 use crate::sampling::sobol::{PixelSampler, pair};
 use crate::scene::TraceContext;
 use crate::scene::leaf::IN_GLASS;
-use crate::scene::material::{DELTA, TRANSMITS};
+use crate::scene::material::{DELTA, GLOWS, TRANSMITS};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use crate::wgsl::shared_constants;
@@ -248,6 +248,34 @@ fn escaped_radiance(ctx: &TraceContext, path: &Path) -> Vec3 {
         + light_sampling::sun_radiance(ctx, direction, path.scatter_pdf)
 }
 
+/// Contribution of light that a surface emits towards a path.
+fn emitted_light(
+    ctx: &TraceContext,
+    path: &Path,
+    interaction: &SurfaceInteraction,
+    emission: Vec3,
+    surface_index: u32,
+) -> Vec3 {
+    let &SurfaceInteraction { normal, inside, .. } = interaction;
+    let leaf = &ctx.scene.leaves[interaction.leaf];
+    let light = leaf.light();
+    // Shadow rays have already contributed it.
+    let counted = path.passed_clear_glass && light.is_some();
+    if !ctx.scene.emits_towards(interaction.leaf, normal) || counted {
+        return Vec3::ZERO;
+    }
+    let mut weight = 1.0;
+    if inside && leaf.has(IN_GLASS) {
+        weight = path.index_square;
+    } else if let Some(light) = light {
+        let cosine = normal.dot(path.ray.direction).abs();
+        let light = &ctx.scene.lights[light];
+        let light_pdf = light_sampling::light_pdf(light, path.previous_vertex, path.ray.origin, cosine);
+        weight = light_sampling::hit_weight(ctx.config.direct_lighting, path.scatter_pdf, light_pdf);
+    }
+    clamped(ctx, path.throughput * emission * weight, surface_index.saturating_sub(1))
+}
+
 /// Shades a surface interaction: adds emitted light, samples a light and samples the next ray. `None` ends the path.
 fn shade(
     ctx: &TraceContext,
@@ -263,29 +291,23 @@ fn shade(
     let leaf = &ctx.scene.leaves[interaction.leaf];
     let material = &ctx.scene.materials[leaf.material as usize];
     if material.emits() {
-        let light = leaf.light();
-        // Shadow rays have already contributed it.
-        let counted = path.passed_clear_glass && light.is_some();
-        if ctx.scene.emits_towards(interaction.leaf, normal) && !counted {
-            let mut weight = 1.0;
-            if inside && leaf.has(IN_GLASS) {
-                weight = path.index_square;
-            } else if let Some(light) = light {
-                let cosine = normal.dot(path.ray.direction).abs();
-                let light = &ctx.scene.lights[light];
-                let light_pdf = light_sampling::light_pdf(light, path.previous_vertex, path.ray.origin, cosine);
-                weight = light_sampling::hit_weight(ctx.config.direct_lighting, path.scatter_pdf, light_pdf);
-            }
-            let contribution = path.throughput * Vec3::from(material.emission) * weight;
-            radiance[path.slot] += clamped(ctx, contribution, surface_index.saturating_sub(1));
-        }
+        radiance[path.slot] += emitted_light(ctx, path, interaction, Vec3::from(material.emission), surface_index);
         return None;
     }
-    if surface_index > frame.bounces {
+    let glows = material.has(GLOWS);
+    if surface_index > frame.bounces && !glows {
         return None;
     }
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
     let textured = TexturedPoint::new(ctx, interaction, path.length);
+    if glows {
+        let emission = textured.as_ref().and_then(TexturedPoint::emission);
+        let emission = emission.unwrap_or(Vec3::from(material.emission));
+        radiance[path.slot] += emitted_light(ctx, path, interaction, emission, surface_index);
+        if surface_index > frame.bounces {
+            return None;
+        }
+    }
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
     // Shading normal; the geometric normal decides on which side a direction is.

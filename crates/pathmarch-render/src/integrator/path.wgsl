@@ -46,6 +46,26 @@ fn path_from(camera: Ray, sampler: PixelSampler) -> Path {
     return path;
 }
 
+/// Adds light that the surface at an interaction of a path emits.
+fn add_emission(path: ptr<function, Path>, interaction: SurfaceInteraction, emission: vec3f) {
+    let leaf = leaves[interaction.leaf];
+    let light = leaf.flags >> LIGHT_SHIFT;
+    // Shadow rays have already contributed it.
+    let counted = FAST_CAUSTICS && (*path).passed_clear_glass && light > 0u;
+    if !emits_towards(interaction.leaf, interaction.normal) || counted {
+        return;
+    }
+    var weight = 1.0;
+    if TRANSMISSION && interaction.inside && (leaf.flags & IN_GLASS) != 0u {
+        weight = (*path).index_square;
+    } else if HAS_SURFACE_LIGHTS && light > 0u {
+        let cosine = abs(dot(interaction.normal, (*path).ray.direction));
+        weight = hit_weight((*path).scatter_pdf, light_pdf(lights[light - 1u], (*path).previous_vertex, (*path).ray.origin, cosine));
+    }
+    // Light that a ray hits counts as direct light of the previous surface.
+    (*path).radiance += clamped((*path).throughput * emission * weight, max((*path).surfaces, 1u) - 1u);
+}
+
 /// Intersects the ray of a path and adds emitted light, or that of the sky. Returns false if the path ends.
 fn path_intersect(path: ptr<function, Path>) -> bool {
     // Light that a ray hits counts as direct light of the previous surface.
@@ -74,22 +94,10 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
     if HAS_EMITTERS && (materials[m].flags & EMITS) != 0u {
         let interaction = resolve_surface(hit_point, ray.direction, hit, (*path).surface_at_hit);
         record_guide(interaction, (*path).throughput, (*path).length, (*path).surfaces, materials[m].emission);
-        let light = leaf.flags >> LIGHT_SHIFT;
-        // Shadow rays have already contributed it.
-        let counted = FAST_CAUSTICS && (*path).passed_clear_glass && light > 0u;
-        if emits_towards(interaction.leaf, interaction.normal) && !counted {
-            var weight = 1.0;
-            if TRANSMISSION && interaction.inside && (leaf.flags & IN_GLASS) != 0u {
-                weight = (*path).index_square;
-            } else if HAS_SURFACE_LIGHTS && light > 0u {
-                let cosine = abs(dot(interaction.normal, ray.direction));
-                weight = hit_weight((*path).scatter_pdf, light_pdf(lights[light - 1u], (*path).previous_vertex, hit_point, cosine));
-            }
-            (*path).radiance += clamped((*path).throughput * materials[m].emission * weight, bounces);
-        }
+        add_emission(path, interaction, materials[m].emission);
         return false;
     }
-    return (*path).surfaces <= frame.bounces;
+    return (*path).surfaces <= frame.bounces || (HAS_GLOW && (materials[m].flags & GLOWS) != 0u);
 }
 
 /// Samples a light at the surface of a path, and the next ray. Returns false if the path ends.
@@ -100,6 +108,12 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     let m = leaves[interaction.leaf].material;
     let flags = materials[m].flags;
     evaluate_textures(m, interaction, (*path).length);
+    if HAS_GLOW && (flags & GLOWS) != 0u {
+        add_emission(path, interaction, emission_at(m));
+        if surface_index > frame.bounces {
+            return false;
+        }
+    }
     record_guide(interaction, (*path).throughput, (*path).length, surface_index, packed(m, 0u).xyz);
     // Shading normal; the geometric normal decides on which side a direction is.
     let ns = shading_normal(interaction, -incoming);

@@ -14,15 +14,24 @@ fn contents_hash(scene: &Scene) -> String {
     scene.includes.iter().filter_map(|file| std::fs::read(file).ok()).for_each(|bytes| hash.update(bytes));
     hash.update(format!("{:?}{:?}", scene.objects, scene.lights).as_bytes());
     for material in &scene.materials {
-        let Material { name, kind, values, orbit_trap, textured, bump } = material;
+        let Material { name, kind, values, orbit_trap, textured, bump, normal_map, emission_texture } = material;
         hash.update(format!("{name:?}{}{values:?}{orbit_trap:?}{textured:?}{bump:?}", kind.name).as_bytes());
+        hash.update(format!("{normal_map:?}{emission_texture:?}").as_bytes());
     }
     let textures = scene.materials.iter().flat_map(|material| &material.textured).map(|textured| &textured.texture);
     let bumps = scene.materials.iter().filter_map(|material| material.bump.as_ref()).map(|bump| &bump.texture);
-    for texture in textures.chain(bumps) {
-        if let Pattern::Picture { picture, .. } = &texture.pattern {
+    let normal_maps =
+        scene.materials.iter().filter_map(|material| material.normal_map.as_ref()).map(|map| &map.texture);
+    let emissions = scene.materials.iter().filter_map(|material| material.emission_texture.as_ref());
+    for texture in textures.chain(bumps).chain(normal_maps).chain(emissions) {
+        if let Pattern::Picture { picture, .. } | Pattern::UvPicture { picture, .. } = &texture.pattern {
             hash.update(bytemuck::cast_slice(&picture.texels));
         }
+    }
+    for mesh in scene.field.leaves().iter().filter(|leaf| leaf.slot == 0).filter_map(|leaf| leaf.shape.mesh()) {
+        let mesh = mesh.surface().mesh();
+        mesh.positions.iter().for_each(|p| hash.update(bytemuck::cast_slice(&p.to_array())));
+        hash.update(bytemuck::cast_slice(mesh.triangles.as_flattened()));
     }
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -111,7 +111,7 @@ pub fn mesh(
         let textured = TexturedPoint::at(
             &ctx,
             leaf,
-            (p.into(), normal.into(), pathmarch_scene::textures::SurfaceUv::default()),
+            (p.into(), normal.into(), pathmarch_scene::textures::MeshAttributes::default()),
             0.0,
         )
         .and_then(|point| point.colour());

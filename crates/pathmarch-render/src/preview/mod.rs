@@ -33,6 +33,7 @@ use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment, lanes};
 use crate::preview_steps::{GREY_ALBEDO, PreviewStep, PreviewSteps};
 use crate::sampling::r2_sequence;
+use crate::scene::material::GLOWS;
 use crate::scene::preview_material::{self, PreviewParameters};
 use crate::scene::{LightShape, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
@@ -310,6 +311,10 @@ impl PreviewTracer<'_> {
             Some(textured) => preview_material::decode(&textured.preview(preview.materials[m])),
             None => preview_material::decode(&preview.materials[m]),
         };
+        if material.has(GLOWS) && ctx.scene.emits_towards(interaction.leaf, interaction.normal) {
+            let emission = textured.as_ref().and_then(TexturedPoint::emission);
+            self.radiances[preview_ray.slot] += preview_ray.weight * emission.unwrap_or(material.emission.into());
+        }
         let n = shading_normal(ctx.config, textured.as_ref(), interaction, -direction);
         let has = |step| PreviewSteps::from_bits(ctx.frame.preview_steps).has(step);
         let mut albedo = Vec3::from(surface_material.diffuse);

@@ -97,6 +97,9 @@ fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
                     evaluate_textures(m, interaction, path_length);
                     material = textured_preview(material);
                 }
+                if HAS_GLOW && (materials[m].flags & GLOWS) != 0u && emits_towards(interaction.leaf, interaction.normal) {
+                    radiance += weight * emission_at(m);
+                }
                 n = shading_normal(interaction, -ray.direction);
                 if !has_step(STEP_ALBEDO) && largest(material.diffuse) > 0.0 {
                     material.diffuse = vec3f(GREY_ALBEDO);

@@ -37,7 +37,11 @@ pub(crate) struct KernelConfig {
     pub(crate) orbits: bool,
     /// Some material has a bump map.
     pub(crate) bump: bool,
-    /// Shading normals differ from geometric ones: by bump maps, or by the normals of a mesh.
+    /// Some material has a normal map.
+    pub(crate) normal_maps: bool,
+    /// Some material has an emission that varies.
+    pub(crate) emission_textures: bool,
+    /// Shading normals differ from geometric ones: by bump or normal maps, or by the normals of a mesh.
     pub(crate) shading_normals: bool,
     pub(crate) direct_lighting: DirectLighting,
     /// [`RELAXATION`], or 0 for plain sphere tracing.
@@ -65,7 +69,10 @@ impl KernelConfig {
             mesh_fields: scene.leaves.iter().any(|leaf| leaf.has(MESH_FIELD)),
             orbits: textured(TexturedMaterial::has_orbit),
             bump: textured(TexturedMaterial::has_bump),
-            shading_normals: textured(TexturedMaterial::has_bump) || scene.field.has_shading_normals(),
+            normal_maps: textured(|material| material.normal_map.is_some()),
+            emission_textures: textured(|material| material.emission.is_some()),
+            shading_normals: textured(|material| material.has_bump() || material.normal_map.is_some())
+                || scene.field.has_shading_normals(),
             direct_lighting: settings.direct_lighting,
             relaxation: RELAXATION,
             splitting: if settings.mode == Mode::Path { settings.splitting.unwrap_or(1) } else { 1 },

@@ -16,7 +16,7 @@ shared_struct! {
         pub(crate) material: u32,
         /// Origin of the local coordinates, in world space.
         pub(crate) origin: [f32; 3],
-        /// [`SHEET`], [`ANALYTIC`], [`IN_GLASS`] and [`MESH_FIELD`]. The bits from [`LIGHT_SHIFT`] on are one more than the index of
+        /// [`SHEET`], [`ANALYTIC`], [`IN_GLASS`], [`MESH_FIELD`] and [`TWO_SIDED`]. The bits from [`LIGHT_SHIFT`] on are one more than the index of
         /// its light, or zero.
         pub(crate) flags: u32,
     }
@@ -31,8 +31,10 @@ shared_constants! {
     pub(crate) const IN_GLASS: u32 = 4;
     /// Field of a mesh whose materials or texture coordinates are those of the closest triangle.
     pub(crate) const MESH_FIELD: u32 = 8;
+    /// Triangles of a mesh that does not transmit: their backs look as their fronts do.
+    pub(crate) const TWO_SIDED: u32 = 16;
     /// First bit of the light index in the flags.
-    pub(crate) const LIGHT_SHIFT: u32 = 4;
+    pub(crate) const LIGHT_SHIFT: u32 = 5;
 }
 
 impl LeafRecord {
@@ -52,8 +54,10 @@ impl LeafRecord {
 /// Reports whether the materials or texture coordinates of a leaf are those of the closest triangle of its mesh.
 fn is_mesh_field(scene: &Scene, leaf: &pathmarch_field::graph::Leaf) -> bool {
     let has_uvs = |tag: u32| {
-        let textured = &scene.materials[tag as usize].textured;
-        textured.iter().any(|textured| matches!(textured.texture.pattern, Pattern::UvPicture { .. }))
+        let material = &scene.materials[tag as usize];
+        let textured = &material.textured;
+        let has_picture = textured.iter().any(|textured| matches!(textured.texture.pattern, Pattern::UvPicture { .. }));
+        has_picture || material.normal_map.is_some() || material.emission_texture.is_some()
     };
     let mesh = leaf.shape.mesh().filter(|mesh| !mesh.is_triangles());
     mesh.is_some_and(|mesh| mesh.tags().len() > 1 || has_uvs(leaf.tag))
@@ -79,6 +83,7 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
                 | flag_if(ANALYTIC, field.is_analytic_leaf(index))
                 | flag_if(IN_GLASS, in_glass[leaf.object as usize])
                 | flag_if(MESH_FIELD, is_mesh_field(scene, leaf))
+                | flag_if(TWO_SIDED, leaf.is_triangles() && !in_glass[leaf.object as usize])
                 | (light << LIGHT_SHIFT),
         }
     };

@@ -195,7 +195,9 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent) -> Vec<Ligh
     let leaves = scene.field.leaves().iter().enumerate();
     let emitters = leaves.filter_map(|(index, leaf)| {
         let material = &scene.materials[leaf.tag as usize];
-        if material.emits() { leaf_light(&scene.field, index, material.emission().into()) } else { None }
+        // Only BSDF sampling finds an emission that varies.
+        let is_sampled = material.emits() && material.emission_texture.is_none();
+        if is_sampled { leaf_light(&scene.field, index, material.emission().into()) } else { None }
     });
     let mut weighted: Vec<(LightShape, f32)> =
         declared.chain(emitters).map(|shape| (shape, shape.weight(extent))).collect();

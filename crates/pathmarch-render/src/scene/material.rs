@@ -12,7 +12,7 @@ shared_struct! {
     pub(crate) struct MaterialRecord as Material {
         /// Emitted radiance, W/(m² sr).
         pub(crate) emission: [f32; 3],
-        /// Flags [`EMITS`], [`DELTA`], [`TRANSMITS`] and [`GLOSSY`].
+        /// Flags [`EMITS`], [`DELTA`], [`TRANSMITS`], [`GLOSSY`] and [`GLOWS`].
         pub(crate) flags: u32,
         /// Absorption coefficient of the solid, per metre.
         pub(crate) absorption: [f32; 3],
@@ -32,6 +32,8 @@ shared_constants! {
     pub(crate) const TRANSMITS: u32 = 4;
     /// BSDF that looks different from other directions: it reflects specularly and is not rough.
     pub(crate) const GLOSSY: u32 = 8;
+    /// Surface that emits and scatters light.
+    pub(crate) const GLOWS: u32 = 16;
 }
 
 /// Clear glass. Shadow rays of fast caustics pass through it.
@@ -40,7 +42,7 @@ pub(crate) const CLEAR: u32 = DELTA | TRANSMITS;
 impl MaterialRecord {
     pub(super) fn new(material: &Material, textured: &TexturedMaterial) -> Self {
         let kind = materials::kinds().iter().position(|kind| std::ptr::eq(*kind, material.kind)).unwrap_or_default();
-        let mut flags = flag_if(EMITS, material.emits());
+        let mut flags = flag_if(EMITS, material.is_lamp());
         let mut parameters = BsdfParameters::default();
         if let Some(bsdf) = material.kind.bsdf {
             parameters = (bsdf.pack)(&material.values);
@@ -51,11 +53,13 @@ impl MaterialRecord {
             flags |= flag_if(DELTA, all_parameters.iter().all(bsdf.is_delta))
                 | flag_if(TRANSMITS, all_parameters.iter().any(bsdf.transmits));
         }
+        let glows = material.emits() || material.emission_texture.is_some();
+        flags |= flag_if(GLOWS, glows && !material.is_lamp());
         flags |= flag_if(GLOSSY, is_glossy(material));
         Self { emission: material.emission(), flags, absorption: material.absorption(), kind: kind as u32, parameters }
     }
 
-    /// Reports whether the material emits.
+    /// Reports whether the material emits and reflects nothing.
     #[inline]
     pub(crate) fn emits(&self) -> bool {
         self.has(EMITS)

@@ -95,14 +95,14 @@ impl RenderScene {
     fn has_sphere_traced_emitter(&self) -> bool {
         let leaves = self.field.leaves().iter().enumerate();
         let mut traced = leaves.filter(|(index, _)| !self.field.is_analytic_leaf(*index)).map(|(_, leaf)| leaf);
-        let emits = |tag: u32| self.materials[tag as usize].emits();
+        let emits = |tag: u32| self.materials[tag as usize].flags & (material::EMITS | material::GLOWS) != 0;
         traced.clone().any(|leaf| emits(leaf.tag)) && traced.all(|leaf| !leaf.shape.has_orbit())
     }
 }
 
-/// Albedo of a material; of an emitter, its radiance.
+/// Albedo of a material; of a lamp, its radiance.
 pub(crate) fn base_colour(material: &Material) -> [f32; 3] {
-    if material.emits() { material.emission() } else { material.albedo() }
+    if material.is_lamp() { material.emission() } else { material.albedo() }
 }
 
 /// Bounding sphere of the finite objects. Without any, it is centred at the camera's target and passes through the

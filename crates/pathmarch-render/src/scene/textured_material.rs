@@ -8,7 +8,9 @@
 
 use super::preview_material::{self, PreviewParameters};
 use crate::wgsl::shared_constants;
-use pathmarch_scene::materials::{Bsdf, BsdfParameters, Bump, Material, OrbitTrap, TextureMapping, Texturing};
+use pathmarch_scene::materials::{
+    Bsdf, BsdfParameters, Bump, Material, NormalMap, OrbitTrap, TextureMapping, Texturing,
+};
 use pathmarch_scene::textures::{Pattern, Texture};
 
 shared_constants! {
@@ -44,11 +46,14 @@ pub(crate) struct Layer {
     pub(crate) base: [f32; 3],
 }
 
-/// Textures, bump map and orbit trap of a material.
+/// Textures, bump map, normal map and orbit trap of a material.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TexturedMaterial {
     pub(crate) layers: Vec<Layer>,
     pub(crate) bump: Option<Bump>,
+    pub(crate) normal_map: Option<NormalMap>,
+    /// Emitted radiance, in place of that of the material.
+    pub(crate) emission: Option<Texture>,
 }
 
 impl TexturedMaterial {
@@ -74,12 +79,13 @@ impl TexturedMaterial {
             let ramp = Some(trap.colours.clone());
             layers.push(Layer::of_colour(material, 0, first, Source::Orbit(trap.clone()), ramp));
         }
-        Self { layers, bump: material.bump.clone() }
+        let (normal_map, emission) = (material.normal_map.clone(), material.emission_texture.clone());
+        Self { layers, bump: material.bump.clone(), normal_map, emission }
     }
 
     /// Reports whether the material is the same everywhere.
     pub(crate) fn is_plain(&self) -> bool {
-        self.layers.is_empty() && self.bump.is_none()
+        self.layers.is_empty() && self.bump.is_none() && self.normal_map.is_none() && self.emission.is_none()
     }
 
     pub(crate) fn has_bump(&self) -> bool {
@@ -102,13 +108,14 @@ impl TexturedMaterial {
         })
     }
 
-    /// Textures of all layers and of the bump map.
+    /// Textures of all layers, of the bump and normal map, and of the emission.
     pub(crate) fn textures(&self) -> impl Iterator<Item = &Texture> {
         let of_layers = self.layers.iter().filter_map(|layer| match &layer.source {
             Source::Texture(texture) => Some(texture),
             Source::Orbit(_) => None,
         });
-        of_layers.chain(self.bump.iter().map(|bump| &bump.texture))
+        let maps = self.bump.iter().map(|bump| &bump.texture).chain(self.normal_map.iter().map(|map| &map.texture));
+        of_layers.chain(maps).chain(&self.emission)
     }
 
     /// Parameters at all knots of all layers. They decide whether the material transmits or is a delta distribution.

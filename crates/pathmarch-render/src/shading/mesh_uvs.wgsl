@@ -12,6 +12,14 @@ fn begin_uvs(leaf: u32, triangle: u32, local: vec3f) {
     uv_point = local;
 }
 
+/// Tangent of the triangle at the point that is being textured, in the coordinates of the leaf, and sign of the bitangent.
+fn uv_tangent() -> vec4f {
+    if uv_triangle == NO_TRIANGLE {
+        return vec4f(0.0);
+    }
+    return mesh_tangent(uv_leaf, uv_triangle, uv_point);
+}
+
 /// Texel of a row of `count` that a position stands for.
 fn uv_texel(position: i32, count: i32, wrap: u32) -> u32 {
     let twice = ((position % (2 * count)) + 2 * count) % (2 * count);
@@ -19,7 +27,8 @@ fn uv_texel(position: i32, count: i32, wrap: u32) -> u32 {
     return u32(select(mirrored, ((position % count) + count) % count, wrap == 0u));
 }
 
-fn uv_bilinear(picture: TexturePicture, level: u32, place: vec2f, wraps: u32) -> vec3f {
+/// Bilinear colour of a level; `modes` are the wrap modes, and a bit for texels that are not interpolated.
+fn uv_bilinear(picture: TexturePicture, level: u32, place: vec2f, modes: u32) -> vec3f {
     var start = 0u;
     var width = picture.width;
     var height = picture.height;
@@ -30,12 +39,12 @@ fn uv_bilinear(picture: TexturePicture, level: u32, place: vec2f, wraps: u32) ->
     }
     let at = place * vec2f(f32(width), f32(height)) - 0.5;
     let corner = floor(at);
-    let part = at - corner;
+    let part = select(at - corner, floor(at - corner + 0.5), (modes & 16u) != 0u);
     let first = vec2i(corner);
-    let x0 = uv_texel(first.x, i32(width), wraps & 3u);
-    let x1 = uv_texel(first.x + 1, i32(width), wraps & 3u);
-    let y0 = start + width * uv_texel(first.y, i32(height), wraps >> 2u);
-    let y1 = start + width * uv_texel(first.y + 1, i32(height), wraps >> 2u);
+    let x0 = uv_texel(first.x, i32(width), modes & 3u);
+    let x1 = uv_texel(first.x + 1, i32(width), modes & 3u);
+    let y0 = start + width * uv_texel(first.y, i32(height), (modes >> 2u) & 3u);
+    let y1 = start + width * uv_texel(first.y + 1, i32(height), (modes >> 2u) & 3u);
     let upper = mix(picture_texel(picture, y0 + x0), picture_texel(picture, y0 + x1), part.x);
     let lower = mix(picture_texel(picture, y1 + x0), picture_texel(picture, y1 + x1), part.x);
     return mix(upper, lower, part.y);
@@ -55,14 +64,19 @@ fn uv_picture(texture: u32, picture: TexturePicture, footprint: f32) -> vec4f {
     let last = picture.levels - 1u;
     let level = min(log2(max(texels, 1.0)), f32(last));
     let first = floor(level);
-    let wraps = scene_data[texture + TEXTURE_PARAMETERS + 6u];
-    var colour = uv_bilinear(picture, u32(first), place, wraps);
+    let modes = scene_data[texture + TEXTURE_PARAMETERS + 6u];
+    var colour = uv_bilinear(picture, u32(first), place, modes);
     if level != first {
-        colour = mix(colour, uv_bilinear(picture, min(u32(first) + 1u, last), place, wraps), level - first);
+        colour = mix(colour, uv_bilinear(picture, min(u32(first) + 1u, last), place, modes), level - first);
+    }
+    colour *= texture_vector(texture + TEXTURE_ROWS + 6u);
+    if (flags & 8u) != 0u && uv_triangle != NO_TRIANGLE {
+        colour *= mesh_colour(uv_leaf, uv_triangle, uv_point).xyz;
     }
     var value = dot(colour, vec3f(0.2126, 0.7152, 0.0722));
-    if (flags >> 1u) != 0u {
-        value = colour[(flags >> 1u) - 1u];
+    let channel = (flags >> 1u) & 3u;
+    if channel != 0u {
+        value = colour[channel - 1u];
     }
     return vec4f(colour, clamp(value, 0.0, 1.0));
 }

@@ -3,11 +3,11 @@
 use crate::intersect::march::{rounding_at, start_offset};
 use crate::intersect::ray::{Hit, RaySegment, Rays8, lanes};
 use crate::scene::TraceContext;
-use crate::scene::leaf::{ANALYTIC, MESH_FIELD};
+use crate::scene::leaf::{ANALYTIC, MESH_FIELD, TWO_SIDED};
 use glam::Vec3;
 use pathmarch_field::graph::{MeshInteraction, Surface};
 use pathmarch_field::number::{Dual, Mask8, Real, Vec3 as FieldVec3};
-use pathmarch_scene::textures::SurfaceUv;
+use pathmarch_scene::textures::MeshAttributes;
 use wide::f32x8;
 
 /// Interaction of a ray with a surface.
@@ -23,8 +23,8 @@ pub(crate) struct SurfaceInteraction {
     pub(crate) shading_outward: Vec3,
     /// True if that side is the inside of the solid.
     pub(crate) inside: bool,
-    /// Texture coordinates of a mesh.
-    pub(crate) uv: SurfaceUv,
+    /// Vertex attributes of a mesh.
+    pub(crate) attributes: MeshAttributes,
     /// Offset from `p` to the origin of rays that leave on this side, metres.
     pub(crate) normal_offset: Vec3,
     /// Length of the path up to `p`, metres.
@@ -57,7 +57,7 @@ pub(crate) fn surface_interactions(
         let surface = ctx.scene.field.surface_at_hit(hit_point, analytic, &threshold);
         let meshes = mesh_interactions(ctx, chunk);
         let Surface { field, leaf } = with_meshes(surface, &meshes, |lane| chunk[hit_index(lane)].1.analytic);
-        let (leaf, uv) = with_nearest_triangles(ctx, leaf, hit_point, &meshes);
+        let (leaf, attributes) = with_nearest_triangles(ctx, leaf, hit_point, &meshes);
         let leaf: [usize; 8] = leaf.to_array().map(|leaf| leaf as usize);
         let record = |lane: usize| &ctx.scene.leaves[leaf[lane]];
         let origin = FieldVec3::new(
@@ -80,15 +80,20 @@ pub(crate) fn surface_interactions(
         let (p, normal_offset) =
             (to_lanes(hit_point - outward * residual), to_lanes(normal * start_offset(rounding, residual)));
         let (normal, outward, inside) = (to_lanes(normal), to_lanes(outward), inside.to_bitmask());
-        result.extend(chunk.iter().enumerate().map(|(lane, (segment, hit))| SurfaceInteraction {
-            p: p[lane],
-            leaf: leaf[lane],
-            normal: normal[lane],
-            shading_outward: meshes[lane].map_or(outward[lane], |mesh| mesh.shading_normal),
-            uv: uv[lane],
-            inside: inside >> lane & 1 == 1,
-            normal_offset: normal_offset[lane],
-            length: segment.path_length + hit.t,
+        result.extend(chunk.iter().enumerate().map(|(lane, (segment, hit))| {
+            let is_back = inside >> lane & 1 == 1;
+            let is_turned = is_back && record(lane).has(TWO_SIDED);
+            let shading_outward = meshes[lane].map_or(outward[lane], |mesh| mesh.shading_normal);
+            SurfaceInteraction {
+                p: p[lane],
+                leaf: leaf[lane],
+                normal: normal[lane],
+                shading_outward: if is_turned { -shading_outward } else { shading_outward },
+                attributes: attributes[lane],
+                inside: is_back && !is_turned,
+                normal_offset: normal_offset[lane],
+                length: segment.path_length + hit.t,
+            }
         }));
     }
     result
@@ -130,18 +135,16 @@ fn with_meshes(
     Surface { field: Dual { value: replaced(field.value, |mesh| mesh.distance), gradient }, leaf }
 }
 
-/// Leaves and texture coordinates of hits; on fields of meshes, those of the closest triangle.
+/// Leaves and vertex attributes of hits; on fields of meshes, those of the closest triangle.
 fn with_nearest_triangles(
     ctx: &TraceContext,
     leaf: f32x8,
     p: FieldVec3<f32x8>,
     meshes: &[Option<MeshInteraction>; 8],
-) -> (f32x8, [SurfaceUv; 8]) {
-    let mut uv = meshes.map(|mesh| {
-        mesh.map_or_else(SurfaceUv::default, |mesh| SurfaceUv { uvs: mesh.uvs, densities: mesh.uv_densities })
-    });
+) -> (f32x8, [MeshAttributes; 8]) {
+    let mut attributes = meshes.map(|mesh| mesh.map_or_else(MeshAttributes::default, |mesh| mesh.attributes));
     if !ctx.config.mesh_fields {
-        return (leaf, uv);
+        return (leaf, attributes);
     }
     let mut leaves = leaf.to_array();
     let [x, y, z] = [p.x, p.y, p.z].map(f32x8::to_array);
@@ -151,10 +154,10 @@ fn with_nearest_triangles(
         let at = FieldVec3::new(x[lane], y[lane], z[lane]);
         if let Some(nearest) = is_field.then(|| ctx.scene.field.nearest_triangle(leaf, at)).flatten() {
             leaves[lane] = nearest.leaf as f32;
-            uv[lane] = SurfaceUv { uvs: nearest.uvs, densities: nearest.uv_densities };
+            attributes[lane] = nearest.attributes;
         }
     }
-    (f32x8::from(leaves), uv)
+    (f32x8::from(leaves), attributes)
 }
 
 /// Vectors of the eight lanes.

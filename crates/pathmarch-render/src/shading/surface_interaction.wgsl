@@ -38,11 +38,12 @@ fn resolve_surface(hit_point: vec3f, direction: vec3f, hit: Hit, surface_at_hit:
     let inside = select((surface_at_hit.distance < 0.0), (dot(outward, direction) > 0.0), on_surface);
     let residual = surface_at_hit.distance / gradient_length;
     let normal = select(outward, -outward, inside);
+    let is_turned = (leaves[surface_at_hit.leaf].flags & TWO_SIDED) != 0u;
     return SurfaceInteraction(
         hit_point - outward * residual,
         surface_at_hit.leaf,
         normal,
-        inside,
+        inside && !is_turned,
         surface_at_hit.triangle,
         start_offset(rounding, residual),
     );

@@ -39,9 +39,13 @@ fn apply_layer(layer: u32, texel: vec4f) {
 fn glass_colour(m: u32, interaction: SurfaceInteraction, path_length: f32) -> vec3f {
     let saved_parameters = textured_parameters;
     let saved_gradient = bump_gradient;
+    let saved_map_normal = map_normal;
+    let saved_map_tangent = map_tangent;
     evaluate_textures(m, interaction, path_length);
     let colour = textured_parameters[0].xyz;
     textured_parameters = saved_parameters;
     bump_gradient = saved_gradient;
+    map_normal = saved_map_normal;
+    map_tangent = saved_map_tangent;
     return colour;
 }

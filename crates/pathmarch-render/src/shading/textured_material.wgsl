@@ -4,6 +4,24 @@
 /// Gradient of the bump map in world space, metres per metre.
 var<private> bump_gradient: vec3f;
 
+/// Normal in tangent space of the normal map at the interaction that was evaluated last; zero without one.
+var<private> map_normal: vec3f;
+/// Tangent in world space, of any length, and sign of the bitangent.
+var<private> map_tangent: vec4f;
+/// Emitted radiance at the interaction that was evaluated last, if a texture varies it.
+var<private> textured_emission: vec3f;
+
+/// Emitted radiance of material `m` at the interaction that was evaluated last.
+fn emission_at(m: u32) -> vec3f {
+    if HAS_EMISSION_TEXTURES {
+        let material = scene_data[TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + m];
+        if material != 0u && scene_data[material + 3u] != 0u {
+            return textured_emission;
+        }
+    }
+    return materials[m].emission;
+}
+
 /// Float at an offset in the scene data.
 fn texture_number(index: u32) -> f32 {
     return bitcast<f32>(scene_data[index]);
@@ -82,6 +100,7 @@ fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) 
     let leaf = interaction.leaf;
     let outward = outward_normal(interaction);
     bump_gradient = vec3f(0.0);
+    map_normal = vec3f(0.0);
     begin_textures(m);
     let material = scene_data[TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + m];
     if material == 0u {
@@ -102,21 +121,44 @@ fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) 
         let texture = scene_data[bump];
         step = max(texture_number(texture + TEXTURE_STEP) * texture_number(texture + TEXTURE_SCALE), 0.5 * spot.footprint);
     }
+    var normal_map = 0u;
+    var emission = 0u;
+    if HAS_NORMAL_MAPS {
+        normal_map = scene_data[material + 2u];
+    }
+    if HAS_EMISSION_TEXTURES {
+        emission = scene_data[material + 3u];
+    }
     var heights = vec4f(0.0);
     // The bump map is evaluated at four points. A single loop keeps one copy of the code of every texture in the
     // kernel.
-    for (var k = 0u; k < layers + select(0u, 4u, HAS_BUMP && bump != 0u); k++) {
+    let bump_end = layers + select(0u, 4u, HAS_BUMP && bump != 0u);
+    let map_end = bump_end + select(0u, 1u, normal_map != 0u);
+    for (var k = 0u; k < map_end + select(0u, 1u, emission != 0u); k++) {
         var sample_spot = spot;
-        let layer = select(bump, scene_data[material + 2u + min(k, max(layers, 1u) - 1u)], k < layers);
-        if k > layers {
+        var layer = select(bump, scene_data[material + 4u + min(k, max(layers, 1u) - 1u)], k < layers);
+        if k > layers && k < bump_end {
             sample_spot.p += step * vec3f(f32(k == layers + 1u), f32(k == layers + 2u), f32(k == layers + 3u));
         }
+        if k >= bump_end {
+            layer = select(emission, normal_map, k < map_end);
+        }
         let texel = texture_at(scene_data[layer], leaf, sample_spot);
-        if k >= layers {
+        if k >= map_end {
+            textured_emission = texel.xyz;
+        } else if k >= bump_end {
+            let v = texel.xyz * 2.0 - 1.0;
+            let scale = texture_number(normal_map + 1u);
+            map_normal = vec3f(v.xy * scale, max(v.z, 1e-3));
+        } else if k >= layers {
             heights[k - layers] = texel.w;
         } else if texel.w >= 0.0 {
             apply_layer(layer, texel);
         }
+    }
+    if HAS_NORMAL_MAPS && normal_map != 0u {
+        let local = uv_tangent();
+        map_tangent = vec4f(mat3x3f(coordinates.x, coordinates.y, coordinates.z) * local.xyz, local.w);
     }
     if HAS_BUMP && bump != 0u {
         let local_gradient = (heights.yzw - heights.x) * (texture_number(bump + 1u) / step);
@@ -124,8 +166,24 @@ fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) 
     }
 }
 
-/// Normal `outward`, bent by the bump map, after `evaluate_textures`.
-fn bumped_normal(outward: vec3f) -> vec3f {
+/// Normal `outward`, replaced by that of the normal map, after `evaluate_textures`.
+fn mapped_normal(outward: vec3f) -> vec3f {
+    if !HAS_NORMAL_MAPS || all(map_normal == vec3f(0.0)) {
+        return outward;
+    }
+    let tangent = map_tangent.xyz - outward * dot(outward, map_tangent.xyz);
+    // Without texture coordinates there is no tangent.
+    if dot(tangent, tangent) <= 1e-12 * dot(map_tangent.xyz, map_tangent.xyz) {
+        return outward;
+    }
+    let t = normalize(tangent);
+    let b = cross(outward, t) * select(1.0, -1.0, map_tangent.w < 0.0);
+    return normalize(t * map_normal.x + b * map_normal.y + outward * map_normal.z);
+}
+
+/// Normal `smooth_normal`, replaced by the normal map and bent by the bump map, after `evaluate_textures`.
+fn bumped_normal(smooth_normal: vec3f) -> vec3f {
+    let outward = mapped_normal(smooth_normal);
     if !HAS_BUMP || all(bump_gradient == vec3f(0.0)) {
         return outward;
     }

@@ -6,6 +6,8 @@
 //! describe the problem; Cycles also rotates the normal). Light that scatters through the geometric surface to the
 //! wrong side is lost. Bump maps change neither silhouettes nor shadows.
 //!
+//! **Normal maps** of meshes give the normal in the frame of the interpolated normal and tangent (glTF 2.0, section 3.7.2.1).
+//!
 //! **Space.** Textures are evaluated in the coordinates of the leaf
 //! ([`Field::coordinates`](pathmarch_field::Field::coordinates)). Heights scale with the shape.
 //!
@@ -19,7 +21,7 @@ use glam::Vec3;
 use pathmarch_field::graph::Coordinates;
 use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_scene::materials::BsdfParameters;
-use pathmarch_scene::textures::{Spot, SurfaceUv, ramp};
+use pathmarch_scene::textures::{MeshAttributes, Spot, ramp};
 
 /// Two knots around a value, and the interpolation weight of the second.
 fn interval<T>(knots: &[T], value: f32) -> (&T, &T, f32) {
@@ -42,16 +44,16 @@ impl<'p> TexturedPoint<'p> {
     /// Texture coordinates of an interaction, at the end of a path of this length. `None` for a material without textures.
     #[inline]
     pub(crate) fn new(ctx: &TraceContext<'p>, interaction: &SurfaceInteraction, path_length: f32) -> Option<Self> {
-        let &SurfaceInteraction { leaf, p, uv, .. } = interaction;
-        Self::at(ctx, leaf, (p, interaction.outward(), uv), path_length)
+        let &SurfaceInteraction { leaf, p, attributes, .. } = interaction;
+        Self::at(ctx, leaf, (p, interaction.outward(), attributes), path_length)
     }
 
-    /// [`new`](Self::new) for a point of a leaf, with its outward normal and texture coordinates.
+    /// [`new`](Self::new) for a point of a leaf, with its outward normal and vertex attributes.
     #[inline]
     pub(crate) fn at(
         ctx: &TraceContext<'p>,
         leaf: usize,
-        (p, outward, uv): (Vec3, Vec3, SurfaceUv),
+        (p, outward, attributes): (Vec3, Vec3, MeshAttributes),
         path_length: f32,
     ) -> Option<Self> {
         let scene = ctx.scene;
@@ -59,7 +61,7 @@ impl<'p> TexturedPoint<'p> {
         if material.is_plain() {
             return None;
         }
-        Self::textured(material, ctx, leaf, (p, outward, uv), path_length)
+        Self::textured(material, ctx, leaf, (p, outward, attributes), path_length)
     }
 
     /// Separate from [`new`](Self::new), so that materials without textures need no call.
@@ -67,7 +69,7 @@ impl<'p> TexturedPoint<'p> {
         material: &'p TexturedMaterial,
         ctx: &TraceContext,
         leaf: usize,
-        (p, outward, uv): (Vec3, Vec3, SurfaceUv),
+        (p, outward, attributes): (Vec3, Vec3, MeshAttributes),
         path_length: f32,
     ) -> Option<Self> {
         let p = FieldVec3::new(p.x, p.y, p.z);
@@ -81,7 +83,7 @@ impl<'p> TexturedPoint<'p> {
         let local_normal = Vec3::from_array(cofactors.map(|cofactor| cofactor.dot(outward)));
         let normal = (local_normal * determinant.signum()).normalize_or(Vec3::Y);
         let footprint = ctx.frame.pixel * path_length;
-        let spot = Spot { p: vector(coordinates.point), normal, footprint: footprint / unit_length, uv };
+        let spot = Spot { p: vector(coordinates.point), normal, footprint: footprint / unit_length, attributes };
         let centre = material.trap_centre().map(|[x, y, z]| FieldVec3::new(x, y, z));
         let orbit = centre.and_then(|centre| ctx.scene.field.orbit(leaf, p, centre));
         Some(Self { material, spot, coordinates, orbit, unit_length })
@@ -155,6 +157,28 @@ impl<'p> TexturedPoint<'p> {
         parameters
     }
 
+    /// Emitted radiance, if a texture varies it.
+    pub(crate) fn emission(&self) -> Option<Vec3> {
+        self.material.emission.as_ref().map(|texture| texture.colour(&self.spot))
+    }
+
+    /// Normal `outward`, replaced by that of the normal map.
+    fn mapped(&self, outward: Vec3) -> Vec3 {
+        let Some(map) = &self.material.normal_map else { return outward };
+        let [x, y, z] = self.coordinates.gradients.map(|g| Vec3::new(g.x, g.y, g.z));
+        let local = self.spot.attributes.tangent;
+        let along = x * local.x + y * local.y + z * local.z;
+        let tangent = along - outward * outward.dot(along);
+        // Without texture coordinates there is no tangent.
+        if tangent.length_squared() <= 1e-12 * along.length_squared() {
+            return outward;
+        }
+        let tangent = tangent.normalize();
+        let bitangent = outward.cross(tangent) * if local.w < 0.0 { -1.0 } else { 1.0 };
+        let normal = map.normal(map.texture.colour(&self.spot));
+        (tangent * normal.x + bitangent * normal.y + outward * normal.z).normalize()
+    }
+
     /// Normal `outward`, bent by the bump map.
     fn bumped(&self, outward: Vec3) -> Vec3 {
         let Some(bump) = &self.material.bump else { return outward };
@@ -178,7 +202,7 @@ pub(crate) fn shading_normal(
         return interaction.normal;
     }
     let smooth = interaction.shading_outward;
-    let bumped = textured.map_or(smooth, |textured| textured.bumped(smooth));
+    let bumped = textured.map_or(smooth, |textured| textured.bumped(textured.mapped(smooth)));
     let side = if interaction.inside { -1.0 } else { 1.0 };
     visible_normal(bumped * side, interaction.normal, view)
 }

@@ -4,6 +4,11 @@
 /// Does nothing.
 fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) {}
 
+/// Returns the emitted radiance of material `m`.
+fn emission_at(m: u32) -> vec3f {
+    return materials[m].emission;
+}
+
 /// Returns the normal itself.
 fn bumped_normal(outward: vec3f) -> vec3f {
     return outward;

@@ -247,6 +247,10 @@ pub struct Material {
     pub textured: Vec<TexturedParameter>,
     /// Bump texture that perturbs the normals.
     pub bump: Option<Bump>,
+    /// Normal map of meshes.
+    pub normal_map: Option<NormalMap>,
+    /// Emitted radiance at the texture coordinates of a mesh, in place of a constant.
+    pub emission_texture: Option<Texture>,
 }
 
 /// A parameter with a texture in place of a value.
@@ -268,8 +272,9 @@ impl TexturedParameter {
                 let sum = colours.iter().fold(Vec3::ZERO, |sum, colour| sum + Vec3::from(*colour));
                 (sum / colours.len().max(1) as f32).into()
             }
-            (TextureMapping::Direct, Pattern::Picture { picture, .. } | Pattern::UvPicture { picture, .. }) => {
-                picture.mean().into()
+            (TextureMapping::Direct, Pattern::Picture { picture, .. }) => picture.mean().into(),
+            (TextureMapping::Direct, Pattern::UvPicture { picture, mapping }) => {
+                (picture.mean() * Vec3::from(mapping.factor)).into()
             }
             (TextureMapping::Direct, _) => [0.5; 3],
             (TextureMapping::Range([from, to]), _) => [0.5 * (from + to), 0.0, 0.0],
@@ -301,11 +306,37 @@ pub struct Bump {
     pub height: f32,
 }
 
+/// Normal map: a picture of normals in tangent space, at the texture coordinates of a mesh.
+#[derive(Clone, Debug)]
+pub struct NormalMap {
+    /// Picture whose red, green and blue are x, y and z, from -1 to 1. y points up in the picture.
+    pub texture: Texture,
+    /// Factor of x and y.
+    pub scale: f32,
+}
+
+impl NormalMap {
+    /// Normal in tangent space for a colour of the picture; z is above zero.
+    pub fn normal(&self, colour: Vec3) -> Vec3 {
+        let v = colour * 2.0 - 1.0;
+        Vec3::new(v.x * self.scale, v.y * self.scale, v.z.max(1e-3))
+    }
+}
+
 impl Material {
     /// A material of this kind with its defaults.
     pub fn new(name: &str, kind: &'static MaterialKind) -> Self {
         let values = kind.params.iter().map(MaterialParam::default_value).collect();
-        Self { name: name.to_owned(), kind, values, orbit_trap: None, textured: Vec::new(), bump: None }
+        Self {
+            name: name.to_owned(),
+            kind,
+            values,
+            orbit_trap: None,
+            textured: Vec::new(),
+            bump: None,
+            normal_map: None,
+            emission_texture: None,
+        }
     }
     /// The material of objects without `material=`: white, diffuse 0.8, named `default`.
     pub fn default_white() -> Self {
@@ -334,6 +365,10 @@ impl Material {
     /// True if light passes to the other side.
     pub fn transmits(&self) -> bool {
         self.kind.bsdf.is_some_and(|bsdf| (bsdf.transmits)(&(bsdf.pack)(&self.values)))
+    }
+    /// True if it emits and reflects nothing.
+    pub fn is_lamp(&self) -> bool {
+        self.kind.bsdf.is_none() && self.emits()
     }
     /// True if it emits.
     pub fn emits(&self) -> bool {

@@ -19,7 +19,7 @@ use super::microfacet::{
     unhidden, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of,
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of,
     fraction, ior, roughness,
 };
 use glam::Vec3;
@@ -47,10 +47,24 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         fraction("coat", 0.0, "How much of the surface a clear coat covers."),
         fraction("coat-roughness", 0.0, "Roughness of the coat."),
         fraction("transmission", 0.0, "How much of what enters the dielectric is refracted rather than scattered."),
+        colour(
+            "absorb",
+            0.0,
+            Range::NOT_NEGATIVE,
+            "What the inside absorbs, per metre: exp(-absorb × length) passes.",
+            Texturing::None,
+        ),
+        colour(
+            "emission",
+            0.0,
+            Range::NOT_NEGATIVE,
+            "Radiance that it emits in every outward direction, beside what it scatters, W/(m² sr).",
+            Texturing::None,
+        ),
     ],
     albedo: |values| values[0],
-    emission: black,
-    absorption: black,
+    emission: |values| values[8],
+    absorption: |values| values[7],
     preview,
     bsdf: Some(&Bsdf {
         pack,

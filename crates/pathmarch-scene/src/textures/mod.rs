@@ -10,7 +10,8 @@ mod noise;
 mod picture;
 mod uv;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
+pub use pathmarch_field::MeshAttributes;
 use pathmarch_field::Param;
 use pathmarch_field::graph::Pose;
 pub use picture::{Picture, PictureError};
@@ -55,17 +56,8 @@ pub struct Spot {
     pub normal: Vec3,
     /// Footprint of a pixel, in these coordinates.
     pub footprint: f32,
-    /// Texture coordinates.
-    pub uv: SurfaceUv,
-}
-
-/// Texture coordinates of a point of a mesh; zero on other shapes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SurfaceUv {
-    /// Coordinates of both sets; (0, 0) is the upper left corner of a picture.
-    pub uvs: [Vec2; 2],
-    /// Length in texture coordinates of a unit of the shape's coordinates, for both sets.
-    pub densities: [f32; 2],
+    /// Attributes of the vertices of a mesh; the defaults on other shapes.
+    pub attributes: MeshAttributes,
 }
 
 /// WGSL that textures share: `Spot` as in Rust, and noise.
@@ -74,7 +66,6 @@ pub const SHARED_WGSL: &str = include_str!("noise.wgsl");
 /// the array `tables`.
 pub const PICTURE_WGSL: &str = include_str!("picture.wgsl");
 
-pub(crate) use picture::tinted;
 pub use uv::{Channel, UvMapping};
 
 const OCTAVES: Param = Param::count("octaves", 5.0, 1.0, 12.0, "How many sizes of detail, each half as large.");
@@ -160,7 +151,7 @@ impl Texture {
             p: turned(offset),
             normal: turned(spot.normal) * self.pose.scale,
             footprint: spot.footprint / self.pose.scale,
-            uv: spot.uv,
+            attributes: spot.attributes,
         }
     }
 
@@ -180,7 +171,7 @@ impl Texture {
         match &self.pattern {
             Pattern::Computed { .. } => Vec3::splat(self.value(spot)),
             Pattern::Picture { picture, size } => picture.projected(&self.placed(spot), *size),
-            Pattern::UvPicture { picture, mapping } => picture.at_uv(&spot.uv, spot.footprint, mapping),
+            Pattern::UvPicture { picture, mapping } => picture.at_uv(&spot.attributes, spot.footprint, mapping),
         }
     }
 

@@ -141,6 +141,11 @@ impl Picture {
         Self { width, height, encoded, texels }
     }
 
+    /// White picture of one texel.
+    pub(crate) fn white() -> Self {
+        Self::of_image(RgbImage::from_pixel(1, 1, Rgb([255; 3])), false)
+    }
+
     /// Number of levels.
     pub fn levels(&self) -> u32 {
         1 + self.width.max(self.height).ilog2()
@@ -217,16 +222,6 @@ impl Picture {
         }
         sum
     }
-}
-
-/// The picture with each colour times a factor from 0 to 1.
-pub(crate) fn tinted(image: &RgbImage, factor: [f32; 3]) -> RgbImage {
-    let tables = factor.map(|factor| -> Vec<u8> {
-        let tinted = |byte: u32| code(light(byte as f32 / 255.0, true) * factor, true) * 255.0;
-        (0..256).map(|byte| tinted(byte).round() as u8).collect()
-    });
-    let texel = |Rgb(codes): Rgb<u8>| Rgb(std::array::from_fn(|k| tables[k][usize::from(codes[k])]));
-    RgbImage::from_fn(image.width(), image.height(), |x, y| texel(*image.get_pixel(x, y)))
 }
 
 /// Light of a code from 0 to 1.

@@ -3,7 +3,7 @@
 use super::Composer;
 use super::parameters::local;
 use crate::mesh_shape::words::{self, MeshWords};
-use crate::mesh_shape::{ATTRIBUTES_WGSL, TRIANGLES_WGSL};
+use crate::mesh_shape::{ATTRIBUTES_WGSL, OPACITY_WGSL, OPAQUE_WGSL, TRIANGLES_WGSL};
 
 impl Composer<'_> {
     /// Encodes the meshes, and writes the offset of its grid to the parameters of each leaf.
@@ -26,6 +26,9 @@ impl Composer<'_> {
             code += ATTRIBUTES_WGSL;
         }
         if self.field.has_triangles() {
+            let has_opacity = self.field.has_opacity();
+            code += &format!("\nconst HAS_OPACITY = {has_opacity};\n\n");
+            code += if has_opacity { OPACITY_WGSL } else { OPAQUE_WGSL };
             code += "\n";
             code += TRIANGLES_WGSL;
         }

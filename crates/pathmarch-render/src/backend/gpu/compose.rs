@@ -8,6 +8,7 @@ use super::shaders;
 use crate::backend::RenderInput;
 use crate::mode::Mode;
 use crate::preview::Preview;
+use crate::scene::material::GLOWS;
 use crate::scene::{KernelConfig, MaterialRecord, TexturedMaterial};
 use pathmarch_field::wgsl::{Program, ProgramOptions};
 use pathmarch_scene::materials::{self, albedo};
@@ -40,10 +41,20 @@ fn mesh_word(index: u32) -> u32 {
 ";
 
 /// WGSL in place of that of triangles, for textures at texture coordinates in fields without them.
-const NO_MESH_UV: &str = "\
+const NO_MESH_ATTRIBUTES: &str = "\
 /// Never called: no hit has a triangle.
 fn mesh_uv(leaf: u32, triangle: u32, local: vec3f, uv_set: u32) -> vec3f {
     return vec3f(0.0);
+}
+
+/// Never called: no hit has a triangle.
+fn mesh_colour(leaf: u32, triangle: u32, local: vec3f) -> vec4f {
+    return vec4f(0.0);
+}
+
+/// Never called: no hit has a triangle.
+fn mesh_tangent(leaf: u32, triangle: u32, local: vec3f) -> vec4f {
+    return vec4f(0.0);
 }
 
 ";
@@ -62,7 +73,7 @@ pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings
         code += &Program::coordinates(&input.scene.field);
     }
     if input.config.uv_textures && !input.scene.field.has_meshes() {
-        code += NO_MESH_UV;
+        code += NO_MESH_ATTRIBUTES;
     }
     code += &program.code;
     if input.mode.traces_paths() {
@@ -153,6 +164,9 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("HAS_TEXTURES", config.textures),
         ("HAS_ORBITS", config.orbits),
         ("HAS_BUMP", config.bump),
+        ("HAS_NORMAL_MAPS", config.normal_maps),
+        ("HAS_EMISSION_TEXTURES", config.emission_textures),
+        ("HAS_GLOW", scene.materials.iter().any(|material| material.has(GLOWS))),
         ("SHADING_NORMALS", config.shading_normals),
         ("HAS_PICTURES", textures.any(has_pictures)),
     ] {

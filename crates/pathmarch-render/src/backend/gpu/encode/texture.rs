@@ -6,7 +6,6 @@
 use crate::scene::textured_material::{Change, Layer, Source, TexturedMaterial};
 use crate::wgsl::shared_constants;
 use pathmarch_field::Field;
-use pathmarch_mesh::material::Wrap;
 use pathmarch_scene::textures::{self, Pattern, Picture, Texture, TextureKind};
 
 shared_constants! {
@@ -60,15 +59,6 @@ pub(super) fn encode(field: &Field, materials: &[TexturedMaterial], start: usize
 /// [`TEXTURE_PARAMETERS`] as an index.
 const PARAMETERS: usize = TEXTURE_PARAMETERS as usize;
 
-/// Code of a continuation.
-fn wrap_code(wrap: Wrap) -> u32 {
-    match wrap {
-        Wrap::Repeat => 0,
-        Wrap::MirroredRepeat => 1,
-        Wrap::ClampToEdge => 2,
-    }
-}
-
 struct Encoder<'a> {
     words: Vec<u32>,
     /// Offset of the first word in the buffer.
@@ -96,8 +86,20 @@ impl<'a> Encoder<'a> {
             self.words.extend([texture, bump.height.to_bits()]);
             at
         });
+        let normal_map = material.normal_map.as_ref().map_or(0, |map| {
+            let texture = self.texture(&map.texture);
+            let at = self.offset();
+            self.words.extend([texture, map.scale.to_bits()]);
+            at
+        });
+        let emission = material.emission.as_ref().map_or(0, |texture| {
+            let texture = self.texture(texture);
+            let at = self.offset();
+            self.words.push(texture);
+            at
+        });
         let at = self.offset();
-        self.words.extend([layers.len() as u32, bump]);
+        self.words.extend([layers.len() as u32, bump, normal_map, emission]);
         self.words.extend(layers);
         // The kernel may read one word beyond the last.
         self.words.push(0);
@@ -172,16 +174,17 @@ impl<'a> Encoder<'a> {
                     picture.levels(),
                     mapping.scale().to_bits(),
                     u32::from(picture.encoded),
-                    wrap_code(mapping.wrap[0]) | wrap_code(mapping.wrap[1]) << 2,
-                    mapping.set as u32 | (mapping.channel as u32) << 1,
+                    mapping.wrap[0].code() | mapping.wrap[1].code() << 2 | u32::from(mapping.is_nearest) << 4,
+                    mapping.set as u32 | (mapping.channel as u32) << 1 | u32::from(mapping.has_vertex_colours) << 3,
                 ]);
                 1.0
             }
         };
         let mut rows = texture.pose.local_from_world();
         if let Pattern::UvPicture { mapping, .. } = &texture.pattern {
-            // Their coordinates are not those of the shape.
+            // Their coordinates are not those of the shape. The third row is the factor of the colour.
             rows[..2].copy_from_slice(&mapping.rows);
+            rows[2] = mapping.factor;
         }
         let numbers = texture.pose.at.iter().chain(rows.as_flattened()).chain([&texture.pose.scale, &step]);
         for (word, number) in record[1..].iter_mut().zip(numbers) {

@@ -36,13 +36,18 @@ impl Solids<'_> {
             return None;
         };
         let file = self.mesh_file(entry, context)?;
+        let is_own = own.or(material).is_some();
         let tags = match own.or(material) {
             Some(material) => vec![material],
             None => self.materials_of(&file, entry, context),
         };
         let tag = tags.first().copied().unwrap_or_default();
         let shape = match form? == "field" {
-            false => MeshShape::triangles(Arc::clone(&file.surface), tags),
+            false => {
+                // A material of the scene replaces the opacity of those of the file, too.
+                let opacity = if is_own { None } else { file.opacity() };
+                MeshShape::triangles(Arc::clone(&file.surface), tags).with_opacity(opacity)
+            }
             true => {
                 let grid = file.field(resolution?).map_err(|error| {
                     let message = "This mesh cannot be a distance field.";
@@ -81,10 +86,10 @@ impl Solids<'_> {
         }
         let mut warnings: Vec<String> = file.warnings.iter().map(ToString::to_string).collect();
         let mut tags = Vec::new();
-        for (material, unsupported) in file.scene_materials() {
+        for converted in file.scene_materials() {
             tags.push(self.materials.list.len() as u32);
-            self.materials.list.push(material.clone());
-            warnings.extend(unsupported.iter().cloned());
+            self.materials.list.push(converted.material.clone());
+            warnings.extend(converted.warnings.iter().cloned());
         }
         for warning in warnings {
             let message = format!("Not all of this mesh is shown: {warning}.");
