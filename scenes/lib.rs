@@ -81,6 +81,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "thesis/" "glass-prism" "jpg" "A prism of glass.";
     "" "refractive-prisms" "jpg" "Prisms that refract.";
     "" "specular-prisms" "jpg" "Prisms that mirror.";
+    "thesis/" "two-cubes" "jpg" "Two cubes, diffuse and specular.";
     "thesis/" "green-lamp" "jpg" "A green lamp.";
     "thesis/" "soft-shadows" "jpg" "Shadows that soften with the distance.";
     "thesis/" "emitting-spheres" "jpg" "Balls that shine.";

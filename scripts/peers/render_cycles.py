@@ -28,6 +28,14 @@ def nodes_of(owner):
     return owner.node_tree.nodes, owner.node_tree.links
 
 
+def emission(nodes, radiance):
+    peak = max(radiance)
+    shader = nodes.new("ShaderNodeEmission")
+    shader.inputs["Color"].default_value = (*[channel / peak for channel in radiance], 1)
+    shader.inputs["Strength"].default_value = peak
+    return shader
+
+
 def material(described):
     """Material with one shader; linear colours."""
     made = bpy.data.materials.new(described["name"])
@@ -60,10 +68,12 @@ def material(described):
         shader.inputs["Roughness"].default_value = 0
         shader.inputs["IOR"].default_value = described["ior"]
     else:
-        peak = max(described["radiance"])
-        shader = nodes.new("ShaderNodeEmission")
-        shader.inputs["Color"].default_value = (*[channel / peak for channel in described["radiance"]], 1)
-        shader.inputs["Strength"].default_value = peak
+        shader = emission(nodes, described["radiance"])
+    if max(described.get("emission", [0])) > 0:
+        both = nodes.new("ShaderNodeAddShader")
+        links.new(shader.outputs[0], both.inputs[0])
+        links.new(emission(nodes, described["emission"]).outputs[0], both.inputs[1])
+        shader = both
     links.new(shader.outputs[0], nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
     return made
 

@@ -24,6 +24,8 @@ material "glossy" { principled 0.2 0.3 0.6; roughness 0.25; coat 0.5 }
 material "frosted" { glass 0.95; roughness 0.5 }
 material "warm" { emit 5 4 3 }
 material "cool" { emit 2 3 5 }
+material "ember" { diffuse 0.6; emission 2 0.5 0.2 }
+material "neon" { metal 0.8; roughness 0.3; emission 0.3 1 2 }
 sun { direction 1 2 1; irradiance 1; angle 20 }
 object "floor" material="white" { plane }
 object "back" material="white" { rect 8 8 { rotate 90 0 0; at 0 2 -2 } }
@@ -35,6 +37,8 @@ object "panel" material="cool" { rect 0.8 0.5 { rotate 150 0 0; at 0.3 2.1 0.3 }
 object "box" material="warm" { box 0.3 0.2 0.4 { rotate 10 20 30; at 1.2 1.6 0.2 } }
 object "ring" material="cool" { torus 0.25 0.08 { rotate 60 0 0; at 0 1.4 -0.8 } }
 object "disc" material="warm" { disc 0.3 { rotate 120 0 0; at -0.4 1.5 -1 } }
+object "ember" material="ember" { sphere 0.2 { at -0.3 0.2 1.2 } }
+object "neon" material="neon" { box 0.2 0.5 0.2 { at 0.9 0.25 1.2 } }
 "##;
 
 /// Mean and variance of the mean of every block's channels over pictures of different seeds.
@@ -383,6 +387,27 @@ fn a_rough_fractal_is_no_brighter_than_its_lights(renderer: &Renderer) {
     assert!(brightest < 4.0, "{}", renderer.backend().name);
 }
 
+/// A convex surface in a uniform sky, without and with indirect light.
+fn surfaces_add_what_they_emit_to_what_they_reflect(renderer: &Renderer) {
+    for material in ["diffuse 0.5", "metal 0.5; edge 0.5; roughness 0", "principled 0; specular 0"] {
+        let reflected = if material.starts_with("principled") { 0.0 } else { 0.5 };
+        let scene = parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 0 1.5; target 0 0 0; fov 20 }}\nsky 1\n\
+             material \"it\" {{ {material}; emission 0.25 }}\nobject \"ball\" material=\"it\" {{ sphere 1 }}"
+        ));
+        for bounces in [0, 3] {
+            let settings = Settings { size: [24, 16], samples: 64, bounces, ..Settings::of(&scene) };
+            let found = mean(&render(renderer, &scene, &settings).mean(), |_, _| true);
+            let name = renderer.backend().name;
+            println!("{name}, {material}, {bounces} bounces: {found:.4}");
+            // A mirror shows the sky only after a bounce.
+            let is_hidden = bounces == 0 && material.starts_with("metal");
+            let expected = 0.25 + if is_hidden { 0.0 } else { reflected };
+            assert!((found - expected).abs() < 0.01, "{name}, {material}, {bounces} bounces: {found}");
+        }
+    }
+}
+
 tests! {
     plain: [pictures_do_not_depend_on_the_scale],
     plain slow: [all_direct_light_estimators_make_the_same_picture],
@@ -400,5 +425,6 @@ tests! {
         mirrors_show_the_sun,
         the_clamp_removes_fireflies_and_nothing_else,
         a_rough_fractal_is_no_brighter_than_its_lights,
+        surfaces_add_what_they_emit_to_what_they_reflect,
     ],
 }

@@ -183,10 +183,12 @@ fn described_material(material: &Material, vertex_colours: bool) -> Result<Value
     Ok(match material.kind.name {
         "diffuse" => json!({
             "name": material.name, "kind": "diffuse", "colour": value("albedo")?, "vertex_colours": vertex_colours,
+            "emission": material.emission(),
         }),
         "metal" => json!({
             "name": material.name, "kind": "metal",
             "colour": value("colour")?, "edge": value("edge")?, "roughness": number("roughness")?,
+            "emission": material.emission(),
         }),
         "glass" => json!({
             "name": material.name, "kind": "glass", "colour": value("colour")?, "ior": number("ior")?,

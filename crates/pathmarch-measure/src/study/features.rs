@@ -39,7 +39,7 @@ static BEYOND: &[[&str; 4]] = &[
     ["reuse of samples when the camera moves", "no", "no", "yes"],
     ["light chosen by place, path guiding", "no", "yes", "no"],
     ["fog, subsurface scattering", "no", "yes", "no"],
-    ["a surface that emits and reflects", "yes", "yes", "no"],
+    ["a surface that emits and reflects", "yes", "yes", "yes"],
     ["scenes as files", "no: the shader's source", "yes", "yes, text, with an error message for every mistake"],
     ["live view", "yes", "yes", "yes, with editing"],
     ["without a GPU", "software OpenGL", "yes", "yes"],

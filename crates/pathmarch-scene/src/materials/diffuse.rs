@@ -3,7 +3,7 @@
 //! A.5.3), so that the weight of a sample is the albedo.
 
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of,
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of, emission,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
@@ -13,15 +13,18 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     name: "diffuse",
     doc: "Matt surface that looks equally bright from everywhere.",
     source: "Lambert 1760, Photometria",
-    params: &[colour(
-        "albedo",
-        0.8,
-        Range::from_to(0.0, 1.0),
-        "Fraction of the light that is reflected.",
-        Texturing::Colour(0),
-    )],
+    params: &[
+        colour(
+            "albedo",
+            0.8,
+            Range::from_to(0.0, 1.0),
+            "Fraction of the light that is reflected.",
+            Texturing::Colour(0),
+        ),
+        emission(),
+    ],
     albedo: |values| values[0],
-    emission: black,
+    emission: |values| values[1],
     absorption: black,
     preview: |values| PreviewMaterial { diffuse: values[0], ..PreviewMaterial::default() },
     bsdf: Some(&Bsdf {

@@ -5,7 +5,7 @@
 use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
 use super::{
     Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of,
-    roughness,
+    emission, roughness,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
@@ -30,9 +30,10 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             Texturing::Colour(4),
         ),
         roughness(0.2),
+        emission(),
     ],
     albedo: |values| values[0],
-    emission: black,
+    emission: |values| values[3],
     absorption: black,
     preview: |values| PreviewMaterial {
         specular: [values[0], values[1]],

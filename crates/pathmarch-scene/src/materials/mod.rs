@@ -207,6 +207,17 @@ const fn roughness(default: f32) -> MaterialParam {
     fraction("roughness", default, "0 is a mirror, 1 as rough as can be; the microfacets' alpha is its square.")
 }
 
+/// The parameter `emission`.
+const fn emission() -> MaterialParam {
+    colour(
+        "emission",
+        0.0,
+        Range::NOT_NEGATIVE,
+        "Radiance that it emits in every outward direction, beside what it scatters, W/(m² sr).",
+        Texturing::None,
+    )
+}
+
 /// The parameter `ior`.
 const fn ior() -> MaterialParam {
     let spec = Param::between("ior", 1.5, 1.0, 10.0, "Refractive index: water 1.33, glass 1.5, diamond 2.42.");
@@ -340,7 +351,7 @@ impl Material {
     }
     /// The material of objects without `material=`: white, diffuse 0.8, named `default`.
     pub fn default_white() -> Self {
-        Self { values: vec![[0.8; 3]], ..Self::new("default", &diffuse::KIND) }
+        Self::new("default", &diffuse::KIND)
     }
     /// Value of the parameter of this name.
     pub fn value(&self, name: &str) -> Option<[f32; 3]> {

@@ -20,7 +20,7 @@ use super::microfacet::{
 };
 use super::{
     Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of,
-    fraction, ior, roughness,
+    emission, fraction, ior, roughness,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
@@ -54,13 +54,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             "What the inside absorbs, per metre: exp(-absorb × length) passes.",
             Texturing::None,
         ),
-        colour(
-            "emission",
-            0.0,
-            Range::NOT_NEGATIVE,
-            "Radiance that it emits in every outward direction, beside what it scatters, W/(m² sr).",
-            Texturing::None,
-        ),
+        emission(),
     ],
     albedo: |values| values[0],
     emission: |values| values[8],
