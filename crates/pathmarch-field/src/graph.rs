@@ -24,6 +24,7 @@ mod surface;
 
 use crate::blend::Blend;
 use crate::bounds::Aabb;
+use crate::mesh_shape::words::MeshWords;
 use crate::modifiers::Modifier;
 use crate::number::Vec3;
 use crate::operators::Operator;
@@ -36,6 +37,7 @@ pub use mesh_hit::{MeshHit, MeshInteraction, NearestTriangle};
 pub use node::{Kind, Node};
 pub use pose::{Placement, Pose, Turn};
 use shape_grid::ShapeGrid;
+use std::sync::{Arc, OnceLock};
 pub use surface::Surface;
 
 /// The tree with placements moved to the leaves.
@@ -91,6 +93,8 @@ pub struct Field {
     bvh: Bvh,
     /// Hierarchy over the meshes of triangles.
     mesh_instances: Bvh,
+    /// Encoded meshes, without and with the grids of triangles; made on first use, and shared by copies of the field.
+    mesh_words: Arc<[OnceLock<Arc<MeshWords>>; 2]>,
     /// Numbers of choices and modifiers so far.
     choices: u32,
     modifiers: u32,

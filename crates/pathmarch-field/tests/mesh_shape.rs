@@ -167,7 +167,7 @@ fn copies_share_their_words() {
     };
     let words = |count: u32| {
         let nodes: Vec<Node> = (0..count).map(|k| copy(3.0 * k as f32)).collect();
-        Program::new(&Field::new(&nodes)).mesh_words.len()
+        Program::new(&Field::new(&nodes)).mesh_words().len()
     };
     let (one, hundred) = (words(1), words(100));
     assert!(hundred < one + 100 * 40, "{one} {hundred}");

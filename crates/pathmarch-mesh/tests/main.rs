@@ -8,6 +8,7 @@ mod oracle;
 mod readers;
 mod report;
 mod shapes;
+mod tangents;
 
 /// A file that is missing above would not be compiled.
 #[test]

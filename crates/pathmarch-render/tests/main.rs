@@ -12,6 +12,7 @@ mod light;
 mod live;
 mod long_paths;
 mod mesh_file;
+mod mesh_materials;
 mod meshes;
 mod missing_gpu;
 mod modes;
@@ -38,6 +39,7 @@ fn main() {
         long_paths::tests(),
         shape_grids::tests(),
         mesh_file::tests(),
+        mesh_materials::tests(),
         meshes::tests(),
         missing_gpu::tests(),
         modes::tests(),

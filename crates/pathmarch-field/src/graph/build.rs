@@ -10,6 +10,7 @@ use crate::mesh_shape::MeshGeometry;
 use crate::operators::Operator;
 use crate::registry::union;
 use crate::shapes::ShapeRef;
+use std::sync::Arc;
 
 impl Field {
     /// Builds the union of `objects`. Operators and modifiers without children are left out.
@@ -41,6 +42,7 @@ impl Field {
             shape_grids: Vec::new(),
             bvh: Bvh::default(),
             mesh_instances: Bvh::default(),
+            mesh_words: Arc::default(),
             choices: 0,
             modifiers: 0,
         };

@@ -62,6 +62,21 @@ impl Field {
         self.bvh.distance(self, p, nearest, is_included, ignored_leaf)
     }
 
+    /// Reports whether an object contains a point. Distances are evaluated only within its bounds.
+    pub fn contains(&self, object: usize, p: Vec3<f32>) -> bool {
+        let bounds = self.object_bounds[object];
+        let inside = |value: f32, axis: usize| bounds.min[axis] <= value && value <= bounds.max[axis];
+        inside(p.x, 0)
+            && inside(p.y, 1)
+            && inside(p.z, 2)
+            && match self.strategies[object] {
+                EvalStrategy::ShapeGrid(shape_grid) => {
+                    self.shape_grids[shape_grid].distance(self, p, FarField::Exact) < 0.0
+                }
+                _ => self.tree_distance(&self.objects[object], p) < 0.0,
+            }
+    }
+
     /// Signed distance from each point to each object, in their order, metres.
     pub fn object_distances<N: Batch>(&self, p: Vec3<N>) -> impl Iterator<Item = N> {
         self.objects.iter().zip(&self.strategies).map(move |(object, strategy)| match strategy {

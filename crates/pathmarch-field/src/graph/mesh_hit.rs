@@ -6,9 +6,11 @@
 
 use super::bvh::Bvh;
 use super::{EvalStrategy, Field, Tree};
+use crate::mesh_shape::words::MeshWords;
 use crate::mesh_shape::{MeshAttributes, MeshGeometry, vector};
 use crate::number::Vec3;
 use pathmarch_mesh::bvh::Ray;
+use std::sync::Arc;
 
 /// Hit of a ray with a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +63,12 @@ impl Field {
             _ => None,
         });
         self.mesh_instances = Bvh::new(instances.collect());
+    }
+
+    /// Encoded meshes, with the grids of all or only of fields.
+    pub(crate) fn mesh_words(&self, has_all_grids: bool) -> Arc<MeshWords> {
+        let words = &self.mesh_words[usize::from(has_all_grids)];
+        Arc::clone(words.get_or_init(|| Arc::new(MeshWords::new(self, has_all_grids))))
     }
 
     /// Hierarchy over the meshes of triangles.

@@ -28,7 +28,7 @@ impl MeshGeometry {
     }
 
     /// Opacity of its materials; `None` if no ray passes through its triangles.
-    pub(crate) fn opacity(&self) -> Option<&Arc<MeshOpacity>> {
+    pub fn opacity(&self) -> Option<&Arc<MeshOpacity>> {
         self.opacity.as_ref()
     }
 
@@ -65,13 +65,19 @@ impl MeshGeometry {
         self.field.as_deref()
     }
 
+    /// Edge of a voxel of the [grid](Self::grid), in the mesh's coordinates.
+    pub fn voxel(&self) -> f32 {
+        let coarse = || self.surface.mesh_bounds().size().max_element() / super::COARSE_RESOLUTION as f32;
+        self.field.as_ref().map_or_else(coarse, |field| field.voxel())
+    }
+
     /// The distance grid: that of the field, or the coarse one of triangles.
     pub fn grid(&self) -> &Arc<DistanceGrid> {
         self.field.as_ref().unwrap_or_else(|| self.surface.coarse_grid())
     }
 
     /// Number of a triangle's material among the [tags](Self::tags).
-    pub(crate) fn slot(&self, triangle: u32) -> u32 {
+    pub fn slot(&self, triangle: u32) -> u32 {
         let material = self.surface.mesh().material(triangle as usize);
         material.min(self.tags.len().saturating_sub(1) as u32)
     }

@@ -1,8 +1,8 @@
 //! Mesh shapes: triangles, or the distance field of a mesh.
 //!
 //! **Idea.** A mesh has two forms. As *triangles*, rays intersect it exactly, and it is an object of its own. As a *field*, it is a
-//! distance grid that every operator and modifier takes like any other shape. Triangles have a coarse grid, too: previews
-//! and the checks for what is inside need a distance.
+//! distance grid that every operator and modifier takes like any other shape. Triangles have a coarse grid, too, which is built
+//! when a preview or a check for what is inside needs a distance.
 //!
 //! The surface of a mesh is shared by all shapes of one file; `words.rs` encodes it for the GPU once.
 //!

@@ -4,7 +4,7 @@ use pathmarch_mesh::bvh::{BuildError, CompressedBvh};
 use pathmarch_mesh::grid::GridError;
 use pathmarch_mesh::{Bounds, Bvh, DistanceGrid, TriangleMesh};
 use std::ops::ControlFlow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Voxels along the longest edge of the grid of triangles.
 pub const COARSE_RESOLUTION: u32 = 64;
@@ -31,7 +31,8 @@ pub struct MeshSurface {
     bvh: Bvh,
     bounds: Bounds,
     compressed: CompressedBvh,
-    coarse_grid: Arc<DistanceGrid>,
+    /// Built on first use.
+    coarse_grid: OnceLock<Arc<DistanceGrid>>,
 }
 
 impl std::fmt::Debug for MeshSurface {
@@ -41,19 +42,22 @@ impl std::fmt::Debug for MeshSurface {
 }
 
 impl MeshSurface {
-    /// Builds the hierarchies and the coarse grid of a mesh.
+    /// Builds the hierarchies of a mesh.
     ///
     /// # Errors
     /// [`MeshError`] for a mesh without size, or that is nested too deeply.
     pub fn new(mesh: TriangleMesh) -> Result<Self, MeshError> {
         let bvh = Bvh::build(&mesh)?;
-        let coarse_grid = DistanceGrid::build(&mesh, COARSE_RESOLUTION, &|_| ControlFlow::Continue(()))?;
+        let size = bvh.bounds().size().max_element();
+        if mesh.triangles.is_empty() || size / COARSE_RESOLUTION as f32 <= f32::MIN_POSITIVE {
+            return Err(MeshError::Grid(GridError::Empty));
+        }
         let compressed = CompressedBvh::build(&mesh)?;
         if compressed.depth() > MAX_DEPTH {
             return Err(MeshError::TooDeep(compressed.depth()));
         }
         let bounds = bvh.bounds();
-        Ok(Self { mesh, bvh, bounds, compressed, coarse_grid: Arc::new(coarse_grid) })
+        Ok(Self { mesh, bvh, bounds, compressed, coarse_grid: OnceLock::new() })
     }
 
     /// Triangles and attributes.
@@ -66,13 +70,23 @@ impl MeshSurface {
         &self.bvh
     }
 
+    /// Number of each triangle in kernels, which have them in the order of the hierarchy.
+    pub fn kernel_triangles(&self) -> Vec<u32> {
+        let mut numbers = vec![0; self.mesh.triangles.len()];
+        (0..).zip(&self.compressed.triangles).for_each(|(number, &triangle)| numbers[triangle as usize] = number);
+        numbers
+    }
+
     /// Hierarchy for the GPU.
     pub(crate) fn compressed(&self) -> &CompressedBvh {
         &self.compressed
     }
 
     pub(crate) fn coarse_grid(&self) -> &Arc<DistanceGrid> {
-        &self.coarse_grid
+        self.coarse_grid.get_or_init(|| {
+            let grid = DistanceGrid::build(&self.mesh, COARSE_RESOLUTION, &|_| ControlFlow::Continue(()));
+            Arc::new(grid.expect("the mesh has a size, and few bricks at this resolution"))
+        })
     }
 
     pub(crate) fn mesh_bounds(&self) -> Bounds {

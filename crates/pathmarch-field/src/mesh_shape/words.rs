@@ -53,8 +53,8 @@ pub(crate) struct MeshWords {
 }
 
 impl MeshWords {
-    /// Encodes the meshes of a field; no words if there are none.
-    pub(crate) fn new(field: &Field) -> Self {
+    /// Encodes the meshes of a field; no words if there are none. Without `has_all_grids`, only fields have a grid.
+    pub(crate) fn new(field: &Field, has_all_grids: bool) -> Self {
         let leaves = field.leaves();
         let mut encoder = Encoder::default();
         if leaves.iter().all(|leaf| leaf.shape.mesh().is_none()) {
@@ -65,7 +65,9 @@ impl MeshWords {
         let mut grids = vec![0; leaves.len()];
         for (index, leaf) in leaves.iter().enumerate() {
             let Some(mesh) = leaf.shape.mesh() else { continue };
-            grids[index] = encoder.grid(mesh.grid());
+            if has_all_grids || !mesh.is_triangles() {
+                grids[index] = encoder.grid(mesh.grid());
+            }
             let first = index - leaf.slot as usize;
             let instance = match leaf.slot {
                 0 => encoder.instance(mesh, leaf, [index as u32, grids[index], field.enclosing_modifier(index)]),

@@ -17,6 +17,7 @@ use crate::blend::{Blend, BlendProfile};
 use crate::graph::{Field, Tree};
 use crate::mesh_shape::words::MeshWords;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Largest number of parameter vectors for uniform memory: 64 KiB, which every adapter has.
 pub const MAX_UNIFORM_VECTORS: usize = 4096;
@@ -40,8 +41,8 @@ pub struct Program {
     pub estimated_distance: String,
     /// Parameters, at least one vector.
     pub parameters: Parameters,
-    /// Words of all meshes; empty if there are none.
-    pub mesh_words: Vec<u32>,
+    /// Words of all meshes.
+    mesh_words: Arc<MeshWords>,
     /// True if the code reads tables of any length. Then the type of the array has no length, so that it does not change with
     /// the number of points of an outline.
     pub has_tables: bool,
@@ -96,17 +97,24 @@ fn table_vector(index: f32) -> vec4f {
 pub struct ProgramOptions<'a> {
     /// Name of the function `sphere_traced_distance`, for kernels that declare their own in front of it.
     pub sphere_traced_distance: &'a str,
+    /// True for kernels that evaluate the distance of triangles: with [`Program::distances_to`] or
+    /// [`Program::estimated_distance`].
+    pub has_triangle_distances: bool,
     /// True to declare `choice` in the code of fields that blend; false for kernels that declare their own.
     pub declares_choice: bool,
 }
 
 impl Default for ProgramOptions<'_> {
     fn default() -> Self {
-        Self { sphere_traced_distance: "sphere_traced_distance", declares_choice: true }
+        Self { sphere_traced_distance: "sphere_traced_distance", has_triangle_distances: true, declares_choice: true }
     }
 }
 
 impl Program {
+    /// Words of all meshes, which `mesh_word` reads; empty if there are none.
+    pub fn mesh_words(&self) -> &[u32] {
+        &self.mesh_words.words
+    }
     /// Reports whether the parameters may be in a uniform buffer: they fit, and the code reads no tables.
     pub fn is_uniform(&self) -> bool {
         !self.has_tables && self.parameters.len() <= MAX_UNIFORM_VECTORS
@@ -125,7 +133,7 @@ impl Program {
 
     /// Composes the program of a field.
     pub fn with_options(field: &Field, options: ProgramOptions) -> Self {
-        let Composed { mut composer, functions, has_choice } = Composed::new(field);
+        let Composed { mut composer, functions, has_choice } = Composed::new(field, options.has_triangle_distances);
         let mut code_of_distances = BTreeSet::new();
         for tree in field.single_objects() {
             composer.distances(tree, &mut code_of_distances);
@@ -158,13 +166,13 @@ impl Program {
         let shape_grids = composer.records() + &composer.shape_grids() + &composer.bvh();
         let code = format!("{code}\n{shape_grids}{distance}\n{analytic_hit}\n{surface}");
         let Composer { parameters, bvh_records, meshes, .. } = composer;
-        Self { code, estimated_distance, parameters, mesh_words: meshes.words, has_tables, bvh_records }
+        Self { code, estimated_distance, parameters, mesh_words: meshes, has_tables, bvh_records }
     }
 
     /// WGSL text of functions `NAME(p: vec3f, ignored_leaf: u32) -> f32`, to be appended to [`code`](Self::code): each is
     /// [`Field::distance_to`] the objects of one set, which has an entry for each object.
     pub fn distances_to(field: &Field, named: &[(&str, &[bool])]) -> String {
-        let Composed { composer, functions, .. } = Composed::new(field);
+        let Composed { composer, functions, .. } = Composed::new(field, true);
         let mut of_distances = BTreeSet::new();
         let mut text = String::new();
         for (bit, (name, included)) in named.iter().enumerate() {
@@ -194,7 +202,7 @@ struct Composed<'a> {
 }
 
 impl<'a> Composed<'a> {
-    fn new(field: &'a Field) -> Self {
+    fn new(field: &'a Field, has_all_grids: bool) -> Self {
         let mut composer = Composer {
             field,
             parameters: Vec::new(),
@@ -204,7 +212,8 @@ impl<'a> Composed<'a> {
             shape_grid_starts: Vec::new(),
             bvh_start: 0,
             bvh_records: Vec::new(),
-            meshes: MeshWords::default(),
+            meshes: Arc::default(),
+            has_all_grids,
         };
         let mut functions = BTreeSet::new();
         let mut printed = BTreeSet::new();
@@ -258,7 +267,9 @@ struct Composer<'a> {
     bvh_start: usize,
     /// Leaves of the BVH and the indices of their records.
     bvh_records: Vec<(u32, usize)>,
-    meshes: MeshWords,
+    meshes: Arc<MeshWords>,
+    /// Triangles have distances.
+    has_all_grids: bool,
 }
 
 fn profile(smooth: Option<Blend>) -> Option<BlendProfile> {

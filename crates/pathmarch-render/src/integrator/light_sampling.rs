@@ -2,18 +2,20 @@
 //!
 //! An alias table chooses one light at each surface, in proportion to its irradiance at the centre of the scene, so
 //! that the cost does not depend on the number of lights. A sphere is sampled uniformly in the cone that it subtends
-//! (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"); a rectangle, a disc
-//! and the visible faces of a box are sampled by area. Any other shape is sampled in the cone of its bounding sphere,
-//! so that the shadow ray may miss it. BSDF sampling hits the same lights; the power heuristic weights both strategies
+//! (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"); a rectangle, a disc,
+//! the visible faces of a box, and the triangles of a mesh are sampled by area. Any other shape is sampled in the cone of
+//! its bounding sphere, so that the shadow ray may miss it. BSDF sampling hits the same lights; the power heuristic weights both strategies
 //! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
 use crate::sampling::basis::basis;
 use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight};
+use crate::scene::mesh_light::PointOnMesh;
 use crate::scene::sky::EnvironmentSample;
 use crate::scene::{SkyLight, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_scene::DirectLighting;
+use pathmarch_scene::textures::Spot;
 use std::f32::consts::{PI, TAU};
 
 /// Sample of a light, before visibility.
@@ -78,6 +80,25 @@ pub(crate) fn sample_light(ctx: &TraceContext, p: Vec3, choice: f32, position: [
             let (direction, one_minus_cos, _) = sample_sphere_cone(sphere, p, position);
             let irradiance = sphere.radiance * light.inverse_pmf * (TAU * one_minus_cos);
             sample(direction, f32::INFINITY, irradiance, 1.0 / (TAU * one_minus_cos), Some(sphere.leaf))
+        }
+        LightShape::Triangles(triangles) => {
+            let mesh = &ctx.scene.mesh_lights[triangles.mesh];
+            let PointOnMesh { p: point, normal, attributes } = mesh.point(position);
+            let offset = point - p;
+            let square = offset.length_squared();
+            let distance = square.sqrt();
+            let direction = offset * (1.0 / distance);
+            let cosine = -normal.dot(direction);
+            if cosine == 0.0 || (cosine < 0.0 && mesh.is_single_sided) {
+                return None;
+            }
+            let material = ctx.scene.leaves[triangles.bounds.leaf as usize].material as usize;
+            let spot = Spot { p: Vec3::ZERO, normal: Vec3::Y, footprint: 0.0, attributes };
+            let texture = ctx.scene.textured_materials[material].emission.as_ref();
+            let radiance = texture.map_or(triangles.bounds.radiance, |texture| texture.colour(&spot));
+            let solid_angle = triangles.area * cosine.abs() / square;
+            let irradiance = radiance * light.inverse_pmf * solid_angle;
+            sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / solid_angle, None)
         }
         LightShape::Rect(_) | LightShape::Disc(_) | LightShape::Box(_) => {
             let (point, normal, area) = sample_area(&light.shape, p, position);
@@ -212,6 +233,7 @@ pub(crate) fn light_pdf(light: &Light, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
         }
         LightShape::Rect(sheet) | LightShape::Disc(sheet) => sheet.area,
         LightShape::Box(light) => visible_areas(light, p).1,
+        LightShape::Triangles(triangles) => triangles.area,
         LightShape::Point(_) | LightShape::Sun(_) | LightShape::Environment => return 0.0,
     };
     light.pmf * t * t / (area * cosine.max(1e-6))

@@ -1,4 +1,4 @@
-// import: sampling/basis, integrator/light_weights, integrator/sky
+// import: sampling/basis, integrator/light_weights, integrator/sky, mesh_lights
 // Light sampling. Twin of light_sampling.rs, which explains it.
 
 /// Sample of a light, before visibility.
@@ -59,6 +59,9 @@ fn sample_light(p: vec3f, choice: f32, position: vec2f) -> LightSample {
             leaf = NO_TARGET;
         }
         return LightSample(direction, distance, emission / pdf, pdf * light.pmf, leaf, 0.0);
+    }
+    if HAS_TRIANGLES && light.kind == TRIANGLES {
+        return sample_mesh(light, p, position);
     }
     if HAS_RECT || HAS_DISC || HAS_BOX {
         return sample_area(light, p, emission, position);

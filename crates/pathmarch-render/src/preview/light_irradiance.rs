@@ -8,7 +8,7 @@
 //!   Linearly Transformed Cosines"). The horizon clips a sphere of the same form factor (Hill and Heitz 2017). Discs
 //!   are approximated by squares of the same area.
 
-use crate::scene::light::{LightShape, SheetLight};
+use crate::scene::light::{LightShape, SheetLight, TrianglesLight};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -49,6 +49,9 @@ pub(super) fn unoccluded_light(light: &LightShape, radius: f32, p: Vec3, n: Vec3
         LightShape::Sphere(sphere) | LightShape::Bounded(sphere) => {
             from_sphere(sphere.centre, sphere.radiance, radius, p, n)
         }
+        LightShape::Triangles(TrianglesLight { bounds, .. }) => {
+            from_sphere(bounds.centre, bounds.radiance, radius, p, n)
+        }
         LightShape::Box(light) => from_sphere(light.centre, light.radiance, radius, p, n),
         LightShape::Environment => UnoccludedLight { direction: n, distance: 0.0, irradiance: Vec3::ZERO, sine: 0.0 },
     }
@@ -78,6 +81,7 @@ pub(super) fn bounding_radius(light: &LightShape) -> f32 {
             (8.0 * (x * y + y * z + z * x) / (4.0 * PI)).sqrt()
         }
         LightShape::Sphere(sphere) | LightShape::Bounded(sphere) => sphere.radius,
+        LightShape::Triangles(light) => light.bounds.radius,
         LightShape::Disc(sheet) => sheet.radius,
         LightShape::Sun(sun) => sun.one_minus_cos,
         LightShape::Point(_) | LightShape::Rect(_) | LightShape::Environment => 0.0,

@@ -96,6 +96,7 @@ impl Preview {
             let shape = &lights[index as usize].shape;
             let share = match shape {
                 LightShape::Bounded(sphere) => ambient_sh::visible_share(ctx, sphere),
+                LightShape::Triangles(light) => ambient_sh::visible_share(ctx, &light.bounds),
                 _ => 1.0,
             };
             (index, bounding_radius(shape) * share.sqrt())

@@ -1,6 +1,7 @@
 //! Lights that can be sampled: points, suns, emitting objects and environment maps.
 
 use super::Extent;
+use super::mesh_light::MeshLight;
 use crate::sampling::alias_table;
 use glam::Vec3;
 use pathmarch_field::{Emitter, Field};
@@ -35,6 +36,8 @@ pub(crate) enum LightShape {
     Box(BoxLight),
     /// Any other emitting object, sampled by its bounding sphere.
     Bounded(SphereLight),
+    /// Triangles of a mesh.
+    Triangles(TrianglesLight),
     /// Environment map.
     Environment,
 }
@@ -74,6 +77,17 @@ pub(crate) struct SphereLight {
     pub(crate) leaf: u32,
 }
 
+/// Emitting triangles of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TrianglesLight {
+    /// Bounding sphere, with the mean radiance.
+    pub(crate) bounds: SphereLight,
+    /// Index among the [mesh lights](super::RenderScene::mesh_lights).
+    pub(crate) mesh: usize,
+    /// Area, square metres.
+    pub(crate) area: f32,
+}
+
 /// Emitting rectangle or disc, a sheet without thickness.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SheetLight {
@@ -111,6 +125,7 @@ impl Light {
             LightShape::Sphere(light) | LightShape::Bounded(light) => Some(light.leaf),
             LightShape::Rect(light) | LightShape::Disc(light) => Some(light.leaf),
             LightShape::Box(light) => Some(light.leaf),
+            LightShape::Triangles(light) => Some(light.bounds.leaf),
             LightShape::Point(_) | LightShape::Sun(_) | LightShape::Environment => None,
         }
     }
@@ -118,7 +133,7 @@ impl Light {
 
 impl LightShape {
     /// Number of kinds of lights.
-    pub(crate) const KINDS: usize = 8;
+    pub(crate) const KINDS: usize = 9;
 
     /// Index of the kind, below [`KINDS`](Self::KINDS).
     pub(crate) fn kind(&self) -> u32 {
@@ -131,6 +146,7 @@ impl LightShape {
             Self::Box(_) => 5,
             Self::Bounded(_) => 6,
             Self::Environment => 7,
+            Self::Triangles(_) => 8,
         }
     }
 
@@ -167,6 +183,10 @@ impl LightShape {
                 let [a, b, c] = light.axes.map(Vec3::length);
                 luminance(light.radiance.into()) * (2.0 * (a * b + b * c + c * a)) / falloff(light.centre)
             }
+            // Half of the surface or less is seen from a point.
+            Self::Triangles(light) => {
+                luminance(light.bounds.radiance.into()) * (0.5 * light.area) / falloff(light.bounds.centre)
+            }
             Self::Environment => 0.0,
         }
     }
@@ -188,16 +208,31 @@ fn one_minus_cosine(diameter_degrees: f32) -> f32 {
     2.0 * half.sin() * half.sin()
 }
 
-/// Lights of a scene with power above zero, suns first. `sky_power` is the mean irradiance of the environment map,
-/// W/m².
-pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent) -> Vec<Light> {
+/// Lights of a scene with power above zero, suns first, and the meshes among them. `sky_power` is the mean irradiance of the
+/// environment map, W/m².
+pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent) -> (Vec<Light>, Vec<MeshLight>) {
     let declared = scene.lights.iter().map(declared_light);
     let leaves = scene.field.leaves().iter().enumerate();
+    let mut meshes = Vec::new();
     let emitters = leaves.filter_map(|(index, leaf)| {
         let material = &scene.materials[leaf.tag as usize];
-        // Only BSDF sampling finds an emission that varies.
-        let is_sampled = material.emits() && material.emission_texture.is_none();
-        if is_sampled { leaf_light(&scene.field, index, material.emission().into()) } else { None }
+        let radiance = Vec3::from(material.emission());
+        if !material.emits() {
+            return None;
+        }
+        let mesh = MeshLight::new(&scene.field, index);
+        // Only BSDF sampling finds an emission that varies over anything but triangles.
+        if mesh.is_none() && material.emission_texture.is_some() {
+            return None;
+        }
+        match (leaf_light(&scene.field, index, radiance)?, mesh) {
+            (LightShape::Bounded(bounds), Some(mesh)) => {
+                let light = TrianglesLight { bounds, mesh: meshes.len(), area: mesh.area };
+                meshes.push(mesh);
+                Some(LightShape::Triangles(light))
+            }
+            (shape, _) => Some(shape),
+        }
     });
     let mut weighted: Vec<(LightShape, f32)> =
         declared.chain(emitters).map(|shape| (shape, shape.weight(extent))).collect();
@@ -215,7 +250,7 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent) -> Vec<Ligh
         threshold,
         alias,
     };
-    weighted.into_iter().zip(cells).map(light).collect()
+    (weighted.into_iter().zip(cells).map(light).collect(), meshes)
 }
 
 /// Light that the scene file declares.

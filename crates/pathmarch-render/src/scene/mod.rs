@@ -10,6 +10,7 @@ pub(crate) mod kernel_config;
 pub(crate) mod leaf;
 pub(crate) mod light;
 pub(crate) mod material;
+pub(crate) mod mesh_light;
 pub(crate) mod preview_material;
 pub(crate) mod sky;
 pub(crate) mod textured_material;
@@ -20,6 +21,7 @@ pub(crate) use kernel_config::KernelConfig;
 pub(crate) use leaf::LeafRecord;
 pub(crate) use light::{Light, LightShape};
 pub(crate) use material::MaterialRecord;
+pub(crate) use mesh_light::MeshLight;
 pub(crate) use sky::SkyLight;
 pub(crate) use textured_material::TexturedMaterial;
 
@@ -47,6 +49,8 @@ pub(crate) struct RenderScene {
     pub(crate) textured_materials: Vec<TexturedMaterial>,
     /// Lights that can be sampled, suns first.
     pub(crate) lights: Vec<Light>,
+    /// Triangles of lights that are meshes.
+    pub(crate) mesh_lights: Vec<MeshLight>,
     pub(crate) sky: SkyLight,
 }
 
@@ -54,7 +58,7 @@ impl RenderScene {
     /// Builds the tables of a scene. The camera sets the extent of a scene without finite objects.
     pub(crate) fn new(scene: &Scene, camera: &Camera) -> Self {
         let mut sky = SkyLight::new(scene);
-        let lights = light::lights(scene, sky.sampled_power(), &Extent::new(scene, camera));
+        let (lights, mesh_lights) = light::lights(scene, sky.sampled_power(), &Extent::new(scene, camera));
         let environment = lights.iter().find(|light| matches!(light.shape, LightShape::Environment));
         if let Some(environment) = environment {
             sky.set_probability(environment.pmf);
@@ -69,6 +73,7 @@ impl RenderScene {
             bsdfs: scene.materials.iter().map(|material| material.kind.bsdf).collect(),
             textured_materials,
             lights,
+            mesh_lights,
             sky,
         }
     }
@@ -137,8 +142,11 @@ pub(crate) fn finite_bounds(scene: &Scene) -> Aabb {
 /// Sum of the absorption coefficients of the solids around a point, per metre.
 fn medium_at(scene: &Scene, p: [f32; 3]) -> [f32; 3] {
     let p = pathmarch_field::number::Vec3::new(p[0], p[1], p[2]);
-    let enclosing = scene.objects.iter().zip(scene.field.object_distances(p)).filter(|(_, distance)| *distance < 0.0);
-    let absorption = enclosing.map(|(object, _)| {
+    if scene.materials.iter().all(|material| material.absorption() == [0.0; 3]) {
+        return [0.0; 3];
+    }
+    let enclosing = scene.objects.iter().enumerate().filter(|(index, _)| scene.field.contains(*index, p));
+    let absorption = enclosing.map(|(_, object)| {
         let object_field = Field::new(std::slice::from_ref(&object.root));
         let leaf = &object_field.leaves()[object_field.surface(p, 0).leaf as usize];
         Vec3::from(scene.materials[leaf.tag as usize].absorption())

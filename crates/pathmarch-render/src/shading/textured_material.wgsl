@@ -22,6 +22,19 @@ fn emission_at(m: u32) -> vec3f {
     return materials[m].emission;
 }
 
+/// Emitted radiance of a leaf at a point of one of its triangles, in the mesh's coordinates.
+fn emission_on_mesh(leaf: u32, triangle: u32, local: vec3f) -> vec3f {
+    if HAS_EMISSION_TEXTURES {
+        let material = scene_data[TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + leaves[leaf].material];
+        if material != 0u && scene_data[material + 3u] != 0u {
+            let texture = scene_data[scene_data[material + 3u]];
+            begin_uvs(leaf, triangle, local);
+            return uv_picture(texture, texture_picture(texture), 0.0).xyz;
+        }
+    }
+    return materials[leaves[leaf].material].emission;
+}
+
 /// Float at an offset in the scene data.
 fn texture_number(index: u32) -> f32 {
     return bitcast<f32>(scene_data[index]);
@@ -41,6 +54,12 @@ fn leaf_coordinates(leaf: u32, p: vec3f) -> Coordinates {
     let z = texture_vector(leaf_offset + 9u);
     let offset = outer.p - texture_vector(leaf_offset);
     return coordinates_inside(outer, vec3f(dot(x, offset), dot(y, offset), dot(z, offset)), x, y, z);
+}
+
+/// Picture of the texture at this offset.
+fn texture_picture(texture: u32) -> TexturePicture {
+    let at = texture + TEXTURE_PARAMETERS;
+    return TexturePicture(scene_data[at], scene_data[at + 1u], scene_data[at + 2u], scene_data[at + 3u], scene_data[at + 5u] != 0u);
 }
 
 /// Colour (xyz) and value (w) of the texture at offset `texture_offset`. The value of an orbit trap is below 0 on a
@@ -66,7 +85,7 @@ fn texture_at(texture_offset: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
     let p = vec3f(dot(x, offset), dot(y, offset), dot(z, offset));
     let spot = Spot(p, vec3f(dot(x, n), dot(y, n), dot(z, n)) * scale, leaf_spot.footprint / scale);
     if HAS_PICTURES && (kind == PICTURE_SOURCE || kind == UV_PICTURE_SOURCE) {
-        let picture = TexturePicture(scene_data[texture_offset + TEXTURE_PARAMETERS], scene_data[texture_offset + TEXTURE_PARAMETERS + 1u], scene_data[texture_offset + TEXTURE_PARAMETERS + 2u], scene_data[texture_offset + TEXTURE_PARAMETERS + 3u], scene_data[texture_offset + TEXTURE_PARAMETERS + 5u] != 0u);
+        let picture = texture_picture(texture_offset);
         if kind == UV_PICTURE_SOURCE {
             return uv_picture(texture_offset, picture, leaf_spot.footprint);
         }

@@ -9,6 +9,11 @@ fn emission_at(m: u32) -> vec3f {
     return materials[m].emission;
 }
 
+/// Returns the emitted radiance of the material of a leaf.
+fn emission_on_mesh(leaf: u32, triangle: u32, local: vec3f) -> vec3f {
+    return materials[leaves[leaf].material].emission;
+}
+
 /// Returns the normal itself.
 fn bumped_normal(outward: vec3f) -> vec3f {
     return outward;

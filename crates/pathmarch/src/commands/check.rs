@@ -93,7 +93,7 @@ fn print_json(path: &Path, scene: &Result<Scene, SceneError>) -> u8 {
 fn print_meshes(scene: &Scene) {
     let mut seen: Vec<(*const MeshSurface, u32)> = Vec::new();
     for mesh in scene.field.leaves().iter().filter_map(|leaf| leaf.shape.mesh()) {
-        let voxel = mesh.grid().voxel();
+        let voxel = mesh.voxel();
         let key = (Arc::as_ptr(mesh.surface()), voxel.to_bits());
         if seen.contains(&key) {
             continue;

@@ -2,13 +2,13 @@
 
 use super::Composer;
 use super::parameters::local;
-use crate::mesh_shape::words::{self, MeshWords};
+use crate::mesh_shape::words;
 use crate::mesh_shape::{ATTRIBUTES_WGSL, OPACITY_WGSL, OPAQUE_WGSL, TRIANGLES_WGSL};
 
 impl Composer<'_> {
     /// Encodes the meshes, and writes the offset of its grid to the parameters of each leaf.
     pub(super) fn append_meshes(&mut self) {
-        self.meshes = MeshWords::new(self.field);
+        self.meshes = self.field.mesh_words(self.has_all_grids);
         let leaves = self.field.leaves().iter().enumerate().filter(|(_, leaf)| leaf.shape.mesh().is_some());
         for (index, leaf) in leaves {
             let (_, offset) = local(&leaf.pose, self.starts[index], "p");

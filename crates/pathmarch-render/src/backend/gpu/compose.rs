@@ -23,8 +23,9 @@ pub(super) fn program(input: &RenderInput) -> Program {
     let sphere_traced_distance = if counts { "uncounted_distance" } else { defaults.sphere_traced_distance };
     // Without noise, `r2_sequence.wgsl` declares `choice`.
     let declares_choice = input.mode.traces_paths();
-    let mut program =
-        Program::with_options(&input.scene.field, ProgramOptions { sphere_traced_distance, declares_choice });
+    let has_triangle_distances = input.preview().is_some() || input.config.penumbra;
+    let options = ProgramOptions { sphere_traced_distance, has_triangle_distances, declares_choice };
+    let mut program = Program::with_options(&input.scene.field, options);
     if let Some(preview) = input.preview() {
         program.write_object_sets(&input.scene.field, &preview.distance_functions());
     }
@@ -122,6 +123,8 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         }
         "mesh_normals" if input.scene.field.has_shading_normals() => "shading/mesh_normals",
         "mesh_normals" => "shading/no_mesh_normals",
+        "mesh_lights" if !input.scene.mesh_lights.is_empty() => "integrator/mesh_lights",
+        "mesh_lights" => "integrator/no_mesh_lights",
         "mesh_fields" if input.config.mesh_fields => "shading/mesh_fields",
         "mesh_fields" => "shading/no_mesh_fields",
         "mesh_uvs" if input.config.uv_textures => "shading/mesh_uvs",
@@ -188,6 +191,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("TEXTURE_DATA", data.textures as u32),
         ("LEAF_COUNT", scene.leaves.len() as u32),
         ("MODE_DATA", data.mode as u32),
+        ("MESH_LIGHT_DATA", data.mesh_lights as u32),
         ("MESH_DATA", data.meshes as u32),
     ] {
         constant(name, &format_args!("{value}u"));

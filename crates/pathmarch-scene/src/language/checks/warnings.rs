@@ -97,9 +97,8 @@ fn transparency(scene: &Scene) -> Vec<bool> {
 
 /// First opaque object that contains this point.
 fn opaque_object_around<'s>(scene: &'s Scene, transparent: &[bool], [x, y, z]: [f32; 3]) -> Option<&'s Object> {
-    let distances = scene.field.object_distances(Vec3 { x, y, z });
-    let mut around = scene.objects.iter().zip(transparent).zip(distances);
-    around.find(|((_, transparent), distance)| !**transparent && *distance < 0.0).map(|((object, _), _)| object)
+    let mut opaque = scene.objects.iter().zip(transparent).enumerate().filter(|(_, (_, transparent))| !**transparent);
+    opaque.find(|(index, _)| scene.field.contains(*index, Vec3 { x, y, z })).map(|(_, (object, _))| object)
 }
 
 /// Warns of glass on surfaces that have no inside.

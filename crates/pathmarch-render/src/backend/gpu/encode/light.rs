@@ -1,6 +1,7 @@
 //! Lights as records of one layout.
 
-use crate::scene::light::{BoxLight, Light, LightShape, SheetLight, SphereLight};
+use crate::scene::RenderScene;
+use crate::scene::light::{BoxLight, Light, LightShape, SheetLight, SphereLight, TrianglesLight};
 use crate::wgsl::{declaration, shared_struct, write_constant};
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -29,7 +30,7 @@ shared_struct! {
         /// Sharpness of shadows from near misses; 0 for exact shadows.
         pub(super) penumbra: f32,
         pub(super) y: [f32; 3],
-        /// Area of a rectangle or a disc, square metres.
+        /// Area of a rectangle, a disc or triangles, square metres.
         pub(super) area: f32,
         pub(super) z: [f32; 3],
         /// One over `pmf`.
@@ -39,7 +40,7 @@ shared_struct! {
 
 /// Names of the kinds of lights in constants of the kernel, by index.
 pub(crate) const KIND_NAMES: [&str; LightShape::KINDS] =
-    ["POINT", "SUN", "SPHERE", "RECT", "DISC", "BOX", "BOUNDED", "ENVIRONMENT"];
+    ["POINT", "SUN", "SPHERE", "RECT", "DISC", "BOX", "BOUNDED", "ENVIRONMENT", "TRIANGLES"];
 
 /// Declarations of lights and their kinds in WGSL.
 pub(crate) fn shared_wgsl() -> String {
@@ -58,6 +59,25 @@ pub(crate) fn direct_lighting_wgsl() -> String {
     code
 }
 
+/// Encodes the emitting triangles of meshes: for each leaf the offset of its table, or zero. A table has a word for whether it is
+/// single-sided, the number of triangles, and the cells of its alias table with the triangle of each.
+pub(in crate::backend::gpu) fn encode_mesh_lights(scene: &RenderScene, start: usize) -> Vec<u32> {
+    if scene.mesh_lights.is_empty() {
+        return Vec::new();
+    }
+    let mut words = vec![0; scene.leaves.len()];
+    for light in &scene.lights {
+        let LightShape::Triangles(TrianglesLight { bounds, mesh, .. }) = &light.shape else { continue };
+        let mesh = &scene.mesh_lights[*mesh];
+        words[bounds.leaf as usize] = (start + words.len()) as u32;
+        words.extend([u32::from(mesh.is_single_sided), mesh.cells.len() as u32]);
+        // Cells of two words, as in all alias tables.
+        words.extend(mesh.cells.iter().flat_map(|&(threshold, alias)| [threshold.to_bits(), alias]));
+        words.extend(mesh.kernel_triangles());
+    }
+    words
+}
+
 impl LightRecord {
     /// Record of a light.
     pub(crate) fn new(light: &Light) -> Self {
@@ -71,6 +91,7 @@ impl LightRecord {
             LightShape::Sphere(sphere) | LightShape::Bounded(sphere) => Self::sphere(sphere),
             LightShape::Rect(sheet) | LightShape::Disc(sheet) => Self::sheet(sheet),
             LightShape::Box(light) => Self::cuboid(light),
+            LightShape::Triangles(light) => Self { area: light.area, ..Self::sphere(&light.bounds) },
             LightShape::Environment => Self::zeroed(),
         };
         Self {

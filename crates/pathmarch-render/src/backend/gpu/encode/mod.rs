@@ -30,6 +30,8 @@ pub(crate) struct SceneData {
     pub(super) textures: usize,
     /// Offset of the data of the mode.
     pub(super) mode: usize,
+    /// Offset of the emitting triangles.
+    pub(super) mesh_lights: usize,
     /// Offset of the meshes.
     pub(super) meshes: usize,
 }
@@ -56,9 +58,11 @@ impl SceneData {
             ModeData::Preview(data) => words.extend(preview::encode(data)),
             ModeData::View(table) => words.extend(table.iter().map(|number| number.to_bits())),
         }
+        let mesh_lights = words.len();
+        words.extend(light::encode_mesh_lights(scene, mesh_lights));
         let meshes = words.len();
-        words.extend(&program.mesh_words);
-        Self { words, sky_texels, sky: 0, ggx, textures, mode, meshes }
+        words.extend(program.mesh_words());
+        Self { words, sky_texels, sky: 0, ggx, textures, mode, mesh_lights, meshes }
     }
 }
 
