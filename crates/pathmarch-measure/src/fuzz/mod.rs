@@ -84,11 +84,19 @@ fn fuzz(arguments: &Arguments, target: Target) -> Result<u64, Failure> {
         }
     }
     note!(
-        "{target:?}: {inputs} inputs in {:.0} s, {accepted} accepted, slowest {:.0} ms, {failures} failures",
+        "{target:?}: {inputs} inputs in {:.0} s, {accepted} accepted, slowest {:.0} ms, {failures} failures{}",
         started.elapsed().as_secs_f64(),
-        slowest.as_secs_f64() * 1000.0
+        slowest.as_secs_f64() * 1000.0,
+        peak_memory().map_or_else(String::new, |megabytes| format!(", at most {megabytes} MB of memory"))
     );
     Ok(failures)
+}
+
+/// Largest resident memory of this process so far, MB; `None` where Linux does not report it.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    kilobytes.split_whitespace().next()?.parse::<u64>().ok().map(|kilobytes| kilobytes >> 10)
 }
 
 /// Keeps an input that failed.
