@@ -91,6 +91,10 @@ pub(crate) struct Assets {
 }
 
 impl Assets {
+    /// Those of a scene that reads no file outside its folder.
+    pub(crate) fn confined() -> Self {
+        Self { confined: true, ..Self::default() }
+    }
     /// The picture in the file at `path`, with this factor of radiance and turn in degrees.
     pub(crate) fn picture(&mut self, path: &Path, strength: f32, rotate: f32) -> Result<Picture, EnvironmentError> {
         let source = Source::now(path);

@@ -6,6 +6,12 @@ use pathmarch_render::pathmarch_scene::{Scene, Tonemap};
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Mode, Settings, scene_hash};
 use std::collections::BTreeMap;
+use std::path::Path;
+
+/// True for the name of a film.
+pub fn is_film(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("film"))
+}
 
 /// Notes of a film.
 pub fn notes(display: Display, settings: &Settings, scene: &Scene) -> BTreeMap<String, String> {

@@ -1,5 +1,8 @@
 //! Frame ranges of `--frames`, and file names of frames.
 
+use crate::film_notes::is_film;
+use pathmarch_render::image;
+use pathmarch_render::parts::FilmFile;
 use std::path::{Path, PathBuf};
 
 /// Maximum number of frames of one command.
@@ -60,6 +63,15 @@ pub fn file(pattern: &Path, frame: u32) -> PathBuf {
     let start = name[..end].trim_end_matches('#').len();
     let digits = end + 1 - start;
     pattern.with_file_name(format!("{}{frame:0digits$}{}", &name[..start], &name[end + 1..]))
+}
+
+/// True if the file of a frame is whole: it can be read to its end.
+pub fn is_whole(file: &Path) -> bool {
+    if is_film(file) {
+        FilmFile::open(file).and_then(|mut film| film.part()).is_ok()
+    } else {
+        image::load(file).is_ok()
+    }
 }
 
 /// Rejects a file name that several frames would share.

@@ -8,7 +8,7 @@
 //! operations of its body; without budget, every loop ends. So a call does at most about [`MAX_OPERATIONS`] + [`LOOP_BUDGET`] ·
 //! [`OPERATIONS_PER_PASS`] operations, whatever its code.
 //!
-//! For the limit on compilation arrays count more, because drivers compile them much slower than arithmetic.
+//! For the limit on compilation arrays, loops and cases count more, because drivers compile them much slower than arithmetic.
 //!
 //! naga's SPIR-V copies an array value, e.g. a constant, to memory for each access by a computed index: such an access counts as
 //! a copy.
@@ -37,12 +37,16 @@ pub const MAX_OPERATIONS: u32 = 8192;
 const COPIED: u32 = 16;
 /// Weight of an access to an array by a computed index, in operations: 200 took software Vulkan 10 s.
 const INDEXED: u32 = 32;
+/// Weight of a loop with every call inlined, in operations: 10 took software Vulkan 3 s, 30 14 s, 100 more than 30 s.
+const LOOP: u32 = 256;
+/// Weight of a case of a `switch`, in operations: 300 took software Vulkan 4 s, 600 8 s, 1,800 more than 30 s.
+const CASE: u32 = 12;
 
 /// Cost of code with every call inlined and every loop passed once; sums saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Cost {
     pub(super) operations: u32,
-    /// Operations with the weights of arrays for compilation: [`COPIED`] and [`INDEXED`].
+    /// Operations with the weights for compilation: [`COPIED`], [`INDEXED`], [`LOOP`] and [`CASE`].
     pub(super) compiled: u32,
     /// Scalars of the arrays in memory.
     pub(super) numbers: u32,
@@ -60,6 +64,11 @@ impl Cost {
             numbers: self.numbers.saturating_add(other.numbers),
         }
     }
+    /// Cost of a loop, without its body.
+    const LOOP: Self = Self { operations: 0, compiled: LOOP, numbers: 0 };
+    /// Cost of a case of a `switch`, without its body.
+    const CASE: Self = Self { operations: 0, compiled: CASE, numbers: 0 };
+
     /// Cost of a copy of a value of this size; scalars and vectors are free.
     fn copy(size: Size) -> Self {
         let operations = if size.copies > 1 || size.has_array { size.copies } else { 0 };
@@ -133,8 +142,10 @@ impl Costs {
                 .fold(Cost::default(), Cost::plus),
             Statement::Block(block) => inner(block),
             Statement::If { accept, reject, .. } => inner(accept).plus(inner(reject)),
-            Statement::Switch { cases, .. } => cases.iter().map(|case| inner(&case.body)).fold(Cost::ONE, Cost::plus),
-            Statement::Loop { body, continuing, .. } => inner(body).plus(inner(continuing)),
+            Statement::Switch { cases, .. } => {
+                cases.iter().map(|case| inner(&case.body).plus(Cost::CASE)).fold(Cost::ONE, Cost::plus)
+            }
+            Statement::Loop { body, continuing, .. } => inner(body).plus(inner(continuing)).plus(Cost::LOOP),
             Statement::Call { function, arguments, result } => {
                 let arguments = arguments.iter().map(|&argument| moved(argument));
                 let result = result.map(copied).unwrap_or_default();

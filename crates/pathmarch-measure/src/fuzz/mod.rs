@@ -17,7 +17,7 @@ use pathmarch_cli::{DONE, FAILED, Failure, note, value_parsers};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use targets::Target;
+use targets::{Target, without_gpu};
 
 /// Arguments of `fuzz`.
 #[derive(clap::Args)]
@@ -38,9 +38,6 @@ pub struct Arguments {
     #[arg(long, value_name = "DIRECTORY", default_value = "fuzz-failures")]
     failures: PathBuf,
 }
-
-/// Longest time for an input.
-const LIMIT: Duration = Duration::from_secs(1);
 
 /// Runs the targets.
 ///
@@ -64,6 +61,9 @@ fn fuzz(arguments: &Arguments, target: Target) -> Result<u64, Failure> {
     let scratch = tempfile::tempdir().map_err(Failure::other)?;
     let seeds = corpus(target);
     let mut random = Random::new(arguments.seed);
+    if let Some(reason) = without_gpu().filter(|_| target == Target::Field) {
+        note!("note: fields are rendered on the CPU alone: {reason}");
+    }
     let (started, mut inputs, mut accepted, mut failures) = (Instant::now(), 0_u64, 0_u64, 0_u64);
     let mut slowest = Duration::ZERO;
     while arguments.count.map_or(started.elapsed().as_secs_f64() < arguments.seconds, |count| inputs < count) {
@@ -71,12 +71,12 @@ fn fuzz(arguments: &Arguments, target: Target) -> Result<u64, Failure> {
         let began = Instant::now();
         let result = catch_unwind(AssertUnwindSafe(|| target.run(&input, scratch.path())));
         let took = began.elapsed();
-        (inputs, slowest) = (inputs + 1, slowest.max(took));
-        accepted += u64::from(matches!(&result, Ok(Ok(true))));
+        (inputs, slowest) = (inputs + target.cases(), slowest.max(took));
+        accepted += if matches!(&result, Ok(Ok(true))) { target.cases() } else { 0 };
         let reason = match result {
             Err(_) => Some("panic".to_owned()),
             Ok(Err(reason)) => Some(reason),
-            Ok(Ok(_)) => (took > LIMIT).then(|| format!("took {:.1} s", took.as_secs_f64())),
+            Ok(Ok(_)) => (took > target.limit()).then(|| format!("took {:.1} s", took.as_secs_f64())),
         };
         if let Some(reason) = reason {
             failures += 1;
@@ -84,11 +84,19 @@ fn fuzz(arguments: &Arguments, target: Target) -> Result<u64, Failure> {
         }
     }
     note!(
-        "{target:?}: {inputs} inputs in {:.0} s, {accepted} accepted, slowest {:.0} ms, {failures} failures",
+        "{target:?}: {inputs} inputs in {:.0} s, {accepted} accepted, slowest {:.0} ms, {failures} failures{}",
         started.elapsed().as_secs_f64(),
-        slowest.as_secs_f64() * 1000.0
+        slowest.as_secs_f64() * 1000.0,
+        peak_memory().map_or_else(String::new, |megabytes| format!(", at most {megabytes} MB of memory"))
     );
     Ok(failures)
+}
+
+/// Largest resident memory of this process so far, MB; `None` where Linux does not report it.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    kilobytes.split_whitespace().next()?.parse::<u64>().ok().map(|kilobytes| kilobytes >> 10)
 }
 
 /// Keeps an input that failed.

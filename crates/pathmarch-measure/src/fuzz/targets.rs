@@ -10,6 +10,7 @@ use pathmarch_render::pathmarch_field::registry::{modifiers, operators, shapes};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings, kernel_wgsl};
 use std::path::Path;
+use std::time::Duration;
 
 /// What reads the inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -24,7 +25,7 @@ pub(super) enum Target {
     Mesh,
     /// Code of custom shapes.
     Wgsl,
-    /// Fields: their kernel is validated, and rendered on the CPU.
+    /// Fields: their kernel is validated, and rendered on both backends.
     Field,
 }
 
@@ -32,11 +33,21 @@ impl Target {
     /// Random input.
     pub(super) fn input(self, random: &mut Random, seeds: &[Vec<u8>]) -> Vec<u8> {
         if self == Self::Field {
-            return field(random).into_bytes();
+            return fields(random).into_bytes();
         }
         let seed = random.pick(seeds).clone();
         let other = random.pick(seeds).clone();
         mutate(random, &seed, &other)
+    }
+
+    /// Number of cases of an input.
+    pub(super) fn cases(self) -> u64 {
+        if self == Self::Field { FIELDS as u64 } else { 1 }
+    }
+
+    /// Longest time for an input: a second, but compilers of software GPUs take that for a few fields alone.
+    pub(super) fn limit(self) -> Duration {
+        Duration::from_secs(if self == Self::Field { 20 } else { 1 })
     }
 
     /// Reads an input: true if it is accepted; an error for a wrong result.
@@ -59,27 +70,58 @@ impl Target {
     }
 }
 
-/// Validates the kernel of a scene, and renders a few pixels.
+/// Number of random fields of an input: with several in one kernel, a GPU compiles less often.
+pub(super) const FIELDS: usize = 32;
+
+thread_local! {
+    /// The GPU, or the reason why there is none.
+    static GPU: Result<Renderer, String> = Renderer::open(Backend::Gpu, None).map_err(|error| error.to_string());
+}
+
+/// Reason why there is no GPU for the fields.
+pub(super) fn without_gpu() -> Option<String> {
+    GPU.with(|gpu| gpu.as_ref().err().cloned())
+}
+
+/// Validates the kernel of a scene, and renders a few pixels on both backends.
 fn render(text: &str) -> Result<bool, String> {
-    // Some operators refuse some children.
     let Ok(scene) = Scene::parse("field.kdl", text) else { return Ok(false) };
-    let settings = Settings { size: [4, 4], samples: 1, bounces: 1, ..Settings::of(&scene) };
+    let settings = Settings { size: [32, 16], samples: 1, bounces: 1, ..Settings::of(&scene) };
     let code = kernel_wgsl(&scene, &settings, false).map_err(|error| error.to_string())?;
     let module = naga::front::wgsl::parse_str(&code).map_err(|error| error.emit_to_string(&code))?;
     let capabilities = naga::valid::Capabilities::all();
     naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
         .validate(&module)
         .map_err(|error| error.emit_to_string(&code))?;
-    let renderer = Renderer::open(Backend::Cpu, None).map_err(|error| error.to_string())?;
-    let film = renderer.render(&scene, &settings).map_err(|error| error.to_string())?;
-    if film.non_finite() > 0 { Err(format!("{} non-finite samples", film.non_finite())) } else { Ok(true) }
+    let finite = |renderer: &Renderer| {
+        let film = renderer.render(&scene, &settings).map_err(|error| error.to_string())?;
+        if film.non_finite() > 0 { Err(format!("{} non-finite samples", film.non_finite())) } else { Ok(()) }
+    };
+    finite(&Renderer::open(Backend::Cpu, None).map_err(|error| error.to_string())?)?;
+    GPU.with(|gpu| gpu.as_ref().map_or(Ok(()), finite))?;
+    Ok(true)
 }
 
-/// Scene with a random field.
-fn field(random: &mut Random) -> String {
-    let mut budget = 12;
-    let object = solid(random, 0, &mut budget);
-    format!("pathmarch 1\ncamera {{ position 0 1 4; target 0 0 0 }}\nsky 1\nobject \"a\" {{\n{object}}}\n")
+/// Scene of objects.
+fn scene(objects: &str) -> String {
+    format!("pathmarch 1\ncamera {{ position 0 0 40; target 0 0 0 }}\nsky 1\n{objects}")
+}
+
+/// Scene with random fields, side by side.
+fn fields(random: &mut Random) -> String {
+    let mut objects = String::new();
+    let mut count = 0;
+    while count < FIELDS {
+        let [x, y] = [5.0 * (count % 8) as f32 - 17.5, 5.0 * (count / 8) as f32 - 7.5];
+        let field = solid(random, 1, &mut 12);
+        let object = format!("object \"{count}\" {{\n  union {{\n    at {x} {y} 0\n{field}  }}\n}}\n");
+        // Some operators refuse some children.
+        if Scene::parse("field.kdl", &scene(&object)).is_ok() {
+            objects += &object;
+            count += 1;
+        }
+    }
+    scene(&objects)
 }
 
 fn number(random: &mut Random, low: i32, high: i32) -> f32 {
@@ -97,7 +139,7 @@ fn solid(random: &mut Random, depth: u32, budget: &mut u32) -> String {
         2 => format!("at {x} {y} {z}; rotate {} {} {}", 90.0 * x, 90.0 * y, 90.0 * z),
         _ => format!("at {x} {y} {z}; scale {}", number(random, 5, 20)),
     };
-    let leaf = depth >= 3 || *budget == 0 || random.below(3) == 0;
+    let leaf = depth >= 4 || *budget == 0 || random.below(3) == 0;
     if leaf {
         // Sheets and profiles need a place of their own.
         let solids: Vec<_> =

@@ -96,8 +96,13 @@ impl Document {
     /// A document of `text`, which came from `name`: a path, for pictures of the sky and for reports. A text with mistakes
     /// is a document, too. It counts as saved.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
-        let (name, text) = (name.into(), text.into());
-        let mut assets = Assets::default();
+        Self::with_assets(name.into(), text.into(), Assets::default())
+    }
+    /// The same, but it reads no file outside the folder of the text: for scenes of strangers.
+    pub fn confined(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Self::with_assets(name.into(), text.into(), Assets::confined())
+    }
+    fn with_assets(name: String, text: String, mut assets: Assets) -> Self {
         let moment = Moment::default();
         let reading = Reading::new(&name, &text, moment, &mut assets);
         let last_good = reading.scene.as_ref().ok().cloned();
@@ -124,6 +129,15 @@ impl Document {
     /// Sets the path of the text and reads it again, because other files are relative to it.
     pub fn set_name(&mut self, name: impl Into<String>) {
         self.name = name.into();
+        self.refresh();
+    }
+    /// True if no file outside the folder of the text is read.
+    pub fn is_confined(&self) -> bool {
+        self.assets.confined
+    }
+    /// Reads files outside the folder of the text from now on, and reads the text again.
+    pub fn allow_files(&mut self) {
+        self.assets.confined = false;
         self.refresh();
     }
     /// Reads the text again, because files that it names may have changed.

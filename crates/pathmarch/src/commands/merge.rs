@@ -1,6 +1,6 @@
 //! `pathmarch merge`: merges films that were rendered in parts.
 
-use crate::film_notes;
+use crate::film_notes::{self, is_film};
 use pathmarch_cli::{DONE, Failure, check_output, note};
 use pathmarch_render::image::{self, ImageFormat};
 use pathmarch_render::parts::{FilmFile, FilmHeader, MergeError, Rect, merge};
@@ -40,11 +40,6 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let samples = written?;
     note!("wrote {} of {count} films, {samples} samples", output.display());
     Ok(DONE)
-}
-
-/// True for the name of a film.
-pub fn is_film(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("film"))
 }
 
 fn failure(error: MergeError) -> Failure {

@@ -17,6 +17,9 @@ pub struct Arguments {
     /// Backend that draws the window itself
     #[arg(long, value_enum, default_value = "auto", value_name = "WHAT")]
     drawing: Drawing,
+    /// Allow scenes to read files outside their folder
+    #[arg(long)]
+    allow_files: bool,
     /// Print timings to standard error: start-up, first picture, full resolution, all samples, and frame times at the
     /// end
     #[arg(long)]
@@ -29,10 +32,10 @@ pub fn run_without_command(_: clap::Command) -> Result<u8, Failure> {
 }
 
 pub fn run(arguments: Arguments) -> Result<u8, Failure> {
-    let Arguments { scene, backend, adapter, drawing, timings } = arguments;
+    let Arguments { scene, backend, adapter, drawing, allow_files, timings } = arguments;
     if let Some(scene) = scene.as_ref().filter(|scene| !scene.is_file()) {
         let why = if scene.is_dir() { "it is a directory; name a .kdl file in it" } else { "there is no such file" };
         return Err(Failure::Usage(format!("cannot open {}: {why}", scene.display())));
     }
-    window::run(Options { scene, backend: backend.into(), adapter, timings }, drawing)
+    window::run(Options { scene, backend: backend.into(), adapter, allow_files, timings }, drawing)
 }

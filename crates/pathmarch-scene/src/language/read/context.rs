@@ -30,7 +30,7 @@ impl Context {
             return false;
         }
         let mistake = draft("pathmarch::outside", entry.value_span, "This file is outside the folder of the scene.");
-        let help = "Copy it there; or, if you trust the scene, allow it with --allow-files.";
+        let help = "Copy it there; or, if you trust the scene, allow it: with --allow-files, in the window with File, Allow other files.";
         self.report.add(mistake.label("not read").help(help));
         true
     }

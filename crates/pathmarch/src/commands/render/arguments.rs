@@ -3,7 +3,7 @@
 use super::default_output;
 use super::output::Output;
 use crate::commands::listed;
-use crate::commands::merge::is_film;
+use crate::film_notes::is_film;
 use crate::frames::{self, FrameRange};
 use crate::video;
 use pathmarch_cli::{BackendArgument, Failure, RenderOptions, value_parsers};
@@ -63,7 +63,10 @@ pub struct Arguments {
     /// digits of the frame number: -o out/frame-####.png. Frames already written are kept if the program is interrupted.
     #[arg(long, value_name = "RANGE", value_parser = frames::parse, allow_hyphen_values = true, verbatim_doc_comment)]
     pub(super) frames: Option<FrameRange>,
-    /// Skip frames whose file exists, to continue after an interruption
+    /// Frames to render at the same time, 1 to 64; each needs the memory of one picture
+    #[arg(long, value_name = "N", requires = "frames", default_value_t = 1, value_parser = parse_parallel, allow_hyphen_values = true)]
+    pub(super) parallel: usize,
+    /// Skip frames whose file exists and is whole, to continue after an interruption
     #[arg(long, requires = "frames")]
     pub(super) skip_existing: bool,
     /// Time of the picture: seconds since frame 0
@@ -90,6 +93,11 @@ pub struct Arguments {
     /// Write the GPU kernel of the picture as commented WGSL, and render nothing
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "output"])]
     pub(super) dump_wgsl: Option<PathBuf>,
+}
+
+fn parse_parallel(text: &str) -> Result<usize, String> {
+    let number = text.trim().parse().ok().filter(|number| (1..=64).contains(number));
+    number.ok_or_else(|| "must be a whole number from 1 to 64".to_owned())
 }
 
 /// Parses a rectangle such as `640x360+0+360`.

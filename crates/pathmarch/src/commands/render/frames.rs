@@ -1,19 +1,19 @@
-//! Frames of an animation, one after the other; a frame is written once it is complete.
+//! Frames of an animation, one after the other or several at a time; a frame is written once it is complete.
+//!
+//! Memory does not grow with the number of frames: it is that of the frames that are rendered at a time.
 
 use super::arguments::Arguments;
 use super::output::Output;
 use super::progress::Progress;
 use super::still::Task;
-use crate::commands::merge::is_film;
 use crate::frames::{self, FrameRange};
 use pathmarch_cli::{DONE, Failure, INTERRUPTED, note, print_report};
-use pathmarch_render::parts::FilmFile;
 use pathmarch_render::pathmarch_scene::{Animation, Moment};
-use pathmarch_render::{Renderer, image};
+use pathmarch_render::Renderer;
 use serde_json::json;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// What frames are rendered with.
@@ -28,13 +28,24 @@ pub(super) struct Frames<'a> {
     pub(super) progress: &'a Progress,
 }
 
-/// True if the file of a frame is whole: it can be read to its end.
-fn is_whole(file: &Path) -> bool {
-    if is_film(file) {
-        FilmFile::open(file).and_then(|mut film| film.part()).is_ok()
-    } else {
-        image::load(file).is_ok()
-    }
+/// Frames that one thread after the other takes, and what became of them.
+struct Queue {
+    /// Index of the next frame.
+    next: AtomicUsize,
+    /// True if no further frame is to be started.
+    stop: AtomicBool,
+    done: Mutex<Done>,
+}
+
+/// What became of the frames.
+#[derive(Default)]
+struct Done {
+    wrote: usize,
+    non_finite: u64,
+    /// Warnings that were printed.
+    warned: Vec<String>,
+    /// First failure, in the order of the frames, and its frame.
+    failure: Option<(u32, Failure)>,
 }
 
 impl Frames<'_> {
@@ -45,7 +56,7 @@ impl Frames<'_> {
             if !self.arguments.skip_existing || !file.exists() {
                 return true;
             }
-            let is_whole = is_whole(&file);
+            let is_whole = frames::is_whole(&file);
             if !is_whole {
                 note!("note: {} is damaged; rendering it again", file.display());
             }
@@ -63,20 +74,24 @@ impl Frames<'_> {
             return Ok(DONE);
         }
         let began = Instant::now();
-        let (mut non_finite, mut warned) = (0, Vec::new());
-        for (index, &frame) in left.iter().enumerate() {
-            let rendered =
-                self.frame((index, left.len()), frame, &mut warned).map_err(|failure| in_frame(frame, failure))?;
-            // An incomplete frame is not written: its file would count as done.
-            let Some(rejected) = rendered else {
-                self.progress.finish();
-                let (wrote, more) = (frame_count(index), left.len() - index);
-                note!("interrupted: wrote {wrote}, {more} left; continue with --skip-existing --resume");
-                return Ok(INTERRUPTED);
-            };
-            non_finite += rejected;
-        }
+        let queue = Queue { next: AtomicUsize::new(0), stop: AtomicBool::new(false), done: Mutex::default() };
+        let threads = self.arguments.parallel.min(left.len());
+        std::thread::scope(|scope| {
+            for _ in 1..threads {
+                scope.spawn(|| self.work(&left, &queue));
+            }
+            self.work(&left, &queue);
+        });
         self.progress.finish();
+        let Done { wrote, non_finite, failure, .. } = queue.done.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if let Some((frame, failure)) = failure {
+            return Err(in_frame(frame, failure));
+        }
+        if wrote < left.len() {
+            let (wrote, more) = (frame_count(wrote), left.len() - wrote);
+            note!("interrupted: wrote {wrote}, {more} left; continue with --skip-existing --resume");
+            return Ok(INTERRUPTED);
+        }
         if non_finite > 0 {
             note!("warning: {non_finite} non-finite samples were discarded");
         }
@@ -86,19 +101,47 @@ impl Frames<'_> {
         Ok(DONE)
     }
 
+    /// Renders frames of the queue until there are no more, one fails, or the program is interrupted.
+    fn work(&self, left: &[u32], queue: &Queue) {
+        let done = || queue.done.lock().unwrap_or_else(PoisonError::into_inner);
+        while !queue.stop.load(Ordering::SeqCst) {
+            let index = queue.next.fetch_add(1, Ordering::SeqCst);
+            let Some(&frame) = left.get(index) else { break };
+            match self.frame((index, left.len()), frame, &done) {
+                Ok(Some(rejected)) => {
+                    let mut done = done();
+                    (done.wrote, done.non_finite) = (done.wrote + 1, done.non_finite + rejected);
+                }
+                // An incomplete frame is not written: its file would count as done.
+                Ok(None) => queue.stop.store(true, Ordering::SeqCst),
+                Err(failure) => {
+                    queue.stop.store(true, Ordering::SeqCst);
+                    let mut done = done();
+                    if done.failure.as_ref().is_none_or(|(first, _)| frame < *first) {
+                        done.failure = Some((frame, failure));
+                    }
+                }
+            }
+        }
+    }
+
     /// Renders a frame and returns its number of rejected samples; `None` if it was interrupted.
-    fn frame(
+    fn frame<'d>(
         &self,
         (index, count): (usize, usize),
         frame: u32,
-        warned: &mut Vec<String>,
+        done: &impl Fn() -> MutexGuard<'d, Done>,
     ) -> Result<Option<u64>, Failure> {
         let moment = Moment::of_frame(frame, self.fps);
         let scene = self.animation.lock().unwrap_or_else(PoisonError::into_inner).at(moment)?;
-        for warning in scene.warnings.iter().filter(|warning| !warned.contains(&warning.message)) {
-            self.progress.suspend(|| print_report(warning));
+        let mut state = done();
+        for warning in &scene.warnings {
+            if !state.warned.contains(&warning.message) {
+                self.progress.suspend(|| print_report(warning));
+                state.warned.push(warning.message.clone());
+            }
         }
-        warned.extend(scene.warnings.iter().map(|warning| warning.message.clone()));
+        drop(state);
         let task = Task {
             arguments: self.arguments,
             renderer: self.renderer,

@@ -1,6 +1,6 @@
 //! Outputs of a render: a picture, a film, or standard output.
 
-use crate::commands::merge::is_film;
+use crate::film_notes::is_film;
 use pathmarch_cli::{Failure, check_output};
 use pathmarch_render::image::ImageFormat;
 use std::path::{Path, PathBuf};

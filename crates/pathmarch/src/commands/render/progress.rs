@@ -5,8 +5,9 @@ use indicatif::ProgressBar;
 use pathmarch_cli::{note, outln};
 use pathmarch_render::Settings;
 use serde_json::{Map, Value, json};
-use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
 use std::io::IsTerminal;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time between two lines in a log.
@@ -23,14 +24,15 @@ pub(super) struct Progress {
     started: Instant,
     /// Time limit of a picture, seconds.
     limit: Option<f64>,
-    said: Cell<Option<Instant>>,
-    error: RefCell<ErrorEstimate>,
+    said: Mutex<Option<Instant>>,
+    /// Estimates of the pictures that are being rendered, by their index.
+    errors: Mutex<HashMap<usize, ErrorEstimate>>,
 }
 
 /// Work on one picture among others.
 #[derive(Clone, Copy)]
 pub(super) struct Picture {
-    /// Number of pictures before it, and of all.
+    /// Its index among all pictures, and their number.
     pub(super) index: usize,
     pub(super) count: usize,
     pub(super) frame: Option<u32>,
@@ -43,8 +45,8 @@ pub(super) struct Picture {
 impl Progress {
     pub(super) fn new(json: bool, limit: Option<f64>) -> Self {
         let bar = if json { ProgressBar::hidden() } else { progress_bar(STEPS as u64) };
-        let (said, error) = (Cell::new(None), RefCell::default());
-        Self { json, bar, started: Instant::now(), limit, said, error }
+        let (said, errors) = (Mutex::default(), Mutex::default());
+        Self { json, bar, started: Instant::now(), limit, said, errors }
     }
 
     /// Says that the scene is being prepared, which takes long with many textures.
@@ -89,9 +91,11 @@ impl Progress {
         let message =
             format!("{}{total_done}/{} samples, {rate:.2} samples/s", frame.unwrap_or_default(), picture.samples);
         let interval = if self.json { JSON_INTERVAL } else { LOG_INTERVAL };
-        let due = self.said.get().unwrap_or(self.started).elapsed() >= interval;
+        let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
+        let due = said.unwrap_or(self.started).elapsed() >= interval;
         if due && self.json {
-            let error = self.error.borrow().after(total_done, settings);
+            let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
+            let error = errors.get(&picture.index).and_then(|error| error.after(total_done, settings));
             self.event(
                 "progress",
                 [
@@ -107,14 +111,20 @@ impl Progress {
             note!("{total:6.0} s: {message}, {left:.0} s left");
         }
         if due {
-            self.said.set(Some(Instant::now()));
+            *said = Some(Instant::now());
         }
         self.bar.set_message(message);
     }
 
-    /// Records the means so far for the estimate of the error.
-    pub(super) fn record(&self, samples: u32, means: &[[f32; 3]]) {
-        self.error.borrow_mut().record(samples, means);
+    /// Records the means of a picture so far for the estimate of its error.
+    pub(super) fn record(&self, picture: &Picture, samples: u32, means: &[[f32; 3]]) {
+        let mut errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
+        errors.entry(picture.index).or_default().record(samples, means);
+    }
+
+    /// Forgets the estimate of a picture that is complete.
+    pub(super) fn completed(&self, picture: &Picture) {
+        self.errors.lock().unwrap_or_else(PoisonError::into_inner).remove(&picture.index);
     }
 
     /// True if the estimate of the error needs the means.

@@ -93,7 +93,7 @@ impl Task<'_> {
             job.record(&mut part, |now| ends(now) || pauses(now), progress).map_err(render_failure)?;
             done = part.samples().count();
             if done >= doubled {
-                self.progress.record(done, &part.film().mean().pixels);
+                self.progress.record(&picture, done, &part.film().mean().pixels);
             }
             let is_due = checkpoint.as_ref().is_some_and(Checkpoint::is_due);
             if let Some(checkpoint) = checkpoint.as_mut().filter(|_| is_due && done < of) {
@@ -106,6 +106,7 @@ impl Task<'_> {
                 break;
             }
         }
+        self.progress.completed(&picture);
         let seconds = picture.started.elapsed().as_secs_f64();
         let film = part.film();
         let interrupted = done < of && self.interrupted.load(Ordering::SeqCst);

@@ -20,6 +20,7 @@ impl App {
             Action::Quit => self.request_quit(),
             Action::Save => drop(self.save(None)),
             Action::SaveAs => self.choose_save_path(FileRequest::SaveAs),
+            Action::AllowFiles => self.allow_files(),
             Action::SavePicture => self.choose_picture_path(),
             Action::Render => self.dialog = self.open.as_ref().and_then(RenderDialog::new).map(Dialog::Render),
             Action::Undo | Action::Redo => self.undo_or_redo(action == Action::Undo),
@@ -45,6 +46,14 @@ impl App {
             }
             _ => self.run_edit_action(ctx, action),
         }
+    }
+
+    /// Lets the open scene read files outside its folder.
+    fn allow_files(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        open.document.allow_files();
+        self.document_changed();
+        self.show_message("This scene may read files outside its folder until it is closed.");
     }
 
     /// Selects a node; `None` keeps the selection.

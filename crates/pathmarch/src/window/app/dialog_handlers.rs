@@ -120,7 +120,7 @@ impl App {
             Some(path) => {
                 let theirs = read_text(&path).map_err(|error| reason(&error));
                 let is_based_on = theirs.as_ref().is_ok_and(|theirs| one.is_based_on(theirs));
-                OpenScene::recovered(path, text, theirs, is_based_on)
+                OpenScene::recovered(path, text, theirs, is_based_on, self.options.allow_files)
             }
             None => {
                 let mut open = OpenScene::new("scene.kdl", String::new(), None);
@@ -173,7 +173,8 @@ impl App {
             return;
         }
         let frames = render.sequence();
-        let task = RenderRequest { scene, settings, display, layers, output, backend, adapter, frames };
+        let confined = open.document.is_confined();
+        let task = RenderRequest { scene, settings, display, layers, output, backend, adapter, frames, confined };
         self.renders.push(BackgroundRender::start(task, move || wake()));
         self.dialog = None;
     }

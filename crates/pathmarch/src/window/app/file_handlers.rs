@@ -90,7 +90,7 @@ impl App {
         match read_text(&path) {
             Ok(text) => {
                 self.preferences.opened(&path);
-                let mut open = OpenScene::new(&path.display().to_string(), text, Some(path));
+                let mut open = OpenScene::of_file(path, text, self.options.allow_files);
                 open.start_watching(&self.waker);
                 self.show_scene(open);
             }

@@ -43,6 +43,8 @@ pub struct Options {
     pub backend: Backend,
     /// Part of the GPU adapter's name.
     pub adapter: Option<String>,
+    /// Allow scenes to read files outside their folder.
+    pub allow_files: bool,
     /// Print timings to standard error.
     pub timings: bool,
 }

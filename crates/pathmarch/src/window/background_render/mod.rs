@@ -38,6 +38,8 @@ pub struct RenderRequest {
     /// Frame range of an animation; `None` renders one picture. `#` in the file name stands for the digits of the frame
     /// number.
     pub frames: Option<FrameSequence>,
+    /// Read no file outside the folder of the scene.
+    pub confined: bool,
 }
 
 /// Frames to render, one file each.
@@ -45,7 +47,7 @@ pub struct RenderRequest {
 pub struct FrameSequence {
     /// Range of frames.
     pub frames: FrameRange,
-    /// Skip frames whose file exists.
+    /// Skip frames whose file exists and is whole.
     pub skip_existing: bool,
 }
 
@@ -220,6 +222,7 @@ fn samples_of(film: &Film, settings: &Settings) -> String {
 fn work(task: &RenderRequest, shared: &Shared, wake: &impl Fn()) -> Result<String, String> {
     let renderer = Renderer::open(task.backend, task.adapter.as_deref()).map_err(|error| error.to_string())?;
     let animation = Animation::new(task.scene.source_name.as_str(), task.scene.source_text.as_str());
+    let animation = if task.confined { animation.confined() } else { animation };
     let animation = Arc::new(Mutex::new(animation));
     let mut worker = Worker { task, shared, wake, renderer, animation, notice: None };
     shared.state().started = Some(Instant::now());
@@ -260,7 +263,7 @@ impl<W: Fn()> Worker<'_, W> {
                 break;
             }
             let output = frames::file(&task.output, frame);
-            if sequence.skip_existing && output.exists() {
+            if sequence.skip_existing && output.exists() && frames::is_whole(&output) {
                 skipped += 1;
                 continue;
             }

@@ -25,6 +25,7 @@ fn task(output: PathBuf) -> RenderRequest {
         backend: Backend::Cpu,
         adapter: None,
         frames: None,
+        confined: true,
     }
 }
 

@@ -49,10 +49,21 @@ pub(crate) enum FileChange {
 }
 
 impl OpenScene {
-    /// Creates a scene from text. Image files are resolved relative to `name`; `path` is its file, if it has one.
+    /// Creates a scene of this program from text. Image files are resolved relative to `name`; `path` is its file, if it has
+    /// one.
     pub(crate) fn new(name: &str, text: String, path: Option<PathBuf>) -> Self {
-        let base = path.is_some().then(|| text.clone());
-        let document = Document::new(name, text);
+        Self::of_document(Document::new(name, text), path)
+    }
+
+    /// Opens the text of a file; unless `allow_files` is true, it reads no file outside the folder of the scene.
+    pub(crate) fn of_file(path: PathBuf, text: String, allow_files: bool) -> Self {
+        let name = path.display().to_string();
+        let document = if allow_files { Document::new(name, text) } else { Document::confined(name, text) };
+        Self::of_document(document, Some(path))
+    }
+
+    fn of_document(document: Document, path: Option<PathBuf>) -> Self {
+        let base = path.is_some().then(|| document.text().to_owned());
         let mut view = ViewState::default();
         if let Some(scene) = document.last_good() {
             view.sync_camera(scene);
@@ -72,10 +83,15 @@ impl OpenScene {
     }
 
     /// Opens recovered work as unsaved changes of its file. `on_disk`: the current text of the file, or the reason why
-    /// it cannot be read. Unless `is_based_on` is true, this is a conflict.
-    pub(crate) fn recovered(path: PathBuf, work: String, on_disk: Result<String, String>, is_based_on: bool) -> Self {
-        let name = path.display().to_string();
-        let mut this = Self::new(&name, on_disk.clone().unwrap_or_default(), Some(path));
+    /// it cannot be read. Unless `is_based_on` is true, this is a conflict. `allow_files` is that of [`Self::of_file`].
+    pub(crate) fn recovered(
+        path: PathBuf,
+        work: String,
+        on_disk: Result<String, String>,
+        is_based_on: bool,
+        allow_files: bool,
+    ) -> Self {
+        let mut this = Self::of_file(path, on_disk.clone().unwrap_or_default(), allow_files);
         let is_same = on_disk.as_ref() == Ok(&work);
         this.document.replace_text(work, "Recovery", None);
         if !is_based_on && !is_same {

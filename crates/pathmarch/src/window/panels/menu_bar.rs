@@ -6,6 +6,7 @@ use crate::window::app::requests::PendingAction;
 use crate::window::open_scene::view_state::GizmoMode;
 use egui::Ui;
 use pathmarch_render::Mode;
+use pathmarch_render::pathmarch_scene::document::Document;
 
 impl App {
     pub(crate) fn menu_bar(&mut self, ui: &mut Ui) {
@@ -53,6 +54,7 @@ impl App {
             Action::Duplicate | Action::Delete | Action::Group | Action::Ungroup | Action::ToGround => {
                 enabled &= has_selection;
             }
+            Action::AllowFiles => enabled &= document.is_some_and(Document::is_confined),
             Action::Unite | Action::Subtract | Action::Intersect => {
                 enabled &= self.open.as_ref().is_some_and(|open| open.view.selection.paths().len() > 1);
             }

@@ -1,6 +1,7 @@
 //! Saving, unsaved work, and files changed by other programs.
 
 use super::*;
+use crate::window::app::actions::Action;
 use crate::window::app::dialog::Dialog;
 
 /// Makes an unsaved change.
@@ -302,4 +303,25 @@ fn a_conflict_ends_when_both_versions_are_equal() {
     person.until("nothing is asked any more", |person| person.app().dialog.is_none());
     assert!(!person.open().has_unsaved_work());
     assert!(person.crash().app().dialog.is_none(), "nothing is kept for after a crash");
+}
+
+#[test]
+fn a_scene_reads_no_file_outside_its_folder_until_it_is_allowed() {
+    let text = format!("{SCENE}include \"../parts.kdl\"\n");
+    let mut start = Start::new();
+    let folder = start.directory.path().join("strange");
+    std::fs::create_dir(&folder).expect("created");
+    std::fs::write(start.directory.path().join("parts.kdl"), "pathmarch 1\nobject \"secret\" { sphere }\n").expect("written");
+    std::fs::write(folder.join("scene.kdl"), text).expect("written");
+    start.scene = Some(folder.join("scene.kdl"));
+    let mut person = start.go();
+    let error = person.document().scene().expect_err("refused").mistakes()[0].clone();
+    assert!(error.message.contains("outside the folder of the scene"), "{}", error.message);
+    assert!(error.help.expect("help").contains("Allow other files"));
+    let ctx = person.harness.ctx.clone();
+    person.app_mut().run_action(&ctx, Action::AllowFiles);
+    person.wait(2);
+    assert!(person.scene().objects.iter().any(|object| &*object.name == "secret"));
+    person.assert_said("may read files");
+    assert!(!person.open().has_unsaved_work());
 }
