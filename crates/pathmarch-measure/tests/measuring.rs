@@ -179,7 +179,8 @@ fn a_study_is_a_page_of_tables_plots_and_pictures() {
     assert_eq!(std::fs::read_to_string(page.join("notes.txt")).expect("it stays"), "mine");
 
     let text = std::fs::read_to_string(page.join("README.md")).expect("written");
-    let parts = ["machine", "tables", "realtime", "bounces", "accumulation", "features", "marching", "raster", "figures"];
+    let parts =
+        ["machine", "tables", "realtime", "bounces", "accumulation", "features", "marching", "raster", "figures"];
     for part in parts.into_iter().chain(["comparison"]) {
         let alone = std::fs::read_to_string(page.join(format!("{part}.md"))).expect("written");
         assert!(text.contains(&alone), "{part} is on the page");

@@ -17,7 +17,8 @@ const CODES: [&str; 3] = [
     "struct S { a: vec3f, b: array<f32, 4> }\nconst K = array<f32, 3>(1.0, 2.0, 3.0);\nfn f(s: ptr<function, S>, k: i32) -> f32 { (*s).b[k] = (*s).a.x; return (*s).b[k & 3]; }\nfn distance(p: vec3f) -> f32 { var s: S; s.a = p; var m = mat3x3f(p, p.yzx, p.zxy); let d = m * p; loop { if d.x > 1.0 { break; } return f(&s, i32(p.x)) + K[u32(p.y)]; } return d.x; }",
 ];
 
-const SKY: &[u8] = b"pathmarch 1\ncamera { position 0 1 4 }\nsky \"day\" elevation=35 azimuth=140\nobject \"a\" { sphere }\n";
+const SKY: &[u8] =
+    b"pathmarch 1\ncamera { position 0 1 4 }\nsky \"day\" elevation=35 azimuth=140\nobject \"a\" { sphere }\n";
 
 /// Small pictures of all formats.
 fn pictures() -> Vec<Vec<u8>> {
