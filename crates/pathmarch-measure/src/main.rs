@@ -8,6 +8,7 @@ mod flights;
 mod fuzz;
 mod measure;
 mod peers;
+mod rays;
 mod study;
 
 use clap::{Parser, Subcommand};
@@ -33,6 +34,8 @@ enum Command {
     Flights(flights::Arguments),
     /// Try random inputs on everything that reads files.
     Fuzz(fuzz::Arguments),
+    /// Trace rays through meshes, and compare each with a test of every triangle in 64 bits.
+    Rays(rays::Arguments),
     /// Repeat the evaluation of the thesis: tables, plots and pictures.
     Study(study::Arguments),
 }
@@ -44,6 +47,7 @@ fn main() -> ExitCode {
         Command::Denoise(arguments) => denoise::run(&arguments),
         Command::Flights(arguments) => flights::run(&arguments),
         Command::Fuzz(arguments) => fuzz::run(&arguments),
+        Command::Rays(arguments) => rays::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
     })
 }

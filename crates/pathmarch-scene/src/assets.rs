@@ -5,7 +5,7 @@
 //! the last readings used: a picture by its file's path, size and time of change, a day by its parameters, a custom SDF
 //! by its text. An unchanged sky is the same `Arc`, so that renderers detect changes by its address. Cost: the picture
 //! of the last sky, twice once its strength or rotation has changed, at most 192 MiB; 1.5 MiB for each day; the last 16
-//! pictures of textures; the last 32 meshes.
+//! pictures of textures; the last 256 meshes.
 
 use crate::atmosphere::Day;
 use crate::environment::{Environment, EnvironmentError, Loaded};
@@ -13,6 +13,7 @@ use crate::light::Light;
 use crate::mesh_files::{MeshFile, MeshFileError};
 use crate::textures::{Picture as Texture, PictureError};
 use pathmarch_field::custom_sdf::{Code, CodeDiagnostic};
+use pathmarch_mesh::Imported;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -26,7 +27,7 @@ const FONTS: usize = 4;
 const MAX_FONT_BYTES: u64 = 64 << 20;
 
 /// Meshes that are kept.
-const MESHES: usize = 32;
+const MESHES: usize = 256;
 
 /// Codes of fields that are kept: those of a scene, and steps back and forth.
 const CODES: usize = 128;
@@ -87,7 +88,9 @@ pub(crate) struct Assets {
     /// The last ones used come first.
     textures: Vec<(Source, Arc<Texture>)>,
     fonts: Vec<(Source, Arc<[u8]>)>,
-    meshes: Vec<(Source, Arc<MeshFile>)>,
+    meshes: Vec<(Source, u32, Arc<MeshFile>)>,
+    /// The last mesh file of which single nodes were used.
+    imported: Option<(Source, Arc<Imported>)>,
 }
 
 impl Assets {
@@ -177,15 +180,24 @@ impl Assets {
         Ok(bytes)
     }
 
-    /// The mesh in the file at `path`. Files that it names are not watched.
-    pub(crate) fn mesh(&mut self, path: &Path) -> Result<Arc<MeshFile>, MeshFileError> {
+    /// The mesh in the file at `path`: one of its nodes with a mesh, from 1, or all for 0. Files that it names are not
+    /// watched.
+    pub(crate) fn mesh(&mut self, path: &Path, node: u32) -> Result<Arc<MeshFile>, MeshFileError> {
         let source = Source::now(path);
-        let file = match self.meshes.iter().position(|(known, _)| *known == source) {
-            Some(index) => self.meshes.remove(index).1,
-            None => Arc::new(MeshFile::load(path)?),
+        let file = match self.meshes.iter().position(|(known, of, _)| *known == source && *of == node) {
+            Some(index) => self.meshes.remove(index).2,
+            None if node == 0 => Arc::new(MeshFile::load(path)?),
+            None => {
+                let imported = match self.imported.take().filter(|(known, _)| *known == source) {
+                    Some((_, imported)) => imported,
+                    None => Arc::new(MeshFile::read(path)?),
+                };
+                self.imported = Some((Source::now(path), Arc::clone(&imported)));
+                Arc::new(MeshFile::of_node(&imported, node)?)
+            }
         };
         self.meshes.truncate(MESHES - 1);
-        self.meshes.insert(0, (source, Arc::clone(&file)));
+        self.meshes.insert(0, (source, node, Arc::clone(&file)));
         Ok(file)
     }
 

@@ -33,7 +33,7 @@ pub use document::Document;
 pub use environment::Environment;
 pub use light::Light;
 pub use materials::{Material, MaterialKind};
-pub use mesh_files::set_mesh_cache;
+pub use mesh_files::{MeshProgress, set_mesh_cache, set_mesh_progress};
 pub use parts::{PartsError, SceneParts};
 pub use scene::{Camera, Moment, Object, Parameter, Scene};
 pub use settings::{Caustics, DirectLighting, RenderSettings, Sampler, Tonemap};

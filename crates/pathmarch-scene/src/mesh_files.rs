@@ -9,7 +9,7 @@ use glam::Vec4;
 use pathmarch_field::mesh_shape::MeshError;
 use pathmarch_field::{MeshOpacity, MeshSurface};
 use pathmarch_mesh::grid::GridError;
-use pathmarch_mesh::import::{TooManyTriangles, Warning};
+use pathmarch_mesh::import::{Node, TooManyTriangles, Warning};
 use pathmarch_mesh::{DistanceGrid, Imported, Material, ReadError, ReadOptions, TriangleMesh, material};
 use sha2::{Digest, Sha256};
 use std::io::Write;
@@ -27,6 +27,21 @@ pub fn set_mesh_cache(directory: PathBuf) {
     CACHE.get_or_init(|| directory);
 }
 
+/// Function that is called with the share of a distance field that is built, from 0 to 1, and may stop it.
+pub type MeshProgress = dyn Fn(f32) -> ControlFlow<()> + Send + Sync;
+
+static PROGRESS: OnceLock<Box<MeshProgress>> = OnceLock::new();
+
+/// Names the function that is called while distance fields of meshes are built, from several threads; the last call has 1. The
+/// first call of this function counts.
+pub fn set_mesh_progress(progress: Box<MeshProgress>) {
+    PROGRESS.get_or_init(|| progress);
+}
+
+fn report_progress(share: f32) -> ControlFlow<()> {
+    PROGRESS.get().map_or(ControlFlow::Continue(()), |progress| progress(share))
+}
+
 /// Mesh file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum MeshFileError {
@@ -36,6 +51,8 @@ pub(crate) enum MeshFileError {
     TooMany(#[from] TooManyTriangles),
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    #[error("there is no node {number}: {count} nodes have a mesh")]
+    NoNode { number: u32, count: usize },
 }
 
 /// Contents of a mesh file.
@@ -56,7 +73,30 @@ pub(crate) struct MeshFile {
 impl MeshFile {
     /// Reads the file at `path`.
     pub(crate) fn load(path: &Path) -> Result<Self, MeshFileError> {
-        let imported = pathmarch_mesh::read(path, &ReadOptions::default())?;
+        Self::new(Self::read(path)?)
+    }
+
+    /// Contents of the file at `path`.
+    pub(crate) fn read(path: &Path) -> Result<Imported, MeshFileError> {
+        Ok(pathmarch_mesh::read(path, &ReadOptions::default())?)
+    }
+
+    /// One node of a file, counted from 1 among those with a mesh.
+    pub(crate) fn of_node(imported: &Imported, number: u32) -> Result<Self, MeshFileError> {
+        let with_mesh = imported.nodes.iter().filter(|node| node.mesh.is_some());
+        let count = with_mesh.clone().count();
+        let node = with_mesh.clone().nth(number as usize - 1).ok_or(MeshFileError::NoNode { number, count })?;
+        let mesh = node.mesh.and_then(|mesh| imported.meshes.get(mesh)).cloned().unwrap_or_default();
+        Self::new(Imported {
+            meshes: vec![mesh],
+            nodes: vec![Node { mesh: Some(0), parent: None, light: None, camera: None, ..node.clone() }],
+            materials: imported.materials.clone(),
+            images: imported.images.clone(),
+            ..Imported::default()
+        })
+    }
+
+    fn new(imported: Imported) -> Result<Self, MeshFileError> {
         let mut mesh = imported.merged(MAX_TRIANGLES)?;
         let Imported { materials, images, mut warnings, lights, cameras, .. } = imported;
         warnings.extend(left_out("light", lights.len()));
@@ -141,7 +181,10 @@ fn kept_grid(mesh: &TriangleMesh, resolution: u32) -> Result<DistanceGrid, GridE
     if let Some(grid) = kept.and_then(|bytes| DistanceGrid::from_bytes(&bytes).ok()) {
         return Ok(grid);
     }
-    let grid = DistanceGrid::build(mesh, resolution, &|_| ControlFlow::Continue(()))?;
+    let grid = DistanceGrid::build(mesh, resolution, &report_progress);
+    // The field is done, or stopped.
+    let _is_stopped = report_progress(1.0);
+    let grid = grid?;
     if let Some(path) = path {
         // Without it the field is built again the next time.
         drop(keep(&path, &grid.to_bytes()));

@@ -1,5 +1,6 @@
 //! Meshes in scene files: what is accepted, and what is refused with a message.
 
+use pathmarch_scene::document::mesh_import::{import_mesh, mesh_on_ground, scene_text};
 use pathmarch_scene::{Mistake, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
@@ -56,6 +57,7 @@ fn mistakes_name_their_place() {
         ("mesh \"suzanne.glb\" detail=4", "pathmarch::unknown_property", "detail"),
         ("mesh \"suzanne.glb\" { sphere 1 }", "pathmarch::misplaced_node", "sphere"),
         ("mesh 3", "pathmarch::wrong_type", "string"),
+        ("mesh \"suzanne.glb\" node=9", "pathmarch::mesh_file", "no node 9"),
     ] {
         let found = mistakes(&format!("object \"o\" {{ {node} }}"));
         assert_eq!(found.len(), 1, "{node}: {found:?}");
@@ -75,4 +77,25 @@ fn a_file_is_read_once() {
     let surfaces: Vec<_> = scene.field.leaves().iter().filter_map(|leaf| leaf.shape.mesh()).collect();
     assert!(std::sync::Arc::ptr_eq(surfaces[0].surface(), surfaces[1].surface()));
     assert_eq!(scene.materials.len(), 1);
+}
+
+#[test]
+fn an_imported_file_is_a_scene() {
+    for name in ["extensions.gltf", "TextureSettingsTest.glb"] {
+        let import = import_mesh(&data(name), name).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let text = scene_text(&import);
+        let scene = Scene::parse(&data("scene.kdl").display().to_string(), &text);
+        let scene = scene.unwrap_or_else(|error| panic!("{name}: {error:?}\n{text}"));
+        let objects = import.nodes.iter().filter(|node| node.word == "object").count();
+        assert_eq!(scene.objects.len(), objects, "{text}");
+    }
+}
+
+#[test]
+fn a_mesh_on_the_ground_touches_it_above_the_origin() {
+    let node = mesh_on_ground(&data("spot.obj"), "spot.obj").expect("a mesh");
+    let scene = parse(&format!("object \"spot\" {{ {} }}", node.body)).unwrap_or_else(|error| panic!("{error:?}"));
+    let bounds = scene.field.bounds();
+    let lowest = [0.5 * (bounds.min[0] + bounds.max[0]), bounds.min[1], 0.5 * (bounds.min[2] + bounds.max[2])];
+    assert!(lowest.iter().all(|v| v.abs() < 1e-4), "{lowest:?}");
 }

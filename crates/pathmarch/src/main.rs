@@ -12,10 +12,10 @@ mod window;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use commands::{
-    check, compare, completions, devices, export, help, merge, render, shapes, video as video_command, view,
+    check, compare, completions, devices, export, help, import, merge, render, shapes, video as video_command, view,
 };
 use pathmarch_cli::{AppDirs, Failure};
-use pathmarch_render::pathmarch_scene::set_mesh_cache;
+use pathmarch_render::pathmarch_scene::{set_mesh_cache, set_mesh_progress};
 use std::process::ExitCode;
 
 /// A path tracer for signed distance fields.
@@ -42,6 +42,8 @@ enum Command {
     Video(video_command::Arguments),
     /// Export objects of a scene as a mesh: .stl, .ply, .obj or .glb.
     Export(export::Arguments),
+    /// Make a scene of a mesh file, with its objects, lights and cameras.
+    Import(import::Arguments),
     /// Read scenes and report every error in them.
     Check(check::Arguments),
     /// Compare a picture with a reference.
@@ -71,6 +73,7 @@ fn run(command: Command) -> Result<u8, Failure> {
     }
     if !matches!(command, Command::View(_)) {
         pathmarch_cli::end_on_closed_pipe();
+        set_mesh_progress(commands::mesh_progress());
     }
     match command {
         Command::View(arguments) => view::run(arguments),
@@ -78,6 +81,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Video(arguments) => video_command::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),

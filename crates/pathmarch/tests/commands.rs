@@ -626,12 +626,13 @@ fn more_threads_than_cores_are_not_started() {
     }
 }
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "view",
     "render",
     "merge",
     "video",
     "export",
+    "import",
     "check",
     "compare",
     "devices",

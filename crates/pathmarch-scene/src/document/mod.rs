@@ -23,6 +23,7 @@ mod edits;
 mod error;
 mod history;
 pub mod key;
+pub mod mesh_import;
 mod parameters;
 mod text;
 mod tree;
@@ -265,6 +266,10 @@ impl Document {
     pub fn add(&mut self, parent: Option<&Path>, addition: &Addition) -> Result<Path, EditError> {
         let label = format!("Add {}", addition.name);
         self.edit(&label, None, |transaction| additions::add(transaction, parent, addition))
+    }
+    /// Adds imported nodes to the file in one step. Returns their paths.
+    pub fn add_imported(&mut self, label: &str, nodes: &[mesh_import::ImportedNode]) -> Result<Vec<Path>, EditError> {
+        self.edit(label, None, |transaction| additions::add_imported(transaction, nodes))
     }
     /// Removes a node with its children. Refused for the version, the only camera, a material in use, and the only
     /// child of an object or an operator.

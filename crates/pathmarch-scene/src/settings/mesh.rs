@@ -21,4 +21,11 @@ pub const MESH: &[Setting] = &[
         "resolution=192",
         "Voxels of a field along its longest edge.",
     ),
+    setting(
+        "node",
+        SettingKind::Whole { range: (0, 1_000_000), default: 0 },
+        "",
+        "node=2",
+        "One node of a glTF file, counted from 1 among those with a mesh; 0 is all of them.",
+    ),
 ];

@@ -6,6 +6,7 @@ pub mod completions;
 pub mod devices;
 pub mod export;
 pub mod help;
+pub mod import;
 pub mod merge;
 pub mod render;
 mod scene_source;
@@ -15,6 +16,9 @@ pub mod video;
 pub mod view;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use pathmarch_render::pathmarch_scene::MeshProgress;
+use std::ops::ControlFlow;
+use std::sync::{Mutex, PoisonError};
 
 /// Quoted names, separated by commas.
 pub fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
@@ -28,4 +32,20 @@ pub fn progress_bar(total: u64) -> ProgressBar {
         bar.set_style(style.progress_chars("█▉▊▋▌▍▎▏ "));
     }
     bar
+}
+
+/// Progress of distance fields of meshes, on standard error if that is a terminal.
+pub fn mesh_progress() -> Box<MeshProgress> {
+    let bar: Mutex<Option<ProgressBar>> = Mutex::default();
+    Box::new(move |share| {
+        let mut bar = bar.lock().unwrap_or_else(PoisonError::into_inner);
+        if share >= 1.0 {
+            bar.take().inspect(ProgressBar::finish_and_clear);
+        } else {
+            let bar = bar.get_or_insert_with(|| progress_bar(1000));
+            bar.set_position((share * 1000.0) as u64);
+            bar.set_message(format!("distance field of a mesh: {:.0} %", share * 100.0));
+        }
+        ControlFlow::Continue(())
+    })
 }

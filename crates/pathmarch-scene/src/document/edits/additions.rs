@@ -4,6 +4,7 @@ use super::naming::free_name;
 use super::transaction::Transaction;
 use crate::document::control::{Addition, Group};
 use crate::document::error::EditError;
+use crate::document::mesh_import::ImportedNode;
 use crate::document::text::layout::{Chunk, bytes};
 use crate::document::text::literals::{number, quoted, string_like};
 use crate::document::tree::nodes::text_argument;
@@ -126,6 +127,16 @@ pub(crate) fn add(
         }
     };
     add_top(transaction, node, &text)
+}
+
+/// Adds imported nodes to the file, with free names. Returns their paths.
+pub(crate) fn add_imported(transaction: &mut Transaction, nodes: &[ImportedNode]) -> Result<Vec<Path>, EditError> {
+    let add = |node: &ImportedNode| {
+        let name = node.name.as_ref().map(|name| quoted(&free_name(transaction, node.word, name)));
+        let name = name.map_or_else(String::new, |name| format!(" {name}"));
+        add_top(transaction, node.word, &format!("{}{name} {{ {} }}", node.word, node.body))
+    };
+    nodes.iter().map(add).collect()
 }
 
 /// Adds a node at the top of the file, behind the others of its word, or where files have such nodes.

@@ -14,7 +14,7 @@ use super::key;
 use super::tree::nodes::{arguments, material_kind, material_names, property, sky_form, text_argument};
 use super::tree::outline::ItemKind;
 use crate::language::Values;
-use crate::language::keywords::{FIELD, FONT, MATERIAL, ORBIT_TRAP, SHAPE};
+use crate::language::keywords::{FIELD, FONT, MATERIAL, MESH, ORBIT_TRAP, SHAPE};
 use crate::language::read::params;
 use crate::language::tree::{self, Block, Node};
 use crate::materials::{self, Trap};
@@ -65,7 +65,9 @@ pub(crate) fn parameters(
             list.material_of(file, "Material of the shapes that name no other.");
         }
         ItemKind::Shape | ItemKind::Operator => {
-            if let Some(solid) = values.fields.solid(&node.name.value) {
+            if node.name.value == MESH {
+                list.mesh(file);
+            } else if let Some(solid) = values.fields.solid(&node.name.value) {
                 list.solid(file, solid);
             }
         }
@@ -266,6 +268,15 @@ impl List<'_> {
         };
         self.material_of(file, doc);
         self.placement(info.facing);
+    }
+
+    fn mesh(&mut self, file: &Block<'static>) {
+        let doc = "A .glb, .gltf, .obj, .stl or .ply file, relative to the scene file.";
+        let control = Control::new("file", "file", doc, ControlKind::Text, Value::Text(String::new()));
+        self.push(control.required(), Place::Argument(0));
+        self.properties(settings::MESH);
+        self.material_of(file, "Material of the mesh; those of its file when absent.");
+        self.placement(false);
     }
 
     /// Words and font of a text.

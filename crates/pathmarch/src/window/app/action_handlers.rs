@@ -3,8 +3,10 @@
 use super::App;
 use super::actions::Action;
 use super::dialog::{Dialog, RenderDialog};
-use super::requests::{FileRequest, PendingAction};
+use super::file_handlers::MESH_EXTENSIONS;
+use super::requests::{FileRequest, PendingAction, file_dialog_options};
 use crate::window::camera::navigation;
+use crate::window::file_dialog::FileDialog;
 use crate::window::open_scene::view_state::{ComparisonPicture, GizmoMode};
 use egui::{ColorImage, Context, TextureOptions};
 use pathmarch_render::Mode;
@@ -17,6 +19,11 @@ impl App {
             Action::New => self.guard_unsaved(PendingAction::New),
             Action::Open => self.guard_unsaved(PendingAction::Open),
             Action::Gallery => self.guard_unsaved(PendingAction::Gallery),
+            Action::Import => {
+                let options = file_dialog_options("Import a mesh", &MESH_EXTENSIONS);
+                let dialog = FileDialog::open(&self.directory(), options);
+                self.file_dialog = Some((self.with_bookmarks(dialog), FileRequest::Import));
+            }
             Action::Quit => self.request_quit(),
             Action::Save => drop(self.save(None)),
             Action::SaveAs => self.choose_save_path(FileRequest::SaveAs),

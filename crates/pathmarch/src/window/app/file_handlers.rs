@@ -4,13 +4,18 @@ use super::App;
 use super::dialog::Dialog;
 use super::performance::PerformanceHistory;
 use super::requests::{FileRequest, PendingAction, file_dialog_options};
+use crate::commands::import::path_from;
 use crate::window::file_dialog::{Choice, FileDialog};
 use crate::window::files::atomic_file::write_atomically;
 use crate::window::open_scene::OpenScene;
 use egui::Context;
 use pathmarch_render::pathmarch_scene::SceneError;
+use pathmarch_render::pathmarch_scene::document::mesh_import::{ImportedNode, import_mesh, mesh_on_ground};
 use pathmarch_render::pathmarch_scene::read_text;
 use std::path::{Path, PathBuf};
+
+/// Extensions of mesh files.
+pub(crate) const MESH_EXTENSIONS: [&str; 5] = ["glb", "gltf", "obj", "stl", "ply"];
 
 /// Scene of the command *New*: a sphere on a floor.
 const NEW_SCENE: &str = r#"pathmarch 1
@@ -192,6 +197,7 @@ impl App {
                     self.run_pending(after);
                 }
             }
+            FileRequest::Import => self.import_mesh(&path),
             FileRequest::Picture => self.save_picture(&path),
             FileRequest::Render => {
                 if let Some(Dialog::Render(dialog)) = &mut self.dialog {
@@ -203,8 +209,54 @@ impl App {
 
     pub(crate) fn open_dropped_file(&mut self, ctx: &Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
-        if let Some(path) = dropped {
-            self.guard_unsaved(PendingAction::OpenFile(path));
+        let Some(path) = dropped else { return };
+        let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
+        let is_mesh = extension.is_some_and(|extension| MESH_EXTENSIONS.contains(&extension.as_str()));
+        match is_mesh && self.open.is_some() {
+            true => self.put_mesh_on_ground(&path),
+            false => self.guard_unsaved(PendingAction::OpenFile(path)),
+        }
+    }
+
+    /// Path of a mesh file as the open scene names it.
+    fn path_in_scene(&self, file: &Path) -> String {
+        let folder = self.open.as_ref().and_then(|open| open.path.as_deref()?.parent());
+        match folder {
+            Some(folder) => path_from(folder, file),
+            None => std::path::absolute(file).unwrap_or_else(|_| file.to_owned()).to_string_lossy().into_owned(),
+        }
+    }
+
+    /// Adds a mesh file as an object on the ground, and selects it.
+    fn put_mesh_on_ground(&mut self, file: &Path) {
+        match mesh_on_ground(file, &self.path_in_scene(file)) {
+            Ok(node) => {
+                let label = format!("Add {}", node.name.as_deref().unwrap_or("mesh"));
+                self.add_imported(&label, &[node]);
+            }
+            Err(error) => self.show_error(&error.to_string()),
+        }
+    }
+
+    /// Adds the objects, lights and cameras of a mesh file, and selects them.
+    fn import_mesh(&mut self, file: &Path) {
+        match import_mesh(file, &self.path_in_scene(file)) {
+            Ok(import) => {
+                let name = file.file_name().unwrap_or_default().to_string_lossy();
+                self.add_imported(&format!("Import {name}"), &import.nodes);
+                if let Some(first) = import.warnings.first() {
+                    let others = import.warnings.len() - 1;
+                    let others = if others > 0 { format!(" (and {others} more)") } else { String::new() };
+                    self.show_message(&format!("Not all of {name} is imported: {first}{others}"));
+                }
+            }
+            Err(error) => self.show_error(&error.to_string()),
+        }
+    }
+
+    fn add_imported(&mut self, label: &str, nodes: &[ImportedNode]) {
+        if let Some(paths) = self.edit(|open| open.document.add_imported(label, nodes)) {
+            self.select_all(paths);
         }
     }
 }

@@ -10,6 +10,8 @@ pub(crate) enum FileRequest {
     SaveAs,
     /// Save the scene, then run the action.
     SaveThen(PendingAction),
+    /// Add the objects, lights and cameras of a mesh file.
+    Import,
     /// Save the picture as displayed.
     Picture,
     /// Choose the output of the render dialog.

@@ -81,6 +81,19 @@ fn a_file_that_is_dropped_opens() {
 }
 
 #[test]
+fn a_mesh_that_is_dropped_stands_on_the_ground_and_one_undo_removes_it() {
+    let mut person = Person::at_scene();
+    let before = person.text().to_owned();
+    let path = person.file().with_file_name("box.obj");
+    std::fs::write(&path, "v 1 1 1\nv 2 1 1\nv 1 3 1\nv 1 1 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").expect("written");
+    drop_file(&mut person, &path);
+    let text = person.text();
+    assert!(text.contains("object \"box\" { mesh \"box.obj\" { at -1.5 -1 -1.5 } }"), "{text}");
+    person.menu("Edit", "Undo: Add box");
+    assert_eq!(person.text(), before);
+}
+
+#[test]
 fn another_scene_never_shows_the_picture_of_the_one_before() {
     let mut person = Person::at_scene();
     person.rest();

@@ -24,6 +24,7 @@ impl Solids<'_> {
         let own = named.iter().find(|(name, _)| *name == MATERIAL).map(|(_, entry)| self.material(entry, context));
         let settings = Properties::of(MESH, &named);
         let (form, resolution) = (settings.choice("as", context), settings.whole("resolution", context));
+        let file_node = settings.whole("node", context);
         let mut placement = Placements::default();
         for child in node.child_nodes() {
             if !placement.take(child, false, context) {
@@ -35,7 +36,7 @@ impl Solids<'_> {
             missing_arguments(node, USAGE, context);
             return None;
         };
-        let file = self.mesh_file(entry, context)?;
+        let file = self.mesh_file(entry, file_node?, context)?;
         let is_own = own.or(material).is_some();
         let tags = match own.or(material) {
             Some(material) => vec![material],
@@ -61,14 +62,14 @@ impl Solids<'_> {
         Some(FieldNode { kind, placement: placement.value })
     }
 
-    fn mesh_file(&mut self, entry: &Entry, context: &mut Context) -> Option<Arc<MeshFile>> {
+    fn mesh_file(&mut self, entry: &Entry, node: u32, context: &mut Context) -> Option<Arc<MeshFile>> {
         let name = string(entry, "The mesh", context)?;
         if name.is_empty() {
             let mistake = draft("pathmarch::empty_name", entry.value_span, "This name is empty.");
             context.report.add(mistake.label("expected the path of a .glb, .gltf, .obj, .stl or .ply file"));
             return None;
         }
-        match self.files.assets.mesh(&relative_to(self.files.scene, name)) {
+        match self.files.assets.mesh(&relative_to(self.files.scene, name), node) {
             Ok(file) => Some(file),
             Err(error) => {
                 let message = format!("The mesh {} cannot be read.", shown(name));
