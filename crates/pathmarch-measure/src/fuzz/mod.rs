@@ -71,7 +71,15 @@ fn fuzz(arguments: &Arguments, target: Target) -> Result<u64, Failure> {
         let input = target.input(&mut random, &seeds);
         let began = Instant::now();
         let result = catch_unwind(AssertUnwindSafe(|| target.run(&input, scratch.path())));
-        let took = began.elapsed();
+        let mut took = began.elapsed();
+        // On a busy machine any input may take long once.
+        for _ in 0..2 {
+            if took > target.limit() && result.is_ok() {
+                let began = Instant::now();
+                let _ = catch_unwind(AssertUnwindSafe(|| target.run(&input, scratch.path())));
+                took = took.min(began.elapsed());
+            }
+        }
         (inputs, slowest) = (inputs + target.cases(), slowest.max(took));
         accepted += if matches!(&result, Ok(Ok(true))) { target.cases() } else { 0 };
         let reason = match result {

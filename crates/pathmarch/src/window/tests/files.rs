@@ -311,7 +311,8 @@ fn a_scene_reads_no_file_outside_its_folder_until_it_is_allowed() {
     let mut start = Start::new();
     let folder = start.directory.path().join("strange");
     std::fs::create_dir(&folder).expect("created");
-    std::fs::write(start.directory.path().join("parts.kdl"), "pathmarch 1\nobject \"secret\" { sphere }\n").expect("written");
+    std::fs::write(start.directory.path().join("parts.kdl"), "pathmarch 1\nobject \"secret\" { sphere }\n")
+        .expect("written");
     std::fs::write(folder.join("scene.kdl"), text).expect("written");
     start.scene = Some(folder.join("scene.kdl"));
     let mut person = start.go();

@@ -115,7 +115,13 @@ impl Start {
         let home = self.directory.path().join("home");
         let desk = Desk {
             app: None,
-            options: Options { scene: self.scene, backend: Backend::Cpu, adapter: None, allow_files: false, timings: false },
+            options: Options {
+                scene: self.scene,
+                backend: Backend::Cpu,
+                adapter: None,
+                allow_files: false,
+                timings: false,
+            },
             dirs: AppDirs {
                 recovery: home.join("recovery"),
                 references: home.join("references"),
