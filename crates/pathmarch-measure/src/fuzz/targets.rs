@@ -8,7 +8,7 @@ use pathmarch_render::parts::FilmFile;
 use pathmarch_render::pathmarch_field::custom_sdf::Code;
 use pathmarch_render::pathmarch_field::registry::{modifiers, operators, shapes};
 use pathmarch_render::pathmarch_scene::Scene;
-use pathmarch_render::{Backend, Renderer, Settings, kernel_wgsl};
+use pathmarch_render::{Backend, Mode, Renderer, Settings, kernel_wgsl};
 use std::path::Path;
 use std::time::Duration;
 
@@ -25,15 +25,17 @@ pub(super) enum Target {
     Mesh,
     /// Code of custom shapes.
     Wgsl,
-    /// Fields: their kernel is validated, and rendered on both backends.
+    /// Fields: their kernel is validated, and they are rendered on the CPU.
     Field,
+    /// Fields on the GPU, several in a kernel, because its compiler takes most of the time.
+    GpuField,
 }
 
 impl Target {
     /// Random input.
     pub(super) fn input(self, random: &mut Random, seeds: &[Vec<u8>]) -> Vec<u8> {
-        if self == Self::Field {
-            return fields(random).into_bytes();
+        if let Self::Field | Self::GpuField = self {
+            return fields(random, self.cases()).into_bytes();
         }
         let seed = random.pick(seeds).clone();
         let other = random.pick(seeds).clone();
@@ -42,12 +44,12 @@ impl Target {
 
     /// Number of cases of an input.
     pub(super) fn cases(self) -> u64 {
-        if self == Self::Field { FIELDS as u64 } else { 1 }
+        if self == Self::GpuField { FIELDS } else { 1 }
     }
 
-    /// Longest time for an input: a second, but compilers of software GPUs take that for a few fields alone.
+    /// Longest time for an input: a second, but compilers of software GPUs take longer for a few fields.
     pub(super) fn limit(self) -> Duration {
-        Duration::from_secs(if self == Self::Field { 20 } else { 1 })
+        Duration::from_secs(if self == Self::GpuField { 60 } else { 1 })
     }
 
     /// Reads an input: true if it is accepted; an error for a wrong result.
@@ -65,13 +67,14 @@ impl Target {
                 .iter()
                 .any(|extension| read_bytes(input, extension, &file, &ReadOptions::default()).is_ok())),
             Self::Wgsl => Ok(Code::new("a", &[], &String::from_utf8_lossy(input)).is_ok()),
-            Self::Field => render(&String::from_utf8_lossy(input)),
+            Self::Field => on_cpu(&String::from_utf8_lossy(input)),
+            Self::GpuField => on_gpu(&String::from_utf8_lossy(input)),
         }
     }
 }
 
-/// Number of random fields of an input: with several in one kernel, a GPU compiles less often.
-pub(super) const FIELDS: usize = 32;
+/// Number of random fields in a kernel of a GPU.
+const FIELDS: u64 = 8;
 
 thread_local! {
     /// The GPU, or the reason why there is none.
@@ -83,23 +86,31 @@ pub(super) fn without_gpu() -> Option<String> {
     GPU.with(|gpu| gpu.as_ref().err().cloned())
 }
 
-/// Validates the kernel of a scene, and renders a few pixels on both backends.
-fn render(text: &str) -> Result<bool, String> {
+/// Validates the kernel of a scene, and renders a few pixels on the CPU.
+fn on_cpu(text: &str) -> Result<bool, String> {
     let Ok(scene) = Scene::parse("field.kdl", text) else { return Ok(false) };
-    let settings = Settings { size: [32, 16], samples: 1, bounces: 1, ..Settings::of(&scene) };
+    let settings = Settings { size: [4, 4], samples: 1, bounces: 1, ..Settings::of(&scene) };
     let code = kernel_wgsl(&scene, &settings, false).map_err(|error| error.to_string())?;
     let module = naga::front::wgsl::parse_str(&code).map_err(|error| error.emit_to_string(&code))?;
     let capabilities = naga::valid::Capabilities::all();
     naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
         .validate(&module)
         .map_err(|error| error.emit_to_string(&code))?;
-    let finite = |renderer: &Renderer| {
-        let film = renderer.render(&scene, &settings).map_err(|error| error.to_string())?;
-        if film.non_finite() > 0 { Err(format!("{} non-finite samples", film.non_finite())) } else { Ok(()) }
-    };
-    finite(&Renderer::open(Backend::Cpu, None).map_err(|error| error.to_string())?)?;
-    GPU.with(|gpu| gpu.as_ref().map_or(Ok(()), finite))?;
-    Ok(true)
+    let renderer = Renderer::open(Backend::Cpu, None).map_err(|error| error.to_string())?;
+    is_finite(&renderer, &scene, &settings)
+}
+
+/// Renders the normals of a scene on the GPU, with a kernel that is smaller than that of light.
+fn on_gpu(text: &str) -> Result<bool, String> {
+    let Ok(scene) = Scene::parse("field.kdl", text) else { return Ok(false) };
+    let settings = Settings { size: [32, 8], samples: 1, mode: Mode::Normal, ..Settings::of(&scene) };
+    GPU.with(|gpu| gpu.as_ref().map_or(Ok(false), |renderer| is_finite(renderer, &scene, &settings)))
+}
+
+/// Renders a scene; an error for samples that are not finite.
+fn is_finite(renderer: &Renderer, scene: &Scene, settings: &Settings) -> Result<bool, String> {
+    let film = renderer.render(scene, settings).map_err(|error| error.to_string())?;
+    if film.non_finite() > 0 { Err(format!("{} non-finite samples", film.non_finite())) } else { Ok(true) }
 }
 
 /// Scene of objects.
@@ -108,11 +119,11 @@ fn scene(objects: &str) -> String {
 }
 
 /// Scene with random fields, side by side.
-fn fields(random: &mut Random) -> String {
+fn fields(random: &mut Random, number: u64) -> String {
     let mut objects = String::new();
     let mut count = 0;
-    while count < FIELDS {
-        let [x, y] = [5.0 * (count % 8) as f32 - 17.5, 5.0 * (count / 8) as f32 - 7.5];
+    while count < number {
+        let [x, y] = [5.0 * (count as f32 - number as f32 / 2.0), 0.0];
         let field = solid(random, 1, &mut 12);
         let object = format!("object \"{count}\" {{\n  union {{\n    at {x} {y} 0\n{field}  }}\n}}\n");
         // Some operators refuse some children.

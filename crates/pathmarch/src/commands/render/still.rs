@@ -12,6 +12,7 @@ use pathmarch_render::film::Film;
 use pathmarch_render::parts::{FilmFile, FilmHeader, FilmPart};
 use pathmarch_render::pathmarch_scene::{Animation, Scene};
 use pathmarch_render::{Job, Renderer, Settings, Shutter};
+use std::ffi::OsString;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -112,7 +113,8 @@ impl Task<'_> {
         let interrupted = done < of && self.interrupted.load(Ordering::SeqCst);
         let written = !interrupted || self.place.2.is_none() && !matches!(self.output, Output::Film(_));
         if written {
-            self.write(&job, &film, &header, &part)?;
+            let write = self.write(&job, &film, &header, &part);
+            write.map_err(|failure| self.rescue(failure, checkpoint.as_mut(), &header, &part))?;
         }
         let checkpoint = self.close(checkpoint, &header, &part, done < of)?;
         Ok(Outcome { film, of, rendered: done - before, seconds, denoising: None, written, interrupted, checkpoint })
@@ -173,6 +175,32 @@ impl Task<'_> {
             Output::Film(file) => pathmarch_render::parts::save(file, header, part).map_err(Failure::other),
             output => super::write(self.arguments, job.backend(), self.scene, &self.settings, film, None, output),
         }
+    }
+
+    /// Keeps the samples of a picture that cannot be written, beside it or among temporary files, and adds where to the failure.
+    fn rescue(
+        &self,
+        failure: Failure,
+        checkpoint: Option<&mut Checkpoint>,
+        header: &FilmHeader,
+        part: &FilmPart,
+    ) -> Failure {
+        let Some(checkpoint) = checkpoint else { return failure };
+        if checkpoint.save(header, part).is_ok() {
+            let path = checkpoint.path().display();
+            return Failure::Other(format!("{}; its samples are in {path}: write it with --resume", failure.message()));
+        }
+        let mut name = OsString::from(format!("pathmarch-{}-", std::process::id()));
+        name.push(checkpoint.path().file_name().unwrap_or_default());
+        let temporary = std::env::temp_dir().join(name);
+        if pathmarch_render::parts::save(&temporary, header, part).is_err() {
+            return failure;
+        }
+        let (path, place) = (temporary.display(), checkpoint.path().display());
+        Failure::Other(format!(
+            "{}; its samples are in {path}: move that file to {place} and write the picture with --resume",
+            failure.message()
+        ))
     }
 
     /// Removes the checkpoint of a complete picture, and writes that of another.
