@@ -92,6 +92,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "thesis/" "metal-room-rough-90" "jpg" "Metal in a room, rough.";
     "thesis/" "open-room" "jpg" "A room without a roof, with a light.";
     "thesis/" "open-room-sky" "jpg" "The same, lit by the sky.";
+    "thesis/" "open-room-lamp" "jpg" "The same, lit by a lamp of a size.";
     "thesis/" "caustics" "jpg" "Light gathered by glass.";
     "thesis/" "caustics-fast" "jpg" "The same, simplified: free of noise.";
     "thesis/" "diffuse-sphere" "png" "The simplest: a ball and a floor.";

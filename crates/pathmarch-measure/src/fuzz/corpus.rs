@@ -75,7 +75,9 @@ mod tests {
     #[test]
     fn inputs_of_every_corpus_are_accepted() {
         let scratch = tempfile::tempdir().expect("a directory");
-        for target in Target::value_variants().iter().filter(|target| !matches!(target, Target::Field | Target::GpuField)) {
+        for target in
+            Target::value_variants().iter().filter(|target| !matches!(target, Target::Field | Target::GpuField))
+        {
             let accepted = corpus(*target).iter().filter(|input| target.run(input, scratch.path()) == Ok(true)).count();
             assert!(accepted > 0, "{target:?}");
         }
