@@ -48,12 +48,16 @@ impl SourceText {
         (end - start > MAX_LINE).then(cut)
     }
 
-    /// Part of a span that is underlined: all of it unless its line is long.
+    /// Part of a span that is underlined: all of it unless it has a long line, else no more than its first line.
     pub(crate) fn shown_part(&self, span: SourceSpan) -> SourceSpan {
-        match self.excerpt(span.offset()) {
-            Some((_, end)) => (span.offset(), span.len().min(end.saturating_sub(span.offset()))).into(),
-            None => span,
-        }
+        let (start, first_end) = self.line(span.offset());
+        let (_, end) = self.line(span.offset() + span.len().saturating_sub(1));
+        let end = match self.excerpt(span.offset()) {
+            Some((_, end)) => end,
+            None if self.text[start..end].lines().any(|line| line.len() > MAX_LINE) => first_end,
+            None => return span,
+        };
+        (span.offset(), span.len().min(end.saturating_sub(span.offset()))).into()
     }
 }
 

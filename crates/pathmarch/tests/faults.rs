@@ -146,15 +146,14 @@ fn folders_that_cannot_be_written_are_refused_before_the_work() {
     let at = directory.path();
     done(&render(&["--samples", "0..16/16", "-o", "1.film"], at));
     // Even root cannot write there.
-    for arguments in [
-        [&RENDER[..], &["--samples", "100000", "-o", "/proc/a.exr"]].concat(),
-        vec!["merge", "1.film", "-o", "/proc/a.film"],
-        [&RENDER[..], &["--samples", "100000", "-o", "missing/a.exr"]].concat(),
+    for (folder, arguments) in [
+        ("/proc", [&RENDER[..], &["--samples", "100000", "-o", "/proc/a.exr"]].concat()),
+        ("/proc", vec!["merge", "1.film", "-o", "/proc/a.film"]),
+        ("missing", [&RENDER[..], &["--samples", "100000", "-o", "missing/a.exr"]].concat()),
     ] {
         let output = pathmarch(&arguments, at);
         let message = stderr(&output);
-        let path = arguments.last().expect("an output");
-        assert!(code(&output) != 0 && message.contains(path), "{arguments:?}: {message}");
+        assert!(code(&output) != 0 && message.contains(folder), "{arguments:?}: {message}");
     }
 }
 

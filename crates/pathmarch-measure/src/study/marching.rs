@@ -170,7 +170,7 @@ mod tests {
     fn the_middle_ray_goes_to_the_target() {
         let text = "pathmarch 1\ncamera { position 1 2 3; target 0 0.5 0 }\nsky 1\nobject \"ball\" { sphere }";
         let scene = Scene::parse("test.kdl", text).expect("a scene");
-        let middle = directions(&scene.camera, [3, 3])[4];
+        let middle = directions(&scene.cameras[0], [3, 3])[4];
         let expected: [f32; 3] = [-1.0, -1.5, -3.0];
         let length = expected.iter().map(|v| v * v).sum::<f32>().sqrt();
         assert!((0..3).all(|k| (middle[k] - expected[k] / length).abs() < 1e-6));

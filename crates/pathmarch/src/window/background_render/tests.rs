@@ -194,14 +194,18 @@ fn sequence(directory: &Path, radius: &str, first: u32, last: u32) -> RenderRequ
 #[test]
 fn frames_equal_those_of_the_command_line_and_existing_ones_stay() {
     let directory = tempfile::tempdir().expect("a directory");
-    std::fs::write(directory.path().join("a-03.exr"), "mine").expect("written");
+    let mine = sequence(directory.path(), "0.1", 3, 3);
+    run(mine).expect("written");
+    let kept = std::fs::read(directory.path().join("a-03.exr")).expect("there");
+    // A torn frame is rendered again.
+    std::fs::write(directory.path().join("a-04.exr"), "torn").expect("written");
     let task = sequence(directory.path(), "0.5", 2, 4);
     let scene = directory.path().join("scene.kdl");
     std::fs::write(&scene, &task.scene.source_text).expect("written");
     let sentence = run(task).expect("written");
     assert!(sentence.starts_with("wrote 2 frames") && sentence.ends_with("1 existed already"), "{sentence}");
     let file = |name: &str| directory.path().join(name);
-    assert_eq!(std::fs::read_to_string(file("a-03.exr")).expect("there"), "mine");
+    assert_eq!(std::fs::read(file("a-03.exr")).expect("there"), kept);
     let Some(program) = program() else { return };
     let mut command = Command::new(&program);
     command.arg("render").arg(&scene).arg("-o").arg(file("b-##.exr")).args(["--frames", "2-4x2", "--backend", "cpu"]);
