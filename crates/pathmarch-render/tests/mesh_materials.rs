@@ -173,9 +173,9 @@ fn emitting_triangles_are_sampled_as_rays_find_them(renderer: &Renderer) {
     let texels = [[255, 255, 255, 255], [0, 0, 0, 255]];
     Square { material: emission, picture: (2, &texels), ..Square::default() }.write(folder.path());
     let lamps = [
-        format!("object material=\"lamp\" {{ mesh \"{}\" {{ scale 0.7; at 0 0.9 0 }} }}", spot.display()),
+        format!("object \"cow\" material=\"lamp\" {{ mesh \"{}\" {{ scale 0.7; at 0 0.9 0 }} }}", spot.display()),
         format!(
-            "object {{ mesh \"{}\" {{ rotate 60 30 0; scale 0.5; at 0 0.6 0 }} }}",
+            "object \"square\" {{ mesh \"{}\" {{ rotate 60 30 0; scale 0.5; at 0 0.6 0 }} }}",
             folder.path().join("square.gltf").display()
         ),
     ];
@@ -184,7 +184,7 @@ fn emitting_triangles_are_sampled_as_rays_find_them(renderer: &Renderer) {
             let scene = parse(&format!(
                 "pathmarch 1\ncamera {{ position 0 3 1.5; target 0 0 0; fov 50 }}\nrender {{ estimator \"{estimator}\" }}\n\
                  material \"white\" {{ diffuse 0.7 }}\nmaterial \"lamp\" {{ emit 5 }}\n\
-                 object material=\"white\" {{ plane }}\n{lamp}"
+                 object \"floor\" material=\"white\" {{ plane }}\n{lamp}"
             ));
             let settings = Settings { size: [32, 24], samples, ..Settings::of(&scene) };
             render(renderer, &scene, &settings).mean()
