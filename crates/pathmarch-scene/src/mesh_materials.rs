@@ -10,6 +10,7 @@ use glam::Vec3;
 use pathmarch_field::Placement;
 use pathmarch_field::mesh_shape::{AlphaTest, AlphaTexture, MaterialOpacity, MeshOpacity};
 use pathmarch_mesh::material::{AlphaMode, Image, Material as Source, Texture as SourceTexture};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Material of a scene for one of a mesh file, and what is not shown of it.
@@ -22,23 +23,22 @@ pub(crate) struct Converted {
 pub(crate) struct Pictures<'a> {
     images: &'a [Image],
     /// By image, and whether its codes are colours.
-    made: Vec<((usize, bool), Result<Arc<Picture>, String>)>,
+    made: HashMap<(usize, bool), Result<Arc<Picture>, String>>,
 }
 
 impl<'a> Pictures<'a> {
     pub(crate) fn new(images: &'a [Image]) -> Self {
-        Self { images, made: Vec::new() }
+        Self { images, made: HashMap::new() }
     }
 
     fn picture(&mut self, image: usize, is_colour: bool) -> Result<Arc<Picture>, String> {
-        if let Some((_, made)) = self.made.iter().find(|(key, _)| *key == (image, is_colour)) {
-            return made.clone();
-        }
-        let decoded = self.images.get(image).ok_or_else(|| "a texture names an image that does not exist".to_owned());
-        let decoded = decoded.and_then(|image| image.decode().map_err(|error| error.to_string()));
-        let picture = decoded.map(|image| Arc::new(Picture::of_image(image.into_rgb8(), is_colour)));
-        self.made.push(((image, is_colour), picture.clone()));
-        picture
+        let images = self.images;
+        let made = self.made.entry((image, is_colour)).or_insert_with(|| {
+            let image = images.get(image).ok_or_else(|| "a texture names an image that does not exist".to_owned())?;
+            let decoded = image.decode().map_err(|error| error.to_string())?;
+            Ok(Arc::new(Picture::of_image(decoded.into_rgb8(), is_colour)))
+        });
+        made.clone()
     }
 
     /// Texture of a scene; `is_colour` for sRGB.

@@ -236,7 +236,7 @@ object "ball" material="red" { sphere 0.5 { at "1.6*t - 0.9" 0.5 0 } }
 /// Figure 5.7: soft shadows by near misses, with their cost on each backend.
 fn soft_shadows(study: &mut Study) -> Result<String, Failure> {
     let soft = example("soft-shadows")?;
-    let harden = |light: &Light| match light.clone() {
+    let harden = |light: &Light| match *light {
         Light::Sun { direction, irradiance, angle, .. } => Light::Sun { direction, irradiance, angle, penumbra: None },
         Light::Point { at, intensity, .. } => Light::Point { at, intensity, penumbra: None },
     };
