@@ -62,6 +62,9 @@ pub static EXAMPLES: &[Example] = examples! {
     "" "seams" "jpg" "Soft, round, chamfered and stepped seams.";
     "" "molten" "jpg" "Coloured clay, melted together.";
     "" "melting" "jpg" "Meshes: textured, of glass, and melting into each other.";
+    "" "flight-helmet" "jpg" "A helmet in a studio: a mesh of 95,000 triangles.";
+    "" "paperweight" "jpg" "A golden monkey in a block of glass.";
+    "" "statue" "jpg" "A marble cow in the room of the thesis.";
     "" "rotunda" "jpg" "A round temple in still water.";
     "" "hall" "jpg" "A flooded hall of columns without end.";
     "" "gears" "jpg" "Gears that turn, by formulas; with motion blur.";
@@ -101,6 +104,7 @@ pub static EXAMPLES: &[Example] = examples! {
 /// Other files that examples read, by their names in [`folder`]: environment maps, meshes and their textures.
 pub static ASSETS: &[(&str, &[u8])] = &[
     ("environment.exr", include_bytes!("environment.exr")),
+    ("flight-helmet.glb", include_bytes!("flight-helmet.glb")),
     ("spot.obj", include_bytes!("spot.obj")),
     ("spot.png", include_bytes!("spot.png")),
     ("suzanne.glb", include_bytes!("suzanne.glb")),

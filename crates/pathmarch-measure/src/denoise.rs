@@ -2,12 +2,14 @@
 //!
 //! **Method.** Each scene is rendered once, with a number of samples or for some seconds, and denoised. Its samples and
 //! its denoised picture are compared with a reference of the same size, whose own noise is subtracted
-//! ([`crate::measure`]). Times exclude compilation and files.
+//! ([`crate::measure`]). Times exclude compilation and files. With `--cycles`, Cycles renders the same scene right after,
+//! and denoises with Open Image Denoise.
 //!
 //! **Cost.** That of the references, if they are missing.
 
 use crate::bench;
 use crate::measure::{self, Interrupt, MAX_SAMPLES, Reference, ReferenceStore};
+use crate::peers::{Cycles, DescribedScene, Python};
 use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, outln, value_parsers};
 use pathmarch_render::denoise::{Denoiser, Features, HalfBuffers};
 use pathmarch_render::image::{self, Picture, Provenance};
@@ -16,6 +18,9 @@ use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Renderer, Settings};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// Cells along the longest side of objects that become meshes for Cycles.
+const CELLS: u32 = 256;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -49,6 +54,12 @@ pub struct Arguments {
     /// GPU adapter, by a part of its name
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+    /// Also render each scene with Cycles, with this many samples and Open Image Denoise
+    #[arg(long, value_name = "SAMPLES", value_parser = value_parsers::whole((1, MAX_SAMPLES)), allow_hyphen_values = true)]
+    cycles: Option<u32>,
+    /// Python with the module bpy, for Cycles [default: python3]
+    #[arg(long, value_name = "PROGRAM")]
+    python: Option<PathBuf>,
     /// Existing directory for pictures: before, after, reference
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -72,6 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let interrupt = Interrupt(catch_interrupts()?);
     arguments.denoiser.check().map_err(Failure::other)?;
     let renderer = Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
+    let cycles = arguments.cycles.map(|samples| find_cycles(arguments, samples)).transpose()?;
     let references = ReferenceStore::new(arguments.references.clone(), arguments.reference_seconds);
     outln!("{:26} samples  seconds: sampling + features + filter = total   relMSE before -> after   mean", "scene");
     for path in &arguments.scenes {
@@ -82,6 +94,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         let reference = references.get(&name, &scene, &settings, &renderer, &interrupt)?;
         let measured = measure(arguments, &renderer, &scene, &settings, &interrupt)?;
         print_row(&name, &measured, &reference)?;
+        if let Some((cycles, samples)) = &cycles {
+            print_cycles(cycles, *samples, (&scene, &settings), &reference)?;
+        }
         if let Some(directory) = &arguments.output {
             save_pictures(directory, &name, &scene, &measured, &reference)?;
         }
@@ -133,6 +148,35 @@ fn print_row(name: &str, measured: &Measured, reference: &Reference) -> Result<(
         1e2 * reference.mean_difference(&measured.before),
         1e2 * reference.mean_difference(&measured.after),
     );
+    Ok(())
+}
+
+fn find_cycles(arguments: &Arguments, samples: u32) -> Result<(Cycles, u32), Failure> {
+    let cycles = Cycles::find(Python::new(arguments.python.as_deref()));
+    let missing =
+        || Failure::Other("--cycles needs a Python with bpy (pip install bpy==4.5.*): name it by --python".into());
+    Ok((cycles.ok_or_else(missing)?, samples))
+}
+
+/// The same scene by Cycles, denoised.
+fn print_cycles(
+    cycles: &Cycles,
+    samples: u32,
+    (scene, settings): (&Scene, &Settings),
+    reference: &Reference,
+) -> Result<(), Failure> {
+    let directory = tempfile::tempdir().map_err(Failure::other)?;
+    let described = DescribedScene::write(scene, settings, CELLS, directory.path())?;
+    for found in cycles.render(&described, settings.size, &[samples], true, directory.path())? {
+        outln!(
+            "{:26} {:7}  {:.2} s   {:.2e}   {:+.3} %",
+            format!("  Cycles {}", cycles.version()),
+            found.samples,
+            found.seconds,
+            reference.error_of(&found.picture)?,
+            1e2 * reference.mean_difference(&found.picture),
+        );
+    }
     Ok(())
 }
 

@@ -9,6 +9,7 @@ mod readers;
 mod report;
 mod shapes;
 mod tangents;
+mod volumes;
 
 /// A file that is missing above would not be compiled.
 #[test]

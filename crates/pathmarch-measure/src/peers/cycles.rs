@@ -39,23 +39,25 @@ impl Cycles {
 
     /// Time that a render takes before its first sample, seconds: the scene's meshes and their BVH.
     pub fn setup_seconds(&self, scene: &DescribedScene, size: [u32; 2], directory: &Path) -> Result<f64, Failure> {
-        let pictures = self.render(scene, size, &[1, 3], 0, directory)?;
+        let pictures = self.render(scene, size, &[1, 3], false, directory)?;
         let [one, three] = &pictures[..] else { return Err(Failure::Other("Cycles wrote no picture".to_owned())) };
         Ok((one.seconds - (three.seconds - one.seconds) / 2.0).max(0.0))
     }
 
-    /// Renders a scene once for each number of samples.
+    /// Renders a scene once for each number of samples, each time with another seed. `denoise`: with Open Image Denoise,
+    /// which the seconds include.
     pub fn render(
         &self,
         scene: &DescribedScene,
         size: [u32; 2],
         samples: &[u32],
-        seed: u32,
+        denoise: bool,
         directory: &Path,
     ) -> Result<Vec<CyclesPicture>, Failure> {
         let mut arguments = vec![scene.path.display().to_string(), directory.display().to_string()];
         arguments.extend(["--size".to_owned(), size[0].to_string(), size[1].to_string()]);
-        arguments.extend(["--seed".to_owned(), seed.to_string(), "--samples".to_owned()]);
+        arguments.extend(denoise.then(|| "--oidn".to_owned()));
+        arguments.push("--samples".to_owned());
         arguments.extend(samples.iter().map(u32::to_string));
         let lines =
             self.0.run("render_cycles.py", include_str!("../../../../scripts/peers/render_cycles.py"), &arguments)?;

@@ -1,14 +1,16 @@
 //! A scene described in JSON for other renderers, with the numbers of the scene itself.
 //!
 //! Spheres, boxes, prisms and rectangles keep their parameters, and the reader makes meshes of them. All other objects
-//! are written as meshes of a chosen number of cells, with the colours of their vertices.
+//! are written as meshes of a chosen number of cells, with the colours of their vertices. Fractals are thickened by half a
+//! cell first: their surface is rougher than any cell, and a mesh of it would be noise.
 
 use pathmarch_cli::Failure;
 use pathmarch_render::mesh_file;
 use pathmarch_render::pathmarch_field::graph::{Kind, Leaf};
 use pathmarch_render::pathmarch_field::mesh::Fineness;
 use pathmarch_render::pathmarch_field::number::Vec3;
-use pathmarch_render::pathmarch_field::{Mesh, Node};
+use pathmarch_render::pathmarch_field::registry::modifiers;
+use pathmarch_render::pathmarch_field::{Aabb, Mesh, Node, Placement};
 use pathmarch_render::pathmarch_scene::{Light, Material, Object, Scene, Sky};
 use pathmarch_render::{Settings, scene_hash};
 use serde_json::{Value, json};
@@ -83,6 +85,7 @@ impl DescribedScene {
     /// Part of an object that becomes a mesh.
     fn mesh(&mut self, scene: &Scene, object: &Object, cells: u32, directory: &Path) -> Result<Value, Failure> {
         let began = Instant::now();
+        let object = &thickened(scene, object, cells);
         let mesh = mesh_file::mesh(scene, &[object], Fineness::Resolution(cells), None, &|_| ControlFlow::Continue(()))
             .map_err(Failure::other)?;
         self.mesh_seconds += began.elapsed().as_secs_f64();
@@ -104,6 +107,26 @@ impl DescribedScene {
             "positions": name("positions"), "colours": name("colours"), "triangles": name("triangles"),
         }))
     }
+}
+
+/// The object; if it has a fractal, thickened by half a cell.
+fn thickened(scene: &Scene, object: &Object, cells: u32) -> Object {
+    let index = scene.objects.iter().position(|other| other.name == object.name);
+    let of_object = |leaf: &usize| Some(scene.field.leaves()[*leaf].object as usize) == index;
+    let leaves: Vec<usize> = (0..scene.field.leaves().len()).filter(of_object).collect();
+    let is_fractal = leaves.iter().any(|leaf| scene.field.leaves()[*leaf].shape.has_orbit());
+    let bounds = leaves.iter().map(|leaf| scene.field.leaf_bounds(*leaf)).reduce(Aabb::union);
+    let round = modifiers().iter().find(|modifier| modifier.info().name == "round");
+    let (true, Some(bounds), Some(round)) = (is_fractal, bounds, round) else {
+        return object.clone();
+    };
+    let side = (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f32::max);
+    let kind = Kind::Modifier {
+        modifier: *round,
+        params: vec![0.5 * side / cells as f32],
+        children: vec![object.root.clone()],
+    };
+    Object { root: Node { kind, placement: Placement::default() }, ..object.clone() }
 }
 
 /// Distances of the middles of triangles from the field's surface: mean and maximum, metres.
@@ -237,6 +260,17 @@ mod tests {
         let cut = format!("{HEAD}object \"a\" {{ subtract {{ box 2 2 2; box 1 1 3 }} }}");
         let scene = described(&cut).unwrap_or_else(|_| panic!("described"));
         assert_eq!(scene["parts"][0]["shape"], "mesh");
+    }
+
+    #[test]
+    fn fractals_are_thickened_by_half_a_cell() {
+        let text = format!("{HEAD}object \"a\" {{ mandelbulb {{ at 1 0 0 }} }}\nobject \"b\" {{ sphere 1 }}");
+        let scene = Scene::parse("test.kdl", &text).unwrap_or_else(|_| panic!("a scene"));
+        let Kind::Modifier { params, .. } = thickened(&scene, &scene.objects[0], 64).root.kind else {
+            panic!("the fractal is as it was");
+        };
+        assert!((params[0] * 128.0 - 2.4).abs() < 0.3, "{params:?}");
+        assert!(matches!(thickened(&scene, &scene.objects[1], 64).root.kind, Kind::Shape { .. }));
     }
 
     #[test]

@@ -119,7 +119,7 @@ fn compare(
     let samples: Vec<u32> =
         (0..).map(|power| 1 << power).take_while(|samples| *samples <= study.plan.cycles_samples).collect();
     study.log(&format!("comparison: {label}, Cycles"));
-    let pictures = cycles.render(described, settings.size, &samples, 0, directory)?;
+    let pictures = cycles.render(described, settings.size, &samples, false, directory)?;
     let point = |CyclesPicture { samples, seconds, picture }| -> Result<Point, Failure> {
         Ok(Point { samples, seconds, error: reference.error_of(&picture)?, picture })
     };
@@ -172,6 +172,20 @@ fn compare(
     })
 }
 
+/// Table of the row whose surface becomes a mesh.
+const MESH_TABLE: &str = "5.7";
+
+fn mesh_name(row: &Row, cells: u32) -> String {
+    format!("{}-{cells}", row.name())
+}
+
+/// Caption and picture of a row.
+fn picture(row: &Row, name: &str) -> String {
+    let [figure, theirs] = row.figures;
+    let figures = if figure == theirs { format!("Figure {figure}") } else { format!("Figures {figure} and {theirs}") };
+    format!("{figures}, {}:\n\n![{}](comparison-{name}.jpg)\n\n", row.title.to_lowercase(), row.title)
+}
+
 const HEADS: [&str; 8] = [
     "means, converged",
     "FLIP, converged",
@@ -205,11 +219,28 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         "means, converged",
         "FLIP, converged",
     ]);
+    // Tables that are asked for, and none for those whose plot stays.
+    let asked = study.tables.clone();
+    let is_asked = |table: &str| asked.is_empty() || asked.iter().any(|asked| asked == table);
+    let saved = table.saved_rows(study.directory, "comparison");
+    if !is_asked(MESH_TABLE) {
+        meshes.saved_rows(study.directory, "comparison-meshes").into_iter().for_each(|row| meshes.push(row));
+    }
     let mut plots: Vec<(&str, Vec<Line>)> = Vec::new();
     let mut pictures = String::new();
     let rows: Vec<&Row> = study.rows().collect();
     for row in rows {
         let label = row.label();
+        if !is_asked(row.table) {
+            let found = saved.iter().find(|saved| saved[0] == row.table && saved[1] == row.title);
+            let missing = || Failure::Other(format!("no earlier run has the row {label}: leave --table out"));
+            table.push(found.ok_or_else(missing)?.clone());
+            pictures += &picture(row, &if row.table == MESH_TABLE { mesh_name(row, CELLS[2]) } else { row.name() });
+            if plots.last().is_none_or(|(table, _)| *table != row.table) {
+                plots.push((row.table, Vec::new()));
+            }
+            continue;
+        }
         let (scene, settings) = row.load(study.plan.error_size)?;
         let settings = row.unbiased(settings);
         let times = study.time_view(&scene, &settings, settings.bounces)?;
@@ -221,7 +252,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         for cells in few.iter().rev() {
             let described = DescribedScene::write(&scene, &settings, *cells, directory.path())?;
             let (name, label) = if described.triangles > 0 {
-                (format!("{}-{cells}", row.name()), format!("{label}, {cells} cells"))
+                (mesh_name(row, *cells), format!("{label}, {cells} cells"))
             } else {
                 (row.name(), label.clone())
             };
@@ -229,14 +260,15 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
             let compared = compare(study, &cycles, (&name, &label), view, (&described, &reference), directory.path())?;
             let is_first = std::ptr::eq(cells, &few[few.len() - 1]);
             if is_first {
-                let cells = [row.table, row.title, row.cycles].map(str::to_owned).into_iter();
-                table.push(cells.chain(compared.cells.iter().cloned()));
-                let [figure, theirs] = row.figures;
-                pictures += &format!(
-                    "Figures {figure} and {theirs}, {}:\n\n![{}](comparison-{name}.jpg)\n\n",
-                    row.title.to_lowercase(),
-                    row.title
-                );
+                let first = [row.table, row.title, row.cycles].map(str::to_owned).into_iter();
+                let mut cells = compared.cells.clone();
+                if described.triangles > 0 {
+                    // The error of Cycles is that of the mesh, so that times to it say nothing.
+                    let ratios = cells.len() - 2;
+                    cells[ratios..].fill("-".to_owned());
+                }
+                table.push(first.chain(cells));
+                pictures += &picture(row, &name);
                 match plots.last_mut().filter(|(table, _)| *table == row.table) {
                     Some((_, lines)) => lines.extend(compared.lines),
                     None => plots.push((row.table, compared.lines.into())),
@@ -263,6 +295,10 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     let mut graphs = String::new();
     for (number, lines) in plots {
         let name = format!("comparison-{}", number.replace('.', "-"));
+        graphs += &format!("![Error by time, Table {number}]({name}.png)\n\n");
+        if lines.is_empty() {
+            continue;
+        }
         let plot = Lines {
             title: format!("Error by time, Table {number}"),
             x: "seconds".to_owned(),
@@ -271,8 +307,13 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
             lines,
         };
         save(study.directory, &name, &plot)?;
-        graphs += &format!("![Error by time, Table {number}]({name}.png)\n\n");
     }
+    let losses = table.losses(HEADS[7], 1).map_or_else(String::new, |rows| {
+        format!(
+            "**Cycles is faster** to its error of {MOST} samples in: {rows}. A few bright samples make most of the error there, so \
+             that the ratio is as uncertain as they are rare.\n\n"
+        )
+    });
     let [width, height] = study.plan.error_size;
     let conditions = study.conditions(&format!(
         "Cycles {} on the same cores; {width}x{height}, the scene's own bounces in both, one sample after the other, a box \
@@ -282,13 +323,16 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         study.plan.reference_seconds
     ));
     Ok(format!(
-        "## Beside Cycles\n\nEvery row of Tables 5.2 to 5.7, with Cycles on the same machine. *Converged*: the mean of all \
+        "## Beside Cycles\n\n{}Every row of Tables 5.2 to 5.7, with Cycles on the same machine. *Converged*: the mean of all \
          pictures by Cycles against our reference, where a difference of the means beyond noise would be a difference of the \
          light. Spheres are meshes of 131,072 faces in Cycles, and the mandelbulb one of {} cells along its side. Lights have \
-         no size in either, so that neither finds the caustics of a point through glass.\n\n{}\nTo reach the mandelbulb's \
-         picture in Cycles, its surface has to become triangles first, as in Figure 5.15:\n\n{}\nPictures of each row: ours \
+         no size in either, so that neither finds the caustics of a point through glass.\n\n{}\nTo show the mandelbulb in \
+         Cycles, its surface has to become triangles first, as in Figure 5.15. It is thickened by half a cell, since it is \
+         rougher than any mesh; what remains is the error of the shape, which no number of samples removes, and there is no \
+         ratio for it:\n\n{}\nPictures of each row: ours \
          after 1 s, Cycles after 1 s, Cycles with {MOST} samples, our reference; below them the FLIP error of the first \
          three, and of the mean of all pictures by Cycles, from black (0) to white (1).\n\n{pictures}{graphs}{conditions}",
+        losses,
         CELLS[2],
         table.markdown(),
         meshes.markdown()

@@ -71,6 +71,9 @@ pub struct Arguments {
     /// Existing directory in which references are kept
     #[arg(long, value_name = "DIR")]
     references: Option<PathBuf>,
+    /// Tables whose rows are compared with Cycles, such as 5.7; the others stay as an earlier run left them [default: all]
+    #[arg(long = "table", value_name = "TABLE")]
+    tables: Vec<String>,
     /// Python with the modules bpy (for Cycles) and moderngl (for the thesis's program) [default: python3]
     #[arg(long, value_name = "PROGRAM")]
     python: Option<PathBuf>,
@@ -178,6 +181,8 @@ struct Study<'a> {
     python: Python,
     thesis_shader: Option<PathBuf>,
     references: Option<PathBuf>,
+    /// Tables that are compared with Cycles; empty for all.
+    tables: Vec<String>,
     /// Command line that repeats the study.
     command: String,
 }
@@ -201,6 +206,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         python: Python::new(arguments.python.as_deref()),
         thesis_shader: arguments.thesis_shader.clone(),
         references: arguments.references.clone(),
+        tables: arguments.tables.clone(),
         command: command(arguments),
     };
     let asked = |part: &Part| arguments.parts.is_empty() || arguments.parts.contains(part);

@@ -80,6 +80,11 @@ pub fn save(path: &Path, panels: &[Panel], columns: u32) -> Result<(), Failure> 
         JpegEncoder::new_with_quality(&mut jpeg, quality)
             .write_image(&bytes, width, height, ExtendedColorType::Rgb8)
             .map_err(Failure::other)?;
+        if jpeg.len() > MAX_BYTES && quality <= 40 && first.width > 64 {
+            // Noise: smaller panels show it as well.
+            let smaller: Vec<Panel> = panels.iter().map(|panel| panel.reduced(2)).collect();
+            return save(path, &smaller, columns);
+        }
         if jpeg.len() <= MAX_BYTES || quality <= 40 {
             return std::fs::write(path, jpeg).map_err(|error| Failure::Other(format!("{}: {error}", path.display())));
         }
@@ -102,6 +107,17 @@ mod tests {
         for (x, y, code) in [(3, 3, 0u8), (15, 3, 100), (3, 15, 200), (16, 16, 255)] {
             assert!(read.get_pixel(x, y)[0].abs_diff(code) < 24, "{x} {y}");
         }
+    }
+
+    #[test]
+    fn pictures_of_noise_keep_to_the_limit() {
+        let code = |k: u32| [(k.wrapping_mul(2_654_435_761) >> 24) as u8; 3];
+        let panel = Panel { width: 1280, height: 720, codes: (0..1280 * 720).map(code).collect() };
+        let directory = tempfile::tempdir().expect("a directory");
+        let path = directory.path().join("grid.jpg");
+        save(&path, &[panel], 1).unwrap_or_else(|_| panic!("saved"));
+        assert!(path.metadata().expect("written").len() <= MAX_BYTES as u64);
+        assert_eq!(image::open(&path).expect("a picture").to_rgb8().dimensions(), (640, 360));
     }
 
     #[test]

@@ -113,7 +113,8 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         "## Real time\n\nThe thesis calls {REAL_TIME} frames a second real time (section 5.1); its frames are single samples, and \
          noise shows while the camera moves. *Reconstructed* frames are clean in motion ([reconstruction.md]\
          (../reconstruction.md)). The last column of each backend is a size at which a reconstructed frame takes at most \
-         41.6 ms; the window shows it at up to twice that size.\n\n{}\n{conditions}",
+         41.6 ms; the window shows it at up to twice that size, and takes the CPU where the only \
+         adapter is software.\n\n{}\n{conditions}",
         table.markdown()
     ))
 }

@@ -22,6 +22,17 @@ impl Table {
         self.rows.push(row);
     }
 
+    /// Reads the rows of a table that an earlier run has saved; none if there is no such file or its header differs.
+    pub fn saved_rows(&self, directory: &Path, name: &str) -> Vec<Vec<String>> {
+        let Ok(mut reader) = csv::Reader::from_path(directory.join(format!("{name}.csv"))) else { return Vec::new() };
+        if reader.headers().is_ok_and(|heads| heads.iter().eq(&self.heads)) {
+            let rows = reader.records().flatten();
+            rows.map(|row| row.iter().map(str::to_owned).collect()).collect()
+        } else {
+            Vec::new()
+        }
+    }
+
     /// The table as Markdown.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
@@ -31,6 +42,14 @@ impl Table {
         let rule = format!("|{}\n", "---|".repeat(self.heads.len()));
         let rows: String = self.rows.iter().map(|row| line(row)).collect();
         line(&self.heads) + &rule + &rows
+    }
+
+    /// Rows whose ratio in a column is below one, each as "label (ratio)", separated by commas; `None` if there are none.
+    pub fn losses(&self, head: &str, label: usize) -> Option<String> {
+        let column = self.heads.iter().position(|other| other == head)?;
+        let is_lost = |row: &&Vec<String>| row[column].parse().is_ok_and(|ratio: f64| ratio < 1.0);
+        let lost = self.rows.iter().filter(is_lost).map(|row| format!("{} ({})", row[label], row[column]));
+        Some(lost.collect::<Vec<_>>().join(", ")).filter(|text| !text.is_empty())
     }
 
     /// Writes the table as CSV.

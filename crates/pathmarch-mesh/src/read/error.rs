@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The extension is not that of a mesh format.
-    #[error("{path}: the extension of a mesh must be .glb, .gltf, .obj, .stl or .ply; convert or rename the file", path = path.display())]
+    #[error("{path}: the extension of a mesh must be .glb, .gltf, .obj, .stl, .ply or .npy; convert or rename the file", path = path.display())]
     UnknownExtension {
         /// Path of the file.
         path: PathBuf,

@@ -9,6 +9,7 @@
 //! | OBJ | polygons, colours, materials of MTL files |
 //! | STL | triangles |
 //! | PLY | polygons and strips, colours, texture coordinates |
+//! | NPY | volumes of distances, whose surface becomes triangles |
 //!
 //! **Limits.** Memory is at most a constant times the size of the file and those it names, whatever they contain; time is
 //! proportional to it but for concave polygons (`polygon.rs`). Other files must be at relative paths. **Differences.** The parsers
@@ -19,6 +20,7 @@ mod error;
 mod files;
 mod gltf;
 mod mtl;
+mod npy;
 mod obj;
 mod ply;
 mod polygon;
@@ -49,7 +51,7 @@ impl Default for ReadOptions {
 }
 
 /// Extensions of mesh files, without the dot.
-pub const EXTENSIONS: [&str; 5] = ["glb", "gltf", "obj", "stl", "ply"];
+pub const EXTENSIONS: [&str; 6] = ["glb", "gltf", "obj", "stl", "ply", "npy"];
 
 /// Reads a mesh file, and the files that it names.
 ///
@@ -80,6 +82,7 @@ pub fn read_bytes(bytes: &[u8], extension: &str, path: &Path, options: &ReadOpti
         "obj" => obj::read(bytes, &companions, &mut warnings),
         "stl" => stl::read(bytes, &mut warnings).map(of_mesh),
         "ply" => ply::read(bytes, &mut warnings).map(of_mesh),
+        "npy" => npy::read(bytes, &mut warnings).map(of_mesh),
         _ => return Err(ReadError::UnknownExtension { path: path.to_owned() }),
     };
     let checked = imported.and_then(|imported| drop_unusable(imported, &mut warnings));

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Mesh file: .glb, .gltf, .obj, .stl or .ply
+    /// Mesh file: .glb, .gltf, .obj, .stl, .ply or .npy
     file: PathBuf,
     /// Scene file to write
     #[arg(short, long, value_name = "FILE")]

@@ -271,7 +271,7 @@ impl List<'_> {
     }
 
     fn mesh(&mut self, file: &Block<'static>) {
-        let doc = "A .glb, .gltf, .obj, .stl or .ply file, relative to the scene file.";
+        let doc = "A .glb, .gltf, .obj, .stl, .ply or .npy file, relative to the scene file.";
         let control = Control::new("file", "file", doc, ControlKind::Text, Value::Text(String::new()));
         self.push(control.required(), Place::Argument(0));
         self.properties(settings::MESH);

@@ -9,13 +9,11 @@ use crate::window::file_dialog::{Choice, FileDialog};
 use crate::window::files::atomic_file::write_atomically;
 use crate::window::open_scene::OpenScene;
 use egui::Context;
+use pathmarch_render::pathmarch_field::MESH_EXTENSIONS;
 use pathmarch_render::pathmarch_scene::SceneError;
 use pathmarch_render::pathmarch_scene::document::mesh_import::{ImportedNode, import_mesh, mesh_on_ground};
 use pathmarch_render::pathmarch_scene::read_text;
 use std::path::{Path, PathBuf};
-
-/// Extensions of mesh files.
-pub(crate) const MESH_EXTENSIONS: [&str; 5] = ["glb", "gltf", "obj", "stl", "ply"];
 
 /// Scene of the command *New*: a sphere on a floor.
 const NEW_SCENE: &str = r#"pathmarch 1

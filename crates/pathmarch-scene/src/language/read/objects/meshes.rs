@@ -66,7 +66,7 @@ impl Solids<'_> {
         let name = string(entry, "The mesh", context)?;
         if name.is_empty() {
             let mistake = draft("pathmarch::empty_name", entry.value_span, "This name is empty.");
-            context.report.add(mistake.label("expected the path of a .glb, .gltf, .obj, .stl or .ply file"));
+            context.report.add(mistake.label("expected the path of a .glb, .gltf, .obj, .stl, .ply or .npy file"));
             return None;
         }
         match self.files.assets.mesh(&relative_to(self.files.scene, name), node) {
