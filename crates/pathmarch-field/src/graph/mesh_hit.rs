@@ -6,7 +6,7 @@
 
 use super::bvh::Bvh;
 use super::{EvalStrategy, Field, Tree};
-use crate::mesh_shape::words::MeshWords;
+use crate::mesh_shape::words::{MeshWords, TopNode};
 use crate::mesh_shape::{MeshAttributes, MeshGeometry, vector};
 use crate::number::Vec3;
 use pathmarch_mesh::bvh::Ray;
@@ -68,12 +68,11 @@ impl Field {
     /// Encoded meshes, with the grids of all or only of fields.
     pub(crate) fn mesh_words(&self, has_all_grids: bool) -> Arc<MeshWords> {
         let words = &self.mesh_words[usize::from(has_all_grids)];
-        Arc::clone(words.get_or_init(|| Arc::new(MeshWords::new(self, has_all_grids))))
-    }
-
-    /// Hierarchy over the meshes of triangles.
-    pub(crate) fn mesh_instances(&self) -> &Bvh {
-        &self.mesh_instances
+        let nodes = self.mesh_instances.nodes.iter();
+        let nodes = nodes.map(|node| TopNode { bounds: node.bounds, skip: node.skip, leaf: node.leaf });
+        let modifier = |leaf| self.enclosing_modifier(leaf);
+        let encode = || Arc::new(MeshWords::new(&self.leaves, modifier, nodes, has_all_grids));
+        Arc::clone(words.get_or_init(encode))
     }
 
     /// Reports whether any object is a mesh of triangles.

@@ -3,7 +3,8 @@
 //! Each surface and each grid is encoded once, however many leaves use it. Offsets count words from the start of the buffer.
 
 use super::{AlphaTest, AlphaTexture, MeshGeometry, MeshOpacity, MeshSurface};
-use crate::graph::{Field, Leaf};
+use crate::bounds::Aabb;
+use crate::graph::Leaf;
 use pathmarch_mesh::{DistanceGrid, GridArrays};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -52,10 +53,24 @@ pub(crate) struct MeshWords {
     pub(crate) grids: Vec<u32>,
 }
 
+/// Node over instances of triangles.
+pub(crate) struct TopNode {
+    pub(crate) bounds: Aabb,
+    /// Index of the node behind its subtree.
+    pub(crate) skip: u32,
+    /// Leaf of an instance.
+    pub(crate) leaf: Option<u32>,
+}
+
 impl MeshWords {
-    /// Encodes the meshes of a field; no words if there are none. Without `has_all_grids`, only fields have a grid.
-    pub(crate) fn new(field: &Field, has_all_grids: bool) -> Self {
-        let leaves = field.leaves();
+    /// Encodes the meshes of a field; no words if there are none. `modifier` is the index of the modifier around a leaf, and `nodes`
+    /// the hierarchy over all instances of triangles. Without `has_all_grids`, only fields have a grid.
+    pub(crate) fn new(
+        leaves: &[Leaf],
+        modifier: impl Fn(usize) -> u32,
+        nodes: impl Iterator<Item = TopNode>,
+        has_all_grids: bool,
+    ) -> Self {
         let mut encoder = Encoder::default();
         if leaves.iter().all(|leaf| leaf.shape.mesh().is_none()) {
             return Self::default();
@@ -70,12 +85,12 @@ impl MeshWords {
             }
             let first = index - leaf.slot as usize;
             let instance = match leaf.slot {
-                0 => encoder.instance(mesh, leaf, [index as u32, grids[index], field.enclosing_modifier(index)]),
+                0 => encoder.instance(mesh, leaf, [index as u32, grids[index], modifier(index)]),
                 _ => encoder.words[HEADER_WORDS + first],
             };
             encoder.words[HEADER_WORDS + index] = instance;
         }
-        encoder.top_level(field);
+        encoder.top_level(nodes);
         Self { words: encoder.words, grids }
     }
 }
@@ -94,8 +109,7 @@ impl Encoder {
     }
 
     /// Writes the nodes over all instances of triangles.
-    fn top_level(&mut self, field: &Field) {
-        let nodes = &field.mesh_instances().nodes;
+    fn top_level(&mut self, nodes: impl Iterator<Item = TopNode>) {
         let first = self.words.len();
         for node in nodes {
             let instance = node.leaf.map_or(0, |leaf| self.words[HEADER_WORDS + leaf as usize]);
