@@ -57,7 +57,7 @@ pub struct Arguments {
     /// Also render each scene with Cycles, with this many samples and Open Image Denoise
     #[arg(long, value_name = "SAMPLES", value_parser = value_parsers::whole((1, MAX_SAMPLES)), allow_hyphen_values = true)]
     cycles: Option<u32>,
-    /// Python with the module bpy, for Cycles [default: python3]
+    /// Python with the module bpy, or blender, for Cycles [default: python3]
     #[arg(long, value_name = "PROGRAM")]
     python: Option<PathBuf>,
     /// Existing directory for pictures: before, after, reference

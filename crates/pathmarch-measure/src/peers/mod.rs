@@ -14,7 +14,10 @@ use pathmarch_cli::Failure;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Python interpreter with the modules of the peers.
+/// Options with which Blender runs a script without a window, and ends with its failure.
+const BLENDER: [&str; 4] = ["-b", "--factory-startup", "--python-exit-code", "1"];
+
+/// Python interpreter with the modules of the peers, or Blender, which has `bpy` and is one.
 #[derive(Clone, Debug)]
 pub struct Python(PathBuf);
 
@@ -24,9 +27,18 @@ impl Python {
         Self(path.map_or_else(|| PathBuf::from("python3"), Path::to_owned))
     }
 
+    fn is_blender(&self) -> bool {
+        self.0.file_stem().is_some_and(|name| name == "blender")
+    }
+
     /// Reports whether it imports a module.
     pub fn has(&self, module: &str) -> bool {
-        let output = Command::new(&self.0).args(["-c", &format!("import {module}")]).output();
+        let import = format!("import {module}");
+        let output = if self.is_blender() {
+            Command::new(&self.0).args(BLENDER).args(["--python-expr", &import]).output()
+        } else {
+            Command::new(&self.0).args(["-c", &import]).output()
+        };
         output.is_ok_and(|output| output.status.success())
     }
 
@@ -38,7 +50,13 @@ impl Python {
         let directory = tempfile::tempdir().map_err(Failure::other)?;
         let path = directory.path().join(name);
         std::fs::write(&path, script).map_err(Failure::other)?;
-        let output = Command::new(&self.0).arg(&path).args(arguments).output();
+        let mut command = Command::new(&self.0);
+        if self.is_blender() {
+            command.args(BLENDER).arg("--python").arg(&path).arg("--");
+        } else {
+            command.arg(&path);
+        }
+        let output = command.args(arguments).output();
         let output = output.map_err(|error| Failure::Other(format!("{}: {error}", self.0.display())))?;
         if !output.status.success() {
             let errors = String::from_utf8_lossy(&output.stderr);

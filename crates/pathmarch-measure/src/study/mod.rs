@@ -74,7 +74,7 @@ pub struct Arguments {
     /// Tables whose rows are compared with Cycles, such as 5.7; the others stay as an earlier run left them [default: all]
     #[arg(long = "table", value_name = "TABLE")]
     tables: Vec<String>,
-    /// Python with the modules bpy (for Cycles) and moderngl (for the thesis's program) [default: python3]
+    /// Python with the modules bpy (for Cycles) and moderngl (for the thesis's program), or blender [default: python3]
     #[arg(long, value_name = "PROGRAM")]
     python: Option<PathBuf>,
     /// The thesis's program: shaders/pathTracer.fs of github.com/Arukiap/Path-marcher
