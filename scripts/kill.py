@@ -1,14 +1,11 @@
 #!/usr/bin/env python3
 """Kills the program at random moments, and checks that nothing is torn and nothing lost.
 
-    scripts/kill.py [--count N] [--window N] [--seed N] [PROGRAM]        default: 1000 kills, target/release/pathmarch
+    scripts/kill.py [--count N] [--seed N] [PROGRAM]        default: 1000 kills, target/release/pathmarch
 
 Renders a still, frames, a merge and an export again and again, and ends each with SIGKILL after a random part of its time. After each kill,
 every file under a final name must be whole. A still goes on with --resume until it is complete; it must then be the picture of one
 render, and a run must not start before the last checkpoint of the one before.
-
-With `--window N`, N more kills end the window while it is edited and saves. The scene must then be whole, and be one that was saved.
-Needs Xvfb and xdotool.
 """
 
 import argparse
@@ -20,8 +17,6 @@ import subprocess
 import sys
 import tempfile
 import time
-
-from screen import Screen
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SCENE = """pathmarch 1
@@ -143,37 +138,10 @@ def export(work, seconds):
         work.check()
 
 
-def window(work, count):
-    """Kills the window while it saves; returns how many saves were seen."""
-    scene, saves = work.directory / "room.kdl", 0
-    screen = Screen(work.directory)
-    try:
-        for _ in range(count):
-            scene.write_text(SCENE)
-            program = screen.start(work.program, "view", str(scene))
-            time.sleep(0.3)
-            # Closes the dialog of recovered work; then puts the ball on the ground, copies it, and saves, again and again.
-            screen.key("Escape")
-            screen.click(int(screen.size[0]) // 2, int(screen.size[1]) * 2 // 5)
-            keys = ["g", "ctrl+s", "ctrl+d", "ctrl+s", "ctrl+z", "ctrl+s"] * 4
-            typing = subprocess.Popen(["xdotool", "key", "--delay", "20", *keys], env=screen.environment, stderr=subprocess.DEVNULL)
-            time.sleep(random.uniform(0.05, 0.8))
-            program.kill()
-            program.wait()
-            typing.wait()
-            saves += scene.read_text() != SCENE
-            work.run("check", "room.kdl")
-            assert 'object "floor" material="white" { plane }' in scene.read_text(), "the scene is torn"
-    finally:
-        screen.stop()
-    return saves
-
-
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program", nargs="?", default=ROOT / "target/release/pathmarch", type=pathlib.Path)
     parser.add_argument("--count", type=int, default=1000)
-    parser.add_argument("--window", type=int, default=0, help="kills of the window, besides")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     random.seed(options.seed)
@@ -199,9 +167,6 @@ def main():
     left = [path.name for path in directory.iterdir() if path.name.endswith(".part") and path.name.startswith(".a.exr.")]
     assert not left, f"the next run of an output removes what was left of it: {left}"
     print(f"{work.kills} kills in {time.monotonic() - started:.0f} s: {counts}; no torn file, every still complete")
-    if options.window:
-        saves = window(work, options.window)
-        print(f"{options.window} kills of the window, {saves} after a save; every scene whole")
     shutil.rmtree(directory)
 
 
