@@ -3,8 +3,9 @@
   python render_cycles.py SCENE.json DIRECTORY --size 640 360 --samples 1 2 4 128      (with PyPI's bpy)
   blender -b --factory-startup --python render_cycles.py -- SCENE.json DIRECTORY ...
 
-Writes DIRECTORY/SAMPLES.exr for each sample count and prints a line of JSON for it: samples, and the seconds of
-bpy.ops.render.render() alone (scene, BVH, sampling and denoising, without Blender's start and the writing of files).
+Writes DIRECTORY/SAMPLES.exr for each sample count and prints a line of JSON for it: samples, the seconds of
+bpy.ops.render.render() alone (scene, BVH, sampling and denoising, without Blender's start and the writing of files), and
+the megabytes by which the first render raised the resident memory at most (null where Linux does not report them).
 Closed-form solids become meshes, round ones with smooth normals. y up becomes z up: (x, y, z) -> (x, -z, y).
 """
 import argparse
@@ -202,6 +203,27 @@ def configure(bounces, size, threads, denoise):
     image.file_format, image.color_mode, image.color_depth, image.exr_codec = "OPEN_EXR", "RGB", "32", "ZIP"
 
 
+def resident(key):
+    """VmRSS or VmHWM (the peak) of this process, MB; None where there is no /proc."""
+    try:
+        with open("/proc/self/status") as file:
+            return next(int(line.split()[1]) / 1024 for line in file if line.startswith(key + ":"))
+    except (OSError, StopIteration):
+        return None
+
+
+def first_render():
+    """Renders once, which loads the kernels and is not timed. Returns by how many MB memory rose at most, or None."""
+    try:
+        with open("/proc/self/clear_refs", "w") as file:
+            file.write("5")  # resets the peak
+    except OSError:
+        pass
+    before = resident("VmRSS")
+    bpy.ops.render.render()
+    return None if before is None else resident("VmHWM") - before
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("scene")
@@ -219,7 +241,7 @@ def main():
     os.makedirs(arguments.directory, exist_ok=True)
     cycles = bpy.context.scene.cycles
     cycles.samples, cycles.seed = 1, arguments.seed
-    bpy.ops.render.render()  # not timed: loads the kernels
+    megabytes = first_render()
     for samples in arguments.samples:
         # Another seed each time, so that the pictures are independent.
         cycles.samples, cycles.seed = samples, arguments.seed + samples
@@ -228,7 +250,7 @@ def main():
         seconds = time.perf_counter() - began
         path = os.path.join(os.path.abspath(arguments.directory), f"{samples}.exr")
         bpy.data.images["Render Result"].save_render(path)
-        print("RESULT " + json.dumps({"samples": samples, "seconds": seconds, "picture": path}), flush=True)
+        print("RESULT " + json.dumps({"samples": samples, "seconds": seconds, "megabytes": megabytes, "picture": path}), flush=True)
 
 
 main()

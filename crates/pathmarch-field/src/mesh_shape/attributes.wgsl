@@ -70,6 +70,11 @@ fn triangle_uvs(surface_offset: u32, triangle: u32, uv_set: u32) -> mat3x2f {
     return mat3x2f(first, vec2f(mesh_float(b), mesh_float(b + 1u)) - first, vec2f(mesh_float(c), mesh_float(c + 1u)) - first);
 }
 
+/// Weight of a corner, 0 to 2, from those of the last two.
+fn corner_weight(weights: vec2f, corner: u32) -> f32 {
+    return select(1.0 - weights.x - weights.y, weights[max(corner, 1u) - 1u], corner > 0u);
+}
+
 /// Linear colour and alpha of the vertices at a point of a triangle; white where there is none.
 fn triangle_colour(surface_offset: u32, triangle: u32, weights: vec2f) -> vec4f {
     let colours = mesh_word(surface_offset + 9u);
@@ -81,7 +86,7 @@ fn triangle_colour(surface_offset: u32, triangle: u32, weights: vec2f) -> vec4f 
     for (var k = 0u; k < 3u; k++) {
         let at = colours + 2u * mesh_word(vertices + k);
         let colour = vec4f(unpack2x16unorm(mesh_word(at)), unpack2x16unorm(mesh_word(at + 1u)));
-        sum += colour * select(1.0 - weights.x - weights.y, weights[max(k, 1u) - 1u], k > 0u);
+        sum += colour * corner_weight(weights, k);
     }
     return sum;
 }
@@ -107,7 +112,7 @@ fn mesh_tangent(leaf: u32, triangle: u32, local: vec3f) -> vec4f {
     for (var k = 0u; k < 3u; k++) {
         let at = tangents + 2u * mesh_word(vertices + k);
         let tangent = vec4f(unpack2x16snorm(mesh_word(at)), unpack2x16snorm(mesh_word(at + 1u)));
-        sum += tangent * select(1.0 - weights.x - weights.y, weights[max(k, 1u) - 1u], k > 0u);
+        sum += tangent * corner_weight(weights, k);
     }
     return sum;
 }

@@ -14,14 +14,24 @@ pub struct CyclesPicture {
     pub samples: u32,
     /// Time of the render, with the building of the scene, seconds.
     pub seconds: f64,
+    /// Rise of resident memory by the first render of the run, MB, where it is known.
+    pub megabytes: Option<f64>,
     /// Mean of the samples.
     pub picture: Picture,
+}
+
+/// Cost of a scene before its first sample.
+pub struct Setup {
+    pub seconds: f64,
+    /// Rise of resident memory while it is built and rendered, MB, where it is known.
+    pub megabytes: Option<f64>,
 }
 
 #[derive(serde::Deserialize)]
 struct Line {
     samples: u32,
     seconds: f64,
+    megabytes: Option<f64>,
     picture: String,
 }
 
@@ -37,11 +47,12 @@ impl Cycles {
         lines.ok().and_then(|lines| lines.first().cloned()).unwrap_or_default()
     }
 
-    /// Time that a render takes before its first sample, seconds: the scene's meshes and their BVH.
-    pub fn setup_seconds(&self, scene: &DescribedScene, size: [u32; 2], directory: &Path) -> Result<f64, Failure> {
+    /// Cost of a render before its first sample: the scene's meshes and their BVH.
+    pub fn setup(&self, scene: &DescribedScene, size: [u32; 2], directory: &Path) -> Result<Setup, Failure> {
         let pictures = self.render(scene, size, &[1, 3], false, directory)?;
         let [one, three] = &pictures[..] else { return Err(Failure::Other("Cycles wrote no picture".to_owned())) };
-        Ok((one.seconds - (three.seconds - one.seconds) / 2.0).max(0.0))
+        let seconds = (one.seconds - (three.seconds - one.seconds) / 2.0).max(0.0);
+        Ok(Setup { seconds, megabytes: one.megabytes })
     }
 
     /// Renders a scene once for each number of samples, each time with another seed. `denoise`: with Open Image Denoise,
@@ -62,9 +73,9 @@ impl Cycles {
         let lines =
             self.0.run("render_cycles.py", include_str!("../../../../scripts/peers/render_cycles.py"), &arguments)?;
         let picture = |line: &String| {
-            let Line { samples, seconds, picture } = parsed(line)?;
+            let Line { samples, seconds, megabytes, picture } = parsed(line)?;
             let picture = image::load(Path::new(&picture)).map_err(Failure::other)?.picture;
-            Ok(CyclesPicture { samples, seconds, picture })
+            Ok(CyclesPicture { samples, seconds, megabytes, picture })
         };
         lines.iter().map(picture).collect()
     }

@@ -120,7 +120,7 @@ fn compare(
         (0..).map(|power| 1 << power).take_while(|samples| *samples <= study.plan.cycles_samples).collect();
     study.log(&format!("comparison: {label}, Cycles"));
     let pictures = cycles.render(described, settings.size, &samples, false, directory)?;
-    let point = |CyclesPicture { samples, seconds, picture }| -> Result<Point, Failure> {
+    let point = |CyclesPicture { samples, seconds, picture, .. }| -> Result<Point, Failure> {
         Ok(Point { samples, seconds, error: reference.error_of(&picture)?, picture })
     };
     let theirs: Vec<Point> = pictures.into_iter().map(point).collect::<Result<_, _>>()?;
@@ -214,6 +214,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
         "triangles",
         "mesh, s",
         "Cycles: scene and BVH, s",
+        "Cycles: memory, MB",
         "mean distance from the surface",
         "largest",
         "means, converged",
@@ -277,12 +278,13 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
             if described.triangles == 0 {
                 break;
             }
-            let setup = cycles.setup_seconds(&described, settings.size, directory.path())?;
+            let setup = cycles.setup(&described, settings.size, directory.path())?;
             meshes.push([
                 cells.to_string(),
                 described.triangles.to_string(),
                 format!("{:.1}", described.mesh_seconds),
-                format!("{setup:.1}"),
+                format!("{:.1}", setup.seconds),
+                setup.megabytes.map_or("-".to_owned(), |megabytes| format!("{megabytes:.0}")),
                 format!("{:.1e}", described.distances[0]),
                 format!("{:.1e}", described.distances[1]),
                 compared.cells[0].clone(),
@@ -329,7 +331,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
          no size in either, so that neither finds the caustics of a point through glass.\n\n{}\nTo show the mandelbulb in \
          Cycles, its surface has to become triangles first, as in Figure 5.15. It is thickened by half a cell, since it is \
          rougher than any mesh; what remains is the error of the shape, which no number of samples removes, and there is no \
-         ratio for it:\n\n{}\nPictures of each row: ours \
+         ratio for it. Memory is what its first render adds at most, beside Blender's own copy of the mesh:\n\n{}\nPictures of each row: ours \
          after 1 s, Cycles after 1 s, Cycles with {MOST} samples, our reference; below them the FLIP error of the first \
          three, and of the mean of all pictures by Cycles, from black (0) to white (1).\n\n{pictures}{graphs}{conditions}",
         losses,

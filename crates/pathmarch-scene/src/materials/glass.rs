@@ -14,7 +14,7 @@ use super::microfacet::{
     unshadowed, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of, ior,
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption, black, colour, colour_of, ior,
     roughness,
 };
 use glam::Vec3;
@@ -34,13 +34,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         ),
         ior(),
         roughness(0.0),
-        colour(
-            "absorb",
-            0.0,
-            Range::NOT_NEGATIVE,
-            "What the inside absorbs, per metre: exp(-absorb × length) passes.",
-            Texturing::None,
-        ),
+        absorption(),
     ],
     albedo: |values| values[0],
     emission: black,

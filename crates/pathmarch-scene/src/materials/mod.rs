@@ -218,6 +218,17 @@ const fn emission() -> MaterialParam {
     )
 }
 
+/// The parameter `absorb`.
+const fn absorption() -> MaterialParam {
+    colour(
+        "absorb",
+        0.0,
+        Range::NOT_NEGATIVE,
+        "What the inside absorbs, per metre: exp(-absorb × length) passes.",
+        Texturing::None,
+    )
+}
+
 /// The parameter `ior`.
 const fn ior() -> MaterialParam {
     let spec = Param::between("ior", 1.5, 1.0, 10.0, "Refractive index: water 1.33, glass 1.5, diamond 2.42.");

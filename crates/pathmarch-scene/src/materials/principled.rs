@@ -19,7 +19,7 @@ use super::microfacet::{
     unhidden, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of,
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption, colour, colour_of,
     emission, fraction, ior, roughness,
 };
 use glam::Vec3;
@@ -47,13 +47,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         fraction("coat", 0.0, "How much of the surface a clear coat covers."),
         fraction("coat-roughness", 0.0, "Roughness of the coat."),
         fraction("transmission", 0.0, "How much of what enters the dielectric is refracted rather than scattered."),
-        colour(
-            "absorb",
-            0.0,
-            Range::NOT_NEGATIVE,
-            "What the inside absorbs, per metre: exp(-absorb × length) passes.",
-            Texturing::None,
-        ),
+        absorption(),
         emission(),
     ],
     albedo: |values| values[0],
