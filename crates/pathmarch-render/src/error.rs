@@ -30,6 +30,15 @@ pub enum RenderError {
         /// Message of the driver, or description of the failure.
         reason: String,
     },
+    /// The adapter ends the loops of a shader after a number of iterations, so that the picture would be wrong.
+    #[error(
+        "{adapter}: it ends the loops of a shader after a number of iterations (Mesa: 65,535), and this scene needs more; the \
+         picture would be wrong; use another adapter or the CPU backend"
+    )]
+    LoopLimit {
+        /// Name of the adapter.
+        adapter: String,
+    },
     /// The picture or the scene exceeds a limit of the adapter.
     #[error("{adapter} has no room for {what}; make it smaller, or render with the CPU backend")]
     TooLarge {

@@ -260,7 +260,8 @@ fn soft_shadows(study: &mut Study) -> Result<String, Failure> {
     table.save(study.directory, "soft-shadows")?;
     Ok(format!(
         "**Figure 5.7** (page 63). A point light with hard shadows, and with `penumbra`: soft shadows by the near misses of \
-         the march, which cost 12 % in the thesis.\n\n![Figure 5.7](figure-5-7.jpg)\n\n{}\n",
+         the march, which cost 12 % in the thesis. Here they cost more, because their shadow rays march, and hard ones \
+         intersect the solids in closed form.\n\n![Figure 5.7](figure-5-7.jpg)\n\n{}\n",
         table.markdown()
     ))
 }

@@ -426,10 +426,7 @@ impl GpuJob {
                 return Ok(());
             }
         }
-        Err(self.device.error(
-            "it ends the loops of a shader after a number of iterations (Mesa: 65,535), and this scene needs more; the \
-             picture would be wrong",
-        ))
+        Err(RenderError::LoopLimit { adapter: self.device.description.name.clone() })
     }
 
     /// Submitted samples of every pixel, with a fraction for one that is begun.

@@ -260,7 +260,10 @@ impl Engine {
     /// Continues on the CPU after a failure of the GPU; stops after a failure of the CPU.
     fn recover(&mut self, error: &RenderError) {
         if self.gpu.device().is_some() || self.gpu.is_compiling() {
-            self.gpu.lose(error, &self.shared);
+            match error {
+                RenderError::LoopLimit { .. } => self.gpu.refuse(error, &self.shared),
+                _ => self.gpu.lose(error, &self.shared),
+            }
             self.tracer = None;
             if let Err(error) = self.start_level() {
                 self.fail(error.to_string());

@@ -4,6 +4,7 @@ mod camera;
 mod controls;
 mod files;
 mod gallery;
+mod kills;
 mod looks;
 mod monkey;
 mod recovery;
