@@ -3,6 +3,7 @@
 //! A report quotes whole lines, and a hundred mistakes in one line of 16 MB would print it a hundred times. Of a long
 //! line only the part around the mistake is quoted.
 
+use memchr::{memchr, memchr_iter, memrchr};
 use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 
 /// Longest line that is quoted as a whole, bytes.
@@ -35,8 +36,8 @@ impl SourceText {
     fn line(&self, at: usize) -> (usize, usize) {
         let bytes = self.text.as_bytes();
         let at = at.min(bytes.len());
-        let start = bytes[..at].iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-        let end = bytes[at..].iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |length| at + length);
+        let start = memrchr(b'\n', &bytes[..at]).map_or(0, |end| end + 1);
+        let end = memchr(b'\n', &bytes[at..]).map_or(bytes.len(), |length| at + length);
         (start, end)
     }
 
@@ -84,7 +85,7 @@ impl SourceCode for SourceText {
             return Ok(Box::new(MietteSpanContents::new_named(name, data, span, line, column, count)));
         }
         let (start, end) = self.excerpt(span.offset()).unwrap_or_else(|| self.line(span.offset()));
-        let line = self.text[..start].matches('\n').count();
+        let line = memchr_iter(b'\n', &self.text.as_bytes()[..start]).count();
         let (line_start, _) = self.line(span.offset());
         // Without lines around it, miette asks where the mistake is.
         let first = if lines_before == 0 { span.offset().min(end) } else { start };
