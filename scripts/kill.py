@@ -77,9 +77,11 @@ class Work:
                 text = path.read_bytes()
                 header = json.loads(text[12 : 12 + int.from_bytes(text[8:12], "little")])
                 assert text[-8:] == b"PMFILM.E", f"{name} is torn"
-                region = header["regions"][0]
-                blocks = sum(end - start for start, end in region["blocks"])
-                return blocks + sum(count for _, count in region["layers"])
+                samples = 0
+                for region in header["regions"]:
+                    samples += sum(end - start for start, end in region["blocks"])
+                    samples += sum(count for _, count in region["layers"])
+                return samples
         return 0
 
     def check(self):
@@ -97,9 +99,9 @@ class Work:
                 assert size == 84 + 50 * triangles, f"{path} is torn"
 
 
-def still(work, seconds):
+def still(work, seconds, denoise=(), whole="whole.exr"):
     """A still that is killed until it is complete."""
-    arguments = ("render", "room.kdl", "--backend", "cpu", "-o", "a.exr", "--resume")
+    arguments = ("render", "room.kdl", "--backend", "cpu", "-o", "a.exr", "--resume", *denoise)
     (work.directory / "a.exr").unlink(missing_ok=True)
     before = 0
     for attempt in range(12):
@@ -111,8 +113,12 @@ def still(work, seconds):
         before = now
     else:
         work.run(*arguments)
-    work.run("compare", "a.exr", "whole.exr", "--max-relmse", "0")
+    work.run("compare", "a.exr", whole, "--max-relmse", "0")
     assert not (work.directory / "a.exr.checkpoint").exists()
+
+
+def denoised(work, seconds):
+    still(work, seconds, ("--denoise",), "denoised.exr")
 
 
 def frames(work, seconds):
@@ -149,12 +155,13 @@ def main():
     work = Work(str(options.program.resolve()), directory)
     cpu = ("--backend", "cpu")
     still_seconds = work.seconds("render", "room.kdl", *cpu, "-o", "whole.exr")
+    denoised_seconds = work.seconds("render", "room.kdl", *cpu, "--denoise", "-o", "denoised.exr")
     frame_seconds = work.seconds("render", "room.kdl", *cpu, "--samples", "4", "--frames", "1-6", "-o", "whole-#.png")
     work.run("render", "room.kdl", *cpu, "--samples", "0..19", "-o", "1.film")
     work.run("render", "room.kdl", *cpu, "--samples", "19..48", "-o", "2.film")
     merge_seconds = work.seconds("merge", "1.film", "2.film", "-o", "m.film")
     export_seconds = work.seconds("export", "solid.kdl", "-o", "a.stl", "--resolution", "96")
-    kinds = [(still, still_seconds), (frames, frame_seconds), (merge, merge_seconds), (export, export_seconds)]
+    kinds = [(still, still_seconds), (denoised, denoised_seconds), (frames, frame_seconds), (merge, merge_seconds), (export, export_seconds)]
     started, counts = time.monotonic(), dict.fromkeys((kind.__name__ for kind, _ in kinds), 0)
     while work.kills < options.count:
         kind, seconds = kinds[random.randrange(len(kinds))]

@@ -120,15 +120,14 @@ fn measure(
     interrupt: &Interrupt,
 ) -> Result<Measured, Failure> {
     let mut job = measure::start(renderer, scene, settings)?;
-    let [width, height] = settings.size;
-    let mut halves = HalfBuffers::new(width, height);
+    let mut halves = HalfBuffers::new(settings);
     let started = Instant::now();
     let late = || arguments.seconds.is_some_and(|seconds| started.elapsed().as_secs_f64() >= seconds);
     let stop = |done: f64| interrupt.check().is_err() || late() && done >= 1.0;
-    halves.run(&mut job, stop, |_| {}).map_err(Failure::other)?;
+    job.record(&mut halves, stop, |_| {}).map_err(Failure::other)?;
     interrupt.check()?;
     let sampled = started.elapsed().as_secs_f64();
-    let samples = halves.film().samples;
+    let samples = halves.samples();
     let features = Features::trace(scene, settings, samples).map_err(Failure::other)?;
     let traced = started.elapsed().as_secs_f64();
     let after = arguments.denoiser.denoise(&halves, &features).map_err(Failure::other)?;

@@ -6,21 +6,21 @@ use pathmarch_render::denoise::{DenoiseError, Denoiser, Features, HalfBuffers};
 use pathmarch_render::film::Film;
 use pathmarch_render::image::{self, Picture};
 use pathmarch_render::metrics::relmse;
+use pathmarch_render::parts::SampleRecorder;
 use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
 use pathmarch_render::{Renderer, Settings, Shutter};
 use pathmarch_testing::{plain, tests};
 use std::sync::{Arc, Mutex};
 
 fn halves(renderer: &Renderer, scene: &Scene, settings: &Settings) -> HalfBuffers {
-    let [width, height] = settings.size;
-    let mut halves = HalfBuffers::new(width, height);
+    let mut halves = HalfBuffers::new(settings);
     let mut job = renderer.start(scene, settings).expect("starts");
-    halves.run(&mut job, |_| false, |_| {}).expect("renders");
+    job.record(&mut halves, |_| false, |_| {}).expect("renders");
     halves
 }
 
 fn denoised(halves: &HalfBuffers, scene: &Scene, settings: &Settings) -> Picture {
-    let features = Features::trace(scene, settings, halves.film().samples).expect("features");
+    let features = Features::trace(scene, settings, halves.samples()).expect("features");
     Denoiser::Regression.denoise(halves, &features).expect("a picture")
 }
 
@@ -78,15 +78,12 @@ const WALL: &str =
 
 /// Half buffers of films made up of a function of sample and pixel.
 fn made_up(size: [u32; 2], samples: u32, value: impl Fn(u32, usize) -> [f32; 3]) -> HalfBuffers {
-    let mut halves = HalfBuffers::new(size[0], size[1]);
-    let mut film = Film::new(size[0], size[1]);
+    let mut halves = HalfBuffers::new(&Settings { size, samples, ..Settings::of(&parse(WALL)) });
     for sample in 0..samples {
-        film.samples += 1;
-        for (pixel, sum) in film.sums.iter_mut().enumerate() {
-            let value = value(sample, pixel);
-            *sum = std::array::from_fn(|k| sum[k] + value[k]);
-        }
-        halves.record(film.clone());
+        let mut film = Film::new(size[0], size[1]);
+        film.samples = 1;
+        film.sums.iter_mut().enumerate().for_each(|(pixel, sum)| *sum = value(sample, pixel));
+        halves.record(sample, film);
     }
     halves
 }
@@ -154,13 +151,17 @@ fn tiny_pictures_and_single_samples_are_denoised() {
     }
 }
 
-/// The samples are those of a picture that is not denoised, to the bit, whatever their number.
+/// The samples are those of a picture that is not denoised, whatever their number; sums differ in the order of additions.
 fn halves_add_up_to_the_film(renderer: &Renderer) {
     let scene = parse(CHECKER);
     for (samples, splitting) in [(1, 1), (7, 1), (40, 1), (61, 4)] {
         let settings = Settings { size: [24, 16], samples, splitting: Some(splitting), ..Settings::of(&scene) };
         let halves = halves(renderer, &scene, &settings);
-        assert_eq!(*halves.film(), renderer.render(&scene, &settings).expect("a film"), "{samples} samples");
+        let (sums, film) = (halves.film(), renderer.render(&scene, &settings).expect("a film"));
+        assert_eq!((sums.samples, sums.non_finite()), (film.samples, film.non_finite()));
+        for (found, expected) in sums.sums.iter().flatten().zip(film.sums.iter().flatten()) {
+            assert!((found - expected).abs() <= 4e-6 * expected, "{samples} samples: {found}, {expected}");
+        }
         let means = halves.means();
         assert!(samples == 1 || (0.3..0.7).contains(&means.first_share), "{samples}: {}", means.first_share);
         for (pixel, whole) in means.whole.iter().enumerate() {
@@ -184,8 +185,8 @@ fn motion_blur_is_denoised() {
     let render = |samples| {
         let settings = Settings { samples, ..Settings::of(&scene) };
         let mut job = cpu().start_motion_blur(&animation, &scene, &settings, shutter).expect("starts");
-        let mut halves = HalfBuffers::new(64, 36);
-        halves.run(&mut job, |_| false, |_| {}).expect("renders");
+        let mut halves = HalfBuffers::new(&settings);
+        job.record(&mut halves, |_| false, |_| {}).expect("renders");
         (halves, settings)
     };
     let reference = render(1024).0.film().mean();

@@ -165,10 +165,11 @@ fn gaps_and_overlaps_are_named() {
 
 #[test]
 fn an_interrupted_render_goes_on_to_the_same_picture() {
-    for scene in [ROOM.to_owned(), moving()] {
+    for (scene, denoise) in [(ROOM.to_owned(), false), (moving(), false), (ROOM.to_owned(), true), (moving(), true)] {
         for backend in backends() {
             let place = Place::new(&scene);
-            let fixed = [&["render", "room.kdl"], &backend[..]].concat();
+            let denoise = if denoise { &["--denoise"][..] } else { &[] };
+            let fixed = [&["render", "room.kdl"], &backend[..], denoise].concat();
             place.done(&[&fixed[..], &["-o", "whole.exr"]].concat());
             let limited = [&fixed[..], &["-o", "a.exr", "--seconds", "0.000001"]].concat();
             let message = place.done(&limited);
@@ -184,7 +185,7 @@ fn an_interrupted_render_goes_on_to_the_same_picture() {
                 runs += 1;
             }
             assert!(runs > 3, "{runs}");
-            assert!(place.pixels("whole.exr") == place.pixels("a.exr"), "{backend:?}, {runs} runs");
+            assert!(place.pixels("whole.exr") == place.pixels("a.exr"), "{backend:?}, {denoise:?}, {runs} runs");
             assert_eq!(place.files(), ["a.exr", "room.kdl", "whole.exr"]);
         }
     }
@@ -202,6 +203,7 @@ fn checkpoints_of_other_pictures_are_refused_and_damaged_ones_reported() {
         (&["--seed", "5"], "seed is 0 there and 5 here"),
         (&["--size", "41x30"], "size is 40x30 there and 41x30 here"),
         (&["--crop", "10x10+0+0"], "the crop differs"),
+        (&["--denoise"], "--denoise is missing there and given here"),
         (&["--first-sample", "1"], "which are not the first of 1..65"),
     ] {
         let output = run(&[&["--resume"], arguments].concat());

@@ -62,7 +62,7 @@ impl Target {
                 Ok(Scene::parse(&name, &String::from_utf8_lossy(input)).is_ok())
             }
             Self::Picture => write().map(|()| load(&file).is_ok()),
-            Self::Film => write().map(|()| FilmFile::open(&file).and_then(|mut film| film.part()).is_ok()),
+            Self::Film => write().map(|()| FilmFile::open(&file).and_then(|mut film| film.parts()).is_ok()),
             Self::Mesh => Ok(["obj", "stl", "ply"]
                 .iter()
                 .any(|extension| read_bytes(input, extension, &file, &ReadOptions::default()).is_ok())),

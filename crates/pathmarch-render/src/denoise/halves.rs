@@ -1,31 +1,25 @@
 //! Half buffers: the samples of a picture in two halves with independent noise.
 //!
-//! **Idea.** A film is read after blocks of samples, each about an eighth as long as all before it, so that the number of
-//! samples need not be known in advance. Each block goes to the half that has fewer samples.
+//! **Idea.** The samples form blocks, which go to the halves in turn. The first blocks are single samples, so that few samples
+//! have two halves as well; later ones are longer, about an eighth of all samples before them. So paths that share a camera ray stay
+//! in one half, and the samples of a half are as evenly spread as all are: the difference of the halves would else exceed the noise. Each
+//! half is a part of a film, so that its sums do not depend on where a render was interrupted.
 //!
 //! **Source.** Rousselle, Knaus, Zwicker 2012, "Adaptive Rendering with Non-Local Means Filtering", section 4.
 
-use crate::error::RenderError;
-use crate::job::Job;
 use crate::output::film::Film;
+use crate::output::parts::{FilmPart, Rect, SampleRecorder};
+use crate::settings::Settings;
 use glam::Vec3;
 
-/// Samples of a block are a multiple of this from [`ALIGNED_FROM`] on, so that paths that share a camera ray stay
-/// together.
-const ALIGNMENT: u32 = 8;
-/// Number of samples from which on blocks are aligned.
-const ALIGNED_FROM: u32 = 16;
+/// First sample of each stage, and the length of its blocks. A stage has an even number of blocks.
+const STAGES: [[u32; 2]; 7] = [[0, 1], [8, 2], [16, 8], [128, 16], [256, 32], [512, 64], [1024, 128]];
 
-/// A film and one half of its samples.
+/// Samples of a picture in two halves.
 #[derive(Clone, Debug)]
 pub struct HalfBuffers {
-    /// All samples.
-    whole: Film,
-    /// Sums of the samples of the first half.
-    first_sums: Vec<[f32; 3]>,
-    /// Numbers of samples of the first half.
-    first_counts: Vec<u32>,
-    first_samples: u32,
+    first_sample: u32,
+    parts: [FilmPart; 2],
 }
 
 /// Means of the samples of each pixel.
@@ -38,77 +32,80 @@ pub struct Means {
     pub first_share: f32,
 }
 
+/// Samples that go to one half.
+struct Block {
+    half: usize,
+    start: u32,
+    end: u32,
+}
+
 impl HalfBuffers {
-    /// Buffers of a film without samples.
-    pub fn new(width: u32, height: u32) -> Self {
-        let whole = Film::new(width, height);
-        let (first_sums, first_counts) = (whole.sums.clone(), vec![0; whole.sums.len()]);
-        Self { whole, first_sums, first_counts, first_samples: 0 }
+    /// Buffers without samples.
+    pub fn new(settings: &Settings) -> Self {
+        let part = FilmPart::new(settings.rect());
+        Self::of([part.clone(), part], settings)
     }
 
-    /// Renders until a job has all its samples or `stop` returns true, as [`Job::run`] does, and records both halves.
-    ///
-    /// # Errors
-    /// Those of [`Job::advance`].
-    pub fn run(
-        &mut self,
-        job: &mut Job,
-        stop: impl Fn(f64) -> bool,
-        mut progress: impl FnMut(f64),
-    ) -> Result<(), RenderError> {
-        let samples = job.settings().samples;
-        while job.samples_done() < f64::from(samples) && !stop(job.samples_done()) {
-            let end = self.block_end();
-            job.advance(end)?;
-            progress(job.samples_done());
-            if job.samples_done() >= f64::from(end.min(samples)) {
-                self.record(job.film()?);
-            }
-        }
-        self.record(job.film()?);
-        Ok(())
+    /// Buffers with the samples that [`parts`](Self::parts) had in an earlier render with these settings.
+    pub fn of(parts: [FilmPart; 2], settings: &Settings) -> Self {
+        Self { first_sample: settings.first_sample, parts }
     }
 
-    /// Number of samples at the end of the current block.
-    fn block_end(&self) -> u32 {
-        let done = self.whole.samples;
-        let end = done + (done / ALIGNMENT).max(1);
-        if end <= ALIGNED_FROM { end } else { end.next_multiple_of(ALIGNMENT) }
+    /// Both halves.
+    pub fn parts(&self) -> &[FilmPart; 2] {
+        &self.parts
     }
 
-    /// Records a film that has more samples than at the last call; the new ones are a block.
-    pub fn record(&mut self, film: Film) {
-        let block = film.samples - self.whole.samples;
-        if 2 * self.first_samples <= self.whole.samples {
-            self.first_samples += block;
-            for (first, (sum, before)) in self.first_sums.iter_mut().zip(film.sums.iter().zip(&self.whole.sums)) {
-                *first = std::array::from_fn(|k| first[k] + (sum[k] - before[k]));
-            }
-            let counts = film.sample_counts().into_iter().zip(self.whole.sample_counts());
-            self.first_counts.iter_mut().zip(counts).for_each(|(first, (all, before))| *first += all - before);
-        }
-        self.whole = film;
+    /// Pixels.
+    pub fn rect(&self) -> Rect {
+        self.parts[0].rect()
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> u32 {
+        self.parts.iter().map(|part| part.samples().count()).sum()
     }
 
     /// All samples.
-    pub fn film(&self) -> &Film {
-        &self.whole
+    pub fn film(&self) -> Film {
+        let [first, second] = self.parts.clone();
+        let mut whole = first;
+        whole.absorb(second);
+        whole.film()
     }
 
     /// Means of both halves and of all samples.
     pub fn means(&self) -> Means {
-        let counts = self.whole.sample_counts();
-        let mean = |sum: Vec3, count: u32| (count > 0).then(|| sum / count as f32);
-        let pixels = self.whole.sums.iter().zip(&self.first_sums).zip(counts.iter().zip(&self.first_counts));
-        let (mut first, mut second, mut whole) = (Vec::new(), Vec::new(), Vec::new());
-        for ((&sum, &first_sum), (&count, &first_count)) in pixels {
-            let (sum, first_sum) = (Vec3::from(sum), Vec3::from(first_sum));
-            let all = mean(sum, count).unwrap_or_default();
-            first.push(mean(first_sum, first_count).unwrap_or(all));
-            second.push(mean(sum - first_sum, count - first_count).unwrap_or(all));
-            whole.push(all);
-        }
-        let first_share = self.first_samples as f32 / self.whole.samples.max(1) as f32;
-        Means { halves: [first, second], whole, first_share }
+        let [first, second] = self.parts.each_ref().map(FilmPart::film);
+        let all = self.film();
+        let means = |film: &Film| -> Vec<Option<Vec3>> {
+            let pixels = film.sums.iter().zip(film.sample_counts());
+            pixels.map(|(sum, count)| (count > 0).then(|| Vec3::from(*sum) / count as f32)).collect()
+        };
+        let whole: Vec<Vec3> = means(&all).into_iter().map(Option::unwrap_or_default).collect();
+        let or_whole = |film| means(film).into_iter().zip(&whole).map(|(mean, all)| mean.unwrap_or(*all)).collect();
+        let first_share = first.samples as f32 / all.samples.max(1) as f32;
+        Means { halves: [or_whole(&first), or_whole(&second)], whole, first_share }
+    }
+
+    /// Block of a sample.
+    fn block(&self, sample: u32) -> Block {
+        let offset = sample - self.first_sample;
+        let [begin, length] = STAGES.into_iter().rfind(|[begin, _]| *begin <= offset).unwrap_or(STAGES[0]);
+        let index = (offset - begin) / length;
+        let start = self.first_sample + begin + index * length;
+        Block { half: index as usize % 2, start, end: start.saturating_add(length) }
+    }
+}
+
+impl SampleRecorder for HalfBuffers {
+    fn end_of_sum(&self, first: u32) -> u32 {
+        let Block { start, end, .. } = self.block(first);
+        if start == first { end } else { first + 1 }
+    }
+
+    fn record(&mut self, first: u32, film: Film) {
+        let Block { half, end, .. } = self.block(first);
+        self.parts[half].record_in_block(first, film, end);
     }
 }

@@ -94,15 +94,15 @@ impl Denoiser {
     /// # Errors
     /// [`DenoiseError`] if features and samples are of different sizes, or if the library is missing or fails.
     pub fn denoise(self, samples: &HalfBuffers, features: &Features) -> Result<Picture, DenoiseError> {
-        let film = samples.film();
-        if features.halves.iter().any(|half| half.len() != film.sums.len()) {
+        let rect = samples.rect();
+        if features.halves.iter().any(|half| half.len() != rect.pixels()) {
             return Err(DenoiseError::SizeMismatch);
         }
         let colours = match self {
             Self::Regression => regression(samples, features),
             Self::Oidn => with_oidn(samples, features)?,
         };
-        Ok(Picture { width: film.width, height: film.height, pixels: colours.into_iter().map(Into::into).collect() })
+        Ok(Picture { width: rect.width, height: rect.height, pixels: colours.into_iter().map(Into::into).collect() })
     }
 }
 

@@ -80,8 +80,7 @@ pub(super) struct Signal {
 impl Signal {
     /// Signal of a picture with these features.
     pub(super) fn new(buffers: &HalfBuffers, features: &Features) -> Self {
-        let film = buffers.film();
-        let (rays, pixel) = (2.0 * features.rays as f32, features.pixel);
+        let (rays, pixel, rect) = (2.0 * features.rays as f32, features.pixel, buffers.rect());
         let halves = features.halves[0].par_iter().zip(&features.halves[1]);
         let surfaces: Vec<Surface> = halves
             .map(|(first, second)| {
@@ -98,7 +97,7 @@ impl Signal {
             pixels.map(|(radiance, surface)| (*radiance - surface.emission) / surface.albedo).collect()
         };
         Self {
-            grid: Grid { width: film.width as usize, height: film.height as usize },
+            grid: Grid { width: rect.width as usize, height: rect.height as usize },
             weights,
             halves: [irradiance(&means.halves[0]), irradiance(&means.halves[1])],
             whole: irradiance(&means.whole),

@@ -1,10 +1,10 @@
-//! Recording of a job's samples in a part of a film.
+//! Recording of a job's samples in a part of a film, or in half buffers.
 
 use super::tracer::TakenFilm;
 use super::{Job, Work};
 use crate::error::RenderError;
 use crate::output::film::Film;
-use crate::output::parts::FilmPart;
+use crate::output::parts::SampleRecorder;
 
 /// Sums that were taken from a tracer, and the index of their first sample.
 struct Taken {
@@ -13,35 +13,35 @@ struct Taken {
 }
 
 impl Job {
-    /// Renders until the job has all its samples or `stop` returns true, and records them in `part`; calls `progress` after each
-    /// slice. Both receive the number of samples of this job that are done. The part then has all samples so far, and the next call goes on.
+    /// Renders until the job has all its samples or `stop` returns true, and records them in `recorder`; calls `progress` after each
+    /// slice. Both receive the number of samples of this job that are done. It then has all samples so far, and the next call goes on.
     ///
     /// # Errors
     /// Those of [`advance`](Self::advance).
     pub fn record(
         &mut self,
-        part: &mut FilmPart,
+        recorder: &mut impl SampleRecorder,
         stop: impl Fn(f64) -> bool,
         mut progress: impl FnMut(f64),
     ) -> Result<(), RenderError> {
         let (first, samples) = (self.settings.first_sample, self.settings.samples);
         let mut reading: Option<Taken> = None;
         while self.taken < samples && !stop(self.samples_done()) {
-            let goal = (FilmPart::end_of_sum(first + self.taken) - first).min(samples);
+            let goal = (recorder.end_of_sum(first + self.taken) - first).min(samples);
             self.advance(goal)?;
             progress(self.samples_done());
             if self.samples_done() >= f64::from(goal) {
                 // While one film is read back, the next is rendered.
                 let taken = self.take()?;
-                self.put(part, reading.replace(taken))?;
+                self.put(recorder, reading.replace(taken))?;
             }
         }
-        self.put(part, reading)?;
+        self.put(recorder, reading)?;
         while !self.is_whole() {
             self.advance(self.samples_done() as u32 + 1)?;
         }
         let taken = self.take()?;
-        self.put(part, Some(taken))
+        self.put(recorder, Some(taken))
     }
 
     /// Number of paths that share a camera ray.
@@ -71,14 +71,14 @@ impl Job {
         Ok(Taken { first, film })
     }
 
-    fn put(&mut self, part: &mut FilmPart, taken: Option<Taken>) -> Result<(), RenderError> {
+    fn put(&mut self, recorder: &mut impl SampleRecorder, taken: Option<Taken>) -> Result<(), RenderError> {
         let Some(Taken { first, film }) = taken else { return Ok(()) };
         let film: Film = match (&mut self.work, film) {
             (Work::Still(tracer), film) => tracer.finish(film)?,
             (Work::Moving(_), TakenFilm::Film(film)) => film,
             (Work::Moving(_), TakenFilm::Copy(_)) => return Ok(()),
         };
-        part.record(first, film);
+        recorder.record(first, film);
         Ok(())
     }
 }

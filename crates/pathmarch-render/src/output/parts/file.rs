@@ -158,13 +158,14 @@ impl FilmHeader {
     }
 }
 
-/// Writes a film of one part.
+/// Writes a film of these parts, each as a region. One part is a film that merges with others; several of the same pixels are for
+/// [`FilmFile::parts`] alone.
 ///
 /// # Errors
 /// [`FilmFileError::Io`].
-pub fn save(path: &Path, header: &FilmHeader, part: &FilmPart) -> Result<(), FilmFileError> {
-    let header = FilmHeader { regions: vec![Region::of(part)], ..header.clone() };
-    write(path, &header, |_, rect| Ok(part.crop(rect)))
+pub fn save(path: &Path, header: &FilmHeader, parts: &[FilmPart]) -> Result<(), FilmFileError> {
+    let header = FilmHeader { regions: parts.iter().map(Region::of).collect(), ..header.clone() };
+    write(path, &header, |index, rect| Ok(parts[index].crop(rect)))
 }
 
 /// Writes a film by its bands; `band` returns the pixels of a rectangle of the region of an index.
@@ -273,6 +274,15 @@ impl FilmFile {
         };
         let rect = region.rect;
         self.rows(0, rect)
+    }
+
+    /// Samples of each region.
+    ///
+    /// # Errors
+    /// [`FilmFileError`].
+    pub fn parts(&mut self) -> Result<Vec<FilmPart>, FilmFileError> {
+        let rects: Vec<Rect> = self.header.regions.iter().map(|region| region.rect).collect();
+        rects.into_iter().enumerate().map(|(region, rect)| self.rows(region, rect)).collect()
     }
 
     /// Samples of a rectangle within a region.

@@ -26,6 +26,14 @@ use std::collections::BTreeMap;
 /// Number of samples that are added one after the other.
 pub const BLOCK: u32 = 16;
 
+/// Receiver of the samples that a job renders.
+pub trait SampleRecorder {
+    /// End of the samples from `first` on that may be recorded as one sum.
+    fn end_of_sum(&self, first: u32) -> u32;
+    /// Records the sums of consecutive samples from `first` on, up to [`end_of_sum`](Self::end_of_sum).
+    fn record(&mut self, first: u32, film: Film);
+}
+
 /// Rectangle of pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Rect {
@@ -81,6 +89,14 @@ struct Layer {
     sums: Vec<[f32; 3]>,
 }
 
+impl Layer {
+    /// Adds samples that follow.
+    fn append(&mut self, next: &Self) {
+        add(&mut self.sums, &next.sums);
+        self.samples += next.samples;
+    }
+}
+
 /// Samples of the pixels of a rectangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmPart {
@@ -113,24 +129,38 @@ impl FilmPart {
         samples
     }
 
-    /// End of the samples from `first` on that may be recorded as one sum.
-    pub(crate) fn end_of_sum(first: u32) -> u32 {
-        if first.is_multiple_of(BLOCK) { first.saturating_add(BLOCK) } else { first + 1 }
-    }
-
-    /// Records the sums of consecutive samples from `first` on, up to [`end_of_sum`](Self::end_of_sum).
-    pub(crate) fn record(&mut self, first: u32, film: Film) {
-        debug_assert!(film.sums.len() == self.rect.pixels() && first + film.samples <= Self::end_of_sum(first));
-        if film.samples == 0 {
-            return;
-        }
+    /// Counts the rejected samples of a film.
+    fn count_rejected(&mut self, film: &Film) {
         if film.non_finite() > 0 {
             let counts = film.sample_counts().into_iter().map(|count| film.samples - count);
             self.rejected.resize(self.rect.pixels(), 0);
             self.rejected.iter_mut().zip(counts).for_each(|(rejected, more)| *rejected += more);
         }
-        self.layers.insert(first, Layer { samples: film.samples, sums: film.sums });
-        self.complete(first / BLOCK);
+    }
+
+    /// Records the sums of samples from `first` on, which belong to a block of any length that ends at `end`. Its samples have to
+    /// come in their order, and no other block may be begun before it is complete.
+    pub(crate) fn record_in_block(&mut self, first: u32, film: Film, end: u32) {
+        debug_assert!(film.sums.len() == self.rect.pixels() && first + film.samples <= end);
+        if film.samples == 0 {
+            return;
+        }
+        self.count_rejected(&film);
+        let more = Layer { samples: film.samples, sums: film.sums };
+        let (start, layer) = match self.layers.pop_first() {
+            Some((start, mut layer)) => {
+                debug_assert!(start + layer.samples == first);
+                layer.append(&more);
+                (start, layer)
+            }
+            None => (first, more),
+        };
+        if start + layer.samples == end {
+            self.sums.add(&layer.sums);
+            self.blocks.insert(start..end);
+        } else {
+            self.layers.insert(start, layer);
+        }
     }
 
     /// Adds samples that follow the start of a block to it, and a complete block to the sums.
@@ -139,8 +169,7 @@ impl FilmPart {
         let Some(mut layer) = self.layers.remove(&start) else { return };
         while layer.samples < BLOCK {
             let Some(next) = self.layers.remove(&(start + layer.samples)) else { break };
-            add(&mut layer.sums, &next.sums);
-            layer.samples += next.samples;
+            layer.append(&next);
         }
         if layer.samples == BLOCK {
             self.sums.add(&layer.sums);
@@ -151,7 +180,7 @@ impl FilmPart {
     }
 
     /// Adds the samples of another part of the same pixels; they must not overlap.
-    fn absorb(&mut self, other: Self) {
+    pub(crate) fn absorb(&mut self, other: Self) {
         if !other.sums.is_empty() {
             self.sums.merge(&other.sums);
         }
@@ -242,6 +271,22 @@ impl FilmPart {
                 set(&mut layer.sums, &other.sums, &copy);
             }
         }
+    }
+}
+
+impl SampleRecorder for FilmPart {
+    fn end_of_sum(&self, first: u32) -> u32 {
+        if first.is_multiple_of(BLOCK) { first.saturating_add(BLOCK) } else { first + 1 }
+    }
+
+    fn record(&mut self, first: u32, film: Film) {
+        debug_assert!(film.sums.len() == self.rect.pixels() && first + film.samples <= self.end_of_sum(first));
+        if film.samples == 0 {
+            return;
+        }
+        self.count_rejected(&film);
+        self.layers.insert(first, Layer { samples: film.samples, sums: film.sums });
+        self.complete(first / BLOCK);
     }
 }
 

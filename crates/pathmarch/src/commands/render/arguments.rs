@@ -278,11 +278,6 @@ impl Arguments {
         if self.first_sample > 0 && self.render.sample_range().is_some() {
             return refuse("--first-sample and a range of --samples exclude each other; use --samples A..B");
         }
-        if self.denoise.is_some() && self.resume {
-            return refuse(
-                "--denoise and --resume exclude each other: a denoiser needs samples that no checkpoint has",
-            );
-        }
         if self.denoise.is_some() && (self.crop.is_some() || self.output.as_ref().is_some_and(|output| is_film(output)))
         {
             return refuse("--denoise needs the whole picture; it excludes --crop and .film");

@@ -49,13 +49,13 @@ impl Checkpoint {
         &self.file
     }
 
-    pub(super) fn save(&mut self, header: &FilmHeader, part: &FilmPart) -> Result<(), Failure> {
+    pub(super) fn save(&mut self, header: &FilmHeader, parts: &[FilmPart]) -> Result<(), Failure> {
         let started = Instant::now();
         if self.file.exists() {
             std::fs::rename(&self.file, &self.previous)
                 .map_err(|error| Failure::Other(format!("{}: {error}", self.previous.display())))?;
         }
-        save(&self.file, header, part).map_err(Failure::other)?;
+        save(&self.file, header, parts).map_err(Failure::other)?;
         (self.cost, self.written) = (started.elapsed(), Instant::now());
         Ok(())
     }
@@ -74,7 +74,7 @@ impl Checkpoint {
                 continue;
             }
             // Reading it to the end finds damage in its pixels.
-            match FilmFile::open(file).and_then(|mut film| film.part().map(|_| film)) {
+            match FilmFile::open(file).and_then(|mut film| film.parts().map(|_| film)) {
                 Ok(film) => return Ok(Some(film)),
                 Err(error @ FilmFileError::Io { .. }) => return Err(Failure::other(error)),
                 Err(error) => note!("warning: {error}"),
@@ -91,14 +91,14 @@ fn interval() -> Duration {
     seconds.map_or(INTERVAL, Duration::from_secs_f64)
 }
 
-/// Samples of a checkpoint, if it is one of this picture.
-pub(super) fn part(
+/// Parts of a checkpoint, if it is one of this picture.
+pub(super) fn parts(
     mut film: FilmFile,
     identity: &Identity,
     engine: &str,
     rect: Rect,
     samples: [u32; 2],
-) -> Result<FilmPart, Failure> {
+) -> Result<Vec<FilmPart>, Failure> {
     let refuse = |reason: String| {
         let path = film.path().display();
         Err(Failure::Usage(format!(
@@ -129,5 +129,5 @@ pub(super) fn part(
             ));
         }
     }
-    film.part().map_err(Failure::other)
+    film.parts().map_err(Failure::other)
 }

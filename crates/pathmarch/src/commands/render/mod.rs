@@ -2,11 +2,11 @@
 
 mod arguments;
 mod checkpoint;
-mod denoising;
 mod frame_directory;
 mod frames;
 mod output;
 mod progress;
+mod samples;
 mod still;
 
 use super::scene_source::SceneSource;

@@ -2,14 +2,14 @@
 
 use super::arguments::Arguments;
 use super::checkpoint::{self, Checkpoint};
-use super::denoising::Samples;
 use super::output::Output;
 use super::progress::{Picture, Progress};
+use super::samples::Samples;
 use super::{print_settings, render_failure};
 use crate::film_notes;
 use pathmarch_cli::{Failure, note};
 use pathmarch_render::film::Film;
-use pathmarch_render::parts::{FilmFile, FilmHeader, FilmPart};
+use pathmarch_render::parts::{self, FilmFile, FilmHeader, Identity};
 use pathmarch_render::pathmarch_scene::{Animation, Scene};
 use pathmarch_render::{Job, Renderer, Settings, Shutter};
 use std::ffi::OsString;
@@ -53,29 +53,10 @@ pub(super) struct Outcome {
 }
 
 impl Task<'_> {
+    /// Renders with checkpoints.
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         self.progress.preparing(&self.arguments.scene_name());
-        let job = self.start(&self.settings)?;
-        if self.arguments.denoise.is_some() {
-            return self.denoised(job);
-        }
-        self.recorded(job)
-    }
-
-    fn start(&self, settings: &Settings) -> Result<Job, Failure> {
-        check_memory(settings)?;
-        let job = self.renderer.start_motion_blur(self.animation, self.scene, settings, self.shutter);
-        job.map_err(render_failure)
-    }
-
-    fn picture(&self, before: u32) -> Picture {
-        let (index, count, frame) = self.place;
-        Picture { index, count, frame, started: Instant::now(), before, samples: self.settings.samples }
-    }
-
-    /// Renders with checkpoints.
-    fn recorded(&self, job: Job) -> Result<Outcome, Failure> {
-        let (mut job, mut part, before, header, mut checkpoint) = self.begin(job)?;
+        let (mut job, mut samples, before, header, mut checkpoint) = self.begin()?;
         if self.says_settings {
             print_settings(self.arguments, job.backend(), &self.settings, self.progress);
         }
@@ -91,15 +72,15 @@ impl Task<'_> {
             let pauses =
                 |now: f64| checkpoint.as_ref().is_some_and(Checkpoint::is_due) || before + now as u32 >= doubled;
             let progress = |now: f64| self.progress.show(&picture, now, &self.settings);
-            job.record(&mut part, |now| ends(now) || pauses(now), progress).map_err(render_failure)?;
-            done = part.samples().count();
+            samples.record(&mut job, |now| ends(now) || pauses(now), progress).map_err(render_failure)?;
+            done = samples.count();
             if done >= doubled {
-                self.progress.record(&picture, done, &part.film().mean().pixels);
+                self.progress.record(&picture, done, &samples.film().mean().pixels);
             }
             let is_due = checkpoint.as_ref().is_some_and(Checkpoint::is_due);
             if let Some(checkpoint) = checkpoint.as_mut().filter(|_| is_due && done < of) {
                 // A full disk must not end a long render.
-                if let Err(failure) = checkpoint.save(&header, &part) {
+                if let Err(failure) = checkpoint.save(&header, samples.parts()) {
                     self.progress.suspend(|| note!("warning: no checkpoint: {}", failure.message()));
                 }
             }
@@ -109,31 +90,43 @@ impl Task<'_> {
         }
         self.progress.completed(&picture);
         let seconds = picture.started.elapsed().as_secs_f64();
-        let film = part.film();
+        let film = samples.film();
         let interrupted = done < of && self.interrupted.load(Ordering::SeqCst);
         let written = !interrupted || self.place.2.is_none() && !matches!(self.output, Output::Film(_));
+        let mut denoising = None;
         if written {
-            let write = self.write(&job, &film, &header, &part);
-            write.map_err(|failure| self.rescue(failure, checkpoint.as_mut(), &header, &part))?;
+            let write = self.write(&job, &film, &header, &samples);
+            denoising = write.map_err(|failure| self.rescue(failure, checkpoint.as_mut(), &header, &samples))?;
         }
-        let checkpoint = self.close(checkpoint, &header, &part, done < of)?;
-        Ok(Outcome { film, of, rendered: done - before, seconds, denoising: None, written, interrupted, checkpoint })
+        let checkpoint = self.close(checkpoint, &header, &samples, done < of)?;
+        Ok(Outcome { film, of, rendered: done - before, seconds, denoising, written, interrupted, checkpoint })
     }
 
-    /// The job, its part with the samples of the checkpoint, their number, and the checkpoint.
-    fn begin(&self, job: Job) -> Result<(Job, FilmPart, u32, FilmHeader, Option<Checkpoint>), Failure> {
-        let settings = &self.settings;
+    fn start(&self, settings: &Settings) -> Result<Job, Failure> {
+        check_memory(settings, if self.arguments.denoise.is_some() { 2 } else { 1 })?;
+        let job = self.renderer.start_motion_blur(self.animation, self.scene, settings, self.shutter);
+        job.map_err(render_failure)
+    }
+
+    fn picture(&self, before: u32) -> Picture {
+        let (index, count, frame) = self.place;
+        Picture { index, count, frame, started: Instant::now(), before, samples: self.settings.samples }
+    }
+
+    /// The job, the samples of the checkpoint, their number, and the checkpoint.
+    fn begin(&self) -> Result<(Job, Samples, u32, FilmHeader, Option<Checkpoint>), Failure> {
+        let (settings, denoiser) = (&self.settings, self.arguments.denoise);
+        let job = self.start(settings)?;
         let (first, end) = (settings.first_sample, settings.first_sample + settings.samples);
         let header = FilmHeader {
             size: settings.size,
             samples: [first, self.whole_end()],
-            identity: job.identity(self.scene, self.shutter),
+            identity: self.identity(&job),
             engines: vec![job.engine()],
             notes: film_notes::notes(self.arguments.display(self.scene, settings), settings, self.scene),
             regions: Vec::new(),
         };
         let checkpoint = self.output.file().map(Checkpoint::of);
-        let empty = FilmPart::new(settings.rect());
         let film = match &checkpoint {
             Some(checkpoint) if self.arguments.resume => checkpoint.open()?,
             Some(checkpoint) if checkpoint.exists() && self.place.2.is_none() => {
@@ -147,12 +140,15 @@ impl Task<'_> {
             if self.arguments.resume && self.place.2.is_none() {
                 note!("note: there is no checkpoint; rendering from the first sample");
             }
-            return Ok((job, empty, 0, header, checkpoint));
+            return Ok((job, Samples::new(settings, denoiser), 0, header, checkpoint));
         };
-        let part = checkpoint::part(film, &header.identity, &header.engines[0], settings.rect(), [first, end])?;
-        let before = part.samples().count();
+        let path = film.path().to_owned();
+        let parts = checkpoint::parts(film, &header.identity, &header.engines[0], settings.rect(), [first, end])?;
+        let damaged = || Failure::Other(format!("{}: the number of its regions is wrong", path.display()));
+        let samples = Samples::of(parts, settings, denoiser).ok_or_else(damaged)?;
+        let before = samples.count();
         if before == 0 || before >= settings.samples {
-            return Ok((job, part, before.min(settings.samples), header, checkpoint));
+            return Ok((job, samples, before.min(settings.samples), header, checkpoint));
         }
         let rest = Settings {
             first_sample: first + before,
@@ -161,7 +157,7 @@ impl Task<'_> {
             splitting: Some(job.splitting()).filter(|_| settings.mode.traces_paths()).or(settings.splitting),
             ..settings.clone()
         };
-        Ok((self.start(&rest)?, part, before, header, checkpoint))
+        Ok((self.start(&rest)?, samples, before, header, checkpoint))
     }
 
     /// End of the samples of the whole picture, of which this may be a part.
@@ -170,11 +166,26 @@ impl Task<'_> {
         self.settings.whole_samples.map_or(end, |whole| whole.max(end))
     }
 
-    fn write(&self, job: &Job, film: &Film, header: &FilmHeader, part: &FilmPart) -> Result<(), Failure> {
-        match self.output {
-            Output::Film(file) => pathmarch_render::parts::save(file, header, part).map_err(Failure::other),
-            output => super::write(self.arguments, job.backend(), self.scene, &self.settings, film, None, output),
+    /// Identity of the samples of a job.
+    fn identity(&self, job: &Job) -> Identity {
+        let mut identity = job.identity(self.scene, self.shutter);
+        if self.arguments.denoise.is_some() {
+            identity.0.insert("--denoise".to_owned(), "given".to_owned());
         }
+        identity
+    }
+
+    /// Writes the output, and returns the seconds of the denoiser.
+    fn write(&self, job: &Job, film: &Film, header: &FilmHeader, samples: &Samples) -> Result<Option<f64>, Failure> {
+        let (arguments, settings) = (self.arguments, &self.settings);
+        if let Output::Film(file) = self.output {
+            return parts::save(file, header, samples.parts()).map(|()| None).map_err(Failure::other);
+        }
+        let started = Instant::now();
+        let denoised = samples.denoised(self.animation, self.scene, settings, self.shutter)?;
+        let denoising = denoised.as_ref().map(|_| started.elapsed().as_secs_f64());
+        super::write(arguments, job.backend(), self.scene, settings, film, denoised, self.output)?;
+        Ok(denoising)
     }
 
     /// Keeps the samples of a picture that cannot be written, beside it or among temporary files, and adds where to the failure.
@@ -183,17 +194,17 @@ impl Task<'_> {
         failure: Failure,
         checkpoint: Option<&mut Checkpoint>,
         header: &FilmHeader,
-        part: &FilmPart,
+        samples: &Samples,
     ) -> Failure {
         let Some(checkpoint) = checkpoint else { return failure };
-        if checkpoint.save(header, part).is_ok() {
+        if checkpoint.save(header, samples.parts()).is_ok() {
             let path = checkpoint.path().display();
             return Failure::Other(format!("{}; its samples are in {path}: write it with --resume", failure.message()));
         }
         let mut name = OsString::from(format!("pathmarch-{}-", std::process::id()));
         name.push(checkpoint.path().file_name().unwrap_or_default());
         let temporary = std::env::temp_dir().join(name);
-        if pathmarch_render::parts::save(&temporary, header, part).is_err() {
+        if parts::save(&temporary, header, samples.parts()).is_err() {
             return failure;
         }
         let (path, place) = (temporary.display(), checkpoint.path().display());
@@ -208,53 +219,24 @@ impl Task<'_> {
         &self,
         checkpoint: Option<Checkpoint>,
         header: &FilmHeader,
-        part: &FilmPart,
+        samples: &Samples,
         incomplete: bool,
     ) -> Result<Option<String>, Failure> {
         let Some(mut checkpoint) = checkpoint else { return Ok(None) };
-        if incomplete && part.samples().count() > 0 {
-            checkpoint.save(header, part)?;
+        if incomplete && samples.count() > 0 {
+            checkpoint.save(header, samples.parts())?;
             return Ok(Some(checkpoint.path().display().to_string()));
         }
         checkpoint.remove();
         Ok(None)
     }
-
-    /// Renders for a denoiser, which needs the samples in two halves; without checkpoints.
-    fn denoised(&self, mut job: Job) -> Result<Outcome, Failure> {
-        if self.says_settings {
-            print_settings(self.arguments, job.backend(), &self.settings, self.progress);
-        }
-        let picture = self.picture(0);
-        let seconds = || picture.started.elapsed().as_secs_f64();
-        let stop = |done: f64| {
-            let late = self.arguments.seconds.is_some_and(|limit| seconds() >= limit);
-            self.interrupted.load(Ordering::SeqCst) || late && done >= 1.0
-        };
-        let show = |done: f64| self.progress.show(&picture, done, &self.settings);
-        let samples = Samples::render(&mut job, self.arguments.denoise, stop, show).map_err(render_failure)?;
-        let rendering = seconds();
-        let of = self.settings.samples;
-        let film = samples.film().clone();
-        let interrupted = film.samples < of && self.interrupted.load(Ordering::SeqCst);
-        let mut denoising = None;
-        let written = !interrupted || self.place.2.is_none();
-        if written {
-            let denoised = samples.denoised(self.animation, self.scene, &self.settings, self.shutter)?;
-            denoising = denoised.as_ref().map(|_| seconds() - rendering);
-            let (arguments, settings) = (self.arguments, &self.settings);
-            super::write(arguments, job.backend(), self.scene, settings, &film, denoised, self.output)?;
-        }
-        let rendered = film.samples;
-        Ok(Outcome { film, of, rendered, seconds: rendering, denoising, written, interrupted, checkpoint: None })
-    }
 }
 
-/// Fails if there is no memory for the film, instead of ending the program when it is needed.
-fn check_memory(settings: &Settings) -> Result<(), Failure> {
-    /// Bytes of a pixel: sums of blocks, of a block, and of the picture.
+/// Fails if there is no memory for the films, instead of ending the program when it is needed.
+fn check_memory(settings: &Settings, films: usize) -> Result<(), Failure> {
+    /// Bytes of a pixel and a film: sums of blocks, of a block, and of the picture.
     const PIXEL: usize = 49 + 4 * 12;
-    let bytes = settings.rect().pixels().saturating_mul(PIXEL);
+    let bytes = settings.rect().pixels().saturating_mul(PIXEL * films);
     Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
         let [width, height] = settings.size;
         Failure::Other(format!(
