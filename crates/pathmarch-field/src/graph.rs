@@ -118,6 +118,17 @@ pub(crate) enum EvalStrategy {
     InBvh,
     /// By itself: rays intersect its triangles.
     Triangles,
+    /// By itself: camera rays intersect its triangles; for others it is sphere-traced.
+    LitByField,
+}
+
+/// Kind of a ray, for meshes that have one form for each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayKind {
+    /// From the camera.
+    Camera,
+    /// From a surface.
+    Secondary,
 }
 
 impl Field {

@@ -1,7 +1,7 @@
 //! Mesh shapes: hits against a plain search of all triangles in 64 bits, and distances of fields.
 
 use glam::{DVec3, Vec3};
-use pathmarch_field::graph::{Kind, MeshHit};
+use pathmarch_field::graph::{Kind, MeshHit, RayKind};
 use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_field::wgsl::Program;
 use pathmarch_field::{Field, MeshShape, MeshSurface, Node, Placement, ShapeRef, Solid, registry};
@@ -77,7 +77,7 @@ fn placed_triangles_are_hit_where_a_plain_search_hits_them() {
             plain_hit(surface.mesh(), local(origin - at), local(direction)).map(|hit| (hit, leaf))
         });
         let expected = expected.min_by(|a, b| a.0.0.total_cmp(&b.0.0));
-        let found = field.mesh_hit(origin.as_vec3(), direction.as_vec3(), f32::INFINITY);
+        let found = field.mesh_hit(origin.as_vec3(), direction.as_vec3(), f32::INFINITY, RayKind::Camera);
         // At edges, rounding decides.
         if expected.is_some_and(|((_, inside), _)| inside < 1e-4) {
             continue;
@@ -104,7 +104,7 @@ fn hits_have_the_normal_of_their_triangle() {
     for index in 0..500 {
         let origin = point(index, 6.0).as_vec3();
         let direction = (point(index + 9000, 1.0).as_vec3() - origin).normalize();
-        let Some(hit) = field.mesh_hit(origin, direction, f32::INFINITY) else { continue };
+        let Some(hit) = field.mesh_hit(origin, direction, f32::INFINITY, RayKind::Camera) else { continue };
         let p = origin + direction * hit.t;
         let here = field.mesh_interaction(hit.leaf, hit.triangle, p).expect("a mesh");
         assert!(here.distance.abs() < 1e-5 && (here.normal.length() - 1.0).abs() < 1e-5);

@@ -1,7 +1,7 @@
 //! Unions of many shapes: what their grids leave out does not matter.
 
 use crate::sampling::{Random, declared, lanes, random_params, validate};
-use pathmarch_field::graph::{Kind, SPHERE_TRACED};
+use pathmarch_field::graph::{Kind, RayKind, SPHERE_TRACED};
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{operator, shape};
 use pathmarch_field::wgsl::Program;
@@ -64,7 +64,7 @@ fn the_surface_of_a_grid_is_that_of_the_whole_union() {
                 let near = whole.surface_at_hit(p, SPHERE_TRACED, &|_| 0.5f32).field;
                 p = p - near.gradient * (near.value / near.gradient.dot(near.gradient).max(1e-6));
             }
-            if whole.sphere_traced_distance(p) > 1e-3 {
+            if whole.sphere_traced_distance(p, RayKind::Secondary) > 1e-3 {
                 continue;
             }
             met += 1;
@@ -124,7 +124,7 @@ fn thin_shapes_in_a_grid_are_met() {
             let origin = Vec3::new(origin[0], origin[1], origin[2]);
             let mut t = 0.0f32;
             for _ in 0..256 {
-                let distance = field.sphere_traced_distance(origin + direction * t);
+                let distance = field.sphere_traced_distance(origin + direction * t, RayKind::Secondary);
                 if distance < 1e-5 {
                     break;
                 }
@@ -147,9 +147,12 @@ mod slow {
             let (mut exact, mut bounded) = (0, 0);
             for _ in 0..4000 {
                 let points: [Vec3<f32>; 8] = std::array::from_fn(|_| random.point(bounds));
-                let eight = ours.sphere_traced_distance(lanes(&points)).to_array();
+                let eight = ours.sphere_traced_distance(lanes(&points), RayKind::Secondary).to_array();
                 for (p, eight) in points.into_iter().zip(eight) {
-                    let (one, truth) = (ours.sphere_traced_distance(p), whole.sphere_traced_distance(p));
+                    let (one, truth) = (
+                        ours.sphere_traced_distance(p, RayKind::Secondary),
+                        whole.sphere_traced_distance(p, RayKind::Secondary),
+                    );
                     assert!((one - eight).abs() <= 1e-5, "{number}: {one} {eight} at {p:?}");
                     assert!(one <= truth + 2e-5, "{number}: {one} is more than {truth} at {p:?}");
                     if (one - truth).abs() <= 2e-5 {
@@ -190,7 +193,7 @@ mod slow {
         for (name, children) in [("chain", chain), ("heap", heap), ("cloud", cloud), ("row", flat)] {
             let started = std::time::Instant::now();
             let field = Field::new(&[union(children, Some(Blend::from(0.1)))]);
-            let distance = field.sphere_traced_distance(Vec3::new(0.3, 0.2, 0.1f32));
+            let distance = field.sphere_traced_distance(Vec3::new(0.3, 0.2, 0.1f32), RayKind::Secondary);
             println!("{name}: {} bytes in {:?}, {distance}", field.shape_grid_bytes(), started.elapsed());
             assert!(distance.is_finite());
             assert!(field.shape_grid_bytes() < 48 << 20, "{name}: {}", field.shape_grid_bytes());
@@ -209,7 +212,7 @@ fn what_has_no_end_is_in_no_grid() {
     });
     let field = Field::new(&[union(children, None)]);
     assert_eq!(field.shapes_as_code(), 41);
-    assert_eq!(field.sphere_traced_distance(Vec3::new(50.0, 30.0, 0.0f32)), 30.0);
+    assert_eq!(field.sphere_traced_distance(Vec3::new(50.0, 30.0, 0.0f32), RayKind::Secondary), 30.0);
 }
 
 /// Spheres, boxes, discs and sheets, each an object of its own.

@@ -84,6 +84,41 @@ fn both_backends_show_meshes_alike(renderer: &Renderer) {
     }
 }
 
+/// A cow on the ground; `form` is that of its mesh.
+fn cow(form: &str, material: &str) -> Scene {
+    let spot = model("spot.obj");
+    parse(&format!(
+        "pathmarch 1\ncamera {{ position 0.6 1.2 -3; target 0 0 0; fov 40 }}\nsky 0.5 0.6 0.8\n\
+         sun {{ direction 0.5 0.8 -0.6; irradiance 3; angle 40 }}\nmaterial \"cow\" {{ {material} }}\n\
+         object \"floor\" {{ plane {{ at 0 -0.75 0 }} }}\n\
+         object \"blend\" {{ union smooth=0.1 {{ sphere 0.3 {{ at -1 -0.45 0.6 }}; box 0.4 {{ at -0.7 -0.5 0.6 }} }} }}\n\
+         object \"cow\" material=\"cow\" {{ mesh \"{}\" {form} }}",
+        spot.display()
+    ))
+}
+
+/// The camera sees the triangles, and light the field.
+fn triangles_are_lit_by_their_field(renderer: &Renderer) {
+    const LIT: &str = "as=\"lit-by-field\" resolution=192";
+    for material in ["diffuse 0.7 0.5 0.4", "principled 0.8; roughness 0.3", "glass 1"] {
+        let [triangles, lit] = ["", LIT].map(|form| cow(form, material));
+        let difference = |mode, samples| {
+            let settings = Settings { size: [96, 54], samples, mode, ..Settings::of(&lit) };
+            let [a, b] = [&triangles, &lit].map(|scene| render(renderer, scene, &settings).mean());
+            let of_cpu = render(&cpu(), &lit, &settings).mean();
+            (relmse(&b, &a).expect("one size"), relmse(&b, &of_cpu).expect("one size"))
+        };
+        // The slope of the field shortens the steps towards the blended object.
+        let (normals, _) = difference(Mode::Normal, 4);
+        assert!(normals < 2e-4, "{material}: {normals}");
+        let (light, backends) = difference(Mode::Path, 64);
+        println!("{material} {}: relMSE {light:.2e}, {backends:.2e} to the CPU backend", renderer.backend().name);
+        // Paths through glass are others from the first refraction on.
+        let limit = if material.starts_with("glass") { 0.1 } else { 5e-3 };
+        assert!(light > 1e-6 && light < limit && backends < 1e-4, "{material}: {light}, {backends}");
+    }
+}
+
 fn no_ray_leaves_a_closed_mesh(renderer: &Renderer) {
     // Black inside, bright outside, so that each ray that finds a crack is a bright sample.
     let spot = model("spot.obj");
@@ -104,6 +139,7 @@ tests! {
     on_each_backend slow: [
         a_box_of_triangles_looks_like_a_box,
         both_backends_show_meshes_alike,
+        triangles_are_lit_by_their_field,
         no_ray_leaves_a_closed_mesh,
     ],
 }

@@ -36,9 +36,14 @@ fn a_field_takes_operators_and_triangles_do_not() {
     let solid = |form: &str| format!("object \"o\" {{ subtract {{ mesh \"suzanne.glb\" {form}; sphere 0.5 }} }}");
     let scene = parse(&solid("as=\"field\" resolution=32")).unwrap_or_else(|error| panic!("{error:?}"));
     assert!(scene.field.has_meshes() && !scene.field.has_triangles());
-    let refused = mistakes(&solid(""));
-    assert_eq!(refused[0].code, "pathmarch::combined_triangles");
-    assert!(refused[0].help.as_ref().is_some_and(|help| help.contains("as=\"field\"")), "{refused:?}");
+    for form in ["", "as=\"lit-by-field\" resolution=16"] {
+        let refused = mistakes(&solid(form));
+        assert_eq!(refused[0].code, "pathmarch::combined_triangles");
+        assert!(refused[0].help.as_ref().is_some_and(|help| help.contains("as=\"field\"")), "{refused:?}");
+    }
+    let lit = parse("object \"o\" { mesh \"suzanne.glb\" as=\"lit-by-field\" resolution=16 }");
+    let field = &lit.unwrap_or_else(|error| panic!("{error:?}")).field;
+    assert!(field.has_triangles() && field.has_meshes_lit_by_field() && !field.sphere_traced_bounds().is_empty());
     let beside = mistakes("object \"o\" { mesh \"suzanne.glb\"; sphere 0.5 }");
     assert_eq!(beside[0].code, "pathmarch::combined_triangles");
 }

@@ -57,7 +57,10 @@ impl Field {
                     field.strategies.push(EvalStrategy::Analytic);
                     field.mark_subtracted(&tree, false);
                 } else {
-                    field.strategies.push(EvalStrategy::SphereTraced);
+                    field.strategies.push(match field.is_lit_by_field(&tree) {
+                        true => EvalStrategy::LitByField,
+                        false => EvalStrategy::SphereTraced,
+                    });
                     field.sphere_traced_bounds = field.sphere_traced_bounds.union(bounds);
                 }
                 field.objects.push(tree);

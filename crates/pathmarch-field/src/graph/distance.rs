@@ -1,7 +1,7 @@
 //! Distances of a field on the CPU: to all objects, to sphere-traced ones, to chosen ones; and analytic hits.
 
 use super::far_field::FarField;
-use super::{Batch, EvalStrategy, Field, Modified, SPHERE_TRACED, Tree};
+use super::{Batch, EvalStrategy, Field, Modified, RayKind, SPHERE_TRACED, Tree};
 use crate::number::Vec3;
 use crate::ray_interval::T_MAX;
 
@@ -29,9 +29,9 @@ impl Field {
 
     /// Unsigned distance to the nearest surface of the sphere-traced objects, metres; infinite if there are none. Every object
     /// keeps its own surface, so that objects inside a transparent one are visible.
-    pub fn sphere_traced_distance<N: Batch>(&self, p: Vec3<N>) -> N {
+    pub fn sphere_traced_distance<N: Batch>(&self, p: Vec3<N>, kind: RayKind) -> N {
         let mut nearest = N::constant(f32::INFINITY);
-        for object in self.sphere_traced_objects() {
+        for object in self.objects_sphere_traced_by(kind) {
             nearest = nearest.min(self.tree_distance(object, p).abs());
         }
         for shape_grid in &self.shape_grids {

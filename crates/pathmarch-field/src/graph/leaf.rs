@@ -28,9 +28,21 @@ pub struct Leaf {
 }
 
 impl Leaf {
-    /// Reports whether rays intersect it as triangles, by [`Field::mesh_hit`](super::Field::mesh_hit).
+    /// Reports whether all rays intersect it as triangles, by [`Field::mesh_hit`](super::Field::mesh_hit).
     pub fn is_triangles(&self) -> bool {
         !self.modified && self.shape.mesh().is_some_and(MeshGeometry::is_triangles)
+    }
+
+    /// Reports whether camera rays intersect it as triangles, and other rays as a field.
+    pub fn is_lit_by_field(&self) -> bool {
+        !self.modified && self.shape.mesh().is_some_and(MeshGeometry::is_lit_by_field)
+    }
+
+    /// Distance from the triangles at which other rays start off into the field, metres: a voxel if they are
+    /// [lit by it](Self::is_lit_by_field), else 0.
+    pub(crate) fn clearance(&self) -> f32 {
+        let mesh = self.shape.mesh().filter(|_| self.is_lit_by_field());
+        mesh.map_or(0.0, |mesh| mesh.voxel() * self.pose.scale)
     }
 
     #[inline]

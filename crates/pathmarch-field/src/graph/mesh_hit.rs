@@ -5,7 +5,7 @@
 //! **Cost.** That of `pathmarch_mesh::Bvh`, and a box for each mesh.
 
 use super::bvh::Bvh;
-use super::{EvalStrategy, Field, Tree};
+use super::{EvalStrategy, Field, RayKind, Tree};
 use crate::mesh_shape::words::{MeshWords, TopNode};
 use crate::mesh_shape::{MeshAttributes, MeshGeometry, vector};
 use crate::number::Vec3;
@@ -34,6 +34,8 @@ pub struct MeshInteraction {
     pub shading_normal: glam::Vec3,
     /// Attributes for textures.
     pub attributes: MeshAttributes,
+    /// Distance at which other rays start off, metres: above zero on triangles that are lit by their field.
+    pub clearance: f32,
 }
 
 /// Box test of a ray: the slabs of Kay and Kajiya (1986), with a margin that keeps flat boxes.
@@ -50,6 +52,11 @@ impl Field {
         matches!(object, Tree::Leaf(leaf) if !self.sphere_traces_all && self.leaves[*leaf as usize].is_triangles())
     }
 
+    /// Reports whether an object is a mesh of triangles that is lit by its field.
+    pub(crate) fn is_lit_by_field(&self, object: &Tree) -> bool {
+        matches!(object, Tree::Leaf(leaf) if !self.sphere_traces_all && self.leaves[*leaf as usize].is_lit_by_field())
+    }
+
     /// Leaf of an object that is a single analytic shape other than a mesh.
     pub(crate) fn convex_object(&self, object: &Tree) -> Option<u32> {
         self.direct(object).filter(|leaf| !self.leaves[*leaf as usize].is_triangles())
@@ -59,7 +66,7 @@ impl Field {
     pub(super) fn gather_mesh_instances(&mut self) {
         let objects = self.objects.iter().zip(&self.strategies).zip(&self.object_bounds);
         let instances = objects.filter_map(|((object, strategy), bounds)| match (object, strategy) {
-            (Tree::Leaf(leaf), EvalStrategy::Triangles) => Some((*leaf, *bounds)),
+            (Tree::Leaf(leaf), EvalStrategy::Triangles | EvalStrategy::LitByField) => Some((*leaf, *bounds)),
             _ => None,
         });
         self.mesh_instances = Bvh::new(instances.collect());
@@ -73,6 +80,11 @@ impl Field {
         let modifier = |leaf| self.enclosing_modifier(leaf);
         let encode = || Arc::new(MeshWords::new(&self.leaves, modifier, nodes, has_all_grids));
         Arc::clone(words.get_or_init(encode))
+    }
+
+    /// Reports whether some mesh of triangles is lit by its field.
+    pub fn has_meshes_lit_by_field(&self) -> bool {
+        self.strategies.contains(&EvalStrategy::LitByField)
     }
 
     /// Reports whether any object is a mesh of triangles.
@@ -92,11 +104,11 @@ impl Field {
 
     /// Reports whether some mesh has shading normals.
     pub fn has_shading_normals(&self) -> bool {
-        self.leaves.iter().any(|leaf| leaf.is_triangles() && leaf.mesh_has_normals())
+        self.leaves.iter().any(|leaf| (leaf.is_triangles() || leaf.is_lit_by_field()) && leaf.mesh_has_normals())
     }
 
     /// First hit of a ray with the triangles of all meshes before `t_max` metres; `direction` is a unit vector.
-    pub fn mesh_hit(&self, origin: glam::Vec3, direction: glam::Vec3, t_max: f32) -> Option<MeshHit> {
+    pub fn mesh_hit(&self, origin: glam::Vec3, direction: glam::Vec3, t_max: f32, kind: RayKind) -> Option<MeshHit> {
         let tiny = direction.abs().cmplt(glam::Vec3::splat(1e-12));
         let inverse = glam::Vec3::ONE / glam::Vec3::select(tiny, glam::Vec3::splat(1e-12), direction);
         let (mut index, mut nearest, mut t_max) = (0, None, t_max);
@@ -105,7 +117,9 @@ impl Field {
                 index = node.skip as usize;
                 continue;
             }
-            if let Some(hit) = node.leaf.and_then(|leaf| self.instance_hit(leaf, origin, direction, t_max)) {
+            let is_met = |leaf: &u32| kind == RayKind::Camera || !self.leaves[*leaf as usize].is_lit_by_field();
+            let leaf = node.leaf.filter(is_met);
+            if let Some(hit) = leaf.and_then(|leaf| self.instance_hit(leaf, origin, direction, t_max)) {
                 t_max = hit.t;
                 nearest = Some(hit);
             }
@@ -136,6 +150,7 @@ impl Field {
             normal: world(point.normal),
             shading_normal: world(point.shading_normal),
             attributes: point.attributes,
+            clearance: instance.clearance(),
         })
     }
 }

@@ -18,7 +18,7 @@ mod sparse_grid;
 
 use super::bvh::{self, Bvh};
 use super::far_field::FarField;
-use super::{Batch, EvalStrategy, Field, Surface, Tree};
+use super::{Batch, EvalStrategy, Field, RayKind, Surface, Tree};
 use crate::blend::{Blend, BlendProfile};
 use crate::bounds::Aabb;
 use crate::number::{Dual, Real, Vec3};
@@ -49,7 +49,8 @@ pub(crate) struct ShapeGrid {
 
 /// Reports whether an object is evaluated by itself.
 fn is_single(strategy: EvalStrategy) -> bool {
-    matches!(strategy, EvalStrategy::Analytic | EvalStrategy::SphereTraced | EvalStrategy::Triangles)
+    use EvalStrategy::{Analytic, LitByField, SphereTraced, Triangles};
+    matches!(strategy, Analytic | SphereTraced | Triangles | LitByField)
 }
 
 /// Largest offset of the surface of a fold beyond its shapes, metres: a result that is so far below the next distance does not
@@ -271,6 +272,7 @@ impl Field {
         let (mut separate, mut analytic) = (Vec::new(), Vec::new());
         for (index, object) in self.objects.iter().enumerate() {
             match object {
+                Tree::Leaf(_) if strategies[index] == EvalStrategy::LitByField => {}
                 Tree::Leaf(leaf) if self.direct(object).is_none() && finite_bounds(*leaf).is_some() => {
                     separate.push((index, *leaf))
                 }
@@ -337,7 +339,16 @@ impl Field {
 
     /// Sphere-traced objects among them.
     pub(crate) fn sphere_traced_objects(&self) -> impl Iterator<Item = &Tree> {
-        self.with_strategy(|strategy| strategy == EvalStrategy::SphereTraced)
+        self.objects_sphere_traced_by(RayKind::Secondary)
+    }
+
+    /// Those that rays of a kind sphere-trace.
+    pub(crate) fn objects_sphere_traced_by(&self, kind: RayKind) -> impl Iterator<Item = &Tree> {
+        self.with_strategy(move |strategy| match strategy {
+            EvalStrategy::SphereTraced => true,
+            EvalStrategy::LitByField => kind == RayKind::Secondary,
+            _ => false,
+        })
     }
 
     fn with_strategy(&self, is_meant: impl Fn(EvalStrategy) -> bool) -> impl Iterator<Item = &Tree> {

@@ -82,7 +82,7 @@ impl Field {
         };
         for (object, strategy) in self.objects.iter().zip(&self.strategies) {
             let analytic = matches!(strategy, EvalStrategy::Analytic | EvalStrategy::InBvh | EvalStrategy::Triangles);
-            let is_evaluated = analytic || *strategy == EvalStrategy::SphereTraced;
+            let is_evaluated = analytic || matches!(strategy, EvalStrategy::SphereTraced | EvalStrategy::LitByField);
             if is_evaluated && N::any(is_included(analytic)) {
                 add(self.tree_surface(object, p, threshold), is_included(analytic));
             }

@@ -12,6 +12,8 @@ pub struct MeshGeometry {
     surface: Arc<MeshSurface>,
     /// Its distance field; `None` for triangles.
     field: Option<Arc<DistanceGrid>>,
+    /// True if camera rays intersect the triangles, and other rays the field.
+    is_lit_by_field: bool,
     /// Tag of each material of the mesh; one for all if there is only one.
     tags: Vec<u32>,
     /// Opacity of its materials; `None` if no ray passes through its triangles.
@@ -20,7 +22,11 @@ pub struct MeshGeometry {
 
 impl MeshGeometry {
     pub(super) fn new(surface: Arc<MeshSurface>, field: Option<Arc<DistanceGrid>>, tags: Vec<u32>) -> Self {
-        Self { surface, field, tags, opacity: None }
+        Self { surface, field, is_lit_by_field: false, tags, opacity: None }
+    }
+
+    pub(super) fn lit_by_field(self) -> Self {
+        Self { is_lit_by_field: true, ..self }
     }
 
     pub(super) fn with_opacity(self, opacity: Option<Arc<MeshOpacity>>) -> Self {
@@ -55,9 +61,14 @@ impl MeshGeometry {
         &self.tags
     }
 
-    /// Reports whether rays intersect the triangles.
+    /// Reports whether all rays intersect the triangles.
     pub fn is_triangles(&self) -> bool {
         self.field.is_none()
+    }
+
+    /// Reports whether camera rays intersect the triangles, and other rays the field.
+    pub fn is_lit_by_field(&self) -> bool {
+        self.is_lit_by_field
     }
 
     /// The field of the mesh; `None` for triangles.

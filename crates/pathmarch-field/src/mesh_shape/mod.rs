@@ -1,4 +1,4 @@
-//! Mesh shapes: triangles, or the distance field of a mesh.
+//! Mesh shapes: triangles, the distance field of a mesh, or triangles that are lit by it.
 //!
 //! **Idea.** A mesh has two forms. As *triangles*, rays intersect it exactly, and it is an object of its own. As a *field*, it is a
 //! distance grid that every operator and modifier takes like any other shape. Triangles have a coarse grid, too, which is built
@@ -57,6 +57,12 @@ impl MeshShape {
     /// Triangles with this opacity of the mesh's materials; `None` if no ray passes through them.
     pub fn with_opacity(self, opacity: Option<Arc<MeshOpacity>>) -> Self {
         Self { geometry: self.geometry.with_opacity(opacity), ..self }
+    }
+
+    /// Shape of triangles for camera rays, and of their distance field for all others; a whole object only.
+    pub fn lit_by_field(surface: Arc<MeshSurface>, grid: Arc<DistanceGrid>, tags: Vec<u32>) -> Self {
+        let Self { info, geometry } = Self::field(surface, grid, tags);
+        Self { info, geometry: geometry.lit_by_field() }
     }
 
     /// Shape of the distance field of a mesh.

@@ -138,6 +138,14 @@ fn surface_hit(surface_offset: u32, opacity: u32, origin: vec3f, direction: vec3
     return nearest;
 }
 
+/// True while a camera ray is traced: it intersects the triangles of meshes that are lit by their field.
+var<private> is_camera_ray: bool = true;
+
+/// Distance from the triangles of an instance at which other rays start off, metres: above zero if it is lit by its field.
+fn mesh_clearance(instance: u32) -> f32 {
+    return mesh_float(instance + 19u);
+}
+
 /// First hit of a ray with the triangles of all meshes, or the one found before.
 fn mesh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit {
     var nearest = before;
@@ -156,6 +164,9 @@ fn mesh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit
         let instance = mesh_word(node + 7u);
         loop {
             if !is_passed || instance == 0u {
+                break;
+            }
+            if HAS_LIT_BY_FIELD && !is_camera_ray && mesh_clearance(instance) > 0.0 {
                 break;
             }
             let rows = instance_rows(instance);

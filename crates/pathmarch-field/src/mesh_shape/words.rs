@@ -121,8 +121,8 @@ impl Encoder {
         (self.words[0], self.words[1]) = (first as u32, self.words.len() as u32);
     }
 
-    /// Encodes a placed mesh: its pose, its surface, its first leaf, its number of materials, its grid, the modifier around it and its
-    /// opacity.
+    /// Encodes a placed mesh: its pose, its surface, its first leaf, its number of materials, its grid, the modifier around it, its
+    /// opacity and its clearance.
     fn instance(&mut self, mesh: &MeshGeometry, leaf: &Leaf, [index, grid, modifier]: [u32; 3]) -> u32 {
         let surface = self.surface(mesh.surface());
         let offset = self.words.len() as u32;
@@ -132,6 +132,7 @@ impl Encoder {
         self.words.extend([surface, index, mesh.tags().len().max(1) as u32, grid, modifier]);
         let opacity_word = self.words.len();
         self.words.push(0);
+        self.floats([leaf.clearance()]);
         self.words[opacity_word] = mesh.opacity().map_or(0, |opacity| self.opacity(opacity));
         offset
     }

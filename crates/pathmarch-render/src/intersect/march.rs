@@ -31,6 +31,7 @@ use crate::scene::{FrameUniforms, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::Field;
+use pathmarch_field::graph::RayKind;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use wide::f32x8;
 
@@ -108,12 +109,12 @@ fn intervals(field: &Field, frame: &FrameUniforms, rays: &Rays8) -> [Interval; 8
 fn intersect_triangles(field: &Field, frame: &FrameUniforms, segment: &RaySegment, interval: Interval) -> Interval {
     let Ray { origin, direction } = segment.ray;
     let t_max = interval.analytic_hit.map_or(segment.limit.min(frame.far), |hit| hit.t);
-    let Some(hit) = field.mesh_hit(origin, direction, t_max) else { return interval };
+    let Some(hit) = field.mesh_hit(origin, direction, t_max, segment.kind()) else { return interval };
     let analytic_hit = Some(Hit { t: hit.t, analytic: Some(hit.leaf), triangle: Some(hit.triangle) });
     Interval { end: interval.end.min(hit.t), analytic_hit, ..interval }
 }
 
-/// First hit of each ray; `None` for a miss.
+/// First hit of each ray; `None` for a miss. All rays are of one [kind](RaySegment::kind).
 pub(crate) fn march(ctx: &TraceContext, rays: &[RaySegment]) -> Vec<Option<Hit>> {
     let Some(counters) = ctx.stats else { return sphere_trace::<false>(ctx, rays, &mut []) };
     let (hits, stats) = march_with_stats(ctx, rays);
@@ -134,6 +135,8 @@ fn sphere_trace<const STATS: bool>(
     stats: &mut [MarchStats],
 ) -> Vec<Option<Hit>> {
     let (field, frame) = (&ctx.scene.field, ctx.frame);
+    let kind = rays.first().map_or(RayKind::Camera, RaySegment::kind);
+    debug_assert!(!field.has_meshes_lit_by_field() || rays.iter().all(|segment| segment.kind() == kind));
     const IDLE: usize = usize::MAX;
     let mut hits = Vec::with_capacity(rays.len());
     let mut pending = Vec::new();
@@ -186,7 +189,7 @@ fn sphere_trace<const STATS: bool>(
         // Trace until the ray of some lane ends.
         let (ended, was_hit) = loop {
             let p = FieldVec3::new(ox + dx * t, oy + dy * t, oz + dz * t);
-            let distance = field.sphere_traced_distance(p) * step_factor;
+            let distance = field.sphere_traced_distance(p, kind) * step_factor;
             let extent = p.x.abs().fast_max(p.y.abs().fast_max(p.z.abs()));
             let hit_tolerance = (tolerance_factor * (path_length + t)).fast_max(rounding * extent);
             if STATS {

@@ -1,4 +1,4 @@
-// import: intersect/ray
+// import: intersect/ray, ray_kind
 // Sphere tracing. Twin of march.rs, which explains the tolerances.
 
 /// Distance of a ray that hits nothing.
@@ -40,6 +40,7 @@ struct Hit {
 
 /// First hit of a ray that continues a path of this length, up to `limit` metres.
 fn march(ray: Ray, path_length: f32, limit: f32) -> Hit {
+    begin_ray(path_length);
     let analytic = analytic_hit(ray.origin, ray.direction);
     let t_max = min(limit, frame.far);
     let inverse = 1.0 / select(ray.direction, vec3f(1e-12), abs(ray.direction) < vec3f(1e-12));

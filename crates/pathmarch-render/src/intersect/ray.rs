@@ -1,7 +1,7 @@
 //! Rays, ray segments and hits.
 
 use glam::Vec3;
-use pathmarch_field::graph::SPHERE_TRACED;
+use pathmarch_field::graph::{RayKind, SPHERE_TRACED};
 use pathmarch_field::number::Vec3 as FieldVec3;
 use wide::f32x8;
 
@@ -21,6 +21,13 @@ pub(crate) struct RaySegment {
     pub(crate) path_length: f32,
     /// Largest distance along the ray, metres.
     pub(crate) limit: f32,
+}
+
+impl RaySegment {
+    /// A ray that starts at the camera begins its path.
+    pub(crate) fn kind(&self) -> RayKind {
+        if self.path_length == 0.0 { RayKind::Camera } else { RayKind::Secondary }
+    }
 }
 
 /// Vector of the values of eight lanes.

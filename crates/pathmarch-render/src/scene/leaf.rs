@@ -83,7 +83,10 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
                 | flag_if(ANALYTIC, field.is_analytic_leaf(index))
                 | flag_if(IN_GLASS, in_glass[leaf.object as usize])
                 | flag_if(MESH_FIELD, is_mesh_field(scene, leaf))
-                | flag_if(TWO_SIDED, leaf.is_triangles() && !in_glass[leaf.object as usize])
+                | flag_if(
+                    TWO_SIDED,
+                    (leaf.is_triangles() || leaf.is_lit_by_field()) && !in_glass[leaf.object as usize],
+                )
                 | (light << LIGHT_SHIFT),
         }
     };

@@ -5,7 +5,7 @@
 fn smooth_outward(interaction: SurfaceInteraction) -> vec3f {
     let outward = outward_normal(interaction);
     // The gradient is the normal of a field.
-    if interaction.triangle == NO_TRIANGLE || (leaves[interaction.leaf].flags & MESH_FIELD) != 0u {
+    if !interaction.is_triangle_hit {
         return outward;
     }
     return mesh_shading_normal(interaction.leaf, interaction.triangle, interaction.p, outward);

@@ -77,8 +77,11 @@ pub(crate) fn surface_interactions(
         let on_surface = Mask8(f32x8::ZERO.simd_lt(is_analytic)) | Mask8(field.value.abs().simd_le(side_tolerance));
         let inside = Real::select(on_surface, -outward.dot(rays.direction), field.value).simd_lt(f32x8::ZERO);
         let normal = outward * Real::select(Mask8(inside), f32x8::splat(-1.0), f32x8::ONE);
-        let (p, normal_offset) =
-            (to_lanes(hit_point - outward * residual), to_lanes(normal * start_offset(rounding, residual)));
+        let clearance = lanes(|lane| meshes[lane].map_or(0.0, |mesh| mesh.clearance));
+        let (p, normal_offset) = (
+            to_lanes(hit_point - outward * residual),
+            to_lanes(normal * (start_offset(rounding, residual) + clearance)),
+        );
         let (normal, outward, inside) = (to_lanes(normal), to_lanes(outward), inside.to_bitmask());
         result.extend(chunk.iter().enumerate().map(|(lane, (segment, hit))| {
             let is_back = inside >> lane & 1 == 1;
@@ -150,7 +153,7 @@ fn with_nearest_triangles(
     let [x, y, z] = [p.x, p.y, p.z].map(f32x8::to_array);
     for lane in 0..8 {
         let leaf = leaves[lane] as usize;
-        let is_field = ctx.scene.leaves[leaf].has(MESH_FIELD);
+        let is_field = meshes[lane].is_none() && ctx.scene.leaves[leaf].has(MESH_FIELD);
         let at = FieldVec3::new(x[lane], y[lane], z[lane]);
         if let Some(nearest) = is_field.then(|| ctx.scene.field.nearest_triangle(leaf, at)).flatten() {
             leaves[lane] = nearest.leaf as f32;

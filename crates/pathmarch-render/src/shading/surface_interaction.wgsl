@@ -13,6 +13,8 @@ struct SurfaceInteraction {
     inside: bool,
     /// Triangle of a mesh, or NO_TRIANGLE.
     triangle: u32,
+    /// True if the ray hit that triangle, not a field to which it is closest.
+    is_triangle_hit: bool,
     /// Distance from `p` along `normal` to the origin of rays that leave on this side, metres.
     offset: f32,
 }
@@ -45,7 +47,8 @@ fn resolve_surface(hit_point: vec3f, direction: vec3f, hit: Hit, surface_at_hit:
         normal,
         inside && !is_turned,
         surface_at_hit.triangle,
-        start_offset(rounding, residual),
+        hit.triangle != NO_TRIANGLE,
+        start_offset(rounding, residual) + clearance(hit.hit_id, hit.triangle),
     );
 }
 

@@ -3,7 +3,7 @@
 use super::{Setting, SettingKind, setting};
 
 /// Names of the forms of a mesh, the default first.
-pub(crate) const FORMS: [&str; 2] = ["triangles", "field"];
+pub(crate) const FORMS: [&str; 3] = ["triangles", "field", "lit-by-field"];
 
 /// Properties of a `mesh`.
 pub const MESH: &[Setting] = &[
@@ -12,7 +12,7 @@ pub const MESH: &[Setting] = &[
         SettingKind::Choice { noun: "form of a mesh", names: || FORMS.to_vec() },
         "",
         "as=\"field\"",
-        "Exact triangles, as an object of its own; or a distance field, for operators.",
+        "Exact triangles, as an object of its own; a distance field, for operators; or triangles for camera rays and the field for all others.",
     ),
     setting(
         "resolution",

@@ -29,6 +29,11 @@ impl Composer<'_> {
         let mut counter = 0;
         for object in objects {
             let value = self.tree_distance(object, &mut text, &mut counter);
+            if set.is_none() && self.field.is_lit_by_field(object) {
+                writeln!(text, "    if !is_camera_ray {{\n        nearest = min(nearest, abs({value}));\n    }}")
+                    .expect("writing to a string");
+                continue;
+            }
             match self.field.convex_object(object).filter(|_| set.is_some()) {
                 Some(leaf) => {
                     writeln!(

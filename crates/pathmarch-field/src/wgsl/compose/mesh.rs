@@ -27,7 +27,8 @@ impl Composer<'_> {
         }
         if self.field.has_triangles() {
             let has_opacity = self.field.has_opacity();
-            code += &format!("\nconst HAS_OPACITY = {has_opacity};\n\n");
+            let is_lit_by_field = self.field.has_meshes_lit_by_field();
+            code += &format!("\nconst HAS_OPACITY = {has_opacity};\nconst HAS_LIT_BY_FIELD = {is_lit_by_field};\n\n");
             code += if has_opacity { OPACITY_WGSL } else { OPAQUE_WGSL };
             code += "\n";
             code += TRIANGLES_WGSL;

@@ -121,6 +121,8 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "texture_target" => {
             if_paths("shading/untextured_bsdf", "shading/untextured_preview", "shading/untextured_albedo")
         }
+        "ray_kind" if input.scene.field.has_meshes_lit_by_field() => "intersect/ray_kind",
+        "ray_kind" => "intersect/no_ray_kind",
         "mesh_normals" if input.scene.field.has_shading_normals() => "shading/mesh_normals",
         "mesh_normals" => "shading/no_mesh_normals",
         "mesh_lights" if !input.scene.mesh_lights.is_empty() => "integrator/mesh_lights",

@@ -172,6 +172,7 @@ fn mesh_features(picture: &str) -> Vec<Feature> {
         Feature::object("triangles", &format!("mesh \"{plain}\"")),
         Feature::object("smooth triangles", &format!("mesh \"{smooth}\" {{ rotate 0 30 0; scale 0.5 }}")),
         Feature::object("mesh field", &format!("union smooth=0.1 {{ sphere 0.5; {} }}", field(&smooth))),
+        Feature::object("lit triangles", &format!("mesh \"{smooth}\" as=\"lit-by-field\" resolution=16")),
         at_uvs("uv triangles", &format!("mesh \"{plain}\"")),
         at_uvs("uv field", &format!("twist 0.1 {{ {} }}", field(&plain))),
         at_uvs("uv box", "box 1"),

@@ -70,7 +70,9 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/sky" shares encode::sky_kinds_wgsl,
     "integrator/splitting" shares splitting::shared_wgsl,
     "intersect/march" shares march::shared_wgsl,
+    "intersect/no_ray_kind",
     "intersect/ray",
+    "intersect/ray_kind",
     "preview/light_irradiance",
     "preview/preview" shares || {
         [preview::shared_wgsl(), preview_steps::shared_wgsl(), encode::preview::shared_wgsl(),

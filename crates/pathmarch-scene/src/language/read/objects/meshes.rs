@@ -12,7 +12,7 @@ use crate::language::tree::{Entry, Node};
 use crate::mesh_files::MeshFile;
 use crate::settings::MESH;
 use pathmarch_field::graph::Kind;
-use pathmarch_field::{MeshGeometry, MeshShape, Node as FieldNode, ShapeRef};
+use pathmarch_field::{MeshShape, Node as FieldNode, ShapeRef};
 use std::sync::Arc;
 
 impl Solids<'_> {
@@ -43,19 +43,24 @@ impl Solids<'_> {
             None => self.materials_of(&file, entry, context),
         };
         let tag = tags.first().copied().unwrap_or_default();
-        let shape = match form? == "field" {
-            false => {
+        let form = form?;
+        let shape = match form == "triangles" {
+            true => {
                 // A material of the scene replaces the opacity of those of the file, too.
                 let opacity = if is_own { None } else { file.opacity() };
                 MeshShape::triangles(Arc::clone(&file.surface), tags).with_opacity(opacity)
             }
-            true => {
+            false => {
                 let grid = file.field(resolution?).map_err(|error| {
                     let message = "This mesh cannot be a distance field.";
                     let mistake = draft("pathmarch::mesh_field", entry.value_span, message);
                     context.report.add(mistake.label(error.to_string()));
                 });
-                MeshShape::field(Arc::clone(&file.surface), grid.ok()?, tags)
+                let (surface, grid) = (Arc::clone(&file.surface), grid.ok()?);
+                match form == "field" {
+                    true => MeshShape::field(surface, grid, tags),
+                    false => MeshShape::lit_by_field(surface, grid, tags),
+                }
             }
         };
         let kind = Kind::Shape { shape: ShapeRef::Custom(Arc::new(shape)), params: Vec::new(), tag };
@@ -118,7 +123,7 @@ pub(super) fn refuse_combined_triangles(node: &FieldNode, owner: &Node, context:
 
 fn has_triangles(node: &FieldNode) -> bool {
     match &node.kind {
-        Kind::Shape { shape, .. } => shape.mesh().is_some_and(MeshGeometry::is_triangles),
+        Kind::Shape { shape, .. } => shape.mesh().is_some_and(|mesh| mesh.is_triangles() || mesh.is_lit_by_field()),
         Kind::Operator { children, .. } | Kind::Modifier { children, .. } => children.iter().any(has_triangles),
     }
 }
