@@ -7,9 +7,9 @@
 //! **Offsets.** The renderer draws an offset in the pixel for each ray; a rasteriser has one for all pixels. Both are measured:
 //! `own` offsets, as the renderer's pictures have, and a `common` one, with other noise.
 //!
-//! **Method.** Passes take turns; medians are reported. The pictures of both ways are compared pixel by pixel, and by the larger
+//! **Method.** Passes and whole samples take turns; medians are reported. The pictures of both ways are compared pixel by pixel, and by the larger
 //! relMSE of their distances and their normals. The time of a whole sample with bounces, by the renderer, shows how much of a
-//! frame could be gained: the rasteriser only replaces camera rays.
+//! frame could be gained: the rasteriser only replaces camera rays. Preview and views (`--mode`) have a common offset already.
 //!
 //! **Limits.** Details smaller than a pixel that no sample of the raster hits are lost; differing pixels count them.
 
@@ -17,13 +17,17 @@ mod passes;
 mod torus;
 
 use crate::measure::{self, Interrupt, MAX_SAMPLES};
-use passes::{Gpu, NO_HIT, Pass, Passes, PixelHit};
+use passes::{Gpu, NO_HIT, Pass, Passes, PixelHit, median};
 use pathmarch_cli::{DONE, Failure, catch_interrupts, note, outln, value_parsers};
 use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::relmse;
 use pathmarch_render::pathmarch_scene::settings;
-use pathmarch_render::{Backend, Renderer, Settings};
+use pathmarch_render::{Backend, Job, Mode, Renderer, Settings};
+use std::time::Instant;
 use torus::{MeshScene, Offsets};
+
+/// Most rounds: modes without noise take sixteen samples, of which the first is warm-up.
+const MAX_ROUNDS: u32 = 15;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -34,17 +38,24 @@ pub struct Arguments {
     #[arg(long, value_name = "WxH", num_args = 1.., default_values = ["640x360", "1280x720"], value_parser = value_parsers::size)]
     size: Vec<[u32; 2]>,
     /// Number of rounds
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = value_parsers::whole((1, 1000)), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 7, value_parser = value_parsers::whole((1, MAX_ROUNDS)), allow_hyphen_values = true)]
     rounds: u32,
     /// Scattering events after the first hit, of the whole sample
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = value_parsers::whole(settings::BOUNCES), allow_hyphen_values = true)]
     bounces: u32,
+    /// Quantity of the whole sample: path, preview, normal, ...
+    #[arg(long, value_name = "NAME", default_value = Mode::Path.name(), value_parser = parse_mode)]
+    mode: Mode,
     /// Leave out triangles seen from behind, as closed meshes allow
     #[arg(long)]
     cull: bool,
     /// GPU adapter, by a part of its name
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+}
+
+fn parse_mode(text: &str) -> Result<Mode, String> {
+    Mode::from_name(text).ok_or_else(|| format!("expected one of {}", Mode::ALL.map(Mode::name).join(", ")))
 }
 
 /// Columns of the report.
@@ -61,44 +72,65 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     for &triangles in &arguments.triangles {
         note!("hybrid: {triangles} triangles");
         let mesh = MeshScene::torus(triangles)?;
+        let (bytes, most) = (mesh.bvh_bytes() >> 20, gpu.max_binding >> 20);
+        if mesh.bvh_bytes() > gpu.max_binding {
+            note!("hybrid: a hierarchy of {bytes} MiB exceeds {most} MiB; the raster alone is measured");
+        }
         for &size in &arguments.size {
-            let time = |renderer| whole_sample(arguments, renderer, &mesh, size, &interrupt);
-            let samples = [time(&renderer)?, time(&cpu)?];
             for offsets in Offsets::ALL {
-                interrupt.check()?;
                 let passes = Passes::new(&gpu, &mesh, size, offsets, arguments.cull);
-                if passes.possible().len() == 1 {
-                    let (bytes, most) = (passes.bvh_bytes >> 20, gpu.max_binding >> 20);
-                    note!("hybrid: a hierarchy of {bytes} MiB exceeds {most} MiB; the raster alone is measured");
-                }
-                let row = Row::measure(&passes, &mesh, size, arguments.rounds)?;
-                outln!("| {} |", row.cells(&mesh, size, offsets, samples).join(" | "));
+                let mut samples = [
+                    SampleTimer::start(arguments, &renderer, &mesh, size, &interrupt)?,
+                    SampleTimer::start(arguments, &cpu, &mesh, size, &interrupt)?,
+                ];
+                let mut time_samples = || samples.iter_mut().try_for_each(|sample| sample.next(&interrupt));
+                let row = Row::measure(&passes, &mesh, size, arguments.rounds, &mut time_samples)?;
+                outln!("| {} |", row.cells(&mesh, size, offsets, samples.map(SampleTimer::median)).join(" | "));
             }
         }
     }
     Ok(DONE)
 }
 
-/// Median milliseconds of a sample with bounces; `None` if the backend refuses the scene.
-fn whole_sample(
-    arguments: &Arguments,
-    renderer: &Renderer,
-    mesh: &MeshScene,
-    size: [u32; 2],
-    interrupt: &Interrupt,
-) -> Result<Option<f64>, Failure> {
-    let of_scene = Settings::of(&mesh.scene);
-    let settings = Settings { size, bounces: arguments.bounces, samples: MAX_SAMPLES, ..of_scene };
-    let job = match renderer.start(&mesh.scene, &settings) {
-        Ok(job) => job,
-        Err(error) => {
-            note!("hybrid: {error}");
-            return Ok(None);
-        }
-    };
-    let rounds = arguments.rounds..=arguments.rounds;
-    let times = measure::time_interleaved(&mut [job], rounds, 1, 0.0, interrupt)?;
-    Ok(Some(times[0].spread()[0]))
+/// Timer of whole samples with bounces.
+struct SampleTimer {
+    /// `None` if the backend refuses the scene.
+    job: Option<Job>,
+    /// Milliseconds.
+    times: Vec<f64>,
+}
+
+impl SampleTimer {
+    /// Starts a picture; its first sample is warm-up.
+    fn start(
+        arguments: &Arguments,
+        renderer: &Renderer,
+        mesh: &MeshScene,
+        size: [u32; 2],
+        interrupt: &Interrupt,
+    ) -> Result<Self, Failure> {
+        let &Arguments { bounces, mode, .. } = arguments;
+        let settings = Settings { size, bounces, mode, samples: MAX_SAMPLES, ..Settings::of(&mesh.scene) };
+        let job = renderer.start(&mesh.scene, &settings).map_err(|error| note!("hybrid: {error}")).ok();
+        let mut timer = Self { job, times: Vec::new() };
+        timer.next(interrupt)?;
+        timer.times.clear();
+        Ok(timer)
+    }
+
+    fn next(&mut self, interrupt: &Interrupt) -> Result<(), Failure> {
+        let Some(job) = &mut self.job else { return interrupt.check() };
+        let next = job.samples_done() as u32 + 1;
+        let began = Instant::now();
+        measure::until(job, next, interrupt)?;
+        self.times.push(began.elapsed().as_secs_f64() * 1e3);
+        Ok(())
+    }
+
+    /// Median milliseconds.
+    fn median(self) -> Option<f64> {
+        self.job.map(|_| median(self.times))
+    }
 }
 
 /// Figures of one picture.
@@ -119,8 +151,15 @@ struct HitFigures {
 }
 
 impl Row {
-    fn measure(passes: &Passes, mesh: &MeshScene, size: [u32; 2], rounds: u32) -> Result<Self, Failure> {
-        match passes.time_interleaved(passes.possible(), rounds)?[..] {
+    /// Measures the passes in turns with other work, `beside`.
+    fn measure(
+        passes: &Passes,
+        mesh: &MeshScene,
+        size: [u32; 2],
+        rounds: u32,
+        beside: &mut dyn FnMut() -> Result<(), Failure>,
+    ) -> Result<Self, Failure> {
+        match passes.time_interleaved(passes.possible(), rounds, beside)?[..] {
             [bvh_ms, raster_ms, ids_ms] => {
                 let (exact, from_ids) = (passes.hits(Pass::Bvh)?, passes.hits(Pass::Ids)?);
                 let fallbacks = from_ids.iter().filter(|hit| hit.is_fallback).count();

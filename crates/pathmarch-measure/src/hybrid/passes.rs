@@ -2,7 +2,7 @@
 
 use super::torus::{MeshScene, Offsets, ViewUniform};
 use pathmarch_cli::Failure;
-use pathmarch_render::pathmarch_field::wgsl::{Program, ProgramOptions};
+use pathmarch_render::pathmarch_field::wgsl::Program;
 use std::time::Instant;
 use wgpu::util::DeviceExt;
 
@@ -98,8 +98,6 @@ pub struct Passes<'a> {
     hits: wgpu::Buffer,
     /// The kernels of [`Pass::Bvh`] and [`Pass::Ids`]; `None` if the hierarchy does not fit.
     kernels: Option<[Kernel; 2]>,
-    /// Bytes of the hierarchy with its triangles.
-    pub bvh_bytes: u64,
 }
 
 impl<'a> Passes<'a> {
@@ -123,10 +121,8 @@ impl<'a> Passes<'a> {
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let options = ProgramOptions { has_triangle_distances: false, ..ProgramOptions::default() };
-        let program = Program::with_options(&mesh.scene.field, options);
-        let bvh_bytes = size_of_val(program.mesh_words()) as u64;
-        let kernels = (bvh_bytes <= gpu.max_binding).then(|| {
+        let kernels = (mesh.bvh_bytes() <= gpu.max_binding).then(|| {
+            let program = mesh.program();
             let words = gpu.buffer(bytemuck::cast_slice(program.mesh_words()), wgpu::BufferUsages::STORAGE);
             let buffers = [&view, &words, &hits].map(wgpu::Buffer::as_entire_binding);
             let textures = [&ids, &depths].map(wgpu::BindingResource::TextureView);
@@ -144,7 +140,6 @@ impl<'a> Passes<'a> {
             depths,
             hits,
             kernels,
-            bvh_bytes,
         }
     }
 
@@ -201,8 +196,13 @@ impl<'a> Passes<'a> {
         Ok(began.elapsed().as_secs_f64() * 1e3 / f64::from(repeats))
     }
 
-    /// Median milliseconds of passes that take turns. Two runs of each are warm-up.
-    pub fn time_interleaved(&self, passes: &[Pass], rounds: u32) -> Result<Vec<f64>, Failure> {
+    /// Median milliseconds of passes that take turns with other work, `beside`. Two runs of each pass are warm-up.
+    pub fn time_interleaved(
+        &self,
+        passes: &[Pass],
+        rounds: u32,
+        beside: &mut dyn FnMut() -> Result<(), Failure>,
+    ) -> Result<Vec<f64>, Failure> {
         let mut repeats = Vec::new();
         for &pass in passes {
             self.time(pass, 1)?;
@@ -213,6 +213,7 @@ impl<'a> Passes<'a> {
             for ((&pass, &repeats), times) in passes.iter().zip(&repeats).zip(&mut times) {
                 times.push(self.time(pass, repeats)?);
             }
+            beside()?;
         }
         Ok(times.into_iter().map(median).collect())
     }
@@ -242,7 +243,8 @@ impl<'a> Passes<'a> {
     }
 }
 
-fn median(mut times: Vec<f64>) -> f64 {
+/// Median of at least one time.
+pub fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
 }

@@ -5,6 +5,7 @@ use glam::{Mat4, Vec3};
 use pathmarch_cli::Failure;
 use pathmarch_mesh::TriangleMesh;
 use pathmarch_render::pathmarch_field::graph::Kind;
+use pathmarch_render::pathmarch_field::wgsl::{Program, ProgramOptions};
 use pathmarch_render::pathmarch_field::{MeshShape, MeshSurface, Node, Placement, ShapeRef};
 use pathmarch_render::pathmarch_scene::parts::{SceneParts, camera, material};
 use pathmarch_render::pathmarch_scene::{Camera, Light, Object, Scene, Sky};
@@ -63,6 +64,17 @@ impl MeshScene {
         self.surface.mesh()
     }
 
+    /// Code of the field, with the words of the hierarchy and its triangles.
+    pub fn program(&self) -> Program {
+        let options = ProgramOptions { has_triangle_distances: false, ..ProgramOptions::default() };
+        Program::with_options(&self.scene.field, options)
+    }
+
+    /// Bytes of the hierarchy with its triangles.
+    pub fn bvh_bytes(&self) -> u64 {
+        size_of_val(self.program().mesh_words()) as u64
+    }
+
     /// Triangles of the mesh in the order of kernels.
     pub fn triangles_in_kernel_order(&self) -> Vec<[u32; 3]> {
         let mut triangles = vec![[0; 3]; self.mesh().triangles.len()];
@@ -100,8 +112,9 @@ impl Offsets {
         }
     }
 
-    /// Largest second difference of depths over three pixels without an edge, in widths of a pixel: the largest power of two
-    /// with a relMSE below 1e-6. Rays that pass the samples of the raster need less care.
+    /// Largest second difference of depths over three pixels without an edge, in widths of a pixel. With these the relMSE of
+    /// 100 thousand and a million triangles is below 1e-6; with 1 for own and 32 for common offsets it was not. Rays that pass
+    /// the samples of the raster need less care.
     fn max_bend(self) -> f32 {
         match self {
             Self::Own => 0.5,
