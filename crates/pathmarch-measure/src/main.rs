@@ -6,6 +6,7 @@ mod bench;
 mod denoise;
 mod flights;
 mod fuzz;
+mod hybrid;
 mod measure;
 mod peers;
 mod rays;
@@ -34,6 +35,8 @@ enum Command {
     Flights(flights::Arguments),
     /// Try random inputs on everything that reads files.
     Fuzz(fuzz::Arguments),
+    /// Time camera rays by rasteriser and by hierarchy, on GPUs.
+    Hybrid(hybrid::Arguments),
     /// Trace rays through meshes, and compare each with a test of every triangle in 64 bits.
     Rays(rays::Arguments),
     /// Repeat the evaluation of the thesis: tables, plots and pictures.
@@ -47,6 +50,7 @@ fn main() -> ExitCode {
         Command::Denoise(arguments) => denoise::run(&arguments),
         Command::Flights(arguments) => flights::run(&arguments),
         Command::Fuzz(arguments) => fuzz::run(&arguments),
+        Command::Hybrid(arguments) => hybrid::run(&arguments),
         Command::Rays(arguments) => rays::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
     })
