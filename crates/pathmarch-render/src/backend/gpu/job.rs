@@ -87,13 +87,19 @@ fn check_limits(device: &GpuContext, size: [u32; 2], shapes: usize) -> Result<()
     Ok(())
 }
 
-/// Fails if the parameters of a field exceed a binding of the device.
-fn check_parameters(device: &GpuContext, parameters: &[[f32; 4]]) -> Result<(), RenderError> {
+/// Fails if a table of the scene exceeds a binding of the device.
+fn check_tables(device: &GpuContext, source: &KernelSource) -> Result<(), RenderError> {
     let limits = device.device.limits();
-    let bytes = size_of_val(parameters) as u64;
-    if bytes > limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) {
-        let what = format!("a field with {} MB of parameters", bytes >> 20);
-        return Err(RenderError::TooLarge { adapter: device.description.name.clone(), what });
+    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    for (name, bytes) in [
+        ("parameters of shapes", size_of_val(&source.parameters[..])),
+        ("meshes, pictures and other tables", size_of_val(&source.data.words[..])),
+        ("pixels of the sky", size_of_val(&source.data.sky_texels[..])),
+    ] {
+        if bytes as u64 > limit {
+            let what = format!("{} MiB of {name} (the limit is {} MiB)", bytes >> 20, limit >> 20);
+            return Err(RenderError::TooLarge { adapter: device.description.name.clone(), what });
+        }
     }
     Ok(())
 }
@@ -139,7 +145,7 @@ impl GpuJob {
         let frame_record = &input.frame;
         let size = frame_record.size();
         check_limits(&device, size, input.scene.field.shapes_as_code())?;
-        check_parameters(&device, &source.parameters)?;
+        check_tables(&device, source)?;
         let started = Instant::now();
         let kernel = device.kernels.compile(&device, source)?;
         let gpu = &device.device;
