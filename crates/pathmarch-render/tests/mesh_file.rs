@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
-use pathmarch_render::pathmarch_field::Mesh;
 use pathmarch_render::pathmarch_field::mesh::Fineness;
+use pathmarch_render::pathmarch_field::{Field, Mesh};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::tonemap::srgb_encode;
 use pathmarch_testing::{plain, tests};
@@ -173,6 +173,73 @@ fn vertices_have_the_colours_of_textures_and_orbits() {
     assert!(greys[greys.len() - 1] - greys[0] > 0.05, "{} to {}", greys[0], greys[greys.len() - 1]);
 }
 
+/// Solid with a smooth blend, an edge and a hollow.
+const SOLID: &str =
+    "subtract { union smooth=0.2 { sphere 0.8; box 1 0.7 0.6 { at 0.7 0.3 0 } }; torus 0.6 0.2 { at 0 0.5 0 } }";
+
+/// The field of a solid.
+fn field_of(solid: &str, directory: &Path) -> Scene {
+    let text =
+        format!("pathmarch 1\ncamera {{ position 0 1 4; target 0 0 0 }}\nsky 1\nobject \"solid\" {{ {solid} }}\n");
+    let path = directory.join("scene.kdl");
+    std::fs::write(&path, text).expect("written");
+    Scene::load(&path).expect("a scene")
+}
+
+fn distance(field: &Field, [x, y, z]: [f32; 3]) -> f32 {
+    field.distance(pathmarch_render::pathmarch_field::number::Vec3::new(x, y, z))
+}
+
+/// Points at which a field is zero, on random segments.
+fn surface_points(field: &Field, count: usize) -> Vec<[f32; 3]> {
+    let mut state = 7_u32;
+    let mut uniform = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 16_777_216.0
+    };
+    let mut point = || Vec3::from([0; 3].map(|_| 3.0 * uniform() - 1.5));
+    let distance = |p: Vec3| distance(field, p.to_array());
+    let mut points = Vec::new();
+    while points.len() < count {
+        let (mut inside, mut outside) = (point(), point());
+        if distance(inside) < 0.0 && distance(outside) > 0.0 {
+            for _ in 0..40 {
+                let middle = inside.midpoint(outside);
+                *(if distance(middle) < 0.0 { &mut inside } else { &mut outside }) = middle;
+            }
+            points.push(inside.to_array());
+        }
+    }
+    points
+}
+
+/// Largest absolute value of a field at some points.
+fn largest_distance(field: &Field, points: &[[f32; 3]]) -> f32 {
+    points.iter().map(|&p| distance(field, p).abs()).fold(0.0, f32::max)
+}
+
+/// Field to mesh file to field.
+fn exported_solids_return_within_a_voxel() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let original = field_of(SOLID, directory.path());
+    let objects: Vec<_> = original.objects.iter().collect();
+    let fineness = Fineness::Resolution(128);
+    let exported = mesh(&original, &objects, fineness, None, &|_| ControlFlow::Continue(())).expect("a mesh");
+    let extent = exported.positions.iter().fold([[f32::MAX; 3], [f32::MIN; 3]], |[low, high], p| {
+        [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
+    });
+    let voxel = (0..3).map(|k| extent[1][k] - extent[0][k]).fold(0.0, f32::max) / 128.0;
+    for format in MeshFormat::ALL {
+        let path = written(format, &exported, directory.path());
+        let file = path.file_name().and_then(|name| name.to_str()).expect("a name");
+        let returned = field_of(&format!("mesh \"{file}\" as=\"field\" resolution=128"), directory.path());
+        let there = largest_distance(&returned.field, &surface_points(&original.field, 5000));
+        let back = largest_distance(&original.field, &surface_points(&returned.field, 5000));
+        println!("{format:?}: {:.2} and {:.2} voxels", there / voxel, back / voxel);
+        assert!(there < voxel && back < voxel, "{format:?}: {there} and {back}, a voxel is {voxel}");
+    }
+}
+
 tests! {
     plain: [
         stl_is_read_by_other_programs,
@@ -181,5 +248,6 @@ tests! {
         glb_is_read_by_other_programs,
         unknown_extensions_and_missing_directories_are_refused,
         vertices_have_the_colours_of_textures_and_orbits,
+        exported_solids_return_within_a_voxel,
     ],
 }

@@ -4,7 +4,7 @@
 //! triangles; many times that where most of the surface is equally far, as in the centre of a sphere.
 
 use super::stack::Stack;
-use super::{Bvh, LEAF, triangle8};
+use super::{Bvh, LEAF, WideNode, triangle8};
 use crate::triangle_mesh::TriangleMesh;
 use glam::{DVec3, Vec3};
 use wide::f32x8;
@@ -22,13 +22,17 @@ pub struct ClosestPoint {
     pub barycentrics: [f32; 2],
 }
 
-/// Triangle in a hierarchy, to start the next search with.
+/// Triangle in a hierarchy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nearest {
     pub squared_distance: f32,
+    /// Index of its block of eight, and its place there.
     block: u32,
     lane: u32,
 }
+
+/// Index of no block.
+const NONE: u32 = u32::MAX;
 
 impl Bvh {
     /// Closest point of a mesh that is at most `max_distance` away; `mesh` is that of [`Bvh::build`].
@@ -36,45 +40,101 @@ impl Bvh {
     /// # Panics
     /// If `mesh` has fewer triangles than that of the hierarchy.
     pub fn closest_point(&self, mesh: &TriangleMesh, p: Vec3, max_distance: f32) -> Option<ClosestPoint> {
-        let nearest = self.nearest(p, max_distance * max_distance, None)?;
+        let nearest = self.nearest(p, max_distance * max_distance)?;
         let triangle = self.blocks[nearest.block as usize].triangles[nearest.lane as usize];
         let (point, barycentrics) = closest_on_triangle(p, mesh.corners(triangle as usize));
         Some(ClosestPoint { distance: p.distance(point), point, triangle, barycentrics })
     }
 
-    /// Nearest triangle within a distance. `guess`, such as the result for a point nearby, makes the search shorter.
+    /// Nearest triangle within a distance.
     #[inline]
-    pub(crate) fn nearest(&self, p: Vec3, max_squared: f32, guess: Option<Nearest>) -> Option<Nearest> {
-        let lanes = p.to_array().map(f32x8::splat);
-        let mut limit = max_squared;
-        let mut nearest = None;
-        let mut visit = |block: u32, limit: &mut f32| {
-            let squared = self.blocks[block as usize].squared_distances(lanes);
-            let mask = squared.simd_lt(f32x8::splat(*limit)).to_bitmask();
-            if mask != 0 {
-                let (lane, least) = least_lane(squared.as_array(), mask);
-                *limit = least;
-                nearest = Some(Nearest { squared_distance: least, block, lane });
-            }
-        };
-        if let Some(guess) = guess {
-            visit(guess.block, &mut limit);
+    pub(crate) fn nearest(&self, p: Vec3, max_squared: f32) -> Option<Nearest> {
+        let mut search = Search::new(self, p, max_squared);
+        if !self.nodes.is_empty() {
+            search.descend(0);
         }
-        let mut stack = Stack::new();
-        while let Some(entry) = stack.pop().filter(|_| !self.nodes.is_empty()) {
-            if entry.distance >= limit {
+        search.nearest
+    }
+}
+
+/// Search for the triangle nearest to a point.
+pub(super) struct Search<'b> {
+    bvh: &'b Bvh,
+    /// The point, on all lanes.
+    p: [f32x8; 3],
+    /// Squared distance below which a triangle is of interest.
+    limit: f32,
+    /// Block that was tested first, or [`NONE`].
+    tested: u32,
+    pub nearest: Option<Nearest>,
+}
+
+impl<'b> Search<'b> {
+    #[inline(always)]
+    pub fn new(bvh: &'b Bvh, p: Vec3, max_squared: f32) -> Self {
+        Self { bvh, p: p.to_array().map(f32x8::splat), limit: max_squared, tested: NONE, nearest: None }
+    }
+
+    /// Tests the block of another search's result first.
+    #[inline(always)]
+    pub fn start_with(&mut self, guess: Nearest) {
+        self.visit(guess.block);
+        self.tested = guess.block;
+    }
+
+    /// Tests a block of triangles.
+    #[inline(always)]
+    fn visit(&mut self, block: u32) {
+        let squared = self.bvh.blocks[block as usize].squared_distances(self.p);
+        let mask = squared.simd_lt(f32x8::splat(self.limit)).to_bitmask();
+        if mask != 0 {
+            let (lane, least) = least_lane(squared.as_array(), mask);
+            self.limit = least;
+            self.nearest = Some(Nearest { squared_distance: least, block, lane });
+        }
+    }
+
+    /// Tests eight boxes, and what is in those that are near enough.
+    #[inline(always)]
+    pub fn visit_children(&mut self, node: &WideNode) {
+        let squared = box_squared_distances(self.p, &node.min, &node.max);
+        let mut mask = squared.simd_lt(f32x8::splat(self.limit)).to_bitmask();
+        while mask != 0 {
+            let slot = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            if squared.as_array()[slot] < self.limit {
+                self.follow(node.children[slot]);
+            }
+        }
+    }
+
+    /// Tests a child of a node.
+    #[inline(always)]
+    fn follow(&mut self, child: u32) {
+        if child & LEAF == 0 {
+            self.descend(child);
+        } else if child & !LEAF != self.tested {
+            self.visit(child & !LEAF);
+        }
+    }
+
+    /// Tests the triangles below a node.
+    #[inline]
+    fn descend(&mut self, node: u32) {
+        let mut stack = Stack::at(node);
+        while let Some(entry) = stack.pop() {
+            if entry.distance >= self.limit {
                 continue;
             }
             if entry.node & LEAF != 0 {
-                visit(entry.node & !LEAF, &mut limit);
+                self.visit(entry.node & !LEAF);
                 continue;
             }
-            let node = &self.nodes[entry.node as usize];
-            let squared = box_squared_distances(lanes, &node.min, &node.max);
-            let mask = squared.simd_lt(f32x8::splat(limit)).to_bitmask();
+            let node = &self.bvh.nodes[entry.node as usize];
+            let squared = box_squared_distances(self.p, &node.min, &node.max);
+            let mask = squared.simd_lt(f32x8::splat(self.limit)).to_bitmask();
             stack.push_sorted(mask, squared.as_array(), &node.children);
         }
-        nearest
     }
 }
 

@@ -47,7 +47,7 @@ impl ShearedRay {
 
     /// A corner relative to the origin, sheared; its depth is in units of the ray's parameter.
     #[inline(always)]
-    pub fn shear(&self, corner: [f32x8; 3]) -> [f32x8; 3] {
+    pub fn shear(&self, corner: &[f32x8; 3]) -> [f32x8; 3] {
         let [x, y, z] = [0, 1, 2].map(|k| corner[self.axes[k]] - self.origin[k]);
         [x - self.shear[0] * z, y - self.shear[1] * z, self.shear[2] * z]
     }

@@ -21,7 +21,15 @@ impl Stack {
     /// Stack with the root on it.
     #[inline(always)]
     pub fn new() -> Self {
-        Self { near: [Entry::default(); NEAR], count: 1, far: Vec::new() }
+        Self::at(0)
+    }
+
+    /// Stack with a node on it, whatever its distance.
+    #[inline(always)]
+    pub fn at(node: u32) -> Self {
+        let mut near = [Entry::default(); NEAR];
+        near[0].node = node;
+        Self { near, count: 1, far: Vec::new() }
     }
 
     #[inline(always)]

@@ -56,8 +56,9 @@ impl Triangle8 {
     /// each).
     #[inline(always)]
     pub fn intersect(&self, ray: &ShearedRay, t_min: f32, t_max: f32, lanes: u32) -> Option<BlockHit> {
-        let [a, b, c] = self.corners.map(|corner| ray.shear(corner));
-        let edges = EdgeFunctions::new([a, b, c]);
+        let [a, b, c] = &self.corners;
+        let [a, b, c] = [ray.shear(a), ray.shear(b), ray.shear(c)];
+        let edges = EdgeFunctions::new(&[a, b, c]);
         let determinant = edges.u + edges.v + edges.w;
         let t = (edges.u * a[2] + edges.v * b[2] + edges.w * c[2]) / determinant;
         let is_hit = edges.same_sign() & t.simd_gt(f32x8::splat(t_min)) & t.simd_lt(f32x8::splat(t_max));
@@ -80,9 +81,9 @@ impl Triangle8 {
     /// Squared distances from a point given on all lanes; NaN on unused ones.
     #[inline(always)]
     pub fn squared_distances(&self, p: [f32x8; 3]) -> f32x8 {
-        let [a, b, c] = self.corners;
+        let [a, b, c] = &self.corners;
         let (ab, bc, ca) = (sub(b, a), sub(c, b), sub(a, c));
-        let (ap, bp, cp) = (sub(p, a), sub(p, b), sub(p, c));
+        let (ap, bp, cp) = (sub(&p, a), sub(&p, b), sub(&p, c));
         let edges = to_segment(ap, ab).fast_min(to_segment(bp, bc)).fast_min(to_segment(cp, ca));
         // Barycentric coordinates of the foot of the perpendicular (Ericson 2005, section 3.4).
         let (ab_ab, ac_ac, ab_ac) = (dot(ab, ab), dot(ca, ca), -dot(ab, ca));
@@ -106,8 +107,8 @@ struct EdgeFunctions {
 
 impl EdgeFunctions {
     #[inline(always)]
-    fn new([a, b, c]: [[f32x8; 3]; 3]) -> Self {
-        let edge = |p: [f32x8; 3], q: [f32x8; 3]| p[0] * q[1] - p[1] * q[0];
+    fn new([a, b, c]: &[[f32x8; 3]; 3]) -> Self {
+        let edge = |p: &[f32x8; 3], q: &[f32x8; 3]| p[0] * q[1] - p[1] * q[0];
         let [mut u, mut v, mut w] = [edge(c, b), edge(a, c), edge(b, a)];
         let zero = f32x8::ZERO;
         if (u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero)).any() {
@@ -131,7 +132,7 @@ impl EdgeFunctions {
 
 /// Edge function in 64 bits, whose sign is exact but for underflow.
 #[cold]
-fn edge_f64(p: [f32x8; 3], q: [f32x8; 3]) -> f32x8 {
+fn edge_f64(p: &[f32x8; 3], q: &[f32x8; 3]) -> f32x8 {
     let (p, q) = (p.map(f32x8::to_array), q.map(f32x8::to_array));
     let edge =
         |k: usize| sign_preserving(f64::from(p[0][k]) * f64::from(q[1][k]) - f64::from(p[1][k]) * f64::from(q[0][k]));
@@ -139,7 +140,7 @@ fn edge_f64(p: [f32x8; 3], q: [f32x8; 3]) -> f32x8 {
 }
 
 #[inline(always)]
-fn sub(p: [f32x8; 3], q: [f32x8; 3]) -> [f32x8; 3] {
+fn sub(p: &[f32x8; 3], q: &[f32x8; 3]) -> [f32x8; 3] {
     [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 

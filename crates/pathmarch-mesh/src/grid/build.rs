@@ -8,9 +8,10 @@
 
 use super::layout::{BLOCK, COARSE, Corners, Layout, SAMPLES, SIDE, index, slope};
 use super::signs::Groups;
+use super::unsigned::{self, SampleBox};
 use super::{DistanceGrid, GridError, MAX_BRICKS, NO_BRICK, Progress, SAMPLE_RANGE, greatest, solid};
 use crate::bvh::binary::BinaryBvh;
-use crate::bvh::{Bvh, LEAVES};
+use crate::bvh::{Bvh, LEAVES, Neighbourhood};
 use crate::triangle_mesh::TriangleMesh;
 use crate::winding::WindingTree;
 use glam::{IVec3, UVec3, Vec3};
@@ -23,6 +24,8 @@ const BAND: f32 = 2.0;
 const EXACT: f32 = 0.5;
 /// Voxels before a block without brick over which its values are approached.
 const BLEND: f32 = 2.0;
+/// Coarse samples along z that are one piece of work.
+const SLICE: u32 = 4;
 /// Half edge of the smallest cell that decides about a brick, voxels.
 const FINEST: f32 = 0.5;
 /// Fractions of the work after the hierarchy and after the coarse samples.
@@ -47,9 +50,9 @@ pub(super) fn build(mesh: &TriangleMesh, resolution: u32, progress: Progress) ->
         let total = ends[start] + share * (ends[start + 1] - ends[start]);
         if progress(total).is_break() { Err(GridError::Stopped) } else { Ok(()) }
     };
-    let rows = layout.coarse_count() / layout.coarse_size().x as usize;
+    let slices = layout.coarse_size().z.div_ceil(SLICE) as usize;
     let done = AtomicUsize::new(0);
-    let coarse = signed_coarse(&layout, &surface, &|| advance(0, &done, rows))?;
+    let coarse = signed_coarse(&layout, &surface, &|| advance(0, &done, slices))?;
     let mut grid = DistanceGrid {
         layout,
         coarse,
@@ -84,20 +87,22 @@ fn signed_coarse(
     let size = layout.coarse_size();
     let spacing = COARSE as f32 * layout.voxel;
     let mut distances = vec![0.0; layout.coarse_count()];
-    distances.par_chunks_mut(size.x as usize).enumerate().try_for_each(|(row, distances)| {
+    let whole = Neighbourhood::new(&surface.bvh);
+    let position = |sample: UVec3| layout.position(COARSE * sample);
+    // A slice of a thickness is contiguous, and enough work for a core.
+    let slice = size.x as usize * size.y as usize * SLICE as usize;
+    distances.par_chunks_mut(slice).enumerate().try_for_each(|(slice, distances)| {
         advance()?;
-        let first = layout.coarse_sample(row * size.x as usize);
-        let mut guess = None;
-        for (x, distance) in distances.iter_mut().enumerate() {
-            let p = layout.position(COARSE * (first + UVec3::new(x as u32, 0, 0)));
-            guess = surface.bvh.nearest(p, f32::INFINITY, guess);
-            *distance = guess.map_or(f32::INFINITY, |nearest| nearest.squared_distance.sqrt());
-        }
+        let first = UVec3::new(0, 0, SLICE * slice as u32);
+        let samples = SampleBox { first, size: UVec3::new(size.x, size.y, SLICE.min(size.z - first.z)) };
+        unsigned::distances(&whole, samples, &position, &mut None, &mut |sample, distance| {
+            distances[index(sample - first, size)] = distance;
+        });
         Ok::<_, GridError>(())
     })?;
     let position = |sample: usize| layout.position(COARSE * layout.coarse_sample(sample));
     let mut groups = Groups::new(&distances, size, spacing);
-    groups.decide(|sample| surface.winding.winding_number(position(sample)) > 0.5);
+    groups.decide(|sample| surface.winding.encloses(position(sample)));
     groups.apply(&mut distances);
     Ok(distances)
 }
@@ -126,7 +131,7 @@ fn choose_bricks(grid: &mut DistanceGrid, surface: &Surface) -> Vec<usize> {
 /// Reports surface within the band around a cube, given half its edge in voxels.
 fn has_surface(surface: &Surface, centre: Vec3, half: f32, voxel: f32) -> bool {
     let reach = voxel * (BAND + half * 3.0_f32.sqrt());
-    let Some(nearest) = surface.bvh.nearest(centre, reach * reach, None) else { return false };
+    let Some(nearest) = surface.bvh.nearest(centre, reach * reach) else { return false };
     // The cube contains a ball.
     if half <= FINEST || nearest.squared_distance.sqrt() <= voxel * (BAND + half) {
         return true;
@@ -142,14 +147,14 @@ fn brick(grid: &DistanceGrid, block: usize, surface: &Surface) -> Box<[i16; SAMP
     let first = layout.block(block) * BLOCK;
     let size = UVec3::splat(SIDE);
     let mut distances = [0.0; SAMPLES];
-    let mut guess = None;
-    for at in snake() {
-        guess = surface.bvh.nearest(layout.position(first + at), f32::INFINITY, guess);
-        distances[index(at, size)] = guess.map_or(f32::INFINITY, |nearest| nearest.squared_distance.sqrt());
-    }
+    let whole = Neighbourhood::new(&surface.bvh);
+    let position = |at: UVec3| layout.position(first + at);
+    unsigned::distances(&whole, SampleBox { first: UVec3::ZERO, size }, &position, &mut None, &mut |at, distance| {
+        distances[index(at, size)] = distance;
+    });
     let mut groups = Groups::new(&distances, size, layout.voxel);
     groups.know(&known_signs(grid, block));
-    groups.decide(|sample| surface.winding.winding_number(layout.position(first + sample_of(sample))) > 0.5);
+    groups.decide(|sample| surface.winding.encloses(layout.position(first + sample_of(sample))));
     groups.apply(&mut distances);
     let borders = Borders::new(grid, block);
     let mut samples = Box::new([0; SAMPLES]);
@@ -158,16 +163,6 @@ fn brick(grid: &DistanceGrid, block: usize, surface: &Surface) -> Box<[i16; SAMP
         *quantised = grid.quantise(distance);
     }
     samples
-}
-
-/// Samples of a brick in an order in which each is next to the one before.
-fn snake() -> impl Iterator<Item = UVec3> {
-    let turned = |v: u32, is_turned: bool| if is_turned { SIDE - 1 - v } else { v };
-    (0..SIDE * SIDE * SIDE).map(move |k| {
-        let (z, row) = (k / (SIDE * SIDE), k / SIDE);
-        let y = turned(row % SIDE, z % 2 == 1);
-        UVec3::new(turned(k % SIDE, row % 2 == 1), y, z)
-    })
 }
 
 /// Place of a sample in its brick.
