@@ -15,7 +15,7 @@ from pathlib import Path
 import mitsuba as mi
 import numpy as np
 
-mi.set_variant("scalar_rgb")
+mi.set_variant("llvm_ad_rgb", "scalar_rgb")
 SIZE = (160, 120)
 MODELS = Path(__file__).resolve().parent.parent / "crates/pathmarch-mesh/tests/data"
 SPOT = MODELS / "spot.obj"

@@ -115,28 +115,39 @@ def rect(x, z):
     return [(-x / 2, 0, -z / 2), (x / 2, 0, -z / 2), (x / 2, 0, z / 2), (-x / 2, 0, z / 2)], [(3, 2, 1, 0)]
 
 
-SHAPES = {"sphere": sphere, "box": box, "prism": prism, "rect": rect}
+def plane():
+    """Infinite elsewhere."""
+    return rect(1000, 1000)
+
+
+SHAPES = {"sphere": sphere, "box": box, "prism": prism, "rect": rect, "plane": plane}
 
 
 def add_part(part, materials, directory):
     data = bpy.data.meshes.new(part["object"])
     if part["shape"] == "mesh":
         read = lambda name, kind: np.fromfile(os.path.join(directory, part[name]), dtype=kind)
-        positions, triangles, colours = read("positions", "<f4"), read("triangles", "<u4"), read("colours", "<f4")
+        positions, triangles = read("positions", "<f4"), read("triangles", "<u4")
         data.vertices.add(len(positions) // 3)
         data.vertices.foreach_set("co", positions)
         data.loops.add(len(triangles))
         data.loops.foreach_set("vertex_index", triangles.astype("i4"))
         data.polygons.add(len(triangles) // 3)
         data.polygons.foreach_set("loop_start", np.arange(0, len(triangles), 3, dtype="i4"))
-        layer = data.color_attributes.new("colour", "FLOAT_COLOR", "POINT")
-        layer.data.foreach_set("color", np.concatenate([colours.reshape(-1, 3), np.ones((len(colours) // 3, 1), "f4")], axis=1).ravel())
+        if "colours" in part:
+            colours = read("colours", "<f4").reshape(-1, 3)
+            layer = data.color_attributes.new("colour", "FLOAT_COLOR", "POINT")
+            layer.data.foreach_set("color", np.concatenate([colours, np.ones((len(colours), 1), "f4")], axis=1).ravel())
         data.update(calc_edges=True)
         data.validate()
+        if "normals" in part:
+            data.normals_split_custom_set_from_vertices(read("normals", "<f4").reshape(-1, 3))
     else:
         vertices, faces = SHAPES[part["shape"]](*part["params"])
         data.from_pydata(vertices, [], [tuple(reversed(face)) for face in faces] if part["inside_out"] else faces)
-    data.polygons.foreach_set("use_smooth", [part["shape"] in ("sphere", "mesh")] * len(data.polygons))
+    # Meshes made of fields have colours, and are as smooth as the field; others without normals are facetted.
+    is_smooth = part["shape"] == "sphere" or "colours" in part or "normals" in part
+    data.polygons.foreach_set("use_smooth", [is_smooth] * len(data.polygons))
     data.materials.append(materials[part["material"]])
     data.update()
     added = bpy.data.objects.new(part["object"], data)

@@ -166,7 +166,7 @@ fn print_cycles(
 ) -> Result<(), Failure> {
     let directory = tempfile::tempdir().map_err(Failure::other)?;
     let described = DescribedScene::write(scene, settings, CELLS, directory.path())?;
-    for found in cycles.render(&described, settings.size, &[samples], true, directory.path())? {
+    for found in cycles.render(&described, settings.size, &[samples], 0, true, directory.path())? {
         outln!(
             "{:26} {:7}  {:.2} s   {:.2e}   {:+.3} %",
             format!("  Cycles {}", cycles.version()),

@@ -14,7 +14,7 @@
 use pathmarch_cli::Failure;
 use pathmarch_render::image::{self, Picture, Provenance};
 use pathmarch_render::metrics::relmse;
-use pathmarch_render::pathmarch_scene::{Scene, Tonemap};
+use pathmarch_render::pathmarch_scene::{Caustics, Scene, Tonemap};
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Backend, Job, RenderError, Renderer, Settings, adapters, scene_hash};
 use std::ops::RangeInclusive;
@@ -65,6 +65,11 @@ pub fn renderers(backend: Option<Backend>, adapter: Option<&str>) -> Result<Vec<
         return Err(Failure::Other("no GPU adapter is usable; `pathmarch devices` lists the reasons".to_owned()));
     }
     Ok(renderers)
+}
+
+/// Settings that other path tracers share: no simplified caustics, and no limit of radiance.
+pub fn unbiased(settings: Settings) -> Settings {
+    Settings { caustics: Caustics::Traced, clamp: None, ..settings }
 }
 
 /// Starts a picture; settings out of range are a usage error.

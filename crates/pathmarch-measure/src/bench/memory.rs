@@ -40,7 +40,7 @@ pub fn of_scene(arguments: &Arguments, scene: &Path, renderer: &Renderer) -> Opt
     if !cfg!(target_os = "linux") {
         return None;
     }
-    let [width, height] = arguments.size;
+    let [width, height] = arguments.size();
     let mut command = Command::new(std::env::current_exe().ok()?);
     command.args(["bench", "--peak-memory", "--size", &format!("{width}x{height}")]);
     command.args(["--bounces", &arguments.bounces.to_string()]);

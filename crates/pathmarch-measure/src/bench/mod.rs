@@ -6,9 +6,12 @@
 //! width and height. Memory is that of a separate process ([`memory`]). Errors are measured against references with
 //! known noise ([`crate::measure`]), with the bounces of the scene.
 //!
+//! With `--peers`, other renderers render the same scenes in the same run ([`beside`]).
+//!
 //! **Cost.** `1 + rounds * samples` samples per scene and backend, and one more for its memory; with `--error S` also
 //! `S` seconds per backend, and four times as many once for the reference.
 
+mod beside;
 mod generated;
 mod memory;
 mod report;
@@ -44,18 +47,18 @@ pub struct Arguments {
     /// quality: the scenes on which other renderers were timed, for --error.
     #[arg(verbatim_doc_comment)]
     scenes: Vec<PathBuf>,
-    /// Size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = value_parsers::size, allow_hyphen_values = true)]
-    size: [u32; 2],
-    /// Scattering events after the first hit, for timing
+    /// Size in pixels [default: 1280x720, with --peers 640x360]
+    #[arg(long, value_name = "WxH", value_parser = value_parsers::size, allow_hyphen_values = true)]
+    size: Option<[u32; 2]>,
+    /// Scattering events after the first hit, for timing; --peers takes those of the scene
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = value_parsers::whole(settings::BOUNCES), allow_hyphen_values = true)]
     bounces: u32,
-    /// Number of rounds
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = value_parsers::whole((1, 1000)), allow_hyphen_values = true)]
-    rounds: u32,
-    /// Samples per round
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parsers::whole((1, 1000)), allow_hyphen_values = true)]
-    samples: u32,
+    /// Number of rounds [default: 7, with --peers 3]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, 1000)), allow_hyphen_values = true)]
+    rounds: Option<u32>,
+    /// Samples per round [default: 1; with --peers those of the peers, 64]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, 1000)), allow_hyphen_values = true)]
+    samples: Option<u32>,
     /// Time limit of a scene, but at least three rounds; the CPU is skipped if one of its samples takes longer
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = value_parsers::seconds, allow_hyphen_values = true)]
     limit: f64,
@@ -88,19 +91,37 @@ pub struct Arguments {
     /// Measure nothing; print the results in this file of --json
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "json", "error", "references"])]
     from: Option<PathBuf>,
+    /// Render the scenes with Mitsuba and Cycles, too, where they are installed, and compare time x relMSE
+    #[arg(long, conflicts_with_all = ["error", "references", "json", "compare", "from"])]
+    peers: bool,
+    /// Python with the modules mitsuba, bpy and moderngl, for --peers [default: python3]
+    #[arg(long, value_name = "PROGRAM", requires = "peers")]
+    python: Option<PathBuf>,
+    /// Also time a frame of the thesis's program: shaders/pathTracer.fs of Arukiap/Path-marcher
+    #[arg(long, value_name = "FILE", requires = "peers")]
+    thesis_shader: Option<PathBuf>,
     /// Print the memory that this process used for one sample
     #[arg(long, hide = true)]
     peak_memory: bool,
 }
 
 impl Arguments {
+    fn size(&self) -> [u32; 2] {
+        self.size.unwrap_or(if self.peers { [640, 360] } else { [1280, 720] })
+    }
+    fn rounds(&self) -> u32 {
+        self.rounds.unwrap_or(if self.peers { 3 } else { 7 })
+    }
+    fn samples(&self) -> u32 {
+        self.samples.unwrap_or(if self.peers { 64 } else { 1 })
+    }
     /// Settings of the timed pictures.
     fn settings(&self, scene: &Scene, samples: u32) -> Settings {
-        Settings { size: self.size, bounces: self.bounces, samples, ..Settings::of(scene) }
+        Settings { size: self.size(), bounces: self.bounces, samples, ..Settings::of(scene) }
     }
     /// Size of the pictures whose rays are counted.
     fn ray_count_size(&self) -> [u32; 2] {
-        self.size.map(|side| side.div_ceil(4))
+        self.size().map(|side| side.div_ceil(4))
     }
     /// Directory of references, and render time of missing ones.
     fn reference_store(&self) -> Result<Option<ReferenceStore>, Failure> {
@@ -125,10 +146,10 @@ impl Arguments {
     fn results(&self) -> Results {
         Results {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            size: self.size,
+            size: self.size(),
             bounces: self.bounces,
-            rounds: self.rounds,
-            samples: self.samples,
+            rounds: self.rounds(),
+            samples: self.samples(),
             error_size: self.error.map(|_| self.error_size),
             entries: Vec::new(),
         }
@@ -156,6 +177,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let references = arguments.reference_store()?;
     let all = scenes::chosen(&arguments.scenes)?;
     let renderers = measure::renderers(arguments.backend.map(Into::into), arguments.adapter.as_deref())?;
+    if arguments.peers {
+        return beside::run(arguments, &all, &renderers, &interrupt);
+    }
     let mut results = arguments.results();
     results.print_head();
     let mut interrupted = false;
@@ -210,7 +234,7 @@ impl SceneBench<'_> {
     /// Ratio of the pixels timed to the pixels counted.
     fn enlarged(&self) -> f64 {
         let pixels = |size: [u32; 2]| size.map(f64::from).iter().product::<f64>();
-        pixels(self.arguments.size) / pixels(self.arguments.ray_count_size())
+        pixels(self.arguments.size()) / pixels(self.arguments.ray_count_size())
     }
 
     /// Measures the scene on every backend that can render it.
@@ -218,7 +242,7 @@ impl SceneBench<'_> {
         let Self { arguments, chosen: NamedScene { scene, .. }, interrupt, .. } = *self;
         interrupt.check()?;
         self.log("counting rays");
-        let settings = arguments.settings(scene, 1 + arguments.rounds * arguments.samples);
+        let settings = arguments.settings(scene, 1 + arguments.rounds() * arguments.samples());
         let counted = Settings { size: arguments.ray_count_size(), ..settings.clone() };
         // Build the index now, as it is not part of a sample; it would be built at first use.
         scene.field.build_shape_grids();
@@ -251,7 +275,7 @@ impl SceneBench<'_> {
         for job in &mut jobs {
             job.measure_gpu_time().map_err(Failure::other)?;
         }
-        let (rounds, samples) = (arguments.rounds, arguments.samples);
+        let (rounds, samples) = (arguments.rounds(), arguments.samples());
         self.log(&format!("{rounds} rounds of {samples} samples"));
         let times = measure::time_interleaved(&mut jobs, MIN_ROUNDS..=rounds, samples, arguments.limit, interrupt)?;
         let mut entries = Vec::new();

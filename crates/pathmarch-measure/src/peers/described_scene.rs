@@ -1,7 +1,8 @@
 //! A scene described in JSON for other renderers, with the numbers of the scene itself.
 //!
-//! Spheres, boxes, prisms and rectangles keep their parameters, and the reader makes meshes of them. All other objects
-//! are written as meshes of a chosen number of cells, with the colours of their vertices. Fractals are thickened by half a
+//! Spheres, boxes, prisms, rectangles and planes keep their parameters, and the reader makes meshes of them. Triangle meshes
+//! keep their triangles. All other objects are written as meshes of a chosen number of cells, with the colours of their
+//! vertices. Fractals are thickened by half a
 //! cell first: their surface is rougher than any cell, and a mesh of it would be noise.
 
 use pathmarch_cli::Failure;
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Shapes that keep their parameters.
-const SHAPES: [&str; 4] = ["sphere", "box", "prism", "rect"];
+const SHAPES: [&str; 5] = ["sphere", "box", "prism", "rect", "plane"];
 
 /// A scene that other renderers can read.
 pub struct DescribedScene {
@@ -58,6 +59,8 @@ impl DescribedScene {
         for (index, object) in scene.objects.iter().enumerate() {
             if let Some(solids) = described_parts(scene, index, object) {
                 parts.extend(solids);
+            } else if let Some(leaf) = triangles(scene, index) {
+                parts.push(described.triangle_mesh(object, leaf, directory)?);
             } else {
                 coloured[object.material] |= scene.materials[object.material].orbit_trap.is_some();
                 parts.push(described.mesh(scene, object, cells, directory)?);
@@ -91,22 +94,66 @@ impl DescribedScene {
         self.mesh_seconds += began.elapsed().as_secs_f64();
         self.triangles += mesh.triangles.len();
         self.distances = distances(scene, &mesh);
-        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let name = |part: &str| format!("{stem}-{}.{part}", object.material);
-        let floats =
-            |values: &[[f32; 3]]| values.iter().flatten().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
-        let triangles = mesh.triangles.iter().flatten().flat_map(|index| index.to_le_bytes()).collect();
-        for (part, bytes) in
-            [("positions", floats(&mesh.positions)), ("colours", floats(&mesh.colours)), ("triangles", triangles)]
-        {
-            std::fs::write(directory.join(name(part)), bytes).map_err(Failure::other)?;
-        }
-        Ok(json!({
-            "object": object.name, "shape": "mesh", "material": object.material, "inside_out": false,
-            "matrix": matrix([0.0; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
-            "positions": name("positions"), "colours": name("colours"), "triangles": name("triangles"),
-        }))
+        let arrays =
+            Arrays { positions: &mesh.positions, normals: &[], colours: &mesh.colours, triangles: &mesh.triangles };
+        let pose = matrix([0.0; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        self.mesh_part(object, object.material as u32, &pose, &arrays, directory)
     }
+
+    /// Part of an object that is a triangle mesh.
+    fn triangle_mesh(&self, object: &Object, leaf: &Leaf, directory: &Path) -> Result<Value, Failure> {
+        let geometry = leaf.shape.mesh().ok_or_else(|| Failure::Other("no mesh".to_owned()))?;
+        let [tag] = geometry.tags() else {
+            let message = format!("the object {:?} has materials of its file, which cannot be described", object.name);
+            return Err(Failure::Other(message));
+        };
+        let mesh = geometry.surface().mesh();
+        let [positions, normals] = [&mesh.positions, &mesh.normals]
+            .map(|vectors| vectors.iter().map(|vector| vector.to_array()).collect::<Vec<[f32; 3]>>());
+        let arrays = Arrays { positions: &positions, normals: &normals, colours: &[], triangles: &mesh.triangles };
+        self.mesh_part(object, *tag, &pose_matrix(leaf), &arrays, directory)
+    }
+
+    /// Part with arrays, which are written beside the description.
+    fn mesh_part(
+        &self,
+        object: &Object,
+        material: u32,
+        matrix: &[[f32; 4]; 4],
+        arrays: &Arrays,
+        directory: &Path,
+    ) -> Result<Value, Failure> {
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let mut part = json!({
+            "object": object.name, "shape": "mesh", "material": material, "inside_out": false, "matrix": matrix,
+        });
+        let floats = |values: &[[f32; 3]]| bytemuck::cast_slice(values).to_vec();
+        let written: [(&str, Vec<u8>); 4] = [
+            ("positions", floats(arrays.positions)),
+            ("normals", floats(arrays.normals)),
+            ("colours", floats(arrays.colours)),
+            ("triangles", bytemuck::cast_slice(arrays.triangles).to_vec()),
+        ];
+        for (name, bytes) in written.iter().filter(|(_, bytes)| !bytes.is_empty()) {
+            let file = format!("{stem}-{}.{name}", object.name);
+            std::fs::write(directory.join(&file), bytes).map_err(Failure::other)?;
+            part[*name] = json!(file);
+        }
+        Ok(part)
+    }
+}
+
+/// Arrays of a mesh; normals and colours may be empty.
+struct Arrays<'a> {
+    positions: &'a [[f32; 3]],
+    normals: &'a [[f32; 3]],
+    colours: &'a [[f32; 3]],
+    triangles: &'a [[u32; 3]],
+}
+
+/// The triangle mesh of an object, if it is one.
+fn triangles(scene: &Scene, object: usize) -> Option<&Leaf> {
+    scene.field.leaves().iter().find(|leaf| leaf.object as usize == object && leaf.is_triangles())
 }
 
 /// The object; if it has a fractal, thickened by half a cell.
@@ -164,7 +211,7 @@ fn described_parts(scene: &Scene, index: usize, object: &Object) -> Option<Vec<V
         SHAPES.contains(&name).then(|| {
             json!({
                 "object": object.name, "shape": name, "params": params, "material": tag, "inside_out": inside_out,
-                "matrix": matrix(leaf.pose.at, leaf.pose.axes.map(|axis| axis.map(|v| v * leaf.pose.scale))),
+                "matrix": pose_matrix(leaf),
             })
         })
     };
@@ -184,6 +231,11 @@ fn is_hollow(scene: &Scene, object: usize) -> bool {
         let inner = scene.field.leaf_bounds(leaf);
         one_kind(leaf) && (0..3).all(|axis| outer.min[axis] < inner.min[axis] && inner.max[axis] < outer.max[axis])
     })
+}
+
+/// Matrix of a leaf's pose.
+fn pose_matrix(leaf: &Leaf) -> [[f32; 4]; 4] {
+    matrix(leaf.pose.at, leaf.pose.axes.map(|axis| axis.map(|v| v * leaf.pose.scale)))
 }
 
 /// Rows of the matrix with this translation and these columns.
@@ -213,6 +265,7 @@ fn described_material(material: &Material, vertex_colours: bool) -> Result<Value
             "colour": value("colour")?, "edge": value("edge")?, "roughness": number("roughness")?,
             "emission": material.emission(),
         }),
+        "glass" if value("absorb").is_ok_and(|absorb| absorb.iter().any(|v| *v > 0.0)) => return fail("absorption"),
         "glass" => json!({
             "name": material.name, "kind": "glass", "colour": value("colour")?, "ior": number("ior")?,
         }),

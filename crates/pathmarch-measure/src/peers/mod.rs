@@ -4,13 +4,16 @@
 
 mod cycles;
 mod described_scene;
+mod mitsuba;
 mod thesis;
 
-pub use cycles::{Cycles, CyclesPicture};
+pub use cycles::Cycles;
 pub use described_scene::DescribedScene;
+pub use mitsuba::Mitsuba;
 pub use thesis::{ThesisFrame, ThesisProgram};
 
 use pathmarch_cli::Failure;
+use pathmarch_render::image::{self, Picture};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -42,7 +45,7 @@ impl Python {
         output.is_ok_and(|output| output.status.success())
     }
 
-    /// Runs a script, and returns the lines of its output that begin with `RESULT `, without that word.
+    /// Runs a script, and returns what its output has after the word `RESULT`, line by line.
     ///
     /// # Errors
     /// [`Failure::Other`] with the end of its error output.
@@ -65,7 +68,37 @@ impl Python {
             return Err(Failure::Other(format!("{name} ended with {}: {}", output.status, reason.join("; "))));
         }
         let text = String::from_utf8_lossy(&output.stdout);
-        Ok(text.lines().filter_map(|line| line.strip_prefix("RESULT ")).map(str::to_owned).collect())
+        // Warnings may leave control codes of the terminal before a line.
+        let result = |line: &str| Some(line.split_once("RESULT ")?.1.to_owned());
+        Ok(text.lines().filter_map(result).collect())
+    }
+}
+
+/// A picture by a peer.
+pub struct PeerPicture {
+    /// Samples of each pixel.
+    pub samples: u32,
+    /// Time of the render, seconds.
+    pub seconds: f64,
+    /// Rise of resident memory by the first render of the run, MB, where it is known.
+    pub megabytes: Option<f64>,
+    /// Mean of the samples.
+    pub picture: Picture,
+}
+
+impl PeerPicture {
+    /// Reads a line of a script's results, and the picture that it names.
+    fn parsed(line: &str) -> Result<Self, Failure> {
+        #[derive(serde::Deserialize)]
+        struct Line {
+            samples: u32,
+            seconds: f64,
+            megabytes: Option<f64>,
+            picture: String,
+        }
+        let Line { samples, seconds, megabytes, picture } = parsed(line)?;
+        let picture = image::load(Path::new(&picture)).map_err(Failure::other)?.picture;
+        Ok(Self { samples, seconds, megabytes, picture })
     }
 }
 

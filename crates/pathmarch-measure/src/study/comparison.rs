@@ -8,8 +8,8 @@ use super::picture_grid::{Panel, save as save_grid};
 use super::plot::{Line, Lines, SeriesLabelPosition, save};
 use super::rows::Row;
 use super::table::Table;
-use crate::measure::{MAX_SAMPLES, Reference, ReferenceStore, start, until};
-use crate::peers::{Cycles, CyclesPicture, DescribedScene};
+use crate::measure::{MAX_SAMPLES, Reference, ReferenceStore, start, unbiased, until};
+use crate::peers::{Cycles, DescribedScene, PeerPicture};
 use pathmarch_cli::Failure;
 use pathmarch_render::Settings;
 use pathmarch_render::image::{Picture, PictureKind};
@@ -119,8 +119,8 @@ fn compare(
     let samples: Vec<u32> =
         (0..).map(|power| 1 << power).take_while(|samples| *samples <= study.plan.cycles_samples).collect();
     study.log(&format!("comparison: {label}, Cycles"));
-    let pictures = cycles.render(described, settings.size, &samples, false, directory)?;
-    let point = |CyclesPicture { samples, seconds, picture, .. }| -> Result<Point, Failure> {
+    let pictures = cycles.render(described, settings.size, &samples, 0, false, directory)?;
+    let point = |PeerPicture { samples, seconds, picture, .. }| -> Result<Point, Failure> {
         Ok(Point { samples, seconds, error: reference.error_of(&picture)?, picture })
     };
     let theirs: Vec<Point> = pictures.into_iter().map(point).collect::<Result<_, _>>()?;
@@ -243,7 +243,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
             continue;
         }
         let (scene, settings) = row.load(study.plan.error_size)?;
-        let settings = row.unbiased(settings);
+        let settings = unbiased(settings);
         let times = study.time_view(&scene, &settings, settings.bounces)?;
         let backend = Study::fastest(&times);
         study.log(&format!("comparison: {label}, reference"));

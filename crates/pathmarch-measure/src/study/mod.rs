@@ -23,6 +23,9 @@ mod rows;
 mod table;
 mod tables;
 
+pub use machine::describe as describe_machine;
+pub use rows::letter_of;
+
 use crate::bench;
 use crate::measure::{self, Budget, Interrupt};
 use crate::peers::Python;

@@ -3,7 +3,7 @@
 use super::{Study, example};
 use pathmarch_cli::Failure;
 use pathmarch_render::Settings;
-use pathmarch_render::pathmarch_scene::{Caustics, Scene};
+use pathmarch_render::pathmarch_scene::Scene;
 
 /// Row of a table.
 pub struct Row {
@@ -80,11 +80,11 @@ impl Row {
         let settings = Settings { size, camera, ..Settings::of(&scene) };
         Ok((scene, settings))
     }
+}
 
-    /// Settings that other path tracers share: no simplified caustics, and no limit of radiance.
-    pub fn unbiased(&self, settings: Settings) -> Settings {
-        Settings { caustics: Caustics::Traced, clamp: None, ..settings }
-    }
+/// Letter of the scene of this name in the thesis's program, if it has such a scene.
+pub fn letter_of(scene: &str) -> Option<&'static str> {
+    ROWS.iter().find(|row| row.scene == scene && row.camera == "main")?.program
 }
 
 impl Study<'_> {
