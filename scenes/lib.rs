@@ -83,6 +83,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "thesis/" "grey-mandelbulb" "jpg" "The mandelbulb of the thesis.";
     "thesis/" "glass-prism" "jpg" "A prism of glass.";
     "" "refractive-prisms" "jpg" "Prisms that refract.";
+    "" "spectrum" "jpg" "Prisms that spread white light into colours.";
     "" "specular-prisms" "jpg" "Prisms that mirror.";
     "thesis/" "two-cubes" "jpg" "Two cubes, diffuse and specular.";
     "thesis/" "green-lamp" "jpg" "A green lamp.";

@@ -29,11 +29,19 @@ def nodes_of(owner):
     return owner.node_tree.nodes, owner.node_tree.links
 
 
-def emission(nodes, radiance):
+def emission(made, radiance):
+    """Emission on the front of a surface only."""
+    nodes, links = made.node_tree.nodes, made.node_tree.links
     peak = max(radiance)
     shader = nodes.new("ShaderNodeEmission")
     shader.inputs["Color"].default_value = (*[channel / peak for channel in radiance], 1)
-    shader.inputs["Strength"].default_value = peak
+    strength = nodes.new("ShaderNodeMath")
+    strength.operation, strength.inputs[0].default_value = "MULTIPLY_ADD", -peak
+    strength.inputs[2].default_value = peak
+    links.new(nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"], strength.inputs[1])
+    links.new(strength.outputs[0], shader.inputs["Strength"])
+    if hasattr(made.cycles, "emission_sampling"):
+        made.cycles.emission_sampling = "FRONT"
     return shader
 
 
@@ -69,11 +77,11 @@ def material(described):
         shader.inputs["Roughness"].default_value = 0
         shader.inputs["IOR"].default_value = described["ior"]
     else:
-        shader = emission(nodes, described["radiance"])
+        shader = emission(made, described["radiance"])
     if max(described.get("emission", [0])) > 0:
         both = nodes.new("ShaderNodeAddShader")
         links.new(shader.outputs[0], both.inputs[0])
-        links.new(emission(nodes, described["emission"]).outputs[0], both.inputs[1])
+        links.new(emission(made, described["emission"]).outputs[0], both.inputs[1])
         shader = both
     links.new(shader.outputs[0], nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
     return made

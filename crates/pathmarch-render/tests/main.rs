@@ -6,6 +6,7 @@ mod blends;
 mod common;
 mod custom_sdf;
 mod denoise;
+mod dispersion;
 mod examples;
 mod images;
 mod light;
@@ -32,6 +33,7 @@ fn main() {
         aov::tests(),
         backends::tests(),
         blends::tests(),
+        dispersion::tests(),
         examples::tests(),
         images::tests(),
         light::tests(),

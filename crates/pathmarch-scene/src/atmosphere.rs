@@ -10,7 +10,7 @@
 //! layer as in Hillaire 2020, table 1.
 //! Spectra of sun, air and ozone: Bruneton 2017, of sun and ozone after ASTM G-173 and Serdyuchenko et al. 2014; here
 //! their means over each band. Table of transmittance: Bruneton and Neyret 2008, section 4. Multiple scattering: Hillaire
-//! 2020, section 5.5. Phase of haze: Cornette and Shanks 1992. Colours: Wyman et al. 2013.
+//! 2020, section 5.5. Phase of haze: Cornette and Shanks 1992. Colours: [`crate::observer`].
 //!
 //! **Where we differ.** Eight bands, not the usual three wavelengths, because those make twilight purple: none of them is
 //! where ozone absorbs most. The table of multiple scattering is denser near the horizon. A part of the sun's disc in the
@@ -22,7 +22,8 @@
 
 use crate::environment::{Environment, MAX_RADIANCE};
 use crate::light::Light;
-use glam::{Mat3, Vec3};
+use crate::observer::{REC709_FROM_XYZ, xyz};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use wide::f32x8;
@@ -143,19 +144,8 @@ fn elevation(row: f64) -> f64 {
     PI * (0.5 - row / HEIGHT as f64)
 }
 
-/// Linear Rec. 709 colour of each band of the sun's light above the air; they add up to a luminance of 1. The colour
-/// matching functions are the fits of Wyman et al. 2013, section 2.2.
+/// Linear Rec. 709 colour of each band of the sun's light above the air; they add up to a luminance of 1.
 fn band_colours() -> [Vec3; 8] {
-    let lobe = |wavelength: f32, middle: f32, below: f32, above: f32| {
-        let t = (wavelength - middle) / if wavelength < middle { below } else { above };
-        (-0.5 * t * t).exp()
-    };
-    let xyz = |w: f32| {
-        let x = 1.056 * lobe(w, 599.8, 37.9, 31.0) + 0.362 * lobe(w, 442.0, 16.0, 26.7);
-        let y = 0.821 * lobe(w, 568.8, 46.9, 40.5) + 0.286 * lobe(w, 530.9, 16.3, 31.1);
-        let z = 1.217 * lobe(w, 437.0, 11.8, 36.0) + 0.681 * lobe(w, 459.0, 26.0, 13.8);
-        Vec3::new(x - 0.065 * lobe(w, 501.1, 20.4, 26.2), y, z)
-    };
     let band = |index: usize| {
         let mean: Vec3 = (0..40).map(|step| xyz(390.5 + (40 * index + step) as f32)).sum();
         mean * SUN_SPECTRUM[index]
@@ -164,13 +154,6 @@ fn band_colours() -> [Vec3; 8] {
     let luminance: f32 = bands.iter().map(|band| band.y).sum();
     bands.map(|band| REC709_FROM_XYZ * band / luminance)
 }
-
-/// Columns of the matrix (ITU-R BT.709, white point D65).
-const REC709_FROM_XYZ: Mat3 = Mat3::from_cols(
-    Vec3::new(3.2406, -0.9689, 0.0557),
-    Vec3::new(-1.5372, 1.8758, -0.2040),
-    Vec3::new(-0.4986, 0.0415, 1.0570),
-);
 
 /// Albedo of each band for a surface of this colour, with the red, green and blue parts of the spectrum each as a
 /// whole.

@@ -1,9 +1,10 @@
 //! `pathmarch-measure bench --peers`: other renderers on the same scenes, in the same run.
 //!
 //! **Method.** In each round every renderer renders every scene once, with another seed. Peers take a given number of samples;
-//! ours take as many as fit into the time of the fastest peer. The relMSE of a renderer is the variance of its own pictures over
+//! ours take as many as fit into the time of the slowest peer. The relMSE of a renderer is the variance of its own pictures over
 //! rounds, divided by the square of the mean of ours plus 0.01: without bias, no reference is needed, and a bias shows in the
-//! column of means. *Cost* is seconds x relMSE, which does not depend on the number of samples. Ratios are to the cheaper of our
+//! column of means. *Cost* is seconds x relMSE. With independent samples, as Mitsuba's, it does not depend on their number; with
+//! those of Cycles and ours, which are spread evenly, it falls with the number, hence the equal time. Ratios are to the cheaper of our
 //! backends; their spread is that over all pairs of rounds.
 //!
 //! **Limits.** Scenes that [`DescribedScene`] cannot describe have no peers. Settings are unbiased: `caustics "traced"`, no clamp.
@@ -136,7 +137,7 @@ fn measure_scene(
             }
         }
         let none = || Failure::Other("no peer renders this scene".to_owned());
-        let seconds = found.iter().map(|(.., picture)| picture.seconds).min_by(f64::total_cmp).ok_or_else(none)?;
+        let seconds = found.iter().map(|(.., picture)| picture.seconds).max_by(f64::total_cmp).ok_or_else(none)?;
         for renderer in renderers {
             let settings = Settings { seed, ..settings.clone() };
             let taken = measure::render_for(renderer, scene, &settings, Budget::Seconds(seconds), interrupt)?;

@@ -266,6 +266,7 @@ fn described_material(material: &Material, vertex_colours: bool) -> Result<Value
             "emission": material.emission(),
         }),
         "glass" if value("absorb").is_ok_and(|absorb| absorb.iter().any(|v| *v > 0.0)) => return fail("absorption"),
+        "glass" if number("abbe")? > 0.0 => return fail("dispersion"),
         "glass" => json!({
             "name": material.name, "kind": "glass", "colour": value("colour")?, "ior": number("ior")?,
         }),

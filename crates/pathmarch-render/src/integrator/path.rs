@@ -8,6 +8,8 @@
 //! for sphere tracing (its tolerance of a tenth of a pixel, its number of steps, its far end), unless `clamp`,
 //! `caustics "fast"` or a `penumbra` is set.
 //!
+//! **Dispersion.** At the first surface that disperses, a path chooses a wavelength and takes its colour.
+//!
 //! **Media.** A surface that transmits starts the next ray on its other side. The absorption coefficient of a solid is
 //! added where a path enters it and subtracted where it leaves, so that solids may overlap.
 //!
@@ -29,12 +31,13 @@ use crate::sampling::basis::basis;
 use crate::sampling::sobol::{PixelSampler, pair};
 use crate::scene::TraceContext;
 use crate::scene::leaf::IN_GLASS;
-use crate::scene::material::{DELTA, GLOWS, TRANSMITS};
+use crate::scene::material::{DELTA, DISPERSES, GLOWS, TRANSMITS};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
+use pathmarch_scene::materials::dispersion;
 use std::iter::repeat_n;
 
 shared_constants! {
@@ -65,6 +68,19 @@ struct Path {
     passed_clear_glass: bool,
     /// Square of the refractive index around the path.
     index_square: f32,
+    /// Wavelength, nanometres; `None` before the first surface that disperses.
+    wavelength: Option<f32>,
+}
+
+impl Path {
+    /// Wavelength; chosen now if it was not before.
+    fn disperse(&mut self, random: f32) -> f32 {
+        *self.wavelength.get_or_insert_with(|| {
+            let wavelength = dispersion::wavelength(random);
+            self.throughput *= dispersion::colour(wavelength);
+            wavelength
+        })
+    }
 }
 
 /// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
@@ -131,6 +147,7 @@ fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler
             medium: Vec3::from(ctx.frame.medium),
             passed_clear_glass: false,
             index_square: 1.0,
+            wavelength: None,
         })
         .collect();
     let radiance = vec![Vec3::ZERO; paths.len()];
@@ -180,6 +197,8 @@ struct SurfaceSamples {
     scatter: [f32; 2],
     /// Choice of the lobe.
     lobe: f32,
+    /// Choice of the wavelength.
+    wavelength: f32,
 }
 
 /// Random numbers of each of these paths at its surface.
@@ -198,7 +217,13 @@ fn surface_samples(
         .zip(samples_of(pair::PAIR_LIGHT))
         .zip(samples_of(pair::PAIR_SCATTER))
         .zip(lobes);
-    samples.map(|(((choice, light), scatter), [lobe, _])| SurfaceSamples { choice, light, scatter, lobe })
+    samples.map(|(((choice, light), scatter), [lobe, wavelength])| SurfaceSamples {
+        choice,
+        light,
+        scatter,
+        lobe,
+        wavelength,
+    })
 }
 
 /// Intersects the rays of paths. Removes paths without a hit and adds the radiance of the sky to them. Returns the
@@ -310,6 +335,9 @@ fn shade(
     }
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
+    let at_wavelength = bsdf.at_wavelength.filter(|_| material.has(DISPERSES));
+    let dispersed = at_wavelength.map(|at| at(parameters, dispersion::index_offset(path.disperse(samples.wavelength))));
+    let parameters = dispersed.as_ref().unwrap_or(parameters);
     // Shading normal; the geometric normal decides on which side a direction is.
     let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
     let crosses_surface =

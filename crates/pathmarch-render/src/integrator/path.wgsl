@@ -28,6 +28,8 @@ struct Path {
     passed_clear_glass: bool,
     /// Square of the refractive index around the path.
     index_square: f32,
+    /// Wavelength, nanometres; 0 before the first surface that disperses.
+    wavelength: f32,
     /// Number of surfaces at which the path was scattered.
     surfaces: u32,
     hit: Hit,
@@ -100,6 +102,15 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
     return (*path).surfaces <= frame.bounces || (HAS_GLOW && (materials[m].flags & GLOWS) != 0u);
 }
 
+/// Chooses the wavelength of a path, unless it has one, and makes BSDFs refract at it.
+fn disperse(path: ptr<function, Path>, random: f32) {
+    if (*path).wavelength == 0.0 {
+        (*path).wavelength = wavelength_of(random);
+        (*path).throughput *= wavelength_colour((*path).wavelength);
+    }
+    wavelength_offset = index_offset((*path).wavelength);
+}
+
 /// Samples a light at the surface of a path, and the next ray. Returns false if the path ends.
 fn path_scatter(path: ptr<function, Path>) -> bool {
     let surface_index = (*path).surfaces;
@@ -125,6 +136,9 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     let medium_beyond_surface = medium_beyond((*path).medium, materials[m].absorption, interaction.inside);
     let pair = PAIR_SURFACE + PAIRS_PER_SURFACE * surface_index;
     let choice = sample_2d((*path).sampler, pair + PAIR_CHOICE);
+    if DISPERSION && (flags & DISPERSES) != 0u {
+        disperse(path, sample_2d((*path).sampler, pair + PAIR_LOBE).y);
+    }
     if HAS_LIGHTS && (flags & DELTA) == 0u {
         (*path).previous_vertex = select(spawn_origin(interaction, false), interaction.p, transmits);
         let light = sample_light((*path).previous_vertex, choice.x, sample_2d((*path).sampler, pair + PAIR_LIGHT));

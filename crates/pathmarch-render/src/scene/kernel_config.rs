@@ -3,7 +3,7 @@
 use super::RenderScene;
 use super::leaf::MESH_FIELD;
 use super::light::LightShape;
-use super::material::TRANSMITS;
+use super::material::{DISPERSES, TRANSMITS};
 use super::textured_material::TexturedMaterial;
 use crate::mode::Mode;
 use crate::settings::Settings;
@@ -23,6 +23,8 @@ pub(crate) struct KernelConfig {
     pub(crate) transmission: bool,
     /// Some BSDF takes a third random number, for the choice of its lobe.
     pub(crate) chooses_lobes: bool,
+    /// Some material disperses light.
+    pub(crate) dispersion: bool,
     /// Shadow rays pass through clear glass.
     pub(crate) fast_caustics: bool,
     /// Some light has shadows that are softened by near misses.
@@ -62,6 +64,7 @@ impl KernelConfig {
             absorption: scene.materials.iter().any(|material| material.absorption != [0.0; 3]),
             transmission: transmits,
             chooses_lobes: scene.bsdfs.iter().flatten().any(|bsdf| bsdf.chooses_lobes),
+            dispersion: scene.materials.iter().any(|material| material.has(DISPERSES)),
             fast_caustics: settings.caustics == Caustics::Fast && transmits,
             penumbra: scene.lights.iter().any(|light| penumbra(&light.shape)),
             textures: textured(|material| !material.is_plain()),

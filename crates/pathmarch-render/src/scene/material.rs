@@ -12,7 +12,7 @@ shared_struct! {
     pub(crate) struct MaterialRecord as Material {
         /// Emitted radiance, W/(m² sr).
         pub(crate) emission: [f32; 3],
-        /// Flags [`EMITS`], [`DELTA`], [`TRANSMITS`], [`GLOSSY`] and [`GLOWS`].
+        /// Flags [`EMITS`], [`DELTA`], [`TRANSMITS`], [`GLOSSY`], [`GLOWS`] and [`DISPERSES`].
         pub(crate) flags: u32,
         /// Absorption coefficient of the solid, per metre.
         pub(crate) absorption: [f32; 3],
@@ -34,6 +34,8 @@ shared_constants! {
     pub(crate) const GLOSSY: u32 = 8;
     /// Surface that emits and scatters light.
     pub(crate) const GLOWS: u32 = 16;
+    /// BSDF that depends on the wavelength.
+    pub(crate) const DISPERSES: u32 = 32;
 }
 
 /// Clear glass. Shadow rays of fast caustics pass through it.
@@ -51,7 +53,8 @@ impl MaterialRecord {
                 all_parameters.push(parameters);
             }
             flags |= flag_if(DELTA, all_parameters.iter().all(bsdf.is_delta))
-                | flag_if(TRANSMITS, all_parameters.iter().any(bsdf.transmits));
+                | flag_if(TRANSMITS, all_parameters.iter().any(bsdf.transmits))
+                | flag_if(DISPERSES, bsdf.at_wavelength.is_some_and(|at| at(&parameters, 1.0) != parameters));
         }
         let glows = material.emits() || material.emission_texture.is_some();
         flags |= flag_if(GLOWS, glows && !material.is_lamp());

@@ -38,6 +38,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         transmits: |_| false,
         chooses_lobes: false,
         reads_albedos: false,
+        at_wavelength: None,
         eval,
         sample,
         wgsl: include_str!("diffuse.wgsl"),

@@ -6,16 +6,19 @@
 //! scaled by the square of the relative index where it changes medium (Veach 1997, "Robust Monte Carlo Methods for Light
 //! Transport Simulation", section 5.2).
 //!
+//! With an Abbe number, the index depends on the wavelength ([`super::dispersion`]).
+//!
 //! Each surface is one between the glass and air: two glasses that touch or overlap are seen as two surfaces. A
 //! `roughness` below 0.01, or an `ior` within 0.001 of 1, is perfectly smooth.
 
+use super::dispersion::{dispersed_index, index_difference};
 use super::microfacet::{
     MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, unhidden,
     unshadowed, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption, black, colour, colour_of, ior,
-    roughness,
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, abbe, absorption, black, colour,
+    colour_of, ior, roughness,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
@@ -35,6 +38,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         ior(),
         roughness(0.0),
         absorption(),
+        abbe(),
     ],
     albedo: |values| values[0],
     emission: black,
@@ -54,12 +58,18 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             parameters[..3].copy_from_slice(&values[0]);
             parameters[3] = if smooth { 0.0 } else { roughness * roughness };
             parameters[4] = ior;
+            parameters[5] = index_difference(ior, values[4][0]);
             parameters
         },
         is_delta: |parameters| parameters[3] < MIRROR_ALPHA,
         transmits: |_| true,
         chooses_lobes: true,
         reads_albedos: false,
+        at_wavelength: Some(|parameters, offset| {
+            let mut parameters = *parameters;
+            parameters[4] = dispersed_index(parameters[4], parameters[5], offset);
+            parameters
+        }),
         eval,
         sample,
         wgsl: include_str!("glass.wgsl"),

@@ -2,7 +2,8 @@
 
 fn glass_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
     let a = packed(m, 0u);
-    let ior = packed(m, 1u).x;
+    let index = packed(m, 1u);
+    let ior = dispersed_index(index.x, index.y);
     let eta = select(ior, 1.0 / ior, inside);
     if a.w < MIRROR_ALPHA || wi.z == 0.0 {
         return vec4f(0.0);
@@ -22,7 +23,8 @@ fn glass_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
 
 fn glass_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
     let a = packed(m, 0u);
-    let ior = packed(m, 1u).x;
+    let index = packed(m, 1u);
+    let ior = dispersed_index(index.x, index.y);
     let eta = select(ior, 1.0 / ior, inside);
     let smooth_ = a.w < MIRROR_ALPHA;
     var h = vec3f(0.0, 0.0, 1.0);

@@ -6,6 +6,7 @@
 //! its name.
 
 pub mod albedo;
+pub mod dispersion;
 mod microfacet;
 mod orbit_trap;
 
@@ -124,6 +125,8 @@ pub struct Bsdf {
     pub chooses_lobes: bool,
     /// True if its WGSL reads the table of [`albedo`].
     pub reads_albedos: bool,
+    /// Parameters at an [offset](dispersion::index_offset) of refractive indices; `None` if it cannot disperse light.
+    pub at_wavelength: Option<fn(&BsdfParameters, offset: f32) -> BsdfParameters>,
     /// The value and density of one direction.
     pub eval: fn(&BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval,
     /// A random direction of three uniform numbers in 0..1, the first two of them its position; `None` where the light
@@ -140,7 +143,7 @@ impl std::fmt::Debug for Bsdf {
     }
 }
 
-/// WGSL that the scattering functions share: microfacets, and `Scattered` as in Rust.
+/// WGSL that the scattering functions share: microfacets, and `Scattered` as in Rust. That of [`dispersion`] is printed.
 pub const SHARED_WGSL: [&str; 2] = [include_str!("scattering.wgsl"), include_str!("microfacet.wgsl")];
 
 /// Constants of the scattering functions in WGSL, with their values in Rust.
@@ -233,6 +236,16 @@ const fn absorption() -> MaterialParam {
 const fn ior() -> MaterialParam {
     let spec = Param::between("ior", 1.5, 1.0, 10.0, "Refractive index: water 1.33, glass 1.5, diamond 2.42.");
     MaterialParam { spec, kind: ParamKind::Number, texturing: Texturing::None }
+}
+
+/// The parameter `abbe`.
+const fn abbe() -> MaterialParam {
+    let doc = "Abbe number: crown glass 60, flint 30, diamond 55; small ones spread colours more, 0 does not.";
+    MaterialParam {
+        spec: Param::within("abbe", 0.0, Range::from_to(0.0, 200.0), doc),
+        kind: ParamKind::Number,
+        texturing: Texturing::None,
+    }
 }
 
 macro_rules! materials {

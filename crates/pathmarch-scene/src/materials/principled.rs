@@ -60,6 +60,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         transmits: |parameters| parameters[TRANSMISSION] * (1.0 - parameters[METALLIC]) > 0.0,
         chooses_lobes: true,
         reads_albedos: true,
+        at_wavelength: None,
         eval,
         sample,
         wgsl: include_str!("principled.wgsl"),

@@ -11,7 +11,7 @@ use crate::preview::Preview;
 use crate::scene::material::GLOWS;
 use crate::scene::{KernelConfig, MaterialRecord, TexturedMaterial};
 use pathmarch_field::wgsl::{Program, ProgramOptions};
-use pathmarch_scene::materials::{self, albedo};
+use pathmarch_scene::materials::{self, albedo, dispersion};
 use pathmarch_scene::textures::{self, Pattern, Texture};
 use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
@@ -158,6 +158,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("ABSORPTION", config.absorption),
         ("TRANSMISSION", config.transmission),
         ("CHOOSES_LOBES", config.chooses_lobes),
+        ("DISPERSION", config.dispersion),
         ("FAST_CAUSTICS", config.fast_caustics),
         ("PENUMBRA", config.penumbra),
         ("REFINED_GRAZING", config.refined_grazing),
@@ -245,7 +246,7 @@ fn bsdfs(input: &RenderInput) -> String {
     let used: BTreeSet<u32> = input.scene.materials.iter().map(|material| material.kind).collect();
     let used: Vec<_> =
         used.iter().filter_map(|&kind| Some((kind, kinds[kind as usize].name, kinds[kind as usize].bsdf?))).collect();
-    let mut code = materials::constants_wgsl() + &materials::SHARED_WGSL.join("\n");
+    let mut code = materials::constants_wgsl() + &dispersion::wgsl() + &materials::SHARED_WGSL.join("\n");
     let (mut eval, mut sample) = (String::new(), String::new());
     for (k, (kind, name, bsdf)) in used.iter().enumerate() {
         code.push('\n');

@@ -49,7 +49,7 @@ shared_struct! {
         radiance: [f32; 3],
         passed_clear_glass: u32,
         medium: [f32; 3],
-        padding: u32,
+        wavelength: f32,
     }
 }
 

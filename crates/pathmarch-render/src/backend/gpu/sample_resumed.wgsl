@@ -17,6 +17,7 @@ fn resumed(saved: SuspendedPath, sampler: PixelSampler) -> Path {
     path.radiance = saved.radiance;
     path.passed_clear_glass = saved.passed_clear_glass != 0u;
     path.medium = saved.medium;
+    path.wavelength = saved.wavelength;
     return path;
 }
 
@@ -33,6 +34,7 @@ fn suspend(slot: u32, path: Path) {
         path.radiance,
         select(0u, 1u, path.passed_clear_glass),
         path.medium,
+        path.wavelength,
     );
     atomicAdd(&suspended.count, 1u);
 }
