@@ -4,7 +4,7 @@
 mod fields;
 
 use crate::common::{on_both_backends, on_each_backend, parse, render, with_gpu};
-use fields::{copying, declared};
+use fields::{SHADERS, copying, declared, shader_shape};
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
 use pathmarch_render::pathmarch_field::custom_sdf::{Code, budget};
@@ -124,6 +124,27 @@ fn the_cpu_and_the_gpu_agree_at_random_points() {
         assert!(distance_apart < 2e-5, "{}", declared.name);
         // At edges, rounding decides on which side the differences are taken.
         assert!(gradients_apart < POINTS as u32 / 50, "{}", declared.name);
+    }
+}
+
+/// Shaders in GLSL compute the same on both backends.
+fn shaders_agree_on_the_cpu_and_the_gpu() {
+    let (device, queue) = device();
+    let mut state = 3;
+    for (name, lipschitz) in SHADERS {
+        let shape = shader_shape(name, lipschitz);
+        let numbers = shape.coefficients(&[]);
+        let point = |state: &mut u32| std::array::from_fn(|k| if k < 3 { 2.4 * random(state) - 1.2 } else { 0.0 });
+        let points: Vec<[f32; 4]> = (0..POINTS).map(|_| point(&mut state)).collect();
+        let results = on_device(&device, &queue, &shape, &numbers, &points);
+        let far = points
+            .iter()
+            .zip(&results)
+            .filter(|(p, result)| (shape.distance(Vec3::new(p[0], p[1], p[2]), &numbers) - result[3]).abs() > 1e-4);
+        let far = far.count();
+        println!("{name}: {far} of {POINTS} points differ");
+        // Fractals amplify rounding errors.
+        assert!(far <= POINTS / 50, "{name}: {far}");
     }
 }
 

@@ -103,7 +103,10 @@ impl Code {
         let unprintable = |what: String| {
             let message = "This text cannot be made a part of the program for the GPU.";
             vec![CodeDiagnostic {
-                help: Some(format!("{what} Write it in a simpler way.")),
+                help: Some(match what.contains("fall-through") {
+                    true => "End each case of a `switch` with `break`: none can run into the next.".to_owned(),
+                    false => format!("{what} Write it in a simpler way."),
+                }),
                 ..whole(message, "in this text")
             }]
         };

@@ -2,7 +2,7 @@
 uniform float spacing; // slider[1,3,8]
 uniform float twist;   // slider[-3,1.1,3]
 #define rot(a) mat2(cos(a), sin(a), -sin(a), cos(a))
-#define SQ(x) max(abs((x).x), abs((x).y))
+#define SQ(v) max(abs((v).x), abs((v).y))
 
 float sdBox(vec2 p, vec2 b) {
     vec2 d = abs(p) - b;

@@ -121,7 +121,7 @@ impl Assembly<'_, '_> {
     }
 
     fn function(&self, item: &Item, result: &str, text: &mut PlacedText) {
-        let mut tokens = item.tokens.clone();
+        let mut tokens = separate_arrays(&item.tokens);
         self.replace(&mut tokens);
         for (k, token) in tokens.iter().enumerate() {
             text.token(token);
@@ -135,6 +135,35 @@ impl Assembly<'_, '_> {
             }
         }
     }
+}
+
+/// Writes `float a[2], b;` as `float a[2]; float b;`: naga takes what follows an array for arrays, too.
+fn separate_arrays<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
+    let mut result: Vec<Token> = Vec::new();
+    let mut rest = tokens;
+    while !rest.is_empty() {
+        let length = 1 + rest.iter().position(|token| matches!(token.text, ";" | "{" | "}")).unwrap_or(rest.len() - 1);
+        let (statement, after) = rest.split_at(length);
+        rest = after;
+        let has_array = matches!(statement, [ty, name, open, ..] if ty.is_name() && name.is_name() && !ty.is("return")
+            && matches!(open.text, "[" | "=" | ","))
+            && statement.iter().any(|token| token.is("["));
+        let mut depth = 0_usize;
+        for token in statement {
+            match token.text {
+                "(" | "[" => depth += 1,
+                ")" | "]" => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            if has_array && depth == 0 && token.is(",") {
+                result.push(Token { text: ";", ..*token });
+                result.push(statement[0]);
+            } else {
+                result.push(*token);
+            }
+        }
+    }
+    result
 }
 
 fn is_integer(number: &str) -> bool {

@@ -55,7 +55,6 @@ pub struct Shader {
 }
 
 impl Shader {
-    #[doc(hidden)] pub fn debug(&self) -> &str { &self.text.text }
     /// Reads GLSL. `function` is the name of the distance function, `None` for a usual name; `params` are those that the scene
     /// declares.
     ///
