@@ -257,6 +257,10 @@ tests! {
     on_each_backend: [the_examples_of_the_documentation_are_rendered],
     on_each_backend slow: [hostile_fields_are_rendered],
     on_both_backends slow: [fields_render_alike_on_both_backends],
-    with_gpu: [the_cpu_and_the_gpu_agree_at_random_points, copies_of_arrays_are_counted_alike],
+    with_gpu: [
+        the_cpu_and_the_gpu_agree_at_random_points,
+        copies_of_arrays_are_counted_alike,
+        shaders_agree_on_the_cpu_and_the_gpu,
+    ],
     plain: [scenes_of_large_arrays_are_refused],
 }

@@ -125,8 +125,8 @@ fn blank_length(text: &str, first: char) -> usize {
             false => text.find('\n').unwrap_or(text.len()),
         };
     }
-    if text.starts_with("/*") {
-        return text[2..].find("*/").map_or(text.len(), |end| end + 4);
+    if let Some(comment) = text.strip_prefix("/*") {
+        return comment.find("*/").map_or(text.len(), |end| end + 4);
     }
     0
 }

@@ -9,7 +9,7 @@ use super::numbers::in_range;
 use super::params::{self, Declared};
 use super::unexpected::unexpected_node;
 use crate::assets::Assets;
-use crate::language::diagnostics::report::{draft, shown};
+use crate::language::diagnostics::report::{Draft, draft, shown};
 use crate::language::formulas::expression::is_name;
 use crate::language::formulas::scope::reserved;
 use crate::language::keywords::{FIELD, NORMAL, PARAM, PLACEMENT, TOP, solids};
@@ -245,6 +245,10 @@ fn glsl_code(
             return None;
         }
     };
+    for warning in &shader.warnings {
+        let draft = drafted(entry, warning, "pathmarch::glsl", context);
+        context.report.warn(draft);
+    }
     for param in shader.params.iter().filter(|param| !own.contains(&param.name)) {
         if !is_param_name(&param.name) {
             let fault = CodeDiagnostic {
@@ -337,12 +341,17 @@ fn glsl(entry: &Entry, faults: &[CodeDiagnostic], context: &mut Context) {
 /// Reports faults in a code at their places in the file.
 fn wrong(entry: &Entry, faults: &[CodeDiagnostic], id: &'static str, context: &mut Context) {
     for fault in faults {
-        let span = place(entry, fault, context);
-        let mistake = draft(id, span.unwrap_or(entry.value_span), fault.message.clone()).label(fault.label.clone());
-        context.report.add(match &fault.help {
-            Some(help) => mistake.help(help.clone()),
-            None => mistake,
-        });
+        let draft = drafted(entry, fault, id, context);
+        context.report.add(draft);
+    }
+}
+
+fn drafted(entry: &Entry, fault: &CodeDiagnostic, id: &'static str, context: &Context) -> Draft {
+    let span = place(entry, fault, context);
+    let mistake = draft(id, span.unwrap_or(entry.value_span), fault.message.clone()).label(fault.label.clone());
+    match &fault.help {
+        Some(help) => mistake.help(help.clone()),
+        None => mistake,
     }
 }
 
