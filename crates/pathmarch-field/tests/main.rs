@@ -4,6 +4,7 @@ mod custom_sdf;
 #[path = "sampling/fields.rs"]
 mod fields;
 mod fractals;
+mod glsl;
 mod graph;
 mod lipschitz_check;
 mod mesh;

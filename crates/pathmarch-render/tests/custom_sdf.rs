@@ -4,7 +4,7 @@
 mod fields;
 
 use crate::common::{on_both_backends, on_each_backend, parse, render, with_gpu};
-use fields::{copying, declared};
+use fields::{SHADERS, copying, declared, shader_shape};
 use pathmarch_render::image::PictureKind;
 use pathmarch_render::metrics::compare;
 use pathmarch_render::pathmarch_field::custom_sdf::{Code, budget};
@@ -127,6 +127,27 @@ fn the_cpu_and_the_gpu_agree_at_random_points() {
     }
 }
 
+/// Shaders in GLSL compute the same on both backends.
+fn shaders_agree_on_the_cpu_and_the_gpu() {
+    let (device, queue) = device();
+    let mut state = 3;
+    for (name, lipschitz) in SHADERS {
+        let shape = shader_shape(name, lipschitz);
+        let numbers = shape.coefficients(&[]);
+        let point = |state: &mut u32| std::array::from_fn(|k| if k < 3 { 2.4 * random(state) - 1.2 } else { 0.0 });
+        let points: Vec<[f32; 4]> = (0..POINTS).map(|_| point(&mut state)).collect();
+        let results = on_device(&device, &queue, &shape, &numbers, &points);
+        let far = points
+            .iter()
+            .zip(&results)
+            .filter(|(p, result)| (shape.distance(Vec3::new(p[0], p[1], p[2]), &numbers) - result[3]).abs() > 1e-4);
+        let far = far.count();
+        println!("{name}: {far} of {POINTS} points differ");
+        // Fractals amplify rounding errors.
+        assert!(far <= POINTS / 50, "{name}: {far}");
+    }
+}
+
 /// The loop budget counts copies of arrays on a device as on the CPU: a loop has as many passes.
 fn copies_of_arrays_are_counted_alike() {
     let (device, queue) = device();
@@ -236,6 +257,10 @@ tests! {
     on_each_backend: [the_examples_of_the_documentation_are_rendered],
     on_each_backend slow: [hostile_fields_are_rendered],
     on_both_backends slow: [fields_render_alike_on_both_backends],
-    with_gpu: [the_cpu_and_the_gpu_agree_at_random_points, copies_of_arrays_are_counted_alike],
+    with_gpu: [
+        the_cpu_and_the_gpu_agree_at_random_points,
+        copies_of_arrays_are_counted_alike,
+        shaders_agree_on_the_cpu_and_the_gpu,
+    ],
     plain: [scenes_of_large_arrays_are_refused],
 }

@@ -12,6 +12,7 @@ use crate::environment::{Environment, EnvironmentError, Loaded};
 use crate::light::Light;
 use crate::mesh_files::{MeshFile, MeshFileError};
 use crate::textures::{Picture as Texture, PictureError};
+use pathmarch_field::custom_sdf::glsl::Shader;
 use pathmarch_field::custom_sdf::{Code, CodeDiagnostic};
 use pathmarch_mesh::Imported;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,8 @@ struct CodeSource {
     identifier: String,
     params: Vec<String>,
     text: String,
+    /// Name of the distance function of a shader in GLSL; `None` for WGSL.
+    function: Option<String>,
 }
 
 /// Identity of a file when it was read.
@@ -125,23 +128,43 @@ impl Assets {
         Ok(picture)
     }
 
-    /// The code of a field: read and compiled once for each text.
+    /// The code of a field in WGSL: read and compiled once for each text.
     pub(crate) fn code(
         &mut self,
         identifier: &str,
         params: &[String],
         text: &str,
     ) -> Result<Arc<Code>, Vec<CodeDiagnostic>> {
-        let known = self
-            .codes
-            .iter()
-            .position(|(source, _)| source.identifier == identifier && source.params == params && source.text == text);
+        let (identifier, text) = (identifier.to_owned(), text.to_owned());
+        let source = CodeSource { identifier, params: params.to_vec(), text, function: None };
+        self.compiled(source, |source| Code::new(&source.identifier, params, &source.text))
+    }
+
+    /// The code of a field in GLSL, as [`Self::code`].
+    pub(crate) fn shader(
+        &mut self,
+        identifier: &str,
+        params: &[String],
+        text: &str,
+        shader: &Shader,
+    ) -> Result<Arc<Code>, Vec<CodeDiagnostic>> {
+        let (identifier, text) = (identifier.to_owned(), text.to_owned());
+        let function = Some(shader.function.clone());
+        let source = CodeSource { identifier, params: params.to_vec(), text, function };
+        self.compiled(source, |source| Code::of_shader(&source.identifier, shader))
+    }
+
+    fn compiled(
+        &mut self,
+        source: CodeSource,
+        compile: impl FnOnce(&CodeSource) -> Result<Code, Vec<CodeDiagnostic>>,
+    ) -> Result<Arc<Code>, Vec<CodeDiagnostic>> {
+        let known = self.codes.iter().position(|(other, _)| *other == source);
         let (source, code) = match known {
             Some(index) => self.codes.remove(index),
             None => {
-                let code = Arc::new(Code::new(identifier, params, text)?);
-                let (identifier, text) = (identifier.to_owned(), text.to_owned());
-                (CodeSource { identifier, params: params.to_vec(), text }, code)
+                let code = Arc::new(compile(&source)?);
+                (source, code)
             }
         };
         self.codes.truncate(CODES - 1);

@@ -74,3 +74,20 @@ fn names_are_those_in_sight() {
     // Profiles may be declared, too.
     body("shape \"plate\" { star }\nobject \"o\" { extrude { plate } }");
 }
+
+const SHADER: &str = "pathmarch 1\ncamera { position 0 0 5; target 0 0 0 }\nfield \"f\" {\n    bounds 2 2 2\n    glsl \"\"\"\n        uniform float size; // slider[0,0.5,2]\n        float map(vec3 p) { return length(p) - size * scale; }\n        \"\"\"\n    param scale 1\n}\nobject \"o\" { f size=0.25 }\n";
+
+/// Uniforms are parameters behind those of the field, and mistakes are shown at their lines.
+#[test]
+fn a_field_may_be_a_shader_in_glsl() {
+    let scene = Scene::parse("shader.kdl", SHADER).unwrap_or_else(|error| panic!("{:#?}", error.mistakes()));
+    let leaf = &scene.field.leaves()[0];
+    assert_eq!(leaf.params[..2], [1.0, 0.25]);
+    let names: Vec<&str> = leaf.shape.params().iter().map(|param| &*param.name).collect();
+    assert_eq!(names, ["scale", "size"]);
+    let broken = SHADER.replace("length", "lenght");
+    let error = Scene::parse("shader.kdl", &broken).err().unwrap_or_else(|| panic!("accepted"));
+    let mistake = &error.mistakes()[0];
+    assert!(mistake.message.contains("no function `lenght`"), "{}", mistake.message);
+    assert_eq!(mistake.span.offset(), broken.find("lenght").unwrap_or_default());
+}

@@ -96,12 +96,16 @@ struct ExpressionCost {
 pub(super) struct Costs {
     functions: Vec<Cost>,
     expressions: Vec<Vec<ExpressionCost>>,
+    /// Cost of setting the variables outside functions to zero.
+    globals: Cost,
 }
 
 impl Costs {
     pub(super) fn new(module: &Module, info: &ModuleInfo) -> Self {
         let sizes = Sizes::new(&module.types);
-        let mut costs = Self { functions: Vec::new(), expressions: Vec::new() };
+        let variables = module.global_variables.iter().map(|(_, variable)| variable.ty);
+        let globals = variables.map(|ty| Cost::copy(sizes.of(ty)).at_least_one()).fold(Cost::default(), Cost::plus);
+        let mut costs = Self { functions: Vec::new(), expressions: Vec::new(), globals };
         for (handle, function) in module.functions.iter() {
             let of = |expression| expression_cost(module, &sizes, function, &info[handle], expression);
             costs.expressions.push(function.expressions.iter().map(|(expression, _)| of(expression)).collect());
@@ -118,6 +122,10 @@ impl Costs {
     pub(super) fn of(&self, function: Handle<naga::Function>) -> Cost {
         let unknown = Cost { operations: u32::MAX, compiled: u32::MAX, numbers: u32::MAX };
         self.functions.get(function.index()).copied().unwrap_or(unknown)
+    }
+
+    pub(super) fn globals(&self) -> Cost {
+        self.globals
     }
 
     /// Budget taken by one pass of a loop of this function.
@@ -190,7 +198,8 @@ fn expression_cost(
     ExpressionCost { computed, copied }
 }
 
-/// Adds the loop budget to a module: every loop takes from the variable `counter`, which `entry` fills. Turns the parameters
+/// Adds the loop budget to a module: every loop takes from the variable `counter`, which `entry` fills. `entry` also sets the
+/// variables outside functions to zero. Turns the parameters
 /// `params`, which were overrides, into arguments of all functions.
 pub(super) fn instrument(
     module: &mut Module,
@@ -202,6 +211,7 @@ pub(super) fn instrument(
     let inner = |inner| Type { name: None, inner };
     let u32_type = module.types.insert(inner(TypeInner::Scalar(Scalar::U32)), Span::UNDEFINED);
     let f32_type = module.types.insert(inner(TypeInner::Scalar(Scalar::F32)), Span::UNDEFINED);
+    let variables: Vec<_> = module.global_variables.iter().map(|(handle, variable)| (handle, variable.ty)).collect();
     let budget = module.global_variables.append(
         GlobalVariable {
             name: Some(counter),
@@ -235,6 +245,11 @@ pub(super) fn instrument(
             let pointer = work.add(Expression::GlobalVariable(budget));
             let value = work.add(Expression::Literal(Literal::U32(LOOP_BUDGET)));
             start.push(Statement::Store { pointer, value }, Span::UNDEFINED);
+            for &(variable, ty) in &variables {
+                let pointer = work.add(Expression::GlobalVariable(variable));
+                let value = work.add(Expression::ZeroValue(ty));
+                start.push(Statement::Store { pointer, value }, Span::UNDEFINED);
+            }
             start.append(&mut body);
             body = start;
         }

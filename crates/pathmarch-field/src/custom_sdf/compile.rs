@@ -38,7 +38,15 @@ pub(super) fn compile(
         arguments: Vec::new(),
         constants: HashMap::new(),
         globals: HashMap::new(),
+        variables: HashMap::new(),
     };
+    let first = compiler.memory.len();
+    for (handle, variable) in module.global_variables.iter() {
+        let size = compiler.size_of(variable.ty, module.global_variables.get_span(handle))?;
+        let slot = compiler.alloc(size);
+        compiler.variables.insert(handle, slot);
+    }
+    let variables = first as u32..compiler.memory.len() as u32;
     let mut start = None;
     for (handle, function) in module.functions.iter() {
         compiler.function(handle, function)?;
@@ -48,7 +56,7 @@ pub(super) fn compile(
     }
     let entry = start.unwrap_or_default();
     let point = compiler.arguments[entry].first().copied().unwrap_or_default();
-    Ok(Program { memory: compiler.memory, functions: compiler.procedures, entry, point, params: 0 })
+    Ok(Program { memory: compiler.memory, functions: compiler.procedures, entry, point, params: 0, variables })
 }
 
 /// Target of a pointer.
@@ -81,6 +89,8 @@ struct Compiler<'m> {
     constants: HashMap<u32, u32>,
     /// Slots of the constants of the module.
     globals: HashMap<Handle<naga::Constant>, u32>,
+    /// Slots of the variables outside functions.
+    variables: HashMap<Handle<naga::GlobalVariable>, u32>,
 }
 
 /// Function being compiled.

@@ -8,6 +8,7 @@
 
 use super::budget;
 use super::math::{Function, Lanes};
+use std::ops::Range;
 
 /// A bit for each lane.
 pub(super) type Mask = u8;
@@ -22,6 +23,8 @@ pub(super) struct Program {
     /// First slots of the point and of the parameters.
     pub(super) point: u32,
     pub(super) params: u32,
+    /// Slots of the variables outside functions, which are zero at the start of a call.
+    pub(super) variables: Range<u32>,
 }
 
 /// Compiled function.
@@ -137,6 +140,7 @@ impl Machine {
             self.slots[program.params as usize + k] = [param.to_bits(); 8];
         }
         self.budget = [budget::LOOP_BUDGET; 8];
+        self.slots[program.variables.start as usize..program.variables.end as usize].fill([0; 8]);
         self.call(program, program.entry, mask);
         self.slots[program.functions[program.entry].result as usize]
     }

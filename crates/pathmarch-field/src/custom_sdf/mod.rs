@@ -15,8 +15,10 @@
 
 pub mod budget;
 mod compile;
+pub mod glsl;
 mod machine;
 mod math;
+mod messages;
 mod module;
 mod size;
 

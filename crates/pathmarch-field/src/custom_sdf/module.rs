@@ -2,13 +2,14 @@
 
 use super::budget::{self, Cost, Costs};
 use super::compile::compile;
+use super::glsl::{self, Shader};
 use super::machine::Program;
+use super::messages::{MAX_MESSAGE, innermost, sentence};
 use super::size::{self, Sizes, shown};
 use super::{CodeDiagnostic, MAX_BYTES, range, wgsl_distance, wgsl_gradient};
 use naga::back::wgsl::{Writer, WriterFlags};
 use naga::valid::{Capabilities, ValidationError, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, Module, Scalar, ScalarKind, TypeInner, VectorSize, WithSpan};
-use std::error::Error;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Largest number of functions in a code.
@@ -41,14 +42,25 @@ impl Code {
             let message = format!("The text of a field has at most {} KiB.", MAX_BYTES >> 10);
             return Err(vec![whole(message, "too long")]);
         }
-        std::thread::scope(|scope| {
-            let read = std::thread::Builder::new()
-                .stack_size(STACK)
-                .spawn_scoped(scope, || Self::read(identifier, params, text));
-            match read.map(|thread| thread.join()) {
-                Ok(Ok(result)) => result,
-                _ => Err(vec![whole("This text could not be read.", "in this text")]),
-            }
+        on_large_stack(|| Self::read(identifier, params, text))
+    }
+
+    /// Parses and validates the distance function of a shader. Its parameters are [`Shader::names`](super::glsl::Shader::names).
+    ///
+    /// # Errors
+    /// The mistakes found.
+    pub fn of_shader(identifier: &str, shader: &Shader) -> Result<Self, Vec<CodeDiagnostic>> {
+        let place = |fault: CodeDiagnostic| CodeDiagnostic {
+            range: fault.range.and_then(|range| shader.place(&range)),
+            ..fault
+        };
+        let constants: Vec<String> = shader.names.iter().map(|name| glsl::constant_name(name)).collect();
+        on_large_stack(|| {
+            let module = glsl::parse(shader)?;
+            let source = Source { params: &constants, entry: glsl::ENTRY };
+            let invalid = |error: &WithSpan<ValidationError>| shader.validation_fault(error);
+            Self::of_module(identifier, module, &source, &invalid)
+                .map_err(|faults| faults.into_iter().map(place).collect())
         })
     }
 
@@ -59,16 +71,29 @@ impl Code {
         let whole_text = format!("{text}\n{declarations}");
         size::check_constants(&whole_text)
             .map_err(|fault| one(fault.unwrap_or_else(|error| parse_fault(&error, text))))?;
-        let mut module = naga::front::wgsl::parse_str(&whole_text).map_err(|error| one(parse_fault(&error, text)))?;
+        let module = naga::front::wgsl::parse_str(&whole_text).map_err(|error| one(parse_fault(&error, text)))?;
         let faults = forbidden_globals(&module, params, text);
         if !faults.is_empty() {
             return Err(faults);
         }
-        let entry = entry(&module).map_err(one)?;
+        let invalid = |error: &WithSpan<ValidationError>| validation_fault(error, text);
+        Self::of_module(identifier, module, &Source { params, entry: "distance" }, &invalid)
+    }
+
+    /// Checks the limits of a module and prints it again. `invalid` translates the mistakes that naga finds in it.
+    fn of_module(
+        identifier: &str,
+        mut module: Module,
+        source: &Source,
+        invalid: &dyn Fn(&WithSpan<ValidationError>) -> CodeDiagnostic,
+    ) -> Result<Self, Vec<CodeDiagnostic>> {
+        let one = |fault: CodeDiagnostic| vec![fault];
+        let params = source.params;
+        let entry = entry(&module, source.entry).map_err(one)?;
         if let Some(fault) = size::too_large_declaration(&module) {
             return Err(one(fault));
         }
-        let info = validate(&module).map_err(|error| one(validation_fault(&error, text)))?;
+        let info = validate(&module).map_err(|error| one(invalid(&error)))?;
         let costs = Costs::new(&module, &info);
         check_limits(&module, &costs, entry).map_err(one)?;
         let program = compile(&module, &info, &costs, entry, params).map_err(one)?;
@@ -78,7 +103,10 @@ impl Code {
         let unprintable = |what: String| {
             let message = "This text cannot be made a part of the program for the GPU.";
             vec![CodeDiagnostic {
-                help: Some(format!("{what} Write it in a simpler way.")),
+                help: Some(match what.contains("fall-through") {
+                    true => "End each case of a `switch` with `break`: none can run into the next.".to_owned(),
+                    false => format!("{what} Write it in a simpler way."),
+                }),
                 ..whole(message, "in this text")
             }]
         };
@@ -112,6 +140,27 @@ impl Code {
     }
 }
 
+/// What a module has of the language it was written in.
+struct Source<'a> {
+    /// Names of the overrides that are the parameters, in order.
+    params: &'a [String],
+    /// Name of the distance function.
+    entry: &'a str,
+}
+
+/// Runs a reader of code on a thread with a stack of [`STACK`] bytes; a panic is an error.
+fn on_large_stack<T: Send>(
+    read: impl FnOnce() -> Result<T, Vec<CodeDiagnostic>> + Send,
+) -> Result<T, Vec<CodeDiagnostic>> {
+    std::thread::scope(|scope| {
+        let read = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, read);
+        match read.map(|thread| thread.join()) {
+            Ok(Ok(result)) => result,
+            _ => Err(vec![whole("This text could not be read.", "in this text")]),
+        }
+    })
+}
+
 /// Next id of a code; each has machines of its own.
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
@@ -121,21 +170,6 @@ fn whole(message: impl Into<String>, label: &str) -> CodeDiagnostic {
 
 fn validate(module: &Module) -> Result<naga::valid::ModuleInfo, Box<WithSpan<ValidationError>>> {
     Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(module).map_err(Box::new)
-}
-
-/// Largest length of a message, characters; some of naga's quote the code.
-const MAX_MESSAGE: usize = 200;
-
-/// A message of naga as one sentence.
-fn sentence(text: &str) -> String {
-    let mut short: String = text.chars().take(MAX_MESSAGE).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().nth(MAX_MESSAGE).is_some() {
-        short.push('…');
-    }
-    let text = short.trim().trim_end_matches('.');
-    let mut chars = text.chars();
-    let first: String = chars.next().map(|c| c.to_uppercase().collect()).unwrap_or_default();
-    format!("{first}{}.", chars.as_str())
 }
 
 /// Start of the messages of naga for code that it gives up on; the only cause is nesting beyond its limit.
@@ -160,26 +194,6 @@ fn parse_fault(error: &naga::front::wgsl::ParseError, text: &str) -> CodeDiagnos
         range,
         help: Some(notes.join(" ")).filter(|notes| !notes.is_empty()),
     }
-}
-
-/// Innermost cause of an error, as a sentence.
-fn innermost(error: &ValidationError) -> String {
-    let mut cause: &dyn Error = error;
-    while let Some(source) = cause.source() {
-        cause = source;
-    }
-    sentence(&without_handles(&cause.to_string()))
-}
-
-/// Removes naga's handles from a message, as in "expression Some([3])".
-fn without_handles(message: &str) -> String {
-    let is_handle = |word: &str| {
-        let word = word.trim_end_matches([',', ':']);
-        let inner = word.strip_prefix("Some(").and_then(|word| word.strip_suffix(')')).unwrap_or(word);
-        let digits = inner.strip_prefix('[').and_then(|inner| inner.strip_suffix(']'));
-        digits.is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()))
-    };
-    message.split(' ').filter(|word| !is_handle(word)).collect::<Vec<_>>().join(" ")
 }
 
 fn validation_fault(error: &WithSpan<ValidationError>, text: &str) -> CodeDiagnostic {
@@ -237,10 +251,10 @@ fn forbidden_globals(module: &Module, params: &[String], text: &str) -> Vec<Code
     faults
 }
 
-/// Finds the function `distance`, from a point to a number.
-fn entry(module: &Module) -> Result<Handle<naga::Function>, CodeDiagnostic> {
+/// Finds the function of this name, from a point to a number.
+fn entry(module: &Module, name: &str) -> Result<Handle<naga::Function>, CodeDiagnostic> {
     let help = "It looks like this: fn distance(p: vec3f) -> f32 { return length(p) - 1.0; }";
-    let found = module.functions.iter().find(|(_, function)| function.name.as_deref() == Some("distance"));
+    let found = module.functions.iter().find(|(_, function)| function.name.as_deref() == Some(name));
     let Some((handle, function)) = found else {
         let message = "This text has no function `distance`.";
         return Err(CodeDiagnostic {
@@ -286,7 +300,7 @@ fn check_limits(module: &Module, costs: &Costs, entry: Handle<naga::Function>) -
     let functions = || module.functions.iter().map(|(handle, _)| handle);
     let with_most = |of: &dyn Fn(Cost) -> u32| functions().max_by_key(|handle| of(costs.of(*handle))).unwrap_or(entry);
     let most = with_most(&|cost| cost.numbers);
-    let numbers = costs.of(most).numbers;
+    let numbers = costs.of(most).numbers.saturating_add(costs.globals().numbers);
     if numbers > budget::MAX_ARRAY_SCALARS {
         let message = format!(
             "The arrays of this function come to {} numbers with every call written out; at most {} are allowed.",
@@ -339,6 +353,9 @@ fn rename(module: &mut Module, identifier: &str, entry: Handle<naga::Function>) 
     }
     for (_, constant) in module.constants.iter_mut() {
         constant.name = constant.name.as_ref().map(|name| fresh(name));
+    }
+    for (_, global) in module.global_variables.iter_mut() {
+        global.name = global.name.as_ref().map(|name| fresh(name));
     }
     let mut entry_name = String::new();
     for (handle, function) in module.functions.iter_mut() {

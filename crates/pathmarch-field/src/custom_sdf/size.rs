@@ -16,7 +16,7 @@ use std::num::NonZeroU32;
 /// 128 scalars, 12 s for 256, 33 s for 512 and minutes for 1,500.
 pub const MAX_ARRAY_SCALARS: u32 = 256;
 /// Largest number of scalars of all constants that functions name, each counted as often as it is named.
-const MAX_NAMED_SCALARS: u64 = 1 << 16;
+pub(super) const MAX_NAMED_SCALARS: u64 = 1 << 16;
 
 /// Size of a type; sums and products saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -106,6 +106,12 @@ pub(super) fn too_large_declaration(module: &Module) -> Option<CodeDiagnostic> {
     let sizes = Sizes::new(&module.types);
     let too_many = |ty| Some(sizes.of(ty).numbers).filter(|numbers| *numbers > MAX_ARRAY_SCALARS);
     let named = |name: &Option<String>| name.as_deref().unwrap_or("_").to_owned();
+    for (handle, variable) in module.global_variables.iter() {
+        if let Some(numbers) = too_many(variable.ty) {
+            let what = format!("The variable `{}`", named(&variable.name));
+            return Some(too_large(&what, numbers, module.global_variables.get_span(handle)));
+        }
+    }
     for (handle, function) in module.functions.iter() {
         let (name, span) = (named(&function.name), module.functions.get_span(handle));
         for (handle, variable) in function.local_variables.iter() {

@@ -2,7 +2,8 @@
 #![allow(dead_code)]
 
 use pathmarch_field::custom_sdf::Code;
-use pathmarch_field::{CustomShape, Info, Param};
+use pathmarch_field::custom_sdf::glsl::Shader;
+use pathmarch_field::{CustomShape, Info, Param, Unit};
 use std::sync::Arc;
 
 /// A field as it is declared.
@@ -175,4 +176,53 @@ pub fn copying() -> Vec<Copying> {
         copying("a value with an index", "", "var a: array<f32, 80>;", "let b = a; a[0] = b[i32(n)];"),
         copying("a constant with an index", "const A = array<f32, 80>();", "", "n += A[i32(n)];"),
     ]
+}
+
+/// Shape of a shader of `tests/glsl`, with its uniforms as parameters.
+pub fn shader_shape(name: &str, lipschitz: f32) -> CustomShape {
+    let text = shader_text(name);
+    let shader = Shader::read(&text, None, &[]).unwrap_or_else(|faults| panic!("{name}: {faults:#?}"));
+    let code = Code::of_shader("shader", &shader).unwrap_or_else(|faults| panic!("{name}: {faults:#?}"));
+    let param = |param: &pathmarch_field::custom_sdf::glsl::ShaderParam| Param {
+        name: param.name.clone().into(),
+        unit: Unit::Ratio,
+        default: param.default,
+        range: param.range,
+        doc: "A uniform.".into(),
+    };
+    let params = shader.params.iter().map(param).collect();
+    CustomShape::new(Info::new("shader", "", "").inexact(), params, lipschitz, Some([4.0; 3]), Arc::new(code))
+}
+
+/// Shaders in many styles, kept for tests, and Lipschitz constants of their distances.
+pub const SHADERS: [(&str, f32); 10] = [
+    ("blob", 1.0),
+    ("lattice", 1.0),
+    ("columns", 1.5),
+    ("mandelbulb", 2.0),
+    ("menger", 1.0),
+    ("mandelbox", 1.5),
+    ("sierpinski", 1.0),
+    ("materials", 1.0),
+    ("minimal", 1.5),
+    ("overloads", 1.0),
+];
+
+/// Shaders written fast, with the habits of their authors.
+pub const QUICK_SHADERS: [&str; 10] = [
+    "quick/weird",
+    "quick/ternary",
+    "quick/ifdefs",
+    "quick/loops",
+    "quick/arrays",
+    "quick/vectors",
+    "quick/locals",
+    "quick/hash",
+    "quick/unused",
+    "quick/fragm",
+];
+
+pub fn shader_text(name: &str) -> String {
+    let file = format!("{}/../pathmarch-field/tests/glsl/{name}.frag", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{file}: {error}"))
 }

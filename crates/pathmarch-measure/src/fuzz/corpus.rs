@@ -17,6 +17,12 @@ const CODES: [&str; 3] = [
     "struct S { a: vec3f, b: array<f32, 4> }\nconst K = array<f32, 3>(1.0, 2.0, 3.0);\nfn f(s: ptr<function, S>, k: i32) -> f32 { (*s).b[k] = (*s).a.x; return (*s).b[k & 3]; }\nfn distance(p: vec3f) -> f32 { var s: S; s.a = p; var m = mat3x3f(p, p.yzx, p.zxy); let d = m * p; loop { if d.x > 1.0 { break; } return f(&s, i32(p.x)) + K[u32(p.y)]; } return d.x; }",
 ];
 
+const SHADERS: [&str; 3] = [
+    "#define R(a) mat2(cos(a),sin(a),-sin(a),cos(a))\nfloat map(vec3 p) { p.xy *= R(iTime); float d = 1e9, e[2], f; for (int i = 0; i < 5; i++) { e[i & 1] = length(p) - .1 * float(i); d = min(d, e[0]); } return d; }",
+    "#include \"a.frag\"\nuniform vec3 A; slider[(0,0,0),(1,2,3),(4,4,4)]\nuniform int N; slider[0,3,9]\n#define providesInit\nmat3 m;\nvoid init() { m = rotationMatrix3(A, 30.0); }\nfloat DE(vec3 z) { int n = 0; while (n < N) { z = abs(z * m) - 0.5; if (z.x < z.y) z.xy = z.yx; n++; } return smin(length(z), 1.0, 0.1); }\n#preset Default\nN = 4\n#endpreset\n",
+    "#ifdef X\n#else\nstruct S { vec3 a; float b; };\n#endif\nconst float K[3] = float[3](1., 2., 3.);\nvoid f(inout S s, const int k) { s.a.xz = s.a.zx; s.b += K[k]; }\nvec2 map(vec3 p) { S s = S(p, 0.); f(s, int(p.x) & 1); switch (int(p.y)) { case 1: return vec2(1); default: break; } return s.b > 1. ? s.a.xy : inverse(mat2(1., 0., 0., 1.)) * mod(p, 2.).xy; }",
+];
+
 const SKY: &[u8] =
     b"pathmarch 1\ncamera { position 0 1 4 }\nsky \"day\" elevation=35 azimuth=140\nobject \"a\" { sphere }\n";
 
@@ -63,6 +69,7 @@ pub(super) fn corpus(target: Target) -> Vec<Vec<u8>> {
         Target::Film => films(),
         Target::Mesh => TRIANGLE.iter().map(|bytes| bytes.to_vec()).collect(),
         Target::Wgsl => CODES.iter().map(|code| code.as_bytes().to_vec()).collect(),
+        Target::Glsl => SHADERS.iter().map(|code| code.as_bytes().to_vec()).collect(),
     }
 }
 

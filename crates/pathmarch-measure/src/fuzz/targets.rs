@@ -6,6 +6,7 @@ use pathmarch_mesh::{ReadOptions, read_bytes};
 use pathmarch_render::image::load;
 use pathmarch_render::parts::FilmFile;
 use pathmarch_render::pathmarch_field::custom_sdf::Code;
+use pathmarch_render::pathmarch_field::custom_sdf::glsl::Shader;
 use pathmarch_render::pathmarch_field::registry::{modifiers, operators, shapes};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Mode, RenderError, Renderer, Settings, kernel_wgsl};
@@ -23,8 +24,10 @@ pub(super) enum Target {
     Film,
     /// Meshes: OBJ, STL and PLY.
     Mesh,
-    /// Code of custom shapes.
+    /// Code of custom shapes in WGSL.
     Wgsl,
+    /// Code of custom shapes in GLSL.
+    Glsl,
     /// Fields: their kernel is validated, and they are rendered on the CPU.
     Field,
     /// Fields on the GPU, several in a kernel, because its compiler takes most of the time.
@@ -67,6 +70,10 @@ impl Target {
                 .iter()
                 .any(|extension| read_bytes(input, extension, &file, &ReadOptions::default()).is_ok())),
             Self::Wgsl => Ok(Code::new("a", &[], &String::from_utf8_lossy(input)).is_ok()),
+            Self::Glsl => {
+                let read = Shader::read(&String::from_utf8_lossy(input), None, &[]);
+                Ok(read.and_then(|shader| Code::of_shader("a", &shader)).is_ok())
+            }
             Self::Field => on_cpu(&String::from_utf8_lossy(input)),
             Self::GpuField => on_gpu(&String::from_utf8_lossy(input)),
         }

@@ -94,6 +94,9 @@ impl<'m> Compiler<'m> {
                     _ => slot,
                 }
             }
+            Expression::GlobalVariable(global) => {
+                return self.variables.get(global).map(|slot| Value::Pointer(Pointer::Slot(*slot))).ok_or_else(unknown);
+            }
             Expression::LocalVariable(local) => return Ok(Value::Pointer(Pointer::Slot(body.locals[local]))),
             Expression::Compose { ty, components } => {
                 let size = self.size_of(*ty, span)?;

@@ -1,6 +1,6 @@
-//! `field "name" { … }`: shapes that a scene declares itself, in WGSL.
+//! `field "name" { … }`: shapes that a scene declares itself, in WGSL or GLSL.
 //!
-//! Mistakes in the WGSL are shown where they stand in the file, through the escapes and margins of the string
+//! Mistakes in the code are shown where they stand in the file, through the escapes and margins of the string
 //! ([`origins`]).
 
 use super::arguments::{arguments, missing_arguments, name, no_children, properties, string, twice};
@@ -9,12 +9,15 @@ use super::numbers::in_range;
 use super::params::{self, Declared};
 use super::unexpected::unexpected_node;
 use crate::assets::Assets;
-use crate::language::diagnostics::report::{draft, shown};
+use crate::language::diagnostics::report::{Draft, draft, shown};
+use crate::language::formulas::expression::is_name;
+use crate::language::formulas::scope::reserved;
 use crate::language::keywords::{FIELD, NORMAL, PARAM, PLACEMENT, TOP, solids};
 use crate::language::syntax::strings::origins;
 use crate::language::tree::{Block, Entry, Node, Span, Value};
 use crate::settings::Range;
-use pathmarch_field::custom_sdf::{CodeDiagnostic, MAX_PARAMS};
+use pathmarch_field::custom_sdf::glsl::{Shader, ShaderParam};
+use pathmarch_field::custom_sdf::{Code, CodeDiagnostic, MAX_PARAMS};
 use pathmarch_field::{CustomShape, Info, Param, Shape, ShapeRef, Solid, Unit, registry};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -26,7 +29,7 @@ const MAX_FIELDS: usize = 64;
 const MAX_NAME: usize = 40;
 const USAGE: &str = "`field \"name\" { … }`";
 /// Nodes in the braces of a field.
-const KNOWN: &[&str] = &[PARAM, "lipschitz", "bounds", "wgsl", "doc"];
+const KNOWN: &[&str] = &[PARAM, "lipschitz", "bounds", "wgsl", "glsl", "doc"];
 /// The word for a field without bounds.
 const ENDLESS: &str = "none";
 
@@ -164,30 +167,117 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, context:
         Some(node) => one(node, "`doc \"What it is.\"`", context).and_then(|entry| string(entry, "`doc`", context)),
         None => None,
     };
-    let Some(text) = found.get("wgsl") else {
-        missing("wgsl", "For example: wgsl \"fn distance(p: vec3f) -> f32 { return length(p) - 1.0; }\".", context);
-        return None;
-    };
-    let entry = one(text, "`wgsl \"fn distance(p: vec3f) -> f32 { … }\"`", context)?;
-    let text = string(entry, "`wgsl`", context)?;
-    let params = params?;
-    let names: Vec<String> = params.iter().map(|param| param.name.to_string()).collect();
-    let code = match assets.code(identifier, &names, text) {
-        Ok(code) => code,
-        Err(faults) => {
-            if is_glsl(text) {
-                glsl(entry, &faults, context);
-                return None;
-            }
-            for fault in faults {
-                wrong(entry, &fault, context);
-            }
+    let (params, code) = match (found.get("wgsl"), found.get("glsl")) {
+        (Some(_), Some(second)) => {
+            let mistake = draft("pathmarch::two_codes", second.name.span, "A `field` has one code.");
+            context.report.add(mistake.label("a second code").help("Leave out `wgsl` or `glsl`."));
+            return None;
+        }
+        (Some(text), None) => wgsl_code(text, identifier, params?, assets, context)?,
+        (None, Some(text)) => glsl_code(text, identifier, params?, assets, context)?,
+        (None, None) => {
+            missing(
+                "wgsl",
+                "For example: wgsl \"fn distance(p: vec3f) -> f32 { return length(p) - 1.0; }\"; or `glsl`.",
+                context,
+            );
             return None;
         }
     };
     let doc = doc.map_or(Cow::Borrowed("A field of this scene."), |doc| Cow::Owned(doc.to_owned()));
     let info = Info::with_names(Cow::Owned(name.to_owned()), doc, "this scene").inexact();
     Some(CustomShape::new(info, params, lipschitz?, edges?, code))
+}
+
+/// Parameters and code of a field in WGSL.
+fn wgsl_code(
+    node: &Node,
+    identifier: &str,
+    params: Vec<Param>,
+    assets: &mut Assets,
+    context: &mut Context,
+) -> Option<(Vec<Param>, Arc<Code>)> {
+    let entry = one(node, "`wgsl \"fn distance(p: vec3f) -> f32 { … }\"`", context)?;
+    let text = string(entry, "`wgsl`", context)?;
+    match assets.code(identifier, &names(&params), text) {
+        Ok(code) => Some((params, code)),
+        Err(faults) if is_glsl(text) => {
+            glsl(entry, &faults, context);
+            None
+        }
+        Err(faults) => {
+            wrong(entry, &faults, "pathmarch::wgsl", context);
+            None
+        }
+    }
+}
+
+/// Parameters and code of a field in GLSL: its uniforms are parameters, unless the field declares them itself.
+fn glsl_code(
+    node: &Node,
+    identifier: &str,
+    mut params: Vec<Param>,
+    assets: &mut Assets,
+    context: &mut Context,
+) -> Option<(Vec<Param>, Arc<Code>)> {
+    const USAGE: &str = "`glsl \"float map(vec3 p) { … }\"`";
+    no_children(node, context);
+    let function = match properties(node, &["entry"], context).first() {
+        Some((_, entry)) => Some(string(entry, "`entry`", context)?),
+        None => None,
+    };
+    let Some(entry) = arguments(node, 1, USAGE, context).first().copied() else {
+        if !node.broken() {
+            missing_arguments(node, USAGE, context);
+        }
+        return None;
+    };
+    let text = string(entry, "`glsl`", context)?;
+    let own = names(&params);
+    let read = Shader::read(text, function, &own).and_then(|shader| {
+        let code = assets.shader(identifier, &own, text, &shader)?;
+        Ok((shader, code))
+    });
+    let (shader, code) = match read {
+        Ok(read) => read,
+        Err(faults) => {
+            wrong(entry, &faults, "pathmarch::glsl", context);
+            return None;
+        }
+    };
+    for warning in &shader.warnings {
+        let draft = drafted(entry, warning, "pathmarch::glsl", context);
+        context.report.warn(draft);
+    }
+    for param in shader.params.iter().filter(|param| !own.contains(&param.name)) {
+        if !is_param_name(&param.name) {
+            let fault = CodeDiagnostic {
+                message: format!("The uniform `{}` cannot be a parameter.", param.name),
+                label: "a reserved name".to_owned(),
+                range: param.place.clone(),
+                help: Some("Rename it: formulas have another meaning for this name.".to_owned()),
+            };
+            wrong(entry, &[fault], "pathmarch::glsl", context);
+            return None;
+        }
+        params.push(uniform_param(param));
+    }
+    Some((params, code))
+}
+
+fn names(params: &[Param]) -> Vec<String> {
+    params.iter().map(|param| param.name.to_string()).collect()
+}
+
+/// True for a name that a parameter of a field can have.
+fn is_param_name(name: &str) -> bool {
+    is_name(name) && !reserved().any(|other| other == name) && name != "material"
+}
+
+fn uniform_param(param: &ShaderParam) -> Param {
+    let doc = param.doc.clone().unwrap_or_else(|| "A uniform of the shader.".to_owned());
+    let name = Cow::Owned(param.name.clone());
+    Param { name, unit: Unit::Ratio, default: param.default, range: param.range, doc: Cow::Owned(doc) }
 }
 
 /// The only argument of a node.
@@ -243,23 +333,26 @@ fn is_glsl(code: &str) -> bool {
 /// Reports code in GLSL once, at the first place that is not WGSL.
 fn glsl(entry: &Entry, faults: &[CodeDiagnostic], context: &mut Context) {
     let span = faults.first().and_then(|fault| place(entry, fault, context)).unwrap_or(entry.value_span);
-    let mistake =
-        draft("pathmarch::glsl", span, "This is GLSL; a field is written in WGSL.").label("no WGSL from here");
-    let help = "Write `fn distance(p: vec3f) -> f32 { … }` for `float map(vec3 p) { … }`, `f32` for `float`, `vec3f` for \
-                `vec3`, `let q = …` for `vec3 q = …`, and a `param` for a uniform. The table \"Porting a GLSL map()\" in \
-                docs/own-fields.md has the rest.";
+    let mistake = draft("pathmarch::glsl", span, "This is GLSL: use `glsl`.").label("no WGSL from here");
+    let help = "Write `glsl` in place of `wgsl` before the code.";
     context.report.add(mistake.help(help));
 }
 
-/// Reports a fault in WGSL at its place in the file.
-fn wrong(entry: &Entry, fault: &CodeDiagnostic, context: &mut Context) {
+/// Reports faults in a code at their places in the file.
+fn wrong(entry: &Entry, faults: &[CodeDiagnostic], id: &'static str, context: &mut Context) {
+    for fault in faults {
+        let draft = drafted(entry, fault, id, context);
+        context.report.add(draft);
+    }
+}
+
+fn drafted(entry: &Entry, fault: &CodeDiagnostic, id: &'static str, context: &Context) -> Draft {
     let span = place(entry, fault, context);
-    let mistake =
-        draft("pathmarch::wgsl", span.unwrap_or(entry.value_span), fault.message.clone()).label(fault.label.clone());
-    context.report.add(match &fault.help {
+    let mistake = draft(id, span.unwrap_or(entry.value_span), fault.message.clone()).label(fault.label.clone());
+    match &fault.help {
         Some(help) => mistake.help(help.clone()),
         None => mistake,
-    });
+    }
 }
 
 /// Place of a fault in the file.

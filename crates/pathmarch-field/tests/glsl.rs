@@ -1,0 +1,225 @@
+//! Shaders in GLSL as fields: what they compute, and how mistakes are reported.
+
+use crate::fields::{QUICK_SHADERS, SHADERS, shader_shape};
+use crate::sampling::Random;
+use pathmarch_field::custom_sdf::glsl::Shader;
+use pathmarch_field::custom_sdf::{Code, CodeDiagnostic};
+use pathmarch_field::graph::Kind;
+use pathmarch_field::lipschitz_check::check_lipschitz;
+use pathmarch_field::number::Vec3;
+use pathmarch_field::{CustomShape, EvalShape, Field, Info, Node, Param, Placement, Shape, ShapeRef};
+use std::sync::Arc;
+
+type Point = [f64; 3];
+
+fn length(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn box3(p: Point, b: Point) -> f64 {
+    let q: [f64; 3] = std::array::from_fn(|k| p[k].abs() - b[k]);
+    length(&q.map(|x| x.max(0.0))) + q[0].max(q[1]).max(q[2]).min(0.0)
+}
+
+fn blob([x, y, z]: Point) -> f64 {
+    let (s, c) = (0.25 * std::f64::consts::PI).sin_cos();
+    // `q.xz *= m` is `q.xz * m`.
+    let q = [x * c + z * s, y, -x * s + z * c];
+    let (a, b, k) = (box3(q, [0.5, 0.3, 0.4]) - 0.05, length(&[x, y - 0.45, z]) - 0.35, 0.2);
+    let h = (k - (a - b).abs()).max(0.0) / k;
+    let hole = length(&[x - 0.45, y - 0.2, z - 0.45]) - 0.3;
+    (a.min(b) - 0.25 * h * h * k).max(-hole)
+}
+
+fn lattice(p: Point) -> f64 {
+    let q = p.map(|x| (x + 0.75).rem_euclid(1.5) - 0.75);
+    let strut = |a: f64, b: f64| a.abs().max(b.abs()) - 0.08;
+    let struts = strut(q[0], q[1]).min(strut(q[1], q[2])).min(strut(q[2], q[0]));
+    0.9 * (length(&q) - 0.35).min(struts)
+}
+
+fn menger(p: Point) -> f64 {
+    let (mut d, mut s) = (box3(p, [1.0; 3]), 1.0);
+    for _ in 0..4 {
+        let a = p.map(|x| (x * s).rem_euclid(2.0) - 1.0);
+        s *= 3.0;
+        let r = a.map(|x| (1.0 - 3.0 * x.abs()).abs());
+        let c = r[0].max(r[1]).min(r[1].max(r[2])).min(r[2].max(r[0]));
+        d = d.max((c - 1.0) / s);
+    }
+    d
+}
+
+fn materials([x, y, z]: Point) -> f64 {
+    let ring = length(&[length(&[x, z]) - 0.7, y + 0.1]) - 0.1;
+    (y + 0.5).min(length(&[x, y - 0.1, z]) - 0.5).min(ring)
+}
+
+fn overloads([x, y, z]: Point) -> f64 {
+    let mut d = box3([x, y, z], [0.3, 0.5, 0.3]).min((length(&[x, z]) - 0.2).max(y.abs() - 0.9));
+    for (a, b) in [(0.7, 0.0), (0.0, 0.7), (-0.7, 0.0), (0.0, -0.7)] {
+        d = d.min((length(&[x - a, z - b]) - 0.1).max(y.abs() - 0.6));
+    }
+    d
+}
+
+fn minimal([x, y, z]: Point) -> f64 {
+    let shifts = [[0.0; 3], [0.4, 0.1, 0.9], [1.1, 0.7, 0.2]];
+    let wave = |(k, shift): (usize, &Point)| {
+        let s = 4.0 * 1.5_f64.powi(k as i32);
+        let [a, b, c] = [s * x + shift[0], s * y + shift[1], s * z + shift[2]];
+        0.5_f64.powi(k as i32) * (a.sin() * b.cos() + b.sin() * c.cos() + c.sin() * a.cos())
+    };
+    let sum: f64 = shifts.iter().enumerate().map(wave).sum();
+    (sum.abs() / 20.0 - 0.02).max(length(&[x, y, z]) - 1.2)
+}
+
+fn mandelbulb(p: Point) -> f64 {
+    let (mut z, mut dr, mut r) = (p, 1.0, 0.0);
+    for _ in 0..6 {
+        r = length(&z);
+        if r > 4.0 {
+            break;
+        }
+        let (theta, phi) = (8.0 * (z[2] / r).acos(), 8.0 * z[1].atan2(z[0]));
+        dr = r.powf(7.0) * 8.0 * dr + 1.0;
+        let zr = r.powf(8.0);
+        let turned = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
+        z = std::array::from_fn(|k| zr * turned[k] + p[k]);
+    }
+    0.5 * r.ln() * r / dr
+}
+
+/// Values of the shaders are those of the same functions in Rust, in f64.
+#[test]
+fn shaders_agree_with_references() {
+    let references: [(&str, f64, fn(Point) -> f64); 7] = [
+        ("blob", 1e-5, blob),
+        ("lattice", 1e-5, lattice),
+        ("menger", 1e-5, menger),
+        ("materials", 1e-5, materials),
+        ("overloads", 1e-5, overloads),
+        ("minimal", 1e-5, minimal),
+        ("mandelbulb", 1e-3, mandelbulb),
+    ];
+    let mut random = Random::new(7);
+    for (name, tolerance, reference) in references {
+        let shape = shader_shape(name, 1.0);
+        let numbers = shape.coefficients(&[]);
+        let mut far = 0;
+        for _ in 0..1000 {
+            let p: [f32; 3] = std::array::from_fn(|_| random.within(-1.2, 1.2));
+            let value = f64::from(shape.distance(Vec3::new(p[0], p[1], p[2]), &numbers));
+            far += u32::from((value - reference(p.map(f64::from))).abs() > tolerance);
+        }
+        // The fractal's rounding errors grow with every iteration, where points escape late.
+        let allowed = if name == "mandelbulb" { 20 } else { 0 };
+        assert!(far <= allowed, "{name}: {far} of 1000 points differ");
+    }
+}
+
+#[test]
+fn shaders_of_all_styles_are_accepted_and_finite() {
+    let mut random = Random::new(8);
+    for name in SHADERS.iter().map(|(name, _)| *name).chain(QUICK_SHADERS) {
+        let shape = shader_shape(name, 1.0);
+        let numbers = shape.coefficients(&[]);
+        let values: Vec<f32> = (0..200)
+            .map(|_| {
+                let [x, y, z] = std::array::from_fn(|_| random.within(-2.0, 2.0));
+                shape.distance(Vec3::new(x, y, z), &numbers)
+            })
+            .collect();
+        assert!(values.iter().all(|value| value.is_finite()), "{name}");
+        assert!(values.iter().any(|value| *value != values[0]), "{name} is constant");
+    }
+}
+
+/// The declared constants of the shaders are true, so that no step passes a surface.
+#[test]
+fn shaders_keep_their_constants() {
+    for (name, lipschitz) in SHADERS {
+        let shape = shader_shape(name, lipschitz);
+        let params = shape.params().iter().map(|param| param.default).collect();
+        let kind = Kind::Shape { shape: ShapeRef::Custom(Arc::new(shape)), params, tag: 0 };
+        let report = check_lipschitz(&Field::new(&[Node { kind, placement: Placement::default() }]), 4000);
+        println!("{name}: {report:?}");
+        assert!(report.safe_factor > 0.99, "{name}: {report:?}");
+    }
+}
+
+fn faults(text: &str) -> Vec<CodeDiagnostic> {
+    let read = Shader::read(text, None, &[]).and_then(|shader| Code::of_shader("t", &shader).map(drop));
+    read.err().unwrap_or_else(|| panic!("accepted: {text}"))
+}
+
+#[track_caller]
+fn refused(text: &str, place: &str, message: &str) {
+    let faults = faults(text);
+    let found = faults[0].range.clone().map_or("", |range| &text[range]);
+    assert!(faults[0].message.contains(message) && found == place, "{found:?} {faults:#?}");
+}
+
+#[test]
+fn mistakes_are_reported_at_their_places() {
+    refused("float map(vec3 p) { return lenght(p) - 1.; }", "lenght(p)", "no function `lenght`");
+    refused("float map(vec3 p) { return radius; }", "radius", "no variable `radius`");
+    refused("#define A p.w\nfloat map(vec3 p) { return A; }", "A", "swizzle");
+    refused("float map(vec3 p) { return texture(iChannel0, p.xy).x; }", "texture", "`texture` is not for a field");
+    refused("float map(vec3 p) { return p.x + iMouse.x; }", "iMouse", "`iMouse` is not for a field");
+    refused("float map(vec3 p) { return p.x }", "}", "found `}`");
+    refused("float map(vec3 p) { return (p.x; }", "}", "closes nothing");
+    refused("fn map(p: vec3f) -> f32 { return p.x; }", "fn map", "This is WGSL");
+    refused("float f(vec3 p) { return p.x; }", "", "no distance function");
+    refused("float map(vec2 p) { return p.x; }", "map", "no distance function");
+    refused("#foo\nfloat map(vec3 p) { return p.x; }", "foo", "`#foo` is not known");
+    refused("uniform mat3 m;\nfloat map(vec3 p) { return (m*p).x; }", "m", "no uniform of the type `mat3`");
+    refused("float map(vec3 p) { float a[100000]; return a[0]; }", "100000", "too large");
+}
+
+#[test]
+fn recursion_is_refused() {
+    let faults = faults("float f(float x) { return x > 0. ? f(x - 1.) : 0.; } float map(vec3 p) { return f(p.x); }");
+    assert!(faults[0].message.contains("`f`"), "{faults:#?}");
+}
+
+#[test]
+fn parameters_of_the_scene_are_numbers_of_the_code() {
+    let text = "uniform float a; // slider[0,2,4]\nfloat map(vec3 p) { return p.x * a + b; }";
+    let names = ["b".to_owned()];
+    let shader = Shader::read(text, None, &names).unwrap_or_else(|faults| panic!("{faults:#?}"));
+    let code = Code::of_shader("t", &shader).unwrap_or_else(|faults| panic!("{faults:#?}"));
+    let params = vec![Param::any("b", 1.0, ""), Param::any("a", 2.0, "")];
+    let shape = CustomShape::new(Info::new("t", "", ""), params, 1.0, None, Arc::new(code));
+    let value = |params: &[f32]| shape.distance(Vec3::new(3.0, 0.0, 0.0), &shape.coefficients(params));
+    assert_eq!(value(&[]), 7.0);
+    assert_eq!(value(&[10.0, 0.5]), 11.5);
+}
+
+/// A variable outside functions starts anew for each point.
+#[test]
+fn variables_outside_functions_start_anew() {
+    let text = "float sum = 0.5, count; float map(vec3 p) { sum += p.x; count++; return sum + count; }";
+    let shader = Shader::read(text, None, &[]).unwrap_or_else(|faults| panic!("{faults:#?}"));
+    let code = Code::of_shader("t", &shader).unwrap_or_else(|faults| panic!("{faults:#?}"));
+    let shape = CustomShape::new(Info::new("t", "", ""), Vec::new(), 1.0, None, Arc::new(code));
+    let numbers = shape.coefficients(&[]);
+    let value = || shape.distance(Vec3::new(2.0, 0.0, 0.0), &numbers);
+    assert_eq!((value(), value()), (3.5, 3.5));
+}
+
+#[test]
+fn a_variable_that_only_other_functions_set_is_reported() {
+    let text = "float t; float map(vec3 p) { return p.x + t; } void mainImage() { t = 1.; }";
+    let shader = Shader::read(text, None, &[]).unwrap_or_else(|faults| panic!("{faults:#?}"));
+    assert_eq!(shader.warnings.len(), 1);
+    assert!(shader.warnings[0].message.contains("only `mainImage` sets it"), "{:?}", shader.warnings);
+}
+
+#[test]
+fn the_function_can_be_named() {
+    let text = "float map(vec3 p) { return p.x; } float other(vec3 p) { return p.y; }";
+    let shader = Shader::read(text, Some("other"), &[]).unwrap_or_else(|faults| panic!("{faults:#?}"));
+    assert_eq!(shader.function, "other");
+    assert!(Shader::read(text, Some("third"), &[]).is_err());
+}
