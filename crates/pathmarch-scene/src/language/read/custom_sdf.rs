@@ -173,8 +173,8 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, context:
             context.report.add(mistake.label("a second code").help("Leave out `wgsl` or `glsl`."));
             return None;
         }
-        (Some(text), None) => wgsl_code(text, identifier, params?, assets, context)?,
-        (None, Some(text)) => glsl_code(text, identifier, params?, assets, context)?,
+        (Some(text), None) => wgsl_code(text, identifier, params, assets, context)?,
+        (None, Some(text)) => glsl_code(text, identifier, params, assets, context)?,
         (None, None) => {
             missing(
                 "wgsl",
@@ -189,16 +189,17 @@ fn read(node: &Node, name: &str, identifier: &str, assets: &mut Assets, context:
     Some(CustomShape::new(info, params, lipschitz?, edges?, code))
 }
 
-/// Parameters and code of a field in WGSL.
+/// Parameters and code of a field in WGSL; `params` is `None` if they have mistakes.
 fn wgsl_code(
     node: &Node,
     identifier: &str,
-    params: Vec<Param>,
+    params: Option<Vec<Param>>,
     assets: &mut Assets,
     context: &mut Context,
 ) -> Option<(Vec<Param>, Arc<Code>)> {
     let entry = one(node, "`wgsl \"fn distance(p: vec3f) -> f32 { … }\"`", context)?;
     let text = string(entry, "`wgsl`", context)?;
+    let params = params?;
     match assets.code(identifier, &names(&params), text) {
         Ok(code) => Some((params, code)),
         Err(faults) if is_glsl(text) => {
@@ -212,11 +213,11 @@ fn wgsl_code(
     }
 }
 
-/// Parameters and code of a field in GLSL: its uniforms are parameters, unless the field declares them itself.
+/// Parameters and code of a field in GLSL, likewise: its uniforms are parameters, unless the field declares them itself.
 fn glsl_code(
     node: &Node,
     identifier: &str,
-    mut params: Vec<Param>,
+    params: Option<Vec<Param>>,
     assets: &mut Assets,
     context: &mut Context,
 ) -> Option<(Vec<Param>, Arc<Code>)> {
@@ -233,6 +234,7 @@ fn glsl_code(
         return None;
     };
     let text = string(entry, "`glsl`", context)?;
+    let mut params = params?;
     let own = names(&params);
     let read = Shader::read(text, function, &own).and_then(|shader| {
         let code = assets.shader(identifier, &own, text, &shader)?;
