@@ -90,10 +90,13 @@ fn mandelbulb(p: Point) -> f64 {
     0.5 * r.ln() * r / dr
 }
 
+/// Name of a shader, tolerance, and the same function in f64.
+type Reference = (&'static str, f64, fn(Point) -> f64);
+
 /// Values of the shaders are those of the same functions in Rust, in f64.
 #[test]
 fn shaders_agree_with_references() {
-    let references: [(&str, f64, fn(Point) -> f64); 7] = [
+    let references: [Reference; 7] = [
         ("blob", 1e-5, blob),
         ("lattice", 1e-5, lattice),
         ("menger", 1e-5, menger),
