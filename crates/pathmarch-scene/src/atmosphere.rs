@@ -10,7 +10,7 @@
 //! layer as in Hillaire 2020, table 1.
 //! Spectra of sun, air and ozone: Bruneton 2017, of sun and ozone after ASTM G-173 and Serdyuchenko et al. 2014; here
 //! their means over each band. Table of transmittance: Bruneton and Neyret 2008, section 4. Multiple scattering: Hillaire
-//! 2020, section 5.5. Phase of haze: Cornette and Shanks 1992. Colours: [`crate::observer`].
+//! 2020, section 5.5. Phase of haze: Cornette and Shanks 1992. Colours: `observer.rs`.
 //!
 //! **Where we differ.** Eight bands, not the usual three wavelengths, because those make twilight purple: none of them is
 //! where ozone absorbs most. The table of multiple scattering is denser near the horizon. A part of the sun's disc in the

@@ -5,7 +5,7 @@
 //! looks the same as without dispersion where all wavelengths go the same way.
 //!
 //! **Source.** Index: Cauchy's formula n = A + B/λ² (1836), with B from the Abbe number V = (n_d - 1) / (n_F - n_C). Colour: that of
-//! [`crate::observer`], in linear Rec. 709. Most pure wavelengths are outside of its gamut: their negative parts are
+//! `observer.rs`, in linear Rec. 709. Most pure wavelengths are outside of its gamut: their negative parts are
 //! left out, so that a spectrum is a little paler than the real one.
 //!
 //! **Cost.** Noise in colours, which falls with the samples. Nothing without dispersion.
