@@ -45,7 +45,7 @@ impl Code {
         on_large_stack(|| Self::read(identifier, params, text))
     }
 
-    /// Parses and validates the distance function of a shader. Its parameters are [`Shader::names`](super::glsl::Shader::names).
+    /// Parses and validates the distance function of a shader. Its parameters are `Shader::names`.
     ///
     /// # Errors
     /// The mistakes found.

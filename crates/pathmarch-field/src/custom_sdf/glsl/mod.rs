@@ -1,8 +1,8 @@
 //! Distance functions in GLSL, as shaders of Shadertoy and Fragmentarium have them.
 //!
 //! **Idea.** naga reads GLSL, but only whole shaders that are free of mistakes, and no directives of Fragmentarium. So the code is
-//! prepared first: macros are expanded ([`preprocessor`]), the code is split into its declarations ([`items`]), and only those
-//! that the distance function needs are printed for naga ([`assemble`]), with the place of each word in the code. Pictures,
+//! prepared first: macros are expanded (`preprocessor.rs`), the code is split into its declarations (`items.rs`), and only those
+//! that the distance function needs are printed for naga (`assemble.rs`), with the place of each word in the code. Pictures,
 //! lights and cameras of a shader do not matter then. What naga makes of it is a module like that of WGSL, with the same limits.
 //!
 //! **Sources.** The OpenGL Shading Language 4.60, sections 3 (preprocessor) and 4 (declarations).
