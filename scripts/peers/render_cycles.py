@@ -21,6 +21,8 @@ from mathutils import Matrix, Vector
 
 Z_UP = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 SPHERE_SEGMENTS = 512
+# Each triangle that emits is a light to choose from.
+EMITTING_SPHERE_SEGMENTS = 64
 
 
 def nodes_of(owner):
@@ -87,8 +89,8 @@ def material(described):
     return made
 
 
-def sphere(radius):
-    columns, rows = SPHERE_SEGMENTS, SPHERE_SEGMENTS // 2
+def sphere(radius, columns=SPHERE_SEGMENTS):
+    rows = columns // 2
     vertices = [(0, radius, 0)]
     for row in range(1, rows):
         polar = math.pi * row / rows
@@ -131,7 +133,7 @@ def plane():
 SHAPES = {"sphere": sphere, "box": box, "prism": prism, "rect": rect, "plane": plane}
 
 
-def add_part(part, materials, directory):
+def add_part(part, materials, directory, emits=False):
     data = bpy.data.meshes.new(part["object"])
     if part["shape"] == "mesh":
         read = lambda name, kind: np.fromfile(os.path.join(directory, part[name]), dtype=kind)
@@ -151,7 +153,8 @@ def add_part(part, materials, directory):
         if "normals" in part:
             data.normals_split_custom_set_from_vertices(read("normals", "<f4").reshape(-1, 3))
     else:
-        vertices, faces = SHAPES[part["shape"]](*part["params"])
+        coarser = [EMITTING_SPHERE_SEGMENTS] if part["shape"] == "sphere" and emits else []
+        vertices, faces = SHAPES[part["shape"]](*part["params"], *coarser)
         data.from_pydata(vertices, [], [tuple(reversed(face)) for face in faces] if part["inside_out"] else faces)
     # Meshes made of fields have colours, and are as smooth as the field; others without normals are facetted.
     is_smooth = part["shape"] == "sphere" or "colours" in part or "normals" in part
@@ -194,6 +197,15 @@ def add_lamp(part, radiance):
     bpy.context.collection.objects.link(added)
 
 
+def core(part):
+    """Black body within a lamp: lights of Cycles let the light of others through."""
+    matrix, params = Matrix(part["matrix"]), part["params"]
+    if part["shape"] == "sphere":
+        return {**part, "params": [0.998 * params[0]]}
+    behind = Matrix.Translation((0, -1e-3 * min(params), 0))
+    return {**part, "matrix": [list(row) for row in matrix @ behind]}
+
+
 def add_point(position, intensity):
     """Light without size: a lamp of W watts has an intensity of W / 4 pi in each direction."""
     peak = max(intensity)
@@ -206,13 +218,15 @@ def add_point(position, intensity):
 
 def build(scene, directory):
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    materials = [material(described) for described in scene["materials"]]
+    black = {"name": "black", "kind": "diffuse", "colour": (0, 0, 0)}
+    materials = [material(described) for described in [*scene["materials"], black]]
     for part in scene["parts"]:
         described = scene["materials"][part["material"]]
         if is_lamp(part, described):
             add_lamp(part, described["radiance"])
+            add_part({**core(part), "material": len(materials) - 1}, materials, directory)
         else:
-            add_part(part, materials, directory)
+            add_part(part, materials, directory, emits=max(described.get("emission", [0])) > 0)
     for point in scene["points"]:
         add_point(point["position"], point["intensity"])
     world = bpy.data.worlds.new("sky")
