@@ -5,6 +5,7 @@
 
 mod bounds;
 pub mod bvh;
+pub mod files;
 pub mod grid;
 pub mod import;
 pub mod material;

@@ -5,6 +5,7 @@
 //! Samples accumulate in a [`film::Film`].
 
 pub mod denoise;
+#[cfg(not(target_family = "wasm"))]
 pub mod live;
 pub mod mesh_file;
 pub mod metrics;
@@ -31,10 +32,11 @@ mod wgsl;
 
 pub use backend::gpu::{AdapterDescription, adapters};
 pub use error::RenderError;
-pub use job::{Backend, BackendInfo, Job, Renderer, Shutter, kernel_wgsl, ray_stats};
+pub use job::{Backend, BackendInfo, Job, Renderer, Shutter, TileTracer, kernel_wgsl, ray_stats};
 pub use mode::{Mode, relative_error};
 pub use output::{film, image, parts, tonemap};
 pub use pathmarch_field;
+pub use pathmarch_mesh::files::mount as mount_file;
 pub use pathmarch_scene;
 pub use preview_steps::{PreviewStep, PreviewSteps};
 pub use ray_stats::RayStats;

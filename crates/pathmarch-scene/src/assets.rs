@@ -14,7 +14,7 @@ use crate::mesh_files::{MeshFile, MeshFileError};
 use crate::textures::{Picture as Texture, PictureError};
 use pathmarch_field::custom_sdf::glsl::Shader;
 use pathmarch_field::custom_sdf::{Code, CodeDiagnostic};
-use pathmarch_mesh::Imported;
+use pathmarch_mesh::{Imported, files};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -54,11 +54,11 @@ struct Source {
 impl Source {
     /// Present identity of the file at `path`.
     fn now(path: &Path) -> Self {
-        let meta = std::fs::metadata(path).ok();
+        let meta = files::metadata(path).ok();
         Self {
             path: path.to_owned(),
-            modified: meta.as_ref().and_then(|meta| meta.modified().ok()),
-            bytes: meta.map_or(0, |meta| meta.len()),
+            modified: meta.and_then(|meta| meta.modified),
+            bytes: meta.map_or(0, |meta| meta.bytes),
         }
     }
 }
@@ -195,8 +195,8 @@ impl Assets {
                 return Err(format!("it is larger than {} MiB", MAX_FONT_BYTES >> 20));
             }
             // A folder or a pipe may give no end of bytes, or wait for them.
-            None if path.exists() && !path.is_file() => return Err("it is not a file".to_owned()),
-            None => (source, std::fs::read(path).map_err(|error| error.to_string())?.into()),
+            None if files::metadata(path).is_ok_and(|meta| !meta.is_file) => return Err("it is not a file".to_owned()),
+            None => (source, files::read(path).map_err(|error| error.to_string())?.into()),
         };
         self.fonts.truncate(FONTS - 1);
         self.fonts.insert(0, (source, Arc::clone(&bytes)));

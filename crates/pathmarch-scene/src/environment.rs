@@ -22,8 +22,8 @@
 use glam::Vec3;
 use image::codecs::{hdr::HdrDecoder, openexr::OpenExrDecoder};
 use image::{ImageDecoder, ImageResult, Limits};
+use pathmarch_mesh::files;
 use std::f32::consts::{PI, TAU};
-use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek};
 use std::path::Path;
 
@@ -178,10 +178,10 @@ fn read(path: &Path) -> Result<Texels, EnvironmentError> {
         _ => EnvironmentError::Unreadable(error),
     };
     // Asked before it is opened: opening a pipe waits for a writer.
-    if !std::fs::metadata(path).map_err(system)?.is_file() {
+    if !files::metadata(path).map_err(system)?.is_file {
         return Err(EnvironmentError::NoFile);
     }
-    let mut file = BufReader::new(File::open(path).map_err(system)?);
+    let mut file = BufReader::new(files::open(path).map_err(system)?);
     let mut magic = [0; 4];
     file.read_exact(&mut magic[..1]).map_err(system)?;
     let _ = file.read(&mut magic[1..]);
@@ -195,7 +195,7 @@ fn read(path: &Path) -> Result<Texels, EnvironmentError> {
     decoded.unwrap_or_else(|_| Err(EnvironmentError::Damaged("its structure makes no sense".to_owned())))
 }
 
-fn decode_hdr(file: BufReader<File>) -> Result<Texels, EnvironmentError> {
+fn decode_hdr(file: BufReader<files::File>) -> Result<Texels, EnvironmentError> {
     let decoder = HdrDecoder::new_nonstrict(file).map_err(damaged)?;
     let meta = decoder.metadata();
     // The header contains the factor by which radiance has been multiplied.

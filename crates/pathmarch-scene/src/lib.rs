@@ -16,6 +16,7 @@ pub mod light;
 pub mod materials;
 mod mesh_files;
 mod mesh_materials;
+pub mod navigation;
 mod observer;
 pub mod parts;
 pub mod reference;

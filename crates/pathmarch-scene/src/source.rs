@@ -1,7 +1,6 @@
 //! Reading of scene files as text.
 
 use crate::diagnostic::SceneError;
-use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
@@ -28,8 +27,8 @@ fn read(path: &Path) -> Result<String, (String, String)> {
         ErrorKind::PermissionDenied => ("reading it is not permitted".to_owned(), "Check its permissions.".to_owned()),
         _ => (error.to_string(), "Check the path.".to_owned()),
     };
-    let file = File::open(path).map_err(failed)?;
-    if file.metadata().map_err(failed)?.is_dir() {
+    let file = pathmarch_mesh::files::open(path).map_err(failed)?;
+    if file.is_directory().map_err(failed)? {
         return Err(("it is a directory".to_owned(), "Name a .kdl file in it.".to_owned()));
     }
     let mut bytes = Vec::new();

@@ -149,6 +149,7 @@ struct Source<'a> {
 }
 
 /// Runs a reader of code on a thread with a stack of [`STACK`] bytes; a panic is an error.
+#[cfg(not(target_family = "wasm"))]
 fn on_large_stack<T: Send>(
     read: impl FnOnce() -> Result<T, Vec<CodeDiagnostic>> + Send,
 ) -> Result<T, Vec<CodeDiagnostic>> {
@@ -159,6 +160,12 @@ fn on_large_stack<T: Send>(
             _ => Err(vec![whole("This text could not be read.", "in this text")]),
         }
     })
+}
+
+/// Runs a reader of code. WebAssembly has one thread, whose stack the program that embeds this sets at its link.
+#[cfg(target_family = "wasm")]
+fn on_large_stack<T>(read: impl FnOnce() -> Result<T, Vec<CodeDiagnostic>>) -> Result<T, Vec<CodeDiagnostic>> {
+    read()
 }
 
 /// Next id of a code; each has machines of its own.

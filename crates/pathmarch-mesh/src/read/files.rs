@@ -1,10 +1,10 @@
-//! Files from the disk, with bounds on their size and place.
+//! Files with bounds on their size and place.
 
 use super::ReadOptions;
 use super::error::{Mistake, ReadError};
+use crate::files;
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -12,14 +12,14 @@ use std::sync::Arc;
 /// Reads a whole file of at most the largest size.
 pub(super) fn read_file(path: &Path, options: &ReadOptions) -> Result<Vec<u8>, ReadError> {
     let failed = |source| ReadError::Open { path: path.to_owned(), source };
-    let metadata = std::fs::metadata(path).map_err(failed)?;
+    let metadata = files::metadata(path).map_err(failed)?;
     // Opening a pipe would wait, and a device has no end.
-    if !metadata.is_file() {
+    if !metadata.is_file {
         return Err(failed(std::io::Error::other("it is not a regular file")));
     }
     let limit = options.max_file_bytes;
-    let mut bytes = Vec::with_capacity(metadata.len().min(limit) as usize);
-    File::open(path).map_err(failed)?.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
+    let mut bytes = Vec::with_capacity(metadata.bytes.min(limit) as usize);
+    files::open(path).map_err(failed)?.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > limit {
         return Err(ReadError::TooLarge { path: path.to_owned(), limit });
     }
@@ -51,7 +51,7 @@ impl<'a> Companions<'a> {
             return Err(refused(format!("\"{}\" is not a relative path", shortened(name))));
         }
         let path = self.directory.join(relative);
-        let canonical = path.canonicalize().unwrap_or_else(|_| path.clone());
+        let canonical = files::canonicalize(&path).unwrap_or_else(|_| path.clone());
         if let Some(bytes) = self.read.borrow().get(&canonical) {
             return Ok(bytes.clone());
         }

@@ -11,7 +11,8 @@ use crate::ray_stats::RayCounters;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// Edge length of a tile, pixels: enough paths to fill eight lanes for most bounces, and few enough for the caches.
 const TILE: u32 = 16;

@@ -22,6 +22,7 @@ pub mod features;
 mod grid;
 pub mod halves;
 mod normal_equations;
+#[cfg_attr(target_family = "wasm", path = "no_oidn.rs")]
 mod oidn;
 mod outliers;
 mod regression;

@@ -11,7 +11,8 @@ use crate::error::RenderError;
 use crate::settings::Settings;
 use pathmarch_scene::Scene;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// Backend of a picture.
 pub(super) enum Choice {

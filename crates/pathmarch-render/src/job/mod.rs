@@ -4,6 +4,7 @@ mod backend_choice;
 mod identity;
 mod motion;
 mod record;
+mod tiles;
 pub(crate) mod tracer;
 
 use crate::backend::RenderInput;
@@ -19,6 +20,7 @@ pub use motion::Shutter;
 use pathmarch_scene::{Animation, Scene};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
+pub use tiles::TileTracer;
 use tracer::Tracer;
 
 /// Kind of backend to render with.

@@ -79,13 +79,13 @@ impl Display {
     }
 
     /// [`encode_8bit`](Self::encode_8bit) of a picture, on all cores: red, green, blue and 255 for each pixel.
-    pub(crate) fn encode_rgba(&self, linear: &[Vec3]) -> Vec<u8> {
+    pub fn encode_rgba<Colour: Copy + Into<[f32; 3]> + Sync>(&self, linear: &[Colour]) -> Vec<u8> {
         /// Pixels of a task.
         const TASK: usize = 8 * 256;
         let mut codes = vec![255; 4 * linear.len()];
         codes.par_chunks_mut(4 * TASK).zip(linear.par_chunks(TASK)).for_each(|(codes, colours)| {
             for (codes, colours) in codes.chunks_mut(4 * 8).zip(colours.chunks(8)) {
-                let lanes = |k: usize| f32x8::new(std::array::from_fn(|i| colours.get(i).map_or(0.0, |c| c[k])));
+                let lanes = |k: usize| f32x8::new(std::array::from_fn(|i| colours.get(i).map_or(0.0, |c| (*c).into()[k])));
                 let shown = self.encode_lanes([lanes(0), lanes(1), lanes(2)]).map(f32x8::to_array);
                 for (i, code) in codes.chunks_mut(4).enumerate() {
                     for channel in 0..3 {

@@ -14,7 +14,7 @@ use crate::scene::{FrameUniforms, RenderScene};
 use glam::{Vec3, Vec4Swizzles};
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Result of a film.
 struct Reconstructed {

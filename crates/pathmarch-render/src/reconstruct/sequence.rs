@@ -10,7 +10,7 @@ use crate::settings::Settings;
 use glam::Vec3;
 use pathmarch_scene::Scene;
 use std::sync::Arc;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Picture of a sequence.
 #[derive(Clone, Debug)]

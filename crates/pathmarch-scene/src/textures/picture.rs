@@ -16,7 +16,8 @@
 use super::Spot;
 use glam::{Vec2, Vec3};
 use image::{ImageReader, Limits, Rgb, RgbImage};
-use std::io::{BufReader, ErrorKind, Seek};
+use pathmarch_mesh::files;
+use std::io::{BufReader, ErrorKind};
 use std::path::Path;
 
 /// The largest side that is kept, texels.
@@ -93,12 +94,11 @@ impl Picture {
             ErrorKind::NotFound => PictureError::Missing,
             _ => PictureError::Unreadable(error.to_string()),
         };
-        let file = std::fs::File::open(path).map_err(unreadable)?;
-        if file.metadata().map_err(unreadable)?.is_dir() {
+        let file = files::open(path).map_err(unreadable)?;
+        if file.is_directory().map_err(unreadable)? {
             return Err(PictureError::Directory);
         }
-        let mut file = BufReader::new(file);
-        let read = |file: BufReader<std::fs::File>| -> Result<ImageReader<_>, PictureError> {
+        let read = |file: BufReader<files::File>| -> Result<ImageReader<_>, PictureError> {
             let reader = ImageReader::new(file).with_guessed_format().map_err(unreadable)?;
             match reader.format() {
                 Some(image::ImageFormat::Png | image::ImageFormat::Jpeg) => Ok(reader),
@@ -109,13 +109,11 @@ impl Picture {
             let reason = error.to_string();
             PictureError::Damaged(reason.lines().next().unwrap_or_default().chars().take(200).collect())
         };
-        let start = file.get_ref().try_clone().map_err(unreadable)?;
-        let (width, height) = read(BufReader::new(start))?.into_dimensions().map_err(first_line)?;
+        let (width, height) = read(BufReader::new(file))?.into_dimensions().map_err(first_line)?;
         if width.max(height) > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_TEXELS {
             return Err(PictureError::TooLarge(width, height));
         }
-        file.rewind().map_err(unreadable)?;
-        let mut reader = read(file)?;
+        let mut reader = read(BufReader::new(files::open(path).map_err(unreadable)?))?;
         let mut limits = Limits::no_limits();
         limits.max_alloc = Some(16 * MAX_TEXELS);
         reader.limits(limits);

@@ -5,7 +5,6 @@
 
 mod app;
 mod background_render;
-mod camera;
 mod event_loop;
 mod file_dialog;
 mod files;
@@ -14,6 +13,7 @@ mod gizmo;
 mod open_scene;
 mod painter;
 mod panels;
+mod projection;
 #[cfg(test)]
 mod tests;
 mod waker;

@@ -26,7 +26,8 @@ use bytemuck::Zeroable;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// Target time of a submission for offline rendering.
 pub(crate) const OFFLINE: Duration = Duration::from_millis(25);

@@ -4,6 +4,7 @@ use crate::assets::Assets;
 use crate::language::diagnostics::report::{Report, draft};
 use crate::language::formulas::scope::Scope;
 use crate::language::tree::Entry;
+use pathmarch_mesh::files;
 use std::path::{Path, PathBuf};
 
 /// Diagnostics so far, and the names that formulas may use.
@@ -17,7 +18,7 @@ pub(crate) struct Context {
 /// Folder of the scene file `scene`, without detours.
 pub(crate) fn folder_of(scene: &str) -> PathBuf {
     let folder = Path::new(scene).parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+    files::canonicalize(folder).unwrap_or_else(|_| folder.to_owned())
 }
 
 impl Context {
@@ -25,7 +26,7 @@ impl Context {
     pub(crate) fn refuses(&mut self, path: &Path, entry: &Entry) -> bool {
         let Some(folder) = &self.folder else { return false };
         // A file that is missing is reported when it is read.
-        let Ok(whole) = path.canonicalize() else { return false };
+        let Ok(whole) = files::canonicalize(path) else { return false };
         if whole.starts_with(folder) {
             return false;
         }

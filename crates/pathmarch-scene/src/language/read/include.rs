@@ -16,6 +16,7 @@ use crate::language::keywords::{FIELD, INCLUDE, PARAM, SHAPE, TOP};
 use crate::language::syntax;
 use crate::language::tree::{Block, Node};
 use crate::source::{MAX_BYTES, read_text};
+use pathmarch_mesh::files::canonicalize;
 use std::path::{Path, PathBuf};
 
 /// Nodes that are taken from an included file.
@@ -41,7 +42,7 @@ impl Included {
     /// Reads the files that the scene `name` includes. Reports files that cannot be included.
     pub(crate) fn of(name: &str, text: &str, file: &Block, context: &mut Context) -> Self {
         let mut all = Self { bytes: text.len(), ..Self::default() };
-        let mut around: Vec<PathBuf> = Path::new(name).canonicalize().into_iter().collect();
+        let mut around: Vec<PathBuf> = canonicalize(Path::new(name)).into_iter().collect();
         all.follow(Path::new(name), &file.nodes, &mut around, context);
         all
     }
@@ -65,7 +66,7 @@ impl Included {
             if context.refuses(&found, entry) {
                 continue;
             }
-            let whole = found.canonicalize().unwrap_or_else(|_| found.clone());
+            let whole = canonicalize(&found).unwrap_or_else(|_| found.clone());
             if around.contains(&whole) {
                 let message = format!("{} would include itself.", shown(given));
                 context.report.add(refused(message, "this file is around", "Put what both need into a third file."));

@@ -100,7 +100,7 @@ fn picture(node: &Node, entry: &Entry, scene: &str, assets: &mut Assets, context
         return None;
     }
     let path = relative_to(scene, name);
-    if path.extension().is_none() && !path.exists() {
+    if path.extension().is_none() && pathmarch_mesh::files::metadata(&path).is_err() {
         let mistake = draft("pathmarch::unknown_name", entry.value_span, format!("There is no sky {}.", shown(name)));
         let help = match nearest(name, ["gradient", "day"]) {
             Some(word) => format!("Did you mean `{word}`?"),

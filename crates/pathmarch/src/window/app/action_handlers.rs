@@ -4,7 +4,7 @@ use super::App;
 use super::actions::Action;
 use super::dialog::{Dialog, RenderDialog};
 use super::requests::{FileRequest, PendingAction, file_dialog_options};
-use crate::window::camera::navigation;
+use pathmarch_render::pathmarch_scene::navigation;
 use crate::window::file_dialog::FileDialog;
 use crate::window::open_scene::view_state::{ComparisonPicture, GizmoMode};
 use egui::{ColorImage, Context, TextureOptions};

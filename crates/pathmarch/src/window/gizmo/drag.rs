@@ -6,7 +6,7 @@
 
 use super::shape::{Axis, Gizmo, Handle, SIZE};
 use super::transform::Transform;
-use crate::window::camera::projection::{Projection, Ray};
+use crate::window::projection::{Projection, Ray};
 use egui::{Pos2, Vec2};
 use glam::{DQuat, DVec3};
 use std::f64::consts::{PI, TAU};

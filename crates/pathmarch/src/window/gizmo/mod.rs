@@ -14,7 +14,7 @@ mod shape;
 mod tests;
 mod transform;
 
-use crate::window::camera::projection::Projection;
+use crate::window::projection::Projection;
 use crate::window::open_scene::view_state::GizmoMode;
 use drag::Drag;
 use egui::{Pos2, Rect};

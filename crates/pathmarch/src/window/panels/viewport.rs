@@ -1,8 +1,8 @@
 //! Viewport: the live picture, with mouse and keyboard controls.
 
 use crate::window::app::App;
-use crate::window::camera::navigation;
-use crate::window::camera::projection::Projection;
+use pathmarch_render::pathmarch_scene::navigation;
+use crate::window::projection::Projection;
 use crate::window::gizmo::Pointer;
 use crate::window::open_scene::OpenScene;
 use crate::window::open_scene::view_state::ComparisonPicture;

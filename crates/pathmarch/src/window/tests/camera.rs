@@ -1,7 +1,7 @@
 //! Viewport: camera movement, selection, focus.
 
 use super::*;
-use crate::window::camera::navigation;
+use pathmarch_render::pathmarch_scene::navigation;
 use pathmarch_render::pathmarch_scene::Camera;
 use pathmarch_render::pick;
 

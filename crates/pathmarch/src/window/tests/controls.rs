@@ -375,7 +375,7 @@ fn rotating_and_scaling_is_one_undo_step_each() {
     let Value::Triple(degrees) = person.value("sphere", key::ROTATE) else { panic!("angles") };
     let [x, y, z] = degrees.map(f32::to_radians);
     let turn = glam::Quat::from_euler(glam::EulerRot::ZYX, z, y, x);
-    let axis = -crate::window::camera::navigation::axes(&person.open().view.camera).forward;
+    let axis = -pathmarch_render::pathmarch_scene::navigation::axes(&person.open().view.camera).forward;
     let expected = glam::Quat::from_axis_angle(axis, std::f32::consts::FRAC_PI_2);
     assert!(turn.angle_between(expected) < 0.02, "{degrees:?}");
     assert_eq!(person.undo_all(), 1);

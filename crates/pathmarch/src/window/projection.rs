@@ -1,6 +1,6 @@
 //! Projection of world space to window points, and back to rays.
 
-use super::navigation::{Axes, axes};
+use pathmarch_render::pathmarch_scene::navigation::{Axes, axes};
 use egui::{Pos2, Rect, Vec2};
 use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Camera;

@@ -4,7 +4,7 @@
 //! the poles of `up`.
 
 use glam::{Quat, Vec3};
-use pathmarch_render::pathmarch_scene::Camera;
+use crate::scene::Camera;
 
 /// Minimum angle between view direction and `up`, radians.
 const POLE: f32 = 0.02;
@@ -13,13 +13,17 @@ const FLY_RATE: f32 = 1.2;
 
 /// Unit vectors of a camera in world space.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Axes {
-    pub(crate) right: Vec3,
-    pub(crate) up: Vec3,
-    pub(crate) forward: Vec3,
+pub struct Axes {
+    /// To the right of the picture.
+    pub right: Vec3,
+    /// To its top.
+    pub up: Vec3,
+    /// Into the picture.
+    pub forward: Vec3,
 }
 
-pub(crate) fn axes(camera: &Camera) -> Axes {
+/// Axes of a camera.
+pub fn axes(camera: &Camera) -> Axes {
     let forward = (Vec3::from(camera.target) - Vec3::from(camera.position)).normalize_or(Vec3::NEG_Z);
     let right = forward.cross(Vec3::from(camera.up)).normalize_or(Vec3::X);
     Axes { right, up: right.cross(forward), forward }
@@ -39,28 +43,28 @@ fn turned(camera: &Camera, direction: Vec3, yaw: f32, pitch: f32) -> Vec3 {
 }
 
 /// Orbits about the target by radians left and up, as seen from it.
-pub(crate) fn orbit(camera: &mut Camera, yaw: f32, pitch: f32) {
+pub fn orbit(camera: &mut Camera, yaw: f32, pitch: f32) {
     let away = distance(camera);
     let forward = turned(camera, axes(camera).forward, yaw, pitch);
     camera.position = (Vec3::from(camera.target) - forward * away).into();
 }
 
 /// Turns the view direction by radians left and up; the position stays.
-pub(crate) fn look(camera: &mut Camera, yaw: f32, pitch: f32) {
+pub fn look(camera: &mut Camera, yaw: f32, pitch: f32) {
     let away = distance(camera);
     let forward = turned(camera, axes(camera).forward, yaw, pitch);
     camera.target = (Vec3::from(camera.position) + forward * away).into();
 }
 
 /// Pans by a fraction of the picture's height.
-pub(crate) fn pan(camera: &mut Camera, x: f32, y: f32) {
+pub fn pan(camera: &mut Camera, x: f32, y: f32) {
     let Axes { right, up, .. } = axes(camera);
     let height = 2.0 * (0.5 * camera.fov.to_radians()).tan() * distance(camera);
     shift(camera, (up * y - right * x) * height);
 }
 
 /// Scales the distance to the target.
-pub(crate) fn dolly(camera: &mut Camera, factor: f32) {
+pub fn dolly(camera: &mut Camera, factor: f32) {
     let target = Vec3::from(camera.target);
     let away = (Vec3::from(camera.position) - target) * factor.clamp(0.05, 20.0);
     let away = away.clamp_length(1e-4, 1e6);
@@ -75,14 +79,14 @@ fn shift(camera: &mut Camera, by: Vec3) {
 
 /// Flies for `seconds`. `towards`: right, up and forward, each -1 to 1. `clearance`: distance to the nearest surface,
 /// which sets the speed, so that details are passed slowly and empty space is crossed fast.
-pub(crate) fn fly(camera: &mut Camera, towards: Vec3, seconds: f32, clearance: f32) {
+pub fn fly(camera: &mut Camera, towards: Vec3, seconds: f32, clearance: f32) {
     let Axes { right, up, forward } = axes(camera);
     let speed = FLY_RATE * clearance.abs().clamp(0.02, 1000.0);
     shift(camera, (right * towards.x + up * towards.y + forward * towards.z).clamp_length_max(4.0) * speed * seconds);
 }
 
 /// Frames a sphere without changing the view direction.
-pub(crate) fn frame(camera: &mut Camera, centre: Vec3, radius: f32) {
+pub fn frame(camera: &mut Camera, centre: Vec3, radius: f32) {
     let forward = axes(camera).forward;
     let away = radius.max(1e-3) / (0.5 * camera.fov.to_radians()).sin() * 1.15;
     camera.target = centre.into();
@@ -90,7 +94,7 @@ pub(crate) fn frame(camera: &mut Camera, centre: Vec3, radius: f32) {
 }
 
 /// Turns towards a point without moving. Without an explicit focus distance, the focus follows the target.
-pub(crate) fn look_at(camera: &mut Camera, point: Vec3) {
+pub fn look_at(camera: &mut Camera, point: Vec3) {
     let position = Vec3::from(camera.position);
     let direction = (point - position).normalize_or(axes(camera).forward);
     let up = Vec3::from(camera.up).normalize_or(Vec3::Y);

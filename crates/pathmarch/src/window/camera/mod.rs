@@ -1,4 +1,0 @@
-//! Camera of the viewport: navigation and projection.
-
-pub(crate) mod navigation;
-pub(crate) mod projection;
