@@ -6,18 +6,14 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 page=target/web
-bindgen=$(sed -n 's/^wasm-bindgen = "=\(.*\)"$/\1/p' Cargo.toml)
-export PATH="$PWD/target/tools/bin:$PATH"
-rustup target add wasm32-unknown-unknown 2>/dev/null || true
-[ "$(wasm-bindgen --version 2>/dev/null)" = "wasm-bindgen $bindgen" ] ||
-    cargo install --quiet --locked --root target/tools --version "$bindgen" wasm-bindgen-cli
-
+command -v rustup >/dev/null && rustup --quiet target add wasm32-unknown-unknown
+cargo build --release --target wasm32-unknown-unknown -p pathmarch-web
 rm -rf "$page"
 mkdir -p "$page"
-wasm-bindgen --target web --no-typescript --out-dir "$page" target/wasm32-unknown-unknown/release/pathmarch_web.wasm
-cp crates/pathmarch-web/page/* "$page"
-
+cargo run --quiet --release -p pathmarch-web --example bindgen \
+    target/wasm32-unknown-unknown/release/pathmarch_web.wasm "$page"
 cargo run --quiet --release -p pathmarch-gallery --example export "$page/scenes"
+cp crates/pathmarch-web/page/* "$page"
 
 size=$(cd "$page" && cat ./*.wasm ./*.js ./*.html ./*.css | gzip -9 | wc -c)
 echo "$page: $((size / 1024)) KiB compressed, without the gallery"

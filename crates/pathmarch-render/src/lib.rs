@@ -4,6 +4,9 @@
 //! rendering models to provide real-time high-fidelity graphics", University of Porto, 2020). Light transport is Monte Carlo path tracing with next-event estimation.
 //! Samples accumulate in a [`film::Film`].
 
+// Live pictures need threads; without them, what only they use is dead.
+#![cfg_attr(target_family = "wasm", allow(dead_code, unused_imports))]
+
 pub mod denoise;
 #[cfg(not(target_family = "wasm"))]
 pub mod live;

@@ -3,8 +3,8 @@
 //! It changes a camera of the scene language, which can be written to the scene as it is. The horizon stays level up to
 //! the poles of `up`.
 
-use glam::{Quat, Vec3};
 use crate::scene::Camera;
+use glam::{Quat, Vec3};
 
 /// Minimum angle between view direction and `up`, radians.
 const POLE: f32 = 0.02;

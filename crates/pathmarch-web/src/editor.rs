@@ -26,9 +26,9 @@ impl Editor {
         Self { document: Document::new(name, text) }
     }
 
-    /// Replaces the text, as typed. Texts of one `gesture` are one step of undo.
+    /// Replaces the text, as typed. Texts of one `gesture` are one step of undo; those of controls are others.
     pub fn set_text(&mut self, text: String, gesture: u32) {
-        self.document.replace_text(text, TYPING, Some(gesture.into()));
+        self.document.replace_text(text, TYPING, Some(2 * u64::from(gesture)));
     }
 
     /// The text.
@@ -77,7 +77,7 @@ impl Editor {
         let control = control.ok_or_else(|| JsError::new(&format!("there is no `{key}` here")))?;
         let json: Json = serde_json::from_str(new)?;
         let new = value(&control.kind, &json).ok_or_else(|| JsError::new(&format!("`{key}` cannot be {json}")))?;
-        Ok(self.document.set(&path, key, new, Some(gesture.into()))?)
+        Ok(self.document.set(&path, key, new, Some(2 * u64::from(gesture) + 1))?)
     }
 
     /// Writes a camera, JSON, into the first camera of the text.

@@ -1,8 +1,8 @@
 //! Picture that the page adds samples to.
 
 use pathmarch_render::image::{self, ImageFormat, Provenance};
-use pathmarch_render::tonemap::Display;
 use pathmarch_render::pathmarch_scene::Tonemap;
+use pathmarch_render::tonemap::Display;
 use std::path::Path;
 use wasm_bindgen::prelude::*;
 
@@ -34,7 +34,13 @@ impl Picture {
         let sums = vec![[0.0; 3]; width as usize * height as usize];
         let display = Display { tonemap: curve, exposure_stops: exposure };
         let version = env!("CARGO_PKG_VERSION").to_owned();
-        let provenance = Provenance { scene_hash, version, mode: "path".to_owned(), backend: "web".to_owned(), ..Provenance::default() };
+        let provenance = Provenance {
+            scene_hash,
+            version,
+            mode: "path".to_owned(),
+            backend: "web".to_owned(),
+            ..Provenance::default()
+        };
         Ok(Self { width, height, sums, samples: vec![0; height as usize], display, provenance })
     }
 

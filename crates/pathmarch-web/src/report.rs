@@ -35,7 +35,9 @@ impl<'a> Report<'a> {
 pub(crate) fn reports<'a>(text: &str, read: Result<&'a Scene, &'a SceneError>) -> Vec<Report<'a>> {
     match read {
         Ok(scene) => scene.warnings.iter().map(|warning| Report::new(text, warning)).collect(),
-        Err(SceneError::Mistakes { mistakes, .. }) => mistakes.iter().map(|mistake| Report::new(text, mistake)).collect(),
+        Err(SceneError::Mistakes { mistakes, .. }) => {
+            mistakes.iter().map(|mistake| Report::new(text, mistake)).collect()
+        }
         Err(SceneError::Unreadable { reason, help, .. }) => vec![Report::unreadable(reason, help)],
     }
 }

@@ -18,6 +18,7 @@ const MAX_FUNCTIONS: usize = 128;
 const MAX_ARGUMENTS: usize = 64;
 /// Stack for parsing, bytes: naga parses chains of operators by recursion, and a chain may be as long as the code. The system
 /// commits only the used part.
+#[cfg(not(target_family = "wasm"))]
 const STACK: usize = 256 << 20;
 
 /// Validated code of a custom shape, independent of its parameters.

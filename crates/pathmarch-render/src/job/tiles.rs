@@ -40,7 +40,8 @@ impl TileTracer {
     /// [`RenderError::Settings`] if settings are out of range; the old ones stay.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), RenderError> {
         settings.check(&self.scene)?;
-        let same_kernel = Settings { size: self.settings.size, viewpoint: self.settings.viewpoint.clone(), ..settings.clone() };
+        let same_kernel =
+            Settings { size: self.settings.size, viewpoint: self.settings.viewpoint.clone(), ..settings.clone() };
         if same_kernel != self.settings || !self.input.reframe(&self.scene, &settings) {
             self.input = RenderInput::new(&self.scene, &settings);
         }

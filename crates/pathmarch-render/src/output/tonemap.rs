@@ -16,7 +16,6 @@
 //!
 //! **Cost.** Nine logarithms and exponentials a pixel for AgX: 90 ms a megapixel on one core, without SIMD.
 
-use glam::Vec3;
 use pathmarch_field::number::Real;
 use pathmarch_field::wgsl::Function;
 pub use pathmarch_scene::Tonemap;
@@ -85,7 +84,8 @@ impl Display {
         let mut codes = vec![255; 4 * linear.len()];
         codes.par_chunks_mut(4 * TASK).zip(linear.par_chunks(TASK)).for_each(|(codes, colours)| {
             for (codes, colours) in codes.chunks_mut(4 * 8).zip(colours.chunks(8)) {
-                let lanes = |k: usize| f32x8::new(std::array::from_fn(|i| colours.get(i).map_or(0.0, |c| (*c).into()[k])));
+                let lanes =
+                    |k: usize| f32x8::new(std::array::from_fn(|i| colours.get(i).map_or(0.0, |c| (*c).into()[k])));
                 let shown = self.encode_lanes([lanes(0), lanes(1), lanes(2)]).map(f32x8::to_array);
                 for (i, code) in codes.chunks_mut(4).enumerate() {
                     for channel in 0..3 {

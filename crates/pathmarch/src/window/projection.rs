@@ -1,9 +1,9 @@
 //! Projection of world space to window points, and back to rays.
 
-use pathmarch_render::pathmarch_scene::navigation::{Axes, axes};
 use egui::{Pos2, Rect, Vec2};
 use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Camera;
+use pathmarch_render::pathmarch_scene::navigation::{Axes, axes};
 
 /// Near plane, metres.
 const NEAR: f64 = 1e-4;

@@ -4,13 +4,13 @@ use super::App;
 use super::actions::Action;
 use super::dialog::{Dialog, RenderDialog};
 use super::requests::{FileRequest, PendingAction, file_dialog_options};
-use pathmarch_render::pathmarch_scene::navigation;
 use crate::window::file_dialog::FileDialog;
 use crate::window::open_scene::view_state::{ComparisonPicture, GizmoMode};
 use egui::{ColorImage, Context, TextureOptions};
 use pathmarch_render::Mode;
 use pathmarch_render::pathmarch_field::MESH_EXTENSIONS;
 use pathmarch_render::pathmarch_scene::document::{Item, ItemKind, Path as NodePath};
+use pathmarch_render::pathmarch_scene::navigation;
 
 impl App {
     /// Runs an action.

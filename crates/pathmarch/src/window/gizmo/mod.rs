@@ -14,8 +14,8 @@ mod shape;
 mod tests;
 mod transform;
 
-use crate::window::projection::Projection;
 use crate::window::open_scene::view_state::GizmoMode;
+use crate::window::projection::Projection;
 use drag::Drag;
 use egui::{Pos2, Rect};
 use glam::DVec3;

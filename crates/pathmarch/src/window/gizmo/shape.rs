@@ -4,8 +4,8 @@
 //! space. An arrow seen from its end, or a square seen edge-on, fades out and cannot be picked: its axis or plane is
 //! nearly parallel to the pointer rays.
 
-use crate::window::projection::Projection;
 use crate::window::open_scene::view_state::GizmoMode;
+use crate::window::projection::Projection;
 use egui::{Color32, Pos2, Vec2};
 use glam::DVec3;
 use std::f64::consts::TAU;

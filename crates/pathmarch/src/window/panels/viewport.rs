@@ -1,15 +1,15 @@
 //! Viewport: the live picture, with mouse and keyboard controls.
 
 use crate::window::app::App;
-use pathmarch_render::pathmarch_scene::navigation;
-use crate::window::projection::Projection;
 use crate::window::gizmo::Pointer;
 use crate::window::open_scene::OpenScene;
 use crate::window::open_scene::view_state::ComparisonPicture;
+use crate::window::projection::Projection;
 use egui::{Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::pathmarch_scene::document::Path as NodePath;
+use pathmarch_render::pathmarch_scene::navigation;
 use pathmarch_render::{Picked, clearance, pick};
 use std::f32::consts::PI;
 

@@ -1,8 +1,8 @@
 //! Viewport: camera movement, selection, focus.
 
 use super::*;
-use pathmarch_render::pathmarch_scene::navigation;
 use pathmarch_render::pathmarch_scene::Camera;
+use pathmarch_render::pathmarch_scene::navigation;
 use pathmarch_render::pick;
 
 /// Window point of a world-space point.

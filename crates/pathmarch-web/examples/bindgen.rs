@@ -1,0 +1,14 @@
+//! Writes the JavaScript that loads the module, as `wasm-bindgen --target web` does, but of the version that the module was built with.
+//!
+//! `cargo run --release -p pathmarch-web --example bindgen MODULE.wasm FOLDER`
+
+use std::error::Error;
+use wasm_bindgen_cli_support::Bindgen;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let (Some(module), Some(folder)) = (arguments.next(), arguments.next()) else {
+        return Err("name a module and a folder: bindgen MODULE.wasm FOLDER".into());
+    };
+    Ok(Bindgen::new().input_path(module).web(true)?.typescript(false).generate(folder)?)
+}
