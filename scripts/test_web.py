@@ -57,7 +57,15 @@ class Page(unittest.TestCase):
         cls.address = f"http://127.0.0.1:{cls.server.server_port}/"
         cls.downloads = pathlib.Path(tempfile.mkdtemp())
         options = webdriver.ChromeOptions()
-        for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1200,800"):
+        for argument in (
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-dev-shm-usage",
+            "--window-size=1200,800",
+            # A GPU in software, as no other is there.
+            "--enable-unsafe-webgpu",
+            "--use-webgpu-adapter=swiftshader",
+        ):
             options.add_argument(argument)
         options.add_experimental_option("prefs", {"download.default_directory": str(cls.downloads), "profile.default_content_setting_values.automatic_downloads": 1})
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
@@ -132,10 +140,24 @@ class Page(unittest.TestCase):
         self.until(path.exists)
         return path
 
+    def choose(self, selector, value):
+        self.script(
+            "const box = document.querySelector(arguments[0]); box.value = arguments[1]; box.dispatchEvent(new Event('change'))",
+            selector,
+            value,
+        )
+
     def test_a_picture_equals_that_of_the_program(self):
+        for backend in ("cpu", "gpu"):
+            with self.subTest(backend):
+                self.compare_with_program(backend)
+
+    def compare_with_program(self, backend):
         self.open_scene(SCENE)
-        self.script("const size = document.querySelector('#size'); size.value = 'scene'; size.dispatchEvent(new Event('change'))")
-        self.until(lambda: "96×54 · done" in self.status())
+        self.choose("#backend", backend)
+        self.choose("#size", "scene")
+        self.until(lambda: "96×54 · done" in self.status() and backend.upper() in self.status(), 120)
+        self.assertNotIn("GPU:", self.status())
         page = self.download("#exr", "ten-lines.exr")
         with tempfile.TemporaryDirectory() as folder:
             scene, native = pathlib.Path(folder, "scene.kdl"), pathlib.Path(folder, "native.exr")
@@ -143,8 +165,8 @@ class Page(unittest.TestCase):
             render = [PROGRAM, "render", scene, "-o", native, "--backend", "cpu", "--splitting", "1"]
             subprocess.run(render, check=True, capture_output=True)
             compare = subprocess.run([PROGRAM, "compare", page, native, "--json"], check=True, capture_output=True)
-        # Lanes of a browser have no fused multiplication: a few paths go another way.
-        self.assertLess(json.loads(compare.stdout)["relmse"], 1e-4)
+        # Other rounding makes a few paths go another way.
+        self.assertLess(json.loads(compare.stdout)["relmse"], 1e-4 if backend == "cpu" else 1e-3)
         self.assertGreater(self.download("#png", "ten-lines.png").stat().st_size, 1000)
 
     def test_mistakes_are_listed_and_underlined_while_the_last_picture_stays(self):
@@ -186,6 +208,38 @@ class Page(unittest.TestCase):
         self.until(lambda: self.text() == SCENE and self.samples() > 0)
         self.open(link.removeprefix(self.address)[:40])
         self.until(lambda: "damaged" in self.status() or self.text() != SCENE)
+
+    def test_a_lost_gpu_leaves_the_work_to_the_cpu(self):
+        self.open_scene(SCENE)
+        self.choose("#backend", "gpu")
+        self.until(lambda: "GPU (" in self.status() and self.samples() > 0)
+        page = self.browser.current_window_handle
+        self.browser.switch_to.new_window("tab")
+        crashed = self.browser.current_window_handle
+        self.browser.get("chrome://gpucrash")
+        self.browser.switch_to.window(page)
+        self.type(SCENE.replace("0.7 0.3 0.1", "0.1 0.7 0.3"))
+        self.until(lambda: "done" in self.status())
+        self.browser.switch_to.window(crashed)
+        self.browser.close()
+        self.browser.switch_to.window(page)
+        self.browser.get_log("browser")
+
+    def test_a_hidden_page_rests(self):
+        self.open("#gallery=cornell")
+        self.until(lambda: self.samples() > 0)
+        self.script("Object.defineProperty(document, 'hidden', { value: true, configurable: true })")
+        time.sleep(3)
+        before = self.samples()
+        time.sleep(3)
+        self.assertEqual(self.samples(), before)
+        self.script("delete document.hidden; document.dispatchEvent(new Event('visibilitychange'))")
+        self.until(lambda: self.samples() > before)
+
+    def test_a_huge_picture_is_limited(self):
+        self.open_scene(SCENE.replace("size 96 54", "size 16384 16384"))
+        self.choose("#size", "scene")
+        self.until(lambda: "2880×2880" in self.status())
 
     def test_scenes_with_files_are_rendered(self):
         for name in ("environment", "statue"):

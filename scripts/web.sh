@@ -7,7 +7,8 @@ cd "$(dirname "$0")/.."
 
 page=target/web
 command -v rustup >/dev/null && rustup --quiet target add wasm32-unknown-unknown
-cargo build --release --target wasm32-unknown-unknown -p pathmarch-web
+# The sections that a strip would remove say which features of WebAssembly are in use.
+CARGO_PROFILE_RELEASE_STRIP=debuginfo cargo build --release --target wasm32-unknown-unknown -p pathmarch-web
 rm -rf "$page"
 mkdir -p "$page"
 cargo run --quiet --release -p pathmarch-web --example bindgen \

@@ -36,6 +36,8 @@ mod wgsl;
 pub use backend::gpu::{AdapterDescription, adapters};
 pub use error::RenderError;
 pub use job::{Backend, BackendInfo, Job, Renderer, Shutter, TileTracer, kernel_wgsl, ray_stats};
+#[cfg(target_family = "wasm")]
+pub use job::{WebGpu, WebGpuJob};
 pub use mode::{Mode, relative_error};
 pub use output::{film, image, parts, tonemap};
 pub use pathmarch_field;

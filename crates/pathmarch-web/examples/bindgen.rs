@@ -10,5 +10,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (Some(module), Some(folder)) = (arguments.next(), arguments.next()) else {
         return Err("name a module and a folder: bindgen MODULE.wasm FOLDER".into());
     };
-    Ok(Bindgen::new().input_path(module).web(true)?.typescript(false).generate(folder)?)
+    let mut bindgen = Bindgen::new();
+    bindgen.remove_name_section(true).remove_producers_section(true);
+    Ok(bindgen.input_path(module).web(true)?.typescript(false).generate(folder)?)
 }

@@ -14,6 +14,8 @@ const FIRST = "ten-lines";
 const KEPT = "pathmarch:scene";
 /** Tracers at most: each has a copy of the scene. */
 const MAX_THREADS = 16;
+/** Pixels of a picture at most: larger ones are for the program, which has more memory. */
+const MAX_PIXELS = 3840 * 2160;
 
 const $ = (selector) => document.querySelector(selector);
 const viewportElement = $("#viewport");
@@ -44,7 +46,7 @@ async function start() {
   source.onType(typed);
   connectButtons();
   new ResizeObserver(resize).observe(viewportElement);
-  await openFirst();
+  await Promise.all([renderer.choose("auto"), openFirst()]);
   gallery.fill(openExample);
 }
 
@@ -179,14 +181,15 @@ function resize() {
   const shown = size.map((side) => Math.max(1, Math.round(side * fit)));
   for (const canvas of [$("#preview"), $("#traced")]) [canvas.style.width, canvas.style.height] = shown.map((side) => `${side}px`);
   const choice = $("#size").value;
-  const scale = choice === "half" ? 0.5 : 1;
-  renderer.resize(choice === "scene" ? size : shown.map((side) => Math.max(1, Math.round(side * scale))));
+  const wanted = choice === "scene" ? size : shown;
+  const scale = Math.min(choice === "half" ? 0.5 : 1, Math.sqrt(MAX_PIXELS / (wanted[0] * wanted[1])));
+  renderer.resize(wanted.map((side) => Math.max(1, Math.round(side * scale))));
 }
 
-function showProgress({ failure, samples, goal, size, threads, seconds }) {
+function showProgress({ failure, samples, goal, size, renderer: used, seconds }) {
   if (failure) say(failure);
   const done = samples >= goal ? "done" : `${samples} of ${goal} samples`;
-  $("#status").textContent = `${size[0]}×${size[1]} · ${samples ? done : "moving"} · ${seconds.toFixed(1)} s · CPU, ${threads} threads`;
+  $("#status").textContent = `${size[0]}×${size[1]} · ${samples ? done : "moving"} · ${seconds.toFixed(1)} s · ${used}`;
   document.body.dataset.samples = samples;
 }
 
@@ -206,6 +209,7 @@ function connectButtons() {
   $("#redo").addEventListener("click", () => take(editor.ask("step", { back: false })));
   $("#share").addEventListener("click", share);
   $("#size").addEventListener("change", resize);
+  $("#backend").addEventListener("change", () => renderer.choose($("#backend").value));
   $("#png").addEventListener("click", () => savePicture("png", "image/png"));
   $("#exr").addEventListener("click", () => savePicture("exr", "image/x-exr"));
   $("#kdl").addEventListener("click", () => save(new Blob([source.text()], { type: "text/plain" }), "kdl"));

@@ -2,6 +2,8 @@
 //
 // While the camera moves, it is the preview without noise, at a size that keeps up. At rest it is path-traced at full size, and
 // fades in over the last preview.
+//
+// A thread with the GPU traces whole pictures, if there is one; else all others trace rows of them.
 import { Picture } from "./pathmarch_web.js";
 import { Thread } from "./thread.js";
 
@@ -11,6 +13,8 @@ const FRAME_TIME = 90;
 const TASK_TIME = 45;
 /** Milliseconds without motion after which the traced picture starts. */
 const REST = 160;
+/** Milliseconds between two pictures of the GPU. */
+const GPU_TIME = 150;
 /** Samples after which the traced picture hides the preview. */
 const FADE = 12;
 
@@ -34,6 +38,14 @@ export class Renderer {
   /** Milliseconds that a thread takes for a pixel, by mode. */
   #cost = { preview: 0.004, path: 0.01 };
   #failure = null;
+  /** Thread with the GPU; null without one. */
+  #gpu = null;
+  #gpuName = "";
+  #gpuIsBusy = false;
+  #gpuScene = -1;
+  /** Reason why the GPU is not used. */
+  #gpuNotice = "";
+  #backend = "auto";
 
   /** `canvases`: those of the preview and of the traced picture. `changed` is called with the state. */
   constructor(module, threads, canvases, changed) {
@@ -47,7 +59,31 @@ export class Renderer {
   /** Gives files to all tracers, which scenes may name. */
   mount(files) {
     this.#files.push(...files);
-    return Promise.all(this.#threads.map(({ thread }) => thread.ask("files", { files })));
+    const threads = [...this.#threads.map(({ thread }) => thread), ...(this.#gpu ? [this.#gpu] : [])];
+    return Promise.all(threads.map((thread) => thread.ask("files", { files })));
+  }
+
+  /** Chooses what renders: "auto", "gpu" or "cpu". Only a real GPU is faster than the workers. */
+  async choose(backend) {
+    this.#backend = backend;
+    this.#gpu?.stop();
+    this.#gpu = null;
+    this.#gpuNotice = "";
+    if (backend !== "cpu") {
+      const adapter = await navigator.gpu?.requestAdapter().catch(() => null);
+      const { vendor, architecture, isFallbackAdapter } = adapter?.info ?? {};
+      const isSoftware = isFallbackAdapter || /swiftshader|llvmpipe/i.test(architecture);
+      if (adapter && (backend === "gpu" || !isSoftware)) this.#openGpu([vendor, architecture].filter(Boolean).join(" "));
+      else if (backend === "gpu") this.#gpuNotice = "this browser has no WebGPU";
+    }
+    if (this.#scene) this.#move();
+  }
+
+  #openGpu(name) {
+    this.#gpuName = name;
+    this.#gpu = new Thread(this.#module);
+    [this.#gpuScene, this.#gpuIsBusy] = [-1, false];
+    this.#gpu.ask("files", { files: this.#files }).catch(() => {});
   }
 
   /** Shows another scene, at the same size. */
@@ -56,6 +92,8 @@ export class Renderer {
     this.#camera = camera;
     this.#sceneVersion += 1;
     this.#failure = null;
+    // What it refused was another scene.
+    if (this.#gpuNotice && this.#backend !== "cpu" && this.#gpuName && !this.#gpu) this.#openGpu(this.#gpuName);
     this.#move();
   }
 
@@ -110,6 +148,7 @@ export class Renderer {
   /** Size of a preview that all threads trace within the time of a frame. */
   #previewSize() {
     const [width, height] = this.#size;
+    if (this.#gpu) return [width, height];
     const pixels = (FRAME_TIME * this.#threads.length) / this.#cost.preview;
     const scale = Math.min(1, Math.sqrt(pixels / (width * height)));
     return [width, height].map((side) => Math.max(1, Math.round(side * scale)));
@@ -133,12 +172,54 @@ export class Renderer {
   /** Gives tasks to idle threads. */
   #feed() {
     if (!this.#frame || this.#failure || document.hidden) return;
+    if (this.#gpu) return void this.#runGpu(this.#gpu);
     for (const tracer of this.#threads) {
       if (tracer.busy) continue;
       const task = this.#nextTask();
       if (!task) return;
       this.#run(tracer, this.#frame, task);
     }
+  }
+
+  /** Renders frames on the GPU until all samples are done. */
+  async #runGpu(thread) {
+    if (this.#gpuIsBusy) return;
+    this.#gpuIsBusy = true;
+    let view = "";
+    try {
+      while (this.#gpu === thread && !document.hidden) {
+        const frame = this.#frame;
+        const samples = frame.mode === "preview" ? 1 : this.#scene.samples;
+        if (frame.done >= samples * frame.size[1]) break;
+        if (this.#gpuScene !== frame.sceneVersion) {
+          const { name, text, seconds } = this.#scene;
+          await thread.ask("gpuScene", { name, text, seconds });
+          [this.#gpuScene, view] = [frame.sceneVersion, ""];
+        }
+        if (view !== frame.view || frame.done === 0) await thread.ask("gpuView", { view: frame.view });
+        view = frame.view;
+        const { sums } = await thread.ask("gpuTrace", { samples, milliseconds: GPU_TIME });
+        if (frame !== this.#frame) continue;
+        const done = sums.at(-1);
+        frame.picture.replace(sums.subarray(0, -1), done);
+        frame.done = done * frame.size[1];
+        this.#progress(frame, done);
+      }
+    } catch (error) {
+      this.#loseGpu(thread, error);
+    }
+    if (this.#gpu === thread) this.#gpuIsBusy = false;
+    else this.#feed();
+  }
+
+  /** Goes on with the workers; the next scene tries the GPU again. */
+  #loseGpu(thread, error) {
+    if (this.#gpu !== thread) return;
+    thread.stop();
+    this.#gpu = null;
+    this.#gpuNotice = error.message;
+    this.#begin(this.#frame.mode);
+    this.#report();
   }
 
   async #run(tracer, frame, task) {
@@ -180,7 +261,11 @@ export class Renderer {
   #take(frame, task, sums) {
     frame.picture.add(task.row, sums, task.samples);
     frame.done += task.rows;
-    const samples = Math.floor(frame.done / frame.size[1]);
+    this.#progress(frame, Math.floor(frame.done / frame.size[1]));
+  }
+
+  /** Shows a frame of which this many samples are done, and starts the next one. */
+  #progress(frame, samples) {
     if (frame.mode === "preview") {
       if (samples < 1) return;
       frame.isDone = true;
@@ -208,11 +293,17 @@ export class Renderer {
     canvas.getContext("2d").putImageData(new ImageData(pixels, width, height), 0, 0);
   }
 
+  #renderer() {
+    if (this.#gpu) return `GPU (${this.#gpuName})`;
+    const notice = this.#gpuNotice && ` (GPU: ${this.#gpuNotice})`;
+    return `CPU, ${this.#threads.length} threads${notice}`;
+  }
+
   #report() {
     const frame = this.#frame;
     const samples = frame?.mode === "path" ? frame.picture.samples() : 0;
     this.#changed({
-      failure: this.#failure, samples, goal: this.#scene?.samples, size: this.#size, threads: this.#threads.length,
+      failure: this.#failure, samples, goal: this.#scene?.samples, size: this.#size, renderer: this.#renderer(),
       seconds: frame ? (performance.now() - frame.began) / 1000 : 0,
     });
   }

@@ -1,9 +1,10 @@
 // A thread with an instance of the module of its own: the editor, or a tracer.
-import init, { Editor, Tracer, mount } from "./pathmarch_web.js";
+import init, { Editor, GpuTracer, Tracer, mount } from "./pathmarch_web.js";
 
 let ready;
 let editor;
 let tracer;
+let gpu;
 
 const tasks = {
   start({ module }) {
@@ -50,6 +51,18 @@ const tasks = {
   },
   view({ view }) {
     tracer.set_view(view);
+  },
+  async gpuScene({ name, text, seconds }) {
+    gpu ??= await GpuTracer.open(name, text);
+    gpu.set_text(text, seconds);
+    return gpu.name();
+  },
+  gpuView({ view }) {
+    gpu.set_view(view);
+  },
+  /** Sums of all samples so far, and last their number. */
+  async gpuTrace({ samples, milliseconds }) {
+    return { sums: await gpu.trace(samples, milliseconds) };
   },
   trace({ row, rows, first, samples }) {
     const began = performance.now();

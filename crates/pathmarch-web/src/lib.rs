@@ -2,7 +2,8 @@
 //!
 //! - the page itself turns the [`Viewpoint`] and adds samples to the [`Picture`];
 //! - one worker has the [`Editor`]: the text, its mistakes and controls;
-//! - the others have a [`Tracer`] each and trace rectangles of samples.
+//! - one has a `GpuTracer` and traces whole pictures on the GPU, if the browser has one;
+//! - otherwise the others have a [`Tracer`] each and trace rectangles of samples.
 //!
 //! So it needs neither shared memory nor the headers that isolate a page, and any server of static files will do.
 //! Objects go to and from JavaScript as JSON, numbers of pixels as typed arrays.
@@ -11,12 +12,17 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 mod controls;
 mod editor;
+#[cfg(target_family = "wasm")]
+mod gpu_tracer;
 mod picture;
 mod report;
 mod tracer;
+mod view;
 mod viewpoint;
 
 pub use editor::Editor;
+#[cfg(target_family = "wasm")]
+pub use gpu_tracer::GpuTracer;
 pub use picture::Picture;
 pub use tracer::Tracer;
 pub use viewpoint::Viewpoint;

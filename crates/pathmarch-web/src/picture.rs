@@ -67,6 +67,16 @@ impl Picture {
         Ok(())
     }
 
+    /// Replaces all sums by those of `samples` samples.
+    ///
+    /// # Errors
+    /// If the sums are those of another picture.
+    pub fn replace(&mut self, sums: &[f32], samples: u32) -> Result<(), JsError> {
+        self.sums.fill([0.0; 3]);
+        self.samples.fill(0);
+        self.add(0, sums, samples)
+    }
+
     /// Smallest number of samples of a pixel.
     pub fn samples(&self) -> u32 {
         self.samples.iter().copied().min().unwrap_or(0)

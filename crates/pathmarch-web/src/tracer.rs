@@ -1,32 +1,12 @@
 //! Worker that traces samples on the CPU.
 
-use crate::viewpoint::CameraRecord;
+use crate::view::View;
 use pathmarch_render::parts::Rect;
-use pathmarch_render::pathmarch_scene::{Document, Moment, Scene};
-use pathmarch_render::{Mode, Settings, TileTracer};
-use serde::Deserialize;
+use pathmarch_render::pathmarch_scene::{Document, Moment};
+use pathmarch_render::{Mode, TileTracer};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use wasm_bindgen::prelude::*;
-
-/// View of a scene.
-#[derive(Deserialize)]
-pub(crate) struct View {
-    camera: CameraRecord,
-    /// Width and height, pixels.
-    size: [u32; 2],
-    /// Name of a [`Mode`].
-    mode: String,
-}
-
-impl View {
-    /// Settings of the view.
-    pub(crate) fn settings(self, scene: &Scene) -> Result<Settings, JsError> {
-        let mode = Mode::from_name(&self.mode).ok_or_else(|| JsError::new(&format!("no mode `{}`", self.mode)))?;
-        let viewpoint = Some(self.camera.into());
-        Ok(Settings { size: self.size, mode, viewpoint, splitting: Some(1), ..Settings::of(scene) })
-    }
-}
 
 /// Tracer of rectangles of samples.
 #[wasm_bindgen]

@@ -6,6 +6,8 @@ mod motion;
 mod record;
 mod tiles;
 pub(crate) mod tracer;
+#[cfg(target_family = "wasm")]
+mod web_gpu;
 
 use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
@@ -22,6 +24,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 pub use tiles::TileTracer;
 use tracer::Tracer;
+#[cfg(target_family = "wasm")]
+pub use web_gpu::{WebGpu, WebGpuJob};
 
 /// Kind of backend to render with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

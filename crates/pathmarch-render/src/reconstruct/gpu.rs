@@ -133,10 +133,8 @@ impl Passes {
             mix_with_film: pipeline(&show, "mix_with_film", &[]),
             show: pipeline(&show, "show", &[]),
         };
-        match pollster::block_on(validation.pop()) {
-            Some(error) => Err(device.error(error)),
-            None => Ok(passes),
-        }
+        device.end_scope(validation)?;
+        Ok(passes)
     }
 }
 
@@ -475,9 +473,7 @@ impl GpuReconstruction {
         let bytes = SCREEN_BYTES * u64::from(size[0]) * u64::from(size[1]);
         encoder.copy_buffer_to_buffer(&buffers.screen, 0, &buffers.copy, 0, bytes);
         self.device.queue.submit([encoder.finish()]);
-        if let Some(error) = pollster::block_on(validation.pop()) {
-            return Err(self.device.error(error));
-        }
+        self.device.end_scope(validation)?;
         if let Some(timer) = &mut timer {
             self.passes_done = pass_times(&names, &timer.read_passes(&self.device)?);
         }

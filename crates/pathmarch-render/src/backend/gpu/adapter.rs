@@ -61,6 +61,15 @@ fn rank(adapter: &wgpu::Adapter) -> u8 {
     }
 }
 
+/// Adapter that the browser prefers, the fastest one of the machine.
+#[cfg(target_family = "wasm")]
+pub(super) async fn preferred() -> Result<wgpu::Adapter, crate::error::RenderError> {
+    let request =
+        wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
+    let adapter = instance(wgpu::Backends::BROWSER_WEBGPU).request_adapter(&request).await;
+    adapter.map_err(|error| crate::error::RenderError::NoAdapter { reason: error.to_string() })
+}
+
 pub(super) fn enumerate() -> Vec<wgpu::Adapter> {
     let of = |backends| pollster::block_on(instance(backends).enumerate_adapters(backends));
     let mut adapters = of(wgpu::Backends::PRIMARY);

@@ -23,6 +23,16 @@ impl GpuContext {
         Ok(Self { opened: Device::open(adapter)?, kernels: KernelCache::default(), display: OnceLock::new() })
     }
 
+    /// Opens the adapter that the browser prefers.
+    ///
+    /// # Errors
+    /// [`RenderError`] if it has none, or refuses.
+    #[cfg(target_family = "wasm")]
+    pub(crate) async fn open_async() -> Result<Self, RenderError> {
+        let opened = Device::open_async().await?;
+        Ok(Self { opened, kernels: KernelCache::default(), display: OnceLock::new() })
+    }
+
     /// Pass that tone-maps films.
     pub(super) fn display(&self) -> &DisplayPass {
         self.display.get_or_init(|| DisplayPass::new(&self.opened.device))

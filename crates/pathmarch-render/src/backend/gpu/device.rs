@@ -10,6 +10,13 @@ const GPU_TIMEOUT: Duration = Duration::from_secs(120);
 /// The same for software adapters, which other programs slow down without limit.
 const SOFTWARE_TIMEOUT: Duration = Duration::from_secs(1800);
 
+/// Keeps a failure unless there is an earlier one.
+fn keep(failure: &Mutex<Option<String>>, message: String) {
+    if let Ok(mut slot) = failure.lock() {
+        slot.get_or_insert(message);
+    }
+}
+
 /// Opened adapter.
 pub(crate) struct Device {
     pub(crate) device: wgpu::Device,
@@ -20,6 +27,18 @@ pub(crate) struct Device {
 }
 
 impl Device {
+    /// Opens the adapter that the browser prefers.
+    #[cfg(target_family = "wasm")]
+    pub(crate) async fn open_async() -> Result<Self, RenderError> {
+        let adapter = super::adapter::preferred().await?;
+        match describe(&adapter) {
+            AdapterDescription { name, unusable: Some(reason), .. } => {
+                Err(RenderError::NoAdapter { reason: format!("{name} cannot be used: {reason}") })
+            }
+            _ => Self::of_adapter(&adapter).await,
+        }
+    }
+
     /// Opens the preferred adapter, or the one whose name contains `name`, in any case.
     pub(crate) fn open(name: Option<&str>) -> Result<Self, RenderError> {
         let adapters = enumerate();
@@ -40,6 +59,10 @@ impl Device {
                 _ => RenderError::NoAdapter { reason: "no graphics driver reports one".to_owned() },
             })?,
         };
+        pollster::block_on(Self::of_adapter(adapter))
+    }
+
+    async fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, RenderError> {
         let description = describe(adapter);
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pathmarch"),
@@ -48,14 +71,10 @@ impl Device {
             required_limits: adapter.limits(),
             ..Default::default()
         });
-        let (device, queue) = pollster::block_on(request)
+        let (device, queue) = request
+            .await
             .map_err(|error| RenderError::Device { adapter: description.name.clone(), reason: error.to_string() })?;
         let failure = Arc::new(Mutex::new(None));
-        let keep = |failure: &Arc<Mutex<Option<String>>>, message: String| {
-            if let Ok(mut slot) = failure.lock() {
-                slot.get_or_insert(message);
-            }
-        };
         let slot = failure.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| keep(&slot, error.to_string())));
         let slot = failure.clone();
@@ -84,10 +103,62 @@ impl Device {
     pub(crate) fn allocate(&self, descriptor: &wgpu::BufferDescriptor) -> Result<wgpu::Buffer, RenderError> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let buffer = self.device.create_buffer(descriptor);
-        match pollster::block_on(memory.pop()) {
-            Some(error) => Err(self.error(error)),
-            None => Ok(buffer),
+        self.end_scope(memory)?;
+        Ok(buffer)
+    }
+
+    /// Ends an error scope.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] if it has caught an error. In a browser, which reports it later, [`check`](Self::check) does.
+    pub(crate) fn end_scope(&self, scope: wgpu::ErrorScopeGuard) -> Result<(), RenderError> {
+        let error = scope.pop();
+        #[cfg(not(target_family = "wasm"))]
+        return pollster::block_on(error).map_or(Ok(()), |error| Err(self.error(error)));
+        #[cfg(target_family = "wasm")]
+        {
+            let slot = self.failure.clone();
+            wasm_bindgen_futures::spawn_local(async move {
+                if let Some(error) = error.await {
+                    keep(&slot, error.to_string());
+                }
+            });
+            self.check()
         }
+    }
+
+    /// Waits until all work that was submitted so far is done.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] if the device has failed.
+    #[cfg(target_family = "wasm")]
+    pub(crate) async fn finished(&self) -> Result<(), RenderError> {
+        let (sender, receiver) = futures_channel::oneshot::channel();
+        self.queue.on_submitted_work_done(move || sender.send(()).unwrap_or_default());
+        // A lost device drops the sender.
+        let _ = receiver.await;
+        self.check()
+    }
+
+    /// Maps the first `bytes` bytes of a buffer once all submitted work is done, and passes them to `take`.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] if the device fails.
+    #[cfg(target_family = "wasm")]
+    pub(crate) async fn read_async<T>(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        take: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, RenderError> {
+        let (sender, receiver) = futures_channel::oneshot::channel();
+        buffer.slice(..bytes).map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result)));
+        match receiver.await {
+            Ok(Ok(())) => self.check()?,
+            Ok(Err(error)) => return Err(self.error(error)),
+            Err(error) => return Err(self.error(error)),
+        }
+        self.taken(buffer, bytes, take)
     }
 
     /// Waits for all submissions, maps the first `bytes` bytes of a buffer and passes them to `take`.
@@ -135,6 +206,11 @@ impl Device {
             Ok(Err(error)) => return Err(self.error(error)),
             Err(error) => return Err(self.error(error)),
         }
+        self.taken(buffer, bytes, take)
+    }
+
+    /// Passes the first bytes of a mapped buffer to `take`, and unmaps it.
+    fn taken<T>(&self, buffer: &wgpu::Buffer, bytes: u64, take: impl FnOnce(&[u8]) -> T) -> Result<T, RenderError> {
         let view = buffer.slice(..bytes).get_mapped_range().map_err(|error| self.error(error))?;
         let taken = take(&view);
         drop(view);

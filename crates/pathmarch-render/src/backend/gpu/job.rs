@@ -222,9 +222,7 @@ impl GpuJob {
             entries: &entries,
         });
         for scope in [out_of_memory, validation] {
-            if let Some(error) = pollster::block_on(scope.pop()) {
-                return Err(device.error(error));
-            }
+            device.end_scope(scope)?;
         }
         let may_resume = input.mode.traces_paths() && input.config.splitting == 1;
         let mut job = Self {
@@ -252,7 +250,8 @@ impl GpuJob {
             bounces: may_resume.then_some(frame_record.bounces),
             compile_time: Duration::ZERO,
         };
-        if !job.kernel.is_warm() {
+        // Browsers compile without that, and nothing can wait there.
+        if !cfg!(target_family = "wasm") && !job.kernel.is_warm() {
             // Many drivers compile at the first dispatch: submits one without rows.
             job.submit(&[Slice { columns: 1, ..Slice::zeroed() }], 0);
             job.complete_oldest()?;
@@ -340,6 +339,12 @@ impl GpuJob {
             .poll(wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(timeout) })
             .map_err(|error| self.device.error(format!("{error} after {} s", timeout.as_secs())))?;
         self.device.check()?;
+        self.adapt(samples, submitted);
+        Ok(())
+    }
+
+    /// Adapts the work of the next submissions to the time of one that is complete now.
+    fn adapt(&mut self, samples: f64, submitted: Instant) {
         let now = Instant::now();
         // It started after the one before was complete, or at its own submission.
         let took = now.duration_since(self.last_completion.max(submitted)).as_secs_f64().max(1e-6);
@@ -349,7 +354,6 @@ impl GpuJob {
             let most = f64::from(self.size[0]) * f64::from(self.size[1]) * MAX_DISPATCHES as f64;
             self.quota = fitting.clamp(self.quota * 0.25, self.quota * 4.0).clamp(f64::from(BAND * 8), most);
         }
-        Ok(())
     }
 
     /// Next slice towards `upto` samples, of about `work` samples summed over pixels: whole workgroups, and whole bands if
@@ -391,11 +395,8 @@ impl GpuJob {
         slice
     }
 
-    /// Submits work towards `samples` samples of every pixel, for about the target time.
-    pub(crate) fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
-        if self.timer.as_ref().is_some_and(GpuTimer::is_full) {
-            self.gpu_time()?;
-        }
+    /// Slices of a submission towards `samples` samples of every pixel.
+    fn next_slices(&mut self, samples: u32) -> Vec<Slice> {
         let mut slices = Vec::new();
         let mut left = match self.suspended {
             Some(_) => self.quota.min(f64::from(loop_limit::CAPACITY - 8 * BAND)),
@@ -406,6 +407,40 @@ impl GpuJob {
             left -= slice.work();
             slices.push(slice);
         }
+        slices
+    }
+
+    /// Submits work as [`advance`](Self::advance) and waits for it.
+    #[cfg(target_family = "wasm")]
+    pub(crate) async fn advance_async(&mut self, samples: u32) -> Result<(), RenderError> {
+        let slices = self.next_slices(samples);
+        if slices.is_empty() {
+            return Ok(());
+        }
+        self.submit(&slices, 0);
+        self.device.finished().await?;
+        if let Some((_, samples, submitted)) = self.in_flight.pop_front() {
+            self.adapt(samples, submitted);
+        }
+        Ok(())
+    }
+
+    /// Film so far. The caller ensures that no sample is half done.
+    #[cfg(target_family = "wasm")]
+    pub(crate) async fn film_async(&mut self) -> Result<Film, RenderError> {
+        let copy = self.copy_film(false)?;
+        let device = self.device.clone();
+        let film = device.read_async(&copy.buffer, copy.bytes, |bytes| self.film_of(copy.samples, bytes)).await?;
+        self.staging = Some(copy.buffer);
+        Ok(film)
+    }
+
+    /// Submits work towards `samples` samples of every pixel, for about the target time.
+    pub(crate) fn advance(&mut self, samples: u32) -> Result<(), RenderError> {
+        if self.timer.as_ref().is_some_and(GpuTimer::is_full) {
+            self.gpu_time()?;
+        }
+        let mut slices = self.next_slices(samples);
         if self.suspended.is_some() && !slices.is_empty() {
             loop_limit::assign_slots(&mut slices);
             return self.trace_to_the_end(&slices);
@@ -519,30 +554,34 @@ impl GpuJob {
 
     /// Waits for a copy of a film, and reads it.
     pub(crate) fn finish(&mut self, copy: FilmCopy) -> Result<Film, RenderError> {
+        let film = self
+            .device
+            .read_submitted(&copy.buffer, copy.bytes, copy.submission, |bytes| self.film_of(copy.samples, bytes))?;
+        self.staging = Some(copy.buffer);
+        Ok(film)
+    }
+
+    /// Film of the bytes of a copy: sums, and the number of rejected samples, of each pixel of the rows that are rendered.
+    fn film_of(&self, samples: u32, bytes: &[u8]) -> Film {
         let Rect { x, width, height, .. } = self.rect;
         let columns = x as usize..(x + width) as usize;
         let row = self.size[0] as usize;
+        let sums: &[[f32; 4]] = bytemuck::cast_slice(bytes);
         let mut film = Film::new(width, height);
-        film.samples = copy.samples;
-        let rejected = self.device.read_submitted(&copy.buffer, copy.bytes, copy.submission, |bytes| {
-            let sums: &[[f32; 4]] = bytemuck::cast_slice(bytes);
-            let rows = film.sums.par_chunks_mut(width as usize).zip(sums.par_chunks(row));
-            let rejected = rows.map(|(pixels, sums)| {
-                let sums = &sums[columns.clone()];
-                pixels.iter_mut().zip(sums).for_each(|(pixel, [r, g, b, _])| *pixel = [*r, *g, *b]);
-                sums.iter().any(|[.., rejected]| *rejected > 0.0)
-            });
-            let rows: Vec<bool> = rejected.collect();
-            let rows = rows.into_iter().enumerate().filter(|(_, rejected)| *rejected).map(|(y, _)| y);
-            let of_row = |y: usize| {
-                let sums = sums[y * row..][columns.clone()].iter().enumerate();
-                sums.map(|(x, [.., count])| (y * width as usize + x, *count as u32)).collect::<Vec<_>>()
-            };
-            rows.flat_map(of_row).collect::<Vec<(usize, u32)>>()
-        })?;
-        rejected.into_iter().for_each(|(pixel, count)| film.count_rejected(pixel, count));
-        self.staging = Some(copy.buffer);
-        Ok(film)
+        film.samples = samples;
+        let rows = film.sums.par_chunks_mut(width as usize).zip(sums.par_chunks(row));
+        let rejected = rows.map(|(pixels, sums)| {
+            let sums = &sums[columns.clone()];
+            pixels.iter_mut().zip(sums).for_each(|(pixel, [r, g, b, _])| *pixel = [*r, *g, *b]);
+            sums.iter().any(|[.., rejected]| *rejected > 0.0)
+        });
+        let rows: Vec<bool> = rejected.collect();
+        for (y, _) in rows.into_iter().enumerate().filter(|(_, rejected)| *rejected) {
+            for (x, [.., count]) in sums[y * row..][columns.clone()].iter().enumerate() {
+                film.count_rejected(y * width as usize + x, *count as u32);
+            }
+        }
+        film
     }
 }
 

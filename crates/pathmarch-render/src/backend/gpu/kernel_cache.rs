@@ -107,9 +107,7 @@ impl KernelCache {
             cache: None,
         });
         for scope in [memory, validation] {
-            if let Some(error) = pollster::block_on(scope.pop()) {
-                return Err(device.error(error));
-            }
+            device.end_scope(scope)?;
         }
         let kernel = Arc::new(Kernel { code: source.code.clone(), pipeline, layout, warm: AtomicBool::new(false) });
         if let Ok(mut kernels) = self.0.lock() {
