@@ -116,8 +116,11 @@ fn quiet_drivers() {
     }
 }
 
-/// Checks that this CPU has the instructions that the program was built for; the error says what to do.
-fn check_cpu_features() -> Result<(), String> {
+/// Checks that this CPU has the instructions that the program was built for.
+///
+/// # Errors
+/// A message that names missing instructions, and says what to do.
+pub fn check_cpu_features() -> Result<(), String> {
     #[cfg(target_arch = "x86_64")]
     {
         let features = [
