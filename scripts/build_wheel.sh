@@ -7,7 +7,7 @@ export PATH="$PWD/target/tools/bin:$PATH"
 command -v maturin >/dev/null || python3 -m pip install --quiet --target target/tools "maturin>=1.9.4,<2"
 
 CARGO=$PWD/scripts/workspace_cargo.sh
-"$CARGO" rustc
+"$CARGO" rustc >/dev/null
 scripts=crates/pathmarch-python/wheel.data/scripts
 mkdir -p "$scripts"
 program=target/release/pathmarch

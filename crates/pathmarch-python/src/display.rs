@@ -3,7 +3,7 @@
 use crate::arrays;
 use crate::failure::Failure;
 use crate::names::find;
-use pathmarch_render::image::{Display, ImageFormat, Picture, Provenance, check_writable, encode as encode_file, write_file};
+use pathmarch_render::image::{self, Display, ImageError, ImageFormat, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::Tonemap;
 use pathmarch_render::pathmarch_scene::settings::EXPOSURE;
 use pyo3::exceptions::PyValueError;
@@ -64,20 +64,32 @@ pub fn encode<'py>(
 pub fn save(py: Python, path: PathBuf, picture: &Bound<PyAny>, curve: &str, exposure: f64) -> PyResult<()> {
     let picture = arrays::picture(picture)?;
     let display = display(curve, exposure)?;
-    py.detach(|| write(&path, &picture, &display)).map_err(PyErr::from)
+    let saved = py.detach(|| image::save(&path, &picture, &display, &provenance()));
+    saved.map_err(|error| failure(error).into())
 }
 
-fn write(path: &Path, picture: &Picture, display: &Display) -> Result<(), Failure> {
-    let bytes = bytes(path, picture, display)?;
-    let written = check_writable(path).and_then(|()| write_file(path, &bytes));
-    written.map_err(|error| Failure::File(error.to_string()))
+/// Picture of an `.exr`, `.png` or `.jpg` file, in linear light: a float32 array of height x width x 3.
+#[pyfunction]
+pub fn load(py: Python, path: PathBuf) -> PyResult<Bound<PyAny>> {
+    let loaded = py.detach(|| image::load(&path)).map_err(failure)?;
+    arrays::of_picture(py, loaded.picture)
 }
 
 fn bytes(path: &Path, picture: &Picture, display: &Display) -> Result<Vec<u8>, Failure> {
-    let format = ImageFormat::from_path(path).map_err(|error| Failure::Value(error.to_string()))?;
-    let provenance = Provenance { version: env!("CARGO_PKG_VERSION").to_owned(), ..Provenance::default() };
-    encode_file(path, format, picture, Vec::new(), display, &provenance)
-        .map_err(|error| Failure::Value(error.to_string()))
+    let format = ImageFormat::from_path(path).map_err(failure)?;
+    image::encode(path, format, picture, Vec::new(), display, &provenance()).map_err(failure)
+}
+
+fn provenance() -> Provenance {
+    Provenance { version: env!("CARGO_PKG_VERSION").to_owned(), ..Provenance::default() }
+}
+
+fn failure(error: ImageError) -> Failure {
+    let message = error.to_string();
+    match error {
+        ImageError::UnknownExtension { .. } | ImageError::Encode { .. } => Failure::Value(message),
+        _ => Failure::File(message),
+    }
 }
 
 fn display(curve: &str, exposure: f64) -> PyResult<Display> {

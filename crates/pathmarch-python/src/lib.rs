@@ -40,6 +40,7 @@ fn _native(module: &Bound<PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(display::tonemap, module)?)?;
     module.add_function(wrap_pyfunction!(display::encode, module)?)?;
     module.add_function(wrap_pyfunction!(display::save, module)?)?;
+    module.add_function(wrap_pyfunction!(display::load, module)?)?;
     module.add_function(wrap_pyfunction!(renderers::devices, module)?)?;
     module.add_function(wrap_pyfunction!(registry::registry, module)?)
 }

@@ -38,5 +38,6 @@ pub fn forget() {
 pub fn devices(py: Python) -> PyResult<Vec<String>> {
     fork::check()?;
     let found = py.detach(adapters);
-    Ok(found.iter().map(|adapter| format!("{} ({})", adapter.name, adapter.backend)).collect())
+    let usable = found.iter().filter(|adapter| adapter.unusable.is_none());
+    Ok(usable.map(|adapter| format!("{} ({})", adapter.name, adapter.backend)).collect())
 }

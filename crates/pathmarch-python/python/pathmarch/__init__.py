@@ -21,8 +21,8 @@ material "clay" { diffuse 0.7 0.22 0.08 }
 object "ball" { sphere 0.5 material="clay" { at 0 1 0 } }
 <BLANKLINE>
 
-`pathmarch.render` makes a picture of a text or a file, `pathmarch.save` writes it, and `pathmarch.encode` shows it in a
-notebook. The reference of the scene language is docs/scene-language.md; `help(pathmarch.nodes.sphere)` describes a shape.
+`pathmarch.render` makes a picture of a text or a file, `pathmarch.save` writes it, and `pathmarch.encode` makes the bytes of
+a PNG, to show in a notebook. The reference of the scene language is docs/scene-language.md; `help(pathmarch.nodes.sphere)` describes a shape.
 """
 
 import os as _os
@@ -32,7 +32,7 @@ if "XDG_RUNTIME_DIR" not in _os.environ:
     _os.environ.setdefault("NODEVICE_SELECT", "1")
 
 from . import nodes
-from ._native import Scene, __version__, devices, encode, render, save, tonemap
+from ._native import Scene, __version__, devices, encode, load, render, save, tonemap
 from ._types import Cancelled, Diagnostic, Parameter, RenderError, SceneError, SceneWarning
 
 __all__ = [
@@ -46,6 +46,7 @@ __all__ = [
     "__version__",
     "devices",
     "encode",
+    "load",
     "nodes",
     "render",
     "save",

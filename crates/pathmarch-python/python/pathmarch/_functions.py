@@ -125,7 +125,8 @@ def check(function: str, parameter: Parameter, value: Any) -> None:
         if parameter.kind not in ("material", "node") and not parameter.textured:
             raise TypeError(f"{where} cannot be a node")
     elif parameter.kind in NUMBERS:
-        _check_numbers(where, parameter, flat(value))
+        single = parameter.kind in ("number", "whole")
+        _check_numbers(where, parameter, (value,) if single else flat(value))
     elif parameter.kind in ("choice", "axis"):
         if value not in parameter.choices:
             raise ValueError(f"{where} must be one of {', '.join(parameter.choices)}, not {value!r}")

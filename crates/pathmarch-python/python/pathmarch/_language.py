@@ -210,21 +210,29 @@ def _textures() -> Iterator[Function]:
         yield Function(_python_name(entry["name"]), entry["doc"], build, parameters, "", keywords, notes)
     uv = Parameter("uv", "uv", "flag", "True for the texture coordinates of a mesh.")
     keywords = (*(_parameter(param) for param in REGISTRY["picture"]), uv, *mapped, COLOURS, *PLACEMENT)
-    yield Function("picture", "A PNG or JPEG file as a texture.", _texture("picture", keywords), (FILE,), "", keywords)
+    yield Function("picture", "A PNG or JPEG file as a texture.", _picture(keywords), (FILE,), "", keywords)
     yield _orbit_trap()
 
 
 def _texture(word: str, parameters: Sequence[Parameter]) -> Any:
-    """Builder of a texture; its numbers are properties, as it takes no arguments but the name of a file."""
+    """Builder of a computed texture, whose numbers are all properties."""
 
     def build(positional: List[Any], children: Sequence[Node], given: Dict[str, Any]) -> Node:
         given = {**dict(zip((parameter.name for parameter in parameters), positional)), **given}
-        arguments = []
-        if word == "picture":
-            arguments, given = (positional or [given.pop("file")]), {**given}
-            given = {name: value for name, value in given.items() if value is not arguments[0]}
-        ramp = [Node("colour", flat(colour)) for colour in given.pop("colours", ())]
-        return Node(word, arguments, properties_of(parameters, given), [*ramp, *nodes_of(parameters, given)])
+        inside = [*_ramp(given), *nodes_of(parameters, given)]
+        return Node(word, (), properties_of(parameters, given), inside)
+
+    return build
+
+
+def _ramp(given: Dict[str, Any]) -> List[Node]:
+    """Nodes of the colours, which are taken out of the arguments."""
+    return [Node("colour", flat(colour)) for colour in given.pop(COLOURS.name, ())]
+
+
+def _picture(parameters: Sequence[Parameter]) -> Any:
+    def build(positional: List[Any], children: Sequence[Node], given: Dict[str, Any]) -> Node:
+        return _by_name_first("picture", "file", parameters)(positional, _ramp(given), given)
 
     return build
 
@@ -246,7 +254,7 @@ def _orbit_trap() -> Function:
 
     def build(positional: List[Any], children: Sequence[Node], given: Dict[str, Any]) -> Node:
         name = positional[0] if positional else given.pop("trap", traps[0])
-        ramp = [Node("colour", flat(colour)) for colour in given.pop("colours", ())]
+        ramp = _ramp(given)
         return Node("orbit-trap", (name,), properties_of(keywords, given), ramp)
 
     return Function("orbit_trap", "Colours of a fractal by its orbits, for a material.", build, (trap,), "", keywords)
