@@ -2,13 +2,13 @@
 
 import pathlib
 
-import pytest
+import nbclient
+import nbformat
 
 NOTEBOOK = pathlib.Path(__file__).parents[1] / "examples" / "first_picture.ipynb"
 
 
 def test_the_notebook_runs(tmp_path):
-    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     notebook = nbformat.read(NOTEBOOK, as_version=4)
     nbformat.validate(notebook)
     assert all(not cell.get("outputs") for cell in notebook.cells), "outputs are not stored"

@@ -6,7 +6,7 @@ import math
 from typing import Any, Dict, Iterable, List, Sequence, Tuple
 
 INDENT = "    "
-WIDTH = 120
+WIDTH = 100
 """Longest line of nodes in braces."""
 
 
