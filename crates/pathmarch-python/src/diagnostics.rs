@@ -1,6 +1,6 @@
 //! Mistakes and warnings of scenes, with their places in the text.
 
-use crate::failure::exception;
+use crate::exceptions::{class, exception};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use pathmarch_render::pathmarch_scene::{Mistake, SceneError};
 use pyo3::prelude::*;
@@ -16,7 +16,7 @@ pub fn scene_error(py: Python, error: &SceneError) -> PyErr {
 
 /// A tuple of `Diagnostic`.
 pub fn diagnostics<'py>(py: Python<'py>, mistakes: &[Mistake]) -> PyResult<Bound<'py, PyTuple>> {
-    let class = py.import("pathmarch._types")?.getattr("Diagnostic")?;
+    let class = class(py, "Diagnostic")?;
     let made: Vec<_> = mistakes.iter().map(|mistake| diagnostic(&class, mistake)).collect::<PyResult<_>>()?;
     PyTuple::new(py, made)
 }

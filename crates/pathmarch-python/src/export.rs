@@ -1,6 +1,7 @@
 //! Meshes of the solids of a scene, as arrays and as files.
 
 use crate::arrays;
+use crate::exceptions::exception;
 use crate::failure::Failure;
 use crate::interruptible::{self, Callback};
 use crate::names;
@@ -97,7 +98,7 @@ pub fn mesh(py: Python, solids: Solids, progress: Option<Py<PyAny>>) -> PyResult
         })
     })?;
     made.map_err(|error| match error {
-        MeshError::Stopped => crate::scene::cancelled(py),
+        MeshError::Stopped => exception(py, "Cancelled", ()),
         error => PyValueError::new_err(error.to_string()),
     })
 }

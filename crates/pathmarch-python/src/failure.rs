@@ -1,13 +1,11 @@
 //! Failures of the library as exceptions of Python.
 
 use crate::diagnostics;
+use crate::exceptions::exception;
 use pathmarch_render::RenderError;
 use pathmarch_render::pathmarch_scene::SceneError;
-use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyOSError, PyValueError};
 use pyo3::prelude::*;
-
-/// Module of the exception classes.
-const CLASSES: &str = "pathmarch._types";
 
 /// Failure of work that runs without the interpreter.
 #[derive(Debug)]
@@ -50,15 +48,4 @@ impl From<Failure> for PyErr {
             Failure::Memory(message) => PyMemoryError::new_err(message),
         }
     }
-}
-
-/// Exception of a class that is written in Python.
-pub fn exception<'py>(py: Python<'py>, class: &str, arguments: impl pyo3::call::PyCallArgs<'py>) -> PyErr {
-    let made = py.import(CLASSES).and_then(|module| module.getattr(class)).and_then(|class| class.call1(arguments));
-    made.map_or_else(|error| error, PyErr::from_value)
-}
-
-/// Error of a mistake in this program.
-pub fn internal(what: &str) -> PyErr {
-    PyRuntimeError::new_err(format!("{what}; this is a mistake in pathmarch, please report it"))
 }

@@ -4,7 +4,7 @@
 //! for messages of the work, calls back, and looks for signals a few times a second. When it leaves with an exception, the
 //! work ends at its next slice, and nobody waits for it.
 
-use crate::failure::internal;
+use crate::exceptions::internal;
 use crate::fork;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

@@ -2,12 +2,13 @@
 //!
 //! **Idea.** The package is written in two languages. This crate is the module `pathmarch._native`: it converts arguments
 //! and results, and leaves all else to `pathmarch-render`. `python/pathmarch` is pure Python: exceptions, and the
-//! functions that write scenes, which it makes from [`registry`]'s description of the scene language. Long work runs on a
-//! thread of its own without the interpreter's lock, see [`interruptible`].
+//! functions that write scenes, which it makes from `registry.rs`'s description of the scene language. Long work
+//! runs on a thread of its own without the interpreter's lock, see `interruptible.rs`.
 
 mod arrays;
-mod display;
 mod diagnostics;
+mod display;
+mod exceptions;
 mod export;
 mod failure;
 mod field;

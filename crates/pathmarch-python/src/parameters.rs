@@ -1,10 +1,11 @@
 //! Parameters of a scene, which its text declares by `param`.
 
+use crate::exceptions::class;
 use crate::failure::Failure;
 use crate::names::message;
 use crate::source::Source;
-use pathmarch_render::pathmarch_scene::document::{Document, ItemKind, Path, Value, key};
 use pathmarch_render::pathmarch_scene::Parameter;
+use pathmarch_render::pathmarch_scene::document::{Document, ItemKind, Path, Value, key};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -14,7 +15,7 @@ pub type Given = (String, String);
 
 /// A tuple of `Parameter`.
 pub fn listed<'py>(py: Python<'py>, parameters: &[Parameter]) -> PyResult<Bound<'py, PyTuple>> {
-    let class = py.import("pathmarch._types")?.getattr("Parameter")?;
+    let class = class(py, "Parameter")?;
     let made = parameters.iter().map(|Parameter { name, value, range, doc, animated }| {
         let range = (range.0.map(decimal), range.1.map(decimal));
         class.call1((name, decimal(*value), range, doc.as_deref(), *animated))
@@ -65,7 +66,8 @@ fn path_of(document: &Document, name: &str) -> Result<Path, Failure> {
     if let Some(item) = declared().find(|item| item.title() == name) {
         return Ok(item.path.clone());
     }
-    let is_included = |scene: &pathmarch_render::pathmarch_scene::Scene| scene.params.iter().any(|one| one.name == name);
+    let is_included =
+        |scene: &pathmarch_render::pathmarch_scene::Scene| scene.params.iter().any(|one| one.name == name);
     if document.scene().is_ok_and(|scene| is_included(scene)) {
         return Err(Failure::Value(format!("params: {name} is declared by an included file; change it there")));
     }

@@ -131,7 +131,9 @@ fn kind(kind: &SettingKind) -> (&'static str, Value) {
         SettingKind::Size { default, .. } => ("size", json!({"default": [default.0, default.1]})),
         SettingKind::Triple { default } => ("triple", json!({"default": default.map(decimal)})),
         SettingKind::Direction { default } => ("direction", json!({"default": default.map(decimal)})),
-        SettingKind::Colour { default, .. } => ("colour", json!({"default": default.map(|colour| colour.map(decimal))})),
+        SettingKind::Colour { default, .. } => {
+            ("colour", json!({"default": default.map(|colour| colour.map(decimal))}))
+        }
         SettingKind::Choice { names, .. } => {
             let names = names();
             ("choice", json!({"default": names.first(), "choices": names}))

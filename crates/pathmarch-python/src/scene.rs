@@ -2,8 +2,9 @@
 
 use crate::arrays;
 use crate::diagnostics::{diagnostics, report};
+use crate::exceptions::class;
 use crate::export::{self, Solids};
-use crate::failure::{Failure, exception};
+use crate::failure::Failure;
 use crate::field;
 use crate::interruptible::{self, Callback};
 use crate::parameters;
@@ -116,15 +117,9 @@ fn moment_of(animation: Arc<Mutex<Animation>>, time: f64, fps: Option<f32>) -> R
 impl Scene {
     #[new]
     #[pyo3(signature = (source, *, time = 0.0, folder = None, allow_files = false))]
-    fn new(
-        py: Python,
-        source: &Bound<PyAny>,
-        time: f64,
-        folder: Option<PathBuf>,
-        allow_files: bool,
-    ) -> PyResult<Self> {
+    fn new(py: Python, source: &Bound<PyAny>, time: f64, folder: Option<PathBuf>, allow_files: bool) -> PyResult<Self> {
         let scene = Self::read(py, Source::of(source, folder, allow_files)?, Some(time))?;
-        let category = py.import("pathmarch._types")?.getattr("SceneWarning")?;
+        let category = class(py, "SceneWarning")?;
         for warning in &scene.scene().warnings {
             let text = CString::new(format!("\n{}", report(warning)).replace('\0', "?")).unwrap_or_default();
             PyErr::warn(py, &category, &text, 1)?;
@@ -299,13 +294,8 @@ impl Scene {
     /// Scenes are copied to other processes as texts.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let Source { name, text, allow_files } = &self.source;
-        let make = py.import("pathmarch._types")?.getattr("restored_scene")?;
+        let make = class(py, "restored_scene")?;
         let arguments = (text, name, self.time, *allow_files).into_pyobject(py)?;
         Ok((make, arguments))
     }
-}
-
-/// `Cancelled` without a picture.
-pub fn cancelled(py: Python) -> PyErr {
-    exception(py, "Cancelled", ())
 }

@@ -4,7 +4,7 @@ mod options;
 mod task;
 
 use crate::arrays;
-use crate::failure::exception;
+use crate::exceptions::exception;
 use crate::interruptible::{self, Callback};
 use crate::scene::Scene;
 use crate::source::Source;
@@ -44,8 +44,10 @@ use task::Rendered;
 #[pyo3(signature = (scene, size = None, samples = None, seed = None, backend = "auto".to_owned(), camera = None, time = None,
     params = None, layers = None, progress = None, *, denoise = None, mode = "path".to_owned(), adapter = None, folder = None,
     allow_files = false, **settings))]
-#[pyo3(text_signature = "(scene, size=None, samples=None, seed=0, backend='auto', camera=None, time=None, params=None, \
-    layers=(), progress=None, *, denoise=None, mode='path', adapter=None, folder=None, allow_files=False, **settings)")]
+#[pyo3(
+    text_signature = "(scene, size=None, samples=None, seed=0, backend='auto', camera=None, time=None, params=None, \
+    layers=(), progress=None, *, denoise=None, mode='path', adapter=None, folder=None, allow_files=False, **settings)"
+)]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
 pub fn render<'py>(
     py: Python<'py>,

@@ -102,7 +102,8 @@ impl Options<'_> {
     fn denoiser(&self, mode: Mode) -> PyResult<Option<Denoiser>> {
         let Some(name) = &self.denoise else { return Ok(None) };
         if mode != Mode::Path {
-            let message = format!("denoise: only pictures of mode \"path\" can be denoised, not of \"{}\"", mode.name());
+            let message =
+                format!("denoise: only pictures of mode \"path\" can be denoised, not of \"{}\"", mode.name());
             return Err(PyValueError::new_err(message));
         }
         let denoiser = names::find("denoise", name, Denoiser::ALL.map(|denoiser| (denoiser.name(), denoiser)))?;

@@ -102,9 +102,9 @@ impl Task {
         let films = if self.denoiser.is_some() { 2 } else { 1 };
         let bytes = self.settings.rect().pixels().saturating_mul(PIXEL * films);
         let [width, height] = self.settings.size;
-        Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
-            Failure::Memory(format!("a picture of {width}x{height} needs {} MB of memory", bytes >> 20))
-        })
+        Vec::<u8>::new()
+            .try_reserve_exact(bytes)
+            .map_err(|_| Failure::Memory(format!("a picture of {width}x{height} needs {} MB of memory", bytes >> 20)))
     }
 }
 
