@@ -3,8 +3,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-export PATH="$PWD/target/tools/bin:$PATH"
-command -v maturin >/dev/null || python3 -m pip install --quiet --target target/tools "maturin>=1.9.4,<2"
+export PATH="$PWD/target/maturin/bin:$PATH"
+command -v maturin >/dev/null || python3 -m pip install --quiet --target target/maturin "maturin>=1.9.4,<2"
 
 CARGO=$PWD/scripts/workspace_cargo.sh
 "$CARGO" rustc >/dev/null

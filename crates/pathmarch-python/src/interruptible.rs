@@ -2,7 +2,7 @@
 //!
 //! **Idea.** The work never holds the interpreter's lock, so that other threads of Python go on. The calling thread waits
 //! for messages of the work, calls back, and looks for signals a few times a second. When it leaves with an exception, the
-//! work ends at its next slice, and nobody waits for it.
+//! work ends at its next slice, for which it waits a second at most.
 
 use crate::exceptions::internal;
 use crate::fork;
@@ -11,11 +11,13 @@ use pyo3::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::thread;
-use std::time::Duration;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 /// Time between two looks for signals.
 const PATIENCE: Duration = Duration::from_millis(50);
+/// Longest wait for the end of work that was interrupted.
+const GRACE: Duration = Duration::from_secs(1);
 /// Stack of the work, bytes: that of a main thread.
 const STACK: usize = 8 << 20;
 
@@ -78,10 +80,19 @@ pub fn run<T: Send + 'static>(
         let result = work(&watcher);
         let _ = watcher.sender.send(Message::Done(result));
     });
-    started.map_err(|error| PyRuntimeError::new_err(format!("no thread can be started: {error}")))?;
+    let thread = started.map_err(|error| PyRuntimeError::new_err(format!("no thread can be started: {error}")))?;
     let result = wait(py, callback, receiver, &stopped);
     stopped.store(true, Ordering::SeqCst);
+    py.detach(|| end(&thread));
     result
+}
+
+/// Gives the work some time to end, so that it does not go on while the interpreter exits.
+fn end(thread: &JoinHandle<()>) {
+    let started = Instant::now();
+    while !thread.is_finished() && started.elapsed() < GRACE {
+        thread::sleep(Duration::from_millis(1));
+    }
 }
 
 fn wait<T: Send>(

@@ -58,11 +58,25 @@ impl Scene {
     ///
     /// # Errors
     /// `SceneError` with every mistake, and `ValueError` for a time that is none.
-    pub fn read(py: Python, source: Source, time: Option<f64>) -> PyResult<Self> {
+    fn read(py: Python, source: Source, time: Option<f64>) -> PyResult<Self> {
         let time = checked(time.unwrap_or(0.0))?;
         let (animation, fps) = (Arc::new(Mutex::new(source.animation())), None);
         let moving = interruptible::run(py, &NO_CALLBACK, move |_| moment_of(animation, time, fps))??;
         Ok(Self { source, time, moving })
+    }
+
+    /// Reads a scene, and warns of what is most likely not intended.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read), and warnings that Python was told to raise.
+    pub fn open(py: Python, source: Source, time: Option<f64>) -> PyResult<Self> {
+        let scene = Self::read(py, source, time)?;
+        let category = class(py, "SceneWarning")?;
+        for warning in &scene.scene().warnings {
+            let text = CString::new(format!("\n{}", report(warning)).replace('\0', "?")).unwrap_or_default();
+            PyErr::warn(py, &category, &text, 1)?;
+        }
+        Ok(scene)
     }
 
     /// The scene at a time, or at its own; `fps` replaces that of the scene.
@@ -118,13 +132,7 @@ impl Scene {
     #[new]
     #[pyo3(signature = (source, *, time = 0.0, folder = None, allow_files = false))]
     fn new(py: Python, source: &Bound<PyAny>, time: f64, folder: Option<PathBuf>, allow_files: bool) -> PyResult<Self> {
-        let scene = Self::read(py, Source::of(source, folder, allow_files)?, Some(time))?;
-        let category = class(py, "SceneWarning")?;
-        for warning in &scene.scene().warnings {
-            let text = CString::new(format!("\n{}", report(warning)).replace('\0', "?")).unwrap_or_default();
-            PyErr::warn(py, &category, &text, 1)?;
-        }
-        Ok(scene)
+        Self::open(py, Source::of(source, folder, allow_files)?, Some(time))
     }
 
     /// Text of the scene. It is the whole truth about it: `Scene(scene.text)` is the same scene.

@@ -193,6 +193,10 @@ def test_declared_shapes_and_fields_are_used_by_name():
     blob = nodes.field("blob", nodes.param("radius", 0.5), bounds=(2, 2, 2), lipschitz=1, wgsl=code)
     scene = scene_of(bolt, blob, nodes.object("both", nodes.use("bolt", 0.7), nodes.use("blob", values={"radius": 0.25}, at=(2, 0, 0))))
     assert scene.distance([[2, 0, 0]]).tolist() == [-0.25]
+    assert "\n    fn distance(p: vec3f) -> f32 {\n" in scene.text, scene.text
+    tricky = 'float map(vec3 p) { // a \\ and a "b" """\n\n    return length(p) - 0.5;\n}'
+    glsl = nodes.field("ball", bounds=(2, 2, 2), glsl=tricky, entry="map", doc="Ball.")
+    assert scene_of(glsl, nodes.object("ball", nodes.use("ball"))).distance([[1, 0, 0]]).tolist() == [0.5]
 
 
 def test_a_scene_of_nodes_is_the_scene_of_its_text():

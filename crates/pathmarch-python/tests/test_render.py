@@ -192,3 +192,19 @@ def test_a_gpu_renders_or_says_why_not(ball):
         return
     gpu = pathmarch.render(ball, SIZE, 4, backend="gpu")
     assert numpy.allclose(gpu.mean(), cpu.mean(), rtol=0.02)
+
+
+def test_the_backend_is_logged(ball, caplog):
+    with caplog.at_level("INFO", logger="pathmarch"):
+        pathmarch.render(ball, (16, 9), 2, backend="cpu")
+    assert "16x9, 2 samples, on CPU (" in caplog.text
+
+
+def test_odd_texts_warn(ball):
+    with pytest.warns(pathmarch.SceneWarning, match="light"):
+        pathmarch.render(ball.replace("sky 1 0.5 0.25", ""), (8, 8), 1)
+
+
+def test_a_scene_has_its_folder_already(ball, tmp_path):
+    with pytest.raises(TypeError, match="give them to Scene"):
+        pathmarch.render(pathmarch.Scene(ball), folder=tmp_path)

@@ -196,14 +196,16 @@ def nodes_of(parameters: Sequence[Parameter], given: Dict[str, Any]) -> List[Nod
     """Nodes in the braces of a node, for those of the parameters that are given."""
     nodes: Dict[str, Node] = {}
     for parameter in parameters:
-        if parameter.name not in given or parameter.place == "property":
-            continue
-        value = given[parameter.name]
-        if parameter.place != "node":
-            properties = nodes[parameter.place].properties if parameter.place in nodes else {}
-            nodes[parameter.place] = Node(parameter.place, (), {**properties, parameter.word: value})
-        elif isinstance(value, Node):
-            nodes[parameter.word] = Node(parameter.word, children=(value,))
-        else:
-            nodes[parameter.word] = Node(parameter.word, flat(value))
+        if parameter.name in given and parameter.place != "property":
+            word = parameter.word if parameter.place == "node" else parameter.place
+            nodes[word] = _with_value(nodes.get(word, Node(word)), parameter, given[parameter.name])
     return list(nodes.values())
+
+
+def _with_value(node: Node, parameter: Parameter, value: Any) -> Node:
+    """A node with the value of a parameter: a property, a node in its braces, or its arguments."""
+    if parameter.place != "node":
+        return Node(node.name, node.arguments, {**node.properties, parameter.word: value})
+    if isinstance(value, Node):
+        return Node(node.name, children=(value,))
+    return Node(node.name, flat(value), node.properties)

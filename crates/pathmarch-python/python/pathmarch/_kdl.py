@@ -8,6 +8,8 @@ from typing import Any, Dict, Iterable, List, Sequence, Tuple
 INDENT = "    "
 WIDTH = 100
 """Longest line of nodes in braces."""
+CODE = ("wgsl", "glsl")
+"""Nodes whose argument is code, which is written on lines of its own."""
 
 
 class Node:
@@ -69,17 +71,18 @@ def _lines(node: Node) -> List[str]:
     """Lines of a node: one if it is short, else one for each of the nodes in its braces."""
     head = _head(node)
     if not node.children:
-        return [head]
+        return head.split("\n")
     inside = [_lines(child) for child in node.children]
     line = f"{head} {{ {'; '.join(lines[0] for lines in inside)} }}"
-    if all(len(lines) == 1 for lines in inside) and len(line) <= WIDTH and "\n" not in line:
+    if all(len(lines) == 1 for lines in inside) and len(line) <= WIDTH:
         return [line]
     return [head + " {"] + [INDENT + line for lines in inside for line in lines] + ["}"]
 
 
 def _head(node: Node) -> str:
     properties = (f"{name}={value_text(value)}" for name, value in node.properties.items())
-    return " ".join([node.name, *map(value_text, node.arguments), *properties])
+    arguments = map(code_text if node.name in CODE else value_text, node.arguments)
+    return " ".join([node.name, *arguments, *properties])
 
 
 def value_text(value: Any) -> str:
@@ -112,6 +115,12 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
 def string_text(text: str) -> str:
     """A string in quotes."""
     return '"' + "".join(_ESCAPES.get(char, char) for char in text) + '"'
+
+
+def code_text(code: str) -> str:
+    """A string of several lines."""
+    escaped = code.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"""\n{escaped}\n"""'
 
 
 def flat(values: Any) -> Tuple[Any, ...]:

@@ -345,6 +345,8 @@ def _field() -> Function:
         Parameter("lipschitz", "lipschitz", "number", "Lipschitz constant: the largest slope.", 1, place="node"),
         Parameter("wgsl", "wgsl", "text", "Code in WGSL, with a function `distance(p: vec3f) -> f32`.", place="node"),
         Parameter("glsl", "glsl", "text", "Code in GLSL, in the manner of Shadertoy or Fragmentarium.", place="node"),
+        Parameter("entry", "entry", "text", "Name of the distance function in GLSL.", place="glsl"),
+        Parameter("doc", "doc", "text", "One sentence for people.", place="node"),
     )
 
     def build(positional: List[Any], children: Sequence[Node], given: Dict[str, Any]) -> Node:

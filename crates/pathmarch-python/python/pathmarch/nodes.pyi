@@ -930,6 +930,8 @@ def field(
     lipschitz: _Number = 1,
     wgsl: Optional[str] = None,
     glsl: Optional[str] = None,
+    entry: Optional[str] = None,
+    doc: Optional[str] = None,
 ) -> Node:
     """Distance function in WGSL or GLSL, which is then a shape: nodes of param() for its parameters. use() places it."""
 

@@ -11,6 +11,7 @@ use crate::source::Source;
 use options::Options;
 use pathmarch_render::aov::Layer;
 use pathmarch_render::image::ChannelValues;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -70,8 +71,11 @@ pub fn render<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let options = Options { size, samples, seed, backend, camera, time, layers, denoise, mode, adapter, settings };
     let scene = match scene.cast::<Scene>() {
+        Ok(_) if folder.is_some() || allow_files => {
+            return Err(PyTypeError::new_err("folder and allow_files are for texts; give them to Scene(...)"));
+        }
         Ok(scene) => scene.get().clone(),
-        Err(_) => Scene::read(py, Source::of(scene, folder, allow_files)?, time)?,
+        Err(_) => Scene::open(py, Source::of(scene, folder, allow_files)?, time)?,
     };
     let scene = match params {
         Some(params) => scene.with_values(py, &params)?,
@@ -91,10 +95,21 @@ fn picture<'py>(
     let task = options.task(&scene.at_time(py, options.time, Some(render.fps))?, &render)?;
     let callback = Callback { function: progress, total: f64::from(task.settings.samples) };
     let rendered = interruptible::run(py, &callback, move |watcher| task.run(watcher))??;
+    log(py, &rendered)?;
     if !rendered.complete {
         return Err(cancelled(py, rendered));
     }
     arrays_of(py, rendered)
+}
+
+/// Logs the backend, and why it is not the one that one would expect.
+fn log(py: Python, rendered: &Rendered) -> PyResult<()> {
+    let Rendered { picture, samples, backend, .. } = rendered;
+    let notice = backend.notice.as_ref().map_or_else(String::new, |notice| format!("; {notice}"));
+    let (width, height) = (picture.width, picture.height);
+    let message = format!("{width}x{height}, {samples} samples, on {} ({}){notice}", backend.name, backend.adapter);
+    let logger = py.import("logging")?.call_method1("getLogger", ("pathmarch",))?;
+    logger.call_method1("info", ("%s", message)).map(|_| ())
 }
 
 /// The picture, or a dictionary if there are layers.

@@ -9,7 +9,7 @@ use pathmarch_render::film::Film;
 use pathmarch_render::image::{ChannelValues, Picture};
 use pathmarch_render::parts::{FilmPart, SampleRecorder};
 use pathmarch_render::pathmarch_scene::{Animation, Scene};
-use pathmarch_render::{Backend, Job, RenderError, Settings, Shutter};
+use pathmarch_render::{Backend, BackendInfo, Job, RenderError, Settings, Shutter};
 use std::sync::{Arc, Mutex};
 
 /// A picture to render.
@@ -35,6 +35,7 @@ pub struct Rendered {
     pub layers: Vec<(Layer, Vec<ChannelValues>)>,
     /// Samples of each pixel.
     pub samples: u32,
+    pub backend: BackendInfo,
     /// False if the callback has ended it before all samples were done.
     pub complete: bool,
 }
@@ -48,29 +49,33 @@ impl Task {
     /// # Errors
     /// [`Failure`]: a backend that fails, too little memory, or an animation that is no scene while the shutter is open.
     pub fn run(&self, watcher: &Watcher<Outcome>) -> Outcome {
-        self.check_memory()?;
-        let renderer = renderers::renderer(self.backend, self.adapter.clone())?;
-        let mut job = renderer.start_motion_blur(&self.animation, &self.scene, &self.settings, self.shutter)?;
-        let rendered = match self.denoiser {
-            None => self.samples(&mut job, watcher),
-            Some(denoiser) => self.denoised(&mut job, denoiser, watcher),
-        };
+        let rendered = self.rendered(watcher);
         if let Err(Failure::Render(_)) = &rendered {
             renderers::forget();
         }
         rendered
     }
 
+    fn rendered(&self, watcher: &Watcher<Outcome>) -> Outcome {
+        self.check_memory()?;
+        let renderer = renderers::renderer(self.backend, self.adapter.clone())?;
+        let mut job = renderer.start_motion_blur(&self.animation, &self.scene, &self.settings, self.shutter)?;
+        match self.denoiser {
+            None => self.samples(&mut job, watcher),
+            Some(denoiser) => self.denoised(&mut job, denoiser, watcher),
+        }
+    }
+
     fn samples(&self, job: &mut Job, watcher: &Watcher<Outcome>) -> Outcome {
         let mut part = FilmPart::new(self.settings.rect());
         record(job, &mut part, watcher)?;
-        self.rendered(&part.film())
+        self.finished(job, &part.film())
     }
 
     fn denoised(&self, job: &mut Job, denoiser: Denoiser, watcher: &Watcher<Outcome>) -> Outcome {
         let mut halves = HalfBuffers::new(&self.settings);
         record(job, &mut halves, watcher)?;
-        let rendered = self.rendered(&halves.film())?;
+        let rendered = self.finished(job, &halves.film())?;
         if !rendered.complete {
             return Ok(rendered);
         }
@@ -80,10 +85,12 @@ impl Task {
         Ok(Rendered { picture, noisy: Some(rendered.picture), ..rendered })
     }
 
-    fn rendered(&self, film: &Film) -> Outcome {
+    /// The picture of a film, with its layers if it is complete.
+    fn finished(&self, job: &Job, film: &Film) -> Outcome {
         let complete = film.samples >= self.settings.samples;
         let layers = if complete { self.layers(film)? } else { Vec::new() };
-        Ok(Rendered { picture: self.settings.mode.picture(film), noisy: None, layers, samples: film.samples, complete })
+        let (picture, backend) = (self.settings.mode.picture(film), job.backend().clone());
+        Ok(Rendered { picture, noisy: None, layers, samples: film.samples, backend, complete })
     }
 
     fn layers(&self, film: &Film) -> Result<Vec<(Layer, Vec<ChannelValues>)>, Failure> {
