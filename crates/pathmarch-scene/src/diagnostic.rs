@@ -24,6 +24,10 @@ pub struct Mistake {
     pub span: SourceSpan,
     /// A second place with a label, such as the first of two nodes with the same name.
     pub also: Option<(SourceSpan, String)>,
+    /// Names that would be right in place of a misspelt one, a thousand at most.
+    pub expected: Vec<String>,
+    /// The one of them that is nearest to the misspelt name, if any is near.
+    pub suggestion: Option<String>,
     /// True for a warning.
     pub warning: bool,
     /// Name and text of the file.

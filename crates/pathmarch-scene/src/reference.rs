@@ -4,7 +4,7 @@
 //! programs that the language does not have.
 
 use crate::language::diagnostics::missing_words;
-use crate::language::keywords::TOP;
+use crate::language::keywords::{MATERIAL, TOP};
 use crate::materials::{self, MaterialParam, ParamKind};
 use crate::settings::{self, Setting};
 use crate::textures;
@@ -13,6 +13,9 @@ use pathmarch_field::{Param, Solid, registry};
 /// One meaning of a word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
+    /// What it belongs to: a node, the kind of a material, or one of [`TOP_OF_FILE`], [`IN_OBJECTS`], [`PLACEMENTS`],
+    /// [`MATERIAL_KINDS`] and [`TEXTURES`]. Empty for a word that the language does not have.
+    pub owner: &'static str,
     /// Word with its place, as in "`roughness` of `metal`".
     pub title: String,
     /// One sentence.
@@ -20,6 +23,34 @@ pub struct Entry {
     /// Parameters and settings, one a line.
     pub details: Vec<String>,
 }
+
+impl Entry {
+    /// The same in Markdown.
+    pub fn markdown(&self) -> String {
+        let details: String = self.details.iter().map(|line| format!("\n- {}", detail(line))).collect();
+        let gap = if details.is_empty() { "" } else { "\n" };
+        format!("**{}**\n\n{}{gap}{details}", self.title, self.doc)
+    }
+}
+
+/// A line of details, of which the first word is a name if two spaces follow it.
+fn detail(line: &str) -> String {
+    match line.split_once("  ") {
+        Some((name, rest)) if !name.contains(' ') => format!("`{name}` {rest}"),
+        _ => line.to_owned(),
+    }
+}
+
+/// Owner of the nodes at the top of a file.
+pub const TOP_OF_FILE: &str = "scene";
+/// Owner of shapes, operators and modifiers.
+pub const IN_OBJECTS: &str = "object";
+/// Owner of `at`, `rotate` and `scale`.
+pub const PLACEMENTS: &str = "shapes and operators";
+/// Owner of the kinds of material.
+pub const MATERIAL_KINDS: &str = "material";
+/// Owner of the textures.
+pub const TEXTURES: &str = "texture";
 
 /// Tables of settings, with the node that contains them.
 const TABLES: [(&str, &[Setting]); 8] = [
@@ -30,7 +61,45 @@ const TABLES: [(&str, &[Setting]); 8] = [
     ("sky \"gradient\"", settings::GRADIENT),
     ("sky \"day\"", settings::DAY),
     ("sky \"day\"", settings::DAY_GROUND),
-    ("shapes and operators", settings::PLACEMENT),
+    (PLACEMENTS, settings::PLACEMENT),
+];
+
+/// Tables of settings that are properties, with their node.
+const PROPERTIES: [(&str, &[Setting]); 4] =
+    [("lens", settings::LENS), ("sky \"day\"", settings::DAY), ("sky", settings::PICTURE), ("mesh", settings::MESH)];
+
+/// Nodes that no table has, with their owner and help.
+const OTHER_NODES: [(&str, &str, &str); 11] = [
+    (MATERIAL_KINDS, "bump", "Texture of heights that turns the normals of a surface."),
+    (MATERIAL_KINDS, "orbit-trap", "Colours of a fractal by the orbits of its points."),
+    (TEXTURES, "picture", "Picture of a .png or .jpg file."),
+    (TEXTURES, "colour", "Colour of a ramp, from the lowest value to the highest."),
+    (IN_OBJECTS, "mesh", "Triangles of a mesh file, or their distance field."),
+    ("polygon", "point", "Corner of a polygon: `point x y`."),
+    ("field", "lipschitz", "Largest length of the gradient; 1 for an exact distance."),
+    ("field", "bounds", "Edges of a box around the origin that cuts the solid, or \"none\"."),
+    ("field", "wgsl", "Code in WGSL, with `fn distance(p: vec3f) -> f32`."),
+    ("field", "glsl", "Code in GLSL, with `float map(vec3 p)` or `float DE(vec3 p)`."),
+    ("field", "doc", "Help: one sentence."),
+];
+
+/// Properties that no table has, with their owner and help.
+const OTHER_PROPERTIES: [(&str, &str, &str); 15] = [
+    ("param", "min", "Smallest value that it may have."),
+    ("param", "max", "Largest value that it may have."),
+    ("param", "doc", "Help: one sentence."),
+    ("glsl", "entry", "Name of the distance function."),
+    ("text", "font", "Path of a .ttf, .otf or .ttc file, relative to the scene file."),
+    ("picture", "size", "Width of the picture, metres. Default 1."),
+    ("bump", "height", "Height of the texture's largest value, metres."),
+    ("picture", "uv", "Texture coordinates of the mesh instead of a projection."),
+    ("orbit-trap", "x", "Centre of the trap."),
+    ("orbit-trap", "y", "Centre of the trap."),
+    ("orbit-trap", "z", "Centre of the trap."),
+    ("orbit-trap", "from", "Value of the first colour."),
+    ("orbit-trap", "to", "Value of the last colour."),
+    (TEXTURES, "from", "Value of the parameter where the texture is 0."),
+    (TEXTURES, "to", "Value of the parameter where the texture is 1."),
 ];
 
 /// Meanings of nodes at the top of a file.
@@ -53,13 +122,22 @@ const NODES: [(&str, &str); 12] = [
 pub fn entries(word: &str) -> Vec<Entry> {
     let mut found: Vec<Entry> = nodes(word).chain(solids(word)).chain(materials(word)).collect();
     found.extend(textures::kind(word).map(|kind| Entry {
+        owner: TEXTURES,
         title: format!("texture `{word}`"),
         doc: kind.doc.to_owned(),
         details: parameters(kind.params),
     }));
+    found.extend(OTHER_NODES.iter().filter(|(_, name, _)| *name == word).map(|(owner, name, doc)| Entry {
+        owner,
+        title: format!("`{name}` of {owner}"),
+        doc: (*doc).to_owned(),
+        details: Vec::new(),
+    }));
+    found.extend(settings_named(word, PLACEMENTS, std::slice::from_ref(&settings::NORMAL)));
     found.extend(TABLES.iter().flat_map(|(owner, table)| settings_named(word, owner, table)));
     if found.is_empty() {
         found.extend(missing_words::advice(word).map(|advice| Entry {
+            owner: "",
             title: format!("`{word}` (not a word of the language)"),
             doc: advice.to_owned(),
             details: Vec::new(),
@@ -76,10 +154,67 @@ pub fn words() -> Vec<String> {
     words.extend(kinds.clone().map(|kind| kind.name.to_owned()));
     words.extend(kinds.flat_map(|kind| kind.params.iter().skip(1)).map(|param| param.name().to_owned()));
     words.extend(textures::kinds().iter().map(|kind| kind.name.to_owned()));
+    words.extend(OTHER_NODES.iter().map(|(_, name, _)| (*name).to_owned()).chain([settings::NORMAL.name.to_owned()]));
     words.extend(TABLES.iter().flat_map(|(_, table)| table.iter()).map(|setting| setting.name.to_owned()));
     words.sort();
     words.dedup();
     words
+}
+
+/// The meanings of a word that belong to one of these owners; all meanings if none does.
+pub fn entries_of(word: &str, owners: &[&str]) -> Vec<Entry> {
+    let all = entries(word);
+    let ours: Vec<Entry> = all.iter().filter(|entry| owners.contains(&entry.owner)).cloned().collect();
+    if ours.is_empty() { all } else { ours }
+}
+
+/// Meaning of a property of a node. `owners` are names of the node, the most special first, as in `sky "day"` and `sky`.
+pub fn property(word: &str, owners: &[&str]) -> Option<Entry> {
+    let of_solid = |owner: &&str| solid_property(registry::solid(owner)?, word);
+    let of_texture = |owner: &&str| {
+        let param = textures::kind(owner)?.params.iter().find(|param| param.name == word)?;
+        Some(parameter_entry(TEXTURES, param))
+    };
+    let found = owners.iter().find_map(|owner| of_solid(owner).or_else(|| of_texture(owner)));
+    let in_tables = || {
+        let owned = |(owner, _): &&(&'static str, &'static [Setting])| owners.contains(owner);
+        PROPERTIES.iter().filter(owned).find_map(|(owner, table)| settings_named(word, owner, table))
+    };
+    let others = || {
+        let mut others = OTHER_PROPERTIES.iter();
+        let (owner, word, doc) = others.find(|(owner, other, _)| owners.contains(owner) && *other == word)?;
+        Some(Entry { owner, title: format!("`{word}` of {owner}"), doc: (*doc).to_owned(), details: Vec::new() })
+    };
+    found.or_else(in_tables).or_else(others).or_else(|| (word == MATERIAL).then(material_property))
+}
+
+/// Property of a shape, an operator or a modifier.
+fn solid_property(solid: Solid, word: &str) -> Option<Entry> {
+    let blends = matches!(solid, Solid::Operator(operator) if operator.blends());
+    let blend = || settings::BLEND.iter().find(|setting| blends && setting.name == word);
+    let param = solid.params().iter().find(|param| param.name == word);
+    let entry = param.map(|param| parameter_entry(IN_OBJECTS, param));
+    entry.or_else(|| blend().and_then(|_| settings_named(word, "operators that blend", settings::BLEND)))
+}
+
+/// Meaning of a parameter.
+pub(crate) fn parameter_entry(owner: &'static str, param: &Param) -> Entry {
+    let title = format!("`{}`", param.name);
+    Entry { owner, title, doc: param.doc.to_string(), details: vec![parameter_values(param)] }
+}
+
+/// As in "Default 1, m; above 0."
+fn parameter_values(param: &Param) -> String {
+    let unit = match param.unit.name() {
+        "" => String::new(),
+        unit => format!(", {unit}"),
+    };
+    format!("Default {}{unit}; {}.", param.default_in_words(), param.range_in_words())
+}
+
+fn material_property() -> Entry {
+    let doc = "Material of the shapes in it that have none of their own.".to_owned();
+    Entry { owner: IN_OBJECTS, title: format!("`{MATERIAL}`"), doc, details: Vec::new() }
 }
 
 /// The word of the language that is spelt most like this one.
@@ -93,7 +228,7 @@ fn nodes(word: &str) -> impl Iterator<Item = Entry> {
     found.map(|(name, doc)| {
         let tables = TABLES.iter().filter(|(owner, _)| owner == name);
         let details = tables.flat_map(|(_, table)| table.iter()).map(in_line).collect();
-        Entry { title: format!("node `{name}`"), doc: (*doc).to_owned(), details }
+        Entry { owner: TOP_OF_FILE, title: format!("node `{name}`"), doc: (*doc).to_owned(), details }
     })
 }
 
@@ -107,7 +242,7 @@ fn solids(word: &str) -> impl Iterator<Item = Entry> {
         };
         let info = solid.info();
         let details = parameters(solid.params());
-        Entry { title: format!("{kind} `{}`", info.name), doc: info.doc.to_string(), details }
+        Entry { owner: IN_OBJECTS, title: format!("{kind} `{}`", info.name), doc: info.doc.to_string(), details }
     })
 }
 
@@ -116,11 +251,13 @@ fn materials(word: &str) -> impl Iterator<Item = Entry> {
     let kinds = materials::kinds().iter();
     let itself = kinds.clone().filter(move |kind| kind.name == word).map(|kind| {
         let details = kind.params.iter().map(material_parameter).collect();
-        Entry { title: format!("material `{}`", kind.name), doc: kind.doc.to_owned(), details }
+        let title = format!("material `{}`", kind.name);
+        Entry { owner: MATERIAL_KINDS, title, doc: kind.doc.to_owned(), details }
     });
     let parameters = kinds.flat_map(move |kind| {
         let same = kind.params.iter().skip(1).filter(move |param| param.name() == word);
         same.map(|param| Entry {
+            owner: kind.name,
             title: format!("`{}` of material `{}`", param.name(), kind.name),
             doc: param.spec.doc.to_string(),
             details: vec![material_parameter(param)],
@@ -129,9 +266,10 @@ fn materials(word: &str) -> impl Iterator<Item = Entry> {
     itself.chain(parameters)
 }
 
-fn settings_named(word: &str, owner: &str, table: &'static [Setting]) -> Option<Entry> {
+fn settings_named(word: &str, owner: &'static str, table: &'static [Setting]) -> Option<Entry> {
     let setting = table.iter().find(|setting| setting.name == word)?;
     Some(Entry {
+        owner,
         title: format!("`{word}` of {owner}"),
         doc: setting.doc.to_owned(),
         details: vec![format!("For example: {}. Range: {}.", setting.example, setting.kind.range_in_words())],
@@ -143,15 +281,7 @@ fn in_line(setting: &Setting) -> String {
 }
 
 fn parameters(params: &[Param]) -> Vec<String> {
-    let unit = |param: &Param| match param.unit.name() {
-        "" => String::new(),
-        unit => format!(", {unit}"),
-    };
-    let line = |param: &Param| {
-        let (default, range) = (param.default_in_words(), param.range_in_words());
-        format!("{}  {} Default {default}{}; {range}.", param.name, param.doc, unit(param))
-    };
-    params.iter().map(line).collect()
+    params.iter().map(|param| format!("{}  {} {}", param.name, param.doc, parameter_values(param))).collect()
 }
 
 fn material_parameter(param: &MaterialParam) -> String {

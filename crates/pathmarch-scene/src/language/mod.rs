@@ -15,7 +15,7 @@ pub(crate) mod syntax;
 pub(crate) mod tree;
 
 use crate::assets::Assets;
-use crate::diagnostic::SceneError;
+use crate::diagnostic::{Mistake, SceneError};
 use crate::light::Light;
 use crate::scene::{Moment, Parameter, Scene};
 use crate::sky::Sky;
@@ -26,6 +26,7 @@ use formulas::scope::Scope;
 use keywords::TOP;
 use pathmarch_field::Field;
 use read::arguments::twice;
+pub(crate) use read::context::WrittenColour;
 use read::context::{Context, Files, folder_of};
 use read::custom_sdf::CustomSdfs;
 use read::declarations::Declarations;
@@ -58,6 +59,8 @@ pub(crate) struct Values {
     pub(crate) formulas: HashMap<u32, f64>,
     /// Custom SDFs.
     pub(crate) fields: CustomSdfs,
+    /// Colours that are written as such.
+    pub(crate) colours: Vec<WrittenColour>,
     /// Nodes of included files.
     pub(crate) included: Arc<Vec<tree::Node<'static>>>,
 }
@@ -122,6 +125,18 @@ pub(crate) fn read_again(
     read_nodes(Source { name, text }, file, moment, assets, Report::new(name, text))
 }
 
+/// Names that would be right in place of the word at byte `at`, with the mistake that lists them.
+pub(crate) fn expected_at(name: &str, text: &str, at: usize, assets: &mut Assets) -> Option<Mistake> {
+    let mut report = Report::new(name, text).watching(at as u32);
+    let file = syntax::read(text, &mut report)?;
+    let error = read_nodes(Source { name, text }, &file, Moment::default(), assets, report).0.err()?;
+    let is_there = |mistake: &&Mistake| {
+        let (start, length) = (mistake.span.offset(), mistake.span.len());
+        mistake.source_code.name() == name && (start..start + length).contains(&at) && !mistake.expected.is_empty()
+    };
+    error.mistakes().iter().filter(is_there).min_by_key(|mistake| mistake.span.len()).cloned()
+}
+
 /// Parses a text into nodes; `None` if it is refused as a whole.
 pub(crate) fn nodes(text: &str) -> Option<Block<'_>> {
     syntax::read(text, &mut Report::new("", ""))
@@ -136,12 +151,12 @@ fn read_nodes(
     report: Report,
 ) -> (Result<Scene, SceneError>, Values) {
     let folder = assets.confined.then(|| folder_of(source.name));
-    let mut context = Context { report, scope: Scope::at(moment), folder };
+    let mut context = Context { report, scope: Scope::at(moment), colours: Vec::new(), folder };
     let included = Included::of(source.name, source.text, file, &mut context);
     let mut fields = CustomSdfs::default();
     let scene = complete_scene(source, file, &included, assets, &mut fields, &mut context);
-    let Context { report, scope, .. } = context;
-    let values = Values { formulas: scope.values, fields, included: Arc::new(included.nodes) };
+    let Context { report, scope, colours, .. } = context;
+    let values = Values { formulas: scope.values, fields, colours, included: Arc::new(included.nodes) };
     match scene {
         Some(scene) if !report.has_mistakes() => (Ok(Scene { warnings: report.into_warnings(), ..scene }), values),
         _ => (Err(report.into_error()), values),

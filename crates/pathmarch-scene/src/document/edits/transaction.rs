@@ -90,7 +90,7 @@ impl<'d> Transaction<'d> {
         };
         let formulas = self.known.formulas.iter().filter_map(|(at, value)| Some((now(*at)?, *value))).collect();
         let (fields, included) = (self.known.fields.clone(), self.known.included.clone());
-        Cow::Owned(Values { formulas, fields, included })
+        Cow::Owned(Values { formulas, fields, included, ..Values::default() })
     }
     pub(crate) fn parameter(&self, path: &Path, key: &str) -> Result<Parameter, EditError> {
         let word = self.find(path)?.node.name.value.to_string();

@@ -1,5 +1,6 @@
 //! Collector of mistakes and warnings.
 
+use super::spelling::nearest;
 use crate::diagnostic::{Mistake, SceneError};
 use crate::language::characters::is_forbidden;
 use crate::language::tree::Span;
@@ -8,6 +9,9 @@ use std::sync::Arc;
 
 /// Largest number of mistakes that are kept; the others are only counted.
 pub(crate) const KEPT: usize = 100;
+
+/// Largest number of names that a mistake lists.
+const MAX_EXPECTED: usize = 1000;
 
 /// Mistakes and warnings of a scene so far.
 pub(crate) struct Report {
@@ -18,6 +22,8 @@ pub(crate) struct Report {
     sources: Vec<Source>,
     /// Start of the text that is being parsed.
     base: u32,
+    /// Byte whose mistakes are kept, however many there are.
+    watched: Option<u32>,
     /// Mistakes, each with its start among all texts.
     mistakes: Vec<(u32, Mistake)>,
     warnings: Vec<(u32, Mistake)>,
@@ -57,11 +63,20 @@ pub(crate) struct Draft {
     label: String,
     help: Option<String>,
     also: Option<(Span, String)>,
+    expected: Vec<String>,
 }
 
 /// A mistake at `span`.
 pub(crate) fn draft(code: &'static str, span: Span, message: impl Into<String>) -> Draft {
-    Draft { code, span, message: message.into(), label: "here".to_owned(), help: None, also: None }
+    Draft {
+        code,
+        span,
+        message: message.into(),
+        label: "here".to_owned(),
+        help: None,
+        also: None,
+        expected: Vec::new(),
+    }
 }
 
 impl Draft {
@@ -73,6 +88,10 @@ impl Draft {
     pub(crate) fn help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
     }
+    /// Names that would be right in place of a misspelt one.
+    pub(crate) fn expected<'n>(self, names: impl IntoIterator<Item = &'n str>) -> Self {
+        Self { expected: names.into_iter().take(MAX_EXPECTED).map(str::to_owned).collect(), ..self }
+    }
     /// Adds a second place with a label.
     pub(crate) fn also(self, span: Span, label: impl Into<String>) -> Self {
         Self { also: Some((span, label.into())), ..self }
@@ -83,7 +102,11 @@ impl Report {
     pub(crate) fn new(name: &str, text: &str) -> Self {
         let sources = vec![Source::new(0, name, text)];
         let (mistakes, warnings) = (Vec::new(), Vec::new());
-        Self { within: None, name: name.to_owned(), sources, base: 0, mistakes, warnings, total: 0 }
+        Self { within: None, name: name.to_owned(), sources, base: 0, watched: None, mistakes, warnings, total: 0 }
+    }
+    /// Keeps every mistake at a byte of the text.
+    pub(crate) fn watching(self, at: u32) -> Self {
+        Self { watched: Some(at), ..self }
     }
     /// Registers an included text; until [`Self::end`], spans are relative to it. Returns its start among all texts.
     pub(crate) fn begin(&mut self, name: &str, text: &str) -> u32 {
@@ -119,13 +142,18 @@ impl Report {
                 help = Some(help.map_or_else(|| more.clone(), |help| format!("{help} {more}")));
             }
         }
+        let local = source.local(span);
+        let word = source.code.inner().get(local.start as usize..local.end as usize).unwrap_or_default();
+        let suggestion = nearest(word.trim_matches('"'), draft.expected.iter().map(String::as_str));
         let mistake = Mistake {
+            suggestion: suggestion.map(str::to_owned),
             message: draft.message,
             code: draft.code,
             label: draft.label,
             help,
-            span: source.local(span).into(),
+            span: local.into(),
             also: shown,
+            expected: draft.expected,
             warning,
             source_code: source.code.clone(),
         };
@@ -147,7 +175,8 @@ impl Report {
             return;
         }
         self.total += 1;
-        if self.mistakes.len() < KEPT {
+        let is_watched = self.watched.is_some_and(|at| draft.span.start <= at && at < draft.span.end);
+        if self.mistakes.len() < KEPT || is_watched {
             let mistake = self.finish(draft, false);
             self.mistakes.push(mistake);
         }
@@ -158,7 +187,7 @@ impl Report {
     }
     /// True if no more mistakes are kept.
     pub(crate) fn is_full(&self) -> bool {
-        self.mistakes.len() == KEPT
+        self.mistakes.len() >= KEPT && self.watched.is_none()
     }
     /// Adds a warning.
     pub(crate) fn warn(&mut self, draft: Draft) {

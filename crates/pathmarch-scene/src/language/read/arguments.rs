@@ -1,7 +1,7 @@
 //! Arguments and properties of a node.
 
 use super::context::Context;
-use crate::language::diagnostics::report::{draft, shown};
+use crate::language::diagnostics::report::{Draft, draft, shown};
 use crate::language::diagnostics::spelling::suggestion;
 use crate::language::tree::{Entry, Node, Span, Value};
 
@@ -16,11 +16,13 @@ fn described(value: &Value) -> &'static str {
 
 /// The entry is not of the expected type.
 pub(crate) fn wrong_type(entry: &Entry, what: &str, expected: &str, context: &mut Context) {
-    if entry.value == Value::Bad {
-        return;
-    }
+    type_mistake(entry, what, expected).into_iter().for_each(|mistake| context.report.add(mistake));
+}
+
+/// Mistake of an entry of another type; `None` if it could not be read.
+fn type_mistake(entry: &Entry, what: &str, expected: &str) -> Option<Draft> {
     let mistake = draft("pathmarch::wrong_type", entry.value_span, format!("{what} must be {expected}."));
-    context.report.add(mistake.label(format!("this is {}", described(&entry.value))));
+    (entry.value != Value::Bad).then(|| mistake.label(format!("this is {}", described(&entry.value))))
 }
 
 /// The string of an entry.
@@ -39,7 +41,8 @@ pub(crate) fn flag(entry: &Entry, what: &str, context: &mut Context) -> Option<b
     match entry.value {
         Value::Bool(value) => Some(value),
         _ => {
-            wrong_type(entry, what, "#true or #false", context);
+            let mistake = type_mistake(entry, what, "#true or #false");
+            mistake.into_iter().for_each(|mistake| context.report.add(mistake.expected(["#true", "#false"])));
             None
         }
     }
@@ -61,7 +64,7 @@ pub(crate) fn properties<'n, 'k>(
             };
             let message = format!("`{}` has no property {}.", node.name.value, shown(&name.value));
             let mistake = draft("pathmarch::unknown_property", name.span, message).label("unknown property");
-            context.report.add(mistake.help(help));
+            context.report.add(mistake.help(help).expected(known.iter().copied()));
             continue;
         };
         match found.iter().find(|(other, _)| *other == word) {
@@ -170,7 +173,7 @@ pub(super) fn named(
     if found.is_none() {
         let message = format!("There is no {noun} {}.", shown(text));
         let mistake = draft("pathmarch::unknown_name", entry.value_span, message).label("unknown name");
-        context.report.add(mistake.help(suggestion(text, names)));
+        context.report.add(mistake.help(suggestion(text, names)).expected(names.iter().copied()));
     }
     found
 }

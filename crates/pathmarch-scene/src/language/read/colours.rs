@@ -1,7 +1,7 @@
 //! Colours.
 
 use super::arguments::{arguments, missing_arguments, no_children, properties};
-use super::context::Context;
+use super::context::{Context, WrittenColour};
 use super::numbers::{in_range, is_formula};
 use crate::language::diagnostics::report::{draft, shown};
 use crate::language::tree::{Entry, Node, Value};
@@ -14,6 +14,29 @@ pub(crate) fn colour(node: &Node, range: Range, context: &mut Context) -> Option
     properties(node, &[], context);
     no_children(node, context);
     let entries = arguments(node, 3, &usage, context);
+    let value = value(node, &entries, range, &what, &usage, context);
+    let is_written = |entry: &&Entry| matches!(&entry.value, Value::Number(_)) || is_srgb(entry);
+    if let (Some(value), Some(first), Some(last)) = (value, entries.first(), entries.last())
+        && entries.iter().all(is_written)
+    {
+        context.colours.push(WrittenColour { span: first.span.to(last.span), value });
+    }
+    value
+}
+
+fn is_srgb(entry: &Entry) -> bool {
+    matches!(&entry.value, Value::Text(text) if srgb(text).is_some())
+}
+
+/// The colour of these arguments; reports mistakes.
+fn value(
+    node: &Node,
+    entries: &[&Entry],
+    range: Range,
+    what: &str,
+    usage: &str,
+    context: &mut Context,
+) -> Option<[f32; 3]> {
     if let [entry] = entries[..]
         && let Value::Text(text) = &entry.value
         && !is_formula(text, context)
@@ -29,7 +52,7 @@ pub(crate) fn colour(node: &Node, range: Range, context: &mut Context) -> Option
         }
         return colour;
     }
-    let mut number = |entry: &Entry| in_range(entry, &what, range, context);
+    let mut number = |entry: &Entry| in_range(entry, what, range, context);
     match entries[..] {
         [grey] => number(grey).map(|grey| [grey; 3]),
         [red, green, blue] => {
@@ -37,7 +60,7 @@ pub(crate) fn colour(node: &Node, range: Range, context: &mut Context) -> Option
             Some([values[0]?, values[1]?, values[2]?])
         }
         _ => {
-            missing_arguments(node, &usage, context);
+            missing_arguments(node, usage, context);
             None
         }
     }

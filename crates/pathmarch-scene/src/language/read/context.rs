@@ -3,7 +3,7 @@
 use crate::assets::Assets;
 use crate::language::diagnostics::report::{Report, draft};
 use crate::language::formulas::scope::Scope;
-use crate::language::tree::Entry;
+use crate::language::tree::{Entry, Span};
 use pathmarch_mesh::files;
 use std::path::{Path, PathBuf};
 
@@ -11,8 +11,19 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Context {
     pub(crate) report: Report,
     pub(crate) scope: Scope,
+    /// Colours that are written as such, in the order in which they are read.
+    pub(crate) colours: Vec<WrittenColour>,
     /// Folder outside of which no file is read; `None` for no limit.
     pub(crate) folder: Option<PathBuf>,
+}
+
+/// A colour in a text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct WrittenColour {
+    /// Span of its numbers, or of its string.
+    pub(crate) span: Span,
+    /// Linear Rec. 709.
+    pub(crate) value: [f32; 3],
 }
 
 /// Folder of the scene file `scene`, without detours.

@@ -165,7 +165,8 @@ impl<'n> Declarations<'n> {
 
 /// Number of shapes in each declared shape, by name, except for recursive ones.
 pub(crate) fn leaf_counts<'n>(nodes: impl IntoIterator<Item = &'n Node<'n>>) -> HashMap<String, usize> {
-    let mut context = Context { report: Report::new("", ""), scope: Scope::default(), folder: None };
+    let mut context =
+        Context { report: Report::new("", ""), scope: Scope::default(), colours: Vec::new(), folder: None };
     let nodes: Vec<&Node> = nodes.into_iter().collect();
     let all = Declarations::gather(nodes.iter().copied(), &CustomSdfs::default(), &mut context);
     // A field is one shape.

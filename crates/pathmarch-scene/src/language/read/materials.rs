@@ -181,7 +181,7 @@ fn orbit_trap(node: &Node, context: &mut Context) -> Option<OrbitTrap> {
                 let names: Vec<&str> = Trap::ALL.map(Trap::name).to_vec();
                 let message = format!("There is no orbit trap {}.", shown(word));
                 let mistake = draft("pathmarch::unknown_trap", entry.value_span, message).label("unknown trap");
-                context.report.add(mistake.help(suggestion(word, &names)));
+                context.report.add(mistake.help(suggestion(word, &names)).expected(names));
             }
             trap?
         }

@@ -73,7 +73,10 @@ fn no_formula(entry: &Entry, text: &str, what: &str, trouble: Trouble, context: 
                 Some(word) => format!("Did you mean `{word}`?"),
                 None => format!("Declare it at the top: param {} 1.", shown(&name).trim_matches('`')),
             };
-            draft("pathmarch::unknown_name", named(&range), message).label("unknown name").help(help)
+            let mistake = draft("pathmarch::unknown_name", named(&range), message).label("unknown name");
+            let names: Vec<&str> =
+                context.scope.names().chain(expression::functions().map(|name| -> &str { name })).collect();
+            mistake.help(help).expected(names)
         }
         Trouble::UnknownFunction(name, range) => {
             let message = format!("There is no function {}.", shown(&name));
@@ -81,7 +84,7 @@ fn no_formula(entry: &Entry, text: &str, what: &str, trouble: Trouble, context: 
             match context.scope.params().any(|param| param == name) {
                 true => mistake.help(format!("An operator, such as `*`, is missing between `{name}` and the bracket.")),
                 false => match nearest(&name, expression::functions()) {
-                    Some(word) => mistake.help(format!("Did you mean `{word}`?")),
+                    Some(word) => mistake.help(format!("Did you mean `{word}`?")).expected(expression::functions()),
                     None => mistake.help("There are `sin`, `cos`, `min`, `max`, `mix` and others."),
                 },
             }

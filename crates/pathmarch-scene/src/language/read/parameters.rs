@@ -58,7 +58,7 @@ pub(super) fn number(param: &Param, entry: &Entry, context: &mut Context) -> Opt
         if axis.is_none() {
             let mistake =
                 draft("pathmarch::unknown_axis", entry.value_span, format!("There is no axis {}.", shown(word)));
-            context.report.add(mistake.label("unknown axis").help("Expected \"x\", \"y\" or \"z\"."));
+            context.report.add(mistake.label("unknown axis").help("Expected \"x\", \"y\" or \"z\".").expected(AXES));
         }
         return axis.map(|axis| axis as f32);
     }

@@ -106,7 +106,7 @@ fn picture(node: &Node, entry: &Entry, scene: &str, assets: &mut Assets, context
             Some(word) => format!("Did you mean `{word}`?"),
             None => "Expected `gradient`, `day`, the path of a .hdr or .exr file, or a colour.".to_owned(),
         };
-        context.report.add(mistake.label("unknown name").help(help));
+        context.report.add(mistake.label("unknown name").help(help).expected(["gradient", "day"]));
         return None;
     }
     if context.refuses(&path, entry) {

@@ -49,6 +49,7 @@ pub(crate) fn unexpected_node(name: &Text, known: &[&str], place: &str, context:
     } else {
         draft("pathmarch::unknown_node", name.span, format!("There is no {} {place}.", shown(&name.value)))
             .label("unknown name")
+            .expected(known.iter().copied())
             .help(missing_words::advice(&name.value).map_or_else(|| suggestion(&name.value, known), str::to_owned))
     });
 }

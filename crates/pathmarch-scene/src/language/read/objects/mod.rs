@@ -109,9 +109,10 @@ impl<'m> Solids<'m> {
             None => format!("Declare it: material \"{}\" {{ diffuse 0.8 }}.", shown(name).trim_matches('`')),
         };
         let message = format!("There is no material {}.", shown(name));
-        context
-            .report
-            .add(draft("pathmarch::unknown_material", entry.value_span, message).label("unknown material").help(help));
+        let mistake = draft("pathmarch::unknown_material", entry.value_span, message).label("unknown material");
+        let mut known: Vec<&str> = self.materials.index.keys().map(String::as_str).collect();
+        known.sort_unstable();
+        context.report.add(mistake.help(help).expected(known));
         0
     }
 
