@@ -11,6 +11,7 @@ pub mod atmosphere;
 pub mod diagnostic;
 pub mod document;
 pub mod environment;
+pub mod formatter;
 mod language;
 pub mod light;
 pub mod materials;

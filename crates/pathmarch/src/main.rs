@@ -2,6 +2,7 @@
 //!
 //! Rendering is in the libraries. Exit codes: 0 success, 1 failure, 2 error in scene or usage, 130 interrupted.
 
+mod atomic_file;
 mod commands;
 mod film_notes;
 mod frames;
@@ -12,7 +13,8 @@ mod window;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use commands::{
-    check, compare, completions, devices, export, help, import, merge, render, shapes, video as video_command, view,
+    check, compare, completions, devices, export, fmt, help, import, merge, render, shapes, video as video_command,
+    view,
 };
 use pathmarch_cli::{AppDirs, Failure};
 use pathmarch_render::pathmarch_scene::{set_mesh_cache, set_mesh_progress};
@@ -46,6 +48,8 @@ enum Command {
     Import(import::Arguments),
     /// Read scenes and report every error in them.
     Check(check::Arguments),
+    /// Format scene files.
+    Fmt(fmt::Arguments),
     /// Compare a picture with a reference.
     Compare(compare::Arguments),
     /// List the devices that can render.
@@ -83,6 +87,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Export(arguments) => export::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Fmt(arguments) => fmt::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         Command::Shapes(arguments) => shapes::run(&arguments),

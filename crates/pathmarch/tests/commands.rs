@@ -680,7 +680,7 @@ fn what_a_shader_cannot_be_imported_for_is_reported_at_its_line() {
     assert_eq!(code(&output), 2, "{}", stderr(&output));
 }
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "view",
     "render",
     "merge",
@@ -688,6 +688,7 @@ const COMMANDS: [&str; 13] = [
     "export",
     "import",
     "check",
+    "fmt",
     "compare",
     "devices",
     "shapes",

@@ -5,6 +5,7 @@ pub mod compare;
 pub mod completions;
 pub mod devices;
 pub mod export;
+pub mod fmt;
 pub mod help;
 pub mod import;
 pub mod merge;

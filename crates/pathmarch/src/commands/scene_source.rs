@@ -9,6 +9,20 @@ use std::path::{Path, PathBuf};
 /// Largest scene on standard input, bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
+/// Name of standard input in diagnostics.
+pub const STANDARD_INPUT: &str = "standard input";
+
+/// Reads standard input as text.
+///
+/// # Errors
+/// If it cannot be read, or is not UTF-8.
+pub fn read_standard_input() -> Result<String, Failure> {
+    let mut text = String::new();
+    let read = std::io::stdin().lock().take(MAX_BYTES + 1).read_to_string(&mut text);
+    read.map_err(|error| Failure::Other(format!("{STANDARD_INPUT}: {error}")))?;
+    Ok(text)
+}
+
 /// Source of a scene.
 pub enum SceneSource {
     /// File.
@@ -31,10 +45,7 @@ impl SceneSource {
     /// If standard input cannot be read, or the files of an example cannot be written.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         if path == Path::new("-") {
-            let mut text = String::new();
-            let read = std::io::stdin().lock().take(MAX_BYTES + 1).read_to_string(&mut text);
-            read.map_err(|error| Failure::Other(format!("standard input: {error}")))?;
-            return Ok(Self::Text("standard input".to_owned(), text));
+            return Ok(Self::Text(STANDARD_INPUT.to_owned(), read_standard_input()?));
         }
         let example = EXAMPLES.iter().find(|example| Path::new(example.name) == path).filter(|_| !path.exists());
         let Some(example) = example else { return Ok(Self::File(path.to_owned())) };

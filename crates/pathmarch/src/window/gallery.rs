@@ -2,7 +2,7 @@
 //!
 //! Scenes and thumbnails are part of the program, which needs no other files. An example opens as an unsaved copy.
 
-use super::files::atomic_file::write_atomically;
+use crate::atomic_file::write_atomically;
 use egui::{ColorImage, TextureHandle, TextureOptions, Vec2};
 use pathmarch_cli::AppDirs;
 use pathmarch_gallery::{ASSETS, EXAMPLES};

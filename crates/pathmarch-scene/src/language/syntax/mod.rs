@@ -47,6 +47,35 @@ pub(crate) fn read<'t>(text: &'t str, report: &mut Report) -> Option<Block<'t>> 
     (!reader.stopped).then_some(nodes)
 }
 
+/// End of the name of a node that starts at byte `at` of a text without mistakes.
+pub(crate) fn after_name(text: &str, at: usize) -> usize {
+    reading_at(text, at, |reader| {
+        reader.annotation();
+        reader.spaces();
+        reader.value();
+        reader.at
+    })
+}
+
+/// Argument or property that starts at byte `at` of a text without mistakes.
+pub(crate) fn entry_at(text: &str, at: usize) -> Entry<'_> {
+    reading_at(text, at, |reader| reader.entry())
+}
+
+/// End of the block comment that starts at byte `at` of a text without mistakes.
+pub(crate) fn after_comment(text: &str, at: usize) -> usize {
+    reading_at(text, at, |reader| {
+        reader.block_comment();
+        reader.at
+    })
+}
+
+/// Reads a part of a text that was read before, without a report.
+fn reading_at<'t, T>(text: &'t str, at: usize, read: impl FnOnce(&mut Reader<'t, '_>) -> T) -> T {
+    let mut report = Report::new("", "");
+    read(&mut Reader { text, at, items: 0, stopped: false, commented_out: 1, report: &mut report })
+}
+
 fn syntax(span: Span, message: impl Into<String>) -> Draft {
     draft("pathmarch::syntax", span, message)
 }

@@ -2,9 +2,9 @@
 //!
 //! The file equals that of `pathmarch render` for the same scene, settings and adapter: both use [`crate::picture`].
 
+use crate::atomic_file::check_writable;
 use crate::frames::{self, FrameRange};
 use crate::picture::Rendered;
-use crate::window::files::atomic_file::check_writable;
 use pathmarch_render::aov::Layer;
 use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;

@@ -1,6 +1,5 @@
 //! Files of the window: atomic writes, file watching, crash recovery, preferences.
 
-pub(crate) mod atomic_file;
 pub(crate) mod file_watcher;
 pub(crate) mod preferences;
 pub(crate) mod recovery;

@@ -4,7 +4,7 @@
 //! are ignored and missing fields get defaults, so that older and newer versions can share the file. An unreadable file
 //! is renamed to `preferences.json.bad` and replaced by defaults: preferences never keep the program from starting.
 
-use super::atomic_file::{SaveError, write_atomically};
+use crate::atomic_file::{SaveError, write_atomically};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -17,7 +17,7 @@
 //! work is based on the version of the file with this SHA-256 hash: if the file's hash differs, another program has
 //! changed it. The line is missing if that version is unknown, as in files of older programs.
 
-use crate::window::files::atomic_file::write_atomically;
+use crate::atomic_file::write_atomically;
 use sha2::{Digest, Sha256};
 use std::ffi::OsString;
 use std::fs;

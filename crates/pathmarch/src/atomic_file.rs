@@ -73,6 +73,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), SaveError> {
 ///
 /// # Errors
 /// Fails as [`write_atomically`] would.
+#[cfg(feature = "window")]
 pub fn check_writable(path: &Path) -> Result<(), SaveError> {
     let target = Target::of(path)?;
     tempfile::tempfile_in(&target.directory).map(drop).map_err(|error| target.explain(error))
@@ -207,6 +208,7 @@ mod tests {
         let path = directory.path().join("a.kdl");
         write_atomically(&path, b"one").expect("written");
         write_atomically(&path, b"two, and longer").expect("written");
+        #[cfg(feature = "window")]
         check_writable(&path).expect("writable");
         assert_eq!(fs::read(&path).expect("read"), b"two, and longer");
         assert_eq!(names(directory.path()), ["a.kdl"]);
@@ -247,6 +249,7 @@ mod tests {
         permissions.set_readonly(true);
         fs::set_permissions(&path, permissions).expect("set");
         assert!(matches!(write_atomically(&path, b"new"), Err(SaveError::ReadOnly { .. })));
+        #[cfg(feature = "window")]
         assert!(matches!(check_writable(&path), Err(SaveError::ReadOnly { .. })));
         assert_eq!(fs::read(&path).expect("read"), b"old");
     }
@@ -265,6 +268,7 @@ mod tests {
         if place.parent().is_some_and(Path::is_dir) {
             let result = write_atomically(place, b"new");
             assert!(matches!(result, Err(SaveError::Denied { .. })), "{result:?}");
+            #[cfg(feature = "window")]
             assert!(matches!(check_writable(place), Err(SaveError::Denied { .. } | SaveError::Other { .. })));
         }
         fs::set_permissions(directory.path(), fs::Permissions::from_mode(0o755)).expect("set");
