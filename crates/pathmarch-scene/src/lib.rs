@@ -13,6 +13,7 @@ pub mod document;
 pub mod environment;
 pub mod formatter;
 mod language;
+pub mod language_service;
 pub mod light;
 pub mod materials;
 mod mesh_files;

@@ -5,6 +5,7 @@ mod document;
 mod extremes;
 mod formulas;
 mod include;
+mod language_service;
 mod materials;
 mod meshes;
 mod mistakes;

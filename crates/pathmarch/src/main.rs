@@ -13,8 +13,8 @@ mod window;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use commands::{
-    check, compare, completions, devices, export, fmt, help, import, merge, render, shapes, video as video_command,
-    view,
+    check, compare, completions, devices, export, fmt, help, import, lsp, merge, reference, render, shapes,
+    video as video_command, view,
 };
 use pathmarch_cli::{AppDirs, Failure};
 use pathmarch_render::pathmarch_scene::{set_mesh_cache, set_mesh_progress};
@@ -50,12 +50,16 @@ enum Command {
     Check(check::Arguments),
     /// Format scene files.
     Fmt(fmt::Arguments),
+    /// Language server for text editors, over standard input and output.
+    Lsp(lsp::Arguments),
     /// Compare a picture with a reference.
     Compare(compare::Arguments),
     /// List the devices that can render.
     Devices(devices::Arguments),
     /// Reference of shapes and operators.
     Shapes(shapes::Arguments),
+    /// Print every word of the scene language, as Markdown.
+    Reference(reference::Arguments),
     /// Help on a command, or on a word of the scene language.
     Help(help::Arguments),
     /// Print shell completions.
@@ -88,9 +92,11 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Import(arguments) => import::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
+        Command::Lsp(arguments) => lsp::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         Command::Shapes(arguments) => shapes::run(&arguments),
+        Command::Reference(arguments) => reference::run(&arguments),
         Command::Help(arguments) => help::run(&arguments, Arguments::command()),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
         Command::Man => completions::run_man(Arguments::command()),

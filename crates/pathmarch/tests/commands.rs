@@ -680,7 +680,7 @@ fn what_a_shader_cannot_be_imported_for_is_reported_at_its_line() {
     assert_eq!(code(&output), 2, "{}", stderr(&output));
 }
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 16] = [
     "view",
     "render",
     "merge",
@@ -689,9 +689,11 @@ const COMMANDS: [&str; 14] = [
     "import",
     "check",
     "fmt",
+    "lsp",
     "compare",
     "devices",
     "shapes",
+    "reference",
     "help",
     "completions",
     "man",

@@ -3,8 +3,9 @@
 mod program;
 
 use program::{code, pathmarch, stderr};
-use std::io::Write;
-use std::process::{Command, Stdio};
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::process::{ChildStdin, ChildStdout, Command, Stdio};
 
 const RAGGED: &str = "pathmarch 1\ncamera {position 0 1 5;target 0 1 0} // the only one\n";
 const FORMATTED: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 } // the only one\n";
@@ -53,4 +54,71 @@ fn fmt_formats_standard_input() {
         let output = program.wait_with_output().expect("it ends");
         assert_eq!((code(&output), String::from_utf8_lossy(&output.stdout).as_ref()), (0, FORMATTED));
     }
+}
+
+/// Sends a message of the language server protocol.
+fn send(input: &mut ChildStdin, message: &Value) {
+    let text = message.to_string();
+    write!(input, "Content-Length: {}\r\n\r\n{text}", text.len()).expect("the server reads");
+}
+
+/// The next message, up to one that fits.
+fn receive(output: &mut BufReader<ChildStdout>, fits: impl Fn(&Value) -> bool) -> Value {
+    loop {
+        let (mut header, mut length) = (String::new(), 0);
+        while header != "\r\n" {
+            header.clear();
+            assert!(output.read_line(&mut header).expect("the server writes") > 0, "the server is gone");
+            length =
+                header.strip_prefix("Content-Length: ").map_or(length, |text| text.trim().parse().expect("a number"));
+        }
+        let mut bytes = vec![0; length];
+        output.read_exact(&mut bytes).expect("a message");
+        let message = serde_json::from_slice(&bytes).expect("JSON");
+        if fits(&message) {
+            return message;
+        }
+    }
+}
+
+#[test]
+fn lsp_serves_an_editor() {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_pathmarch"))
+        .args(["lsp", "--stdio"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut input = program.stdin.take().expect("a pipe");
+    let mut output = BufReader::new(program.stdout.take().expect("a pipe"));
+    let request =
+        |id: i32, method: &str, params: Value| json!({"jsonrpc": "2.0", "id": id, "method": method, "params": params});
+    let note = |method: &str, params: Value| json!({"jsonrpc": "2.0", "method": method, "params": params});
+    send(&mut input, &request(1, "initialize", json!({"capabilities": {}})));
+    let answer = receive(&mut output, |message| message["id"] == 1);
+    assert_eq!(answer["result"]["capabilities"]["colorProvider"], true, "{answer}");
+    send(&mut input, &note("initialized", json!({})));
+    let uri = "file:///nowhere/wrong.kdl";
+    let document = json!({"uri": uri, "languageId": "pathmarch", "version": 1, "text": "pathmarch 1\ncamra 1\n"});
+    send(&mut input, &note("textDocument/didOpen", json!({ "textDocument": document })));
+    let found = receive(&mut output, |message| message["method"] == "textDocument/publishDiagnostics");
+    let wrong = &found["params"]["diagnostics"];
+    assert!(
+        wrong
+            .as_array()
+            .is_some_and(|all| all.iter().any(|one| one["range"]["end"] == json!({"line": 1, "character": 5}))),
+        "{wrong}"
+    );
+    let place = json!({"textDocument": {"uri": uri}, "position": {"line": 1, "character": 3}});
+    send(&mut input, &request(2, "textDocument/completion", place));
+    let answer = receive(&mut output, |message| message["id"] == 2);
+    assert!(
+        answer["result"].as_array().is_some_and(|all| all.iter().any(|item| item["label"] == "camera")),
+        "{answer}"
+    );
+    send(&mut input, &request(3, "shutdown", Value::Null));
+    receive(&mut output, |message| message["id"] == 3);
+    send(&mut input, &note("exit", Value::Null));
+    drop(input);
+    assert_eq!(program.wait().expect("it ends").code(), Some(0));
 }

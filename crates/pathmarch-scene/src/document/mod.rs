@@ -44,6 +44,7 @@ use history::History;
 use parameters::{Parameter, Place, parameters};
 use std::sync::Arc;
 use text::layout::{Style, bytes};
+pub(crate) use text::literals::{numbers, quoted};
 use text::patch::{Hunk, difference};
 use tree::outline;
 pub use tree::outline::{Item, ItemKind};

@@ -3,11 +3,14 @@
 //! A word may mean several things: `point` is a light and a corner of a polygon. The reference also knows words of other
 //! programs that the language does not have.
 
+mod page;
+
 use crate::language::diagnostics::missing_words;
 use crate::language::keywords::{MATERIAL, TOP};
 use crate::materials::{self, MaterialParam, ParamKind};
 use crate::settings::{self, Setting};
 use crate::textures;
+pub use page::page;
 use pathmarch_field::{Param, Solid, registry};
 
 /// One meaning of a word.
