@@ -107,7 +107,8 @@ impl Server {
             notification::DidCloseTextDocument::METHOD => read::<notification::DidCloseTextDocument>(notification)
                 .map(|closed| self.documents.close(&closed.text_document.uri)),
             notification::DidSaveTextDocument::METHOD | notification::DidChangeWatchedFiles::METHOD => {
-                Some(self.documents.refresh())
+                self.documents.refresh();
+                Some(())
             }
             _ => None,
         };
