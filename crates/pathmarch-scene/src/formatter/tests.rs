@@ -19,9 +19,11 @@ fn ink(text: &str) -> String {
     text.chars().filter(|c| !c.is_whitespace() && !matches!(c, ';' | '\\')).collect()
 }
 
-/// Every scene of the repository.
+/// Scenes of the repository.
 fn scenes() -> Vec<PathBuf> {
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")];
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut folders =
+        ["scenes", "docs/tutorial", "crates/pathmarch-render/tests/data"].map(|folder| root.join(folder)).to_vec();
     let mut found = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).expect("a folder") {
@@ -39,7 +41,7 @@ fn scenes() -> Vec<PathBuf> {
 #[test]
 fn scenes_of_the_gallery_are_formatted() {
     let scenes = scenes();
-    assert!(scenes.len() > 40, "{}", scenes.len());
+    assert!(scenes.len() > 80, "{}", scenes.len());
     // Ten lines by name, of which one is wider than a line should be.
     let scenes = scenes.into_iter().filter(|path| !path.ends_with("ten-lines.kdl"));
     for path in scenes {
