@@ -323,3 +323,26 @@ fn random_scenes_are_valid() {
     // But for what has no end, texts and polygons, all kinds of shapes and operators occur.
     assert!(shapes.len() >= registry::solids().count() - 5, "{shapes:?}");
 }
+
+/// The scenes of the tutorial have neither mistakes nor warnings, and each has more to see than the one before.
+#[test]
+fn the_tutorial_goes_up_step_by_step() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/tutorial");
+    let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("a file").path());
+    let mut paths: Vec<_> =
+        entries.filter(|path| path.extension().is_some_and(|extension| extension == "kdl")).collect();
+    paths.sort();
+    assert_eq!(paths.len(), 10);
+    let page = std::fs::read_to_string(format!("{folder}.md")).expect("the page");
+    let mut before = 0;
+    for path in paths {
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error:?}"));
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        let things = scene.objects.len() + scene.lights.len() + scene.materials.len();
+        let name = path.file_stem().and_then(|stem| stem.to_str()).expect("a name");
+        assert!(things > before, "{name} has {things} things, the scene before it {before}");
+        let (picture, link) = (format!("(tutorial/{name}.jpg)"), format!("(tutorial/{name}.kdl)"));
+        assert!(page.contains(&picture) && page.contains(&link), "{name} is on the page");
+        before = things;
+    }
+}
