@@ -1,9 +1,9 @@
 //! Formatter of scene files.
 //!
-//! **Idea.** The text is parsed into a tree that keeps everything but white space ([`tree`]) and printed again
-//! ([`print`]): four spaces for each level of braces, one space between words, at most one blank line between nodes.
+//! **Idea.** The text is parsed into a tree that keeps everything but white space (`tree.rs`) and printed again
+//! (`print.rs`): four spaces for each level of braces, one space between words, at most one blank line between nodes.
 //! Braces on one line stay there if the line fits in [`MAX_WIDTH`] columns; others have a line for each of theirs, and
-//! nodes that share a line go on sharing it. Comments that stand in one column stay in one column ([`columns`]). Words,
+//! nodes that share a line go on sharing it. Comments that stand in one column stay in one column (`columns.rs`). Words,
 //! numbers and strings stay as they are written; a string or a comment of several lines moves as a whole with the line
 //! that it starts on.
 //!

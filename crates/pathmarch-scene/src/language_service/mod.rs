@@ -1,7 +1,7 @@
 //! Answers for text editors about a place in a scene text: mistakes, names that fit, help, colours, declarations.
 //!
 //! **Idea.** The reader of scenes knows best what may stand where, and lists it in its mistakes. Names that fit a place
-//! are those that the reader expects when a word that does not exist stands there ([`completion`]). So there is no second
+//! are those that the reader expects when a word that does not exist stands there (`completion.rs`). So there is no second
 //! description of the language, and completion knows what the reader knows, such as declared shapes and parameters.
 //! Help comes from [`crate::reference`], colours are those that the reader has read as colours.
 //!
