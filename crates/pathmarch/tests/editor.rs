@@ -122,3 +122,14 @@ fn lsp_serves_an_editor() {
     drop(input);
     assert_eq!(program.wait().expect("it ends").code(), Some(0));
 }
+
+#[test]
+fn reference_prints_every_word_as_markdown() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let output = pathmarch(&["reference"], directory.path());
+    let page = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    for part in ["## Shapes", "### sphere", "| `roughness` | number | 0.2 |", "### fbm", "`smoothstep`"] {
+        assert!(page.contains(part), "{part}");
+    }
+}
