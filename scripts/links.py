@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that the relative links of all Markdown files lead to files that exist, and to headings in them.
+"""Checks that the relative links of all Markdown files lead to files that exist, and to headings in them, and that every
+document is a chapter of the manual.
 
 Code is left out. Headings are named as GitHub and mdBook name them. Needs nothing but Python and git.
 
@@ -65,13 +66,20 @@ def broken(path: Path) -> list[str]:
     return mistakes
 
 
+def missing_chapters(files: list[Path]) -> list[str]:
+    """Documents that are no chapters of the manual."""
+    summary = (BOOK / "SUMMARY.md").read_text(encoding="utf-8")
+    names = [str(path.relative_to(ROOT)) for path in files if path.parent in (ROOT / "docs", ROOT / "docs/how-to")]
+    return [f"{name}: it is not in book/SUMMARY.md" for name in names if f"({name})" not in summary]
+
+
 def main() -> int:
     command = ["git", "ls-files", "-co", "--exclude-standard", "*.md"]
     tracked = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.split()
     files = [Path(name).resolve() for name in sys.argv[1:]] or [ROOT / name for name in tracked]
-    mistakes = [mistake for file in files if file.exists() for mistake in broken(file)]
+    mistakes = [mistake for file in files if file.exists() for mistake in broken(file)] + missing_chapters(files)
     print("\n".join(mistakes), end="\n" if mistakes else "")
-    print(f"{len(files)} files, {len(mistakes)} broken links")
+    print(f"{len(files)} files, {len(mistakes)} mistakes")
     return 1 if mistakes else 0
 
 
