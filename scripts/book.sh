@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/links.py
-cargo run --quiet --release -p pathmarch -- reference > target/words.md
+cargo run --quiet --release -p pathmarch-scene --example reference > target/words.md
 [ "${1:-}" = --no-api ] || cargo doc --quiet --release --workspace --no-deps
 scripts/book.py prepare
 if ! command -v mdbook >/dev/null; then

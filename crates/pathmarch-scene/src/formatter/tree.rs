@@ -1,5 +1,6 @@
 //! Tree of a text with its comments, without white space.
 
+use super::MAX_WIDTH;
 use crate::language::characters::{is_newline, is_space};
 
 /// Contents of braces, or of the file.
@@ -86,7 +87,11 @@ impl Block<'_> {
     }
 }
 
-/// Items beside each other, without a comment at the end of the line; `None` if one has several lines.
+/// Longest line that can fit, bytes: a character has at most four.
+const MAX_BYTES: usize = 4 * MAX_WIDTH;
+
+/// Items beside each other, without a comment at the end of the line; `None` if one has several lines, or all together
+/// cannot fit in a line.
 pub(super) fn on_one_line(items: &[Item]) -> Option<String> {
     let last_node = items.iter().rposition(|item| matches!(item.content, Content::Node(_)));
     let mut line = String::new();
@@ -101,6 +106,9 @@ pub(super) fn on_one_line(items: &[Item]) -> Option<String> {
         line.push_str(if index > 0 { " " } else { "" });
         line.push_str(&text);
         line.push_str(if is_node && last_node > Some(index) { ";" } else { "" });
+        if line.len() > MAX_BYTES {
+            return None;
+        }
     }
     Some(line)
 }
@@ -117,6 +125,9 @@ fn node_on_one_line(pieces: &[Piece]) -> Option<String> {
             Piece::Property(name, value) if !value.has_several_lines() => line.extend([name, "=", value.text]),
             Piece::Braces(block) => line.push_str(&block.on_one_line()?),
             Piece::Word(_) | Piece::Property(..) | Piece::Join(..) => return None,
+        }
+        if line.len() > MAX_BYTES {
+            return None;
         }
     }
     Some(line)
