@@ -627,24 +627,26 @@ fn more_threads_than_cores_are_not_started() {
 }
 
 #[test]
-fn shaders_become_scenes_whose_steps_are_safe() {
+fn shaders_become_scenes_whose_steps_are_safe_but_for_a_fractal() {
     let directory = tempfile::tempdir().expect("a directory");
     let folder: PathBuf = [env!("CARGO_MANIFEST_DIR"), "../pathmarch-field/tests/glsl"].iter().collect();
-    let mut shaders = 0;
+    let (mut shaders, mut rough) = (0, 0);
     for entry in folder.read_dir().expect("shaders").map(|entry| entry.expect("a file").path()) {
         if entry.extension().is_none_or(|extension| extension != "frag") {
             continue;
         }
         let output = pathmarch(&["import", &entry.to_string_lossy(), "-o", "shader.kdl"], directory.path());
         assert_eq!(code(&output), 0, "{}: {}", entry.display(), stderr(&output));
+        let is_rough = stderr(&output).contains("usual for fractals");
         let text = std::fs::read_to_string(directory.path().join("shader.kdl")).expect("written");
         assert!(text.contains(std::fs::read_to_string(&entry).expect("a shader").trim_end()), "the code is as it was");
         let output = pathmarch(&["check", "shader.kdl", "--field"], directory.path());
         let report = String::from_utf8_lossy(&output.stdout);
-        assert!(report.contains("-field: safe"), "{}: {report}", entry.display());
+        assert!(is_rough || report.contains("-field: safe"), "{}: {report}", entry.display());
         shaders += 1;
+        rough += u32::from(is_rough);
     }
-    assert!(shaders >= 10, "{shaders}");
+    assert!(shaders >= 10 && rough <= 1, "{rough} of {shaders}");
 }
 
 #[test]
@@ -656,7 +658,9 @@ fn a_preset_is_the_camera_and_bounds_are_measured() {
     let output = pathmarch(&["import", "Small Ball.frag", "-o", "ball.kdl"], directory.path());
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let text = std::fs::read_to_string(directory.path().join("ball.kdl")).expect("written");
-    for part in ["position 1 2 3; target 0 0.1 0; fov 53.1", "lipschitz 1\n", "bounds 1.58\n", "object \"small-ball-field\""] {
+    for part in
+        ["position 1 2 3; target 0 0.1 0; fov 53.1", "lipschitz 1\n", "bounds 1.58\n", "object \"small-ball-field\""]
+    {
         assert!(text.contains(part), "{part}: {text}");
     }
 }
@@ -665,7 +669,10 @@ fn a_preset_is_the_camera_and_bounds_are_measured() {
 fn what_a_shader_cannot_be_imported_for_is_reported_at_its_line() {
     let directory = tempfile::tempdir().expect("a directory");
     for (text, parts) in [
-        ("float map(vec3 p) {\n  return length(p) - texture(iChannel0, p.xy).x;\n}\n", &["bad.frag:2:", "iChannel0"][..]),
+        (
+            "float map(vec3 p) {\n  return length(p) - texture(iChannel0, p.xy).x;\n}\n",
+            &["bad.frag:2:", "iChannel0"][..],
+        ),
         ("float map(vec3 p) {\n  return length(q) - 1.0;\n}\n", &["bad.frag:2:", "q"]),
         ("void mainImage(out vec4 c, in vec2 f) { c = vec4(1.0); }\n", &["bad.frag", "distance"]),
     ] {

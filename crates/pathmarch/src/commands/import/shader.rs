@@ -26,6 +26,8 @@ const DIRECTIONS: u32 = 2000;
 const LEAST_GROWTH: f32 = 0.03;
 /// Margin of measured numbers.
 const MARGIN: f32 = 1.05;
+/// Largest constant: rays end at a distance that is divided by it, so that a large one thickens what is thin.
+const MAX_LIPSCHITZ: f32 = 2.0;
 /// Points of the check of slopes.
 const SAMPLE_POINTS: u32 = 20_000;
 
@@ -36,7 +38,6 @@ pub(super) fn import(file: &Path, entry: Option<&str>) -> Result<Import, Failure
     let preset = Shader::read(&shader.code, entry, &[]).map(|shader| shader.preset).unwrap_or_default();
     let mut draft = Draft { lipschitz: 1.0, edge: None, camera: String::new() };
     let scene = shader.scene(&draft)?;
-    scene.warnings.iter().for_each(|warning| print_report(&shader.in_file(warning.clone())));
     let unbounded = shape_alone(&scene);
     let radius = bounds(&unbounded);
     draft.edge = radius.map(|radius| 2.0 * radius * MARGIN);
@@ -45,7 +46,9 @@ pub(super) fn import(file: &Path, entry: Option<&str>) -> Result<Import, Failure
     let params = scene.field.leaves().first().map_or(0, |leaf| leaf.shape.params().len());
     let bounds = radius.map_or("no bounds".to_owned(), |_| format!("bounds {}", rounded(draft.edge.unwrap_or(0.0))));
     let summary = format!("{params} parameters, lipschitz {}, {bounds}", rounded(draft.lipschitz));
-    shader.scene(&draft)?;
+    for warning in shader.scene(&draft)?.warnings {
+        print_report(&shader.in_file(warning));
+    }
     Ok(Import { text: shader.text(&draft), summary })
 }
 
@@ -171,17 +174,20 @@ fn direction(k: u32) -> Vec3<f32> {
     Vec3::new(radius * cos, y, radius * sin)
 }
 
-/// Constant with which no step of a declared constant of one passes a surface.
+/// Constant with which no step passes a surface, as far as samples show, but at most [`MAX_LIPSCHITZ`].
 fn lipschitz(field: &Field) -> f32 {
     let report = check_lipschitz(field, SAMPLE_POINTS);
-    if report.slope > 2.0 * MARGIN / report.safe_factor {
+    if report.slope <= 1.01 {
+        return 1.0;
+    }
+    let safe = (MARGIN / report.safe_factor).max(1.0);
+    if safe > MAX_LIPSCHITZ {
         note!(
-            "the slope is up to {:.2}, which is usual for fractals; steps are safe with a lipschitz of {:.2}",
-            report.slope,
-            MARGIN / report.safe_factor
+            "at a few points a step passes the surface unless lipschitz is {safe:.2}, which is usual for fractals; more than \
+             {MAX_LIPSCHITZ} would thicken thin parts"
         );
     }
-    if report.safe_factor < 1.0 || report.slope > 1.01 { (MARGIN / report.safe_factor).max(1.0) } else { 1.0 }
+    safe.min(MAX_LIPSCHITZ)
 }
 
 /// Camera of a preset, else one that frames the bounds, else one that looks at the origin from outside.
