@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the wheel of the Python package, installs it in an empty environment, and renders a picture with it. Prints the time
-# from `pip install` to the picture, and sizes. Then runs the tests: of the package, of its examples and of the notebook.
+# Builds the wheel of the Python package, installs it in an empty environment, and renders a picture with it. Prints the
+# time from `pip install` to the picture, and sizes. Then runs the tests: of the package, its examples and the notebook.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Cargo for maturin. `rustc`, by which maturin builds the library of the Python package, becomes a build with the features
-# that the tests of the whole workspace have, and with the same variables, so that nothing is compiled twice.
+# Cargo for maturin. `rustc`, by which maturin builds the library of the Python package, becomes a build with the
+# features that the tests of the whole workspace have, and with the same variables, so that nothing is compiled twice.
 set -euo pipefail
 if [ "$1" != rustc ]; then
     exec cargo "$@"

@@ -1,7 +1,7 @@
 """Type stubs of pathmarch.nodes, from the registry of the scene language.
 
-    python make_stubs.py            writes python/pathmarch/nodes.pyi
-    python make_stubs.py --check    fails if that file differs
+python make_stubs.py            writes python/pathmarch/nodes.pyi
+python make_stubs.py --check    fails if that file differs
 """
 
 import pathlib

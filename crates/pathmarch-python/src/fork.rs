@@ -1,6 +1,7 @@
 //! Refusal to compute in a forked process.
 //!
-//! The threads that compute do not exist in a process that was forked after they started; it would wait for them forever.
+//! The threads that compute do not exist in a process that was forked after they started; it would wait for them
+//! forever.
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

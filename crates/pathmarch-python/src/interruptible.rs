@@ -1,8 +1,8 @@
 //! Long work on a thread of its own, which Ctrl-C and callbacks of Python can end.
 //!
-//! **Idea.** The work never holds the interpreter's lock, so that other threads of Python go on. The calling thread waits
-//! for messages of the work, calls back, and looks for signals a few times a second. When it leaves with an exception, the
-//! work ends at its next slice, for which it waits a second at most.
+//! **Idea.** The work never holds the interpreter's lock, so that other threads of Python go on. The calling thread
+//! waits for messages of the work, calls back, and looks for signals a few times a second. When it leaves with an
+//! exception, the work ends at its next slice, for which it waits a second at most.
 
 use crate::exceptions::internal;
 use crate::fork;
@@ -26,7 +26,7 @@ enum Message<T> {
     Done(T),
 }
 
-/// What work knows of the thread that waits for it.
+/// Connection of the work to the thread that waits for it.
 pub struct Watcher<T> {
     sender: Sender<Message<T>>,
     stopped: Arc<AtomicBool>,
@@ -62,7 +62,8 @@ impl Callback {
     }
 }
 
-/// Runs `work` and returns its result. After `False` of the callback the work is told to end, and its result is awaited.
+/// Runs `work` and returns its result. After `False` of the callback the work is told to end, and its result is
+/// awaited.
 ///
 /// # Errors
 /// Exceptions of the callback, `KeyboardInterrupt`, and `RuntimeError` if no thread can be started.

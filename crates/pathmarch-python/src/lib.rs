@@ -1,8 +1,8 @@
 //! The native part of the Python package `pathmarch`: scenes, pictures, distances and meshes as NumPy arrays.
 //!
-//! **Idea.** The package is written in two languages. This crate is the module `pathmarch._native`: it converts arguments
-//! and results, and leaves all else to `pathmarch-render`. `python/pathmarch` is pure Python: exceptions, and the
-//! functions that write scenes, which it makes from `registry.rs`'s description of the scene language. Long work
+//! **Idea.** The package is written in two languages. This crate is the module `pathmarch._native`: it converts
+//! arguments and results, and leaves all else to `pathmarch-render`. `python/pathmarch` is pure Python: exceptions, and
+//! the functions that write scenes, which it makes from `registry.rs`'s description of the scene language. Long work
 //! runs on a thread of its own without the interpreter's lock, see `interruptible.rs`.
 
 mod arrays;

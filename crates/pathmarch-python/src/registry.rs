@@ -9,7 +9,8 @@ use pathmarch_render::pathmarch_scene::textures;
 use pyo3::prelude::*;
 use serde_json::{Map, Value, json};
 
-/// Shapes, operators, modifiers, materials, textures and settings of the scene language, with their parameters, as JSON.
+/// Shapes, operators, modifiers, materials, textures and settings of the scene language, with their parameters, as
+/// JSON.
 #[pyfunction]
 pub fn registry() -> String {
     let solid = |info: &Info, params: &[Param]| merged(description(info), json!({"params": all(params, param)}));
@@ -101,8 +102,10 @@ fn limits(range: Range) -> Value {
 }
 
 fn material(kind: &MaterialKind) -> Value {
-    let params = all(kind.params, material_param);
-    json!({"name": kind.name, "doc": kind.doc, "source": kind.source, "scatters": kind.bsdf.is_some(), "params": params})
+    json!({
+        "name": kind.name, "doc": kind.doc, "source": kind.source, "scatters": kind.bsdf.is_some(),
+        "params": all(kind.params, material_param),
+    })
 }
 
 fn material_param(param: &MaterialParam) -> Value {

@@ -22,9 +22,9 @@ const MAX_TIME: f64 = 1e9;
 
 /// A scene: its text, checked, with everything that it names.
 ///
-/// `source` is the text of a scene, or the path of a file. A text with mistakes raises `SceneError`, which has every mistake
-/// with its line and column; what is most likely not intended is a `SceneWarning`. `time` is that of an animation, in
-/// seconds. A text reads files relative to `folder`, and none outside of it unless `allow_files` is true.
+/// `source` is the text of a scene, or the path of a file. A text with mistakes raises `SceneError`, which has every
+/// mistake with its line and column; what is most likely not intended is a `SceneWarning`. `time` is that of an
+/// animation, in seconds. A text reads files relative to `folder`, and none outside of it unless `allow_files` is true.
 ///
 /// >>> import pathmarch
 /// >>> scene = pathmarch.Scene("""
@@ -190,7 +190,7 @@ impl Scene {
         arrays::of_values(py, [bounds.min, bounds.max].concat(), &[2, 3])
     }
 
-    /// What is allowed, but most likely not intended.
+    /// Diagnostics of what is allowed, but most likely not intended.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         diagnostics(py, &self.scene().warnings)
@@ -225,11 +225,11 @@ impl Scene {
 
     /// Signed distance of each point to the nearest surface, metres: negative inside, infinite without objects.
     ///
-    /// `points` is an array of N x 3 numbers, or of more axes, the last of which has x, y and z. The result is float32, as
-    /// are the numbers that the renderer itself uses.
+    /// `points` is an array of N x 3 numbers, or of more axes, the last of which has x, y and z. The result is float32,
+    /// as are the numbers that the renderer itself uses.
     ///
     /// >>> import pathmarch
-    /// >>> ball = pathmarch.Scene("pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject ball { sphere 1 }")
+    /// >>> ball = pathmarch.Scene("pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject ball { sphere }")
     /// >>> ball.distance([[0, 0, 0], [3, 0, 0]]).tolist()
     /// [-1.0, 2.0]
     fn distance<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -237,10 +237,11 @@ impl Scene {
         arrays::of_values(py, field::distances(py, &self.scene().field, &points)?, &shape)
     }
 
-    /// Exact gradient of the distance at each point: the surface's normal there, of length 1 where the distance is exact.
+    /// Exact gradient of the distance at each point: the surface's normal there, of length 1 where the distance is
+    /// exact.
     ///
     /// >>> import pathmarch
-    /// >>> ball = pathmarch.Scene("pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject ball { sphere 1 }")
+    /// >>> ball = pathmarch.Scene("pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject ball { sphere }")
     /// >>> ball.gradient([[0, 2, 0]]).tolist()
     /// [[0.0, 1.0, 0.0]]
     fn gradient<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -252,8 +253,8 @@ impl Scene {
     /// Triangles of the solids: a dictionary of the arrays `positions`, `normals`, `colours` and `triangles`.
     ///
     /// `resolution` is the number of cells along the longest side; `cell` is the size of a cell instead, metres.
-    /// `objects` are names of objects, all solids without it. `bounds` clips to a box of two corners. `progress` is called
-    /// with the fraction that is done and 1, and ends the work if it returns False.
+    /// `objects` are names of objects, all solids without it. `bounds` clips to a box of two corners. `progress` is
+    /// called with the fraction that is done and 1, and ends the work if it returns False.
     #[pyo3(signature = (resolution = None, *, cell = None, objects = None, bounds = None, progress = None))]
     #[pyo3(text_signature = "($self, resolution=128, *, cell=None, objects=None, bounds=None, progress=None)")]
     fn mesh<'py>(
@@ -271,9 +272,10 @@ impl Scene {
 
     /// Writes the solids as a mesh file: `.stl`, `.ply`, `.obj` or `.glb`, as `pathmarch export` does.
     ///
-    /// `unit` is "mm", "cm", "m" or "inch"; without it millimetres for `.stl`, metres for others. The other arguments are
-    /// those of `mesh`. Returns the number of triangles.
-    #[pyo3(signature = (path, resolution = None, *, cell = None, objects = None, bounds = None, unit = None, progress = None))]
+    /// `unit` is "mm", "cm", "m" or "inch"; without it millimetres for `.stl`, metres for others. The other arguments
+    /// are those of `mesh`. Returns the number of triangles.
+    #[pyo3(signature = (path, resolution = None, *, cell = None, objects = None, bounds = None, unit = None,
+        progress = None))]
     #[pyo3(text_signature = "($self, path, resolution=128, *, cell=None, objects=None, bounds=None, unit=None, \
         progress=None)")]
     #[expect(clippy::too_many_arguments, reason = "those of the method in Python")]

@@ -116,5 +116,7 @@ if child == 0:
     os._exit(0)
 os.waitpid(child, 0)
 """
-    done = subprocess.run([sys.executable, "-W", "ignore", "-c", script, ball], capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", script, ball], capture_output=True, text=True, timeout=120
+    )
     assert done.stdout == "True\n", done.stderr

@@ -81,14 +81,21 @@ def test_every_texture_is_read_as_it_is_written(entry):
     function = getattr(nodes, python_name(entry["name"]))
     for param in entry["params"]:
         texture = function(
-            **{python_name(param["name"]): value_of(param)}, colours=[0.1, (0.2, 0.3, 0.4)], at=(1, 0, 0), rotate=(0, 9, 0)
+            **{python_name(param["name"]): value_of(param)},
+            colours=[0.1, (0.2, 0.3, 0.4)],
+            at=(1, 0, 0),
+            rotate=(0, 9, 0),
         )
         material = nodes.diffuse("m", texture, bump=function(height=0.001))
         assert scene_of(nodes.object("ball", nodes.sphere(1), material=material)).materials == ("m",), str(material)
 
 
 def test_functions_are_those_of_the_registry():
-    words = {entry["name"] for table in ("shapes", "operators", "modifiers", "materials", "textures") for entry in REGISTRY[table]}
+    words = {
+        entry["name"]
+        for table in ("shapes", "operators", "modifiers", "materials", "textures")
+        for entry in REGISTRY[table]
+    }
     assert {python_name(word) for word in words} <= set(nodes.__all__)
     names = [function.name for function in functions()]
     assert len(names) == len(set(names)) > 60
@@ -158,8 +165,10 @@ def test_arguments_that_the_language_would_refuse_are_refused(make, error, messa
         (nodes.sky((1, 2, 3)), "sky 1 2 3"),
         (nodes.sky_day(elevation=20, sun=False), 'sky "day" elevation=20 sun=#false'),
         (nodes.sky_picture("a.hdr", strength=2), 'sky "a.hdr" strength=2'),
-        (nodes.camera(position=(0, 0, 1), target=(0, 0, 0), lens_radius=0.1, lens_focus=2, name="a"),
-         'camera "a" { position 0 0 1; target 0 0 0; lens radius=0.1 focus=2 }'),
+        (
+            nodes.camera(position=(0, 0, 1), target=(0, 0, 0), lens_radius=0.1, lens_focus=2, name="a"),
+            'camera "a" { position 0 0 1; target 0 0 0; lens radius=0.1 focus=2 }',
+        ),
         (nodes.param("a", 1, min=0, doc="Of b."), 'param "a" 1 min=0 doc="Of b."'),
         (nodes.use("bolt", 0.5, material="brass", at=(1, 0, 0)), 'bolt 0.5 material="brass" { at 1 0 0 }'),
         (nodes.use("bolt", values={"head": 0.1}), "bolt head=0.1"),
@@ -191,7 +200,11 @@ def test_declared_shapes_and_fields_are_used_by_name():
     bolt = nodes.shape("bolt", nodes.param("length", 0.5), nodes.cylinder(0.1, "length"), nodes.hexprism(0.2, 0.1))
     code = "fn distance(p: vec3f) -> f32 {\n    return length(p) - radius;\n}\n"
     blob = nodes.field("blob", nodes.param("radius", 0.5), bounds=(2, 2, 2), lipschitz=1, wgsl=code)
-    scene = scene_of(bolt, blob, nodes.object("both", nodes.use("bolt", 0.7), nodes.use("blob", values={"radius": 0.25}, at=(2, 0, 0))))
+    scene = scene_of(
+        bolt,
+        blob,
+        nodes.object("both", nodes.use("bolt", 0.7), nodes.use("blob", values={"radius": 0.25}, at=(2, 0, 0))),
+    )
     assert scene.distance([[2, 0, 0]]).tolist() == [-0.25]
     assert "\n    fn distance(p: vec3f) -> f32 {\n" in scene.text, scene.text
     tricky = 'float map(vec3 p) { // a \\ and a "b" """\n\n    return length(p) - 0.5;\n}'
@@ -200,7 +213,11 @@ def test_declared_shapes_and_fields_are_used_by_name():
 
 
 def test_a_scene_of_nodes_is_the_scene_of_its_text():
-    top = [nodes.render(size=(64, 36), samples=8), nodes.sun(direction=(0, 1, 0), irradiance=1), nodes.object("a", nodes.torus())]
+    top = [
+        nodes.render(size=(64, 36), samples=8),
+        nodes.sun(direction=(0, 1, 0), irradiance=1),
+        nodes.object("a", nodes.torus()),
+    ]
     scene = scene_of(*top)
     again = pathmarch.Scene(scene.text)
     assert again.text == scene.text == nodes.scene_text(CAMERA, nodes.sky(1), *top)
@@ -209,13 +226,24 @@ def test_a_scene_of_nodes_is_the_scene_of_its_text():
 
 
 def test_the_example_of_ten_lines_can_be_written_in_python(scenes):
-    clay, cream, slate = nodes.diffuse("clay", (0.7, 0.22, 0.08)), nodes.diffuse("cream", (0.8, 0.7, 0.5)), nodes.diffuse("slate", (0.12, 0.2, 0.3))
-    block = nodes.subtract(nodes.box(1.6, 1.3, 1.6, material=clay), nodes.sphere(0.85, material=cream, at=(0.5, 0.45, 0.5)), smooth=0.12, at=(0, 0.65, 0))
+    clay, cream, slate = (
+        nodes.diffuse("clay", (0.7, 0.22, 0.08)),
+        nodes.diffuse("cream", (0.8, 0.7, 0.5)),
+        nodes.diffuse("slate", (0.12, 0.2, 0.3)),
+    )
+    block = nodes.subtract(
+        nodes.box(1.6, 1.3, 1.6, material=clay),
+        nodes.sphere(0.85, material=cream, at=(0.5, 0.45, 0.5)),
+        smooth=0.12,
+        at=(0, 0.65, 0),
+    )
     scene = nodes.scene(
         nodes.camera(name="main", position=(3.1, 2.6, 4.5), target=(0.05, 0.5, 0), fov=27),
         nodes.sky((0.22, 0.3, 0.45)),
         nodes.sun(direction=(0.9, 0.8, 0.1), irradiance=(2.4, 2, 1.5), angle=2),
-        clay, cream, slate,
+        clay,
+        cream,
+        slate,
         nodes.object("block", block),
         nodes.object("ball", nodes.sphere(0.3, at=(0.5, 0.55, 0.5)), material=slate),
         nodes.object("floor", nodes.plane(), material=slate),

@@ -17,7 +17,8 @@ def command_line(program, scene, output, *options):
 
 
 @pytest.mark.parametrize(
-    "name", ["ten-lines", "material-grid", "textures", "glass-still-life", "day", "seams", "gyroid", "fractals/mandelbulb"]
+    "name",
+    ["ten-lines", "material-grid", "textures", "glass-still-life", "day", "seams", "gyroid", "fractals/mandelbulb"],
 )
 def test_pictures_equal_those_of_the_command_line_bit_by_bit(name, scenes, program, tmp_path):
     scene = scenes / f"{name}.kdl"

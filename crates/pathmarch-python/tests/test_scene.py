@@ -30,7 +30,9 @@ def test_other_values_change_only_numbers_of_the_text(ball):
     assert scene.with_params().text == ball
 
 
-@pytest.mark.parametrize("values, message", [({"radius": 2.5}, "from 0.1 to 2"), ({"radius": "1 +"}, "formula"), ({"size": 1}, "no")])
+@pytest.mark.parametrize(
+    "values, message", [({"radius": 2.5}, "from 0.1 to 2"), ({"radius": "1 +"}, "formula"), ({"size": 1}, "no")]
+)
 def test_values_that_a_parameter_cannot_have_are_refused(values, message, ball):
     with pytest.raises(ValueError, match=message):
         pathmarch.Scene(ball).with_params(**values)
@@ -60,7 +62,7 @@ def test_mistakes_have_lines_columns_and_help():
 
 
 def test_columns_are_in_characters():
-    text = "pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nobject \"Grüße\" { shpere }\n"
+    text = 'pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nobject "Grüße" { shpere }\n'
     with pytest.raises(pathmarch.SceneError) as caught:
         pathmarch.Scene(text)
     assert caught.value.positions == [(3, 18)]

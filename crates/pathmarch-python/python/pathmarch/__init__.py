@@ -21,8 +21,9 @@ material "clay" { diffuse 0.7 0.22 0.08 }
 object "ball" { sphere 0.5 material="clay" { at 0 1 0 } }
 <BLANKLINE>
 
-`pathmarch.render` makes a picture of a text or a file, `pathmarch.save` writes it, and `pathmarch.encode` makes the bytes of
-a PNG, to show in a notebook. The reference of the scene language is docs/scene-language.md; `help(pathmarch.nodes.sphere)` describes a shape.
+`pathmarch.render` makes a picture of a text or a file, `pathmarch.save` writes it, and `pathmarch.encode` makes the
+bytes of a PNG, to show in a notebook. docs/scene-language.md is the reference of the scene language;
+`help(pathmarch.nodes.sphere)` describes a shape.
 """
 
 import os as _os

@@ -119,7 +119,9 @@ def _shapes() -> Iterator[Function]:
 
 POINTS = Parameter("points", "point", "points", "Corners (x, y); at least three.", required=True)
 WORDS = Parameter("text", "text", "text", "Words of the text; a line break begins another line.", required=True)
-FONT = Parameter("font", "font", "text", "A .ttf or .otf file, relative to the scene file; the included font without it.")
+FONT = Parameter(
+    "font", "font", "text", "A .ttf or .otf file, relative to the scene file; the included font without it."
+)
 FILE = Parameter("file", "file", "text", "A file, relative to the scene file.", required=True)
 
 
@@ -288,7 +290,12 @@ def _skies() -> Iterator[Function]:
     radiance = Parameter("radiance", "radiance", "colour", "Radiance from every direction.", required=True)
     radiance = radiance._replace(unit="W/(m² sr)", range="0 or more", limits=(0.0, True, None, True))
     doc = "Sky of the same radiance in every direction."
-    yield Function("sky", doc, lambda positional, _, given: Node("sky", flat(positional[0] if positional else given["radiance"])), (radiance,))
+    yield Function(
+        "sky",
+        doc,
+        lambda positional, _, given: Node("sky", flat(positional[0] if positional else given["radiance"])),
+        (radiance,),
+    )
     gradient = _settings("gradient", "node")
     yield Function("sky_gradient", "Sky with a gradient.", _sky("gradient", gradient), (), "", gradient)
     day = (*_settings("day", "property"), *_settings("day_ground", "node"))
@@ -307,8 +314,20 @@ def _sky(form: str, parameters: Sequence[Parameter]) -> Any:
 
 def _declarations() -> Iterator[Function]:
     """Objects, and what scenes declare by name."""
-    yield Function("object", "Object: its shapes and their material.", _named("object", (MATERIAL,)), (NAME,), "children", (MATERIAL,))
-    yield Function("include", "File from which a scene takes materials, shapes, objects and lights.", _by_name_first("include", "file", ()), (FILE,))
+    yield Function(
+        "object",
+        "Object: its shapes and their material.",
+        _named("object", (MATERIAL,)),
+        (NAME,),
+        "children",
+        (MATERIAL,),
+    )
+    yield Function(
+        "include",
+        "File from which a scene takes materials, shapes, objects and lights.",
+        _by_name_first("include", "file", ()),
+        (FILE,),
+    )
     yield _param()
     doc = "Shape made of others: nodes of param() for its parameters, then solids. use() places it."
     yield Function("shape", doc, _named("shape", ()), (NAME,), "children")
@@ -341,7 +360,14 @@ def _param() -> Function:
 
 def _field() -> Function:
     keywords = (
-        Parameter("bounds", "bounds", "numbers", 'Edges of a box that contains it, metres; or "none".', required=True, place="node"),
+        Parameter(
+            "bounds",
+            "bounds",
+            "numbers",
+            'Edges of a box that contains it, metres; or "none".',
+            required=True,
+            place="node",
+        ),
         Parameter("lipschitz", "lipschitz", "number", "Lipschitz constant: the largest slope.", 1, place="node"),
         Parameter("wgsl", "wgsl", "text", "Code in WGSL, with a function `distance(p: vec3f) -> f32`.", place="node"),
         Parameter("glsl", "glsl", "text", "Code in GLSL, in the manner of Shadertoy or Fragmentarium.", place="node"),

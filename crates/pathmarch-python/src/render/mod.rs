@@ -19,22 +19,24 @@ use task::Rendered;
 
 /// Path-traces a scene, and returns its radiance: a float32 array of height x width x 3, linear Rec. 709.
 ///
-/// `scene` is the text of a scene, the path of a file, or a `Scene`. Without `size` and `samples` the picture has those of
-/// the scene. It is a pure function of the scene and these arguments, and on the CPU equal to that of the command line.
+/// `scene` is the text of a scene, the path of a file, or a `Scene`. Without `size` and `samples` the picture has those
+/// of the scene. It is a pure function of the scene and these arguments, and on the CPU equal to that of the command
+/// line.
 ///
 /// - `backend`: "cpu", "gpu", or "auto" for the faster of both.
 /// - `camera`: name of a camera of the scene; the first one without it.
 /// - `time`: seconds since the start of an animation.
 /// - `params`: new values of the scene's parameters, numbers or formulas.
-/// - `layers`: names of noise-free layers, "albedo", "normal", "depth", "position", "objectId", "materialId", "sampleCount",
-///   or "all". The result is then a dictionary of arrays, with the radiance as "picture".
-/// - `progress`: function of the samples that are done and their number. It is called a few times a second; if it returns
-///   False, rendering ends with `Cancelled`. Its exceptions end rendering, too, and so does Ctrl-C.
+/// - `layers`: names of noise-free layers, "albedo", "normal", "depth", "position", "objectId", "materialId",
+/// "sampleCount", or "all". The result is then a dictionary of arrays, with the radiance as "picture".
+/// - `progress`: function of the samples that are done and their number. It is called a few times a second; if it
+/// returns False, rendering ends with `Cancelled`. Its exceptions end rendering, too, and so does Ctrl-C.
 /// - `denoise`: "regression" or "oidn" filters the noise out of the picture.
 /// - `mode`: quantity that the picture shows, such as "preview" or "normal"; "path" is radiance.
 /// - `adapter`: part of the name of a GPU adapter.
 /// - `folder`: folder of a text, to which its files are relative; `allow_files` lets it read others.
-/// - All other settings of `render` in scenes: `bounces`, `detail`, `clamp`, `sampler`, `caustics`, `shutter` and so on.
+/// - All other settings of `render` in scenes: `bounces`, `detail`, `clamp`, `sampler`, `caustics`, `shutter` and so
+/// on.
 ///
 /// >>> import pathmarch
 /// >>> ball = "pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nobject ball { sphere 1 }"
@@ -42,9 +44,9 @@ use task::Rendered;
 /// >>> picture.shape, str(picture.dtype)
 /// ((18, 32, 3), 'float32')
 #[pyfunction]
-#[pyo3(signature = (scene, size = None, samples = None, seed = None, backend = "auto".to_owned(), camera = None, time = None,
-    params = None, layers = None, progress = None, *, denoise = None, mode = "path".to_owned(), adapter = None, folder = None,
-    allow_files = false, **settings))]
+#[pyo3(signature = (scene, size = None, samples = None, seed = None, backend = "auto".to_owned(), camera = None,
+    time = None, params = None, layers = None, progress = None, *, denoise = None, mode = "path".to_owned(),
+    adapter = None, folder = None, allow_files = false, **settings))]
 #[pyo3(
     text_signature = "(scene, size=None, samples=None, seed=0, backend='auto', camera=None, time=None, params=None, \
     layers=(), progress=None, *, denoise=None, mode='path', adapter=None, folder=None, allow_files=False, **settings)"

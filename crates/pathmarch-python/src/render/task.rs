@@ -47,7 +47,8 @@ impl Task {
     /// Renders until all samples are done, or the watcher stops the work.
     ///
     /// # Errors
-    /// [`Failure`]: a backend that fails, too little memory, or an animation that is no scene while the shutter is open.
+    /// [`Failure`]: a backend that fails, too little memory, or an animation that is no scene while the shutter is
+    /// open.
     pub fn run(&self, watcher: &Watcher<Outcome>) -> Outcome {
         let rendered = self.rendered(watcher);
         if let Err(Failure::Render(_)) = &rendered {
