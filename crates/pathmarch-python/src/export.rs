@@ -44,7 +44,7 @@ impl Solids {
         resolution: Option<&Bound<PyAny>>,
         cell: Option<f32>,
         objects: Option<Vec<String>>,
-        bounds: Option<[[f32; 3]; 2]>,
+        bounds: Option<Bound<PyAny>>,
     ) -> PyResult<Self> {
         let resolution = resolution.map_or(Ok(RESOLUTION), |value| whole("resolution", value, RESOLUTIONS))?;
         let fineness = match cell {
@@ -75,8 +75,11 @@ fn named(scene: &Scene, names: &[String]) -> PyResult<Vec<usize>> {
     names.iter().map(index).collect()
 }
 
-fn clip_box([min, max]: [[f32; 3]; 2]) -> PyResult<Aabb> {
-    if (0..3).all(|axis| min[axis] < max[axis] && min[axis].is_finite() && max[axis].is_finite()) {
+fn clip_box(corners: Bound<PyAny>) -> PyResult<Aabb> {
+    if let Ok((corners, _)) = arrays::points(&corners)
+        && let [min, max] = corners[..]
+        && (0..3).all(|axis| min[axis] < max[axis] && min[axis].is_finite() && max[axis].is_finite())
+    {
         return Ok(Aabb { min, max });
     }
     let message = "bounds: expected the lower corner and the upper one, as in ((-1, 0, -1), (1, 2, 1))";

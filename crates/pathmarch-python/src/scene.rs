@@ -263,7 +263,7 @@ impl Scene {
         resolution: Option<Bound<'py, PyAny>>,
         cell: Option<f32>,
         objects: Option<Vec<String>>,
-        bounds: Option<[[f32; 3]; 2]>,
+        bounds: Option<Bound<'py, PyAny>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let solids = Solids::new(self.moving.scene.clone(), resolution.as_ref(), cell, objects, bounds)?;
@@ -286,7 +286,7 @@ impl Scene {
         resolution: Option<Bound<'py, PyAny>>,
         cell: Option<f32>,
         objects: Option<Vec<String>>,
-        bounds: Option<[[f32; 3]; 2]>,
+        bounds: Option<Bound<'py, PyAny>>,
         unit: Option<&str>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<usize> {

@@ -66,10 +66,11 @@ fn number(name: &str, value: &Bound<PyAny>) -> PyResult<f32> {
 }
 
 fn size(name: &str, value: &Bound<PyAny>, range: (u32, u32)) -> PyResult<(u32, u32)> {
-    let expected = "two whole numbers of pixels, (width, height)";
-    let (width, height) =
-        value.extract::<(Bound<PyAny>, Bound<PyAny>)>().map_err(|_| wrong_type(name, expected, value))?;
-    Ok((whole(&format!("{name}: width"), &width, range)?, whole(&format!("{name}: height"), &height, range)?))
+    let sides: Vec<_> = value.try_iter().and_then(Iterator::collect).unwrap_or_default();
+    let [width, height] = &sides[..] else {
+        return Err(wrong_type(name, "two whole numbers of pixels, (width, height)", value));
+    };
+    Ok((whole(&format!("{name}: width"), width, range)?, whole(&format!("{name}: height"), height, range)?))
 }
 
 fn wrong_type(name: &str, expected: &str, value: &Bound<PyAny>) -> PyErr {

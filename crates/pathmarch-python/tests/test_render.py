@@ -71,6 +71,8 @@ def test_layers_equal_those_of_the_command_line(scenes, program, tmp_path):
 def test_the_picture_has_the_size_and_the_type_of_the_arguments(ball):
     picture = pathmarch.render(ball, size=(20, 10), samples=1, backend="cpu")
     assert (picture.shape, picture.dtype) == ((10, 20, 3), numpy.float32)
+    for size in ([20, 10], numpy.array([20, 10])):
+        assert pathmarch.render(ball, size, numpy.int32(1), backend="cpu").tobytes() == picture.tobytes()
     assert picture.flags.writeable and picture.flags.c_contiguous
     assert numpy.allclose(picture[0, 0], [1, 0.5, 0.25]), "the sky"
 
@@ -118,6 +120,7 @@ def test_files_of_a_text_are_in_its_folder(scenes, tmp_path):
         ({"size": (0, 10)}, ValueError, "size: width: must be a whole number from 1 to 16384, not 0"),
         ({"size": (10, 10**30)}, ValueError, "size: height: must be a whole number from 1 to 16384"),
         ({"size": 10}, TypeError, r"size: expected two whole numbers of pixels, \(width, height\), not 10"),
+        ({"size": "640x360"}, TypeError, "size: expected two whole numbers of pixels"),
         ({"size": (10, 1.5)}, TypeError, "size: height: expected a whole number, not 1.5"),
         ({"samples": 0}, ValueError, "samples: must be a whole number from 1 to 1000000, not 0"),
         ({"samples": -1}, ValueError, "samples: must be a whole number from 1"),

@@ -5,7 +5,8 @@ from __future__ import annotations
 import difflib
 import inspect
 import textwrap
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from collections.abc import Iterable
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from ._kdl import Node, flat
 
@@ -22,6 +23,15 @@ EXPECTED = {
     "size": "a width and a height",
     "numbers": "numbers or formulas",
 }
+OTHER_TYPES = {
+    "text": (str, "a text"),
+    "material": (str, "a material or its name"),
+    "flag": (bool, "True or False"),
+    "points": (Iterable, "a list of points"),
+    "list": (Iterable, "a list of colours"),
+    "mapping": (dict, "a dictionary"),
+}
+"""Types of values that are no numbers, and their names."""
 
 
 class Parameter(NamedTuple):
@@ -132,8 +142,8 @@ def check(function: str, parameter: Parameter, value: Any) -> None:
             raise ValueError(f"{where} must be one of {', '.join(parameter.choices)}, not {value!r}")
     elif parameter.kind == "node":
         raise TypeError(f"{where} must be a node, not {value!r}")
-    elif parameter.kind in ("text", "material") and not isinstance(value, str):
-        raise TypeError(f"{where} must be a text, not {value!r}")
+    elif not isinstance(value, OTHER_TYPES[parameter.kind][0]):
+        raise TypeError(f"{where} must be {OTHER_TYPES[parameter.kind][1]}, not {value!r}")
 
 
 def _check_numbers(where: str, parameter: Parameter, values: Tuple[Any, ...]) -> None:

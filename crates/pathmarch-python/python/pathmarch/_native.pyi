@@ -15,7 +15,6 @@ _Layer = Literal["albedo", "normal", "depth", "position", "objectId", "materialI
 _Layers = Union[Literal["all"], _Layer, Sequence[_Layer]]
 _Progress = Callable[[float, float], Any]
 _Curve = Literal["agx", "neutral", "srgb"]
-_Box = Tuple[Tuple[float, float, float], Tuple[float, float, float]]
 
 class _Mesh(TypedDict):
     positions: _Floats
@@ -53,7 +52,7 @@ class Scene:
     @overload
     def render(
         self,
-        size: Optional[Tuple[int, int]] = None,
+        size: Optional[Sequence[int]] = None,
         samples: Optional[int] = None,
         seed: int = 0,
         backend: Literal["auto", "cpu", "gpu"] = "auto",
@@ -71,7 +70,7 @@ class Scene:
     @overload
     def render(
         self,
-        size: Optional[Tuple[int, int]] = None,
+        size: Optional[Sequence[int]] = None,
         samples: Optional[int] = None,
         seed: int = 0,
         backend: Literal["auto", "cpu", "gpu"] = "auto",
@@ -94,7 +93,7 @@ class Scene:
         *,
         cell: Optional[float] = None,
         objects: Optional[Sequence[str]] = None,
-        bounds: Optional[_Box] = None,
+        bounds: Optional[npt.ArrayLike] = None,
         progress: Optional[_Progress] = None,
     ) -> _Mesh: ...
     def export(
@@ -104,7 +103,7 @@ class Scene:
         *,
         cell: Optional[float] = None,
         objects: Optional[Sequence[str]] = None,
-        bounds: Optional[_Box] = None,
+        bounds: Optional[npt.ArrayLike] = None,
         unit: Optional[Literal["mm", "cm", "m", "inch"]] = None,
         progress: Optional[_Progress] = None,
     ) -> int: ...
@@ -113,7 +112,7 @@ class Scene:
 @overload
 def render(
     scene: Union[_Path, Scene],
-    size: Optional[Tuple[int, int]] = None,
+    size: Optional[Sequence[int]] = None,
     samples: Optional[int] = None,
     seed: int = 0,
     backend: Literal["auto", "cpu", "gpu"] = "auto",
@@ -133,7 +132,7 @@ def render(
 @overload
 def render(
     scene: Union[_Path, Scene],
-    size: Optional[Tuple[int, int]] = None,
+    size: Optional[Sequence[int]] = None,
     samples: Optional[int] = None,
     seed: int = 0,
     backend: Literal["auto", "cpu", "gpu"] = "auto",
