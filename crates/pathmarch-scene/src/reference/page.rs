@@ -57,9 +57,15 @@ fn nodes(page: &mut String) {
     section(page, "Nodes of a file", "");
     table(page, &["Node", "Description"]);
     NODES.iter().for_each(|(name, doc)| row(page, &[&format!("`{name}`"), doc]));
-    for (owner, settings) in TABLES.iter().filter(|(owner, _)| *owner != super::PLACEMENTS).chain(&PROPERTIES) {
-        heading(page, 3, &format!("Settings of {owner}"), "");
+    let in_braces = TABLES.iter().filter(|(owner, _)| *owner != super::PLACEMENTS);
+    let of_others = |(owner, _): &&(&str, &[Setting])| TABLES.iter().all(|(other, _)| other != owner);
+    let mut last = "";
+    for (owner, settings) in in_braces.chain(PROPERTIES.iter().filter(of_others)) {
+        if *owner != last {
+            heading(page, 3, &format!("Settings of {owner}"), "");
+        }
         setting_rows(page, settings);
+        last = owner;
     }
     heading(page, 3, "Other nodes", "");
     table(page, &["Node", "In", "Description"]);
