@@ -132,9 +132,12 @@ impl File {
     /// `ValueError` for unknown formats and units.
     pub fn new(path: PathBuf, unit: Option<&str>) -> PyResult<Self> {
         let format = MeshFormat::from_path(&path).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let unit = unit.unwrap_or(if format == MeshFormat::Stl { "mm" } else { "m" });
-        if format == MeshFormat::Glb && unit != "m" {
-            return Err(PyValueError::new_err("unit: glTF files are in metres; leave it out, or write another format"));
+        let usual = format.unit().unwrap_or(if format == MeshFormat::Stl { "mm" } else { "m" });
+        let unit = unit.unwrap_or(usual);
+        if format.unit().is_some_and(|only| only != unit) {
+            let message =
+                format!("unit: .{} files are in {usual}; leave it out, or write another format", format.extension());
+            return Err(PyValueError::new_err(message));
         }
         Ok(Self { path, units_per_metre: names::find("unit", unit, UNITS)? })
     }

@@ -270,9 +270,9 @@ impl Scene {
         export::arrays(py, export::mesh(py, solids, progress)?)
     }
 
-    /// Writes the solids as a mesh file: `.stl`, `.ply`, `.obj` or `.glb`, as `pathmarch export` does.
+    /// Writes the solids as a mesh file: `.stl`, `.ply`, `.obj`, `.glb`, `.3mf`, `.usda` or `.usdz`, as `pathmarch export` does.
     ///
-    /// `unit` is "mm", "cm", "m" or "inch"; without it millimetres for `.stl`, metres for others. The other arguments
+    /// `unit` is "mm", "cm", "m" or "inch"; without it millimetres for `.stl` and `.3mf`, metres for others. The other arguments
     /// are those of `mesh`. Returns the number of triangles.
     #[pyo3(signature = (path, resolution = None, *, cell = None, objects = None, bounds = None, unit = None,
         progress = None))]

@@ -118,7 +118,7 @@ def test_meshes_are_closed_and_of_the_right_size(ball):
     assert numpy.allclose(mesh["colours"][0], [0.7, 0.22, 0.08])
 
 
-@pytest.mark.parametrize("suffix", [".stl", ".ply", ".obj", ".glb"])
+@pytest.mark.parametrize("suffix", [".stl", ".ply", ".obj", ".glb", ".3mf", ".usda", ".usdz"])
 def test_mesh_files_equal_those_of_the_command_line(suffix, scenes, program, tmp_path):
     scene = scenes / "ten-lines.kdl"
     options = ["--object", "block", "--object", "ball", "--resolution", 24]
@@ -138,7 +138,7 @@ def test_mesh_files_equal_those_of_the_command_line(suffix, scenes, program, tmp
         ({"bounds": ((1, 1, 1), (0, 0, 0))}, "bounds: expected the lower corner"),
         ({"unit": "foot"}, 'unit: there is no "foot"'),
         ({"path": "a.max"}, "extension"),
-        ({"path": "a.glb", "unit": "mm"}, "glTF files are in metres"),
+        ({"path": "a.glb", "unit": "mm"}, "files are in m;"),
     ],
 )
 def test_meshes_that_cannot_be_made_are_refused(options, message, ball, tmp_path, monkeypatch):

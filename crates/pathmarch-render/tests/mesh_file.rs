@@ -133,11 +133,51 @@ fn glb_is_read_by_other_programs() {
     }
 }
 
+fn three_mf_is_read_by_other_programs() {
+    let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
+    let path = written(MeshFormat::ThreeMf, &mesh, directory.path());
+    let models = threemf::read(std::fs::File::open(path).expect("there")).expect("read");
+    let object = &models[0].resources.object[0];
+    assert_eq!(models[0].build.item[0].objectid, object.id);
+    let read = object.mesh.as_ref().expect("a mesh");
+    assert_eq!(read.vertices.vertex.len(), mesh.positions.len());
+    let corner = |vertex: usize| {
+        let vertex = &read.vertices.vertex[vertex];
+        Vec3::from([vertex.x, vertex.y, vertex.z].map(|number| number as f32))
+    };
+    check("3mf", read.triangles.triangle.iter().map(|found| [found.v1, found.v2, found.v3].map(corner)));
+}
+
+/// Numbers of an attribute in the text of a USD file.
+fn usd_numbers(text: &str, name: &str) -> Vec<f32> {
+    let (_, values) = text.split_once(&format!("{name} = [")).expect(name);
+    let (values, _) = values.split_once(']').expect("an end");
+    let words = values.split([',', '(', ')', ' ']).filter(|word| !word.is_empty());
+    words.map(|word| word.parse().expect("a number")).collect()
+}
+
+fn usd_has_the_triangles_with_normals_and_colours() {
+    let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
+    let text = std::fs::read_to_string(written(MeshFormat::Usda, &mesh, directory.path())).expect("text");
+    assert!(text.starts_with("#usda 1.0\n"));
+    let points: Vec<Vec3> = usd_numbers(&text, "points").chunks(3).map(Vec3::from_slice).collect();
+    let indices: Vec<usize> = usd_numbers(&text, "faceVertexIndices").iter().map(|number| *number as usize).collect();
+    check("usda", indices.chunks(3).map(|triangle| [0, 1, 2].map(|k| points[triangle[k]])));
+    assert_eq!(usd_numbers(&text, "faceVertexCounts"), vec![3.0; mesh.triangles.len()]);
+    for name in ["normals", "displayColor"] {
+        assert_eq!(usd_numbers(&text, name).len(), 3 * points.len(), "{name}");
+    }
+    let archive = std::fs::read(written(MeshFormat::Usdz, &mesh, directory.path())).expect("an archive");
+    let start = archive.windows(9).position(|bytes| bytes == b"#usda 1.0").expect("not compressed");
+    assert_eq!(start % 64, 0, "data start at a multiple of 64 bytes");
+    assert_eq!(&archive[start..start + text.len()], text.as_bytes());
+}
+
 fn unknown_extensions_and_missing_directories_are_refused() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     for name in ["mesh", "mesh.fbx", ".stl"] {
         let error = save(&directory.path().join(name), &mesh).expect_err("no such format").to_string();
-        assert!(error.contains(".stl, .ply, .obj or .glb"), "{error}");
+        assert!(error.contains(".stl, .ply, .obj, .glb, .3mf, .usda or .usdz"), "{error}");
     }
     assert_eq!(MeshFormat::from_path(Path::new("A.STL")).expect("upper case"), MeshFormat::Stl);
     assert!(save(&directory.path().join("no/such/mesh.stl"), &mesh).is_err());
@@ -229,7 +269,7 @@ fn exported_solids_return_within_a_voxel() {
         [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
     });
     let voxel = (0..3).map(|k| extent[1][k] - extent[0][k]).fold(0.0, f32::max) / 128.0;
-    for format in MeshFormat::ALL {
+    for format in [MeshFormat::Stl, MeshFormat::Ply, MeshFormat::Obj, MeshFormat::Glb] {
         let path = written(format, &exported, directory.path());
         let file = path.file_name().and_then(|name| name.to_str()).expect("a name");
         let returned = field_of(&format!("mesh \"{file}\" as=\"field\" resolution=128"), directory.path());
@@ -246,6 +286,8 @@ tests! {
         ply_is_read_by_other_programs,
         obj_is_read_by_other_programs,
         glb_is_read_by_other_programs,
+        three_mf_is_read_by_other_programs,
+        usd_has_the_triangles_with_normals_and_colours,
         unknown_extensions_and_missing_directories_are_refused,
         vertices_have_the_colours_of_textures_and_orbits,
         exported_solids_return_within_a_voxel,

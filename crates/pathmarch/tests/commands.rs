@@ -419,7 +419,11 @@ fn export_writes_meshes() {
     let output = export(&["--object", "block", "--unit", "inch", "-o", "a.obj"]);
     assert!(code(&output) == 0 && stderr(&output).contains("39.37 x 39.37 x 39.37 in, "), "{}", stderr(&output));
     let output = export(&["--object", "block", "--unit", "mm", "-o", "a.glb"]);
-    assert!(code(&output) == 2 && stderr(&output).contains("glTF files are in metres"), "{}", stderr(&output));
+    assert!(
+        code(&output) == 2 && stderr(&output).contains(".glb files are in m: leave --unit out"),
+        "{}",
+        stderr(&output)
+    );
     // All solids, clipped; sheets are named and left out.
     let output = export(&["--bounds", "-1 -2.5 -1 3 1 1", "--cell", "0.1", "-o", "all.stl"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
@@ -433,7 +437,7 @@ fn what_cannot_be_exported_is_refused() {
     std::fs::write(directory.path().join("solids.kdl"), SOLIDS).expect("written");
     for (wrong, expected, words) in [
         (&["-o", "a.stl"][..], 2, &["\"floor\"", "--object", "--bounds"][..]),
-        (&["-o", "a.fbx", "--object", "ball"], 2, &[".stl, .ply, .obj or .glb"]),
+        (&["-o", "a.fbx", "--object", "ball"], 2, &[".stl, .ply, .obj, .glb, .3mf, .usda or .usdz"]),
         (&["-o", "a.stl", "--object", "bal"], 2, &["did you mean \"ball\"", "\"block\""]),
         (&["-o", "a.stl", "--object", "card"], 2, &["\"card\"", "no inside"]),
         (&["-o", "a.stl", "--object", "ball", "--resolution", "100000"], 2, &["larger cells"]),

@@ -1,27 +1,14 @@
 //! Binary glTF 2.0: a JSON chunk that describes the mesh, then a binary chunk with its data.
-//!
-//! A vertex of a glTF mesh has one normal. If the triangles around a vertex face different directions, the vertex is duplicated
-//! for each side, so that sharp edges are shaded sharp.
 
+use super::split_mesh::SplitMesh;
 use super::write_numbers;
 use glam::Vec3;
 use pathmarch_field::Mesh;
 use serde_json::json;
 use std::io::{self, Write};
 
-/// Cosine of the largest angle between the normals of triangles on one side of an edge: 30°.
-const SMOOTH_COSINE: f32 = 0.866;
-
-/// Mesh whose vertices have one normal each.
-struct SplitMesh {
-    /// Index in the original mesh of each vertex.
-    vertices: Vec<u32>,
-    normals: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-}
-
 pub(super) fn write(writer: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
-    let split = split_at_edges(mesh);
+    let split = SplitMesh::new(mesh);
     let (vertices, corners) = (split.vertices.len(), 3 * split.triangles.len());
     let low = mesh.positions.iter().map(|&p| Vec3::from(p)).fold(Vec3::INFINITY, Vec3::min).to_array();
     let high = mesh.positions.iter().map(|&p| Vec3::from(p)).fold(Vec3::NEG_INFINITY, Vec3::max).to_array();
@@ -79,53 +66,4 @@ pub(super) fn write(writer: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
     write_numbers(writer, split.normals.iter().flat_map(|normal| normal.to_array()))?;
     write_numbers(writer, split.vertices.iter().flat_map(|&vertex| mesh.colours[vertex as usize]))?;
     split.triangles.as_flattened().iter().try_for_each(|vertex| writer.write_all(&vertex.to_le_bytes()))
-}
-
-fn split_at_edges(mesh: &Mesh) -> SplitMesh {
-    // Triangles around each vertex: those of vertex v are in starts[v]..starts[v + 1].
-    let mut starts = vec![0; mesh.positions.len() + 1];
-    for vertex in mesh.triangles.as_flattened() {
-        starts[*vertex as usize + 1] += 1;
-    }
-    for k in 1..starts.len() {
-        starts[k] += starts[k - 1];
-    }
-    let mut next = starts.clone();
-    let mut around = vec![(0, 0); starts[mesh.positions.len()]];
-    for (number, triangle) in mesh.triangles.iter().enumerate() {
-        for (corner, vertex) in triangle.iter().enumerate() {
-            around[next[*vertex as usize]] = (number, corner);
-            next[*vertex as usize] += 1;
-        }
-    }
-    let area_normal = |number: usize| {
-        let [a, b, c] = mesh.corners(mesh.triangles[number]).map(Vec3::from);
-        (b - a).cross(c - a)
-    };
-    let mut split = SplitMesh { vertices: Vec::new(), normals: Vec::new(), triangles: mesh.triangles.clone() };
-    // For each side of a vertex, the normal of its first triangle and the sum of area-weighted normals.
-    let mut sides: Vec<(Vec3, Vec3)> = Vec::new();
-    for vertex in 0..mesh.positions.len() {
-        let around = &around[starts[vertex]..starts[vertex + 1]];
-        let exact = Vec3::from(mesh.normals[vertex]);
-        let first = split.vertices.len();
-        sides.clear();
-        for &(number, corner) in around {
-            let area_normal = area_normal(number);
-            let normal = area_normal.normalize_or(exact);
-            let known = sides.iter().position(|(side, _)| side.dot(normal) > SMOOTH_COSINE);
-            let side = known.unwrap_or_else(|| {
-                sides.push((normal, Vec3::ZERO));
-                sides.len() - 1
-            });
-            sides[side].1 += area_normal;
-            split.triangles[number][corner] = (first + side) as u32;
-        }
-        if let [(_, sum)] = &mut sides[..] {
-            *sum = exact;
-        }
-        split.vertices.extend(sides.iter().map(|_| vertex as u32));
-        split.normals.extend(sides.iter().map(|(side, sum)| sum.try_normalize().unwrap_or(*side)));
-    }
-    split
 }

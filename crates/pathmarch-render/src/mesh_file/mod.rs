@@ -10,9 +10,13 @@
 //! | `.obj`, text | shared vertices with colours after the coordinates, sRGB from 0 to 1 |
 //! | `.glb` (glTF 2.0) | vertices with normals and linear colours; those at sharp edges are duplicated for each side |
 //!
-//! All are in metres, with y up.
+//! | `.3mf` | triangles and colours, for printers: millimetres |
+//! | `.usda`, text, and `.usdz` | vertices with normals and linear colours, as in `.glb` |
 //!
-//! **Source.** STL (3D Systems 1989), PLY (Turk 1994), OBJ (Wavefront 1990), glTF 2.0 (Khronos 2021). The formats are so simple
+//! Coordinates are written as they are, with y up. glTF and USD say that they are metres, and 3MF millimetres: see
+//! [`MeshFormat::unit`].
+//!
+//! **Source.** STL (3D Systems 1989), PLY (Turk 1994), OBJ (Wavefront 1990), glTF 2.0 (Khronos 2021). 3MF and USD: see their files. The formats are so simple
 //! that writing them takes fewer lines than filling the structures of a crate. The tests read the files with crates.
 //!
 //! **Cost.** A million triangles take about 0.1 s, as text 1 s.
@@ -20,7 +24,10 @@
 mod glb;
 mod obj;
 mod ply;
+mod split_mesh;
 mod stl;
+mod three_mf;
+mod usd;
 
 use crate::output::atomic_file::AtomicFile;
 use crate::settings::Settings;
@@ -43,11 +50,17 @@ pub enum MeshFormat {
     Obj,
     /// Binary glTF 2.0.
     Glb,
+    /// 3MF.
+    ThreeMf,
+    /// USD, text.
+    Usda,
+    /// USD, archive.
+    Usdz,
 }
 
 impl MeshFormat {
     /// All formats.
-    pub const ALL: [Self; 4] = [Self::Stl, Self::Ply, Self::Obj, Self::Glb];
+    pub const ALL: [Self; 7] = [Self::Stl, Self::Ply, Self::Obj, Self::Glb, Self::ThreeMf, Self::Usda, Self::Usdz];
 
     /// Extension of file names, without the dot.
     pub fn extension(self) -> &'static str {
@@ -56,6 +69,18 @@ impl MeshFormat {
             Self::Ply => "ply",
             Self::Obj => "obj",
             Self::Glb => "glb",
+            Self::ThreeMf => "3mf",
+            Self::Usda => "usda",
+            Self::Usdz => "usdz",
+        }
+    }
+
+    /// Unit that files of this format are in: "mm" or "m". `None` if the format leaves it open.
+    pub fn unit(self) -> Option<&'static str> {
+        match self {
+            Self::Stl | Self::Ply | Self::Obj => None,
+            Self::Glb | Self::Usda | Self::Usdz => Some("m"),
+            Self::ThreeMf => Some("mm"),
         }
     }
 
@@ -74,7 +99,7 @@ impl MeshFormat {
 #[derive(Debug, thiserror::Error)]
 pub enum MeshFileError {
     /// The extension of the name is not that of a mesh format.
-    #[error("{path}: the extension of a mesh must be .stl, .ply, .obj or .glb; rename the file", path = path.display())]
+    #[error("{path}: the extension of a mesh must be .stl, .ply, .obj, .glb, .3mf, .usda or .usdz; rename the file", path = path.display())]
     UnknownExtension {
         /// Path of the file.
         path: PathBuf,
@@ -133,6 +158,9 @@ pub fn save(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
         MeshFormat::Ply => ply::write,
         MeshFormat::Obj => obj::write,
         MeshFormat::Glb => glb::write,
+        MeshFormat::ThreeMf => three_mf::write,
+        MeshFormat::Usda => usd::write_text,
+        MeshFormat::Usdz => usd::write_archive,
     };
     write(&mut writer, mesh).map_err(write_error)?;
     let file = writer.into_inner().map_err(|error| write_error(error.into_error()))?;

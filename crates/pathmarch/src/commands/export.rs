@@ -16,7 +16,7 @@ use std::time::Instant;
 pub struct Arguments {
     /// Scene file
     scene: PathBuf,
-    /// Mesh file to write: .stl, .ply, .obj or .glb
+    /// Mesh file to write: .stl, .ply, .obj, .glb, .3mf, .usda or .usdz
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Object to export; can be repeated [default: all solids, as one mesh]
@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Size of a cell, metres, instead of a resolution
     #[arg(long, value_name = "METRES", value_parser = parse_cell, allow_hyphen_values = true, conflicts_with = "resolution")]
     cell: Option<f32>,
-    /// Unit of the numbers in the file [default: mm for .stl, as printers expect; m for others]
+    /// Unit of the numbers in the file [default: mm for .stl and .3mf, as printers expect; m for others]
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
     /// Clip to a box, given by two corners in metres: "-1 0 -1 1 2 1"
@@ -80,12 +80,13 @@ fn parse_bounds(text: &str) -> Result<Aabb, String> {
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let format = MeshFormat::from_path(&arguments.output).map_err(|error| Failure::Usage(error.to_string()))?;
-    let default = if format == MeshFormat::Stl { Unit::Mm } else { Unit::M };
-    let unit = arguments.unit.unwrap_or(default);
-    if format == MeshFormat::Glb && unit != Unit::M {
-        return Err(Failure::Usage(
-            "glTF files are in metres: leave --unit out, or write .stl, .ply or .obj".to_owned(),
-        ));
+    let usual = format.unit().unwrap_or(if format == MeshFormat::Stl { "mm" } else { "m" });
+    let unit = arguments.unit.unwrap_or(if usual == "mm" { Unit::Mm } else { Unit::M });
+    if let Some(only) = format.unit().filter(|only| *only != unit.per_metre().1) {
+        let extension = format.extension();
+        return Err(Failure::Usage(format!(
+            ".{extension} files are in {only}: leave --unit out, or write .stl, .ply or .obj"
+        )));
     }
     check_output(&arguments.output)?;
     let scene = load(&arguments.scene, arguments.allow_files)?;
