@@ -153,4 +153,8 @@ fn faces_in_common_need_no_margin() {
     let hole = combined("subtract", vec![cube(0.0, 0.0, [1.0; 3]), cube(0.0, 0.0, [0.5, 1.0, 0.5])]);
     assert_eq!(hit(&hole, [0.0, 2.0, 0.0], [0.0, -1.0, 0.0]), T_MAX);
     assert_eq!(hit(&hole, [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]), 0.25);
+    // A bar across a post, with faces in one plane: the ray that meets the bar beside the post meets the bar.
+    let crossed = combined("union", vec![cube(0.0, 0.0, [0.1, 1.0, 0.1]), cube(0.0, 0.0, [0.1, 0.1, 1.0])]);
+    let (origin, direction) = (at([1.0, 0.0, 0.0], [0.0; 3], 0.0), at([0.0; 3], [-0.95, 0.0, -0.3], 1.0));
+    assert_eq!(crossed.analytic_hit(origin, direction), (1.0, 1.0));
 }

@@ -78,10 +78,13 @@ impl Field {
         self.collect(object, origin, direction, &mut intervals);
         let mut hit = first;
         for (k, ends) in (0..).zip(&intervals.ends[..intervals.count]) {
-            for &t in ends {
+            let [enter, leave] = *ends;
+            // The ends of a shape that the line misses may equal those of another.
+            let is_entered = enter.lt(leave);
+            for t in [enter, leave] {
                 let [before, behind] = [Side::Before, Side::Behind].map(|side| intervals.contains(object, t, side));
                 let changes = (before & !behind) | (behind & !before);
-                hit = nearer(hit, t, changes & N::zero().lt(t), intervals.first + k);
+                hit = nearer(hit, t, changes & is_entered & N::zero().lt(t), intervals.first + k);
             }
         }
         hit

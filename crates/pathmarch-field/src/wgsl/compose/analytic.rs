@@ -59,7 +59,7 @@ impl Composer<'_> {
             let [before, behind] = [false, true].map(|behind| contains(object, &t, behind));
             writeln!(
                 text,
-                "    t = select(1e30, {t}, (0.0 < {t}) & ({before} != {behind}));\n    hit_id = select(hit_id, {leaf}u, t < nearest);\n    \
+                "    t = select(1e30, {t}, (0.0 < {t}) & (s{leaf}.x < s{leaf}.y) & ({before} != {behind}));\n    hit_id = select(hit_id, {leaf}u, t < nearest);\n    \
                  nearest = min(nearest, t);"
             )
             .expect("writing to a string");
