@@ -8,8 +8,7 @@
 #   scripts/gpu.sh --programs FOLDER [...]              measures with programs packed before
 #
 # Each step writes FOLDER/NN-step.txt (default: gpu-report/); a failed step does not stop the others. The exit code is the
-# number of failed steps. For a packed run build with RUSTFLAGS="-C target-cpu=x86-64-v3" so that other processors can run it,
-# and have the repository at the same path there: the tests read their data by it.
+# number of failed steps. A packed run needs the repository at the same path there: the tests read their data by it.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 

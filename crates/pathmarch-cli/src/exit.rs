@@ -1,5 +1,6 @@
 //! Start and end of a program: exit codes, failures, checks at start-up.
 
+use crate::instruction_set::check_instruction_set;
 use crate::{note, threads};
 use pathmarch_render::pathmarch_scene::SceneError;
 use std::process::ExitCode;
@@ -78,9 +79,9 @@ pub fn print_report(report: &dyn miette::Diagnostic) {
     }
 }
 
-/// Runs a program and returns its exit code: checks the CPU, silences drivers, starts the threads, prints a failure.
+/// Runs a program and returns its exit code: checks the processor, silences drivers, starts the threads, prints a failure.
 pub fn run(program: impl FnOnce() -> Result<u8, Failure>) -> ExitCode {
-    if let Err(missing) = check_cpu_features() {
+    if let Err(missing) = check_instruction_set() {
         note!("pathmarch: {missing}");
         return ExitCode::from(FAILED);
     }
@@ -114,28 +115,4 @@ fn quiet_drivers() {
         // SAFETY: this is the start of `main`; no other thread runs.
         unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     }
-}
-
-/// Checks that this CPU has the instructions that the program was built for.
-///
-/// # Errors
-/// A message that names missing instructions, and says what to do.
-pub fn check_cpu_features() -> Result<(), String> {
-    #[cfg(target_arch = "x86_64")]
-    {
-        let features = [
-            ("AVX", cfg!(target_feature = "avx"), std::is_x86_feature_detected!("avx")),
-            ("AVX2", cfg!(target_feature = "avx2"), std::is_x86_feature_detected!("avx2")),
-            ("FMA", cfg!(target_feature = "fma"), std::is_x86_feature_detected!("fma")),
-            ("AVX-512", cfg!(target_feature = "avx512f"), std::is_x86_feature_detected!("avx512f")),
-        ];
-        for (name, built_for, present) in features {
-            if built_for && !present {
-                return Err(format!(
-                    "this program was built for a CPU with {name}, which this one lacks; build it on this machine"
-                ));
-            }
-        }
-    }
-    Ok(())
 }

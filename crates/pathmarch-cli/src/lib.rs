@@ -6,6 +6,7 @@
 mod app_dirs;
 mod arguments;
 mod exit;
+mod instruction_set;
 mod interrupt;
 mod print;
 mod render_options;
@@ -14,7 +15,10 @@ pub mod value_parsers;
 
 pub use app_dirs::{AppDirs, HOME_VARIABLE};
 pub use arguments::{BackendArgument, check_directory, check_output};
-pub use exit::{DONE, FAILED, Failure, INTERRUPTED, USAGE, check_cpu_features, end_on_closed_pipe, print_report, run};
+pub use exit::{DONE, FAILED, Failure, INTERRUPTED, USAGE, end_on_closed_pipe, print_report, run};
+pub use instruction_set::{
+    InstructionSet, VARIABLE as INSTRUCTION_SET_VARIABLE, check_instruction_set, run_best_build,
+};
 pub use interrupt::catch_interrupts;
 pub use print::{print_note, print_out};
 pub use render_options::RenderOptions;

@@ -23,7 +23,7 @@ mod scene;
 mod settings;
 mod source;
 
-use pathmarch_cli::{AppDirs, check_cpu_features};
+use pathmarch_cli::{AppDirs, check_instruction_set};
 use pathmarch_render::pathmarch_scene::set_mesh_cache;
 use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
@@ -31,7 +31,7 @@ use pyo3::prelude::*;
 /// Scenes as text, path-traced to NumPy arrays.
 #[pymodule]
 fn _native(module: &Bound<PyModule>) -> PyResult<()> {
-    check_cpu_features().map_err(PyImportError::new_err)?;
+    check_instruction_set().map_err(PyImportError::new_err)?;
     if let Some(dirs) = AppDirs::of_user() {
         set_mesh_cache(dirs.meshes);
     }

@@ -1,6 +1,6 @@
 //! `pathmarch devices`: lists the devices that can render.
 
-use pathmarch_cli::{DONE, Failure, outln};
+use pathmarch_cli::{DONE, Failure, InstructionSet, outln};
 use pathmarch_render::adapters;
 use serde_json::json;
 
@@ -29,7 +29,11 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 })
             })
             .collect();
-        let cpu = json!({"threads": rayon::current_num_threads(), "default": preferred.is_none()});
+        let cpu = json!({
+            "threads": rayon::current_num_threads(),
+            "instructions": InstructionSet::of_build().name(),
+            "default": preferred.is_none(),
+        });
         outln!("{}", json!({"gpus": gpus, "cpu": cpu}));
         return Ok(DONE);
     }
@@ -47,7 +51,8 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     }
     let threads = rayon::current_num_threads();
     let remark = if preferred.is_none() || is_software { "  <- default" } else { "" };
-    outln!("CPU  {threads} threads, eight rays per packet{remark}");
+    let instructions = InstructionSet::of_build().label();
+    outln!("CPU  {threads} threads, eight rays per packet, {instructions}{remark}");
     if preferred.is_none() {
         outln!("No usable GPU adapter: install a graphics driver, or Mesa's software Vulkan (mesa-vulkan-drivers).");
     }

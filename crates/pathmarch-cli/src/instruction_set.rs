@@ -1,0 +1,212 @@
+//! Instruction sets of the processor, and the build of the program for the best of them.
+//!
+//! **Idea.** A package has several builds of the program, which differ in the instructions that the compiler may use. The one
+//! that starts runs on every processor; it passes its place to the best build that the processor can run. Beside dispatch in
+//! each function this has two advantages: lanes, vectors of the standard library and dependencies alike use the wide registers,
+//! and no call is indirect.
+//!
+//! **Source.** The levels are those of the x86-64 psABI (section 3.1.1, 2020), by which glibc chooses among libraries too.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Variable that forbids better instruction sets than the named one.
+pub const VARIABLE: &str = "PATHMARCH_INSTRUCTIONS";
+
+/// Instruction sets for which the program is built, from the least to the best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum InstructionSet {
+    /// What every processor of the architecture has: on x86-64 SSE2, on aarch64 NEON.
+    Baseline,
+    /// AVX2, FMA and what came with them: x86-64 processors since 2013.
+    X86_64V3,
+    /// AVX-512.
+    X86_64V4,
+}
+
+impl InstructionSet {
+    const ALL: [Self; 3] = [Self::Baseline, Self::X86_64V3, Self::X86_64V4];
+
+    /// Returns the instruction set that this build uses.
+    pub const fn of_build() -> Self {
+        if cfg!(target_feature = "avx512f") {
+            Self::X86_64V4
+        } else if cfg!(target_feature = "avx2") {
+            Self::X86_64V3
+        } else {
+            Self::Baseline
+        }
+    }
+
+    /// Name in file names and in the variable.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Baseline => "baseline",
+            Self::X86_64V3 => "x86-64-v3",
+            Self::X86_64V4 => "x86-64-v4",
+        }
+    }
+
+    /// Name for users.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::X86_64V4 => "AVX-512",
+            Self::X86_64V3 => "AVX2",
+            Self::Baseline if cfg!(target_arch = "aarch64") => "NEON",
+            Self::Baseline if cfg!(target_arch = "x86_64") => "SSE2",
+            Self::Baseline => "no vector instructions",
+        }
+    }
+
+    /// Reports whether this processor has all instructions of the set.
+    #[cfg(target_arch = "x86_64")]
+    pub fn is_supported(self) -> bool {
+        // The macro of the standard library answers yes without a look where the build requires the instructions.
+        let id = raw_cpuid::CpuId::new();
+        let (features, more) = (id.get_feature_info(), id.get_extended_feature_info());
+        let extended = id.get_extended_processor_and_feature_identifiers();
+        let (Some(features), Some(more), Some(extended)) = (features, more, extended) else {
+            return self == Self::Baseline;
+        };
+        let v3 = || {
+            features.has_oxsave()
+                && features.has_avx()
+                && features.has_fma()
+                && features.has_f16c()
+                && features.has_movbe()
+                && more.has_avx2()
+                && more.has_bmi1()
+                && more.has_bmi2()
+                && extended.has_lzcnt()
+        };
+        let v4 = || {
+            more.has_avx512f()
+                && more.has_avx512bw()
+                && more.has_avx512cd()
+                && more.has_avx512dq()
+                && more.has_avx512vl()
+        };
+        match self {
+            Self::Baseline => true,
+            Self::X86_64V3 => v3(),
+            Self::X86_64V4 => v3() && v4(),
+        }
+    }
+
+    /// Reports whether this processor has all instructions of the set.
+    #[cfg(not(target_arch = "x86_64"))]
+    pub fn is_supported(self) -> bool {
+        self == Self::Baseline
+    }
+
+    /// Best set that the variable allows; a name that is none allows all.
+    fn allowed(variable: Option<&str>) -> Self {
+        Self::ALL.into_iter().find(|set| variable == Some(set.name())).unwrap_or(Self::X86_64V4)
+    }
+}
+
+/// Checks that this processor has the instructions that the program was built for.
+///
+/// # Errors
+/// A message that names the missing instructions, and says what to do.
+pub fn check_instruction_set() -> Result<(), String> {
+    let built_for = InstructionSet::of_build();
+    if built_for.is_supported() {
+        return Ok(());
+    }
+    Err(format!(
+        "this program was built for processors with {}, which this one lacks; build it with RUSTFLAGS=\"\", which runs everywhere",
+        built_for.label()
+    ))
+}
+
+/// Gives the process to the best build of the program that is installed beside it and runs on this processor, if there is one.
+/// Returns if there is none, or if it cannot be started.
+pub fn run_best_build() {
+    let variable = std::env::var(VARIABLE).ok();
+    let program = std::env::current_exe().and_then(|program| program.canonicalize());
+    let Some(best) =
+        program.ok().and_then(|program| best_build(&program, InstructionSet::allowed(variable.as_deref())))
+    else {
+        return;
+    };
+    let mut arguments = std::env::args_os();
+    let mut command = Command::new(best);
+    name_as(&mut command, arguments.next());
+    become_process(command.args(arguments));
+}
+
+/// Best build beside `program`, better than this one and no better than `limit`.
+fn best_build(program: &Path, limit: InstructionSet) -> Option<PathBuf> {
+    let (folder, name) = (program.parent()?, program.file_stem()?.to_str()?);
+    let better = InstructionSet::ALL.into_iter().rev().filter(|set| InstructionSet::of_build() < *set && *set <= limit);
+    better.filter(|set| set.is_supported()).find_map(|set| {
+        let file = format!("{name}-{}{}", set.name(), std::env::consts::EXE_SUFFIX);
+        [folder.join("../lib").join(name), folder.to_owned()]
+            .map(|folder| folder.join(&file))
+            .into_iter()
+            .find(|path| path.is_file())
+    })
+}
+
+/// Gives the command the name by which this program was called, which its messages show.
+fn name_as(command: &mut Command, name: Option<std::ffi::OsString>) {
+    #[cfg(unix)]
+    if let Some(name) = name {
+        std::os::unix::process::CommandExt::arg0(command, name);
+    }
+    #[cfg(not(unix))]
+    let _ = (command, name);
+}
+
+#[cfg(unix)]
+fn become_process(command: &mut Command) {
+    // Returns only if the file cannot be executed; this build then goes on.
+    let _ = std::os::unix::process::CommandExt::exec(command);
+}
+
+#[cfg(not(unix))]
+fn become_process(command: &mut Command) {
+    // Ctrl-C reaches both processes; this one waits for the other.
+    let _ = ctrlc::set_handler(|| {});
+    if let Ok(status) = command.status() {
+        std::process::exit(status.code().unwrap_or(1));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_better_sets_need_the_lesser_ones() {
+        assert!(InstructionSet::Baseline.is_supported());
+        assert!(InstructionSet::X86_64V3.is_supported() || !InstructionSet::X86_64V4.is_supported());
+        assert!(check_instruction_set().is_ok());
+    }
+
+    #[test]
+    fn the_variable_limits_the_set() {
+        assert_eq!(InstructionSet::allowed(Some("baseline")), InstructionSet::Baseline);
+        assert_eq!(InstructionSet::allowed(Some("x86-64-v3")), InstructionSet::X86_64V3);
+        assert_eq!(InstructionSet::allowed(None), InstructionSet::X86_64V4);
+    }
+
+    #[test]
+    fn the_best_build_that_runs_here_is_found() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let library = folder.path().join("lib/pathmarch");
+        std::fs::create_dir_all(&library).expect("created");
+        std::fs::create_dir_all(folder.path().join("bin")).expect("created");
+        for set in InstructionSet::ALL {
+            let file = library.join(format!("pathmarch-{}{}", set.name(), std::env::consts::EXE_SUFFIX));
+            std::fs::write(file, "").expect("written");
+        }
+        let program = folder.path().join("bin/pathmarch");
+        let best = InstructionSet::ALL.into_iter().rfind(|set| set.is_supported()).expect("the baseline");
+        let found = best_build(&program, InstructionSet::X86_64V4);
+        assert_eq!(found.is_some(), InstructionSet::of_build() < best);
+        assert!(found.is_none_or(|path| path.to_string_lossy().contains(best.name())));
+        assert_eq!(best_build(&program, InstructionSet::Baseline), None);
+    }
+}
