@@ -32,9 +32,13 @@ import os as _os
 if "XDG_RUNTIME_DIR" not in _os.environ:
     _os.environ.setdefault("NODEVICE_SELECT", "1")
 
-from . import nodes
-from ._native import Scene, __version__, devices, encode, load, render, save, tonemap
-from ._types import Cancelled, Diagnostic, Parameter, RenderError, SceneError, SceneWarning
+from . import _builds
+
+_builds.load()
+
+from . import nodes  # noqa: E402
+from ._native import Scene, __version__, devices, encode, load, render, save, tonemap  # noqa: E402
+from ._types import Cancelled, Diagnostic, Parameter, RenderError, SceneError, SceneWarning  # noqa: E402
 
 __all__ = [
     "Cancelled",

@@ -1,0 +1,48 @@
+"""The build of `pathmarch._native` for the best instructions that this processor has.
+
+A wheel may have several, in `_builds/NAME/`; the one beside this file runs everywhere. `PATHMARCH_INSTRUCTIONS=baseline`
+chooses that one.
+"""
+
+import importlib.util
+import os
+import sys
+from pathlib import Path
+
+# What a build needs of the processor, in the words of NumPy, from the best.
+_NEEDS = {"x86-64-v3": ("AVX2", "FMA3")}
+
+
+def _features():
+    try:
+        from numpy._core._multiarray_umath import __cpu_features__ as features
+    except ImportError:
+        try:
+            from numpy.core._multiarray_umath import __cpu_features__ as features
+        except ImportError:
+            return {}
+    return features
+
+
+def _best(folder):
+    """The file of the best build under a folder that this processor can run, or `None`."""
+    if os.environ.get("PATHMARCH_INSTRUCTIONS") == "baseline":
+        return None
+    features = _features()
+    for name, needs in _NEEDS.items():
+        files = sorted((folder / name).glob("_native*"))
+        if files and all(features.get(need) for need in needs):
+            return files[0]
+    return None
+
+
+def load():
+    """Loads the best build as `pathmarch._native`, unless that is the one beside this file."""
+    file = _best(Path(__file__).parent / "_builds")
+    if file is None:
+        return
+    name = "pathmarch._native"
+    spec = importlib.util.spec_from_file_location(name, file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    sys.modules[name] = module
