@@ -1,8 +1,9 @@
 //! Start and end of a program: exit codes, failures, checks at start-up.
 
-use crate::instruction_set::check_instruction_set;
+use crate::instruction_set::{check_instruction_set, run_best_build};
 use crate::{note, threads};
 use pathmarch_render::pathmarch_scene::SceneError;
+use std::io::Write;
 use std::process::ExitCode;
 
 /// Success.
@@ -79,12 +80,22 @@ pub fn print_report(report: &dyn miette::Diagnostic) {
     }
 }
 
-/// Runs a program and returns its exit code: checks the processor, silences drivers, starts the threads, prints a failure.
+/// Runs a program and returns its exit code: looks for the best build for the processor, silences drivers, starts the threads,
+/// prints a failure.
 pub fn run(program: impl FnOnce() -> Result<u8, Failure>) -> ExitCode {
+    // Nothing but texts of the program until the processor is known to have its instructions.
     if let Err(missing) = check_instruction_set() {
-        note!("pathmarch: {missing}");
+        for text in ["pathmarch: ", missing, "\n"] {
+            let _ = std::io::stderr().write_all(text.as_bytes());
+        }
         return ExitCode::from(FAILED);
     }
+    run_best_build();
+    start(program)
+}
+
+#[inline(never)]
+fn start(program: impl FnOnce() -> Result<u8, Failure>) -> ExitCode {
     quiet_drivers();
     report_file_limits();
     if let Some(note) = threads::start() {

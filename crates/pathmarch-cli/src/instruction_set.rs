@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Variable that forbids better instruction sets than the named one.
-pub const VARIABLE: &str = "PATHMARCH_INSTRUCTIONS";
+const VARIABLE: &str = "PATHMARCH_INSTRUCTIONS";
 
 /// Instruction sets for which the program is built, from the least to the best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -59,38 +59,27 @@ impl InstructionSet {
     }
 
     /// Reports whether this processor has all instructions of the set.
+    ///
+    /// It runs before anything else, in builds that the processor may not be able to run, so it is integers alone: the compiler
+    /// may use vectors for anything larger. The macro of the standard library would answer yes without a look.
     #[cfg(target_arch = "x86_64")]
+    #[inline(never)]
     pub fn is_supported(self) -> bool {
-        // The macro of the standard library answers yes without a look where the build requires the instructions.
-        let id = raw_cpuid::CpuId::new();
-        let (features, more) = (id.get_feature_info(), id.get_extended_feature_info());
-        let extended = id.get_extended_processor_and_feature_identifiers();
-        let (Some(features), Some(more), Some(extended)) = (features, more, extended) else {
-            return self == Self::Baseline;
-        };
-        let v3 = || {
-            features.has_oxsave()
-                && features.has_avx()
-                && features.has_fma()
-                && features.has_f16c()
-                && features.has_movbe()
-                && more.has_avx2()
-                && more.has_bmi1()
-                && more.has_bmi2()
-                && extended.has_lzcnt()
-        };
-        let v4 = || {
-            more.has_avx512f()
-                && more.has_avx512bw()
-                && more.has_avx512cd()
-                && more.has_avx512dq()
-                && more.has_avx512vl()
-        };
-        match self {
-            Self::Baseline => true,
-            Self::X86_64V3 => v3(),
-            Self::X86_64V4 => v3() && v4(),
+        use std::arch::x86_64::{__cpuid, __cpuid_count};
+        let has = |found: u32, needed: u32| found & needed == needed;
+        if self == Self::Baseline {
+            return true;
         }
+        if __cpuid(0).eax < 7 || __cpuid(0x8000_0000).eax < 0x8000_0001 {
+            return false;
+        }
+        let v4 = if self == Self::X86_64V4 { AVX512 } else { 0 };
+        let registers = if self == Self::X86_64V4 { YMM | ZMM } else { YMM };
+        has(__cpuid(1).ecx, FMA_TO_AVX)
+            && has(__cpuid_count(7, 0).ebx, BMI_AND_AVX2 | v4)
+            && has(__cpuid(0x8000_0001).ecx, LZCNT)
+            // SAFETY: OSXSAVE is among the bits of the first line.
+            && has(unsafe { enabled_registers() }, registers)
     }
 
     /// Reports whether this processor has all instructions of the set.
@@ -99,30 +88,65 @@ impl InstructionSet {
         self == Self::Baseline
     }
 
+    /// Message of a build for a processor that lacks its instructions.
+    const fn missing(self) -> &'static str {
+        match self {
+            Self::X86_64V4 => {
+                "this program was built for processors with AVX-512, which this one lacks; build it with RUSTFLAGS=\"\", which runs everywhere"
+            }
+            _ => {
+                "this program was built for processors with AVX2, which this one lacks; build it with RUSTFLAGS=\"\", which runs everywhere"
+            }
+        }
+    }
+
     /// Best set that the variable allows; a name that is none allows all.
     fn allowed(variable: Option<&str>) -> Self {
         Self::ALL.into_iter().find(|set| variable == Some(set.name())).unwrap_or(Self::X86_64V4)
     }
 }
 
+/// FMA, MOVBE, OSXSAVE, AVX and F16C: leaf 1, ecx.
+#[cfg(target_arch = "x86_64")]
+const FMA_TO_AVX: u32 = 1 << 12 | 1 << 22 | 1 << 27 | 1 << 28 | 1 << 29;
+/// BMI1, AVX2 and BMI2: leaf 7, ebx.
+#[cfg(target_arch = "x86_64")]
+const BMI_AND_AVX2: u32 = 1 << 3 | 1 << 5 | 1 << 8;
+/// AVX-512 F, DQ, CD, BW and VL: leaf 7, ebx.
+#[cfg(target_arch = "x86_64")]
+const AVX512: u32 = 1 << 16 | 1 << 17 | 1 << 28 | 1 << 30 | 1 << 31;
+/// LZCNT: leaf 0x80000001, ecx.
+#[cfg(target_arch = "x86_64")]
+const LZCNT: u32 = 1 << 5;
+/// Registers of 256 bits, and those that AVX-512 adds, which the system has to save: XCR0.
+#[cfg(target_arch = "x86_64")]
+const YMM: u32 = 0b110;
+#[cfg(target_arch = "x86_64")]
+const ZMM: u32 = 0b1110_0000;
+
+/// Registers that the operating system saves.
+///
+/// # Safety
+/// The processor has OSXSAVE.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "xsave")]
+fn enabled_registers() -> u32 {
+    // SAFETY: the caller vouches for the instruction.
+    unsafe { std::arch::x86_64::_xgetbv(0) as u32 }
+}
+
 /// Checks that this processor has the instructions that the program was built for.
 ///
 /// # Errors
 /// A message that names the missing instructions, and says what to do.
-pub fn check_instruction_set() -> Result<(), String> {
+pub fn check_instruction_set() -> Result<(), &'static str> {
     let built_for = InstructionSet::of_build();
-    if built_for.is_supported() {
-        return Ok(());
-    }
-    Err(format!(
-        "this program was built for processors with {}, which this one lacks; build it with RUSTFLAGS=\"\", which runs everywhere",
-        built_for.label()
-    ))
+    if built_for.is_supported() { Ok(()) } else { Err(built_for.missing()) }
 }
 
 /// Gives the process to the best build of the program that is installed beside it and runs on this processor, if there is one.
 /// Returns if there is none, or if it cannot be started.
-pub fn run_best_build() {
+pub(crate) fn run_best_build() {
     let variable = std::env::var(VARIABLE).ok();
     let program = std::env::current_exe().and_then(|program| program.canonicalize());
     let Some(best) =

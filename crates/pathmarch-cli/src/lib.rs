@@ -16,9 +16,7 @@ pub mod value_parsers;
 pub use app_dirs::{AppDirs, HOME_VARIABLE};
 pub use arguments::{BackendArgument, check_directory, check_output};
 pub use exit::{DONE, FAILED, Failure, INTERRUPTED, USAGE, end_on_closed_pipe, print_report, run};
-pub use instruction_set::{
-    InstructionSet, VARIABLE as INSTRUCTION_SET_VARIABLE, check_instruction_set, run_best_build,
-};
+pub use instruction_set::{InstructionSet, check_instruction_set};
 pub use interrupt::catch_interrupts;
 pub use print::{print_note, print_out};
 pub use render_options::RenderOptions;

@@ -69,7 +69,6 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    pathmarch_cli::run_best_build();
     pathmarch_cli::run(|| match Arguments::parse().command {
         Some(command) => run(command),
         None => view::run_without_command(Arguments::command()),
