@@ -10,7 +10,7 @@ sets=baseline
 [[ $target != x86_64-* ]] || sets="baseline x86-64-v3"
 tools=$PWD/target/tools
 export PATH="$tools/bin:$PATH" PYTHONPATH="$tools${PYTHONPATH:+:$PYTHONPATH}"
-python3 -c "import wheel" 2>/dev/null || python3 -m pip install --quiet --target "$tools" wheel
+python3 -c "import wheel" 2>/dev/null || python3 -m pip install --quiet --upgrade --target "$tools" wheel
 
 for set in $sets; do
     flags=""
@@ -25,14 +25,15 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 python3 -m wheel unpack --dest "$folder" target/wheels/pathmarch-*.whl
 tree=$(echo "$folder"/pathmarch-*)
+scripts=$(echo "$tree"/pathmarch-*.data/scripts)
 module() { echo "target/builds/$1/$target/release/libpathmarch_python.so"; }
 program() { echo "target/builds/$1/$target/release/pathmarch"; }
 cp "$(module baseline)" "$tree/pathmarch/_native.abi3.so"
-cp "$(program baseline)" "$tree"/pathmarch-*.data/scripts/pathmarch
+cp "$(program baseline)" "$scripts/pathmarch"
 for set in ${sets#baseline}; do
     mkdir -p "$tree/pathmarch/_builds/$set"
     cp "$(module "$set")" "$tree/pathmarch/_builds/$set/_native.abi3.so"
-    cp "$(program "$set")" "$tree"/pathmarch-*.data/scripts/"pathmarch-$set"
+    cp "$(program "$set")" "$scripts/pathmarch-$set"
 done
 python3 -m wheel pack --dest-dir "$folder" "$tree" >/dev/null
 python3 -m wheel tags --remove --platform-tag "manylinux_${glibc/./_}_${target%%-*}" "$folder"/pathmarch-*.whl >/dev/null
