@@ -45,4 +45,4 @@ def load():
     spec = importlib.util.spec_from_file_location(name, file)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    sys.modules[name] = module
+    sys.modules[name] = sys.modules[__package__]._native = module
