@@ -2,7 +2,7 @@
 
 use crate::sampling::Random;
 use pathmarch_field::graph::Kind;
-use pathmarch_field::mesh::{Fineness, Mesh, MeshError};
+use pathmarch_field::mesh::{DistanceGrid, Fineness, Mesh, MeshError};
 use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{modifiers, operator, shape, shapes, solid};
 use pathmarch_field::{Aabb, Field, Node, Param, Placement, Solid, Unit};
@@ -340,6 +340,33 @@ fn what_cannot_be_meshed_is_refused() {
     let beside = Aabb { min: [5.0; 3], max: [6.0; 3] };
     assert_eq!(meshed_within(&ball, Fineness::Resolution(9), Some(beside)).err(), Some(MeshError::Empty));
     assert_eq!(meshed_within(&Field::new(&[]), Fineness::Resolution(9), None).err(), Some(MeshError::Empty));
+}
+
+#[test]
+fn grids_have_the_distances_of_their_points() {
+    let field = Field::new(&[leaf("sphere", &[1.0], at(0.3, -0.2, 5.0))]);
+    let cut = Aabb { min: [-9.0, -9.0, 5.0], max: [9.0; 3] };
+    for cut in [None, Some(cut)] {
+        let grid = DistanceGrid::new(&field, Fineness::Resolution(20), cut).expect("a grid");
+        let ([width, height, depth], origin) = (grid.size(), grid.origin());
+        assert!(
+            (grid.cell() - 0.1).abs() < 1e-6
+                && width > 21
+                && height > 21
+                && depth > if cut.is_some() { 11 } else { 21 }
+        );
+        for x in 0..width {
+            for (index, distance) in grid.plane(x).into_iter().enumerate() {
+                let [px, py, pz] = [x, index / depth, index % depth].map(|v| v as f64 * grid.cell());
+                let p = [px + origin[0], py + origin[1], pz + origin[2]];
+                let ball = ((p[0] - 0.3).powi(2) + (p[1] + 0.2).powi(2) + (p[2] - 5.0).powi(2)).sqrt() - 1.0;
+                let expected = if cut.is_some() { ball.max(5.0 - p[2]) } else { ball };
+                assert!((f64::from(distance) - expected).abs() < 1e-5, "{p:?}: {distance} instead of {expected}");
+            }
+        }
+    }
+    let too_many = DistanceGrid::new(&field, Fineness::Resolution(5000), None).err();
+    assert_eq!(too_many, Some(MeshError::TooManyPoints));
 }
 
 #[test]

@@ -1,15 +1,14 @@
-//! Atomic file writes: a file is replaced as a whole or not at all.
+//! Writes of a user's own files: replaced as a whole or not at all, with reasons that a user understands.
 //!
-//! **Idea.** The bytes go to a temporary file in the target's directory, are flushed to disk, and then renamed over the
-//! target. Readers see the old file or the new one, even after a power failure. A symbolic link is kept: its target is
-//! replaced. The new file keeps the permissions and, where the system allows, the owner of the old one. A read-only
-//! file is not replaced, although a rename could do it.
+//! **Idea.** [`AtomicFile`] writes; what it would refuse is found before, so that the reason can be named. A read-only file is
+//! not replaced, although a rename could do it.
 //!
 //! **Where we differ.** Other hard links to the file keep the old content, as with most editors.
 //!
 //! **Cost.** Two disk flushes, of the file and of its directory.
 
-use std::fs::{self, File, OpenOptions};
+use pathmarch_render::atomic_file::{AtomicFile, follow_links};
+use std::fs::{self, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -80,7 +79,7 @@ pub fn check_writable(path: &Path) -> Result<(), SaveError> {
 }
 
 /// Writes atomically, with a function that produces the content.
-fn write_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), SaveError> {
+fn write_with(path: &Path, write: impl FnOnce(&mut AtomicFile) -> io::Result<()>) -> Result<(), SaveError> {
     let target = Target::of(path)?;
     target.replace(write).map_err(|error| target.explain(error))
 }
@@ -90,8 +89,6 @@ struct Target {
     /// The file itself, after following links.
     file: PathBuf,
     directory: PathBuf,
-    /// Metadata of the existing file.
-    old: Option<fs::Metadata>,
 }
 
 impl Target {
@@ -109,55 +106,27 @@ impl Target {
         if !directory.is_dir() {
             return Err(SaveError::MissingDirectory { path: file, directory });
         }
-        let old = match fs::metadata(&file) {
+        match fs::metadata(&file) {
             Ok(old) if !old.is_file() => return Err(SaveError::NotAFile { path: file }),
-            Ok(old) => Some(old),
-            Err(error) if error.kind() == ErrorKind::NotFound => None,
-            Err(error) => return Err(other(error)),
-        };
-        if let Some(old) = &old {
-            let refused = || match OpenOptions::new().write(true).open(&file) {
-                Ok(_) => false,
-                Err(error) => error.kind() == ErrorKind::PermissionDenied,
-            };
-            if old.permissions().readonly() || refused() {
-                return Err(SaveError::ReadOnly { path: file });
+            Ok(old) => {
+                let refused = || match OpenOptions::new().write(true).open(&file) {
+                    Ok(_) => false,
+                    Err(error) => error.kind() == ErrorKind::PermissionDenied,
+                };
+                if old.permissions().readonly() || refused() {
+                    return Err(SaveError::ReadOnly { path: file });
+                }
             }
+            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            Err(error) => return Err(other(error)),
         }
-        Ok(Self { file, directory, old })
+        Ok(Self { file, directory })
     }
 
-    fn replace(&self, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
-        let mut name = std::ffi::OsString::from(".");
-        name.push(self.file.file_name().unwrap_or_default());
-        name.push(".");
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(&name).suffix(".part");
-        #[cfg(unix)]
-        if self.old.is_none() {
-            // A new file gets the default permissions (umask). A replacement stays private until it has the old
-            // permissions.
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        let mut temporary = builder.tempfile_in(&self.directory)?;
-        write(temporary.as_file_mut())?;
-        if let Some(old) = &self.old {
-            #[cfg(unix)]
-            {
-                // Usually only root can change the owner; keeping the group matters more.
-                use std::os::unix::fs::{MetadataExt, fchown};
-                let file = temporary.as_file();
-                let _ = fchown(file, None, Some(old.gid())).and_then(|()| fchown(file, Some(old.uid()), None));
-            }
-            temporary.as_file().set_permissions(old.permissions())?;
-        }
-        temporary.as_file().sync_all()?;
-        temporary.persist(&self.file).map_err(|error| error.error)?;
-        // The file is complete. Some systems cannot flush the directory entry.
-        #[cfg(unix)]
-        let _ = File::open(&self.directory).and_then(|directory| directory.sync_all());
-        Ok(())
+    fn replace(&self, write: impl FnOnce(&mut AtomicFile) -> io::Result<()>) -> io::Result<()> {
+        let mut file = AtomicFile::create(&self.file)?;
+        write(&mut file)?;
+        file.commit()
     }
 
     fn explain(&self, source: io::Error) -> SaveError {
@@ -171,22 +140,6 @@ impl Target {
             _ => SaveError::Other { path, source },
         }
     }
-}
-
-/// Follows a chain of symbolic links; the last target need not exist.
-fn follow_links(path: &Path) -> io::Result<PathBuf> {
-    let mut path = path.to_owned();
-    // Same limit as Linux.
-    for _ in 0..40 {
-        match fs::symlink_metadata(&path) {
-            Ok(found) if found.is_symlink() => {
-                let to = fs::read_link(&path)?;
-                path = path.parent().unwrap_or(Path::new("")).join(to);
-            }
-            _ => return Ok(path),
-        }
-    }
-    Err(io::Error::other("its symbolic links form a loop"))
 }
 
 #[cfg(test)]
@@ -226,7 +179,7 @@ mod tests {
             (ErrorKind::PermissionDenied, "no file can be created"),
             (ErrorKind::BrokenPipe, "cannot be written"),
         ] {
-            let failing = |file: &mut File| file.write_all(b"ne").and(Err(kind.into()));
+            let failing = |file: &mut AtomicFile| file.write_all(b"ne").and(Err(kind.into()));
             let message = write_with(&path, failing).expect_err("it fails").to_string();
             assert!(message.contains(words) && message.contains("a.kdl"), "{message}");
             assert_eq!(fs::read(&path).expect("read"), b"old");

@@ -42,7 +42,7 @@ enum Command {
     Merge(merge::Arguments),
     /// Make a video of pictures.
     Video(video_command::Arguments),
-    /// Export objects of a scene as a mesh: .stl, .ply, .obj, .glb, .3mf, .usda or .usdz.
+    /// Export objects of a scene as a mesh or as a volume of distances.
     Export(export::Arguments),
     /// Make a scene of a mesh file, with its objects, lights and cameras.
     Import(import::Arguments),

@@ -4,6 +4,8 @@ mod program;
 
 use pathmarch_render::Mode;
 use pathmarch_render::image::load;
+use pathmarch_render::pathmarch_field::number::Vec3;
+use pathmarch_render::pathmarch_scene::Scene;
 use program::{code, pathmarch, stderr};
 use std::path::{Path, PathBuf};
 
@@ -429,6 +431,45 @@ fn export_writes_meshes() {
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert!(stderr(&output).contains("left out") && stderr(&output).contains("\"card\""), "{}", stderr(&output));
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 7, "nothing else is left behind");
+}
+
+#[test]
+fn an_exported_volume_can_be_placed_where_it_was() {
+    let directory = tempfile::tempdir().expect("a directory");
+    std::fs::write(directory.path().join("solids.kdl"), SOLIDS).expect("written");
+    let export = |arguments: &[&str]| {
+        let output = pathmarch(&[&["export"], arguments].concat(), directory.path());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        stderr(&output)
+    };
+    let text = export(&["solids.kdl", "--object", "block", "--cell", "0.02", "-o", "block.npy"]);
+    let node = text.lines().find_map(|line| line.strip_prefix("in a scene: ")).expect("a node");
+    let start = "pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\n";
+    std::fs::write(directory.path().join("volume.kdl"), format!("{start}object \"block\" {{ {node} }}"))
+        .expect("written");
+    let scene = Scene::load(directory.path().join("volume.kdl")).expect("a scene");
+    // Outside the grid a volume gives a lower bound.
+    for (x, y, z, expected, below) in [
+        (2.0, 0.0, 0.0, -0.5, 0.02),
+        (2.0, 0.0, -0.4, -0.1, 0.02),
+        (2.51, 0.1, 0.2, 0.01, 0.002),
+        (2.8, 0.1, 0.2, 0.3, 0.05),
+        (2.1, -0.9, 0.0, 0.4, 0.05),
+    ] {
+        let distance = scene.field.distance(Vec3::new(x, y, z));
+        assert!(
+            (expected - below..expected + 0.01).contains(&distance),
+            "{x} {y} {z}: {distance} instead of {expected}"
+        );
+    }
+    export(&["solids.kdl", "--object", "ball", "--resolution", "10", "-o", "ball.npz"]);
+    let archive = std::fs::read(directory.path().join("ball.npz")).expect("an archive");
+    for name in ["origin.npy", "cell.npy", "distance.npy"] {
+        assert!(archive.windows(name.len()).any(|bytes| bytes == name.as_bytes()), "{name}");
+    }
+    let millimetres =
+        pathmarch(&["export", "solids.kdl", "--object", "ball", "--unit", "mm", "-o", "a.npy"], directory.path());
+    assert!(code(&millimetres) == 2 && stderr(&millimetres).contains("in metres"), "{}", stderr(&millimetres));
 }
 
 #[test]

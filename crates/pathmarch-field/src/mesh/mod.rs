@@ -24,9 +24,12 @@
 //! at the peak, 200 bytes a cell.
 
 mod block;
+mod distance_grid;
 mod patches;
 mod qef;
 mod solid;
+
+pub use distance_grid::DistanceGrid;
 
 use crate::bounds::Aabb;
 use crate::graph::Field;
@@ -79,6 +82,9 @@ pub enum MeshError {
     /// There would be more than [`MAX_CELLS`] cells.
     #[error("more than {} million cells would be needed; take larger cells, or export objects one by one", MAX_CELLS / 1_000_000)]
     TooManyCells,
+    /// There would be more values than a [`DistanceGrid`] may have.
+    #[error("more than {} million points would be needed; take larger cells, or a smaller box", distance_grid::MAX_VALUES / 1_000_000)]
+    TooManyPoints,
     /// The cell size is too small for the coordinates, or not positive and finite.
     #[error("cells of {0} m are too small for coordinates of 32 bits here, or no length at all; take larger cells")]
     CellSize(f32),

@@ -9,15 +9,15 @@
 //! | `.ply`, binary | shared vertices with colours, 8-bit sRGB, as its readers expect |
 //! | `.obj`, text | shared vertices with colours after the coordinates, sRGB from 0 to 1 |
 //! | `.glb` (glTF 2.0) | vertices with normals and linear colours; those at sharp edges are duplicated for each side |
-//!
 //! | `.3mf` | triangles and colours, for printers: millimetres |
 //! | `.usda`, text, and `.usdz` | vertices with normals and linear colours, as in `.glb` |
 //!
 //! Coordinates are written as they are, with y up. glTF and USD say that they are metres, and 3MF millimetres: see
 //! [`MeshFormat::unit`].
 //!
-//! **Source.** STL (3D Systems 1989), PLY (Turk 1994), OBJ (Wavefront 1990), glTF 2.0 (Khronos 2021). 3MF and USD: see their files. The formats are so simple
-//! that writing them takes fewer lines than filling the structures of a crate. The tests read the files with crates.
+//! **Source.** STL (3D Systems 1989), PLY (Turk 1994), OBJ (Wavefront 1990), glTF 2.0 (Khronos 2021). 3MF and USD: see their
+//! files. The formats are so simple that writing them takes fewer lines than filling the structures of a crate. The tests read
+//! the files with crates.
 //!
 //! **Cost.** A million triangles take about 0.1 s, as text 1 s.
 

@@ -17,7 +17,7 @@ const SUFFIX: &str = ".part";
 const MAX_LINKS: usize = 40;
 
 /// Directory of a file.
-pub(crate) fn directory(path: &Path) -> &Path {
+pub fn directory(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -25,7 +25,8 @@ pub(crate) fn directory(path: &Path) -> &Path {
 }
 
 /// File being written; dropping it removes what was written.
-pub(crate) struct AtomicFile {
+#[derive(Debug)]
+pub struct AtomicFile {
     target: PathBuf,
     temporary: NamedTempFile,
 }
@@ -35,7 +36,7 @@ impl AtomicFile {
     ///
     /// # Errors
     /// If it cannot be created, or `path` exists and is not a regular file.
-    pub(crate) fn create(path: &Path) -> io::Result<Self> {
+    pub fn create(path: &Path) -> io::Result<Self> {
         let target = follow_links(path)?;
         let old = match fs::metadata(&target) {
             Ok(old) if old.is_dir() => return Err(ErrorKind::IsADirectory.into()),
@@ -68,7 +69,7 @@ impl AtomicFile {
     ///
     /// # Errors
     /// If the disk is full or the file cannot be renamed; nothing has changed then.
-    pub(crate) fn commit(self) -> io::Result<()> {
+    pub fn commit(self) -> io::Result<()> {
         self.temporary.as_file().sync_all()?;
         let directory = directory(&self.target).to_owned();
         self.temporary.persist(&self.target).map_err(|error| error.error)?;
@@ -99,15 +100,16 @@ impl Seek for AtomicFile {
 }
 
 /// File that a path leads to through symbolic links; it need not exist.
-fn follow_links(path: &Path) -> io::Result<PathBuf> {
+///
+/// # Errors
+/// If the links form a loop or cannot be read.
+pub fn follow_links(path: &Path) -> io::Result<PathBuf> {
     let mut file = path.to_owned();
     for _ in 0..MAX_LINKS {
-        match fs::read_link(&file) {
-            Ok(link) => file = directory(&file).join(link),
-            // Not a link, or no such file.
-            Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::NotFound) => return Ok(file),
-            Err(error) => return Err(error),
+        if !fs::symlink_metadata(&file).is_ok_and(|found| found.is_symlink()) {
+            return Ok(file);
         }
+        file = directory(&file).join(fs::read_link(&file)?);
     }
     Err(io::Error::other("it is a symbolic link that leads nowhere"))
 }

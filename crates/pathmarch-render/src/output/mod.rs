@@ -1,6 +1,6 @@
 //! Output: films, image files and tone mapping.
 
-pub(crate) mod atomic_file;
+pub mod atomic_file;
 pub mod film;
 pub mod image;
 pub mod parts;

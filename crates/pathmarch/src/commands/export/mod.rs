@@ -1,22 +1,25 @@
-//! `pathmarch export`: exports objects of a scene as a triangle mesh.
+//! `pathmarch export`: exports objects of a scene as a triangle mesh, or as a volume of distances.
+
+mod mesh;
+mod volume;
 
 use super::scene_source::load;
 use super::{listed, progress_bar};
-use pathmarch_cli::{DONE, Failure, INTERRUPTED, catch_interrupts, check_output, note, print_report, value_parsers};
-use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
-use pathmarch_render::pathmarch_field::mesh::{Fineness, MeshError};
+use mesh::Unit;
+use pathmarch_cli::{Failure, INTERRUPTED, catch_interrupts, check_output, note, print_report, value_parsers};
+use pathmarch_render::pathmarch_field::mesh::Fineness;
 use pathmarch_render::pathmarch_field::{Aabb, Field};
 use pathmarch_render::pathmarch_scene::{Object, Scene};
+use pathmarch_render::volume_file::VolumeFormat;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
-use std::time::Instant;
 
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Scene file
     scene: PathBuf,
-    /// Mesh file to write: .stl, .ply, .obj, .glb, .3mf, .usda or .usdz
+    /// File to write: a mesh (.stl, .ply, .obj, .glb, .3mf, .usda, .usdz) or a volume of distances (.npy, .npz)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Object to export; can be repeated [default: all solids, as one mesh]
@@ -39,27 +42,6 @@ pub struct Arguments {
     bounds: Option<Aabb>,
 }
 
-/// Unit of length of a mesh file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Unit {
-    Mm,
-    Cm,
-    M,
-    Inch,
-}
-
-impl Unit {
-    /// Units in a metre, and name of the unit.
-    fn per_metre(self) -> (f64, &'static str) {
-        match self {
-            Self::Mm => (1000.0, "mm"),
-            Self::Cm => (100.0, "cm"),
-            Self::M => (1.0, "m"),
-            Self::Inch => (1.0 / 0.0254, "in"),
-        }
-    }
-}
-
 fn parse_cell(text: &str) -> Result<f32, String> {
     text.parse()
         .ok()
@@ -79,82 +61,59 @@ fn parse_bounds(text: &str) -> Result<Aabb, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let format = MeshFormat::from_path(&arguments.output).map_err(|error| Failure::Usage(error.to_string()))?;
-    let usual = format.unit().unwrap_or(if format == MeshFormat::Stl { "mm" } else { "m" });
-    let unit = arguments.unit.unwrap_or(if usual == "mm" { Unit::Mm } else { Unit::M });
-    if let Some(only) = format.unit().filter(|only| *only != unit.per_metre().1) {
-        let extension = format.extension();
-        return Err(Failure::Usage(format!(
-            ".{extension} files are in {only}: leave --unit out, or write .stl, .ply or .obj"
-        )));
+    match VolumeFormat::from_path(&arguments.output) {
+        Some(format) => volume::run(arguments, format),
+        None => mesh::run(arguments),
     }
+}
+
+/// Loads the scene and prints its warnings.
+fn load_scene(arguments: &Arguments) -> Result<Scene, Failure> {
     check_output(&arguments.output)?;
     let scene = load(&arguments.scene, arguments.allow_files)?;
     for warning in &scene.warnings {
         print_report(warning);
     }
-    let objects = arguments.solids(&scene)?;
+    Ok(scene)
+}
+
+/// Says what is exported, and runs `work` with a progress bar; Ctrl-C stops it.
+fn with_progress<T>(
+    arguments: &Arguments,
+    objects: &[&Object],
+    work: impl FnOnce(&(dyn Fn(f32) -> ControlFlow<()> + Sync)) -> T,
+) -> Result<T, Failure> {
     let interrupted = catch_interrupts()?;
-    let fineness = arguments.cell.map_or(Fineness::Resolution(arguments.resolution), Fineness::Cell);
     note!(
         "{}: {}, {}",
         arguments.scene.display(),
         listed(objects.iter().map(|object| object.name.as_str())),
-        match fineness {
+        match arguments.fineness() {
             Fineness::Resolution(cells) => format!("{cells} cells along the longest side"),
             Fineness::Cell(cell) => format!("cells of {cell} m"),
         }
     );
     let bar = progress_bar(1000);
-    let started = Instant::now();
-    let made = mesh(&scene, &objects, fineness, arguments.bounds, &|share| {
+    let made = work(&|share| {
         bar.set_position((share * 1000.0) as u64);
         bar.set_message(format!("{:.0} %", share * 100.0));
         if interrupted.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     bar.finish_and_clear();
-    let mut mesh = match made {
-        Ok(mesh) => mesh,
-        Err(MeshError::Stopped) => {
-            note!("interrupted: nothing was written");
-            return Ok(INTERRUPTED);
-        }
-        Err(error) => return Err(Failure::Usage(error.to_string())),
-    };
-    let (scale, unit) = unit.per_metre();
-    mesh.positions.iter_mut().flatten().for_each(|v| *v = (f64::from(*v) * scale) as f32);
-    save(&arguments.output, &mesh).map_err(Failure::other)?;
-    // Volumes and areas of parts in millimetres are usual in centimetres.
-    let (reported, per) = if unit == "mm" { ("cm", 10.0_f64) } else { (unit, 1.0) };
-    note!(
-        "wrote {}: {} triangles, {} vertices, {} {unit}, {} {reported}³, {} {reported}² in {:.1} s",
-        arguments.output.display(),
-        mesh.triangles.len(),
-        mesh.positions.len(),
-        extent(&mesh.positions).map(in_figures).join(" x "),
-        in_figures(mesh.volume() / per.powi(3)),
-        in_figures(mesh.area() / per.powi(2)),
-        started.elapsed().as_secs_f64(),
-    );
-    Ok(DONE)
+    Ok(made)
 }
 
-/// Edge lengths of the bounding box of points.
-fn extent(points: &[[f32; 3]]) -> [f64; 3] {
-    std::array::from_fn(|axis| {
-        let along = points.iter().map(|point| f64::from(point[axis]));
-        let (min, max) = along.fold((f64::MAX, f64::MIN), |(min, max), v| (min.min(v), max.max(v)));
-        (max - min).max(0.0)
-    })
-}
-
-/// Formats a number with four significant digits.
-fn in_figures(value: f64) -> String {
-    let places = 3.0 - value.abs().max(1e-12).log10().floor();
-    format!("{value:.0$}", places.max(0.0) as usize)
+/// Exit code of an export that Ctrl-C stopped.
+fn interrupted() -> u8 {
+    note!("interrupted: nothing was written");
+    INTERRUPTED
 }
 
 impl Arguments {
+    fn fineness(&self) -> Fineness {
+        self.cell.map_or(Fineness::Resolution(self.resolution), Fineness::Cell)
+    }
+
     /// Objects to export; each one has an inside and finite bounds.
     fn solids<'a>(&self, scene: &'a Scene) -> Result<Vec<&'a Object>, Failure> {
         let is_sheet = |object: &&Object| {
