@@ -142,13 +142,13 @@ impl File {
         Ok(Self { path, units_per_metre: names::find("unit", unit, UNITS)? })
     }
 
-    /// Writes a mesh, and returns its number of triangles.
+    /// Writes a mesh of a scene, and returns its number of triangles.
     ///
     /// # Errors
     /// [`Failure::File`] if the file cannot be written.
-    pub fn write(&self, mut mesh: Mesh) -> Result<usize, Failure> {
+    pub fn write(&self, mut mesh: Mesh, scene: &Scene) -> Result<usize, Failure> {
         mesh.positions.iter_mut().flatten().for_each(|v| *v = (f64::from(*v) * self.units_per_metre) as f32);
-        mesh_file::save(&self.path, &mesh).map_err(|error| Failure::File(error.to_string()))?;
+        mesh_file::save(&self.path, &mesh, scene).map_err(|error| Failure::File(error.to_string()))?;
         Ok(mesh.triangles.len())
     }
 }

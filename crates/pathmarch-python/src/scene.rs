@@ -293,7 +293,8 @@ impl Scene {
         let file = export::File::new(path, unit)?;
         let solids = Solids::new(self.moving.scene.clone(), resolution.as_ref(), cell, objects, bounds)?;
         let mesh = export::mesh(py, solids, progress)?;
-        Ok(py.detach(|| file.write(mesh))?)
+        let scene = &self.moving.scene;
+        Ok(py.detach(|| file.write(mesh, scene))?)
     }
 
     fn __repr__(&self) -> String {

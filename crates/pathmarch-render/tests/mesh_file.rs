@@ -11,11 +11,17 @@ use ply_rs_bw::ply::{DefaultElement, Property};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Mesh of two adjoining boxes, one red and one grey.
-fn example() -> Mesh {
-    let text = "pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nmaterial \"red\" { diffuse 0.8 0.1 0.05 }\n\
+/// Two adjoining boxes, one red and one grey.
+fn boxes() -> Scene {
+    let text = "pathmarch 1\ncamera \"front\" { position 0 1 4; target 0 0 0; fov 50 }\nrender { size 320 160 }\n\
+                sky 1\nmaterial \"red\" { diffuse 0.8 0.1 0.05 }\n\
                 object \"left\" material=\"red\" { box 1 { at -0.5 0 0 } }\nobject \"right\" { box 1 { at 0.5 0 0 } }";
-    let scene = Scene::parse("boxes.kdl", text).expect("a scene");
+    Scene::parse("boxes.kdl", text).expect("a scene")
+}
+
+/// Mesh of the boxes.
+fn example() -> Mesh {
+    let scene = boxes();
     let objects: Vec<_> = scene.objects.iter().collect();
     let made = mesh(&scene, &objects, Fineness::Resolution(16), None, &|_| ControlFlow::Continue(()));
     made.expect("a mesh")
@@ -36,7 +42,7 @@ fn check(name: &str, triangles: impl Iterator<Item = [Vec3; 3]>) {
 
 fn written(format: MeshFormat, mesh: &Mesh, directory: &Path) -> std::path::PathBuf {
     let path = directory.join("mesh").with_extension(format.extension());
-    save(&path, mesh).expect("written");
+    save(&path, mesh, &boxes()).expect("written");
     path
 }
 
@@ -131,6 +137,17 @@ fn glb_is_read_by_other_programs() {
             assert!((Vec3::from(*colour) - Vec3::from(expected)).length() < 1e-6, "{colour:?} at {position}");
         }
     }
+    // The camera stands at (0, 1, 4), looks along -z of its node at the origin, and its picture is upright.
+    let node = read.nodes().find(|node| node.camera().is_some()).expect("a camera");
+    let camera = node.camera().expect("a camera");
+    let gltf::camera::Projection::Perspective(lens) = camera.projection() else { panic!("perspective") };
+    assert_eq!(lens.aspect_ratio(), Some(2.0));
+    assert!((lens.yfov().to_degrees() - 50.0).abs() < 1e-4, "{}", lens.yfov());
+    let matrix = glam::Mat4::from_cols_array_2d(&node.transform().matrix());
+    let middle = matrix.transform_point3(Vec3::new(0.0, 0.0, -17.0_f32.sqrt()));
+    let up = matrix.transform_vector3(Vec3::Y);
+    assert!(middle.length() < 1e-5, "{middle}");
+    assert!(up.abs_diff_eq(Vec3::new(0.0, 4.0, -1.0).normalize(), 1e-5), "{up}");
 }
 
 fn three_mf_is_read_by_other_programs() {
@@ -176,11 +193,11 @@ fn usd_has_the_triangles_with_normals_and_colours() {
 fn unknown_extensions_and_missing_directories_are_refused() {
     let (mesh, directory) = (example(), tempfile::tempdir().expect("a directory"));
     for name in ["mesh", "mesh.fbx", ".stl"] {
-        let error = save(&directory.path().join(name), &mesh).expect_err("no such format").to_string();
+        let error = save(&directory.path().join(name), &mesh, &boxes()).expect_err("no such format").to_string();
         assert!(error.contains(".stl, .ply, .obj, .glb, .3mf, .usda or .usdz"), "{error}");
     }
     assert_eq!(MeshFormat::from_path(Path::new("A.STL")).expect("upper case"), MeshFormat::Stl);
-    assert!(save(&directory.path().join("no/such/mesh.stl"), &mesh).is_err());
+    assert!(save(&directory.path().join("no/such/mesh.stl"), &mesh, &boxes()).is_err());
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 0, "nothing is left behind");
 }
 

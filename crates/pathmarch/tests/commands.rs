@@ -426,11 +426,13 @@ fn export_writes_meshes() {
         "{}",
         stderr(&output)
     );
+    let output = export(&["--skip-infinite", "--resolution", "20", "-o", "finite.ply"]);
+    assert!(code(&output) == 0 && stderr(&output).contains("infinite objects: \"floor\""), "{}", stderr(&output));
     // All solids, clipped; sheets are named and left out.
     let output = export(&["--bounds", "-1 -2.5 -1 3 1 1", "--cell", "0.1", "-o", "all.stl"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert!(stderr(&output).contains("left out") && stderr(&output).contains("\"card\""), "{}", stderr(&output));
-    assert_eq!(directory.path().read_dir().expect("a directory").count(), 7, "nothing else is left behind");
+    assert_eq!(directory.path().read_dir().expect("a directory").count(), 8, "nothing else is left behind");
 }
 
 #[test]
@@ -478,6 +480,7 @@ fn what_cannot_be_exported_is_refused() {
     std::fs::write(directory.path().join("solids.kdl"), SOLIDS).expect("written");
     for (wrong, expected, words) in [
         (&["-o", "a.stl"][..], 2, &["\"floor\"", "--object", "--bounds"][..]),
+        (&["-o", "a.stl", "--skip-infinite", "--object", "floor"], 2, &["\"floor\"", "--bounds"]),
         (&["-o", "a.fbx", "--object", "ball"], 2, &[".stl, .ply, .obj, .glb, .3mf, .usda or .usdz"]),
         (&["-o", "a.stl", "--object", "bal"], 2, &["did you mean \"ball\"", "\"block\""]),
         (&["-o", "a.stl", "--object", "card"], 2, &["\"card\"", "no inside"]),

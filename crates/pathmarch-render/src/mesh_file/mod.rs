@@ -8,7 +8,7 @@
 //! | `.stl`, binary | triangles and their normals |
 //! | `.ply`, binary | shared vertices with colours, 8-bit sRGB, as its readers expect |
 //! | `.obj`, text | shared vertices with colours after the coordinates, sRGB from 0 to 1 |
-//! | `.glb` (glTF 2.0) | vertices with normals and linear colours; those at sharp edges are duplicated for each side |
+//! | `.glb` (glTF 2.0) | vertices with normals and linear colours, those at sharp edges duplicated for each side; cameras |
 //! | `.3mf` | triangles and colours, for printers: millimetres |
 //! | `.usda`, text, and `.usdz` | vertices with normals and linear colours, as in `.glb` |
 //!
@@ -145,24 +145,25 @@ pub fn mesh(
     Mesh::new(&scene.field, fineness, cut, &vertex_colour, progress)
 }
 
-/// Writes a mesh in the format of the file's extension. Replaces an existing file atomically.
+/// Writes a mesh in the format of the file's extension. Replaces an existing file atomically. A `.glb` file has the
+/// scene's cameras, too, as pinhole cameras with the aspect ratio of its picture; the other formats leave them out.
 ///
 /// # Errors
 /// [`MeshFileError`]: an unknown extension, or a file that cannot be written.
-pub fn save(path: &Path, mesh: &Mesh) -> Result<(), MeshFileError> {
+pub fn save(path: &Path, mesh: &Mesh, scene: &Scene) -> Result<(), MeshFileError> {
     let format = MeshFormat::from_path(path)?;
     let write_error = |source| MeshFileError::Write { path: path.to_owned(), source };
     let mut writer = BufWriter::new(AtomicFile::create(path).map_err(write_error)?);
-    let write = match format {
-        MeshFormat::Stl => stl::write,
-        MeshFormat::Ply => ply::write,
-        MeshFormat::Obj => obj::write,
-        MeshFormat::Glb => glb::write,
-        MeshFormat::ThreeMf => three_mf::write,
-        MeshFormat::Usda => usd::write_text,
-        MeshFormat::Usdz => usd::write_archive,
+    let written = match format {
+        MeshFormat::Stl => stl::write(&mut writer, mesh),
+        MeshFormat::Ply => ply::write(&mut writer, mesh),
+        MeshFormat::Obj => obj::write(&mut writer, mesh),
+        MeshFormat::Glb => glb::write(&mut writer, mesh, scene),
+        MeshFormat::ThreeMf => three_mf::write(&mut writer, mesh),
+        MeshFormat::Usda => usd::write_text(&mut writer, mesh),
+        MeshFormat::Usdz => usd::write_archive(&mut writer, mesh),
     };
-    write(&mut writer, mesh).map_err(write_error)?;
+    written.map_err(write_error)?;
     let file = writer.into_inner().map_err(|error| write_error(error.into_error()))?;
     file.commit().map_err(write_error)
 }

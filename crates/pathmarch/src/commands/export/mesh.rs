@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<u8, Failure> {
     };
     let (scale, unit) = unit.per_metre();
     mesh.positions.iter_mut().flatten().for_each(|v| *v = (f64::from(*v) * scale) as f32);
-    save(&arguments.output, &mesh).map_err(Failure::other)?;
+    save(&arguments.output, &mesh, &scene).map_err(Failure::other)?;
     // Volumes and areas of parts in millimetres are usual in centimetres.
     let (reported, per) = if unit == "mm" { ("cm", 10.0_f64) } else { (unit, 1.0) };
     note!(

@@ -40,6 +40,9 @@ pub struct Arguments {
     /// Clip to a box, given by two corners in metres: "-1 0 -1 1 2 1"
     #[arg(long, value_name = "X Y Z X Y Z", value_parser = parse_bounds, allow_hyphen_values = true)]
     bounds: Option<Aabb>,
+    /// Leave out infinite objects, instead of refusing them
+    #[arg(long)]
+    skip_infinite: bool,
 }
 
 fn parse_cell(text: &str) -> Result<f32, String> {
@@ -137,14 +140,18 @@ impl Arguments {
             note!("note: left out sheets without thickness: {}", names(&sheets));
         }
         let is_endless = |object: &&Object| !Field::new(std::slice::from_ref(&object.root)).bounds().is_finite();
-        let endless: Vec<_> = solids.iter().copied().filter(is_endless).collect();
-        if !endless.is_empty() && self.bounds.is_none() {
-            return Err(Failure::Usage(format!(
-                "infinite: {}; select objects with --object, or clip them with --bounds",
-                names(&endless)
-            )));
+        let (endless, finite): (Vec<_>, Vec<_>) = solids.iter().copied().partition(is_endless);
+        if endless.is_empty() || self.bounds.is_some() {
+            return Ok(solids);
         }
-        Ok(solids)
+        if self.skip_infinite && !finite.is_empty() {
+            note!("note: left out infinite objects: {}", names(&endless));
+            return Ok(finite);
+        }
+        Err(Failure::Usage(format!(
+            "infinite: {}; select objects with --object, or clip them with --bounds",
+            names(&endless)
+        )))
     }
 }
 
