@@ -51,6 +51,7 @@ cp README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT "$tree/share/doc/pathmarch/
 scripts/notices.py "$target" >"$tree/share/doc/pathmarch/NOTICES.txt"
 scripts/sbom.py "$target" >"$tree/share/doc/pathmarch/sbom.cdx.json"
 cp "$tree/share/doc/pathmarch/sbom.cdx.json" "$out/$name.cdx.json"
+install -D -m 644 editors/blender/pathmarch_blender.py "$tree/share/pathmarch/pathmarch_blender.py"
 
 if [[ $target == *linux* ]]; then
     install -D -m 644 packaging/pathmarch.desktop "$tree/share/applications/pathmarch.desktop"
