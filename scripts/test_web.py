@@ -71,7 +71,7 @@ class Page(unittest.TestCase):
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         options.binary_location = shutil.which("chromium") or shutil.which("google-chrome")
         cls.browser = webdriver.Chrome(options, webdriver.ChromeService(shutil.which("chromedriver")))
-        cls.browser.set_script_timeout(60)
+        cls.browser.set_script_timeout(300)
 
     @classmethod
     def tearDownClass(cls):
@@ -93,7 +93,7 @@ class Page(unittest.TestCase):
     def find(self, selector):
         return self.browser.find_element(By.CSS_SELECTOR, selector)
 
-    def until(self, what, seconds=60):
+    def until(self, what, seconds=300):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             result = what()

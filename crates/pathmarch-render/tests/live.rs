@@ -15,7 +15,7 @@ const SCENE: &str = "pathmarch 1\ncamera { position 0 1 4; target 0 0.5 0 }\nsky
     object \"ball\" material=\"red\" { sphere 1 { at 0 0.5 0 } }\nobject \"floor\" { plane { at 0 -0.5 0 } }";
 
 /// Time after which a test fails; long enough for any machine.
-const TIMEOUT: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(900);
 
 fn scene() -> Arc<Scene> {
     Arc::new(parse(SCENE))
