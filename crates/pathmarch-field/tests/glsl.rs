@@ -169,7 +169,8 @@ fn mistakes_are_reported_at_their_places() {
     refused("float map(vec3 p) { return radius; }", "radius", "no variable `radius`");
     refused("#define A p.w\nfloat map(vec3 p) { return A; }", "A", "swizzle");
     refused("float map(vec3 p) { return texture(iChannel0, p.xy).x; }", "texture", "`texture` is not for a field");
-    refused("float map(vec3 p) { return p.x + iMouse.x; }", "iMouse", "`iMouse` is not for a field");
+    refused("float map(vec3 p) { return p.x + iDate.x; }", "iDate", "`iDate` is not for a field");
+    refused("layout(std140) uniform B { float a; };\nfloat map(vec3 p) { return a; }", "B", "Blocks of uniforms");
     refused("float map(vec3 p) { return p.x }", "}", "found `}`");
     refused("float map(vec3 p) { return (p.x; }", "}", "closes nothing");
     refused("fn map(p: vec3f) -> f32 { return p.x; }", "fn map", "This is WGSL");
@@ -243,6 +244,22 @@ fn value(text: &str) -> f32 {
 fn gives(expression: &str, expected: f32) {
     let found = value(&format!("float map(vec3 p) {{ return {expression}; }}"));
     assert!((found - expected).abs() < 1e-5, "{expression}: {found}, not {expected}");
+}
+
+/// The mouse of Shadertoy is a parameter, zero as before the first click.
+#[test]
+fn a_mouse_is_a_parameter() {
+    let text = "float map(vec3 p) { return p.x + iMouse.x / iResolution.x; }";
+    assert_eq!(value(text), 0.5);
+    let shader = Shader::read(text, None, &[]).unwrap_or_else(|faults| panic!("{faults:#?}"));
+    assert_eq!(shader.params.iter().map(|param| param.name.as_str()).collect::<Vec<_>>()[0], "iMouse_x");
+}
+
+#[test]
+fn a_matrix_may_have_one_argument() {
+    gives("(mat2(vec4(1, 2, 3, 4)) * vec2(1, 10)).y", 42.0);
+    gives("(mat2(cos(vec4(0, 0, 0, 0) + p.xxxx * 0.)) * vec2(1, 10)).y", 11.0);
+    gives("mat2(mat3(1, 2, 3, 4, 5, 6, 7, 8, 9))[1].x + mat2(3)[1].y + mat2(p.x)[0].x", 7.5);
 }
 
 /// The conventions of Fragmentarium: `m * v` turns clockwise, `v * m` counterclockwise.

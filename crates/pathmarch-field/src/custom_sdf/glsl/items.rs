@@ -200,6 +200,9 @@ impl<'t, 'a> Reader<'t, 'a> {
                 _ => break,
             }
             self.at += 1;
+            if token.is("layout") && self.peek().is_some_and(|next| next.is("(")) {
+                self.group();
+            }
         }
         if is_stage && !is_uniform {
             self.until(&[";"]);

@@ -72,7 +72,8 @@ impl Shader {
         if let Some(fault) = wgsl(&own_tokens) {
             return Err(one(fault));
         }
-        let preprocessed = preprocess(&own_tokens).map_err(one)?;
+        let mut preprocessed = preprocess(&own_tokens).map_err(one)?;
+        rewrite::name_matrices(&mut preprocessed.tokens);
         let is_in_vertex = |at: Place| fragment.vertex.contains(&(at.start as usize));
         let mut all = items(&preprocessed.tokens, !fragment.vertex.is_empty()).map_err(one)?;
         items::drop_repeated(&mut all, &is_in_vertex);

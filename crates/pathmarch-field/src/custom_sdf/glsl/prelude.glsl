@@ -4,6 +4,8 @@ const float PI = 3.14159265358979;
 const float TAU = 6.28318530717959;
 const int iFrame = 0;
 uniform float iTime;
+uniform vec4 iMouse;
+const vec3 iResolution = vec3(1280.0, 720.0, 1.0);
 
 // Fragmentarium: distances to points, axes and planes that colour a fractal.
 vec4 orbitTrap = vec4(10000.0);
@@ -187,6 +189,23 @@ float cnoise(vec2 p) {
         sum += side.x * side.y * pm_gradient(ivec4(cell + corner, 0, 0), vec4(f - vec2(corner), 0.0, 0.0));
     }
     return sum;
+}
+
+// Matrices of one argument: naga composes none of a vec4.
+mat2 pm_mat2(vec4 v) {
+    return mat2(v.xy, v.zw);
+}
+mat2 pm_mat2(float x) {
+    return mat2(x, 0.0, 0.0, x);
+}
+mat2 pm_mat2(mat2 m) {
+    return m;
+}
+mat2 pm_mat2(mat3 m) {
+    return mat2(m[0].xy, m[1].xy);
+}
+mat2 pm_mat2(mat4 m) {
+    return mat2(m[0].xy, m[1].xy);
 }
 
 // Functions of GLSL that WGSL does not have.

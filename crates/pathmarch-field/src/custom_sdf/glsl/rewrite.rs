@@ -11,6 +11,17 @@ pub(super) fn rewritten<'a>(tokens: &[Token<'a>], members: &[&str]) -> Vec<Token
     separate_arrays(&without_do(&columns))
 }
 
+/// Writes `mat2(v)` as `pm_mat2(v)`, a function of the prelude for all types of `v`.
+pub(super) fn name_matrices(tokens: &mut [Token]) {
+    for k in 0..tokens.len() {
+        let is_call = tokens[k].is("mat2") && tokens.get(k + 1).is_some_and(|next| next.is("("));
+        let value = tokens.get(k + 2).is_some_and(|token| token.kind != Kind::Number);
+        if is_call && value && elements(&tokens[k..]) == Some(1) {
+            tokens[k].text = "pm_mat2";
+        }
+    }
+}
+
 /// Writes `float a[2], b;` as `float a[2]; float b;`: naga takes what follows an array for arrays, too.
 fn separate_arrays<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     let mut result: Vec<Token> = Vec::new();
@@ -199,6 +210,15 @@ mod tests {
         );
         // A member of a structure.
         assert_eq!(texts("s[0].w = 1.;"), "s [ 0 ] . w = 1. ;");
+    }
+
+    #[test]
+    fn matrices_of_one_value_are_named() {
+        let mut all = tokens("mat2 f(mat2 m) { return mat2(1.) * mat2(a, b) * mat2(cos(vec4(1, 2, 3, 4))); }");
+        name_matrices(&mut all);
+        let named: Vec<usize> = (0..all.len()).filter(|&k| all[k].is("pm_mat2")).collect();
+        assert_eq!(named.len(), 1);
+        assert!(all[named[0] + 2].is("cos"));
     }
 
     #[test]
