@@ -42,5 +42,5 @@ pub use parts::{PartsError, SceneParts};
 pub use scene::{Camera, Moment, Object, Parameter, Scene};
 pub use settings::{Caustics, DirectLighting, RenderSettings, Sampler, Tonemap};
 pub use sky::Sky;
-pub use source::read_text;
+pub use source::{read_foreign_text, read_text};
 pub use source_text::SourceText;

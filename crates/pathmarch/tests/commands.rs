@@ -713,6 +713,21 @@ fn a_preset_is_the_camera_and_bounds_are_measured() {
     }
 }
 
+/// Other programs write comments in Latin-1, and names with several hyphens.
+#[test]
+fn shaders_of_any_name_and_encoding_are_imported() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let text = b"// Knighty's poly\xe8dre\rfloat DE(vec3 p) { return length(p) - 1.0; }\r\n";
+    let name = "Mandelbox - Dual Numbers DE - with a very long name 2.frag";
+    std::fs::write(directory.path().join(name), text).expect("written");
+    let output = pathmarch(&["import", name, "-o", "a.kdl"], directory.path());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(stderr(&output).contains("Latin-1"), "{}", stderr(&output));
+    let text = std::fs::read_to_string(directory.path().join("a.kdl")).expect("written");
+    assert!(text.contains("poly\u{e8}dre\nfloat DE"), "{text}");
+    assert!(text.contains("field \"mandelbox-dual-numbers-de-with-field\""), "{text}");
+}
+
 #[test]
 fn what_a_shader_cannot_be_imported_for_is_reported_at_its_line() {
     let directory = tempfile::tempdir().expect("a directory");

@@ -345,8 +345,10 @@ fn rename(module: &mut Module, identifier: &str, entry: Handle<naga::Function>) 
     let mut count = 0;
     let mut fresh = |name: &str| {
         count += 1;
-        // The identifier is followed by a digit, and names start with none: two shapes never make the same name.
-        format!("user_{identifier}_{count}_{name}_v")
+        // The identifier is followed by a digit, and names start with none: two shapes never make the same name. naga's
+        // writer would shorten several `_` in a row.
+        let parts: Vec<&str> = name.split('_').filter(|part| !part.is_empty()).collect();
+        format!("user_{identifier}_{count}_{}_v", parts.join("_"))
     };
     let predeclared: Vec<_> = module.special_types.predeclared_types.values().copied().collect();
     let structs: Vec<_> = module

@@ -8,10 +8,11 @@ use super::entry::Entry;
 use super::items::{Item, ItemKind};
 use super::lexer::{Kind, Place, Token, fault};
 use super::reach::replaced;
+use super::rewrite::{element_count, elements, rewritten};
 use super::text::PlacedText;
 use super::uniforms::{param_names, uniform_type};
 use crate::custom_sdf::CodeDiagnostic;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Name of the function that a field calls.
 pub(in crate::custom_sdf) const ENTRY: &str = "pm_distance";
@@ -31,6 +32,8 @@ pub(super) struct Assembly<'i, 'a> {
     /// Parameters of the field, those of the code included.
     pub(super) params: &'i [String],
     pub(super) entry: &'i Entry,
+    /// Components of the uniforms that are no parameters, by name.
+    pub(super) fixed: &'i HashMap<&'a str, Vec<f32>>,
     /// True if a function `init` runs first.
     pub(super) calls_init: bool,
 }
@@ -70,26 +73,35 @@ impl Assembly<'_, '_> {
                     } else {
                         changing.insert(item.name);
                     }
-                    text.tokens(ty);
+                    sized(ty, value, &mut text);
                     text.add(item.name, item.at);
-                    text.tokens(sizes);
+                    sized(sizes, value, &mut text);
                     let target = if is_const { &mut text } else { &mut start };
                     if !value.is_empty() {
                         target.add(if is_const { "" } else { item.name }, item.at);
                         target.add(" = ", item.at);
-                        target.tokens(&printed);
+                        counted(&printed, target);
                         target.add(if is_const { "" } else { ";\n" }, item.at);
                     }
                     text.add(";\n", item.at);
                 }
                 ItemKind::Uniform { ty, .. } => {
                     changing.insert(item.name);
-                    uniform(item, ty, &mut text, &mut start)?;
+                    self.uniform(item, ty, &mut text, &mut start)?;
                 }
             }
         }
         self.entry(&start, &mut text);
         Ok(text)
+    }
+
+    /// Names of all members of structures.
+    fn members(&self) -> Vec<&str> {
+        let of_item = |index: &usize| match &self.items[*index].kind {
+            ItemKind::Struct { members } => members.iter().map(|(_, name)| *name).collect(),
+            _ => Vec::new(),
+        };
+        self.order.iter().flat_map(of_item).collect()
     }
 
     fn is_used(&self, param: &str) -> bool {
@@ -120,11 +132,38 @@ impl Assembly<'_, '_> {
         }
     }
 
+    fn uniform(
+        &self,
+        item: &Item,
+        ty: &str,
+        text: &mut PlacedText,
+        start: &mut PlacedText,
+    ) -> Result<(), CodeDiagnostic> {
+        let Some(kind) = uniform_type(ty) else {
+            let help = "Uniforms of a field are float, int, uint, bool, vec2, vec3 and vec4.";
+            let message = format!("A field has no uniform of the type `{ty}`.");
+            return Err(fault(item.at, message, "not in a field", help));
+        };
+        text.add(&format!("{ty} {};\n", item.name), item.at);
+        let names = param_names(item.name, kind.components);
+        let fixed = self.fixed.get(item.name);
+        let value = |(k, name): (usize, &String)| match fixed.and_then(|values| values.get(k)) {
+            Some(value) => (kind.convert)(&format!("({value:?})")),
+            None => (kind.convert)(&constant_name(name)),
+        };
+        let parts: Vec<String> = names.iter().enumerate().map(value).collect();
+        start.add(&format!("{} = {ty}({});\n", item.name, parts.join(", ")), item.at);
+        Ok(())
+    }
+
     fn function(&self, item: &Item, result: &str, text: &mut PlacedText) {
-        let mut tokens = separate_arrays(&item.tokens);
+        let mut tokens = rewritten(&item.tokens, &self.members());
         self.replace(&mut tokens);
         for (k, token) in tokens.iter().enumerate() {
             text.token(token);
+            if let Some(count) = element_count(&tokens, k) {
+                text.add(&format!("{count} "), token.at);
+            }
             // naga does not convert what a function returns.
             let returned = |at: usize| k.checked_sub(at).map_or("", |k| tokens[k].text);
             let is_returned = returned(1) == "return" || (returned(2) == "return" && returned(1) == "-");
@@ -137,33 +176,25 @@ impl Assembly<'_, '_> {
     }
 }
 
-/// Writes `float a[2], b;` as `float a[2]; float b;`: naga takes what follows an array for arrays, too.
-fn separate_arrays<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
-    let mut result: Vec<Token> = Vec::new();
-    let mut rest = tokens;
-    while !rest.is_empty() {
-        let length = 1 + rest.iter().position(|token| matches!(token.text, ";" | "{" | "}")).unwrap_or(rest.len() - 1);
-        let (statement, after) = rest.split_at(length);
-        rest = after;
-        let has_array = matches!(statement, [ty, name, open, ..] if ty.is_name() && name.is_name() && !ty.is("return")
-            && matches!(open.text, "[" | "=" | ","))
-            && statement.iter().any(|token| token.is("["));
-        let mut depth = 0_usize;
-        for token in statement {
-            match token.text {
-                "(" | "[" => depth += 1,
-                ")" | "]" => depth = depth.saturating_sub(1),
-                _ => {}
-            }
-            if has_array && depth == 0 && token.is(",") {
-                result.push(Token { text: ";", ..*token });
-                result.push(statement[0]);
-            } else {
-                result.push(*token);
-            }
+/// Prints tokens with the number of elements of each array that has its values.
+fn counted(tokens: &[Token], text: &mut PlacedText) {
+    for (k, token) in tokens.iter().enumerate() {
+        text.token(token);
+        if let Some(count) = element_count(tokens, k) {
+            text.add(&format!("{count} "), token.at);
         }
     }
-    result
+}
+
+/// Prints a type or the sizes behind a name; empty brackets get the number of elements of the value.
+fn sized(tokens: &[Token], value: &[Token], text: &mut PlacedText) {
+    for (k, token) in tokens.iter().enumerate() {
+        text.token(token);
+        let is_empty = token.is("[") && tokens.get(k + 1).is_some_and(|next| next.is("]"));
+        if let Some(count) = elements(value).filter(|_| is_empty) {
+            text.add(&format!("{count} "), token.at);
+        }
+    }
 }
 
 fn is_integer(number: &str) -> bool {
@@ -189,17 +220,4 @@ fn is_plain(ty: &[Token], value: &[Token], changing: &HashSet<&str>) -> bool {
             _ => is_scalar || matches!(token.text, "(" | ")" | "," | "-" | "[" | "]" | "{" | "}"),
         }
     })
-}
-
-fn uniform(item: &Item, ty: &str, text: &mut PlacedText, start: &mut PlacedText) -> Result<(), CodeDiagnostic> {
-    let Some(kind) = uniform_type(ty) else {
-        let help = "Uniforms of a field are float, int, uint, bool, vec2, vec3 and vec4.";
-        let message = format!("A field has no uniform of the type `{ty}`.");
-        return Err(fault(item.at, message, "not in a field", help));
-    };
-    text.add(&format!("{ty} {};\n", item.name), item.at);
-    let names = param_names(item.name, kind.components);
-    let parts: Vec<String> = names.iter().map(|name| (kind.convert)(&constant_name(name))).collect();
-    start.add(&format!("{} = {ty}({});\n", item.name, parts.join(", ")), item.at);
-    Ok(())
 }

@@ -1,6 +1,6 @@
 //! The distance function of a shader, and the function around it that a field calls.
 
-use super::items::{Item, ItemKind};
+use super::items::{Argument, Item, ItemKind};
 use super::lexer::{Place, fault};
 use crate::custom_sdf::CodeDiagnostic;
 
@@ -34,6 +34,9 @@ const NAMES: [&str; 24] = [
 /// Names of the member with the distance, in a structure.
 const MEMBERS: [&str; 7] = ["d", "dist", "distance", "sd", "sdf", "t", "x"];
 
+/// Types of parameters behind the point that may be zero.
+const ZEROS: [&str; 4] = ["float", "int", "uint", "bool"];
+
 /// Distance function.
 pub(super) struct Entry {
     /// Index of its item.
@@ -44,6 +47,8 @@ pub(super) struct Entry {
     pub(super) declarations: String,
     /// True if only one of several unnamed components is used.
     pub(super) is_component: bool,
+    /// True if further parameters are zero.
+    pub(super) has_zeros: bool,
 }
 
 /// Finds the function of this name, or of a usual one.
@@ -57,8 +62,12 @@ pub(super) fn entry(items: &[Item], name: Option<&str>) -> Result<Entry, CodeDia
         Some(name) => named(name),
         None => NAMES.iter().flat_map(|name| named(name)).collect(),
     };
-    let found = candidates.iter().find(|item| usable(item));
-    let Some((item, call)) = found.and_then(|item| Some((item, call(item, items)?))) else {
+    // Of overloads the one without further parameters.
+    let calls = || candidates.iter().filter_map(|item| Some((item, call(item, items)?)));
+    let first = calls().next().map(|(item, _)| item.name);
+    let mut same = calls().filter(|(item, _)| Some(item.name) == first).collect::<Vec<_>>();
+    same.sort_by_key(|(_, call)| call.has_zeros);
+    let Some((item, call)) = same.into_iter().next() else {
         return Err(match candidates.first() {
             Some(item) => wrong_type(item),
             None => missing(items, name, &usable),
@@ -72,12 +81,16 @@ pub(super) fn entry(items: &[Item], name: Option<&str>) -> Result<Entry, CodeDia
 fn call(item: &Item, items: &[Item]) -> Option<Entry> {
     let ItemKind::Function { result, arguments } = &item.kind else { return None };
     let (first, others) = arguments.split_first()?;
-    // Further results, such as colours, are not used.
-    if first.ty != "vec3" || first.is_only_output || !others.iter().all(|argument| argument.is_output) {
+    // Further results, such as colours, are not used; further numbers, such as a time, are zero.
+    let is_possible = |argument: &Argument| argument.is_output || ZEROS.contains(&argument.ty);
+    if first.ty != "vec3" || first.is_only_output || !others.iter().all(is_possible) {
         return None;
     }
-    let declarations: String =
-        others.iter().enumerate().map(|(k, argument)| format!("{} pm_unused_{k};\n", argument.ty)).collect();
+    let declaration = |(k, argument): (usize, &Argument)| match argument.is_output {
+        true => format!("{} pm_unused_{k};\n", argument.ty),
+        false => format!("{0} pm_unused_{k} = {0}(0);\n", argument.ty),
+    };
+    let declarations: String = others.iter().enumerate().map(declaration).collect();
     let names: String = (0..others.len()).map(|k| format!(", pm_unused_{k}")).collect();
     let member = match *result {
         "float" => String::new(),
@@ -85,7 +98,8 @@ fn call(item: &Item, items: &[Item]) -> Option<Entry> {
         name => format!(".{}", distance_member(items.iter().find(|item| item.name == name)?)?),
     };
     let is_component = matches!(*result, "vec3" | "vec4");
-    Some(Entry { item: 0, call: format!("{}(p{names}){member}", item.name), declarations, is_component })
+    let has_zeros = others.iter().any(|argument| !argument.is_output);
+    Some(Entry { item: 0, call: format!("{}(p{names}){member}", item.name), declarations, is_component, has_zeros })
 }
 
 /// Name of the member of a structure with the distance.

@@ -4,12 +4,27 @@
 //! `#endpreset`; the one named `Default`, or else the first, has the values that a file opens with.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// Directives of single lines.
-const LINES: [&str; 10] =
-    ["include", "group", "info", "camera", "buffer", "donotrun", "replace", "synopsis", "texparameter", "iterations"];
-/// Directives of blocks, which end with `#end` and the same word.
-const BLOCKS: [&str; 2] = ["preset", "vertex"];
+const LINES: [&str; 12] = [
+    "include",
+    "group",
+    "info",
+    "camera",
+    "buffer",
+    "donotrun",
+    "replace",
+    "synopsis",
+    "texparameter",
+    "iterations",
+    "subframemax",
+    "title",
+];
+/// Lines around code that runs once for a picture: its `init` sets variables for the distance function.
+const AROUND: [&str; 2] = ["vertex", "endvertex"];
+/// Directive that starts a list of values, which ends with `#endpreset`.
+const PRESET: &str = "preset";
 
 /// Values that a file opens with, by name.
 pub(super) type Preset = HashMap<String, Vec<f32>>;
@@ -18,40 +33,45 @@ pub(super) type Preset = HashMap<String, Vec<f32>>;
 pub(super) struct Fragment {
     pub(super) code: String,
     pub(super) preset: Preset,
+    /// Byte range of the code that runs once for a picture, between `#vertex` and `#endvertex`.
+    pub(super) vertex: Range<usize>,
 }
 
 impl Fragment {
     pub(super) fn new(text: &str) -> Self {
         let mut code = String::with_capacity(text.len());
         let mut presets: Vec<(String, Preset)> = Vec::new();
-        let mut block: Option<&str> = None;
+        let mut in_preset = false;
+        let mut vertex = 0..0;
         for line in text.split_inclusive('\n') {
             let (word, rest) = directive(line);
-            let is_end = block.is_some_and(|block| word.strip_prefix("end") == Some(block));
-            if block == Some("preset")
+            let is_end = word == "endpreset";
+            match &*word {
+                "vertex" => vertex = code.len()..text.len(),
+                "endvertex" => vertex.end = code.len(),
+                _ => {}
+            }
+            if in_preset
                 && !is_end
                 && let (Some((_, preset)), Some((name, values))) = (presets.last_mut(), line.split_once('='))
             {
                 preset.insert(name.trim().to_owned(), numbers(values));
             }
-            let starts = BLOCKS.iter().find(|known| block.is_none() && **known == word);
-            if block.is_some() || starts.is_some() || LINES.contains(&&*word) {
+            let starts = !in_preset && word == PRESET;
+            if in_preset || starts || is_skipped(&word) {
                 blank(line, &mut code);
             } else {
                 code.push_str(line);
             }
-            if is_end {
-                block = None;
-            }
-            if let Some(starts) = starts {
-                block = Some(starts);
+            in_preset = starts || (in_preset && !is_end);
+            if starts {
                 presets.push((rest.trim().to_lowercase(), Preset::new()));
             }
         }
         presets.retain(|(_, preset)| !preset.is_empty());
         let opened = presets.iter().position(|(name, _)| name == "default").unwrap_or(0);
         let preset = if presets.is_empty() { Preset::new() } else { presets.swap_remove(opened).1 };
-        Self { code, preset }
+        Self { code, preset, vertex }
     }
 }
 
@@ -61,6 +81,11 @@ fn directive(line: &str) -> (String, &str) {
     let rest = rest.trim_start();
     let (word, rest) = rest.split_at(rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len()));
     (word.to_lowercase(), rest)
+}
+
+/// True for directives without a meaning for a distance. Their text may follow without a blank.
+fn is_skipped(word: &str) -> bool {
+    LINES.iter().any(|line| word.starts_with(line)) || AROUND.contains(&word)
 }
 
 fn blank(line: &str, code: &mut String) {
@@ -84,7 +109,7 @@ mod tests {
 
     #[test]
     fn presets_are_read_and_lines_blanked() {
-        let text = "#include \"DE-Raytracer.frag\"\n#group A b\nfloat x;\n#preset Other\nA = 1\n#endpreset\n\
+        let text = "#include \"DE-Raytracer.frag\"\n#group A b\n#infoSome text's end\nfloat x;\n#preset Other\nA = 1\n#endpreset\n\
                     #preset Default\nEye = 1,-2.5,3\nOn = true\n#endpreset\nfloat y;";
         let fragment = Fragment::new(text);
         assert_eq!(fragment.code.len(), text.len());

@@ -5,13 +5,16 @@
 use super::control::{Control, control};
 use super::lexer::{Kind, Place, Token, fault};
 use crate::custom_sdf::CodeDiagnostic;
+use std::collections::HashSet;
 
 /// Largest nesting of brackets and braces: parsers work by recursion.
 const MAX_NESTING: usize = 200;
 /// Qualifiers that mean nothing to a field.
 const QUALIFIERS: [&str; 8] = ["highp", "mediump", "lowp", "flat", "smooth", "invariant", "precise", "centroid"];
+/// Word that starts a variable between the code that runs once for a picture and the distance function.
+const VARYING: &str = "varying";
 /// Words that start declarations of what a field does not have.
-const STAGE: [&str; 8] = ["in", "out", "varying", "attribute", "buffer", "shared", "layout", "precision"];
+const STAGE: [&str; 7] = ["in", "out", "attribute", "buffer", "shared", "layout", "precision"];
 
 /// Parameter of a function.
 pub(super) struct Argument<'a> {
@@ -41,7 +44,8 @@ pub(super) enum ItemKind<'a> {
     Uniform {
         ty: &'a str,
         value: Vec<Token<'a>>,
-        control: Option<Control>,
+        /// `None` if the code has none. A mistake in it matters only where the uniform is used.
+        control: Option<Result<Control, CodeDiagnostic>>,
     },
 }
 
@@ -69,14 +73,26 @@ impl<'a> Item<'a> {
     }
 }
 
-/// Splits a code into its declarations.
-pub(super) fn items<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>, CodeDiagnostic> {
+/// Splits a code into its declarations. `has_varyings` is true for a code that sets its `varying` variables.
+pub(super) fn items<'a>(tokens: &[Token<'a>], has_varyings: bool) -> Result<Vec<Item<'a>>, CodeDiagnostic> {
     check_brackets(tokens)?;
-    let mut reader = Reader { tokens, at: 0, items: Vec::new() };
+    let mut reader = Reader { tokens, at: 0, items: Vec::new(), has_varyings };
     while reader.at < tokens.len() {
         reader.declaration()?;
     }
     Ok(reader.items)
+}
+
+/// Removes what code that runs once for a picture declares, too: the variables that it shares with the distance function, and
+/// its copies of functions. `is_in_vertex` is true for places in it.
+pub(super) fn drop_repeated(items: &mut Vec<Item>, is_in_vertex: &dyn Fn(Place) -> bool) {
+    let types = |item: &Item| match &item.kind {
+        ItemKind::Function { arguments, .. } => Some(arguments.iter().map(|argument| argument.ty.to_owned()).collect()),
+        _ => None::<Vec<String>>,
+    };
+    let outside: HashSet<(String, Option<Vec<String>>)> =
+        items.iter().filter(|item| !is_in_vertex(item.at)).map(|item| (item.name.to_owned(), types(item))).collect();
+    items.retain(|item| !is_in_vertex(item.at) || !outside.contains(&(item.name.to_owned(), types(item))));
 }
 
 fn check_brackets(tokens: &[Token]) -> Result<(), CodeDiagnostic> {
@@ -115,6 +131,7 @@ struct Reader<'t, 'a> {
     tokens: &'t [Token<'a>],
     at: usize,
     items: Vec<Item<'a>>,
+    has_varyings: bool,
 }
 
 impl<'t, 'a> Reader<'t, 'a> {
@@ -177,11 +194,15 @@ impl<'t, 'a> Reader<'t, 'a> {
             match token.text {
                 "const" => is_const = true,
                 "uniform" => is_uniform = true,
+                VARYING => is_stage = !self.has_varyings,
                 word if STAGE.contains(&word) => is_stage = true,
                 word if QUALIFIERS.contains(&word) => {}
                 _ => break,
             }
             self.at += 1;
+            if token.is("layout") && self.peek().is_some_and(|next| next.is("(")) {
+                self.group();
+            }
         }
         if is_stage && !is_uniform {
             self.until(&[";"]);
@@ -293,7 +314,7 @@ impl<'t, 'a> Reader<'t, 'a> {
             && self.tokens.get(self.at + 1).is_some_and(|token| token.is("["))
         {
             let word = self.name("control")?;
-            found = Some(control(&word, self.group())?);
+            found = Some(control(&word, self.group()));
             while self.peek().is_some_and(|token| token.text.starts_with("Lock") || token.text.starts_with("NotLock")) {
                 self.at += 1;
             }

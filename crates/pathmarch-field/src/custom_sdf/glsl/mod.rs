@@ -19,6 +19,7 @@ mod macros;
 mod parse;
 mod preprocessor;
 mod reach;
+mod rewrite;
 mod text;
 mod uniforms;
 mod unset;
@@ -71,15 +72,21 @@ impl Shader {
         if let Some(fault) = wgsl(&own_tokens) {
             return Err(one(fault));
         }
-        let preprocessed = preprocess(&own_tokens).map_err(one)?;
-        let mut all = items(&preprocessed.tokens).map_err(one)?;
+        let mut preprocessed = preprocess(&own_tokens).map_err(one)?;
+        rewrite::name_matrices(&mut preprocessed.tokens);
+        let is_in_vertex = |at: Place| fragment.vertex.contains(&(at.start as usize));
+        let mut all = items(&preprocessed.tokens, !fragment.vertex.is_empty()).map_err(one)?;
+        items::drop_repeated(&mut all, &is_in_vertex);
         let own = all.len();
         let entry = entry(&all, function).map_err(one)?;
-        let is_init = |item: &items::Item| item.name == "init" && preprocessed.provides_init;
+        let is_init = |item: &items::Item| item.name == "init" && (preprocessed.provides_init || is_in_vertex(item.at));
         let init = all.iter().position(is_init);
         let prelude_tokens = foreign_tokens(PRELUDE);
         all.extend(
-            items(&prelude_tokens).map_err(one)?.into_iter().filter(|item| !params.iter().any(|p| p == item.name)),
+            items(&prelude_tokens, false)
+                .map_err(one)?
+                .into_iter()
+                .filter(|item| !params.iter().any(|p| p == item.name)),
         );
         let roots: Vec<usize> = [entry.item].into_iter().chain(init).collect();
         let order = reach::needed(&all, own, &roots);
@@ -91,26 +98,26 @@ impl Shader {
             return Err(foreign);
         }
         limits::check(&order.iter().map(|index| &all[*index]).collect::<Vec<_>>()).map_err(one)?;
-        let uniforms = order.iter().filter_map(|index| uniforms::params(&all[*index], &fragment.preset, code));
-        let own_params: Vec<ShaderParam> = uniforms.flatten().collect();
-        let mut names = params.to_vec();
-        names.extend(own_params.iter().map(|param| param.name.clone()).filter(|name| !params.contains(name)));
-        if names.len() > MAX_PARAMS {
-            let message =
-                format!("A field has at most {MAX_PARAMS} parameters; the uniforms of this code are {}.", names.len());
-            return Err(one(fault(Place::default(), message, "too many", "Make constants of some of them.")));
+        if let Some(fault) = order.iter().find_map(|index| control_fault(&all[*index])) {
+            return Err(one(fault));
         }
+        let mut parameters = Parameters { names: params.to_vec(), ..Parameters::default() };
+        order.iter().for_each(|index| parameters.add(&all[*index], &fragment.preset, code));
+        let Parameters { names, own: own_params, fixed, first_fixed } = parameters;
         let assembly = Assembly {
             items: &all,
             order: &order,
             declared: &declared,
             params: &names,
             entry: &entry,
+            fixed: &fixed,
             calls_init: init.is_some(),
         };
         let text = assembly.print().map_err(one)?;
         let mut warnings = unset::warnings(&all[..own], &order);
         warnings.extend(entry.is_component.then(|| component_warning(&all[entry.item])));
+        warnings.extend(entry.has_zeros.then(|| zeros_warning(&all[entry.item])));
+        warnings.extend(first_fixed.map(|at| fixed_warning(at, &fixed)));
         Ok(Self {
             text,
             params: own_params,
@@ -129,6 +136,53 @@ fn names<'i, 'a>(items: &'i [items::Item<'a>]) -> impl Iterator<Item = &'a str> 
 fn component_warning(item: &items::Item) -> CodeDiagnostic {
     let message = format!("`{}` gives several numbers: the first is taken as the distance.", item.name);
     fault(item.at, message, "only `.x` is used", "")
+}
+
+fn zeros_warning(item: &items::Item) -> CodeDiagnostic {
+    let message = format!("`{}` has more parameters than the point: they are 0.", item.name);
+    fault(item.at, message, "called with 0", "Write a function that calls it with other numbers, and name that one.")
+}
+
+fn fixed_warning(at: Place, fixed: &HashMap<&str, Vec<f32>>) -> CodeDiagnostic {
+    let mut names: Vec<String> = fixed.keys().map(|name| format!("`{name}`")).collect();
+    names.sort_unstable();
+    let message = format!("A field has at most {MAX_PARAMS} parameters: {} are constants here.", names.join(", "));
+    fault(at, message, "the first constant", "Make constants of other uniforms to get a parameter for one of these.")
+}
+
+/// Mistake in the control of a uniform.
+fn control_fault(item: &items::Item) -> Option<CodeDiagnostic> {
+    match &item.kind {
+        ItemKind::Uniform { control: Some(Err(fault)), ty, .. } if uniforms::uniform_type(ty).is_some() => {
+            Some(fault.clone())
+        }
+        _ => None,
+    }
+}
+
+/// Parameters of a field: as many of the uniforms as it can have.
+#[derive(Default)]
+struct Parameters<'a> {
+    names: Vec<String>,
+    own: Vec<ShaderParam>,
+    /// Values of the uniforms that are constants.
+    fixed: HashMap<&'a str, Vec<f32>>,
+    first_fixed: Option<Place>,
+}
+
+impl<'a> Parameters<'a> {
+    fn add(&mut self, item: &items::Item<'a>, preset: &fragmentarium::Preset, code: &str) {
+        let params = uniforms::params(item, preset, code).unwrap_or_default();
+        let new = params.iter().filter(|param| !self.names.contains(&param.name));
+        let new: Vec<String> = new.map(|param| param.name.clone()).collect();
+        if self.names.len() + new.len() > MAX_PARAMS {
+            self.fixed.insert(item.name, params.iter().map(|param| param.default).collect());
+            self.first_fixed.get_or_insert(item.at);
+            return;
+        }
+        self.names.extend(new);
+        self.own.extend(params);
+    }
 }
 
 /// Reports code in WGSL at its first function.

@@ -79,7 +79,10 @@ fn message(kind: &ErrorKind, shader: &Shader) -> (String, Option<&'static str>) 
 /// Message of naga for a mistake in the meaning.
 fn semantic(text: &str, shader: &Shader) -> (String, Option<&'static str>) {
     let Some(name) = text.strip_prefix("Unknown function '").and_then(|rest| rest.strip_suffix('\'')) else {
-        return (text.to_owned(), None);
+        let column = text
+            .starts_with("Can't lookup field on this type")
+            .then_some("Several components of a column are set one by one: m[0].x = …; m[0].y = ….");
+        return (text.to_owned(), column);
     };
     let is_declared = shader.text.text.contains(&format!(" {name} ( "));
     let uses = shader.text.text.matches(&format!("{name} ( ")).count();

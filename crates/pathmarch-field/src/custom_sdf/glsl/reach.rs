@@ -58,13 +58,11 @@ pub(super) fn needed(items: &[Item], own: usize, roots: &[usize]) -> Vec<usize> 
 }
 
 /// What only shaders of pictures have: the start of a name, and what to do about it.
-const FOREIGN: [(&str, &str); 12] = [
+const FOREIGN: [(&str, &str); 10] = [
     ("texture", "A field has no pictures: write a formula in its place."),
     ("texelFetch", "A field has no pictures: write a formula in its place."),
     ("iChannel", "A field has no pictures: write a formula in its place."),
     ("image", "A field has no pictures: write a formula in its place."),
-    ("iMouse", "A field has no mouse: write a number in its place, or a `param` of the field."),
-    ("iResolution", "A distance does not depend on the size of the picture: write a number in its place."),
     ("iTimeDelta", "A distance does not depend on the frame: write a number in its place."),
     ("iDate", "A field has no clock: use `iTime`, which is a `param`."),
     ("gl_", "A distance depends on the point alone."),

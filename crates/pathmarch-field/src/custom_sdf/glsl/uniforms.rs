@@ -53,14 +53,15 @@ pub(super) fn param_names(name: &str, components: usize) -> Vec<String> {
 pub(super) fn params(item: &Item, preset: &Preset, code: &str) -> Option<Vec<ShaderParam>> {
     let ItemKind::Uniform { ty, value, control } = &item.kind else { return None };
     let components = uniform_type(ty)?.components;
+    let control = control.as_ref().and_then(|control| control.as_ref().ok());
     let at = |list: &[f32], k: usize| list.get(k).or(list.last()).copied();
     let own: Vec<f32> = lists(value).into_iter().flatten().collect();
     let names = param_names(item.name, components).into_iter().enumerate();
     let param = |(k, name): (usize, String)| {
         let default = preset.get(item.name).and_then(|values| at(values, k));
-        let default = default.or(control.as_ref().and_then(|control| at(&control.default, k))).or(at(&own, k));
+        let default = default.or(control.and_then(|control| at(&control.default, k))).or(at(&own, k));
         let default = default.unwrap_or_default();
-        let range = control.as_ref().and_then(|control| Some((at(&control.least, k)?, at(&control.greatest, k)?)));
+        let range = control.and_then(|control| Some((at(&control.least, k)?, at(&control.greatest, k)?)));
         let range = match (range, *ty) {
             (Some((least, greatest)), _) => (least.min(greatest), greatest.max(least)),
             (None, "bool") => (0.0, 1.0),
@@ -93,7 +94,7 @@ mod tests {
 
     fn read(code: &str) -> Vec<ShaderParam> {
         let tokens = tokens(code);
-        let items = items(&tokens).unwrap_or_else(|fault| panic!("{fault:?}"));
+        let items = items(&tokens, false).unwrap_or_else(|fault| panic!("{fault:?}"));
         items.iter().flat_map(|item| params(item, &Preset::new(), code).unwrap_or_default()).collect()
     }
 

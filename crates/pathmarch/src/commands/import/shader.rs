@@ -11,7 +11,7 @@ use pathmarch_render::pathmarch_field::graph::Kind;
 use pathmarch_render::pathmarch_field::lipschitz_check::check_lipschitz;
 use pathmarch_render::pathmarch_field::number::Vec3;
 use pathmarch_render::pathmarch_field::{Field, Node, Placement};
-use pathmarch_render::pathmarch_scene::{Mistake, Scene, SceneError, SourceText, read_text};
+use pathmarch_render::pathmarch_scene::{Mistake, Scene, SceneError, SourceText, read_foreign_text};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -33,7 +33,11 @@ const SAMPLE_POINTS: u32 = 20_000;
 
 /// Scene of a shader. `entry` is the name of its distance function, `None` for a usual name.
 pub(super) fn import(file: &Path, entry: Option<&str>) -> Result<Import, Failure> {
-    let code = read_text(file).map_err(|error| Failure::Scene(Box::new(error)))?.replace("\r\n", "\n");
+    let (code, is_latin1) = read_foreign_text(file)?;
+    if is_latin1 {
+        note!("{} is not UTF-8: read as Latin-1", file.display());
+    }
+    let code = code.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
     let shader = ShaderFile { file: file.display().to_string(), name: field_name(file), code, entry };
     let preset = Shader::read(&shader.code, entry, &[]).map(|shader| shader.preset).unwrap_or_default();
     let mut draft = Draft { lipschitz: 1.0, edge: None, camera: String::new() };
@@ -122,11 +126,15 @@ impl ShaderFile<'_> {
     }
 }
 
+/// Longest part of a file's name in the name of its field, characters.
+const MAX_STEM: usize = 30;
+
 /// Name of a field for a file: letters, digits and hyphens, no word of the language.
 fn field_name(file: &Path) -> String {
     let stem = file.file_stem().map(|stem| stem.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let plain: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
-    let plain = plain.trim_matches('-');
+    let words = stem.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    let joined = words.collect::<Vec<_>>().join("-");
+    let plain = joined.get(..MAX_STEM).unwrap_or(&joined).trim_end_matches('-');
     if plain.starts_with(|c: char| c.is_ascii_alphabetic()) {
         format!("{plain}-field")
     } else {
