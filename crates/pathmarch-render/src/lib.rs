@@ -36,6 +36,7 @@ mod wgsl;
 
 pub use backend::gpu::{AdapterDescription, adapters};
 pub use error::RenderError;
+pub use job::{AdaptiveJob, AdaptiveTile, MAX_NOISE, MIN_NOISE};
 pub use job::{Backend, BackendInfo, Job, Renderer, Shutter, TileTracer, kernel_wgsl, ray_stats};
 #[cfg(target_family = "wasm")]
 pub use job::{WebGpu, WebGpuJob};

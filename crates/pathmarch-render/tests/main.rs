@@ -1,5 +1,6 @@
 //! All tests of pictures in one program, so that they share opened devices and are linked once.
 
+mod adaptive;
 mod aov;
 mod backends;
 mod blends;
@@ -30,6 +31,7 @@ use std::path::Path;
 
 fn main() {
     let tests = [
+        adaptive::tests(),
         aov::tests(),
         backends::tests(),
         blends::tests(),

@@ -76,6 +76,12 @@ impl CpuJob {
         Self { rect, tiles: tiles(rect), film: Film::new(rect.width, rect.height), ..self }
     }
 
+    /// Takes further samples only in these rectangles, whose corners are multiples of [`TILE`] from that of the film. The caller
+    /// ensures that no sample is half done.
+    pub(crate) fn restrict(&mut self, rects: &[Rect]) {
+        self.tiles = rects.iter().flat_map(|rect| tiles(*rect)).collect();
+    }
+
     /// Returns the film so far and starts a new one at the next sample. The caller ensures that no sample is half done.
     pub(crate) fn take(&mut self) -> Film {
         self.first_sample += self.film.samples;

@@ -1,5 +1,6 @@
 //! Jobs: pictures being rendered, still or with motion blur, each on the backend that suits it.
 
+mod adaptive;
 mod backend_choice;
 mod identity;
 mod motion;
@@ -16,6 +17,7 @@ use crate::error::RenderError;
 use crate::output::film::Film;
 use crate::ray_stats::{RayCounters, RayStats};
 use crate::settings::Settings;
+pub use adaptive::{AdaptiveJob, AdaptiveTile, MAX_NOISE, MIN_NOISE};
 use backend_choice::Choice;
 use motion::MotionBlur;
 pub use motion::Shutter;

@@ -46,7 +46,7 @@ impl Shutter {
         Self::open_for(scene, scene.render.shutter, scene.render.fps)
     }
     /// True if a picture of a scene with these settings has motion blur.
-    pub(crate) fn blurs(&self, scene: &Scene, settings: &Settings) -> bool {
+    pub fn blurs(&self, scene: &Scene, settings: &Settings) -> bool {
         self.seconds > 0.0 && scene.animated && settings.mode == Mode::Path
     }
     /// Moment of a sample. The frame number stays the same.

@@ -6,6 +6,7 @@ use crate::backend::gpu::{FilmCopy, GpuJob};
 use crate::error::RenderError;
 use crate::mode::Mode;
 use crate::output::film::Film;
+use crate::output::parts::Rect;
 use crate::output::tonemap::Display;
 use std::time::Duration;
 
@@ -95,6 +96,15 @@ impl Tracer {
             (Self::Gpu(job), TakenFilm::Copy(copy)) => job.finish(copy),
             (_, TakenFilm::Film(film)) => Ok(film),
             (Self::Cpu(_), TakenFilm::Copy(_)) => Err(RenderError::Settings("a film of another backend".to_owned())),
+        }
+    }
+
+    /// Takes further samples only in these rectangles, whose corners are multiples of 16 pixels from that of the picture. The
+    /// film's other pixels lack these samples. It must be whole.
+    pub(crate) fn restrict(&mut self, rects: Vec<Rect>) {
+        match self {
+            Self::Gpu(job) => job.restrict(rects),
+            Self::Cpu(job) => job.restrict(&rects),
         }
     }
 

@@ -8,7 +8,7 @@
 //! 4th edition 2023, section 5.4. A sample contributes to its own pixel only (no reconstruction filter wider than a pixel),
 //! so that pixels are independent.
 //!
-//! **Cost.** Twelve bytes a pixel, and four more once a sample was rejected. A sum in 32-bit floats of `n` samples of similar
+//! **Cost.** Twelve bytes a pixel, and four more once a sample was rejected, or with adaptive sampling. A sum in 32-bit floats of `n` samples of similar
 //! size has a relative error of about `sqrt(n) * 6e-8`: 1.5e-5 at 65,536 samples, far below their noise.
 
 use crate::output::image::Picture;
@@ -20,12 +20,14 @@ pub struct Film {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Number of samples of every pixel, rejected ones included.
+    /// Number of samples of every pixel, rejected ones included; with adaptive sampling the largest number.
     pub samples: u32,
     /// Sums of linear Rec. 709 radiance, W/(m² sr), over the samples; `width * height` pixels, the top row first.
     pub sums: Vec<[f32; 3]>,
     /// Number of rejected samples of each pixel; empty if no sample was rejected.
     rejected: Vec<u32>,
+    /// Number of samples that each pixel lacks, because adaptive sampling has left them out; empty if no pixel lacks any.
+    skipped: Vec<u32>,
 }
 
 /// Reason why two films cannot be added.
@@ -59,7 +61,7 @@ impl Film {
     /// Film without samples; every sum is zero.
     pub fn new(width: u32, height: u32) -> Self {
         let pixels = width as usize * height as usize;
-        Film { width, height, samples: 0, sums: vec![[0.0; 3]; pixels], rejected: Vec::new() }
+        Film { width, height, samples: 0, sums: vec![[0.0; 3]; pixels], rejected: Vec::new(), skipped: Vec::new() }
     }
 
     /// Counts `samples` rejected samples of a pixel, which its sum does not include.
@@ -73,6 +75,14 @@ impl Film {
         }
     }
 
+    /// Counts `samples` samples of a pixel that were not taken.
+    pub(crate) fn count_skipped(&mut self, pixel: usize, samples: u32) {
+        if samples > 0 {
+            self.skipped.resize(self.sums.len(), 0);
+            self.skipped[pixel] += samples;
+        }
+    }
+
     /// Number of rejected samples: NaN, infinite or beyond 1e30. Any value but 0 is a bug to report.
     pub fn non_finite(&self) -> u64 {
         self.rejected.iter().copied().map(u64::from).sum()
@@ -81,8 +91,10 @@ impl Film {
     /// Number of samples in each pixel's sum.
     pub fn sample_counts(&self) -> Vec<u32> {
         let mut counts = vec![self.samples; self.sums.len()];
-        for (count, rejected) in counts.iter_mut().zip(&self.rejected) {
-            *count = count.saturating_sub(*rejected);
+        for missing in [&self.rejected, &self.skipped] {
+            for (count, missing) in counts.iter_mut().zip(missing) {
+                *count = count.saturating_sub(*missing);
+            }
         }
         counts
     }
@@ -116,6 +128,9 @@ impl Film {
             .ok_or(FilmError::TooManySamples { samples: self.samples, other_samples: other.samples })?;
         for (pixel, &samples) in other.rejected.iter().enumerate() {
             self.count_rejected(pixel, samples);
+        }
+        for (pixel, &samples) in other.skipped.iter().enumerate() {
+            self.count_skipped(pixel, samples);
         }
         for (sum, more) in self.sums.iter_mut().zip(&other.sums) {
             for channel in 0..3 {

@@ -51,8 +51,11 @@ pub(crate) struct GpuJob {
     guides: Option<wgpu::Buffer>,
     display_buffers: Option<DisplayBuffers>,
     size: [u32; 2],
-    /// Pixels to render.
+    /// Pixels of films.
     rect: Rect,
+    /// Pixels that further samples are taken of, and the index of the rectangle that is rendered.
+    active: Vec<Rect>,
+    current: usize,
     /// Buffer of the last film that was taken, to be used again.
     staging: Option<wgpu::Buffer>,
     first_sample: u32,
@@ -237,6 +240,8 @@ impl GpuJob {
             display_buffers: None,
             size,
             rect: Rect::of(size),
+            active: vec![Rect::of(size)],
+            current: 0,
             staging: None,
             first_sample,
             submitted: Progress::default(),
@@ -269,7 +274,7 @@ impl GpuJob {
         }
         self.wait()?;
         self.size = size;
-        self.rect = Rect::of(size);
+        (self.rect, self.active, self.current) = (Rect::of(size), vec![Rect::of(size)], 0);
         self.bounces = self.bounces.map(|_| frame.bounces);
         self.submitted = Progress::default();
         self.device.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
@@ -359,7 +364,7 @@ impl GpuJob {
     /// Next slice towards `upto` samples, of about `work` samples summed over pixels: whole workgroups, and whole bands if
     /// they fit.
     fn next_slice(&mut self, upto: u32, work: f64) -> Slice {
-        let Rect { width, height, .. } = self.rect;
+        let Rect { x, y, width, height } = self.active[self.current];
         let Progress { samples, row, column, .. } = self.submitted;
         let sample = self.first_sample + samples;
         if self.is_whole() {
@@ -370,9 +375,9 @@ impl GpuJob {
         let slice = |rows: u32, columns: u32| Slice {
             sample,
             samples: begun,
-            first_row: self.rect.y + row,
+            first_row: y + row,
             rows: rows.min(height - row),
-            first_column: self.rect.x + column,
+            first_column: x + column,
             columns,
             guide_samples: if self.guides.is_some() && samples < FILM_SAMPLES { samples + 1 } else { 0 },
             ..Slice::zeroed()
@@ -390,7 +395,11 @@ impl GpuJob {
             (next.row, next.column) = (row + slice.rows, 0);
         }
         if next.row == height {
-            *next = Progress { samples: samples + begun, ..Progress::default() };
+            self.current = (self.current + 1) % self.active.len();
+            *next = match self.current {
+                0 => Progress { samples: samples + begun, ..Progress::default() },
+                _ => Progress { samples, begun, ..Progress::default() },
+            };
         }
         slice
     }
@@ -473,15 +482,20 @@ impl GpuJob {
 
     /// Submitted samples of every pixel, with a fraction for one that is begun.
     pub(crate) fn samples_done(&self) -> f64 {
-        let [width, height] = [self.rect.width, self.rect.height].map(f64::from);
         let Progress { samples, begun, row, column } = self.submitted;
-        let band = f64::from(BAND).min(height - f64::from(row));
-        f64::from(samples) + f64::from(begun) * (f64::from(row) + band * f64::from(column) / width) / height
+        if self.is_whole() {
+            return f64::from(samples);
+        }
+        let pixels = |rects: &[Rect]| rects.iter().map(|rect| rect.pixels() as f64).sum::<f64>();
+        let Rect { width, height, .. } = self.active[self.current];
+        let band = BAND.min(height - row);
+        let done = pixels(&self.active[..self.current]) + f64::from(row * width + band * column);
+        f64::from(samples) + f64::from(begun) * done / pixels(&self.active)
     }
 
     /// True if every pixel has the same number of submitted samples.
     pub(crate) fn is_whole(&self) -> bool {
-        self.submitted.row == 0 && self.submitted.column == 0
+        self.current == 0 && self.submitted.row == 0 && self.submitted.column == 0
     }
 
     /// Waits for all submissions.
@@ -506,7 +520,12 @@ impl GpuJob {
 
     /// Renders only some pixels; films have only these.
     pub(crate) fn cropped(self, rect: Rect) -> Self {
-        Self { rect, ..self }
+        Self { rect, active: vec![rect], ..self }
+    }
+
+    /// Takes further samples only in these rectangles. The caller ensures that no sample is half done.
+    pub(crate) fn restrict(&mut self, rects: Vec<Rect>) {
+        self.active = rects;
     }
 
     /// Number of paths that share a camera ray.

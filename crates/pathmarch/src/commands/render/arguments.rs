@@ -13,7 +13,7 @@ use pathmarch_render::image::ImageFormat;
 use pathmarch_render::parts::Rect;
 use pathmarch_render::pathmarch_scene::{RenderSettings, Scene, settings};
 use pathmarch_render::tonemap::Display;
-use pathmarch_render::{MAX_SPLITTING, Mode, PreviewStep, Settings, Shutter};
+use pathmarch_render::{MAX_NOISE, MAX_SPLITTING, MIN_NOISE, Mode, PreviewStep, Settings, Shutter};
 use std::path::{Path, PathBuf};
 
 #[derive(Clone, clap::Args)]
@@ -36,6 +36,13 @@ pub struct Arguments {
     /// Stop after this many seconds, at most 86400, but not before the first sample is done
     #[arg(long, value_name = "N", value_parser = value_parsers::seconds, allow_hyphen_values = true)]
     pub(super) seconds: Option<f64>,
+    /// Give each tile of 32x32 pixels the samples that it needs for this relative error, 0.0001 to 1
+    ///
+    /// The error is the root of the relMSE that compare prints. A pilot of 32 samples, which are no part of the picture, decides
+    /// the number of samples, so that the picture is not biased. --samples is the largest number [default: 16384]. The layer
+    /// sampleCount of --aov shows how many there are.
+    #[arg(long, value_name = "ERROR", value_parser = parse_noise, allow_hyphen_values = true, verbatim_doc_comment)]
+    pub(super) noise: Option<f32>,
     /// Index of the first sample; sample ranges rendered separately add up to the whole
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = value_parsers::whole((0, 2_000_000_000)), allow_hyphen_values = true)]
     pub(super) first_sample: u32,
@@ -98,6 +105,11 @@ pub struct Arguments {
 fn parse_parallel(text: &str) -> Result<usize, String> {
     let number = text.trim().parse().ok().filter(|number| (1..=64).contains(number));
     number.ok_or_else(|| "must be a whole number from 1 to 64".to_owned())
+}
+
+fn parse_noise(text: &str) -> Result<f32, String> {
+    let noise = text.trim().parse().ok().filter(|noise| (MIN_NOISE..=MAX_NOISE).contains(noise));
+    noise.ok_or_else(|| format!("must be a relative error from {MIN_NOISE} to {MAX_NOISE}, such as 0.01"))
 }
 
 /// Parses a rectangle such as `640x360+0+360`.
@@ -173,6 +185,9 @@ fn parse_denoiser(text: &str) -> Result<Denoiser, String> {
     })
 }
 
+/// Largest number of samples of a pixel with `--noise`, if no other is given.
+const MOST_SAMPLES: u32 = 16_384;
+
 /// Largest time of an animation, seconds.
 const MAX_TIME: f64 = 1e9;
 
@@ -215,7 +230,7 @@ impl Arguments {
         };
         let mut settings = Settings::from(&render);
         if !self.render.overrides("samples") {
-            settings.samples = mode.samples(settings.samples);
+            settings.samples = if self.noise.is_some() { MOST_SAMPLES } else { mode.samples(settings.samples) };
         }
         if mode != Mode::Preview && !self.preview_without.is_empty() {
             return Err(Failure::Usage("--preview-without needs --mode preview".to_owned()));
@@ -281,6 +296,21 @@ impl Arguments {
         if self.denoise.is_some() && (self.crop.is_some() || self.output.as_ref().is_some_and(|output| is_film(output)))
         {
             return refuse("--denoise needs the whole picture; it excludes --crop and .film");
+        }
+        if self.noise.is_some() {
+            let film = self.output.as_ref().is_some_and(|output| is_film(output));
+            let excluded = [
+                (self.mode.is_some_and(|mode| mode != Mode::Path), "--mode"),
+                (self.denoise.is_some(), "--denoise"),
+                (self.resume, "--resume"),
+                (self.first_sample > 0, "--first-sample"),
+                (self.render.sample_range().is_some(), "a range of --samples"),
+                (self.splitting.is_some(), "--splitting"),
+                (film, "a .film"),
+            ];
+            if let Some((_, name)) = excluded.into_iter().find(|(given, _)| *given) {
+                return refuse(&format!("--noise and {name} exclude each other"));
+            }
         }
         if self.aov.is_some() && self.crop.is_some() {
             return refuse("--aov and --crop exclude each other");

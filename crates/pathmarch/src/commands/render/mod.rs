@@ -1,5 +1,6 @@
 //! `pathmarch render`: renders scenes to pictures.
 
+mod adaptive;
 mod arguments;
 mod checkpoint;
 mod frame_directory;
@@ -126,20 +127,28 @@ fn open_renderer(arguments: &Arguments, engine: Option<&str>) -> Result<Renderer
 
 /// Says what was rendered.
 fn report(outcome: &Outcome, output: &Output, progress: &Progress) {
-    let Outcome { film, of, seconds, .. } = outcome;
+    let Outcome { film, of, seconds, adaptive, .. } = outcome;
     if film.non_finite() > 0 {
         note!("warning: {} non-finite samples were discarded", film.non_finite());
     }
     let denoising = outcome.denoising.map_or_else(String::new, |seconds| format!(", denoised in {seconds:.1} s"));
     let resume = outcome.checkpoint.as_ref().map_or_else(String::new, |_| "; continue with --resume".to_owned());
+    let samples = match adaptive {
+        Some(adaptive) => format!("{} in {seconds:.1} s", adaptive.samples),
+        None => {
+            let rate = f64::from(outcome.rendered) / seconds;
+            format!("{} of {of} samples in {seconds:.1} s ({rate:.2} samples/s)", film.samples)
+        }
+    };
     note!(
-        "{}{} {} after {} of {of} samples in {seconds:.1} s ({:.2} samples/s){denoising}{resume}",
+        "{}{} {} after {samples}{denoising}{resume}",
         if outcome.interrupted { "interrupted: " } else { "" },
         if outcome.written { "wrote" } else { "did not write" },
         output.name(),
-        film.samples,
-        f64::from(outcome.rendered) / seconds,
     );
+    if let Some(adaptive) = adaptive {
+        note!("{}", adaptive.error);
+    }
     progress.event(
         if outcome.interrupted { "interrupted" } else { "done" },
         [
@@ -149,6 +158,7 @@ fn report(outcome: &Outcome, output: &Output, progress: &Progress) {
             ("of", json!(of)),
             ("seconds", json!(seconds)),
             ("rejected", json!(film.non_finite())),
+            ("relative_error", json!(adaptive.as_ref().map(|adaptive| adaptive.worst))),
             ("checkpoint", json!(outcome.checkpoint)),
         ],
     );

@@ -58,12 +58,15 @@ impl Progress {
 
     /// Prints an event as a line of JSON, if that was asked for.
     pub(super) fn event<const N: usize>(&self, event: &str, values: [(&str, Value); N]) {
-        if !self.json {
-            return;
+        self.print(event, values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect());
+    }
+
+    fn print(&self, event: &str, values: Map<String, Value>) {
+        if self.json {
+            let mut line = Map::from_iter([("event".to_owned(), json!(event))]);
+            line.extend(values);
+            outln!("{}", Value::Object(line));
         }
-        let mut line = Map::from_iter([("event".to_owned(), json!(event))]);
-        line.extend(values.into_iter().map(|(name, value)| (name.to_owned(), value)));
-        outln!("{}", Value::Object(line));
     }
 
     /// Runs something that prints, without the bar in between.
@@ -79,36 +82,51 @@ impl Progress {
     pub(super) fn show(&self, picture: &Picture, done: f64, settings: &Settings) {
         let seconds = picture.started.elapsed().as_secs_f64();
         let to_do = f64::from(picture.samples - picture.before);
-        let by_samples = done / to_do.max(1.0);
-        let share = by_samples.max(self.limit.map_or(0.0, |limit| seconds / limit)).clamp(0.0, 1.0);
-        let all = (picture.index as f64 + share) / picture.count as f64;
-        let total = self.started.elapsed().as_secs_f64();
-        let left = if all > 0.0 { total / all - total } else { 0.0 };
-        self.bar.set_position((all * STEPS) as u64);
         let total_done = picture.before + done as u32;
         let rate = done / seconds.max(1e-9);
+        let message = format!("{total_done}/{} samples, {rate:.2} samples/s", picture.samples);
+        self.report(picture, done / to_do.max(1.0), &message, || {
+            let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
+            let error = errors.get(&picture.index).and_then(|error| error.after(total_done, settings));
+            let samples = f64::from(picture.before) + done;
+            vec![("samples", json!(samples)), ("of", json!(picture.samples)), ("relative_error", json!(error))]
+        });
+    }
+
+    /// Shows progress of adaptive sampling: the share of its work that is done, of all of it once that is known.
+    pub(super) fn show_share(&self, picture: &Picture, share: f64, is_planned: bool) {
+        let message = if is_planned { "samples where the noise is" } else { "pilot samples" };
+        // The time that is left is unknown before.
+        let share = if is_planned { share } else { 0.0 };
+        self.report(picture, share, message, || vec![("share", json!(share))]);
+    }
+
+    /// Shows the share of a picture's work that is done, in a bar, a log, or as JSON with further `values`.
+    fn report(
+        &self,
+        picture: &Picture,
+        share: f64,
+        message: &str,
+        values: impl FnOnce() -> Vec<(&'static str, Value)>,
+    ) {
+        let seconds = picture.started.elapsed().as_secs_f64();
+        let share = share.max(self.limit.map_or(0.0, |limit| seconds / limit)).clamp(0.0, 1.0);
+        let all = (picture.index as f64 + share) / picture.count as f64;
+        let total = self.started.elapsed().as_secs_f64();
+        let left = (all > 0.0).then(|| total / all - total);
+        self.bar.set_position((all * STEPS) as u64);
         let frame = picture.frame.map(|frame| format!("frame {frame} ({}/{}), ", picture.index + 1, picture.count));
-        let message =
-            format!("{}{total_done}/{} samples, {rate:.2} samples/s", frame.unwrap_or_default(), picture.samples);
+        let message = format!("{}{message}", frame.unwrap_or_default());
         let interval = if self.json { JSON_INTERVAL } else { LOG_INTERVAL };
         let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
         let due = said.unwrap_or(self.started).elapsed() >= interval;
         if due && self.json {
-            let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
-            let error = errors.get(&picture.index).and_then(|error| error.after(total_done, settings));
-            self.event(
-                "progress",
-                [
-                    ("frame", json!(picture.frame)),
-                    ("samples", json!(f64::from(picture.before) + done)),
-                    ("of", json!(picture.samples)),
-                    ("seconds", json!(seconds)),
-                    ("seconds_left", json!(left)),
-                    ("relative_error", json!(error)),
-                ],
-            );
+            let common = [("frame", json!(picture.frame)), ("seconds", json!(seconds)), ("seconds_left", json!(left))];
+            let values = common.into_iter().chain(values());
+            self.print("progress", values.map(|(name, value)| (name.to_owned(), value)).collect());
         } else if due && !std::io::stderr().is_terminal() {
-            note!("{total:6.0} s: {message}, {left:.0} s left");
+            let left = left.map_or_else(String::new, |left| format!(", {left:.0} s left"));
+            note!("{total:6.0} s: {message}{left}");
         }
         if due {
             *said = Some(Instant::now());

@@ -1,5 +1,6 @@
 //! One picture: its samples with checkpoints, and its file.
 
+use super::adaptive::Reached;
 use super::arguments::Arguments;
 use super::checkpoint::{self, Checkpoint};
 use super::output::Output;
@@ -42,6 +43,8 @@ pub(super) struct Outcome {
     /// Samples that this run rendered.
     pub(super) rendered: u32,
     pub(super) seconds: f64,
+    /// What `--noise` has reached.
+    pub(super) adaptive: Option<Reached>,
     /// Seconds of the denoiser, if there is one.
     pub(super) denoising: Option<f64>,
     /// True if the output was written; an interrupted frame or film is not, because its file would count as done.
@@ -56,6 +59,9 @@ impl Task<'_> {
     /// Renders with checkpoints.
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         self.progress.preparing(&self.arguments.scene_name());
+        if let Some(noise) = self.arguments.noise {
+            return self.run_adaptive(noise);
+        }
         let (mut job, mut samples, before, header, mut checkpoint) = self.begin()?;
         if self.says_settings {
             print_settings(self.arguments, job.backend(), &self.settings, self.progress);
@@ -99,7 +105,17 @@ impl Task<'_> {
             denoising = write.map_err(|failure| self.rescue(failure, checkpoint.as_mut(), &header, &samples))?;
         }
         let checkpoint = self.close(checkpoint, &header, &samples, done < of)?;
-        Ok(Outcome { film, of, rendered: done - before, seconds, denoising, written, interrupted, checkpoint })
+        Ok(Outcome {
+            film,
+            of,
+            rendered: done - before,
+            seconds,
+            adaptive: None,
+            denoising,
+            written,
+            interrupted,
+            checkpoint,
+        })
     }
 
     fn start(&self, settings: &Settings) -> Result<Job, Failure> {
@@ -108,7 +124,7 @@ impl Task<'_> {
         job.map_err(render_failure)
     }
 
-    fn picture(&self, before: u32) -> Picture {
+    pub(super) fn picture(&self, before: u32) -> Picture {
         let (index, count, frame) = self.place;
         Picture { index, count, frame, started: Instant::now(), before, samples: self.settings.samples }
     }
@@ -233,7 +249,7 @@ impl Task<'_> {
 }
 
 /// Fails if there is no memory for the films, instead of ending the program when it is needed.
-fn check_memory(settings: &Settings, films: usize) -> Result<(), Failure> {
+pub(super) fn check_memory(settings: &Settings, films: usize) -> Result<(), Failure> {
     /// Bytes of a pixel and a film: sums of blocks, of a block, and of the picture.
     const PIXEL: usize = 49 + 4 * 12;
     let bytes = settings.rect().pixels().saturating_mul(PIXEL * films);
