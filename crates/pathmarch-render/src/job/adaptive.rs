@@ -289,10 +289,12 @@ fn neighbours(k: usize, columns: usize, count: usize) -> impl Iterator<Item = us
     })
 }
 
-/// Squared relative error of a tile with one sample of each pixel: the mean over its pixels, from sums of luminances and of their
-/// squares.
+/// Squared relative error of a tile with one sample of each pixel, from sums of luminances and of their squares: the upper end of a
+/// confidence interval, as pixels differ and the pilot may have missed bright samples.
 fn error_of_a_sample(film: &Film, counts: &[u32], rect: Rect, tile: Rect) -> f64 {
-    let errors = pixels(rect, tile).map(|pixel| {
+    /// Standard errors between the mean over the pixels and the upper end.
+    const CONFIDENCE: f64 = 3.0;
+    let error = |pixel: usize| {
         let ([sum, square, _], n) = (film.sums[pixel].map(f64::from), f64::from(counts[pixel]));
         if n < 2.0 {
             return 0.0;
@@ -300,8 +302,11 @@ fn error_of_a_sample(film: &Film, counts: &[u32], rect: Rect, tile: Rect) -> f64
         let mean = sum / n;
         let variance = ((square / n - mean * mean) * (n / (n - 1.0))).max(0.0);
         variance / (mean * mean + EPSILON)
-    });
-    errors.sum::<f64>() / tile.pixels() as f64
+    };
+    let n = tile.pixels() as f64;
+    let mean = pixels(rect, tile).map(error).sum::<f64>() / n;
+    let variance = pixels(rect, tile).map(|pixel| (error(pixel) - mean).powi(2)).sum::<f64>() / n;
+    mean + CONFIDENCE * (variance / n).sqrt()
 }
 
 /// Number of samples after which a squared relative error has fallen to that of `noise`.
