@@ -33,7 +33,7 @@ impl KernelSource {
         let program = program(input);
         let trusted = input.scene.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
         let bindings = Bindings::new(input, &program, software);
-        let data = SceneData::new(input, &program);
+        let data = SceneData::new(input, &program, &bindings);
         let code = kernel(input, &program, &bindings, &data);
         Self { code, parameters: program.parameters, data, bindings, trusted }
     }
