@@ -46,7 +46,7 @@ object "rough" material="rough" { sphere 0.5 { at 1.3 0.5 0 } }
 
 /// Blocks of pictures of several seeds differ by no more than their noise.
 fn pictures_do_not_depend_on_the_choice_of_lights() {
-    const SEEDS: u32 = 12;
+    const SEEDS: u32 = 24;
     let scene = hall();
     let blocks = |by_place: bool, samples: u32| -> Vec<(f64, f64)> {
         let of_seed = |seed| {
@@ -71,8 +71,8 @@ fn pictures_do_not_depend_on_the_choice_of_lights() {
     let variance = |blocks: &[(f64, f64)]| blocks.iter().map(|(_, variance)| variance).sum::<f64>();
     let gain = 2.0 * variance(&table) / variance(&tree);
     println!("mean z² {square:.2}, largest |z| {largest:.2}, variance of one sample {gain:.1} times lower");
-    assert!(square < 1.8 && largest < 5.5, "{square} {largest}");
-    assert!(gain > 2.0, "{gain}");
+    assert!(square < 1.7 && largest < 5.5, "{square} {largest}");
+    assert!(gain > 1.2, "{gain}");
 }
 
 fn both_backends_choose_the_same_lights(renderers: &mut [Renderer; 2]) {
@@ -142,11 +142,12 @@ fn lamps_that_light_nothing_change_nothing(renderer: &Renderer) {
     assert!(error < 0.03, "{error}");
 }
 
-/// A scene whose only two lamps light nothing is black, and every sample is finite.
-fn two_lamps_that_nothing_can_see(renderer: &Renderer) {
+/// A scene whose only lamps light nothing is black, and every sample is finite.
+fn lamps_that_nothing_can_see(renderer: &Renderer) {
     let scene = parse(
         "pathmarch 1\ncamera { position 0 2 4; target 0 0 0 }\nmaterial \"grey\" { diffuse 0.5 }\n\
-         object \"floor\" material=\"grey\" { plane }\npoint { at 0 -1 0; intensity 6 }\npoint { at 1 -1 0; intensity 6 }\n",
+         object \"floor\" material=\"grey\" { plane }\npoint { at 0 -1 0; intensity 6 }\npoint { at 1 -1 0; intensity 6 }\n\
+         point { at 2 -1 0; intensity 6 }\npoint { at 3 -1 0; intensity 6 }\n",
     );
     let picture = render(renderer, &scene, &Settings { size: [16, 12], samples: 4, ..Settings::of(&scene) }).mean();
     assert!(picture.pixels.iter().flatten().all(|&value| value == 0.0));
@@ -158,7 +159,7 @@ tests! {
         ranges_of_samples_add_up,
         lamps_in_one_point_are_one_lamp,
         lamps_that_light_nothing_change_nothing,
-        two_lamps_that_nothing_can_see,
+        lamps_that_nothing_can_see,
     ],
     on_both_backends: [both_backends_choose_the_same_lights],
     with_gpu: [the_memory_of_the_tree_does_not_matter],

@@ -2,8 +2,8 @@
 //!
 //! One light is chosen at each surface. A share of the random numbers chooses a sun or the environment by an alias table, in
 //! proportion to their irradiance; the others choose a light with a position by the [light tree](crate::scene::light_tree), in
-//! proportion to an estimate of its irradiance at the point. A scene with one such light has no tree, and the table chooses it by
-//! its irradiance at the centre of the scene. A sphere is sampled uniformly in the cone that it subtends
+//! proportion to an estimate of its irradiance at the point. A scene of up to three such lights has no tree, and the table chooses
+//! them by their irradiance at the centre of the scene. A sphere is sampled uniformly in the cone that it subtends
 //! (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"); a rectangle, a disc,
 //! the visible faces of a box, and the triangles of a mesh are sampled by area. Any other shape is sampled in the cone of
 //! its bounding sphere, so that the shadow ray may miss it. BSDF sampling hits the same lights; the power heuristic weights both strategies
