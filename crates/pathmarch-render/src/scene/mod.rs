@@ -30,7 +30,7 @@ pub(crate) use textured_material::TexturedMaterial;
 use glam::Vec3;
 use light::SceneLights;
 use pathmarch_field::{Aabb, Field};
-use pathmarch_scene::materials::Bsdf;
+use pathmarch_scene::materials::{Bsdf, BsdfParameters};
 use pathmarch_scene::{Camera, Material, Scene};
 
 /// This flag where the condition holds, else 0.
@@ -52,7 +52,7 @@ pub(crate) struct RenderScene {
     pub(crate) textured_materials: Vec<TexturedMaterial>,
     /// Lights that can be sampled, suns first. The lights of the tree come last.
     pub(crate) lights: Vec<Light>,
-    /// Choice among the lights with a position, if there are two or more.
+    /// Choice among the lights with a position; `None` if there are few.
     pub(crate) light_tree: Option<LightTree>,
     /// Triangles of lights that are meshes.
     pub(crate) mesh_lights: Vec<MeshLight>,
@@ -93,6 +93,12 @@ impl RenderScene {
     /// Reports whether any object is sphere-traced.
     pub(crate) fn is_sphere_traced(&self) -> bool {
         !self.field.sphere_traced_bounds().is_empty()
+    }
+
+    /// Reports whether a property is true of the BSDF and the parameters of some material.
+    pub(crate) fn any_bsdf(&self, property: fn(&Bsdf) -> fn(&BsdfParameters) -> bool) -> bool {
+        let mut bsdfs = self.bsdfs.iter().zip(&self.materials);
+        bsdfs.any(|(bsdf, material)| bsdf.is_some_and(|bsdf| property(bsdf)(&material.parameters)))
     }
 
     /// Material of a leaf.

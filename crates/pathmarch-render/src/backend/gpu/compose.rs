@@ -163,6 +163,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("TRANSMISSION", config.transmission),
         ("CHOOSES_LOBES", config.chooses_lobes),
         ("DISPERSION", config.dispersion),
+        ("COMPENSATES", scene.any_bsdf(|bsdf| bsdf.compensates)),
         ("FAST_CAUSTICS", config.fast_caustics),
         ("PENUMBRA", config.penumbra),
         ("REFINED_GRAZING", config.refined_grazing),

@@ -52,7 +52,7 @@ impl SceneData {
             vectors.extend_from_slice(bytemuck::cast_slice(&tree.nodes));
         }
         let ggx = words.len();
-        if scene.bsdfs.iter().flatten().any(|bsdf| bsdf.reads_albedos) {
+        if scene.any_bsdf(|bsdf| bsdf.reads_albedos) {
             words.extend(albedo::table().iter().flatten().map(|value| value.to_bits()));
         }
         let textures = words.len();
