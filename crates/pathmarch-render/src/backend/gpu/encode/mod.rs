@@ -10,9 +10,8 @@ pub(super) mod texture;
 pub(super) use light::LightRecord;
 pub(super) use texture::computed_kind;
 
-use super::bindings::{Bindings, LIGHT_TREE};
 use crate::backend::{ModeData, RenderInput};
-use crate::scene::SkyLight;
+use crate::scene::{LightTree, SkyLight};
 use crate::wgsl::write_constant;
 use pathmarch_field::wgsl::Program;
 use pathmarch_scene::Sampler;
@@ -40,15 +39,15 @@ pub(crate) struct SceneData {
 }
 
 impl SceneData {
-    /// Encodes a scene and its mode.
-    pub(super) fn new(input: &RenderInput, program: &Program, bindings: &Bindings) -> Self {
+    /// Encodes a scene and its mode. `stored_tree` is the light tree if it is in storage memory.
+    pub(super) fn new(input: &RenderInput, program: &Program, stored_tree: Option<&LightTree>) -> Self {
         let scene = &input.scene;
         let mut words: Vec<u32> =
             scene.sky.alias_tables().flat_map(|&(threshold, alias)| [threshold.to_bits(), alias]).collect();
         let texels = scene.sky.environment().map_or(&[][..], |environment| &environment.texels);
         let mut vectors: Vec<_> = texels.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
         let light_tree = vectors.len();
-        if let Some(tree) = input.light_tree().filter(|_| !bindings.is_uniform(LIGHT_TREE)) {
+        if let Some(tree) = stored_tree {
             vectors.extend_from_slice(bytemuck::cast_slice(&tree.nodes));
         }
         let ggx = words.len();
