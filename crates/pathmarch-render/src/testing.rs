@@ -6,6 +6,7 @@ use crate::backend::gpu::{self, GpuJob, KernelSource, OFFLINE};
 use crate::error::RenderError;
 use crate::job::Renderer;
 use crate::output::film::Film;
+use crate::scene::RenderScene;
 use crate::settings::Settings;
 use pathmarch_scene::Scene;
 use std::sync::Arc;
@@ -17,6 +18,12 @@ impl Picture {
     /// Input of a scene and its settings.
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
         Self(RenderInput::new(scene, settings))
+    }
+
+    /// Input that chooses lights by one table for all places.
+    pub fn with_light_table(scene: &Scene, settings: &Settings) -> Self {
+        let tables = RenderScene::choosing_lights(scene, settings.camera_of(scene), false);
+        Self(RenderInput::with_tables(tables, scene, settings))
     }
 
     /// Turns off over-relaxation of sphere tracing.
@@ -77,6 +84,11 @@ impl Device {
     pub fn has_uniform_frame_and_leaves(&self, picture: &Picture) -> [bool; 2] {
         let bindings = KernelSource::new(&picture.0, &self.0).bindings;
         [bindings.is_uniform(gpu::FRAME), bindings.is_uniform(gpu::LEAVES)]
+    }
+
+    /// Reports whether the light tree of a picture is in uniform memory.
+    pub fn has_uniform_light_tree(&self, picture: &Picture) -> bool {
+        KernelSource::new(&picture.0, &self.0).bindings.is_uniform(gpu::LIGHT_TREE)
     }
 }
 

@@ -16,6 +16,10 @@ impl FieldType for u32 {
     const WGSL: &'static str = "u32";
 }
 
+impl FieldType for [u32; 2] {
+    const WGSL: &'static str = "vec2u";
+}
+
 impl FieldType for [f32; 3] {
     const WGSL: &'static str = "vec3f";
 }
@@ -156,7 +160,8 @@ pub(crate) fn check_layout<S: SharedStruct>() {
     let expected: Vec<_> = fields.iter().map(|field| (field.name.to_owned(), field.offset)).collect();
     assert_eq!(found, expected, "{}", S::NAME);
     // Padding at the end may be part of the structure in WGSL, or lie behind it.
-    let sizes = [size_of::<S>(), size_of::<S>() - 4 * padding.len()];
+    let padding_bytes = size_of::<S>() - padding.first().map_or(size_of::<S>(), |field| field.offset);
+    let sizes = [size_of::<S>(), size_of::<S>() - padding_bytes];
     assert!(sizes.contains(&(span as usize)), "{}: {span} bytes, {} in Rust", S::NAME, sizes[0]);
 }
 

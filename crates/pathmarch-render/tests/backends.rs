@@ -22,6 +22,26 @@ fn a_white_furnace_shows_the_albedo(renderer: &Renderer) {
     assert!((ball - 0.5).abs() < 0.0025, "{ball}");
 }
 
+/// In a furnace, rough metal and rough glass vanish with compensation, and are darker without.
+fn compensated_surfaces_vanish_in_a_furnace(renderer: &Renderer) {
+    for (material, roughness) in
+        [("metal 1", 0.5), ("metal 1", 1.0), ("glass 1; ior 1.5", 0.5), ("glass 1; ior 1.8", 0.9)]
+    {
+        let [single, multiple] = [0, 1].map(|share| {
+            let scene = parse(&format!(
+                "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 30 }}\nrender {{ bounces 40 }}\nsky 1\n\
+                 material \"rough\" {{ {material}; roughness {roughness}; multiscatter {share} }}\n\
+                 object \"ball\" material=\"rough\" {{ sphere 1 }}"
+            ));
+            let settings = Settings { size: [32, 32], samples: 256, ..Settings::of(&scene) };
+            let picture = render(renderer, &scene, &settings).mean();
+            mean(&picture, |x, y| (x as f32 - 15.5).hypot(y as f32 - 15.5) < 10.0)
+        });
+        println!("{material}, roughness {roughness}: {single} and {multiple}");
+        assert!(single < 0.98 && (multiple - 1.0).abs() < 0.012, "{material}: {single} {multiple}");
+    }
+}
+
 fn a_point_light_falls_off_by_the_square_and_the_cosine(renderer: &Renderer) {
     // A floor of albedo 0.5 seen from above through a narrow lens; the light at height 2.
     for (offset, [x, y, z]) in [(0.0, [0.0, 2.0, 0.0]), (3.0, [3.0, 2.0, 0.0]), (1.0, [0.0, 4.0, 1.0])] {
@@ -265,6 +285,7 @@ tests! {
     plain: [settings_out_of_range_are_refused_with_a_message],
     on_each_backend: [
         a_white_furnace_shows_the_albedo,
+        compensated_surfaces_vanish_in_a_furnace,
         a_point_light_falls_off_by_the_square_and_the_cosine,
         the_sun_has_its_irradiance_at_every_angle,
         a_sheet_emits_on_the_side_it_faces_only,

@@ -13,6 +13,7 @@ mod images;
 mod light;
 mod live;
 mod long_paths;
+mod many_lights;
 mod mesh_file;
 mod mesh_materials;
 mod meshes;
@@ -40,6 +41,7 @@ fn main() {
         images::tests(),
         light::tests(),
         live::tests(),
+        many_lights::tests(),
         long_paths::tests(),
         shape_grids::tests(),
         mesh_file::tests(),

@@ -1,5 +1,6 @@
 //! Generated benchmark scenes: many shapes in one smooth union, and many light sources.
 
+use std::f32::consts::PI;
 use std::fmt::Write;
 
 /// A generated scene.
@@ -16,13 +17,20 @@ impl Generated {
     }
 }
 
-/// All generated scenes: grids of shapes in one smooth union, and 64 light sources over a floor with three solids.
-pub static ALL: [Generated; 4] = [
+/// All generated scenes: grids of shapes in one smooth union, and light sources over a floor with three solids.
+pub static ALL: [Generated; 6] = [
     Generated { name: "union-100", text: || union(5, 5, 4) },
     Generated { name: "union-1000", text: || union(10, 10, 10) },
     Generated { name: "union-10000", text: || union(25, 20, 20) },
-    Generated { name: "lights-64", text: lights },
+    Generated { name: "lights-64", text: || lights(8, 8) },
+    Generated { name: "lights-1000", text: || lights(25, 40) },
+    Generated { name: "lights-10000", text: || lights(100, 100) },
 ];
+
+/// Radius of spherical light sources, metres.
+const RADIUS: f32 = 0.06;
+/// Largest number of spherical light sources.
+const MAX_SPHERES: u32 = 2000;
 
 /// Uniform random numbers in 0..1 (splitmix64; Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
 /// generators").
@@ -79,8 +87,9 @@ fn union(across: u32, up: u32, deep: u32) -> String {
     text + "    }\n}\n"
 }
 
-/// Small spherical light sources of random colours above a floor.
-fn lights() -> String {
+/// Grid of small spherical light sources of random colours above a floor, with a spacing of 1.1 m; points of the same
+/// intensity if there are too many objects for a kernel.
+fn lights(across: u32, deep: u32) -> String {
     let mut rng = SplitMix64(2);
     let mut text = String::from(
         "pathmarch 1\ncamera { position 0 3 9; target 0 0.8 0; fov 40 }\nmaterial \"white\" { diffuse 0.75 }\n\
@@ -88,20 +97,23 @@ fn lights() -> String {
          object \"things\" material=\"white\" { sphere 0.8 { at 0 0.8 0 }; box 1 1 1 { at -2 0.5 0.4; rotate 0 30 0 }\n\
          torus 0.6 0.2 { at 2 0.6 0.3; rotate 70 20 0 } }\n",
     );
-    for index in 0..64 {
-        let [x, z] = [index % 8, index / 8].map(|place| place as f32 - 3.5);
+    let place = |index: u32, count: u32| index as f32 - 0.5 * (count as f32 - 1.0);
+    for index in 0..across * deep {
+        let (x, z) = (place(index % across, across), place(index / across, deep));
         let colour = [0; 3].map(|_| rng.between(5.0, 60.0));
         let y = rng.between(2.2, 3.0);
-        writeln!(
-            text,
-            "material \"lamp {index}\" {{ emit {:.2} {:.2} {:.2} }}\n\
-             object \"lamp {index}\" material=\"lamp {index}\" {{ sphere 0.06 {{ at {:.3} {y:.3} {:.3} }} }}",
-            colour[0],
-            colour[1],
-            colour[2],
-            x * 1.1,
-            z * 1.1
-        )
+        let (x, z) = (x * 1.1, z * 1.1);
+        if across * deep > MAX_SPHERES {
+            let [r, g, b] = colour.map(|radiance| radiance * PI * RADIUS * RADIUS);
+            writeln!(text, "point {{ at {x:.3} {y:.3} {z:.3}; intensity {r:.3} {g:.3} {b:.3} }}")
+        } else {
+            writeln!(
+                text,
+                "material \"lamp {index}\" {{ emit {:.2} {:.2} {:.2} }}\n\
+                 object \"lamp {index}\" material=\"lamp {index}\" {{ sphere {RADIUS} {{ at {x:.3} {y:.3} {z:.3} }} }}",
+                colour[0], colour[1], colour[2],
+            )
+        }
         .expect("writing to a string");
     }
     text
@@ -114,7 +126,7 @@ mod tests {
 
     #[test]
     fn generated_scenes_are_valid() {
-        for (generated, leaves) in ALL.iter().zip([100, 1000, 10_000, 68]) {
+        for (generated, leaves) in ALL.iter().zip([100, 1000, 10_000, 68, 1004, 4]) {
             let scene = Scene::parse(generated.name, &generated.text()).expect("a valid scene");
             assert_eq!(scene.field.leaves().len(), leaves, "{}", generated.name);
         }

@@ -5,7 +5,7 @@ use crate::integrator::{moments, path, splitting_choice};
 use crate::mode::Mode;
 use crate::preview::{self, Preview};
 use crate::ray_stats::RayCounters;
-use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext, finite_bounds};
+use crate::scene::{FrameUniforms, KernelConfig, LightTree, RenderScene, TraceContext, finite_bounds};
 use crate::settings::Settings;
 use crate::views;
 use glam::Vec3;
@@ -37,9 +37,13 @@ pub(crate) enum ModeData {
 impl RenderInput {
     /// Input of a scene and settings that [`Settings::check`] accepts.
     pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
+        Self::with_tables(RenderScene::new(scene, settings.camera_of(scene)), scene, settings)
+    }
+
+    /// Input with these tables of the scene.
+    pub(crate) fn with_tables(render_scene: RenderScene, scene: &Scene, settings: &Settings) -> Self {
         let camera = settings.camera_of(scene);
-        let render_scene = RenderScene::new(scene, camera);
-        let frame = FrameUniforms::new(scene, settings, &render_scene.sky, &render_scene.lights);
+        let frame = FrameUniforms::new(scene, settings, &render_scene);
         let config = KernelConfig::new(&render_scene, settings);
         let data = match settings.mode {
             Mode::Path | Mode::Variance => ModeData::None,
@@ -67,7 +71,7 @@ impl RenderInput {
     pub(crate) fn reframe(&mut self, scene: &Scene, settings: &Settings) -> bool {
         let only_frame_changes = finite_bounds(scene).is_finite() && settings.mode != Mode::Depth;
         if only_frame_changes {
-            self.frame = FrameUniforms::new(scene, settings, &self.scene.sky, &self.scene.lights);
+            self.frame = FrameUniforms::new(scene, settings, &self.scene);
         }
         only_frame_changes
     }
@@ -83,6 +87,11 @@ impl RenderInput {
     /// Context of the picture's rays on the CPU.
     pub(crate) fn context<'a>(&'a self, stats: Option<&'a RayCounters>) -> TraceContext<'a> {
         TraceContext { scene: &self.scene, frame: &self.frame, config: &self.config, stats }
+    }
+
+    /// Light tree of a picture that traces paths.
+    pub(crate) fn light_tree(&self) -> Option<&LightTree> {
+        self.scene.light_tree.as_ref().filter(|_| self.mode.traces_paths())
     }
 
     /// Preview data; `None` in other modes.

@@ -1,7 +1,9 @@
 //! Light sampling: next-event estimation (Kajiya 1986, "The Rendering Equation") with multiple importance sampling.
 //!
-//! An alias table chooses one light at each surface, in proportion to its irradiance at the centre of the scene, so
-//! that the cost does not depend on the number of lights. A sphere is sampled uniformly in the cone that it subtends
+//! One light is chosen at each surface. A share of the random numbers chooses a sun or the environment by an alias table, in
+//! proportion to their irradiance; the others choose a light with a position by the [light tree](crate::scene::light_tree), in
+//! proportion to an estimate of its irradiance at the point. A scene of up to three such lights has no tree, and the table chooses
+//! them by their irradiance at the centre of the scene. A sphere is sampled uniformly in the cone that it subtends
 //! (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"); a rectangle, a disc,
 //! the visible faces of a box, and the triangles of a mesh are sampled by area. Any other shape is sampled in the cone of
 //! its bounding sphere, so that the shadow ray may miss it. BSDF sampling hits the same lights; the power heuristic weights both strategies
@@ -11,7 +13,7 @@ use crate::sampling::basis::basis;
 use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight};
 use crate::scene::mesh_light::PointOnMesh;
 use crate::scene::sky::EnvironmentSample;
-use crate::scene::{SkyLight, TraceContext};
+use crate::scene::{RenderScene, SkyLight, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_scene::DirectLighting;
@@ -37,20 +39,60 @@ pub(crate) struct LightSample {
     pub(crate) weight: f32,
 }
 
-/// Samples a light with the uniform number `choice`, and a direction from `p` to it with the two numbers of `position`.
-pub(crate) fn sample_light(ctx: &TraceContext, p: Vec3, choice: f32, position: [f32; 2]) -> Option<LightSample> {
+/// Light with the probability of choosing it at a point.
+struct ChosenLight<'a> {
+    shape: &'a LightShape,
+    pmf: f32,
+    /// One over `pmf`.
+    inverse_pmf: f32,
+}
+
+/// Chooses a light for a point with a uniform number. `normal` is the unit normal of a surface that is lit on this side only;
+/// `None` for surfaces that transmit and for points in a medium. Returns `None` if no light contributes.
+fn choose_light<'a>(ctx: &TraceContext<'a>, p: Vec3, normal: Option<Vec3>, mut choice: f32) -> Option<ChosenLight<'a>> {
     let lights = &ctx.scene.lights;
-    let cell = choice * lights.len() as f32;
-    let mut index = (cell as usize).min(lights.len().checked_sub(1)?);
+    let mut in_table = lights.len();
+    if let Some(tree) = &ctx.scene.light_tree {
+        if choice < tree.share {
+            let (leaf, probability) = tree.sample(p, normal, choice / tree.share)?;
+            let pmf = tree.share * probability;
+            return Some(ChosenLight { shape: &lights[tree.first + leaf].shape, pmf, inverse_pmf: 1.0 / pmf });
+        }
+        choice = (choice - tree.share) / (1.0 - tree.share);
+        in_table = tree.first;
+    }
+    let cell = choice * in_table as f32;
+    let mut index = (cell as usize).min(in_table.checked_sub(1)?);
     if cell - index as f32 >= lights[index].threshold {
         index = lights[index].alias as usize;
     }
-    let light = &lights[index];
+    let Light { shape, pmf, inverse_pmf, .. } = &lights[index];
+    Some(ChosenLight { shape, pmf: *pmf, inverse_pmf: *inverse_pmf })
+}
+
+/// Probability that a light is chosen at a point with this normal, as for [`sample_light`].
+pub(crate) fn light_pmf(scene: &RenderScene, light: usize, p: Vec3, normal: Option<Vec3>) -> f32 {
+    match &scene.light_tree {
+        Some(tree) if light >= tree.first => tree.share * tree.probability(light - tree.first, p, normal),
+        _ => scene.lights[light].pmf,
+    }
+}
+
+/// Samples a light with the uniform number `choice`, and a direction from `p` to it with the two numbers of `position`. `normal` is
+/// the unit normal of a surface that is lit on this side only; `None` for surfaces that transmit and for points in a medium.
+pub(crate) fn sample_light(
+    ctx: &TraceContext,
+    p: Vec3,
+    normal: Option<Vec3>,
+    choice: f32,
+    position: [f32; 2],
+) -> Option<LightSample> {
+    let light = choose_light(ctx, p, normal, choice)?;
     let sample = |direction, distance, irradiance, pdf, target| {
         let penumbra = light.shape.penumbra();
         Some(LightSample { direction, distance, irradiance, pdf: pdf * light.pmf, target, penumbra, weight: 1.0 })
     };
-    match &light.shape {
+    match light.shape {
         LightShape::Point(PointLight { position, radiant_intensity, .. }) => {
             let offset = *position - p;
             let distance = offset.length();
@@ -101,13 +143,13 @@ pub(crate) fn sample_light(ctx: &TraceContext, p: Vec3, choice: f32, position: [
             sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / solid_angle, None)
         }
         LightShape::Rect(_) | LightShape::Disc(_) | LightShape::Box(_) => {
-            let (point, normal, area) = sample_area(&light.shape, p, position);
+            let (point, normal, area) = sample_area(light.shape, p, position);
             let offset = point - p;
             let square = offset.length_squared();
             let distance = square.sqrt();
             let direction = offset * (1.0 / distance);
             let cosine = normal.dot(direction);
-            let (cosine, radiance) = match &light.shape {
+            let (cosine, radiance) = match light.shape {
                 LightShape::Box(light) => (cosine.abs(), light.radiance),
                 LightShape::Rect(light) | LightShape::Disc(light) => (-cosine, light.radiance),
                 _ => return None,
@@ -217,26 +259,26 @@ fn visible_areas(light: &BoxLight, p: Vec3) -> ([f32; 3], f32) {
 }
 
 /// Pdf over solid angle of [`sample_light`] for the direction from `p` to the point `hit` on the light, the choice of
-/// the light included; `cosine` is that of the angle at the light's normal.
-pub(crate) fn light_pdf(light: &Light, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
+/// the light by `pmf` included; `cosine` is that of the angle at the light's normal.
+pub(crate) fn light_pdf(shape: &LightShape, pmf: f32, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
     let t = p.distance(hit);
-    let area = match &light.shape {
+    let area = match shape {
         LightShape::Sphere(sphere) => {
-            return light.pmf / (TAU * subtended_cone((sphere.centre - p).length_squared(), sphere.radius));
+            return pmf / (TAU * subtended_cone((sphere.centre - p).length_squared(), sphere.radius));
         }
         LightShape::Bounded(sphere) => {
             let offset = sphere.centre - p;
             let one_minus_cos = subtended_cone(offset.length_squared(), sphere.radius);
             // A blend may extend the light beyond its bounding sphere.
             let outside = (hit - p).dot(offset) < (1.0 - one_minus_cos) * t * offset.length();
-            return if outside { 0.0 } else { light.pmf / (TAU * one_minus_cos) };
+            return if outside { 0.0 } else { pmf / (TAU * one_minus_cos) };
         }
         LightShape::Rect(sheet) | LightShape::Disc(sheet) => sheet.area,
         LightShape::Box(light) => visible_areas(light, p).1,
         LightShape::Triangles(triangles) => triangles.area,
         LightShape::Point(_) | LightShape::Sun(_) | LightShape::Environment => return 0.0,
     };
-    light.pmf * t * t / (area * cosine.max(1e-6))
+    pmf * t * t / (area * cosine.max(1e-6))
 }
 
 /// Power heuristic: weight of a sample with pdf `a`, where another strategy has pdf `b`.
@@ -323,7 +365,7 @@ mod tests {
                 let n = 4000;
                 for k in 0..n {
                     let u = PixelSampler::new(0, 0, k, 1).sample_2d(0);
-                    let Some(sample) = sample_light(&input.context(None), p, 0.5, u) else { continue };
+                    let Some(sample) = sample_light(&input.context(None), p, None, 0.5, u) else { continue };
                     let direction =
                         pathmarch_field::number::Vec3::new(sample.direction.x, sample.direction.y, sample.direction.z);
                     let origin = pathmarch_field::number::Vec3::new(p.x, p.y, p.z);
@@ -344,7 +386,7 @@ mod tests {
                         let normal = Vec3::new(surface.x, surface.y, surface.z).normalize();
                         let cosine = normal.dot(sample.direction).abs();
                         if cosine > 0.05 && !matches!(light.shape, LightShape::Box(_)) {
-                            let pdf = light_pdf(light, p, hit, cosine);
+                            let pdf = light_pdf(&light.shape, light.pmf, p, hit, cosine);
                             assert!((pdf / sample.pdf - 1.0).abs() < 0.02, "{shape}: {pdf} {}", sample.pdf);
                         }
                     }
@@ -360,23 +402,53 @@ mod tests {
     fn lights_are_chosen_by_their_power() {
         let points = [1.0, 2.0, 5.0, 0.0, 12.0].map(|i| format!("point {{ at 0 10 0; intensity {i} }}\n"));
         let input = input(&points.concat());
-        let records = &input.scene.lights;
-        assert_eq!(records.len(), 4, "a light without power is left out");
-        let mut counts = [0.0f32; 4];
+        assert_eq!(input.scene.lights.len(), 4, "a light without power is left out");
+        let mut chosen = vec![0.0f32; 13];
         let n = 20_000;
         for k in 0..n {
-            let sample = sample_light(&input.context(None), Vec3::ZERO, (k as f32 + 0.5) / n as f32, [0.5; 2])
-                .expect("there are lights");
+            let choice = (k as f32 + 0.5) / n as f32;
+            let ctx = input.context(None);
+            let sample = sample_light(&ctx, Vec3::ZERO, None, choice, [0.5; 2]).expect("there are lights");
             // The quotient of power and probability is the same for every choice.
             assert!((sample.irradiance.x * 100.0 - 20.0).abs() < 1e-3);
-            let cell = (k as f32 + 0.5) / n as f32 * 4.0;
-            let index = cell as usize;
-            let chosen =
-                if cell - index as f32 >= records[index].threshold { records[index].alias as usize } else { index };
-            counts[chosen] += 1.0 / n as f32;
+            let light = choose_light(&ctx, Vec3::ZERO, None, choice).expect("there are lights");
+            let LightShape::Point(point) = light.shape else { panic!("points only") };
+            chosen[point.radiant_intensity.x as usize] += 1.0 / n as f32;
         }
-        for (count, expected) in counts.iter().zip([0.05, 0.1, 0.25, 0.6]) {
-            assert!((count - expected).abs() < 1e-3, "{counts:?}");
+        for (intensity, expected) in [(1, 0.05), (2, 0.1), (5, 0.25), (12, 0.6)] {
+            assert!((chosen[intensity] - expected).abs() < 1e-3, "{chosen:?}");
+        }
+    }
+
+    #[test]
+    fn suns_the_environment_and_lamps_share_the_choice() {
+        let lamps = (0..20).map(|k| format!("point {{ at {k} 2 0; intensity {} }}\n", 1 + k % 3));
+        let text = format!(
+            "sky \"day\" elevation=20\nsun {{ direction 0 1 0; irradiance 2; angle 3 }}\nmaterial \"lamp\" {{ emit 5 }}\n\
+             object \"lamp\" material=\"lamp\" {{ box 0.2 {{ at 3 1 2 }} }}\n{}",
+            lamps.collect::<String>()
+        );
+        let input = input(&text);
+        let (ctx, lights) = (input.context(None), &input.scene.lights);
+        let tree = input.scene.light_tree.as_ref().expect("many lamps");
+        assert!(lights[0].shape.is_sun() && tree.count == 21 && tree.first + tree.count == lights.len());
+        assert!(lights[..tree.first].iter().any(|light| matches!(light.shape, LightShape::Environment)));
+        for p in [Vec3::new(2.0, 0.0, 1.0), Vec3::new(15.0, 1.0, -4.0), Vec3::new(-300.0, 20.0, 0.0)] {
+            let expected: Vec<f32> = (0..lights.len()).map(|light| light_pmf(ctx.scene, light, p, None)).collect();
+            let sum: f32 = expected.iter().sum();
+            assert!((sum - 1.0).abs() < 1e-4, "{sum}");
+            let n = 50_000;
+            let mut counts = vec![0.0f32; lights.len()];
+            for k in 0..n {
+                let light = choose_light(&ctx, p, None, (k as f32 + 0.5) / n as f32).expect("no normal");
+                let index = lights.iter().position(|other| std::ptr::eq(&raw const other.shape, light.shape));
+                let index = index.expect("a light of the scene");
+                assert_eq!(light.pmf, expected[index]);
+                counts[index] += 1.0;
+            }
+            for (counted, expected) in counts.iter().zip(&expected) {
+                assert!((counted - expected * n as f32).abs() < 3.0, "{counted} {expected}");
+            }
         }
     }
 

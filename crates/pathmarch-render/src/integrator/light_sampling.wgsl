@@ -1,4 +1,4 @@
-// import: sampling/basis, integrator/light_weights, integrator/sky, mesh_lights
+// import: sampling/basis, integrator/light_weights, integrator/sky, light_choice, mesh_lights
 // Light sampling. Twin of light_sampling.rs, which explains it.
 
 /// Sample of a light, before visibility.
@@ -20,15 +20,10 @@ struct LightSample {
 /// Target of a light that the shadow ray cannot miss.
 const NO_TARGET = 0xffffffffu;
 
-/// Samples a light with the uniform number `choice`, and a direction from `p` to it with those of `position`. The scene
-/// must have a light.
-fn sample_light(p: vec3f, choice: f32, position: vec2f) -> LightSample {
-    let cell = choice * f32(frame.light_count);
-    var index = min(u32(cell), frame.light_count - 1u);
-    if cell - f32(index) >= lights[index].threshold {
-        index = lights[index].alias_light;
-    }
-    let light = lights[index];
+/// Samples a light with the uniform number `choice`, and a direction from `p` to it with those of `position`. `normal` is the unit
+/// normal of a surface that is lit on this side only, or zero. The scene must have a light.
+fn sample_light(p: vec3f, normal: vec3f, choice: f32, position: vec2f) -> LightSample {
+    let light = chosen_light(p, normal, choice);
     let emission = light.emission * light.inverse_pmf;
     let offset = light.position - p;
     let square = dot(offset, offset);
@@ -162,7 +157,8 @@ fn visible_areas(light: Light, p: vec3f) -> vec4f {
     return vec4f(face_areas, face_areas.x + face_areas.y + face_areas.z);
 }
 
-/// Pdf over solid angle of `sample_light` for the direction from `p` to the point `hit` on the light.
+/// Pdf over solid angle of `sample_light` for the direction from `p` to the point `hit` on the light, a record of
+/// `light_from(index, p, normal)`.
 fn light_pdf(light: Light, p: vec3f, hit: vec3f, cosine: f32) -> f32 {
     let t = distance(p, hit);
     if (HAS_SPHERE || HAS_BOUNDED) && (light.kind == SPHERE || light.kind == BOUNDED) {

@@ -57,6 +57,8 @@ struct Path {
     ray: Ray,
     /// Point that the light at the previous surface was sampled from, in world space.
     previous_vertex: Vec3,
+    /// Shading normal of the previous surface; `None` if it transmits, so that light arrives on both sides.
+    previous_normal: Option<Vec3>,
     throughput: Vec3,
     /// Length from the camera, metres.
     length: f32,
@@ -141,6 +143,7 @@ fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler
             sampler,
             ray,
             previous_vertex: ray.origin,
+            previous_normal: None,
             throughput: Vec3::ONE,
             length: 0.0,
             scatter_pdf: 0.0,
@@ -292,10 +295,11 @@ fn emitted_light(
     let mut weight = 1.0;
     if inside && leaf.has(IN_GLASS) {
         weight = path.index_square;
-    } else if let Some(light) = light {
+    } else if let Some(light) = light.filter(|_| path.scatter_pdf > 0.0) {
         let cosine = normal.dot(path.ray.direction).abs();
-        let light = &ctx.scene.lights[light];
-        let light_pdf = light_sampling::light_pdf(light, path.previous_vertex, path.ray.origin, cosine);
+        let (vertex, shape) = (path.previous_vertex, &ctx.scene.lights[light].shape);
+        let pmf = light_sampling::light_pmf(ctx.scene, light, vertex, path.previous_normal);
+        let light_pdf = light_sampling::light_pdf(shape, pmf, vertex, path.ray.origin, cosine);
         weight = light_sampling::hit_weight(ctx.config.direct_lighting, path.scatter_pdf, light_pdf);
     }
     clamped(ctx, path.throughput * emission * weight, surface_index.saturating_sub(1))
@@ -352,7 +356,9 @@ fn shade(
     let [light_choice, roulette] = samples.choice;
     if !material.has(DELTA) {
         path.previous_vertex = if transmits { p } else { p + normal_offset };
-        if let Some(light) = light_sampling::sample_light(ctx, path.previous_vertex, light_choice, samples.light) {
+        path.previous_normal = (!transmits).then_some(ns);
+        let (vertex, normal) = (path.previous_vertex, path.previous_normal);
+        if let Some(light) = light_sampling::sample_light(ctx, vertex, normal, light_choice, samples.light) {
             let wi = local_from_world * light.direction;
             let is_transmission = wi.z < 0.0;
             if (wi.z > 0.0 || transmits) && !crosses_surface(wi, light.direction) {

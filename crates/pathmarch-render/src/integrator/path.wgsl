@@ -16,6 +16,8 @@ struct Path {
     sampler: PixelSampler,
     /// Point that the light at the previous surface was sampled from, in world space.
     previous_vertex: vec3f,
+    /// Shading normal of the previous surface; zero if it transmits, so that light arrives on both sides.
+    previous_normal: vec3f,
     radiance: vec3f,
     throughput: vec3f,
     /// Length from the camera, metres.
@@ -60,9 +62,11 @@ fn add_emission(path: ptr<function, Path>, interaction: SurfaceInteraction, emis
     var weight = 1.0;
     if TRANSMISSION && interaction.inside && (leaf.flags & IN_GLASS) != 0u {
         weight = (*path).index_square;
-    } else if HAS_SURFACE_LIGHTS && light > 0u {
+    } else if HAS_SURFACE_LIGHTS && light > 0u && (*path).scatter_pdf > 0.0 {
         let cosine = abs(dot(interaction.normal, (*path).ray.direction));
-        weight = hit_weight((*path).scatter_pdf, light_pdf(lights[light - 1u], (*path).previous_vertex, (*path).ray.origin, cosine));
+        let vertex = (*path).previous_vertex;
+        let record = light_from(light - 1u, vertex, (*path).previous_normal);
+        weight = hit_weight((*path).scatter_pdf, light_pdf(record, vertex, (*path).ray.origin, cosine));
     }
     // Light that a ray hits counts as direct light of the previous surface.
     (*path).radiance += clamped((*path).throughput * emission * weight, max((*path).surfaces, 1u) - 1u);
@@ -141,7 +145,9 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     }
     if HAS_LIGHTS && (flags & DELTA) == 0u {
         (*path).previous_vertex = select(spawn_origin(interaction, false), interaction.p, transmits);
-        let light = sample_light((*path).previous_vertex, choice.x, sample_2d((*path).sampler, pair + PAIR_LIGHT));
+        (*path).previous_normal = select(ns, vec3f(0.0), transmits);
+        let position = sample_2d((*path).sampler, pair + PAIR_LIGHT);
+        let light = sample_light((*path).previous_vertex, (*path).previous_normal, choice.x, position);
         let wi = light.direction * world_from_local;
         let is_transmission = wi.z < 0.0;
         let crosses_surface = SHADING_NORMALS && is_transmission != (dot(light.direction, interaction.normal) < 0.0);

@@ -29,10 +29,10 @@ fn sky_lookup(direction: vec3f) -> vec4f {
     let right = (left + 1u) % frame.sky_width;
     let upper = u32(row);
     let lower = min(upper + 1u, frame.sky_height - 1u);
-    let a = sky_texels[upper * frame.sky_width + left].xyz;
-    let b = sky_texels[upper * frame.sky_width + right].xyz;
-    let c = sky_texels[lower * frame.sky_width + left].xyz;
-    let d = sky_texels[lower * frame.sky_width + right].xyz;
+    let a = scene_vectors[upper * frame.sky_width + left].xyz;
+    let b = scene_vectors[upper * frame.sky_width + right].xyz;
+    let c = scene_vectors[lower * frame.sky_width + left].xyz;
+    let d = scene_vectors[lower * frame.sky_width + right].xyz;
     let s = column - floor(column);
     let radiance = mix(mix(a, b, s), mix(c, d, s), fract(row));
     return vec4f(radiance, 0.25 * dot(a + b + c + d, vec3f(0.2126, 0.7152, 0.0722)));

@@ -159,7 +159,7 @@ mod tests {
         {
             let camera = settings.camera_of(&scene);
             let render_scene = RenderScene::new(&scene, camera);
-            let frame = FrameUniforms::new(&scene, &settings, &render_scene.sky, &render_scene.lights);
+            let frame = FrameUniforms::new(&scene, &settings, &render_scene);
             best_splitting(&render_scene, &frame, &KernelConfig::new(&render_scene, &settings), samples, true)
         }
     }

@@ -35,7 +35,7 @@ use crate::preview_steps::{GREY_ALBEDO, PreviewStep, PreviewSteps};
 use crate::sampling::r2_sequence;
 use crate::scene::material::GLOWS;
 use crate::scene::preview_material::{self, PreviewParameters};
-use crate::scene::{LightShape, TraceContext};
+use crate::scene::{Light, LightShape, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use crate::wgsl::shared_constants;
@@ -89,8 +89,9 @@ impl Preview {
         let lights = &ctx.scene.lights;
         let is_local = |k: &u32| !matches!(lights[*k as usize].shape, LightShape::Environment);
         let mut order: Vec<u32> = (0..lights.len() as u32).filter(is_local).collect();
-        // The sort is stable: lights of the same power keep their order in the scene file.
-        order.sort_by(|&a, &b| lights[b as usize].pmf.total_cmp(&lights[a as usize].pmf));
+        // Lights of the same power keep their order in the scene file.
+        let by_power = |a: &Light, b: &Light| b.pmf.total_cmp(&a.pmf).then(a.declaration.cmp(&b.declaration));
+        order.sort_by(|&a, &b| by_power(&lights[a as usize], &lights[b as usize]));
         order.truncate(MAX_LIGHTS);
         let radius = |index: u32| {
             let shape = &lights[index as usize].shape;

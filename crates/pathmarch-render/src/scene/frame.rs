@@ -1,8 +1,6 @@
 //! Uniforms of a frame: camera, picture size and limits, shared by all rays of the picture.
 
-use super::light::Light;
-use super::sky::SkyLight;
-use super::{Extent, medium_at};
+use super::{Extent, RenderScene, medium_at};
 use crate::settings::Settings;
 use crate::wgsl::shared_struct;
 use glam::Vec3;
@@ -71,6 +69,11 @@ shared_struct! {
         pub(crate) pixel: f32,
         /// Bits of the steps of the preview, see [`crate::preview_steps`].
         pub(crate) preview_steps: u32,
+        /// Number of lights that are not in the light tree; its lights follow them.
+        pub(crate) table_lights: u32,
+        /// Probability of choosing a light of the light tree.
+        pub(crate) tree_share: f32,
+        pub(crate) padding: [u32; 2],
     }
 }
 
@@ -84,7 +87,8 @@ const FAR_RADII: f32 = 2000.0;
 const UNLIMITED: f32 = 1e18;
 
 impl FrameUniforms {
-    pub(crate) fn new(scene: &Scene, settings: &Settings, sky: &SkyLight, lights: &[Light]) -> Self {
+    pub(crate) fn new(scene: &Scene, settings: &Settings, tables: &RenderScene) -> Self {
+        let RenderScene { sky, lights, light_tree, .. } = tables;
         let camera = settings.camera_of(scene);
         let bounds = scene.field.sphere_traced_bounds();
         let Extent { centre, radius } = Extent::new(scene, camera);
@@ -143,6 +147,9 @@ impl FrameUniforms {
             sky_cosine: rotation.cos(),
             pixel: 2.0 * half_height / height as f32,
             preview_steps: settings.preview_steps.bits(),
+            table_lights: light_tree.as_ref().map_or(lights.len(), |tree| tree.first) as u32,
+            tree_share: light_tree.as_ref().map_or(0.0, |tree| tree.share),
+            padding: [0; 2],
         }
     }
 

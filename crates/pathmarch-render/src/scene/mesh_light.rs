@@ -3,6 +3,7 @@
 //! An alias table chooses a triangle in proportion to its area, and two more numbers a point on it (Turk 1990, "Generating Random
 //! Points in Triangles"), so that points are distributed uniformly over the surface.
 
+use super::light_tree::NormalCone;
 use crate::sampling::alias_table;
 use glam::Vec3;
 use pathmarch_field::{Field, MeshAttributes, MeshSurface};
@@ -62,6 +63,23 @@ impl MeshLight {
             at: Vec3::from(source.pose.at),
             axes: source.pose.axes.map(|axis| Vec3::from(axis) * scale),
         })
+    }
+
+    /// Cone of the normals of all emitting sides, in world space.
+    pub(super) fn normals(&self) -> NormalCone {
+        if !self.is_single_sided {
+            return NormalCone::ALL;
+        }
+        let [x, y, z] = self.axes;
+        let normal = |&triangle: &u32| {
+            let [a, b, c] = self.surface.mesh().corners(triangle as usize);
+            let (b, c) = (b - a, c - a);
+            let scale = b.abs().max(c.abs()).max_element().max(f32::MIN_POSITIVE);
+            let v = (b / scale).cross(c / scale);
+            (x * v.x + y * v.y + z * v.z).try_normalize()
+        };
+        let cones = self.triangles.iter().filter_map(normal).map(NormalCone::of);
+        cones.reduce(NormalCone::union).unwrap_or(NormalCone::ALL)
     }
 
     /// Point for two uniform numbers.

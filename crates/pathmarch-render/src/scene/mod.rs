@@ -9,6 +9,7 @@ pub(crate) mod frame;
 pub(crate) mod kernel_config;
 pub(crate) mod leaf;
 pub(crate) mod light;
+pub(crate) mod light_tree;
 pub(crate) mod material;
 pub(crate) mod mesh_light;
 pub(crate) mod preview_material;
@@ -20,14 +21,16 @@ pub(crate) use frame::FrameUniforms;
 pub(crate) use kernel_config::KernelConfig;
 pub(crate) use leaf::LeafRecord;
 pub(crate) use light::{Light, LightShape};
+pub(crate) use light_tree::{LightNode, LightTree};
 pub(crate) use material::MaterialRecord;
 pub(crate) use mesh_light::MeshLight;
 pub(crate) use sky::SkyLight;
 pub(crate) use textured_material::TexturedMaterial;
 
 use glam::Vec3;
+use light::SceneLights;
 use pathmarch_field::{Aabb, Field};
-use pathmarch_scene::materials::Bsdf;
+use pathmarch_scene::materials::{Bsdf, BsdfParameters};
 use pathmarch_scene::{Camera, Material, Scene};
 
 /// This flag where the condition holds, else 0.
@@ -47,8 +50,10 @@ pub(crate) struct RenderScene {
     pub(crate) bsdfs: Vec<Option<&'static Bsdf>>,
     /// Textures, bump map and orbit trap of each material.
     pub(crate) textured_materials: Vec<TexturedMaterial>,
-    /// Lights that can be sampled, suns first.
+    /// Lights that can be sampled, suns first. The lights of the tree come last.
     pub(crate) lights: Vec<Light>,
+    /// Choice among the lights with a position; `None` if there are few.
+    pub(crate) light_tree: Option<LightTree>,
     /// Triangles of lights that are meshes.
     pub(crate) mesh_lights: Vec<MeshLight>,
     pub(crate) sky: SkyLight,
@@ -57,8 +62,14 @@ pub(crate) struct RenderScene {
 impl RenderScene {
     /// Builds the tables of a scene. The camera sets the extent of a scene without finite objects.
     pub(crate) fn new(scene: &Scene, camera: &Camera) -> Self {
+        Self::choosing_lights(scene, camera, true)
+    }
+
+    /// Tables of a scene that choose lights by place, or by one table for all places.
+    pub(crate) fn choosing_lights(scene: &Scene, camera: &Camera, by_place: bool) -> Self {
         let mut sky = SkyLight::new(scene);
-        let (lights, mesh_lights) = light::lights(scene, sky.sampled_power(), &Extent::new(scene, camera));
+        let extent = Extent::new(scene, camera);
+        let SceneLights { lights, meshes, tree } = light::lights(scene, sky.sampled_power(), &extent, by_place);
         let environment = lights.iter().find(|light| matches!(light.shape, LightShape::Environment));
         if let Some(environment) = environment {
             sky.set_probability(environment.pmf);
@@ -73,7 +84,8 @@ impl RenderScene {
             bsdfs: scene.materials.iter().map(|material| material.kind.bsdf).collect(),
             textured_materials,
             lights,
-            mesh_lights,
+            light_tree: tree,
+            mesh_lights: meshes,
             sky,
         }
     }
@@ -81,6 +93,12 @@ impl RenderScene {
     /// Reports whether any object is sphere-traced.
     pub(crate) fn is_sphere_traced(&self) -> bool {
         !self.field.sphere_traced_bounds().is_empty()
+    }
+
+    /// Reports whether a property is true of the BSDF and the parameters of some material.
+    pub(crate) fn any_bsdf(&self, property: fn(&Bsdf) -> fn(&BsdfParameters) -> bool) -> bool {
+        let mut bsdfs = self.bsdfs.iter().zip(&self.materials);
+        bsdfs.any(|(bsdf, material)| bsdf.is_some_and(|bsdf| property(bsdf)(&material.parameters)))
     }
 
     /// Material of a leaf.

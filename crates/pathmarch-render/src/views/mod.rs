@@ -47,7 +47,7 @@ impl ViewScene {
     pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
         let settings = Settings { mode: Mode::Normal, ..settings.clone() };
         let render_scene = RenderScene::new(scene, settings.camera_of(scene));
-        let frame = FrameUniforms::new(scene, &settings, &render_scene.sky, &render_scene.lights);
+        let frame = FrameUniforms::new(scene, &settings, &render_scene);
         let config = KernelConfig::new(&render_scene, &settings);
         Self { scene: render_scene, frame, config }
     }

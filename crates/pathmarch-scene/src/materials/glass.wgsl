@@ -1,5 +1,23 @@
 // Glass. Twin of glass.rs.
 
+/// Albedo of reflection and refraction together at an entry of a table of twelve cosines; `side` is its first parameter.
+fn glass_albedo(m: u32, side: u32, k: u32) -> f32 {
+    return packed(m, (side + k) / 4u)[(side + k) % 4u];
+}
+
+/// Factor that gives back light lost between the facets.
+fn glass_compensation(m: u32, wo: vec3f, inside: bool) -> f32 {
+    let share = packed(m, 1u).z;
+    if !COMPENSATES || share == 0.0 {
+        return 1.0;
+    }
+    let side = select(7u, 19u, inside);
+    let place = sqrt(clamp(wo.z, 0.0, 1.0)) * 11.0;
+    let k = min(u32(place), 10u);
+    let albedo = mix(glass_albedo(m, side, k), glass_albedo(m, side, k + 1u), place - f32(k));
+    return 1.0 + share * (1.0 / max(albedo, 0.1) - 1.0);
+}
+
 fn glass_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
     let a = packed(m, 0u);
     let index = packed(m, 1u);
@@ -11,14 +29,14 @@ fn glass_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
     if wi.z > 0.0 {
         let h = normalize(wo + wi);
         let lobe = fresnel(dot(wo, h), eta) * microfacet_reflection(wo, wi, h, a.w);
-        return vec4f(vec3f(lobe.x), lobe.y);
+        return vec4f(vec3f(lobe.x * glass_compensation(m, wo, inside)), lobe.y);
     }
     let h = refracting_normal(wo, wi, eta);
     if h.z == 0.0 {
         return vec4f(0.0);
     }
     let pdf = (1.0 - fresnel(dot(wo, h), eta)) * refraction_pdf(wo, wi, h, a.w, eta);
-    return vec4f(a.xyz * (pdf * unhidden(wi, a.w) / (eta * eta)), pdf);
+    return vec4f(a.xyz * (pdf * unhidden(wi, a.w) * glass_compensation(m, wo, inside) / (eta * eta)), pdf);
 }
 
 fn glass_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
@@ -40,7 +58,8 @@ fn glass_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
         if wi.z <= 0.0 {
             return ABSORBED;
         }
-        return Scattered(wi, reflected * microfacet_reflection(wo, wi, h, a.w).y, vec3f(unshadowed(wo, wi, a.w)), 1.0);
+        let weight = unshadowed(wo, wi, a.w) * glass_compensation(m, wo, inside);
+        return Scattered(wi, reflected * microfacet_reflection(wo, wi, h, a.w).y, vec3f(weight), 1.0);
     }
     let wi = refracted(wo, h, eta);
     if wi.z >= 0.0 {
@@ -51,5 +70,5 @@ fn glass_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
         return Scattered(wi, 0.0, weight, eta);
     }
     let pdf = (1.0 - reflected) * refraction_pdf(wo, wi, h, a.w, eta);
-    return Scattered(wi, pdf, weight * unhidden(wi, a.w), eta);
+    return Scattered(wi, pdf, weight * (unhidden(wi, a.w) * glass_compensation(m, wo, inside)), eta);
 }

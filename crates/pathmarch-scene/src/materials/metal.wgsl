@@ -1,5 +1,16 @@
 // Metal. Twin of metal.rs.
 
+/// Factor that gives back light lost between the facets.
+fn metal_compensation(m: u32, wo: vec3f) -> vec3f {
+    let share = packed(m, 1u).w;
+    if share == 0.0 {
+        return vec3f(1.0);
+    }
+    let a = packed(m, 0u);
+    let split = ggx_split(wo.z, sqrt(a.w));
+    return vec3f(1.0) + a.xyz * (share * (1.0 / (split.x + split.y) - 1.0));
+}
+
 fn metal_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
     let a = packed(m, 0u);
     if wi.z <= 0.0 || a.w < MIRROR_ALPHA {
@@ -7,7 +18,11 @@ fn metal_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
     }
     let h = normalize(wo + wi);
     let lobe = microfacet_reflection(wo, wi, h, a.w);
-    return vec4f(schlick(a.xyz, packed(m, 1u).xyz, dot(wo, h)) * lobe.x, lobe.y);
+    var colour = schlick(a.xyz, packed(m, 1u).xyz, dot(wo, h));
+    if COMPENSATES {
+        colour *= metal_compensation(m, wo);
+    }
+    return vec4f(colour * lobe.x, lobe.y);
 }
 
 fn metal_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
@@ -22,5 +37,9 @@ fn metal_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
         return ABSORBED;
     }
     let pdf = microfacet_reflection(wo, wi, h, a.w).y;
-    return Scattered(wi, pdf, schlick(a.xyz, edge, dot(wo, h)) * unshadowed(wo, wi, a.w), 1.0);
+    var colour = schlick(a.xyz, edge, dot(wo, h));
+    if COMPENSATES {
+        colour *= metal_compensation(m, wo);
+    }
+    return Scattered(wi, pdf, colour * unshadowed(wo, wi, a.w), 1.0);
 }

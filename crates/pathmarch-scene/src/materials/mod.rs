@@ -124,7 +124,9 @@ pub struct Bsdf {
     /// True if [`sample`](Self::sample) uses its third random number.
     pub chooses_lobes: bool,
     /// True if its WGSL reads the table of [`albedo`].
-    pub reads_albedos: bool,
+    pub reads_albedos: fn(&BsdfParameters) -> bool,
+    /// True if `multiscatter` is above zero.
+    pub compensates: fn(&BsdfParameters) -> bool,
     /// Parameters at an [offset](dispersion::index_offset) of refractive indices; `None` if it cannot disperse light.
     pub at_wavelength: Option<fn(&BsdfParameters, offset: f32) -> BsdfParameters>,
     /// The value and density of one direction.
@@ -143,8 +145,9 @@ impl std::fmt::Debug for Bsdf {
     }
 }
 
-/// WGSL that the scattering functions share: microfacets, and `Scattered` as in Rust. That of [`dispersion`] is printed.
-pub const SHARED_WGSL: [&str; 2] = [include_str!("scattering.wgsl"), include_str!("microfacet.wgsl")];
+/// WGSL that the scattering functions share: microfacets, albedos, and `Scattered` as in Rust. That of [`dispersion`] is printed.
+pub const SHARED_WGSL: [&str; 3] =
+    [include_str!("scattering.wgsl"), include_str!("microfacet.wgsl"), include_str!("albedo.wgsl")];
 
 /// Constants of the scattering functions in WGSL, with their values in Rust.
 pub fn constants_wgsl() -> String {
@@ -208,6 +211,15 @@ const fn fraction(name: &'static str, default: f32, doc: &'static str) -> Materi
 /// The parameter `roughness`.
 const fn roughness(default: f32) -> MaterialParam {
     fraction("roughness", default, "0 is a mirror, 1 as rough as can be; the microfacets' alpha is its square.")
+}
+
+/// The parameter `multiscatter`.
+const fn multiscatter() -> MaterialParam {
+    fraction(
+        "multiscatter",
+        0.0,
+        "Share of the light lost between the facets of a rough surface that is given back; 0 is single scattering.",
+    )
 }
 
 /// The parameter `emission`.

@@ -1,23 +1,5 @@
 // One material for most things. Twin of principled.rs, which explains it.
 
-/// The albedo split of a GGX surface, from its table.
-fn ggx_split(cosine: f32, roughness: f32) -> vec2f {
-    let x = sqrt(clamp(cosine, 0.0, 1.0)) * f32(GGX_COSINES - 1u);
-    let y = clamp(roughness, 0.0, 1.0) * f32(GGX_ROUGHNESSES - 1u);
-    let column = min(u32(x), GGX_COSINES - 2u);
-    let row = min(u32(y), GGX_ROUGHNESSES - 2u);
-    let s = x - f32(column);
-    let t = y - f32(row);
-    let low = mix(ggx_entry(row, column), ggx_entry(row, column + 1u), s);
-    let high = mix(ggx_entry(row + 1u, column), ggx_entry(row + 1u, column + 1u), s);
-    return mix(low, high, t);
-}
-
-fn ggx_entry(row: u32, column: u32) -> vec2f {
-    let place = GGX_DATA + 2u * (row * GGX_COSINES + column);
-    return vec2f(bitcast<f32>(scene_data[place]), bitcast<f32>(scene_data[place + 1u]));
-}
-
 fn compensation(f0: f32, split: vec2f) -> f32 {
     return 1.0 + f0 * (1.0 / (split.x + split.y) - 1.0);
 }

@@ -9,7 +9,7 @@
 
 use super::encode::LightRecord;
 use crate::backend::RenderInput;
-use crate::scene::{FrameUniforms, LeafRecord, MaterialRecord};
+use crate::scene::{FrameUniforms, LeafRecord, LightNode, MaterialRecord};
 use pathmarch_field::wgsl::Program;
 
 /// Binding numbers.
@@ -21,14 +21,17 @@ pub(super) const MATERIALS: u32 = 4;
 pub(super) const LIGHTS: u32 = 5;
 pub(super) const FILM: u32 = 6;
 pub(super) const SCENE_DATA: u32 = 7;
-pub(super) const SKY: u32 = 8;
+/// Environment map, and the light tree unless it is in uniform memory.
+pub(super) const VECTORS: u32 = 8;
 /// Paths that the next dispatch resumes; only if loops are limited.
 pub(super) const SUSPENDED: u32 = 9;
 /// Guides of the pixels; only if they are recorded.
 pub(super) const GUIDES: u32 = 10;
-const BINDINGS: u32 = 11;
+/// Light tree in uniform memory.
+pub(crate) const LIGHT_TREE: u32 = 11;
+const BINDINGS: u32 = 12;
 
-/// Largest number of storage buffers of a kernel: leaves, materials, lights, film, scene data, sky, guides, and the
+/// Largest number of storage buffers of a kernel: leaves, materials, lights, film, scene data, vectors, guides, and the
 /// parameters of a large field.
 pub(crate) const STORAGE_BUFFERS: u32 = 8;
 
@@ -55,11 +58,13 @@ impl Bindings {
                 (LEAVES, input.scene.leaves.len(), size_of::<LeafRecord>()),
                 (MATERIALS, input.scene.materials.len(), size_of::<MaterialRecord>()),
                 (LIGHTS, input.scene.lights.len(), size_of::<LightRecord>()),
+                (LIGHT_TREE, input.light_tree().map_or(0, |tree| tree.nodes.len()), size_of::<LightNode>()),
             ];
             for (binding, count, size) in tables {
                 // A power of two, so that a few more records do not change the code.
                 let bytes = count.next_power_of_two() * size;
-                uniform[binding as usize] = if bytes <= UNIFORM_BYTES { bytes } else { 0 };
+                uniform[binding as usize] =
+                    if bytes <= UNIFORM_BYTES && (count > 0 || binding != LIGHT_TREE) { bytes } else { 0 };
             }
         } else {
             uniform[FRAME as usize] = size_of::<FrameUniforms>();
@@ -73,9 +78,11 @@ impl Bindings {
     /// Binding numbers of the kernel.
     pub(super) fn all(&self) -> impl Iterator<Item = u32> {
         let (loops_are_limited, has_guides) = (self.loops_are_limited, self.has_guides);
+        let has_uniform_tree = self.is_uniform(LIGHT_TREE);
         (0..BINDINGS).filter(move |&binding| match binding {
             SUSPENDED => loops_are_limited,
             GUIDES => has_guides,
+            LIGHT_TREE => has_uniform_tree,
             _ => true,
         })
     }
@@ -118,6 +125,9 @@ impl Bindings {
         text += &array(MATERIALS, "materials", "Material", size_of::<MaterialRecord>());
         if input.mode.traces_paths() || input.preview().is_some() {
             text += &array(LIGHTS, "lights", "Light", size_of::<LightRecord>());
+            if self.is_uniform(LIGHT_TREE) {
+                text += &array(LIGHT_TREE, "light_nodes", "LightNode", size_of::<LightNode>());
+            }
         }
         text + "\n"
     }

@@ -2,7 +2,7 @@
 //!
 //! The configuration is a set of constants, so that the compiler removes features that the scene does not use.
 
-use super::bindings::Bindings;
+use super::bindings::{Bindings, LIGHT_TREE};
 use super::encode::{self, SceneData};
 use super::shaders;
 use crate::backend::RenderInput;
@@ -125,6 +125,10 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "ray_kind" => "intersect/no_ray_kind",
         "mesh_normals" if input.scene.field.has_shading_normals() => "shading/mesh_normals",
         "mesh_normals" => "shading/no_mesh_normals",
+        "light_choice" if input.light_tree().is_none() => "integrator/light_table",
+        "light_choice" => "integrator/light_tree",
+        "light_nodes" if bindings.is_uniform(LIGHT_TREE) => "integrator/light_nodes_uniform",
+        "light_nodes" => "integrator/light_nodes_storage",
         "mesh_lights" if !input.scene.mesh_lights.is_empty() => "integrator/mesh_lights",
         "mesh_lights" => "integrator/no_mesh_lights",
         "mesh_fields" if input.config.mesh_fields => "shading/mesh_fields",
@@ -159,12 +163,14 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("TRANSMISSION", config.transmission),
         ("CHOOSES_LOBES", config.chooses_lobes),
         ("DISPERSION", config.dispersion),
+        ("COMPENSATES", scene.any_bsdf(|bsdf| bsdf.compensates)),
         ("FAST_CAUSTICS", config.fast_caustics),
         ("PENUMBRA", config.penumbra),
         ("REFINED_GRAZING", config.refined_grazing),
         ("HAS_SPHERE_TRACED", scene.is_sphere_traced()),
         ("HAS_EMITTERS", scene.materials.iter().any(MaterialRecord::emits)),
         ("HAS_LIGHTS", !scene.lights.is_empty()),
+        ("HAS_FACING_LIGHTS", input.light_tree().is_some_and(|tree| tree.has_facing_lights)),
         ("HAS_SURFACE_LIGHTS", scene.lights.iter().any(|light| light.leaf().is_some())),
         ("HAS_REFLECTIONS", input.preview().is_some_and(Preview::has_reflections)),
         ("HAS_TEXTURES", config.textures),
@@ -188,6 +194,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("SPLITTING", config.splitting),
         ("SKY", encode::sky_kind(&scene.sky) as u32),
         ("SKY_DATA", data.sky as u32),
+        ("LIGHT_TREE_DATA", data.light_tree as u32),
         ("GGX_DATA", data.ggx as u32),
         ("GGX_ROUGHNESSES", albedo::ROUGHNESSES as u32),
         ("GGX_COSINES", albedo::COSINES as u32),

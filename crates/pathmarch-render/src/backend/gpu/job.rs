@@ -98,7 +98,7 @@ fn check_tables(device: &GpuContext, source: &KernelSource) -> Result<(), Render
     for (name, bytes) in [
         ("parameters of shapes", size_of_val(&source.parameters[..])),
         ("meshes, pictures and other tables", size_of_val(&source.data.words[..])),
-        ("pixels of the sky", size_of_val(&source.data.sky_texels[..])),
+        ("pixels of the sky and nodes of lights", size_of_val(&source.data.vectors[..])),
     ] {
         if bytes as u64 > limit {
             let what = format!("{} MiB of {name} (the limit is {} MiB)", bytes >> 20, limit >> 20);
@@ -201,9 +201,12 @@ impl GpuJob {
             (bindings::MATERIALS, "materials", bytemuck::cast_slice(&input.scene.materials)),
             (bindings::LIGHTS, "lights", bytemuck::cast_slice(&lights)),
             (bindings::SCENE_DATA, "scene data", bytemuck::cast_slice(&source.data.words)),
-            (bindings::SKY, "sky", bytemuck::cast_slice(&source.data.sky_texels)),
+            (bindings::VECTORS, "vectors", bytemuck::cast_slice(&source.data.vectors)),
         ]
         .map(|(binding, label, contents)| (binding, constant(binding, label, contents)));
+        let light_tree = input.light_tree().filter(|_| source.bindings.is_uniform(bindings::LIGHT_TREE));
+        let light_tree =
+            light_tree.map(|tree| constant(bindings::LIGHT_TREE, "light tree", bytemuck::cast_slice(&tree.nodes)));
         let slice =
             wgpu::BufferBinding { buffer: &slices, offset: 0, size: wgpu::BufferSize::new(size_of::<Slice>() as u64) };
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
@@ -213,6 +216,7 @@ impl GpuJob {
             entry(bindings::FILM, film.as_entire_binding()),
         ];
         entries.extend(tables.iter().map(|(binding, table)| entry(*binding, table.as_entire_binding())));
+        entries.extend(light_tree.iter().map(|nodes| entry(bindings::LIGHT_TREE, nodes.as_entire_binding())));
         entries.extend(guides.iter().map(|guides| entry(bindings::GUIDES, guides.as_entire_binding())));
         let suspended = match source.bindings.loops_are_limited {
             true => Some(SuspendedPaths::new(&device)?),

@@ -33,7 +33,8 @@ impl KernelSource {
         let program = program(input);
         let trusted = input.scene.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
         let bindings = Bindings::new(input, &program, software);
-        let data = SceneData::new(input, &program);
+        let stored_tree = input.light_tree().filter(|_| !bindings.is_uniform(bindings::LIGHT_TREE));
+        let data = SceneData::new(input, &program, stored_tree);
         let code = kernel(input, &program, &bindings, &data);
         Self { code, parameters: program.parameters, data, bindings, trusted }
     }

@@ -11,7 +11,7 @@
 //! camera ray, are not resumed and fail likewise.
 //!
 //! **Cost.** Only kernels for software adapters include this, and only for scenes with loops ([`Field::has_loops`]): one check
-//! for each surface, 96 bytes for each path of a submission, and a wait for each submission.
+//! for each surface, 112 bytes for each path of a submission, and a wait for each submission.
 
 use super::device::Device;
 use super::slice::Slice;
@@ -50,6 +50,8 @@ shared_struct! {
         passed_clear_glass: u32,
         medium: [f32; 3],
         wavelength: f32,
+        previous_normal: [f32; 3],
+        padding: u32,
     }
 }
 

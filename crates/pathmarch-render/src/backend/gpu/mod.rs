@@ -17,7 +17,7 @@ mod slice;
 mod timer;
 
 pub use adapter::{AdapterDescription, adapters};
-pub(crate) use bindings::{FRAME, LEAVES};
+pub(crate) use bindings::{FRAME, LEAVES, LIGHT_TREE};
 pub(crate) use context::GpuContext;
 pub(crate) use device::Device;
 pub(crate) use job::{FilmCopy, GpuJob, LIVE, OFFLINE, ReconstructedFilm};

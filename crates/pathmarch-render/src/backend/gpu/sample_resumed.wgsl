@@ -11,6 +11,7 @@ fn resumed(saved: SuspendedPath, sampler: PixelSampler) -> Path {
     path.length = saved.length;
     path.scatter_pdf = saved.scatter_pdf;
     path.previous_vertex = saved.previous_vertex;
+    path.previous_normal = saved.previous_normal;
     path.index_square = saved.index_square;
     path.throughput = saved.throughput;
     path.surfaces = saved.surfaces;
@@ -35,6 +36,7 @@ fn suspend(slot: u32, path: Path) {
         select(0u, 1u, path.passed_clear_glass),
         path.medium,
         path.wavelength,
+        path.previous_normal,
     );
     atomicAdd(&suspended.count, 1u);
 }

@@ -12,7 +12,10 @@ use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
 use crate::preview_steps;
 use crate::sampling::sobol::pair;
-use crate::scene::{FrameUniforms, LeafRecord, MaterialRecord, leaf, material, preview_material, textured_material};
+use crate::scene::{
+    FrameUniforms, LeafRecord, LightNode, MaterialRecord, leaf, light_tree, material, preview_material,
+    textured_material,
+};
 use crate::views;
 use crate::wgsl::declaration;
 
@@ -55,7 +58,11 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/camera",
     "integrator/guide" shares guides::shared_wgsl,
     "integrator/guides",
+    "integrator/light_nodes_storage" shares declaration::<LightNode>,
+    "integrator/light_nodes_uniform" shares declaration::<LightNode>,
     "integrator/light_sampling" shares || encode::light::shared_wgsl() + &light_sampling::shared_wgsl(),
+    "integrator/light_table",
+    "integrator/light_tree" shares light_tree::shared_wgsl,
     "integrator/light_weights" shares encode::light::direct_lighting_wgsl,
     "integrator/medium" shares medium::shared_wgsl,
     "integrator/mesh_lights",
@@ -204,6 +211,7 @@ mod tests {
         check_layout::<LeafRecord>();
         check_layout::<MaterialRecord>();
         check_layout::<encode::LightRecord>();
+        check_layout::<LightNode>();
         check_layout::<SuspendedPath>();
         check_layout::<DisplayUniforms>();
     }

@@ -11,7 +11,7 @@ pub(super) use light::LightRecord;
 pub(super) use texture::computed_kind;
 
 use crate::backend::{ModeData, RenderInput};
-use crate::scene::SkyLight;
+use crate::scene::{LightTree, SkyLight};
 use crate::wgsl::write_constant;
 use pathmarch_field::wgsl::Program;
 use pathmarch_scene::Sampler;
@@ -20,8 +20,10 @@ use pathmarch_scene::materials::albedo;
 /// Words of the scene-data buffer, and the offset of each table.
 pub(crate) struct SceneData {
     pub(super) words: Vec<u32>,
-    /// Texels of the environment map, row by row from the zenith; w is unused.
-    pub(super) sky_texels: Vec<[f32; 4]>,
+    /// Texels of the environment map, row by row from the zenith, with an unused component, and nodes of the light tree.
+    pub(super) vectors: Vec<[f32; 4]>,
+    /// Offset of the nodes among the vectors.
+    pub(super) light_tree: usize,
     /// Offset of the alias tables of the environment map.
     pub(super) sky: usize,
     /// Offset of the directional albedos of GGX.
@@ -37,15 +39,19 @@ pub(crate) struct SceneData {
 }
 
 impl SceneData {
-    /// Encodes a scene and its mode.
-    pub(super) fn new(input: &RenderInput, program: &Program) -> Self {
+    /// Encodes a scene and its mode. `stored_tree` is the light tree if it is in storage memory.
+    pub(super) fn new(input: &RenderInput, program: &Program, stored_tree: Option<&LightTree>) -> Self {
         let scene = &input.scene;
         let mut words: Vec<u32> =
             scene.sky.alias_tables().flat_map(|&(threshold, alias)| [threshold.to_bits(), alias]).collect();
         let texels = scene.sky.environment().map_or(&[][..], |environment| &environment.texels);
-        let sky_texels = texels.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
+        let mut vectors: Vec<_> = texels.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
+        let light_tree = vectors.len();
+        if let Some(tree) = stored_tree {
+            vectors.extend_from_slice(bytemuck::cast_slice(&tree.nodes));
+        }
         let ggx = words.len();
-        if scene.bsdfs.iter().flatten().any(|bsdf| bsdf.reads_albedos) {
+        if scene.any_bsdf(|bsdf| bsdf.reads_albedos) {
             words.extend(albedo::table().iter().flatten().map(|value| value.to_bits()));
         }
         let textures = words.len();
@@ -62,7 +68,7 @@ impl SceneData {
         words.extend(light::encode_mesh_lights(scene, mesh_lights));
         let meshes = words.len();
         words.extend(program.mesh_words());
-        Self { words, sky_texels, sky: 0, ggx, textures, mode, mesh_lights, meshes }
+        Self { words, vectors, light_tree, sky: 0, ggx, textures, mode, mesh_lights, meshes }
     }
 }
 

@@ -1,0 +1,552 @@
+//! Light tree: chooses a light by its contribution to a point (Conty Estevez and Kulla 2018, "Importance Sampling of Many
+//! Lights with Adaptive Tree Splitting"; Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th ed. 2023, section
+//! 12.6.3).
+//!
+//! **Idea.** The lights with a position are the leaves of a binary tree. Each half of a node has a bounding sphere, a cone of
+//! the directions that its lights face, and an intensity. From these follows the importance of the half at a point, an estimate
+//! of its irradiance: the intensity by the squared distance, times the cosines at the receiver and at the lights. A walk from
+//! the root chooses one half in proportion to its importance, rescales the random number, and ends at one light. So stratified
+//! numbers stay stratified, and the probability of a light is the product of the choices. An importance is zero only if no light
+//! of the half can contribute; if both are zero, no light is chosen.
+//!
+//! **Differences.** Nodes contain bounding spheres instead of boxes, because the importance uses only these. It is a mean, not an
+//! upper bound: the kernel h/d³ of a point at height h and distance d, softened by a share of the squared radius, as in
+//! simulations of gravity (Plummer 1911). With the bounds of the sources, large nodes close to the point get too much: for 400
+//! lamps in a room, the relative variance of the irradiance at random points is 1.6 with them and 0.5 with means; for a grid of
+//! 1,000 lamps above a floor 0.9 and 0.15. Every light here emits into the hemisphere around its normal or into all directions, so
+//! one angle describes a cone. There is no splitting of a choice into several lights.
+//!
+//! **Layout.** Nodes are in depth-first order, and lights in the order of the leaves. A subtree of `n` lights has `n - 1`
+//! nodes, so a node stores no links, only the number of lights in its first half: 64 bytes for two halves. The index of a light is
+//! its way down the tree.
+//!
+//! **Cost.** Two importances for each level, 165 ns for a walk among 64 lights. Built in O(n log n).
+
+use crate::wgsl::{shared_constants, shared_struct};
+use glam::Vec3;
+use std::f32::consts::{FRAC_PI_2, PI};
+
+shared_struct! {
+    /// Node of the light tree, with its two halves `a` and `b`.
+    pub(crate) struct LightNode as LightNode {
+        /// Bounding sphere of a half, in world space, metres.
+        centre_a: [f32; 3],
+        radius_a: f32,
+        centre_b: [f32; 3],
+        radius_b: f32,
+        /// Axis of the cone of normals in world space. Its length is 2 plus the cosine of the cone's half angle: 3 for one
+        /// direction, 1 for all.
+        axis_a: [f32; 3],
+        /// Intensity of half `b` divided by that of half `a`.
+        intensity_ratio: f32,
+        axis_b: [f32; 3],
+        /// Number of lights in half `a`.
+        count_a: f32,
+    }
+}
+
+/// Light or group of lights, as the tree sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LightBounds {
+    /// Bounding sphere in world space, metres.
+    pub(super) centre: Vec3,
+    pub(super) radius: f32,
+    /// Normals of the emitting surfaces.
+    pub(super) normals: NormalCone,
+    /// Luminance of the largest radiant intensity, W/sr.
+    pub(super) intensity: f32,
+}
+
+/// Cone of unit vectors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NormalCone {
+    /// Unit vector in world space.
+    pub(super) axis: Vec3,
+    /// Cosine of the half angle.
+    pub(super) cosine: f32,
+}
+
+impl NormalCone {
+    /// All directions.
+    pub(super) const ALL: Self = Self { axis: Vec3::Y, cosine: -1.0 };
+
+    /// One direction.
+    pub(super) fn of(axis: Vec3) -> Self {
+        Self { axis, cosine: 1.0 }
+    }
+
+    /// Smallest cone around this one and another.
+    pub(super) fn union(self, other: Self) -> Self {
+        if self.cosine <= -1.0 || other.cosine <= -1.0 {
+            return Self::ALL;
+        }
+        let [angle, other_angle] = [self, other].map(|cone| cone.cosine.clamp(-1.0, 1.0).acos());
+        let between = self.axis.cross(other.axis).length().atan2(self.axis.dot(other.axis));
+        if between + other_angle <= angle {
+            return self;
+        }
+        if between + angle <= other_angle {
+            return other;
+        }
+        let half_angle = 0.5 * (angle + between + other_angle) + ROUNDING;
+        let across = (other.axis - self.axis * self.axis.dot(other.axis)).normalize_or_zero();
+        if half_angle >= PI || across == Vec3::ZERO {
+            return Self::ALL;
+        }
+        let (sine, cosine) = (half_angle - angle).sin_cos();
+        Self { axis: (self.axis * cosine + across * sine).normalize(), cosine: half_angle.cos() }
+    }
+
+    /// Integral of the largest cosine to a normal of the cone over all directions, divided by 4π: 1 for all directions, 1/4 for
+    /// one (Conty Estevez and Kulla 2018, section 4.1).
+    fn measure(self) -> f32 {
+        let angle = self.cosine.clamp(-1.0, 1.0).acos();
+        let (sine, cosine) = angle.sin_cos();
+        let end = (angle + FRAC_PI_2).min(PI);
+        let beyond = 2.0 * end * sine - (angle - 2.0 * end).cos() - 2.0 * angle * sine + cosine;
+        0.5 * (1.0 - cosine) + 0.125 * beyond
+    }
+}
+
+/// Margin of a cone for rounding errors, radians.
+const ROUNDING: f32 = 1e-3;
+
+/// Lights of a part of a node, for the choice of a split.
+#[derive(Clone, Copy)]
+struct Group {
+    min: Vec3,
+    max: Vec3,
+    /// `None` without lights.
+    normals: Option<NormalCone>,
+    intensity: f64,
+}
+
+impl Group {
+    const NOTHING: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY, normals: None, intensity: 0.0 };
+
+    fn of(light: &LightBounds) -> Self {
+        let radius = Vec3::splat(light.radius);
+        Self {
+            min: light.centre - radius,
+            max: light.centre + radius,
+            normals: Some(light.normals),
+            intensity: f64::from(light.intensity),
+        }
+    }
+
+    fn union(self, other: Self) -> Self {
+        let normals = match (self.normals, other.normals) {
+            (Some(a), Some(b)) => Some(a.union(b)),
+            (a, b) => a.or(b),
+        };
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+            normals,
+            intensity: self.intensity + other.intensity,
+        }
+    }
+
+    /// Cost of a half in the surface area orientation heuristic, with the square of the radius as the area.
+    fn cost(&self) -> f64 {
+        let Some(normals) = self.normals else { return 0.0 };
+        self.intensity * f64::from(normals.measure()) * f64::from((self.max - self.min).length_squared())
+    }
+
+    /// Bounding sphere, cone and intensity of these lights.
+    fn bounds(&self, lights: &[LightBounds], order: &[u32]) -> LightBounds {
+        if let &[light] = order {
+            return lights[light as usize];
+        }
+        let centre = 0.5 * self.min + 0.5 * self.max;
+        let reach = |&light: &u32| lights[light as usize].centre.distance(centre) + lights[light as usize].radius;
+        LightBounds {
+            centre,
+            radius: order.iter().map(reach).fold(0.0, f32::max) * (1.0 + 4.0 * f32::EPSILON),
+            normals: self.normals.unwrap_or(NormalCone::ALL),
+            intensity: self.intensity as f32,
+        }
+    }
+}
+
+/// Number of bins of a split along each axis.
+const BINS: usize = 12;
+/// Depth from which nodes are split into halves of equal number, so that no walk is long.
+const MAX_BINNED_DEPTH: u32 = 48;
+/// Largest ratio of the intensities of two halves, so that products stay finite.
+const MAX_RATIO: f64 = 1e15;
+
+/// Tree over the lights of a scene that have a position.
+#[derive(Clone, Debug)]
+pub(crate) struct LightTree {
+    /// Nodes in depth-first order; one less than lights.
+    pub(crate) nodes: Vec<LightNode>,
+    /// Number of lights.
+    pub(crate) count: usize,
+    /// Index of the first light.
+    pub(crate) first: usize,
+    /// Probability of choosing one of these lights, and not a sun or the environment.
+    pub(crate) share: f32,
+    /// True if some light emits on one side only.
+    pub(crate) has_facing_lights: bool,
+}
+
+impl LightTree {
+    /// Builds the tree over these lights. Returns it and the indices of the lights in the order of its leaves.
+    pub(super) fn new(lights: &[LightBounds], first: usize, share: f32) -> (Self, Vec<u32>) {
+        let mut order: Vec<u32> = (0..lights.len() as u32).collect();
+        let mut nodes = Vec::with_capacity(lights.len().saturating_sub(1));
+        append(lights, &mut order, 0, &mut nodes);
+        let has_facing_lights = lights.iter().any(|light| light.normals.cosine > -1.0);
+        (Self { nodes, count: lights.len(), first, share, has_facing_lights }, order)
+    }
+
+    /// Chooses a light for a point with a uniform number. `normal` is the unit normal of a surface that is lit on this side
+    /// only; `None` for other surfaces and for points in a medium. Returns the index of the leaf and its probability; `None` if
+    /// no light can contribute at the end of the walk.
+    pub(crate) fn sample(&self, p: Vec3, normal: Option<Vec3>, mut random: f32) -> Option<(usize, f32)> {
+        let (mut node, mut first, mut count, mut probability) = (0, 0, self.count, 1.0f32);
+        while count > 1 {
+            let count_a = self.nodes[node].count_a as usize;
+            let share_a = self.nodes[node].share_a(p, normal)?;
+            if random < share_a {
+                random /= share_a;
+                probability *= share_a;
+                count = count_a;
+                node += 1;
+            } else {
+                random = (random - share_a) / (1.0 - share_a);
+                probability *= 1.0 - share_a;
+                first += count_a;
+                count -= count_a;
+                node += count_a;
+            }
+            random = random.min(ONE_MINUS_EPSILON);
+        }
+        Some((first, probability))
+    }
+
+    /// Probability that [`sample`](Self::sample) chooses this leaf.
+    pub(crate) fn probability(&self, leaf: usize, p: Vec3, normal: Option<Vec3>) -> f32 {
+        let (mut node, mut first, mut count, mut probability) = (0, 0, self.count, 1.0f32);
+        while count > 1 {
+            let count_a = self.nodes[node].count_a as usize;
+            let Some(share_a) = self.nodes[node].share_a(p, normal) else { return 0.0 };
+            if leaf < first + count_a {
+                probability *= share_a;
+                count = count_a;
+                node += 1;
+            } else {
+                probability *= 1.0 - share_a;
+                first += count_a;
+                count -= count_a;
+                node += count_a;
+            }
+        }
+        probability
+    }
+}
+
+shared_constants! {
+    /// Largest number below one.
+    const ONE_MINUS_EPSILON: f32 = 1.0 - 0.5 * f32::EPSILON;
+    /// Smallest squared distance in an importance, square metres.
+    const MIN_SQUARE: f32 = 1e-20;
+    /// Mean square of the distances of lights from the centre of their bounding sphere, in radii of the sphere.
+    const SOFTENING: f32 = 0.15;
+    /// Height of lights near the horizon, as a share of the height of the top of their bounding sphere.
+    const HORIZON_SHARE: f32 = 0.2;
+    /// Cosine of half the angle of a cone below which it counts as all directions.
+    const FULL_CONE: f32 = -0.9999;
+}
+
+impl LightNode {
+    /// Probability of half `a`; `None` if neither half lights the point.
+    fn share_a(&self, p: Vec3, normal: Option<Vec3>) -> Option<f32> {
+        let a = importance(Vec3::from(self.centre_a) - p, self.radius_a, Vec3::from(self.axis_a), normal);
+        let b = importance(Vec3::from(self.centre_b) - p, self.radius_b, Vec3::from(self.axis_b), normal);
+        let b = b * self.intensity_ratio;
+        (a + b > 0.0).then(|| a / (a + b))
+    }
+}
+
+/// Estimate of the irradiance by lights of unit intensity in a sphere with its centre at `offset`; zero only if none arrives.
+/// `axis` is that of a [`LightNode`].
+fn importance(offset: Vec3, radius: f32, axis: Vec3, normal: Option<Vec3>) -> f32 {
+    let square = offset.length_squared();
+    let inverse = 1.0 / (square + SOFTENING * radius * radius).max(MIN_SQUARE).sqrt();
+    let mut value = inverse * inverse;
+    if let Some(normal) = normal {
+        value *= mean_height(normal.dot(offset), radius) * inverse;
+    }
+    if axis.length_squared() > (2.0 + FULL_CONE) * (2.0 + FULL_CONE) {
+        let length = axis.length();
+        let cos_cone = (length - 2.0).min(1.0);
+        let (height, distance) = (-axis.dot(offset) / length, square.sqrt());
+        // Along the normal of the cone that faces the point most.
+        let facing_height = if height >= distance * cos_cone {
+            distance
+        } else {
+            let across = (square - height * height).max(0.0).sqrt();
+            height * cos_cone + across * (1.0 - cos_cone * cos_cone).max(0.0).sqrt()
+        };
+        value *= mean_height(facing_height, radius) * inverse;
+    }
+    value
+}
+
+/// Mean height above a plane of the parts of a sphere that are above it, roughly; zero if none is. `height` is that of its centre.
+fn mean_height(height: f32, radius: f32) -> f32 {
+    height.max(HORIZON_SHARE * (height + radius)).max(0.0)
+}
+
+/// Appends the subtree of these lights and sorts them into the order of its leaves. Returns their bounds.
+fn append(lights: &[LightBounds], order: &mut [u32], depth: u32, nodes: &mut Vec<LightNode>) -> LightBounds {
+    let group = order.iter().fold(Group::NOTHING, |all, &light| all.union(Group::of(&lights[light as usize])));
+    let bounds = group.bounds(lights, order);
+    if order.len() < 2 {
+        return bounds;
+    }
+    let count_a = split(lights, order, depth);
+    let node = nodes.len();
+    nodes.push(bytemuck::Zeroable::zeroed());
+    let (first, second) = order.split_at_mut(count_a);
+    let a = append(lights, first, depth + 1, nodes);
+    let b = append(lights, second, depth + 1, nodes);
+    let ratio =
+        (f64::from(b.intensity) / f64::from(a.intensity).max(f64::MIN_POSITIVE)).clamp(1.0 / MAX_RATIO, MAX_RATIO);
+    let scaled_axis = |cone: NormalCone| (cone.axis * (2.0 + cone.cosine)).into();
+    nodes[node] = LightNode {
+        centre_a: a.centre.into(),
+        radius_a: a.radius,
+        centre_b: b.centre.into(),
+        radius_b: b.radius,
+        axis_a: scaled_axis(a.normals),
+        intensity_ratio: ratio as f32,
+        axis_b: scaled_axis(b.normals),
+        count_a: count_a as f32,
+    };
+    bounds
+}
+
+/// Partitions lights into two halves by the surface area orientation heuristic over bins. Returns the number in the first.
+fn split(lights: &[LightBounds], order: &mut [u32], depth: u32) -> usize {
+    let centre = |light: u32| lights[light as usize].centre;
+    let (min, max) = order.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &light| {
+        (min.min(centre(light)), max.max(centre(light)))
+    });
+    let extent = max - min;
+    let half = order.len() / 2;
+    let longest = extent.max_position();
+    if depth >= MAX_BINNED_DEPTH {
+        order.select_nth_unstable_by(half, |&a, &b| centre(a)[longest].total_cmp(&centre(b)[longest]).then(a.cmp(&b)));
+        return half;
+    }
+    let bin_of = |light: u32, axis: usize| {
+        let along = (centre(light)[axis] - min[axis]) / extent[axis];
+        ((along * BINS as f32) as usize).min(BINS - 1)
+    };
+    let mut best: Option<(f64, usize, usize)> = None;
+    for axis in 0..3 {
+        // Infinite or zero for coinciding lights.
+        if !(extent[axis] > 0.0 && extent[axis].is_finite()) {
+            continue;
+        }
+        let mut bins = [Group::NOTHING; BINS];
+        for &light in order.iter() {
+            let bin = bin_of(light, axis);
+            bins[bin] = bins[bin].union(Group::of(&lights[light as usize]));
+        }
+        let mut second = [Group::NOTHING; BINS];
+        let mut group = Group::NOTHING;
+        for bin in (1..BINS).rev() {
+            group = group.union(bins[bin]);
+            second[bin] = group;
+        }
+        // Thin halves of a long node are avoided.
+        let thinness = f64::from(extent[longest] / extent[axis]);
+        let mut first = Group::NOTHING;
+        for end in 1..BINS {
+            first = first.union(bins[end - 1]);
+            if first.normals.is_none() || second[end].normals.is_none() {
+                continue;
+            }
+            let cost = thinness * (first.cost() + second[end].cost());
+            if best.is_none_or(|(least, ..)| cost < least) {
+                best = Some((cost, axis, end));
+            }
+        }
+    }
+    let Some((_, axis, end)) = best else { return half };
+    let (first, second): (Vec<u32>, Vec<u32>) = order.iter().partition(|&&light| bin_of(light, axis) < end);
+    order[..first.len()].copy_from_slice(&first);
+    order[first.len()..].copy_from_slice(&second);
+    first.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::sobol::PixelSampler;
+
+    /// Uniform numbers in 0..1, four for each index.
+    fn random(index: u32) -> [f32; 4] {
+        let sampler = PixelSampler::new(3, 7, index, 11);
+        let ([a, b], [c, d]) = (sampler.sample_2d(0), sampler.sample_2d(1));
+        [a, b, c, d]
+    }
+
+    fn direction(u: f32, v: f32) -> Vec3 {
+        let (sine, cosine) = (2.0 * PI * v).sin_cos();
+        let z = 2.0 * u - 1.0;
+        let radius = (1.0 - z * z).max(0.0).sqrt();
+        Vec3::new(radius * cosine, radius * sine, z)
+    }
+
+    /// Points, balls, and sheets that face one way, of intensities from 1 to 1,000 W/sr.
+    fn lights(count: u32) -> Vec<LightBounds> {
+        let light = |k: u32| {
+            let ([x, y, z, size], [u, v, kind, power]) = (random(2 * k), random(2 * k + 1));
+            let normals = if kind < 0.5 { NormalCone::of(direction(u, v)) } else { NormalCone::ALL };
+            let radius = if kind < 0.75 { 0.2 * size } else { 0.0 };
+            LightBounds {
+                centre: Vec3::new(4.0 * x, 3.0 * y, 5.0 * z),
+                radius,
+                normals,
+                intensity: 1000f32.powf(power),
+            }
+        };
+        (0..count).map(light).collect()
+    }
+
+    fn tree(lights: &[LightBounds]) -> (LightTree, Vec<u32>) {
+        LightTree::new(lights, 0, 1.0)
+    }
+
+    /// Number of nodes on the way to the deepest leaf.
+    fn depth(tree: &LightTree, node: usize, count: usize) -> usize {
+        if count < 2 {
+            return 0;
+        }
+        let count_a = tree.nodes[node].count_a as usize;
+        1 + depth(tree, node + 1, count_a).max(depth(tree, node + count_a, count - count_a))
+    }
+
+    #[test]
+    fn lights_are_chosen_with_their_probability() {
+        const SAMPLES: u32 = 20_000;
+        for count in [1u32, 2, 3, 7, 40] {
+            let (tree, order) = tree(&lights(count));
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            assert!(sorted.into_iter().eq(0..count), "every light is one leaf");
+            for place in 0..12 {
+                let [x, y, z, u] = random(1000 + place);
+                // Some points are among the lights, some far away.
+                let p = Vec3::new(x - 0.2, y - 0.2, z - 0.2) * if place < 8 { 5.0 } else { 100.0 };
+                let normal = (place % 3 > 0).then(|| direction(u, x));
+                let expected: Vec<f32> = (0..count as usize).map(|leaf| tree.probability(leaf, p, normal)).collect();
+                let mut counts = vec![0u32; count as usize];
+                for k in 0..SAMPLES {
+                    if let Some((leaf, probability)) = tree.sample(p, normal, (k as f32 + 0.5) / SAMPLES as f32) {
+                        assert_eq!(probability, expected[leaf], "the walk to a leaf has its probability");
+                        counts[leaf] += 1;
+                    }
+                }
+                // The numbers are evenly spaced, so counts are off by one at each end of an interval.
+                for (leaf, (&counted, &expected)) in counts.iter().zip(&expected).enumerate() {
+                    let difference = (counted as f32 - expected * SAMPLES as f32).abs();
+                    assert!(difference < 2.5, "{count} lights, place {place}, leaf {leaf}: {counted}, {expected}");
+                }
+                let none = 1.0 - counts.iter().sum::<u32>() as f32 / SAMPLES as f32;
+                let total = expected.iter().sum::<f32>() + none;
+                assert!((total - 1.0).abs() < 1e-3, "{count} lights, place {place}: {total}");
+                if normal.is_none() && tree.nodes.iter().all(|node| Vec3::from(node.axis_a).length() < 1.001) {
+                    assert_eq!(none, 0.0);
+                }
+            }
+        }
+    }
+
+    /// A light that can contribute, from any point of its sphere to the point with this normal, has a probability.
+    #[test]
+    fn only_lights_without_a_contribution_are_never_chosen() {
+        let lights = lights(60);
+        let (tree, order) = tree(&lights);
+        let (mut never, mut contributing) = (0, 0);
+        for place in 0..200 {
+            let [x, y, z, u] = random(5000 + place);
+            let (p, normal) = (Vec3::new(4.0 * x, 3.0 * y, 5.0 * z), direction(u, x));
+            for (leaf, &light) in order.iter().enumerate() {
+                let light = &lights[light as usize];
+                let is_lit = (0..24).any(|k| {
+                    let [u, v, w, _] = random(9000 + k);
+                    let offset = light.centre + direction(u, v) * (0.99 * w * light.radius) - p;
+                    let towards = offset.normalize();
+                    let facing = light.normals.cosine < 0.0 || -light.normals.axis.dot(towards) > 1e-3;
+                    normal.dot(towards) > 1e-3 && facing
+                });
+                let probability = tree.probability(leaf, p, Some(normal));
+                assert!(probability > 0.0 || !is_lit, "place {place}, light {light:?}");
+                never += u32::from(probability == 0.0);
+                contributing += u32::from(is_lit);
+            }
+        }
+        println!("never chosen {never}, contributing {contributing} of {}", 200 * 60);
+        assert!(never > 3000 && contributing > 3000, "{never} {contributing}");
+    }
+
+    #[test]
+    fn close_lights_are_preferred() {
+        let at = |x: f32| LightBounds { centre: Vec3::X * x, radius: 0.0, normals: NormalCone::ALL, intensity: 1.0 };
+        let (tree, order) = tree(&[at(0.0), at(10.0), at(20.0), at(30.0)]);
+        let second = order.iter().position(|&light| light == 1).expect("a leaf");
+        let probability = tree.probability(second, Vec3::new(10.0, 1.0, 0.0), None);
+        assert!(probability > 0.8, "{probability}");
+    }
+
+    #[test]
+    fn lights_in_one_point_are_chosen_by_their_intensity() {
+        let light = LightBounds { centre: Vec3::ONE, radius: 0.0, normals: NormalCone::ALL, intensity: 2.0 };
+        let (tree, _) = tree(&[light; 10_000]);
+        assert!(depth(&tree, 0, tree.count) < 16);
+        for p in [Vec3::ONE, Vec3::ZERO, Vec3::new(1e6, 0.0, 0.0)] {
+            for leaf in [0, 1234, 9999] {
+                let probability = tree.probability(leaf, p, None);
+                assert!((probability * 1e4 - 1.0).abs() < 1e-3, "{probability}");
+            }
+        }
+    }
+
+    #[test]
+    fn walks_are_short() {
+        // Every light is at half the distance of the one before, so that bins separate few at a time.
+        let near = |k: i32| LightBounds {
+            centre: Vec3::new(2f32.powi(-k), 0.0, 0.0),
+            radius: 0.0,
+            normals: NormalCone::ALL,
+            intensity: 4f32.powi(k % 20),
+        };
+        let lights: Vec<_> = (0..120).flat_map(|k| [near(k); 40]).collect();
+        let (tree, _) = tree(&lights);
+        let depth = depth(&tree, 0, tree.count);
+        assert!(depth <= MAX_BINNED_DEPTH as usize + 13, "{depth}");
+        let sum: f32 = (0..tree.count).map(|leaf| tree.probability(leaf, Vec3::new(0.1, 0.2, 0.0), None)).sum();
+        assert!((sum - 1.0).abs() < 1e-3, "{sum}");
+    }
+
+    #[test]
+    fn cones_contain_their_parts() {
+        for k in 0..300 {
+            let ([a, b, c, d], [e, f, ..]) = (random(2 * k), random(2 * k + 1));
+            let cone = |axis, angle: f32| NormalCone { axis, cosine: (1.5 * angle).cos() };
+            let parts = [cone(direction(a, b), c), cone(direction(d, e), f)];
+            let union = parts[0].union(parts[1]);
+            for part in parts {
+                let between = union.axis.dot(part.axis).clamp(-1.0, 1.0).acos();
+                let end = (between + part.cosine.acos()).min(PI);
+                assert!(union.cosine <= -1.0 || end <= union.cosine.acos() + 1e-3, "{parts:?} {union:?}");
+            }
+        }
+    }
+}
