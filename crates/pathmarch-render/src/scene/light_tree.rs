@@ -20,7 +20,7 @@
 //! nodes, so a node stores no links, only the number of lights in its first half: 64 bytes for two halves. The index of a light is
 //! its way down the tree.
 //!
-//! **Cost.** Two importances for each level, 165 ns for a walk among 64 lights. Built in O(n log n).
+//! **Cost.** Two importances for each level. Built in O(n log n).
 
 use crate::wgsl::{shared_constants, shared_struct};
 use glam::Vec3;
