@@ -242,7 +242,7 @@ fn wrong_arguments_of_study_are_reported() {
 const NUMBERS: &[(&[&str], &str, &str)] = &[
     (&["bench", "a.kdl"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
     (&["bench", "a.kdl"], "--error-size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
-    (&["bench", "a.kdl"], "--bounces", "must be a whole number from 0 to 64"),
+    (&["bench", "a.kdl"], "--bounces", "must be a whole number from 0 to 1000"),
     (&["bench", "a.kdl"], "--rounds", "must be a whole number from 1 to 1000"),
     (&["bench", "a.kdl"], "--samples", "must be a whole number from 1 to 1000"),
     (&["bench", "a.kdl"], "--limit", "must be a number of seconds above 0, at most 86400"),

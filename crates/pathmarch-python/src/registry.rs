@@ -34,7 +34,7 @@ pub fn registry() -> String {
 
 /// Tables of settings, by the node that contains them.
 fn tables() -> Value {
-    let tables: [(&str, &[Setting]); 13] = [
+    let tables: [(&str, &[Setting]); 14] = [
         ("placement", settings::PLACEMENT),
         ("normal", &[settings::NORMAL]),
         ("blend", settings::BLEND),
@@ -42,6 +42,7 @@ fn tables() -> Value {
         ("camera", settings::CAMERA),
         ("lens", settings::LENS),
         ("render", settings::RENDER),
+        ("fog", settings::FOG),
         ("sun", settings::SUN),
         ("point", settings::POINT),
         ("gradient", settings::GRADIENT),
@@ -103,7 +104,7 @@ fn limits(range: Range) -> Value {
 
 fn material(kind: &MaterialKind) -> Value {
     json!({
-        "name": kind.name, "doc": kind.doc, "source": kind.source, "scatters": kind.bsdf.is_some(),
+        "name": kind.name, "doc": kind.doc, "source": kind.source, "scatters": kind.bsdf.is_some() && kind.has_surface,
         "params": all(kind.params, material_param),
     })
 }

@@ -211,7 +211,7 @@ fn settings_out_of_range_are_refused_with_a_message() {
         Settings { size: [0, 10], ..good.clone() },
         Settings { size: [10, 20_000], ..good.clone() },
         Settings { samples: 0, ..good.clone() },
-        Settings { bounces: 65, ..good.clone() },
+        Settings { bounces: 1001, ..good.clone() },
         Settings { first_sample: u32::MAX, ..good.clone() },
         Settings { camera: 1, ..good },
     ];

@@ -14,6 +14,7 @@ mod light;
 mod live;
 mod long_paths;
 mod many_lights;
+mod media;
 mod mesh_file;
 mod mesh_materials;
 mod meshes;
@@ -44,6 +45,7 @@ fn main() {
         many_lights::tests(),
         long_paths::tests(),
         shape_grids::tests(),
+        media::tests(),
         mesh_file::tests(),
         mesh_materials::tests(),
         meshes::tests(),

@@ -10,7 +10,7 @@ use pathmarch_testing::{plain, tests};
 
 /// References: name, number of samples at which our noise is well below the limits, and limit of the relative difference of a
 /// block of 16 by 16 pixels.
-const REFERENCES: [(&str, u32, f32); 17] = [
+const REFERENCES: [(&str, u32, f32); 21] = [
     ("furnace_050", 256, 0.005),
     ("diffuse_sphere_plane", 256, 0.01),
     ("diffuse_sphere_plane_area", 256, 0.01),
@@ -30,6 +30,11 @@ const REFERENCES: [(&str, u32, f32); 17] = [
     ("principled", 512, 0.03),
     ("lens", 256, 0.02),
     ("box_light", 512, 0.02),
+    // A point light in fog: rare paths that come close to it are bright, in both renderers.
+    ("fog_point", 2048, 0.03),
+    ("fog_area", 2048, 0.03),
+    ("subsurface", 512, 0.02),
+    ("smoke", 512, 0.03),
 ];
 
 fn pictures_agree_with_mitsuba() {
@@ -48,7 +53,8 @@ fn pictures_agree_with_mitsuba() {
             worst * 100.0
         );
         println!("{line}");
-        if result.relmse > 2e-3 || worst > limit {
+        let noise = if name == "fog_point" { 1.2e-2 } else { 2e-3 };
+        if result.relmse > noise || worst > limit {
             wrong.push(line);
         }
     }

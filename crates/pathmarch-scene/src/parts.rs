@@ -8,6 +8,7 @@
 use crate::language::{MAX_NESTING, MAX_SHAPES};
 use crate::light::Light;
 use crate::materials::{self, Material, MaterialKind};
+use crate::medium::Medium;
 use crate::scene::{Camera, Moment, Object, Scene};
 use crate::settings::{RENDER, RenderSettings, Setting};
 use crate::sky::Sky;
@@ -34,6 +35,8 @@ pub struct SceneParts {
     pub render: RenderSettings,
     /// Radiance of the surroundings.
     pub sky: Sky,
+    /// Medium between the objects.
+    pub fog: Medium,
     /// Suns and points. The direction of a sun may have any length but zero.
     pub lights: Vec<Light>,
     /// Materials; the tag of a shape is an index into these.
@@ -131,7 +134,7 @@ impl Scene {
     /// # Errors
     /// For whatever a text would be refused for: numbers out of range, names twice, materials that are not there.
     pub fn from_parts(parts: SceneParts) -> Result<Self, PartsError> {
-        let SceneParts { mut cameras, render, sky, mut lights, materials, objects } = parts;
+        let SceneParts { mut cameras, render, sky, fog, mut lights, materials, objects } = parts;
         if cameras.is_empty() {
             return refuse("a scene needs a camera");
         }
@@ -141,6 +144,7 @@ impl Scene {
         cameras.iter_mut().try_for_each(check_camera)?;
         check_render(&render)?;
         check_sky(&sky)?;
+        check_fog(&fog)?;
         lights.iter_mut().try_for_each(check_light)?;
         materials.iter().try_for_each(check_material)?;
         let mut shapes = 0;
@@ -157,6 +161,7 @@ impl Scene {
             cameras,
             render,
             sky,
+            fog,
             lights,
             materials,
             objects,
@@ -239,6 +244,16 @@ fn check_sky(sky: &Sky) -> Result<(), PartsError> {
         Sky::Map(_) => true,
     };
     if sound { Ok(()) } else { refuse("sky: radiance must be 0 or more, and finite") }
+}
+
+fn check_fog(fog: &Medium) -> Result<(), PartsError> {
+    if ![fog.absorption, fog.scattering, fog.emission].iter().all(is_radiance) {
+        return refuse("fog: coefficients must be 0 or more, and finite");
+    }
+    if !(fog.anisotropy > -1.0 && fog.anisotropy < 1.0) {
+        return refuse("fog: anisotropy must be above -1 and below 1");
+    }
+    Ok(())
 }
 
 fn check_light(light: &mut Light) -> Result<(), PartsError> {

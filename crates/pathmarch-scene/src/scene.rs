@@ -4,6 +4,7 @@
 use crate::diagnostic::Mistake;
 use crate::light::Light;
 use crate::materials::Material;
+use crate::medium::Medium;
 use crate::settings::RenderSettings;
 use crate::sky::Sky;
 use pathmarch_field::{Field, Node};
@@ -53,6 +54,8 @@ pub struct Scene {
     pub render: RenderSettings,
     /// Radiance of the surroundings.
     pub sky: Sky,
+    /// Medium between the objects.
+    pub fog: Medium,
     /// Lights that are not objects, in the order of the file; the sun of a `sky "day"` is last.
     pub lights: Vec<Light>,
     /// Materials in the order of the file; the default material is last, if an object needs it.

@@ -7,6 +7,7 @@ mod formulas;
 mod include;
 mod language_service;
 mod materials;
+mod media;
 mod meshes;
 mod mistakes;
 mod random;

@@ -40,7 +40,7 @@ fn variants(roughnesses: &[f32]) -> Vec<Variant> {
 fn values(kind: &MaterialKind, roughness: f32, mix: usize) -> Vec<[f32; 3]> {
     let mut fraction = 0;
     let mut value = |param: &pathmarch_scene::materials::MaterialParam| match (param.name(), param.kind) {
-        ("absorb", _) => [0.0; 3],
+        ("absorb" | "scatter" | "scattering" | "anisotropy" | "glow", _) => [0.0; 3],
         ("multiscatter", _) => [f32::from(mix == 1), 0.0, 0.0],
         (_, ParamKind::Colour) => [1.0; 3],
         ("roughness" | "coat-roughness", _) => [roughness, 0.0, 0.0],

@@ -54,7 +54,7 @@ file!(no_camera, "pathmarch 1\nsky 1");
 
 body!(
     words_of_other_programs,
-    "fog { density 1 }
+    "smoke { density 1 }
 spot { at 0 1 0 }
 material \"lamp\" { emit 4; roughness 0.2 }
 material \"clay\" { diffuse 0.4; coat 1; sheen 1 }

@@ -553,7 +553,7 @@ const NUMBERS: &[(&[&str], &str, &str)] = &[
     (&["render", "a.kdl"], "--samples", "must be a whole number from 1 to 1000000"),
     (&["render", "a.kdl"], "--seed", "must be a whole number from 0 to 4294967295"),
     (&["render", "a.kdl"], "--first-sample", "must be a whole number from 0 to 2000000000"),
-    (&["render", "a.kdl"], "--bounces", "must be a whole number from 0 to 64"),
+    (&["render", "a.kdl"], "--bounces", "must be a whole number from 0 to 1000"),
     (&["render", "a.kdl"], "--splitting", "must be a whole number from 1 to 8"),
     (&["render", "a.kdl"], "--seconds", "must be a number of seconds above 0, at most 86400"),
     (&["render", "a.kdl"], "--time", "must be a number of seconds from 0 to 1000000000"),

@@ -268,6 +268,7 @@ def _file_nodes() -> Iterator[Function]:
     docs = {
         "camera": "Camera; the first one of a scene is the default.",
         "render": "Size and quality of the picture.",
+        "fog": "Medium between the objects, which scatters, absorbs and emits light.",
         "sun": "Light from far away.",
         "point": "Light from a point, the same in every direction.",
     }

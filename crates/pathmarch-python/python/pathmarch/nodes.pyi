@@ -65,6 +65,7 @@ __all__ = [
     "glass",
     "principled",
     "emit",
+    "medium",
     "fbm",
     "marble",
     "wood",
@@ -77,6 +78,7 @@ __all__ = [
     "orbit_trap",
     "camera",
     "render",
+    "fog",
     "sun",
     "point",
     "sky",
@@ -635,6 +637,9 @@ def glass(
     roughness: Union[_Number, Node] = 0,
     absorb: _Colour = 0,
     abbe: _Number = 0,
+    scatter: _Colour = 0,
+    anisotropy: _Number = 0,
+    glow: _Colour = 0,
     orbit_trap: Optional[Node] = None,
     bump: Optional[Node] = None,
 ) -> Node:
@@ -652,6 +657,9 @@ def principled(
     transmission: Union[_Number, Node] = 0,
     absorb: _Colour = 0,
     emission: _Colour = 0,
+    scatter: _Colour = 0,
+    anisotropy: _Number = 0,
+    glow: _Colour = 0,
     orbit_trap: Optional[Node] = None,
     bump: Optional[Node] = None,
 ) -> Node:
@@ -662,6 +670,16 @@ def emit(
     radiance: _Colour = 1,
 ) -> Node:
     """Lamp: the same radiance in every outward direction; reflects nothing."""
+
+def medium(
+    name: str,
+    scattering: _Colour = 1,
+    *,
+    absorb: _Colour = 0,
+    anisotropy: _Number = 0,
+    glow: _Colour = 0,
+) -> Node:
+    """Smoke, mist or a flame: scatters and absorbs inside, without a surface."""
 
 def fbm(
     size: _Number = 0.2,
@@ -845,6 +863,15 @@ def render(
     shutter: _Number = 0,
 ) -> Node:
     """Size and quality of the picture."""
+
+def fog(
+    *,
+    scatter: _Colour = 0,
+    absorb: _Colour = 0,
+    anisotropy: _Number = 0,
+    glow: _Colour = 0,
+) -> Node:
+    """Medium between the objects, which scatters, absorbs and emits light."""
 
 def sun(
     *,

@@ -154,6 +154,11 @@ impl GuideRecorder {
         Self { camera_rays, guides, states }
     }
 
+    /// Ends the recording of the path in a slot.
+    pub(crate) fn end(&mut self, slot: usize) {
+        self.states[slot] = State::Done;
+    }
+
     /// Records the surface that the path in a slot has reached with this throughput.
     pub(crate) fn record(
         &mut self,

@@ -35,6 +35,16 @@ fn begin_guide(camera: Ray) {
     guide.is_glossy = false;
 }
 
+/// Reports whether the recorder waits for a surface.
+fn guide_waits() -> bool {
+    return guide_state != GUIDE_DONE;
+}
+
+/// Ends the recording of a path.
+fn end_guide() {
+    guide_state = GUIDE_DONE;
+}
+
 /// Records the surface that a path has reached with this throughput and length; `colour` is its base colour.
 fn record_guide(
     interaction: SurfaceInteraction,

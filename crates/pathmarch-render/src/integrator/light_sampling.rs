@@ -40,8 +40,8 @@ pub(crate) struct LightSample {
 }
 
 /// Light with the probability of choosing it at a point.
-struct ChosenLight<'a> {
-    shape: &'a LightShape,
+pub(super) struct ChosenLight<'a> {
+    pub(super) shape: &'a LightShape,
     pmf: f32,
     /// One over `pmf`.
     inverse_pmf: f32,
@@ -49,7 +49,12 @@ struct ChosenLight<'a> {
 
 /// Chooses a light for a point with a uniform number. `normal` is the unit normal of a surface that is lit on this side only;
 /// `None` for surfaces that transmit and for points in a medium. Returns `None` if no light contributes.
-fn choose_light<'a>(ctx: &TraceContext<'a>, p: Vec3, normal: Option<Vec3>, mut choice: f32) -> Option<ChosenLight<'a>> {
+pub(super) fn choose_light<'a>(
+    ctx: &TraceContext<'a>,
+    p: Vec3,
+    normal: Option<Vec3>,
+    mut choice: f32,
+) -> Option<ChosenLight<'a>> {
     let lights = &ctx.scene.lights;
     let mut in_table = lights.len();
     if let Some(tree) = &ctx.scene.light_tree {
@@ -87,7 +92,16 @@ pub(crate) fn sample_light(
     choice: f32,
     position: [f32; 2],
 ) -> Option<LightSample> {
-    let light = choose_light(ctx, p, normal, choice)?;
+    sample_direction(ctx, &choose_light(ctx, p, normal, choice)?, p, position)
+}
+
+/// Samples a direction from `p` to a chosen light.
+pub(super) fn sample_direction(
+    ctx: &TraceContext,
+    light: &ChosenLight,
+    p: Vec3,
+    position: [f32; 2],
+) -> Option<LightSample> {
     let sample = |direction, distance, irradiance, pdf, target| {
         let penumbra = light.shape.penumbra();
         Some(LightSample { direction, distance, irradiance, pdf: pdf * light.pmf, target, penumbra, weight: 1.0 })

@@ -23,7 +23,11 @@ const NO_TARGET = 0xffffffffu;
 /// Samples a light with the uniform number `choice`, and a direction from `p` to it with those of `position`. `normal` is the unit
 /// normal of a surface that is lit on this side only, or zero. The scene must have a light.
 fn sample_light(p: vec3f, normal: vec3f, choice: f32, position: vec2f) -> LightSample {
-    let light = chosen_light(p, normal, choice);
+    return sample_direction(chosen_light(p, normal, choice), p, position);
+}
+
+/// Samples a direction from `p` to a chosen light.
+fn sample_direction(light: Light, p: vec3f, position: vec2f) -> LightSample {
     let emission = light.emission * light.inverse_pmf;
     let offset = light.position - p;
     let square = dot(offset, offset);

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 shared_constants! {
     /// Length of an escaping ray for absorption, metres.
-    const UNBOUNDED_LENGTH: f32 = 1e9;
+    pub(super) const UNBOUNDED_LENGTH: f32 = 1e9;
 }
 
 /// Transmittance of a medium over a length in metres; `medium` is the absorption coefficient, per metre.

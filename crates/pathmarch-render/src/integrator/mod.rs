@@ -7,9 +7,12 @@
 pub(crate) mod camera;
 pub(crate) mod guides;
 pub(crate) mod light_sampling;
+pub(crate) mod media_segment;
 pub(crate) mod medium;
 pub(crate) mod moments;
+pub(crate) mod participating_media;
 pub(crate) mod path;
+pub(crate) mod path_state;
 pub(crate) mod shadow;
 pub(crate) mod splitting;
 pub(crate) mod splitting_choice;

@@ -4,6 +4,14 @@
 /// Does nothing.
 fn begin_guide(camera: Ray) {}
 
+/// Never.
+fn guide_waits() -> bool {
+    return false;
+}
+
+/// Does nothing.
+fn end_guide() {}
+
 /// Does nothing.
 fn record_guide(
     interaction: SurfaceInteraction,

@@ -22,7 +22,10 @@
 use super::camera::{camera_rays, pixel_sampler};
 use super::guides::{Guide, GuideRecorder};
 use super::light_sampling;
-use super::medium::{medium_beyond, transmittance};
+use super::media_segment::{self, Vertex};
+use super::medium::transmittance;
+use super::participating_media::medium_after;
+use super::path_state::{Path, clamped, escaped_radiance};
 use super::shadow::{self, ShadowTest};
 use super::splitting::camera_ray_index;
 use crate::intersect::march::march;
@@ -34,64 +37,10 @@ use crate::scene::leaf::IN_GLASS;
 use crate::scene::material::{DELTA, DISPERSES, GLOWS, TRANSMITS};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
-use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_scene::materials::dispersion;
 use std::iter::repeat_n;
-
-shared_constants! {
-    /// Survival probability of a path divided by its throughput: Russian roulette never ends a path of throughput 1/3
-    /// or more.
-    const SURVIVAL_FACTOR: f32 = 3.0;
-    /// Number of bounces without Russian roulette.
-    const ROULETTE_DEPTH: u32 = 4;
-}
-
-/// Path before its next surface.
-#[derive(Clone)]
-struct Path {
-    /// Index into the radiances of all paths.
-    slot: usize,
-    sampler: PixelSampler,
-    ray: Ray,
-    /// Point that the light at the previous surface was sampled from, in world space.
-    previous_vertex: Vec3,
-    /// Shading normal of the previous surface; `None` if it transmits, so that light arrives on both sides.
-    previous_normal: Option<Vec3>,
-    throughput: Vec3,
-    /// Length from the camera, metres.
-    length: f32,
-    /// Pdf of the ray's direction over solid angle; 0 for a delta distribution.
-    scatter_pdf: f32,
-    /// Absorption coefficient of the medium around the path, per metre.
-    medium: Vec3,
-    /// True if the path has only passed through clear glass, as shadow rays do, since it last sampled a light.
-    passed_clear_glass: bool,
-    /// Square of the refractive index around the path.
-    index_square: f32,
-    /// Wavelength, nanometres; `None` before the first surface that disperses.
-    wavelength: Option<f32>,
-}
-
-impl Path {
-    /// Wavelength; chosen now if it was not before.
-    fn disperse(&mut self, random: f32) -> f32 {
-        *self.wavelength.get_or_insert_with(|| {
-            let wavelength = dispersion::wavelength(random);
-            self.throughput *= dispersion::colour(wavelength);
-            wavelength
-        })
-    }
-}
-
-/// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
-fn clamped(ctx: &TraceContext, contribution: Vec3, bounces: u32) -> Vec3 {
-    if bounces == 0 {
-        return contribution;
-    }
-    contribution * (ctx.frame.clamp / contribution.max_element().max(ctx.frame.clamp))
-}
 
 /// Radiance of `samples` samples of each of these pixels from sample `first` on, pixel by pixel. More than one sample
 /// only if they share a camera ray.
@@ -103,7 +52,7 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
         return radiance_along(ctx, rays);
     }
     let (mut paths, mut radiance) = start_paths(ctx, rays);
-    let interactions = intersect_paths(ctx, &mut paths, 0, &mut radiance);
+    let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, None);
     let radiance = radiance.iter().flat_map(|&value| repeat_n(value, samples as usize)).collect();
     let split_paths = paths.iter().flat_map(|path| {
         (0..samples).map(|k| {
@@ -111,9 +60,8 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
             Path { slot, sampler, ..path.clone() }
         })
     });
-    let interactions =
-        interactions.into_iter().flat_map(|interaction| repeat_n(interaction, samples as usize)).collect();
-    continue_paths(ctx, split_paths.collect(), interactions, radiance, None)
+    let vertices = vertices.into_iter().flat_map(|vertex| repeat_n(vertex, samples as usize)).collect();
+    continue_paths(ctx, split_paths.collect(), vertices, radiance, None)
 }
 
 /// Radiance of one sample of each of these pixels, which do not share camera rays, and their guides.
@@ -122,16 +70,16 @@ pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sampl
     let rays = camera_rays(ctx.frame, pixels, &samplers);
     let mut recorder = GuideRecorder::new(ctx, rays.clone());
     let (mut paths, mut radiance) = start_paths(ctx, rays.into_iter().zip(samplers));
-    let interactions = intersect_paths(ctx, &mut paths, 0, &mut radiance);
-    let radiance = continue_paths(ctx, paths, interactions, radiance, Some(&mut recorder));
+    let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, Some(&mut recorder));
+    let radiance = continue_paths(ctx, paths, vertices, radiance, Some(&mut recorder));
     (radiance, recorder.into_guides())
 }
 
 /// Radiance along each of these rays. They must start in the medium around the camera.
 pub(crate) fn radiance_along(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> Vec<Vec3> {
     let (mut paths, mut radiance) = start_paths(ctx, rays);
-    let interactions = intersect_paths(ctx, &mut paths, 0, &mut radiance);
-    continue_paths(ctx, paths, interactions, radiance, None)
+    let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, None);
+    continue_paths(ctx, paths, vertices, radiance, None)
 }
 
 /// Starts a path with each of these rays. Returns the paths and the radiance of each so far.
@@ -147,7 +95,7 @@ fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler
             throughput: Vec3::ONE,
             length: 0.0,
             scatter_pdf: 0.0,
-            medium: Vec3::from(ctx.frame.medium),
+            medium: ctx.frame.camera_medium(),
             passed_clear_glass: false,
             index_square: 1.0,
             wavelength: None,
@@ -157,12 +105,12 @@ fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler
     (paths, radiance)
 }
 
-/// Continues paths from their current surface interactions to their ends. Returns the radiance of all, and records guides
+/// Continues paths from their current vertices to their ends. Returns the radiance of all, and records guides
 /// if a recorder is given.
 fn continue_paths(
     ctx: &TraceContext,
     mut paths: Vec<Path>,
-    mut interactions: Vec<SurfaceInteraction>,
+    mut vertices: Vec<Vertex>,
     mut radiance: Vec<Vec3>,
     mut recorder: Option<&mut GuideRecorder>,
 ) -> Vec<Vec3> {
@@ -171,21 +119,30 @@ fn continue_paths(
             break;
         }
         if let Some(recorder) = &mut recorder {
-            for (path, interaction) in paths.iter().zip(&interactions) {
+            for (path, vertex) in paths.iter().zip(&vertices) {
+                let Vertex::Surface(interaction) = vertex else { continue };
                 recorder.record(ctx, path.slot, path.throughput, interaction, surface_index);
             }
         }
         let mut shadow_tests = Vec::with_capacity(paths.len());
-        let mut shading_inputs = interactions.iter().zip(surface_samples(ctx, &paths, surface_index));
+        let mut shading_inputs = vertices.iter().zip(surface_samples(ctx, &paths, surface_index));
         paths.retain_mut(|path| {
-            shading_inputs.next().is_some_and(|(interaction, samples)| {
-                shade(ctx, path, interaction, &samples, surface_index, &mut radiance, &mut shadow_tests).is_some()
+            shading_inputs.next().is_some_and(|(vertex, samples)| {
+                let next_ray = match vertex {
+                    Vertex::Surface(interaction) => {
+                        shade(ctx, path, interaction, &samples, surface_index, &mut radiance, &mut shadow_tests)
+                    }
+                    Vertex::Medium => {
+                        media_segment::scatter(ctx, path, surface_index, samples.scatter, samples.choice[1])
+                    }
+                };
+                next_ray.is_some()
             })
         });
         for (slot, direct_light) in shadow::direct_light(ctx, shadow_tests, surface_index) {
             radiance[slot] += clamped(ctx, direct_light, surface_index);
         }
-        interactions = intersect_paths(ctx, &mut paths, surface_index + 1, &mut radiance);
+        vertices = intersect_paths(ctx, &mut paths, surface_index + 1, &mut radiance, recorder.as_deref_mut());
     }
     radiance
 }
@@ -230,13 +187,17 @@ fn surface_samples(
 }
 
 /// Intersects the rays of paths. Removes paths without a hit and adds the radiance of the sky to them. Returns the
-/// interactions of the others.
+/// vertices of the others.
 fn intersect_paths(
     ctx: &TraceContext,
     paths: &mut Vec<Path>,
     surface_index: u32,
     radiance: &mut [Vec3],
-) -> Vec<SurfaceInteraction> {
+    recorder: Option<&mut GuideRecorder>,
+) -> Vec<Vertex> {
+    if ctx.config.media {
+        return media_segment::follow(ctx, paths, surface_index, radiance, recorder);
+    }
     let segment_of = |path: &Path| RaySegment { ray: path.ray, path_length: path.length, limit: f32::INFINITY };
     let segments: Vec<RaySegment> = paths.iter().map(segment_of).collect();
     let hits = march(ctx, &segments);
@@ -245,7 +206,7 @@ fn intersect_paths(
     paths.retain_mut(|path| {
         let end = results.next().and_then(|(segment, hit)| Some((segment, hit?)));
         if ctx.config.absorption {
-            path.throughput *= transmittance(path.medium, end.map_or(f32::INFINITY, |(_, hit)| hit.t));
+            path.throughput *= transmittance(path.medium.absorption, end.map_or(f32::INFINITY, |(_, hit)| hit.t));
         }
         if let Some((_, hit)) = end {
             path.length += hit.t;
@@ -259,21 +220,8 @@ fn intersect_paths(
         end.is_some()
     });
     let seed = |k: usize| paths[k].sampler.unstratified_seed(surface_index);
-    surface_interactions(ctx, &segment_hits, |k, blend| f32::choice(seed(k), blend))
-}
-
-/// Radiance of the sky and the suns for an escaping path, times its MIS weight.
-fn escaped_radiance(ctx: &TraceContext, path: &Path) -> Vec3 {
-    let (sky, direction) = (&ctx.scene.sky, path.ray.direction);
-    if path.passed_clear_glass {
-        // Shadow rays have already contributed suns and a sampled sky.
-        return match sky.radiance(direction) {
-            (radiance, None) => radiance,
-            _ => Vec3::ZERO,
-        };
-    }
-    light_sampling::sky_radiance(sky, ctx.config.direct_lighting, direction, path.scatter_pdf)
-        + light_sampling::sun_radiance(ctx, direction, path.scatter_pdf)
+    let interactions = surface_interactions(ctx, &segment_hits, |k, blend| f32::choice(seed(k), blend));
+    interactions.into_iter().map(Vertex::Surface).collect()
 }
 
 /// Contribution of light that a surface emits towards a path.
@@ -352,7 +300,7 @@ fn shade(
     // The normal of a rough field may point away from the ray: then its mirrored direction replaces it.
     let wo = wo_unclamped.with_z(wo_unclamped.z.abs().max(1e-5));
     let transmits = material.has(TRANSMITS);
-    let medium_beyond_surface = medium_beyond(path.medium, Vec3::from(material.absorption), inside);
+    let medium_beyond_surface = medium_after(ctx, &path.medium, leaf.material, inside);
     let [light_choice, roulette] = samples.choice;
     if !material.has(DELTA) {
         path.previous_vertex = if transmits { p } else { p + normal_offset };
@@ -389,12 +337,8 @@ fn shade(
     }
     path.throughput *= scattered.weight;
     path.index_square *= scattered.eta * scattered.eta;
-    if surface_index > ROULETTE_DEPTH {
-        let survival_probability = (SURVIVAL_FACTOR * path.throughput.max_element() * path.index_square).min(1.0);
-        if roulette >= survival_probability {
-            return None;
-        }
-        path.throughput /= survival_probability;
+    if !path.survives(surface_index, roulette) {
+        return None;
     }
     let is_transmission = scattered.wi.z < 0.0;
     let straight_transmission =

@@ -1,5 +1,5 @@
 // import: film_value, guides, integrator/camera, integrator/light_sampling, integrator/shadow, integrator/sky
-// import: sampler, sampling/basis, shading/shading_normal, shading/surface_interaction, textures
+// import: media, path_segment, sampler, sampling/basis, shading/shading_normal, shading/surface_interaction, textures
 // Path tracing. Twin of path.rs, which explains it.
 
 /// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
@@ -24,8 +24,8 @@ struct Path {
     length: f32,
     /// Pdf of the ray's direction over solid angle; 0 for a delta distribution.
     scatter_pdf: f32,
-    /// Absorption coefficient of the medium around the path, per metre.
-    medium: vec3f,
+    /// Medium around the path.
+    medium: Medium,
     /// True if the path has only passed through clear glass, as shadow rays do, since it last sampled a light.
     passed_clear_glass: bool,
     /// Square of the refractive index around the path.
@@ -36,6 +36,8 @@ struct Path {
     surfaces: u32,
     hit: Hit,
     surface_at_hit: Surface,
+    /// True at a scattering event in a medium.
+    is_in_medium: bool,
 }
 
 /// Path that starts with a camera ray.
@@ -45,7 +47,7 @@ fn path_from(camera: Ray, sampler: PixelSampler) -> Path {
     path.sampler = sampler;
     path.previous_vertex = camera.origin;
     path.throughput = vec3f(1.0);
-    path.medium = frame.medium;
+    path.medium = camera_medium();
     path.index_square = 1.0;
     return path;
 }
@@ -72,24 +74,22 @@ fn add_emission(path: ptr<function, Path>, interaction: SurfaceInteraction, emis
     (*path).radiance += clamped((*path).throughput * emission * weight, max((*path).surfaces, 1u) - 1u);
 }
 
-/// Intersects the ray of a path and adds emitted light, or that of the sky. Returns false if the path ends.
-fn path_intersect(path: ptr<function, Path>) -> bool {
+/// Adds light of the sky and the suns to a path that hits nothing.
+fn add_escaped_radiance(path: ptr<function, Path>) {
     // Light that a ray hits counts as direct light of the previous surface.
     let bounces = max((*path).surfaces, 1u) - 1u;
+    let direction = (*path).ray.direction;
+    if !(FAST_CAUSTICS && (*path).passed_clear_glass) {
+        let escaped_radiance = sky_radiance(direction, (*path).scatter_pdf) + sun_radiance(direction, (*path).scatter_pdf);
+        (*path).radiance += clamped((*path).throughput * escaped_radiance, bounces);
+    } else {
+        (*path).radiance += clamped((*path).throughput * unsampled_sky_radiance(direction), bounces);
+    }
+}
+
+/// Moves a path to its hit and adds light that the surface emits. Returns false if the path ends.
+fn arrive(path: ptr<function, Path>, hit: Hit) -> bool {
     let ray = (*path).ray;
-    let hit = march(ray, (*path).length, AT_INFINITY);
-    if ABSORPTION {
-        (*path).throughput *= transmittance((*path).medium, select(hit.t, UNBOUNDED_LENGTH, hit.t < 0.0));
-    }
-    if hit.t < 0.0 {
-        if !(FAST_CAUSTICS && (*path).passed_clear_glass) {
-            let escaped_radiance = sky_radiance(ray.direction, (*path).scatter_pdf) + sun_radiance(ray.direction, (*path).scatter_pdf);
-            (*path).radiance += clamped((*path).throughput * escaped_radiance, bounces);
-        } else {
-            (*path).radiance += clamped((*path).throughput * unsampled_sky_radiance(ray.direction), bounces);
-        }
-        return false;
-    }
     (*path).length += hit.t;
     let hit_point = ray.origin + ray.direction * hit.t;
     (*path).ray.origin = hit_point;
@@ -115,8 +115,23 @@ fn disperse(path: ptr<function, Path>, random: f32) {
     wavelength_offset = index_offset((*path).wavelength);
 }
 
+/// Russian roulette with a random number. Returns false if the path ends.
+fn survives(path: ptr<function, Path>, random: f32) -> bool {
+    if (*path).surfaces > ROULETTE_DEPTH {
+        let survival_probability = min(SURVIVAL_FACTOR * largest((*path).throughput) * (*path).index_square, 1.0);
+        if random >= survival_probability {
+            return false;
+        }
+        (*path).throughput /= survival_probability;
+    }
+    return true;
+}
+
 /// Samples a light at the surface of a path, and the next ray. Returns false if the path ends.
 fn path_scatter(path: ptr<function, Path>) -> bool {
+    if PARTICIPATING_MEDIA && (*path).is_in_medium {
+        return scatter_in_medium(path);
+    }
     let surface_index = (*path).surfaces;
     let incoming = (*path).ray.direction;
     let interaction = resolve_surface((*path).ray.origin, incoming, (*path).hit, (*path).surface_at_hit);
@@ -137,7 +152,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     // The normal of a rough field may point away from the ray: then its mirrored direction replaces it.
     let wo = vec3f(wo_unclamped.xy, max(abs(wo_unclamped.z), 1e-5));
     let transmits = TRANSMISSION && (flags & TRANSMITS) != 0u;
-    let medium_beyond_surface = medium_beyond((*path).medium, materials[m].absorption, interaction.inside);
+    let medium_beyond_surface = medium_after((*path).medium, m, interaction.inside);
     let pair = PAIR_SURFACE + PAIRS_PER_SURFACE * surface_index;
     let choice = sample_2d((*path).sampler, pair + PAIR_CHOICE);
     if DISPERSION && (flags & DISPERSES) != 0u {
@@ -159,7 +174,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
                     (*path).length,
                     light,
                     evaluated.w,
-                    select((*path).medium, medium_beyond_surface, is_transmission),
+                    chosen_medium((*path).medium, medium_beyond_surface, is_transmission),
                     unstratified_seed((*path).sampler, surface_index),
                 );
                 (*path).radiance +=
@@ -183,12 +198,8 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     if TRANSMISSION {
         (*path).index_square *= scattered.eta * scattered.eta;
     }
-    if surface_index > ROULETTE_DEPTH {
-        let survival_probability = min(SURVIVAL_FACTOR * largest((*path).throughput) * (*path).index_square, 1.0);
-        if choice.y >= survival_probability {
-            return false;
-        }
-        (*path).throughput /= survival_probability;
+    if !survives(path, choice.y) {
+        return false;
     }
     let is_transmission = TRANSMISSION && scattered.wi.z < 0.0;
     (*path).ray = Ray(spawn_origin(interaction, is_transmission), direction);

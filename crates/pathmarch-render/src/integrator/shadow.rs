@@ -9,13 +9,13 @@
 //! solid.
 
 use super::light_sampling::{self, LightSample};
-use super::medium::{medium_beyond, transmittance};
+use super::participating_media::{medium_after, transmittance_in};
 use crate::intersect::march::{MAX_STEPS, march, tolerance};
 use crate::intersect::ray::{Hit, Ray, RaySegment};
 use crate::sampling::sobol::PixelSampler;
-use crate::scene::TraceContext;
 use crate::scene::leaf::IN_GLASS;
-use crate::scene::material::{CLEAR, straight_transmittance};
+use crate::scene::material::{BOUNDARY, CLEAR, straight_transmittance};
+use crate::scene::{KernelConfig, Medium, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::TexturedPoint;
 use crate::wgsl::shared_constants;
@@ -26,6 +26,8 @@ use pathmarch_field::number::Vec3 as FieldVec3;
 shared_constants! {
     /// Largest number of clear surfaces that a shadow ray passes through.
     const MAX_CLEAR_SURFACES: u32 = 8;
+    /// Largest number of boundaries of media between two scattering events.
+    pub(super) const MAX_CROSSINGS: u32 = 256;
 }
 
 /// Light sample of a path whose visibility is to be tested.
@@ -40,8 +42,8 @@ pub(super) struct ShadowTest {
     pub(super) ray: Ray,
     /// Length of the path before the shadow ray, metres.
     pub(super) path_length: f32,
-    /// Absorption coefficient around the ray, per metre.
-    pub(super) medium: Vec3,
+    /// Media of the solids around the ray.
+    pub(super) medium: Medium,
     /// Random numbers of the path.
     pub(super) sampler: PixelSampler,
 }
@@ -56,7 +58,7 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
             let LightSample { distance, penumbra, .. } = test.light;
             if penumbra > 0.0 {
                 let visibility = near_misses(ctx, test.ray, distance, penumbra);
-                let attenuation = transmittance(test.medium, distance);
+                let attenuation = transmittance_in(ctx, &test.medium, distance);
                 direct_light.push((test.slot, test.radiance * attenuation * visibility));
             }
             penumbra <= 0.0
@@ -66,7 +68,12 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
         let (light_pdf, scatter_pdf) = (test.light.pdf, test.scatter_pdf);
         test.light.weight = light_sampling::sample_weight(ctx.config.direct_lighting, light_pdf, scatter_pdf);
     }
-    for _ in 0..=(if ctx.config.fast_caustics { MAX_CLEAR_SURFACES } else { 0 }) {
+    let passed_surfaces = match ctx.config {
+        KernelConfig { boundaries: true, .. } => MAX_CROSSINGS,
+        KernelConfig { fast_caustics: true, .. } => MAX_CLEAR_SURFACES,
+        _ => 0,
+    };
+    for _ in 0..=passed_surfaces {
         if pending.is_empty() {
             break;
         }
@@ -77,7 +84,7 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
         if ctx.config.absorption {
             for (test, occluder) in pending.iter_mut().zip(&hits) {
                 let length = occluder.map_or(test.light.distance, |hit| hit.t);
-                test.radiance *= transmittance(test.medium, length);
+                test.radiance *= transmittance_in(ctx, &test.medium, length);
             }
         }
         let mut occluders = Vec::new();
@@ -88,7 +95,7 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
             if occluder.is_none() && !has_target {
                 direct_light.push((test.slot, test.radiance * test.light.weight));
             }
-            let may_continue = has_target || ctx.config.fast_caustics;
+            let may_continue = has_target || passed_surfaces > 0;
             occluders.extend(occluder.filter(|_| may_continue));
             occluder.is_some() && may_continue
         });
@@ -98,7 +105,7 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
         pending.retain_mut(|test| {
             interactions.next().is_some_and(|((_, Hit { t, .. }), occluder)| {
                 if test.light.target != Some(occluder.leaf as u32) {
-                    return pass_clear_glass(ctx, test, t, &occluder);
+                    return pass_through(ctx, test, t, &occluder);
                 }
                 // From inside glass, only BSDF sampling contributes the light.
                 let from_glass = occluder.inside && ctx.scene.leaves[occluder.leaf].has(IN_GLASS);
@@ -112,11 +119,17 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
     direct_light
 }
 
-/// Continues a shadow ray through an occluder at distance `t` if it is clear glass, and attenuates its light. Returns
-/// false if the occluder blocks the ray.
-fn pass_clear_glass(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder: &SurfaceInteraction) -> bool {
+/// Continues a shadow ray through an occluder at distance `t` if it is the boundary of a medium or, for fast caustics, clear
+/// glass, which attenuates its light. Returns false if the occluder blocks the ray.
+fn pass_through(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder: &SurfaceInteraction) -> bool {
     let leaf = &ctx.scene.leaves[occluder.leaf];
     let material = &ctx.scene.materials[leaf.material as usize];
+    if material.has(BOUNDARY) {
+        test.medium = medium_after(ctx, &test.medium, leaf.material, occluder.inside);
+        test.ray.origin = occluder.p - occluder.normal_offset;
+        test.light.distance -= t;
+        return true;
+    }
     if !ctx.config.fast_caustics || material.flags & CLEAR != CLEAR {
         return false;
     }
@@ -124,7 +137,7 @@ fn pass_clear_glass(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder:
     let textured = TexturedPoint::new(ctx, occluder, test.path_length);
     let parameters = textured.map_or(material.parameters, |textured| textured.parameters(&material.parameters));
     test.radiance *= straight_transmittance(&parameters, cosine.min(1.0));
-    test.medium = medium_beyond(test.medium, Vec3::from(material.absorption), occluder.inside);
+    test.medium = medium_after(ctx, &test.medium, leaf.material, occluder.inside);
     // BSDF sampling leaves out this light.
     test.light.weight = 1.0;
     test.ray.origin = occluder.p - occluder.normal_offset;

@@ -1,26 +1,26 @@
-// import: integrator/light_sampling, integrator/medium, near_misses, shading/surface_interaction, textures
+// import: integrator/light_sampling, media, near_misses, shading/surface_interaction, textures
 // Shadow tests of light samples. Twin of shadow.rs, which explains them.
 
-/// Transmittance of a shadow ray to a sampled light, times the MIS weight of the light. `first_medium` is the
-/// absorption coefficient around the origin of the ray, per metre.
-fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, scatter_pdf: f32, first_medium: vec3f, seed: u32) -> vec3f {
+/// Transmittance of a shadow ray to a sampled light, times the MIS weight of the light. `first_medium` is that
+/// around the origin of the ray.
+fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, scatter_pdf: f32, first_medium: Medium, seed: u32) -> vec3f {
     if PENUMBRA && light.penumbra > 0.0 {
-        return near_misses(first_ray, light.distance, light.penumbra) * transmittance(first_medium, light.distance);
+        return near_misses(first_ray, light.distance, light.penumbra) * transmittance_in(first_medium, light.distance);
     }
     var weight = sample_weight(light.pdf, scatter_pdf);
     var attenuation = vec3f(1.0);
     var medium = first_medium;
     var ray = first_ray;
     var limit = light.distance;
-    for (var k = 0u; k <= select(0u, MAX_CLEAR_SURFACES, FAST_CAUSTICS); k++) {
+    for (var k = 0u; k <= select(select(0u, MAX_CLEAR_SURFACES, FAST_CAUSTICS), MAX_CROSSINGS, HAS_BOUNDARIES); k++) {
         let hit = march(ray, path_length, limit);
         if ABSORPTION {
-            attenuation *= transmittance(medium, select(hit.t, limit, hit.t < 0.0));
+            attenuation *= transmittance_in(medium, select(hit.t, limit, hit.t < 0.0));
         }
         if hit.t < 0.0 {
             return select(vec3f(0.0), attenuation * weight, light.target_leaf == NO_TARGET);
         }
-        if (!HAS_BOUNDED || light.target_leaf == NO_TARGET) && !FAST_CAUSTICS {
+        if (!HAS_BOUNDED || light.target_leaf == NO_TARGET) && !FAST_CAUSTICS && !HAS_BOUNDARIES {
             return vec3f(0.0);
         }
         let occluder = surface_interaction(ray, hit, seed);
@@ -31,13 +31,19 @@ fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, sca
             return select(vec3f(0.0), attenuation * weight, emits_towards(occluder.leaf, -ray.direction) && !from_glass);
         }
         let m = leaf.material;
+        if HAS_BOUNDARIES && (materials[m].flags & BOUNDARY) != 0u {
+            medium = medium_after(medium, m, occluder.inside);
+            ray.origin = spawn_origin(occluder, true);
+            limit -= hit.t;
+            continue;
+        }
         if !FAST_CAUSTICS || (materials[m].flags & (DELTA | TRANSMITS)) != (DELTA | TRANSMITS) {
             return vec3f(0.0);
         }
         let cosine = min(abs(dot(occluder.normal, ray.direction)), 1.0);
         let colour = glass_colour(m, occluder, path_length);
         attenuation *= colour * (1.0 - fresnel(cosine, materials[m].parameters[1].x));
-        medium = medium_beyond(medium, materials[m].absorption, occluder.inside);
+        medium = medium_after(medium, m, occluder.inside);
         // BSDF sampling leaves out this light.
         weight = 1.0;
         ray.origin = spawn_origin(occluder, true);

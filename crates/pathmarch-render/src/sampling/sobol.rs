@@ -48,6 +48,21 @@ pub(crate) mod pair {
         pub(crate) const PAIR_LOBE: u32 = 3;
         /// Number of pairs of each surface.
         pub(crate) const PAIRS_PER_SURFACE: u32 = 4;
+        /// First pair of the first segment of a path in media.
+        pub(crate) const PAIR_SEGMENT: u32 = 1 << 24;
+        /// Distance to the next scattering event (x) and its channel (y). This and the following pairs are relative to the
+        /// first pair of the segment.
+        pub(crate) const PAIR_DISTANCE: u32 = 0;
+        /// Point of the segment at which light is sampled (x), and the strategy or channel for it (y).
+        pub(crate) const PAIR_POINT: u32 = 1;
+        /// Choice of the light (x).
+        pub(crate) const PAIR_SEGMENT_CHOICE: u32 = 2;
+        /// Position on the light.
+        pub(crate) const PAIR_SEGMENT_LIGHT: u32 = 3;
+        /// Number of pairs of each segment.
+        pub(crate) const PAIRS_PER_SEGMENT: u32 = 4;
+        /// Number of segments before the first one behind the next boundary of a medium.
+        pub(crate) const SEGMENTS_PER_CROSSING: u32 = 1 << 18;
     }
 }
 

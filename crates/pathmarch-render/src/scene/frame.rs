@@ -1,6 +1,7 @@
 //! Uniforms of a frame: camera, picture size and limits, shared by all rays of the picture.
 
-use super::{Extent, RenderScene, medium_at};
+use super::medium::{Medium, medium_at};
+use super::{Extent, RenderScene};
 use crate::settings::Settings;
 use crate::wgsl::shared_struct;
 use glam::Vec3;
@@ -27,7 +28,7 @@ shared_struct! {
         pub(crate) forward: [f32; 3],
         /// Rounding error of a point divided by its largest coordinate.
         pub(crate) rounding: f32,
-        /// Absorption coefficient of the medium around the camera, per metre.
+        /// Absorption coefficient of the solids around the camera, per metre.
         pub(crate) medium: [f32; 3],
         /// Safe step divided by the value of the field: the inverse of its Lipschitz constant.
         pub(crate) step_factor: f32,
@@ -74,6 +75,14 @@ shared_struct! {
         /// Probability of choosing a light of the light tree.
         pub(crate) tree_share: f32,
         pub(crate) padding: [u32; 2],
+        /// Scattering coefficient of the solids around the camera, per metre.
+        pub(crate) medium_scattering: [f32; 3],
+        /// See [`Medium::forward`](super::Medium::forward), of the same solids.
+        pub(crate) medium_forward: f32,
+        /// Radiance that the same solids emit, W/(m³ sr).
+        pub(crate) medium_emission: [f32; 3],
+        /// See [`Medium::solids`](super::Medium::solids).
+        pub(crate) medium_solids: u32,
     }
 }
 
@@ -113,6 +122,7 @@ impl FrameUniforms {
             Sky::Map(picture) => ((picture.width, picture.height), picture.rotate.rem_euclid(360.0).to_radians()),
             _ => ((0, 0), 0.0),
         };
+        let medium = medium_at(scene, camera.position);
         Self {
             position: camera.position,
             // Modes without noise use a pinhole: they have no random numbers for the lens.
@@ -123,7 +133,7 @@ impl FrameUniforms {
             tolerance,
             forward: forward.into(),
             rounding: ROUNDING,
-            medium: medium_at(scene, camera.position),
+            medium: medium.absorption.into(),
             step_factor: 1.0 / scene.field.lipschitz(),
             bounds_min: bounds.min.map(|v| with_margin(v, -margin)),
             far: FAR_RADII * (radius + position.distance(centre)),
@@ -150,6 +160,21 @@ impl FrameUniforms {
             table_lights: light_tree.as_ref().map_or(lights.len(), |tree| tree.first) as u32,
             tree_share: light_tree.as_ref().map_or(0.0, |tree| tree.share),
             padding: [0; 2],
+            medium_scattering: medium.scattering.into(),
+            medium_forward: medium.forward,
+            medium_emission: medium.emission.into(),
+            medium_solids: medium.solids,
+        }
+    }
+
+    /// Media of the solids around the camera.
+    pub(crate) fn camera_medium(&self) -> Medium {
+        Medium {
+            absorption: self.medium.into(),
+            scattering: self.medium_scattering.into(),
+            forward: self.medium_forward,
+            emission: self.medium_emission.into(),
+            solids: self.medium_solids,
         }
     }
 

@@ -3,7 +3,7 @@
 use super::RenderScene;
 use super::leaf::MESH_FIELD;
 use super::light::LightShape;
-use super::material::{DISPERSES, TRANSMITS};
+use super::material::{BOUNDARY, DISPERSES, TRANSMITS};
 use super::textured_material::TexturedMaterial;
 use crate::mode::Mode;
 use crate::settings::Settings;
@@ -19,6 +19,14 @@ pub(crate) const RELAXATION: f32 = 1.9;
 pub(crate) struct KernelConfig {
     /// Some solid absorbs.
     pub(crate) absorption: bool,
+    /// Some medium scatters or emits light, or is anywhere but in solids with a surface.
+    pub(crate) media: bool,
+    /// Some material is the boundary of a medium.
+    pub(crate) boundaries: bool,
+    /// Every object with a transmissive surface is finite.
+    pub(crate) media_are_bounded: bool,
+    /// Some light may be inside a solid that displaces the fog.
+    pub(crate) lights_in_solids: bool,
     /// Some material transmits.
     pub(crate) transmission: bool,
     /// Some BSDF takes a third random number, for the choice of its lobe.
@@ -60,8 +68,13 @@ impl KernelConfig {
         let transmits = scene.materials.iter().any(|material| material.has(TRANSMITS));
         let penumbra = |shape: &LightShape| shape.penumbra() > 0.0;
         let textured = |has: fn(&TexturedMaterial) -> bool| scene.textured_materials.iter().any(has);
+        let media = scene.media.participate();
         Self {
-            absorption: scene.materials.iter().any(|material| material.absorption != [0.0; 3]),
+            absorption: media || scene.materials.iter().any(|material| material.absorption != [0.0; 3]),
+            media,
+            boundaries: media && scene.materials.iter().any(|material| material.has(BOUNDARY)),
+            media_are_bounded: scene.has_bounded_media(),
+            lights_in_solids: media && scene.has_lights_in_solids(),
             transmission: transmits,
             chooses_lobes: scene.bsdfs.iter().flatten().any(|bsdf| bsdf.chooses_lobes),
             dispersion: scene.materials.iter().any(|material| material.has(DISPERSES)),

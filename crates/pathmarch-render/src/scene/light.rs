@@ -4,6 +4,7 @@ use super::Extent;
 use super::light_tree::{LightBounds, LightTree, NormalCone};
 use super::mesh_light::MeshLight;
 use crate::sampling::alias_table;
+use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::{Emitter, Field};
 use pathmarch_scene::{Light as SceneLight, Scene};
@@ -155,6 +156,22 @@ impl LightShape {
         }
     }
 
+    /// Centre and radius around which light that media scatter is concentrated, metres; `None` for lights at infinity.
+    #[inline]
+    pub(crate) fn extent(&self) -> Option<(Vec3, f32)> {
+        match self {
+            Self::Point(light) => Some((light.position, 0.0)),
+            Self::Sphere(light) | Self::Bounded(light) => Some((light.centre, light.radius)),
+            Self::Triangles(light) => Some((light.bounds.centre, light.bounds.radius)),
+            Self::Rect(light) | Self::Disc(light) => Some((light.centre, RADIUS_OF_AREA * light.area.sqrt())),
+            Self::Box(light) => {
+                let [x, y, z] = light.axes.map(Vec3::length_squared);
+                Some((light.centre, (x + y + z).sqrt()))
+            }
+            Self::Sun(_) | Self::Environment => None,
+        }
+    }
+
     #[inline]
     pub(crate) fn is_sun(&self) -> bool {
         matches!(self, Self::Sun(_))
@@ -218,6 +235,11 @@ impl LightShape {
             Self::Sun(_) | Self::Environment => return None,
         })
     }
+}
+
+shared_constants! {
+    /// Radius of a disc of area 1.
+    const RADIUS_OF_AREA: f32 = 0.564_189_6;
 }
 
 /// Weights of the channels of a linear Rec. 709 colour in its luminance.

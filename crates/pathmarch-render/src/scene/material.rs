@@ -12,7 +12,7 @@ shared_struct! {
     pub(crate) struct MaterialRecord as Material {
         /// Emitted radiance, W/(m² sr).
         pub(crate) emission: [f32; 3],
-        /// Flags [`EMITS`], [`DELTA`], [`TRANSMITS`], [`GLOSSY`], [`GLOWS`] and [`DISPERSES`].
+        /// Flags [`EMITS`], [`DELTA`], [`TRANSMITS`], [`GLOSSY`], [`GLOWS`], [`DISPERSES`] and [`BOUNDARY`].
         pub(crate) flags: u32,
         /// Absorption coefficient of the solid, per metre.
         pub(crate) absorption: [f32; 3],
@@ -36,6 +36,8 @@ shared_constants! {
     pub(crate) const GLOWS: u32 = 16;
     /// BSDF that depends on the wavelength.
     pub(crate) const DISPERSES: u32 = 32;
+    /// Boundary of a medium, which light passes straight and unchanged.
+    pub(crate) const BOUNDARY: u32 = 64;
 }
 
 /// Clear glass. Shadow rays of fast caustics pass through it.
@@ -58,7 +60,7 @@ impl MaterialRecord {
         }
         let glows = material.emits() || material.emission_texture.is_some();
         flags |= flag_if(GLOWS, glows && !material.is_lamp());
-        flags |= flag_if(GLOSSY, is_glossy(material));
+        flags |= flag_if(GLOSSY, is_glossy(material)) | flag_if(BOUNDARY, !material.kind.has_surface);
         Self { emission: material.emission(), flags, absorption: material.absorption(), kind: kind as u32, parameters }
     }
 

@@ -11,6 +11,7 @@ pub(crate) mod leaf;
 pub(crate) mod light;
 pub(crate) mod light_tree;
 pub(crate) mod material;
+pub(crate) mod medium;
 pub(crate) mod mesh_light;
 pub(crate) mod preview_material;
 pub(crate) mod sky;
@@ -23,6 +24,7 @@ pub(crate) use leaf::LeafRecord;
 pub(crate) use light::{Light, LightShape};
 pub(crate) use light_tree::{LightNode, LightTree};
 pub(crate) use material::MaterialRecord;
+pub(crate) use medium::{Media, Medium};
 pub(crate) use mesh_light::MeshLight;
 pub(crate) use sky::SkyLight;
 pub(crate) use textured_material::TexturedMaterial;
@@ -57,6 +59,7 @@ pub(crate) struct RenderScene {
     /// Triangles of lights that are meshes.
     pub(crate) mesh_lights: Vec<MeshLight>,
     pub(crate) sky: SkyLight,
+    pub(crate) media: Media,
 }
 
 impl RenderScene {
@@ -69,6 +72,9 @@ impl RenderScene {
     pub(crate) fn choosing_lights(scene: &Scene, camera: &Camera, by_place: bool) -> Self {
         let mut sky = SkyLight::new(scene);
         let extent = Extent::new(scene, camera);
+        let media = Media::new(scene);
+        // Media choose a light before the point that it lights.
+        let by_place = by_place && !media.participate();
         let SceneLights { lights, meshes, tree } = light::lights(scene, sky.sampled_power(), &extent, by_place);
         let environment = lights.iter().find(|light| matches!(light.shape, LightShape::Environment));
         if let Some(environment) = environment {
@@ -87,6 +93,7 @@ impl RenderScene {
             light_tree: tree,
             mesh_lights: meshes,
             sky,
+            media,
         }
     }
 
@@ -112,6 +119,32 @@ impl RenderScene {
     pub(crate) fn emits_towards(&self, leaf: usize, normal: Vec3) -> bool {
         let leaf = &self.leaves[leaf];
         !leaf.has(leaf::SHEET) || normal.dot(Vec3::from(leaf.facing)) > 0.0
+    }
+
+    /// Reports whether all objects with a transmissive surface are finite.
+    fn has_bounded_media(&self) -> bool {
+        let mut leaves = self.field.leaves().iter().zip(&self.leaves).filter(|(_, record)| record.has(leaf::IN_GLASS));
+        leaves.all(|(leaf, _)| self.field.object_bounds()[leaf.object as usize].is_finite())
+    }
+
+    /// Reports whether some light may be inside a solid with a transmissive surface, judged by their bounds.
+    fn has_lights_in_solids(&self) -> bool {
+        let mut solids = vec![false; self.field.object_bounds().len()];
+        for (leaf, record) in self.field.leaves().iter().zip(&self.leaves) {
+            solids[leaf.object as usize] |=
+                record.has(leaf::IN_GLASS) && self.media.of_materials[leaf.tag as usize].is_displaced();
+        }
+        let solids = self.field.object_bounds().iter().zip(solids).filter(|(_, is_solid)| *is_solid);
+        let bounds_of_light = |light: &Light| match (&light.shape, light.leaf()) {
+            (LightShape::Point(point), _) => Some(Aabb { min: point.position.into(), max: point.position.into() }),
+            (_, Some(leaf)) => Some(self.field.leaf_bounds(leaf as usize)),
+            _ => None,
+        };
+        let mut lights = self.lights.iter().filter_map(bounds_of_light);
+        lights.any(|light| {
+            let mut solids = solids.clone();
+            solids.any(|(solid, _)| (0..3).all(|k| light.min[k] <= solid.max[k] && light.max[k] >= solid.min[k]))
+        })
     }
 
     /// Reports whether some sphere-traced object emits and none is a fractal.
@@ -155,19 +188,4 @@ impl Extent {
 pub(crate) fn finite_bounds(scene: &Scene) -> Aabb {
     let bounds = scene.field.object_bounds().iter().filter(|bounds| bounds.is_finite());
     bounds.fold(Aabb::NOTHING, |all, bounds| all.union(*bounds))
-}
-
-/// Sum of the absorption coefficients of the solids around a point, per metre.
-fn medium_at(scene: &Scene, p: [f32; 3]) -> [f32; 3] {
-    let p = pathmarch_field::number::Vec3::new(p[0], p[1], p[2]);
-    if scene.materials.iter().all(|material| material.absorption() == [0.0; 3]) {
-        return [0.0; 3];
-    }
-    let enclosing = scene.objects.iter().enumerate().filter(|(index, _)| scene.field.contains(*index, p));
-    let absorption = enclosing.map(|(_, object)| {
-        let object_field = Field::new(std::slice::from_ref(&object.root));
-        let leaf = &object_field.leaves()[object_field.surface(p, 0).leaf as usize];
-        Vec3::from(scene.materials[leaf.tag as usize].absorption())
-    });
-    absorption.fold(Vec3::ZERO, |sum, absorption| sum + absorption).into()
 }

@@ -23,6 +23,7 @@ rectangle of half size 500. Materials:
 * `metal` of roughness 0 is `conductor` times a constant, `glass` is `dielectric` or `roughdielectric` (separable
   Smith), `principled` is `principled` (separable Smith). alpha = roughness² throughout.
 * `absorb` is a homogeneous medium of zero albedo inside the shape, rendered by `volpath`.
+* `fog` is the medium of the camera, a `medium` one inside a shape with the BSDF `null`, rendered by `volpath`.
 * `sun` is a sphere 10 km away of radiance irradiance / (pi sin²(angle/2)) + sky: the sun adds to the sky it covers.
 * A sky from a file is bilinear between texel centres ((i + 1/2)/width, (j + 1/2)/height), wraps around sideways and is
   clamped at the poles. Direction (x, y, z) has u = atan2(x, -z) / 2 pi (mod 1) and v = acos(y) / pi, v = 0 the top
@@ -214,6 +215,32 @@ def metal(f0, edge, roughness, own=False, separable=False):
     return text, {"bsdf": {**bsdf, **vectors}}
 
 
+def homogeneous(scatter, absorb, anisotropy):
+    """Text and Mitsuba's medium. Mitsuba takes an extinction as a colour up to 1 times a scale."""
+    scattering, absorption = np.array(triple(scatter)), np.array(triple(absorb))
+    extinction = scattering + absorption
+    scale = float(extinction.max())
+    medium = {
+        "type": "homogeneous",
+        "albedo": rgb([float(c) for c in scattering / extinction]),
+        "sigma_t": rgb([float(c) for c in extinction / scale]),
+        "scale": scale,
+        "phase": {"type": "hg", "g": anisotropy} if anisotropy else {"type": "isotropic"},
+    }
+    return f"absorb {colour(absorb)}; anisotropy {num(anisotropy)}", medium
+
+
+def medium(scatter, absorb, anisotropy):
+    text, inside = homogeneous(scatter, absorb, anisotropy)
+    return f"medium {colour(scatter)}; {text}", {"bsdf": {"type": "null"}, "interior": inside}
+
+
+def milky_glass(scatter, absorb, anisotropy, ior=1.5, roughness=0):
+    text, parts = glass(ior, roughness)
+    inside_text, parts["interior"] = homogeneous(scatter, absorb, anisotropy)
+    return f"{text}; scatter {colour(scatter)}; {inside_text}", parts
+
+
 def glass(ior=1.5, roughness=0, absorb=None):
     text = f"glass 1; ior {num(ior)}; roughness {num(roughness)}"
     bsdf = {"type": "dielectric", "int_ior": ior, "ext_ior": 1.0}
@@ -248,6 +275,7 @@ class Scene:
         self.position, self.target, self.fov, self.lens = position, target, fov, None
         self.lines, self.materials, self.parts, self.names = [], {}, {}, set()
         self.sky_radiance = (0, 0, 0)
+        self.camera_medium = None
 
     def comment(self, text):
         self.lines.append(f"// {text}")
@@ -256,6 +284,14 @@ class Scene:
         self.sky_radiance = triple(c)
         self.lines.append(f"sky {colour(c)}")
         self.parts["sky"] = {"type": "constant", "radiance": rgb(c)}
+
+    def fog(self, scatter, absorb, anisotropy):
+        text, self.camera_medium = homogeneous(scatter, absorb, anisotropy)
+        self.lines.append(f"fog {{ scatter {colour(scatter)}; {text} }}")
+
+    def point(self, at, intensity):
+        self.lines.append(f"point {{ at {words(at)}; intensity {colour(intensity)} }}")
+        self.parts["point"] = {"type": "point", "position": list(at), "intensity": rgb(intensity)}
 
     def sky_map(self, strength=1, rotate=0):
         properties = f" strength={num(strength)}" if strength != 1 else ""
@@ -301,7 +337,7 @@ class Scene:
         return "\n".join(head + self.lines) + "\n"
 
     def mitsuba(self):
-        media = any("interior" in part for part in self.parts.values())
+        media = self.camera_medium or any("interior" in part for part in self.parts.values())
         camera = {
             "type": "thinlens" if self.lens else "perspective",
             "fov": self.fov,
@@ -317,6 +353,8 @@ class Scene:
             },
             "sampler": {"type": "independent"},
         }
+        if self.camera_medium:
+            camera["medium"] = self.camera_medium
         if self.lens:
             camera["aperture_radius"], camera["focus_distance"] = self.lens
         integrator = {"type": "volpath" if media else "path", "max_depth": self.bounces + 2, "rr_depth": 10000}
@@ -577,6 +615,66 @@ def box_light():
     return s
 
 
+def fog_point():
+    note = "Fog of three coefficients that scatters forwards, a point light above a ball and a box."
+    s = Scene(note, 8192, position=(0, 1.6, 6), target=(0, 1, 0), fov=36, bounces=6, size=(96, 72))
+    s.fog((0.1, 0.14, 0.2), (0.02, 0.02, 0.03), 0.5)
+    s.point((0.5, 3.4, 0.3), (12, 10, 8))
+    s.material("floor", diffuse(0.5))
+    s.material("white", diffuse((0.7, 0.6, 0.5)))
+    s.object("floor", "floor", plane())
+    s.object("ball", "white", sphere(0.6, (-0.9, 0.6, 0.4)))
+    s.object("box", "white", box((0.7, 1.2, 0.7), (1.3, 0.58, -0.6), (0, 25, 0)))
+    return s
+
+
+def fog_area():
+    note = "Fog that scatters alike in all directions, a square lamp and a small ball of light."
+    s = Scene(note, 8192, position=(0, 1.6, 6), target=(0, 1, 0), fov=36, bounces=6, size=(96, 72))
+    s.fog((0.25, 0.2, 0.15), 0.03, 0)
+    s.material("floor", diffuse(0.5))
+    s.material("white", diffuse((0.7, 0.6, 0.5)))
+    s.material("lamp", emit(6))
+    s.material("bulb", emit((60, 40, 20)))
+    s.object("floor", "floor", plane())
+    s.object("ball", "white", sphere(0.6, (-0.9, 0.6, 0.4)))
+    s.object("box", "white", box((0.7, 1.2, 0.7), (1.3, 0.58, -0.6), (0, 25, 0)))
+    s.object("lamp", "lamp", rect(1.2, 1.2, (-0.6, 2.6, 0), (180, 0, 0)))
+    s.object("bulb", "bulb", sphere(0.08, (0.35, 0.9, 0.5)))
+    return s
+
+
+def subsurface():
+    note = "Light that walks inside solids: a smooth and a rough ball that scatter and absorb."
+    s = Scene(note, 8192, bounces=40, size=(96, 72))
+    s.sky((0.6, 0.65, 0.75))
+    s.material("floor", diffuse((0.55, 0.5, 0.45)))
+    s.material("skin", milky_glass((5, 4, 3), (0.05, 0.3, 0.6), 0.3, ior=1.4))
+    s.material("wax", milky_glass((3, 4, 5), (0.1, 0.05, 0.02), 0, ior=1.3, roughness=0.4))
+    s.object("floor", "floor", plane())
+    s.object("smooth", "skin", sphere(0.8, (-1, 0.85, 0.2)))
+    s.object("rough", "wax", sphere(0.8, (1, 0.85, 0.2)))
+    s.material("lamp", emit((2.5, 2.4, 2.2)))
+    s.object("lamp", "lamp", rect(5, 5, (-1, 6, 0), (180, 0, 0)))
+    return s
+
+
+def smoke():
+    note = "Media without surfaces around a ball and around a lamp, under a dim sky."
+    s = Scene(note, 8192, bounces=10, size=(96, 72))
+    s.sky((0.25, 0.3, 0.4))
+    s.material("floor", diffuse((0.55, 0.5, 0.45)))
+    s.material("white", diffuse(0.7))
+    s.material("bulb", emit((30, 22, 14)))
+    s.material("smoke", medium((1.2, 1.5, 1.8), (0.3, 0.2, 0.1), -0.3))
+    s.object("floor", "floor", plane())
+    s.object("ball", "white", sphere(0.4, (-1, 0.5, 0.2)))
+    s.object("bulb", "bulb", sphere(0.1, (1, 0.9, 0.2)))
+    s.object("left", "smoke", sphere(0.9, (-1, 0.95, 0.2)))
+    s.object("right", "smoke", sphere(0.9, (1, 0.95, 0.2)))
+    return s
+
+
 SCENES = {
     "rough_metal": lambda: rough_metal(own=True),
     "rough_metal_correlated": rough_metal_correlated,
@@ -591,6 +689,10 @@ SCENES = {
     "principled": principled,
     "lens": lens,
     "box_light": box_light,
+    "fog_point": fog_point,
+    "fog_area": fog_area,
+    "subsurface": subsurface,
+    "smoke": smoke,
 }
 
 

@@ -11,11 +11,13 @@ pub(crate) const PARAM: &str = "param";
 pub(crate) const FIELD: &str = "field";
 /// Node that declares a shape made of others.
 pub(crate) const SHAPE: &str = "shape";
+/// Node of the medium between the objects.
+pub(crate) const FOG: &str = "fog";
 /// Property that names a material.
 pub(crate) const MATERIAL: &str = "material";
 /// Nodes at the top of a file.
 pub(crate) const TOP: &[&str] =
-    &["pathmarch", INCLUDE, PARAM, "camera", "render", "sky", "sun", "point", "material", FIELD, SHAPE, "object"];
+    &["pathmarch", INCLUDE, PARAM, "camera", "render", "sky", FOG, "sun", "point", "material", FIELD, SHAPE, "object"];
 
 /// Nodes in every shape and operator.
 pub(crate) const PLACEMENT: &[&str] =

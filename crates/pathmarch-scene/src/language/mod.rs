@@ -23,7 +23,7 @@ use crate::source::{MAX_BYTES, read_text, too_large};
 use checks::{extent, warnings};
 use diagnostics::report::{Report, draft};
 use formulas::scope::Scope;
-use keywords::TOP;
+use keywords::{FOG, TOP};
 use pathmarch_field::Field;
 use read::arguments::twice;
 pub(crate) use read::context::WrittenColour;
@@ -36,7 +36,7 @@ pub(crate) use read::objects::MAX_SHAPES;
 use read::objects::Solids;
 use read::unexpected::unexpected_node;
 use read::version::{Version, version};
-use read::{camera, lights, params, render, sky};
+use read::{camera, fog, lights, params, render, sky};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
@@ -215,6 +215,7 @@ fn scene(
     }
     let render = of_file("render").next().map(|node| render::render(node, context));
     let sky = of_file("sky").next().and_then(|node| sky::sky(node, source.name, assets, context)).unwrap_or_default();
+    let fog = of_file(FOG).next().and_then(|node| fog::fog(node, context)).unwrap_or_default();
     let lights = all.nodes.iter().filter_map(|node| light(node, context)).collect();
     let mut materials = Materials::default();
     let mut files = Files { scene: source.name, assets };
@@ -228,6 +229,7 @@ fn scene(
         cameras,
         render: render.unwrap_or_default(),
         sky: Sky::default(),
+        fog,
         lights,
         materials: materials.list,
         objects,
@@ -250,7 +252,7 @@ fn check_top(file: &Block, context: &mut Context) {
             unexpected_node(&node.name, TOP, "at the top of a scene", context);
         }
     }
-    for unique in ["pathmarch", "render", "sky"] {
+    for unique in ["pathmarch", "render", "sky", FOG] {
         let mut nodes = file.nodes.iter().filter(|node| node.name.value == unique);
         let first = nodes.next();
         for again in nodes {

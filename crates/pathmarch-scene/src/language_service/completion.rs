@@ -149,9 +149,10 @@ fn word(text: &str, at: usize, is_part: impl Fn(char) -> bool) -> Range<usize> {
 
 /// Settings in braces or properties of one of these owners.
 fn setting(name: &str, owners: &[&str]) -> Option<&'static Setting> {
-    let tables: [(&str, &[Setting]); 12] = [
+    let tables: [(&str, &[Setting]); 13] = [
         ("camera", settings::CAMERA),
         ("render", settings::RENDER),
+        ("fog", settings::FOG),
         ("sun", settings::SUN),
         ("point", settings::POINT),
         ("sky \"gradient\"", settings::GRADIENT),
@@ -202,6 +203,7 @@ fn top_snippet(name: &str) -> String {
         "include" => "include \"$1\"".to_owned(),
         "param" => "param ${1:name} ${2:1}".to_owned(),
         "camera" => required(settings::CAMERA),
+        "fog" => "fog {\n\tscatter ${1:0.1}\n}".to_owned(),
         "sun" => required(settings::SUN),
         "point" => required(settings::POINT),
         "render" => "render {\n\t$0\n}".to_owned(),

@@ -3,7 +3,7 @@
 //! A.5.3), so that the weight of a sample is the albedo.
 
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of, emission,
+    vacuum, Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of, emission,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
@@ -25,7 +25,8 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     ],
     albedo: |values| values[0],
     emission: |values| values[1],
-    absorption: black,
+    medium: vacuum,
+    has_surface: true,
     preview: |values| PreviewMaterial { diffuse: values[0], ..PreviewMaterial::default() },
     bsdf: Some(&Bsdf {
         pack: |values| {

@@ -1,7 +1,7 @@
 //! Emitter: the same radiance in every outward direction, no reflection. Its power is π A times the radiance, for a
 //! surface of area A.
 
-use super::{MaterialKind, PreviewMaterial, Texturing, black, colour};
+use super::{MaterialKind, PreviewMaterial, Texturing, black, colour, vacuum};
 use pathmarch_field::Range;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
@@ -11,7 +11,8 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     params: &[colour("radiance", 1.0, Range::NOT_NEGATIVE, "Emitted radiance, W/(m² sr).", Texturing::None)],
     albedo: black,
     emission: |values| values[0],
-    absorption: black,
+    medium: vacuum,
+    has_surface: true,
     preview: |_| PreviewMaterial::default(),
     bsdf: None,
 };

@@ -19,9 +19,10 @@ use super::microfacet::{
     unshadowed, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, abbe, absorption, black, colour,
-    colour_of, ior, multiscatter, roughness,
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, abbe, absorption, anisotropy, black,
+    colour, colour_of, glow, ior, multiscatter, roughness, scattering,
 };
+use crate::medium::Medium;
 use glam::Vec3;
 use pathmarch_field::Range;
 
@@ -41,11 +42,20 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         roughness(0.0),
         absorption(),
         abbe(),
+        scattering("scatter", 0.0),
+        anisotropy(),
+        glow(),
         multiscatter(),
     ],
     albedo: |values| values[0],
     emission: black,
-    absorption: |values| values[3],
+    medium: |values| Medium {
+        absorption: values[3],
+        scattering: values[5],
+        anisotropy: values[6][0],
+        emission: values[7],
+    },
+    has_surface: true,
     preview: |values| PreviewMaterial {
         specular: [[head_on(values[1][0]); 3], if values[1][0] > 1.0 { [1.0; 3] } else { [0.0; 3] }],
         roughness: values[2][0],
@@ -62,7 +72,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             parameters[3] = if smooth { 0.0 } else { roughness * roughness };
             parameters[4] = ior;
             parameters[5] = index_difference(ior, values[4][0]);
-            parameters[MULTISCATTER] = values[5][0];
+            parameters[MULTISCATTER] = values[8][0];
             if parameters[MULTISCATTER] > 0.0 && parameters[3] >= MIRROR_ALPHA {
                 for k in 0..ALBEDOS {
                     let root = k as f32 / (ALBEDOS - 1) as f32;

@@ -6,8 +6,8 @@
 use super::albedo::lookup;
 use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, black, colour, colour_of,
-    emission, multiscatter, roughness,
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of, emission,
+    multiscatter, roughness, vacuum,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
@@ -37,7 +37,8 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     ],
     albedo: |values| values[0],
     emission: |values| values[3],
-    absorption: black,
+    medium: vacuum,
+    has_surface: true,
     preview: |values| PreviewMaterial {
         specular: [values[0], values[1]],
         roughness: values[2][0],

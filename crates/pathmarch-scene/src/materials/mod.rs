@@ -10,6 +10,7 @@ pub mod dispersion;
 mod microfacet;
 mod orbit_trap;
 
+use crate::medium::Medium;
 use crate::textures::{Pattern, Texture};
 use glam::Vec3;
 pub use microfacet::fresnel;
@@ -85,8 +86,10 @@ pub struct MaterialKind {
     pub albedo: ColourOf,
     /// Radiance in every outward direction, W/(m² sr).
     pub emission: ColourOf,
-    /// Absorption coefficient of the inside, 1/m.
-    pub absorption: ColourOf,
+    /// Medium in the solid.
+    pub medium: fn(values: &[[f32; 3]]) -> Medium,
+    /// False for boundaries of media, which light passes straight and unchanged.
+    pub has_surface: bool,
     /// Its preview.
     pub preview: fn(values: &[[f32; 3]]) -> PreviewMaterial,
     /// Scattering; `None` for pure emitters.
@@ -186,9 +189,14 @@ fn colour_of(parameters: &BsdfParameters) -> Vec3 {
     Vec3::new(parameters[0], parameters[1], parameters[2])
 }
 
-/// Black, whatever the values: for a kind that emits or absorbs nothing.
+/// Black, whatever the values: for a kind that emits nothing.
 fn black(_values: &[[f32; 3]]) -> [f32; 3] {
     [0.0; 3]
+}
+
+/// Nothing, whatever the values: for a kind of opaque solids.
+fn vacuum(_values: &[[f32; 3]]) -> Medium {
+    Medium::VACUUM
 }
 
 /// A colour, grey by default.
@@ -244,6 +252,32 @@ const fn absorption() -> MaterialParam {
     )
 }
 
+/// The parameter `scatter`, or the first one of a medium.
+const fn scattering(name: &'static str, default: f32) -> MaterialParam {
+    colour(
+        name,
+        default,
+        Range::NOT_NEGATIVE,
+        "Scattering coefficient of the inside, per metre: light is scattered once on a way of 1 / scatter, on average.",
+        Texturing::None,
+    )
+}
+
+/// The parameter `anisotropy`.
+const fn anisotropy() -> MaterialParam {
+    let doc = "Mean cosine of scattering angles inside: 0 in all directions, above 0 forwards, below 0 backwards.";
+    MaterialParam {
+        spec: Param::within("anisotropy", 0.0, Range::between(-1.0, 1.0), doc),
+        kind: ParamKind::Number,
+        texturing: Texturing::None,
+    }
+}
+
+/// The parameter `glow`.
+const fn glow() -> MaterialParam {
+    colour("glow", 0.0, Range::NOT_NEGATIVE, "Radiance that a metre of the inside emits, W/(m³ sr).", Texturing::None)
+}
+
 /// The parameter `ior`.
 const fn ior() -> MaterialParam {
     let spec = Param::between("ior", 1.5, 1.0, 10.0, "Refractive index: water 1.33, glass 1.5, diamond 2.42.");
@@ -267,7 +301,7 @@ macro_rules! materials {
     };
 }
 
-materials!(diffuse, metal, glass, principled, emit);
+materials!(diffuse, metal, glass, principled, emit, medium);
 
 /// Every kind of material, in the order of registration.
 pub fn kinds() -> &'static [&'static MaterialKind] {
@@ -399,7 +433,11 @@ impl Material {
     }
     /// Absorption coefficient of the inside, 1/m.
     pub fn absorption(&self) -> [f32; 3] {
-        (self.kind.absorption)(&self.values)
+        self.medium().absorption
+    }
+    /// Medium in the solid.
+    pub fn medium(&self) -> Medium {
+        (self.kind.medium)(&self.values)
     }
     /// Its preview.
     pub fn preview(&self) -> PreviewMaterial {

@@ -19,9 +19,10 @@ use super::microfacet::{
     unhidden, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption, colour, colour_of,
-    emission, fraction, ior, roughness,
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption, anisotropy, colour,
+    colour_of, emission, fraction, glow, ior, roughness, scattering,
 };
+use crate::medium::Medium;
 use glam::Vec3;
 use pathmarch_field::Range;
 use std::f32::consts::PI;
@@ -49,10 +50,19 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         fraction("transmission", 0.0, "How much of what enters the dielectric is refracted rather than scattered."),
         absorption(),
         emission(),
+        scattering("scatter", 0.0),
+        anisotropy(),
+        glow(),
     ],
     albedo: |values| values[0],
     emission: |values| values[8],
-    absorption: |values| values[7],
+    medium: |values| Medium {
+        absorption: values[7],
+        scattering: values[9],
+        anisotropy: values[10][0],
+        emission: values[11],
+    },
+    has_surface: true,
     preview,
     bsdf: Some(&Bsdf {
         pack,

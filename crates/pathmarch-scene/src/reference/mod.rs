@@ -56,9 +56,10 @@ pub const MATERIAL_KINDS: &str = "material";
 pub const TEXTURES: &str = "texture";
 
 /// Tables of settings, with the node that contains them.
-const TABLES: [(&str, &[Setting]); 8] = [
+const TABLES: [(&str, &[Setting]); 9] = [
     ("camera", settings::CAMERA),
     ("render", settings::RENDER),
+    ("fog", settings::FOG),
     ("sun", settings::SUN),
     ("point", settings::POINT),
     ("sky \"gradient\"", settings::GRADIENT),
@@ -106,13 +107,14 @@ const OTHER_PROPERTIES: [(&str, &str, &str); 15] = [
 ];
 
 /// Meanings of nodes at the top of a file.
-const NODES: [(&str, &str); 12] = [
+const NODES: [(&str, &str); 13] = [
     ("pathmarch", "Version of the scene language; the first node of a file."),
     ("include", "File from which this one takes materials, shapes, objects and lights."),
     ("param", "Number with a name, which formulas use."),
     ("camera", "Camera; the first one of a file is the default."),
     ("render", "Size and quality of the picture."),
     ("sky", "Radiance of the surroundings: one colour, a gradient, a day or a picture."),
+    ("fog", "Medium between the objects, which scatters, absorbs and emits light."),
     ("sun", "Light from far away."),
     ("point", "Light from a point, the same in every direction."),
     ("material", "Material with a name, which objects and shapes use by `material=`."),

@@ -9,6 +9,7 @@
 
 mod blend;
 mod camera;
+mod fog;
 mod lights;
 mod mesh;
 mod placement;
@@ -17,6 +18,7 @@ mod sky;
 
 pub use blend::BLEND;
 pub use camera::{CAMERA, EXPOSURE, LENS};
+pub use fog::FOG;
 pub use lights::{POINT, SUN};
 pub use mesh::MESH;
 pub use pathmarch_field::Range;

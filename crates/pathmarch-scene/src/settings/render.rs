@@ -11,7 +11,7 @@ pub const SIDE: (u32, u32) = (1, 16_384);
 /// Samples for each pixel: fewest and most.
 pub const SAMPLES: (u32, u32) = (1, 1_000_000);
 /// Scattering events after the first hit: fewest and most.
-pub const BOUNCES: (u32, u32) = (0, 64);
+pub const BOUNCES: (u32, u32) = (0, 1000);
 /// Largest radiance of a contribution of light that bounced, W/(m² sr).
 pub const CLAMP: Range = Range::POSITIVE;
 /// Distance from a surface at which a ray ends, pixels as seen.

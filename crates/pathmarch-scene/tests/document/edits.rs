@@ -774,7 +774,7 @@ fn things_are_added_where_they_belong() {
         groups.dedup();
         groups
     };
-    assert_eq!(groups(None), [Group::Object, Group::Material, Group::Light, Group::Camera, Group::Param]);
+    assert_eq!(groups(None), [Group::Object, Group::Material, Group::Light, Group::Camera, Group::Sky, Group::Param]);
     assert_eq!(groups(Some("a")), [Group::Shape, Group::Operator]);
     assert_eq!(groups(Some("sphere")), []);
     let sky = Addition {

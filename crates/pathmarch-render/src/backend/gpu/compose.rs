@@ -9,7 +9,7 @@ use crate::backend::RenderInput;
 use crate::mode::Mode;
 use crate::preview::Preview;
 use crate::scene::material::GLOWS;
-use crate::scene::{KernelConfig, MaterialRecord, TexturedMaterial};
+use crate::scene::{KernelConfig, MaterialRecord, Medium, TexturedMaterial};
 use pathmarch_field::wgsl::{Program, ProgramOptions};
 use pathmarch_scene::materials::{self, albedo, dispersion};
 use pathmarch_scene::textures::{self, Pattern, Texture};
@@ -135,6 +135,10 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "mesh_fields" => "shading/no_mesh_fields",
         "mesh_uvs" if input.config.uv_textures => "shading/mesh_uvs",
         "mesh_uvs" => "shading/no_mesh_uvs",
+        "media" if input.config.media => "integrator/participating_media",
+        "media" => "integrator/absorbing_media",
+        "path_segment" if input.config.media => "integrator/media_segment",
+        "path_segment" => "integrator/path_segment",
         "guides" if bindings.has_guides => "integrator/guides",
         "guides" => "integrator/no_guides",
         "march_stats" if matches!(mode, Mode::Steps | Mode::Violations) => "views/march_stats",
@@ -160,6 +164,10 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
     let mut textures = scene.textured_materials.iter().flat_map(TexturedMaterial::textures);
     for (name, value) in [
         ("ABSORPTION", config.absorption),
+        ("PARTICIPATING_MEDIA", config.media),
+        ("HAS_BOUNDARIES", config.boundaries),
+        ("MEDIA_ARE_BOUNDED", config.media_are_bounded),
+        ("LIGHTS_IN_SOLIDS", config.lights_in_solids),
         ("TRANSMISSION", config.transmission),
         ("CHOOSES_LOBES", config.chooses_lobes),
         ("DISPERSION", config.dispersion),
@@ -203,6 +211,8 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("MODE_DATA", data.mode as u32),
         ("MESH_LIGHT_DATA", data.mesh_lights as u32),
         ("MESH_DATA", data.meshes as u32),
+        ("MEDIUM_DATA", data.media as u32),
+        ("MEDIUM_WORDS", Medium::WORDS as u32),
     ] {
         constant(name, &format_args!("{value}u"));
     }

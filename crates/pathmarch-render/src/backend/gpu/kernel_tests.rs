@@ -99,6 +99,8 @@ fn features(picture: &Path) -> Vec<Feature> {
         ("mirror", "metal 1; roughness 0"),
         ("clear glass", "glass 1; ior 1.5"),
         ("frosted glass", "glass 1; roughness 0.3; absorb 1 2 3"),
+        ("milk", "glass 1; roughness 0.3; scatter 3 2 1; anisotropy 0.5; glow 0 0.1 0"),
+        ("smoke", "medium 2; absorb 0.5"),
         ("principled", "principled 0.8; coat 1; metallic 0.5; transmission 0.3"),
         ("orbit trap", "diffuse 0.8; orbit-trap \"point\" { colour 1; colour 0 }"),
     ] {
@@ -117,6 +119,7 @@ fn features(picture: &Path) -> Vec<Feature> {
     all.push(lamp("many lamps", &"sphere 0.1 { at 0 2 0 }; ".repeat(3)));
     all.push(Feature::new("point", "point { at 1 4 2; intensity 20 }"));
     all.push(Feature::new("point with penumbra", "point { at 1 4 2; intensity 20; penumbra 16 }"));
+    all.push(Feature::new("fog", "fog { scatter 0.1; absorb 0.02; glow 0.01; anisotropy 0.3 }"));
     all.push(Feature::new("sun", "sun { direction 1 2 1; irradiance 2; angle 1 }"));
     all.push(Feature::new("sun without size", "sun { direction 1 2 1; irradiance 2; angle 0 }"));
     all.push(Feature::new("sun with penumbra", "sun { direction 1 2 1; irradiance 2; penumbra 8 }"));

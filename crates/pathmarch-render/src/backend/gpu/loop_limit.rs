@@ -11,7 +11,7 @@
 //! camera ray, are not resumed and fail likewise.
 //!
 //! **Cost.** Only kernels for software adapters include this, and only for scenes with loops ([`Field::has_loops`]): one check
-//! for each surface, 112 bytes for each path of a submission, and a wait for each submission.
+//! for each surface, 144 bytes for each path of a submission, and a wait for each submission.
 
 use super::device::Device;
 use super::slice::Slice;
@@ -51,6 +51,10 @@ shared_struct! {
         medium: [f32; 3],
         wavelength: f32,
         previous_normal: [f32; 3],
+        medium_solids: u32,
+        medium_scattering: [f32; 3],
+        medium_forward: f32,
+        medium_emission: [f32; 3],
         padding: u32,
     }
 }

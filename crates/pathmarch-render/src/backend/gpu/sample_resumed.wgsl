@@ -17,7 +17,7 @@ fn resumed(saved: SuspendedPath, sampler: PixelSampler) -> Path {
     path.surfaces = saved.surfaces;
     path.radiance = saved.radiance;
     path.passed_clear_glass = saved.passed_clear_glass != 0u;
-    path.medium = saved.medium;
+    path.medium = resumed_medium(saved.medium, saved.medium_forward, saved.medium_scattering, saved.medium_solids, saved.medium_emission);
     path.wavelength = saved.wavelength;
     return path;
 }
@@ -34,9 +34,13 @@ fn suspend(slot: u32, path: Path) {
         path.surfaces,
         path.radiance,
         select(0u, 1u, path.passed_clear_glass),
-        path.medium,
+        absorption_of(path.medium),
         path.wavelength,
         path.previous_normal,
+        solids_of(path.medium),
+        scattering_of(path.medium),
+        forward_of(path.medium),
+        emission_of(path.medium),
     );
     atomicAdd(&suspended.count, 1u);
 }

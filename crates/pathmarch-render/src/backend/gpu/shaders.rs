@@ -7,11 +7,15 @@
 use super::encode;
 use super::loop_limit::SuspendedPath;
 use super::slice::Slice;
-use crate::integrator::{guides, light_sampling, medium, path, shadow, splitting};
+use crate::integrator::{
+    guides, light_sampling, media_segment, medium, participating_media, path_state, shadow, splitting,
+};
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
 use crate::preview_steps;
 use crate::sampling::sobol::pair;
+use crate::scene::light as scene_light;
+use crate::scene::medium as scene_medium;
 use crate::scene::{
     FrameUniforms, LeafRecord, LightNode, MaterialRecord, leaf, light_tree, material, preview_material,
     textured_material,
@@ -55,6 +59,7 @@ static FILES: &[ShaderFile] = shader_files![
     "backend/gpu/sample",
     "backend/gpu/sample_resumed",
     "backend/gpu/trace",
+    "integrator/absorbing_media",
     "integrator/camera",
     "integrator/guide" shares guides::shared_wgsl,
     "integrator/guides",
@@ -64,13 +69,18 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/light_table",
     "integrator/light_tree" shares light_tree::shared_wgsl,
     "integrator/light_weights" shares encode::light::direct_lighting_wgsl,
+    "integrator/media_segment" shares media_segment::shared_wgsl,
     "integrator/medium" shares medium::shared_wgsl,
     "integrator/mesh_lights",
     "integrator/moments",
     "integrator/no_guides",
     "integrator/no_mesh_lights",
     "integrator/no_penumbra",
-    "integrator/path" shares path::shared_wgsl,
+    "integrator/participating_media" shares || {
+        [participating_media::shared_wgsl(), scene_medium::shared_wgsl(), scene_light::shared_wgsl()].concat()
+    },
+    "integrator/path" shares path_state::shared_wgsl,
+    "integrator/path_segment",
     "integrator/penumbra",
     "integrator/radiance",
     "integrator/shadow" shares shadow::shared_wgsl,

@@ -10,7 +10,7 @@ use crate::document::text::literals::{number, quoted, string_like};
 use crate::document::tree::nodes::text_argument;
 use crate::document::tree::outline::ItemKind;
 use crate::document::tree::path::Path;
-use crate::language::keywords::{AXES, FIELD, INCLUDE, PARAM, SHAPE};
+use crate::language::keywords::{AXES, FIELD, FOG, INCLUDE, PARAM, SHAPE};
 use crate::materials;
 use crate::settings::{self, SKY_FORMS};
 use crate::text::DEFAULT_TEXT;
@@ -43,6 +43,9 @@ pub(crate) fn additions(transaction: &Transaction, parent: Option<ItemKind>) -> 
             if !has("sky") {
                 let forms = SKY_FORMS.iter().filter(|(name, _)| *name != "picture");
                 all.extend(forms.map(|(name, doc)| addition(Group::Sky, *name, *doc)));
+            }
+            if !has(FOG) {
+                all.push(addition(Group::Sky, FOG, "Medium between the objects, which scatters and absorbs light."));
             }
             if !has("render") {
                 all.push(addition(Group::Render, "render", "Size and quality of the picture."));
@@ -117,6 +120,7 @@ pub(crate) fn add(
         }
         Group::Sky => match word {
             "gradient" => ("sky", format!("sky \"gradient\" {{ {} }}", settings::required(settings::GRADIENT, "; "))),
+            FOG => (FOG, format!("{FOG} {{ {} }}", settings::FOG[0].example)),
             "day" => ("sky", "sky \"day\"".to_owned()),
             _ => ("sky", "sky 0.5".to_owned()),
         },
@@ -141,8 +145,8 @@ pub(crate) fn add_imported(transaction: &mut Transaction, nodes: &[ImportedNode]
 
 /// Adds a node at the top of the file, behind the others of its word, or where files have such nodes.
 pub(crate) fn add_top(transaction: &mut Transaction, word: &str, template: &str) -> Result<Path, EditError> {
-    const ORDER: [&str; 11] =
-        ["pathmarch", INCLUDE, PARAM, "camera", "render", "sky", "sun", "material", FIELD, SHAPE, "object"];
+    const ORDER: [&str; 12] =
+        ["pathmarch", INCLUDE, PARAM, "camera", "render", "sky", FOG, "sun", "material", FIELD, SHAPE, "object"];
     let rank = |word: &str| {
         let word = if word == "point" { "sun" } else { word };
         ORDER.iter().position(|other| *other == word).unwrap_or(ORDER.len())

@@ -331,7 +331,7 @@ fn shown_in(found: Found) -> Vec<Found> {
 pub(crate) fn duplicate(transaction: &mut Transaction, path: &Path) -> Result<Path, EditError> {
     let found = transaction.find(path)?;
     let word = &*found.node.name.value;
-    if matches!(found.kind, ItemKind::Version | ItemKind::Render | ItemKind::Sky) {
+    if matches!(found.kind, ItemKind::Version | ItemKind::Render | ItemKind::Sky | ItemKind::Fog) {
         return Err(EditError::NotHere(format!("A scene has only one `{word}`.")));
     }
     let site = transaction.site(found);

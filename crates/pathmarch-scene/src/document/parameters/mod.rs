@@ -57,6 +57,7 @@ pub(crate) fn parameters(
         }
         ItemKind::Render => list.nodes(settings::RENDER),
         ItemKind::Sky => list.sky(),
+        ItemKind::Fog => list.nodes(settings::FOG),
         ItemKind::Sun => list.nodes(settings::SUN),
         ItemKind::Point => list.nodes(settings::POINT),
         ItemKind::Material => list.material(),
@@ -230,7 +231,7 @@ impl List<'_> {
                 self.texture_choice_of(param, owner);
             }
         }
-        if kind.bsdf.is_some() {
+        if kind.bsdf.is_some() && kind.has_surface {
             self.orbit_trap();
             self.orbit_trap_colours();
             self.bump();

@@ -2,7 +2,7 @@
 
 use super::nodes::{arguments, material_kind, property, text_argument};
 use super::path::Path;
-use crate::language::keywords::{FIELD, INCLUDE, MESH, NORMAL, PARAM, PLACEMENT, POINT, SHAPE};
+use crate::language::keywords::{FIELD, FOG, INCLUDE, MESH, NORMAL, PARAM, PLACEMENT, POINT, SHAPE};
 use crate::language::read::declarations::leaf_counts;
 use crate::language::tree::{Block, Node, Value};
 use pathmarch_field::registry;
@@ -25,6 +25,8 @@ pub enum ItemKind {
     Render,
     /// The sky: radiance of the surroundings.
     Sky,
+    /// The medium between the objects.
+    Fog,
     /// A sun.
     Sun,
     /// A point light.
@@ -56,6 +58,7 @@ impl ItemKind {
             (None, "camera") => Self::Camera,
             (None, "render") => Self::Render,
             (None, "sky") => Self::Sky,
+            (None, FOG) => Self::Fog,
             (None, "sun") => Self::Sun,
             (None, "point") => Self::Point,
             (None, "material") => Self::Material,

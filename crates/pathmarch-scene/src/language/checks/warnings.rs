@@ -1,8 +1,10 @@
 //! Warnings: what is allowed, but most likely not intended.
 
+use super::media;
 use crate::language::diagnostics::report::{Report, draft, shown};
 use crate::language::tree::Block;
 use crate::light::Light;
+use crate::medium::Medium;
 use crate::scene::{Object, Scene};
 use crate::settings::Caustics;
 use pathmarch_field::number::Vec3;
@@ -11,13 +13,15 @@ use pathmarch_field::number::Vec3;
 pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
     let Some(first) = file.nodes.first() else { return };
     let emits = |tag: u32| scene.materials[tag as usize].emits();
-    if scene.objects.is_empty() {
+    let glows = |tag: u32| scene.materials[tag as usize].medium().emits();
+    if scene.objects.is_empty() && scene.fog == Medium::VACUUM {
         let warning = draft("pathmarch::no_objects", first.name.span, "The scene has no objects.");
         report.warn(warning.label("in this file"));
     }
     let bright = |colour: [f32; 3]| colour.iter().any(|&v| v > 0.0);
     let lit = !scene.sky.is_black()
-        || scene.field.leaves().iter().any(|leaf| emits(leaf.tag))
+        || scene.fog.emits()
+        || scene.field.leaves().iter().any(|leaf| emits(leaf.tag) || glows(leaf.tag))
         || scene.lights.iter().any(|light| match light {
             Light::Sun { irradiance, .. } => bright(*irradiance),
             Light::Point { intensity, .. } => bright(*intensity),
@@ -45,12 +49,13 @@ pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
     clear_sheets(scene, file, report);
     hidden_points(scene, file, report);
     hidden_cameras(scene, file, report);
+    media::warn(scene, file, report);
 }
 
 /// Warns of lights without size in scenes with clear glass: no path finds them through it, so that its shadow is dark.
 fn lost_light(scene: &Scene, file: &Block, report: &mut Report) {
     let materials = scene.field.leaves().iter().map(|leaf| &scene.materials[leaf.tag as usize]);
-    let clear = materials.clone().any(|material| material.transmits());
+    let clear = materials.clone().any(|material| material.transmits() && material.kind.has_surface);
     if !clear || scene.render.caustics != Caustics::default() {
         return;
     }

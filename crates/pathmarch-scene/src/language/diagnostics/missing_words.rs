@@ -5,15 +5,16 @@ pub(crate) type MissingWord = (&'static str, &'static str);
 
 const BOOLEAN: &str = "Use `union`, `subtract` or `intersect`; `smooth=` blends them.";
 const EMITTER: &str = "Give a `rect`, `disc` or `sphere` a material that emits: material \"lamp\" { emit 8 }.";
-const VOLUME: &str = "Not supported yet: light is scattered at surfaces only. Glass absorbs light with `absorb r g b`.";
+const VOLUME: &str =
+    "Use `fog { scatter 0.1 }` for the whole scene, or a material without a surface: material \"smoke\" { medium 2 }.";
 const NORMAL_MAP: &str = "Use `bump` with a texture: bump { fbm size=0.05 height=0.005 }.";
 const KEYFRAMES: &str = "Use a formula of the time t in seconds: sphere \"0.5 + 0.1 * sin(t)\".";
-const SCATTERING: &str = "Not supported yet: a `principled` material with `transmission` comes nearest.";
+const SCATTERING: &str = "Use `scatter` of a `glass` or `principled` material: glass 1; scatter 60 50 40.";
 
 /// Words in use elsewhere, in alphabetical order.
 pub(crate) const MISSING_WORDS: &[MissingWord] = &[
+    ("absorption", "Use `absorb r g b` of a material that transmits, or of `fog`."),
     ("albedo", "Use `diffuse r g b` or the colour of a `principled` material."),
-    ("anisotropy", "Not supported yet: reflections are isotropic."),
     ("area", EMITTER),
     ("arealight", EMITTER),
     ("background", "Use `sky`: one radiance, a gradient, a day or a picture."),
@@ -29,7 +30,6 @@ pub(crate) const MISSING_WORDS: &[MissingWord] = &[
     ("environment", "Use a sky with a picture: sky \"studio.hdr\"."),
     ("envmap", "Use a sky with a picture: sky \"studio.hdr\"."),
     ("eta", "Use `ior`."),
-    ("fog", VOLUME),
     ("fur", "Not supported yet: there are no hairs."),
     ("fuzz", "Not supported yet: there is no sheen."),
     ("ground", "Use `object \"floor\" { plane }`."),
@@ -53,6 +53,7 @@ pub(crate) const MISSING_WORDS: &[MissingWord] = &[
     ("quad", "Use `rect`."),
     ("reflectivity", "Use `metal`, or `metallic` of a `principled` material."),
     ("rotation", "Use `rotate x y z`, in degrees."),
+    ("scattering", SCATTERING),
     ("sdf", "Use `field` for a distance function in WGSL."),
     ("sheen", "Not supported yet: there is no sheen."),
     ("skybox", "Use a sky with a picture: sky \"studio.hdr\"."),
@@ -102,7 +103,7 @@ mod tests {
     #[test]
     fn case_and_signs_do_not_matter() {
         assert_eq!(advice("Spot_Light"), advice("spotlight"));
-        assert!(advice("FOG").is_some_and(|advice| advice.starts_with("Not supported yet")));
+        assert!(advice("FUR").is_some_and(|advice| advice.starts_with("Not supported yet")));
         assert_eq!(advice("sphere"), None);
     }
 }

@@ -9,6 +9,7 @@ pub(crate) mod colours;
 pub(crate) mod context;
 pub(crate) mod custom_sdf;
 pub(crate) mod declarations;
+pub(crate) mod fog;
 pub(crate) mod include;
 pub(crate) mod lights;
 pub(crate) mod materials;

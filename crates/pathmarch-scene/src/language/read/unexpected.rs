@@ -28,6 +28,7 @@ fn home(name: &str) -> Option<String> {
         (settings::RENDER, "render"),
         (settings::GRADIENT, "sky \"gradient\""),
         (settings::DAY_GROUND, "sky \"day\""),
+        (settings::FOG, "fog"),
         (settings::SUN, "sun"),
         (settings::POINT, "point"),
     ];

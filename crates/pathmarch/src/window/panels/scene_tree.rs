@@ -347,7 +347,7 @@ fn sign(painter: &egui::Painter, at: Pos2, kind: ItemKind, colour: Color32) {
         ItemKind::Camera => {
             painter.add(triangle(at, false, colour));
         }
-        ItemKind::Sun | ItemKind::Point | ItemKind::Sky => {
+        ItemKind::Sun | ItemKind::Point | ItemKind::Sky | ItemKind::Fog => {
             for turn in 0..3 {
                 let out = Vec2::angled(std::f32::consts::PI / 3.0 * turn as f32) * 4.5;
                 painter.line_segment([at - out, at + out], stroke);

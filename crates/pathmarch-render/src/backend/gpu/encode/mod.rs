@@ -11,7 +11,7 @@ pub(super) use light::LightRecord;
 pub(super) use texture::computed_kind;
 
 use crate::backend::{ModeData, RenderInput};
-use crate::scene::{LightTree, SkyLight};
+use crate::scene::{LightTree, Media, Medium, SkyLight};
 use crate::wgsl::write_constant;
 use pathmarch_field::wgsl::Program;
 use pathmarch_scene::Sampler;
@@ -36,6 +36,8 @@ pub(crate) struct SceneData {
     pub(super) mesh_lights: usize,
     /// Offset of the meshes.
     pub(super) meshes: usize,
+    /// Offset of the media: the fog, then those of the materials.
+    pub(super) media: usize,
 }
 
 impl SceneData {
@@ -68,7 +70,12 @@ impl SceneData {
         words.extend(light::encode_mesh_lights(scene, mesh_lights));
         let meshes = words.len();
         words.extend(program.mesh_words());
-        Self { words, vectors, light_tree, sky: 0, ggx, textures, mode, mesh_lights, meshes }
+        let media = words.len();
+        if input.config.media {
+            let Media { fog, of_materials } = &scene.media;
+            words.extend(std::iter::once(fog).chain(of_materials).flat_map(Medium::words));
+        }
+        Self { words, vectors, light_tree, sky: 0, ggx, textures, mode, mesh_lights, meshes, media }
     }
 }
 

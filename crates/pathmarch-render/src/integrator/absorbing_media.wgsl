@@ -1,0 +1,50 @@
+// import: integrator/medium
+// Media around a path in scenes whose solids absorb and do no more. Takes the place of participating_media.wgsl.
+
+/// Absorption coefficient, per metre.
+alias Medium = vec3f;
+
+/// Medium around the camera.
+fn camera_medium() -> Medium {
+    return frame.medium;
+}
+
+/// Transmittance of the medium over a length in metres.
+fn transmittance_in(medium: Medium, length: f32) -> vec3f {
+    return transmittance(medium, length);
+}
+
+/// Medium beyond a surface that a path crosses, of material `m`.
+fn medium_after(medium: Medium, m: u32, inside: bool) -> Medium {
+    return medium_beyond(medium, materials[m].absorption, inside);
+}
+
+/// The second medium if the condition is true, else the first.
+fn chosen_medium(first: Medium, second: Medium, is_second: bool) -> Medium {
+    return select(first, second, is_second);
+}
+
+/// Medium of a resumed path.
+fn resumed_medium(absorption: vec3f, forward: f32, scattering: vec3f, solids: u32, emission: vec3f) -> Medium {
+    return absorption;
+}
+
+fn absorption_of(medium: Medium) -> vec3f {
+    return medium;
+}
+
+fn scattering_of(medium: Medium) -> vec3f {
+    return vec3f(0.0);
+}
+
+fn forward_of(medium: Medium) -> f32 {
+    return 0.0;
+}
+
+fn emission_of(medium: Medium) -> vec3f {
+    return vec3f(0.0);
+}
+
+fn solids_of(medium: Medium) -> u32 {
+    return 0u;
+}

@@ -1,0 +1,127 @@
+// import: guides, integrator/light_sampling, integrator/shadow, media, sampler
+// Segments of paths through participating media. Part of path.wgsl, twin of media_segment.rs.
+
+/// Follows the ray of a path to its next surface or scattering event. Adds light that the media on the way emit and scatter,
+/// and light of the surface or of the sky. Returns false if the path ends.
+fn path_intersect(path: ptr<function, Path>) -> bool {
+    let surface_index = (*path).surfaces;
+    (*path).is_in_medium = false;
+    for (var crossing = 0u; crossing < MAX_CROSSINGS; crossing++) {
+        let ray = (*path).ray;
+        let hit = march(ray, (*path).length, AT_INFINITY);
+        let length = select(hit.t, UNBOUNDED_LENGTH, hit.t < 0.0);
+        if MEDIA_ARE_BOUNDED && hit.t < 0.0 {
+            // A ray that escapes is outside of all solids, even if it missed a surface on its way.
+            (*path).medium = Medium(vec3f(0.0), 0.0, vec3f(0.0), 0u, vec3f(0.0));
+        }
+        let medium = with_fog((*path).medium);
+        if largest(medium.emission) > 0.0 {
+            // Light that a ray hits counts as direct light of the previous surface.
+            let bounces = max(surface_index, 1u) - 1u;
+            (*path).radiance += clamped((*path).throughput * emitted_radiance(medium, length), bounces);
+        }
+        if surface_index <= frame.bounces && largest(medium.scattering) > 0.0 {
+            let pair = PAIR_SEGMENT + PAIRS_PER_SEGMENT * (surface_index + SEGMENTS_PER_CROSSING * crossing);
+            if HAS_LIGHTS && (LIGHTS_IN_SOLIDS || FAST_CAUSTICS || !is_displaced((*path).medium)) {
+                add_scattered_light(path, medium, length, pair);
+            }
+            let end = sample_distance(medium, (*path).throughput, length, sample_2d((*path).sampler, pair + PAIR_DISTANCE));
+            if end.distance >= 0.0 {
+                if guide_waits() {
+                    record_surface_behind(path, hit);
+                }
+                let margin = SURFACE_MARGIN * frame.rounding * largest(abs(ray.origin + ray.direction * length));
+                let t = select(end.distance, min(end.distance, max(hit.t - margin, 0.5 * hit.t)), hit.t > 0.0);
+                (*path).throughput *= end.weight;
+                (*path).ray.origin = ray.origin + ray.direction * t;
+                (*path).length += t;
+                (*path).is_in_medium = true;
+                return true;
+            }
+            (*path).throughput *= end.weight;
+        } else {
+            (*path).throughput *= transmittance(extinction_of(medium), length);
+        }
+        if hit.t < 0.0 {
+            add_escaped_radiance(path);
+            return false;
+        }
+        if !HAS_BOUNDARIES {
+            return arrive(path, hit);
+        }
+        let hit_point = ray.origin + ray.direction * hit.t;
+        let surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, surface_index));
+        let m = leaves[surface_at_hit.leaf].material;
+        if (materials[m].flags & BOUNDARY) == 0u {
+            return arrive(path, hit);
+        }
+        let interaction = resolve_surface(hit_point, ray.direction, hit, surface_at_hit);
+        // Like an event in the medium, the boundary is found to rounding, so that no chord is missed.
+        (*path).length = LENGTH_IN_MEDIUM;
+        (*path).ray.origin = spawn_origin(interaction, true);
+        (*path).medium = medium_after((*path).medium, m, interaction.inside);
+    }
+    return false;
+}
+
+/// Adds light of one light that the medium scatters into the path, on a segment of this length.
+fn add_scattered_light(path: ptr<function, Path>, medium: Medium, length: f32, pair: u32) {
+    let ray = (*path).ray;
+    let light = chosen_light(ray.origin, vec3f(0.0), sample_2d((*path).sampler, pair + PAIR_SEGMENT_CHOICE).x);
+    let u = sample_2d((*path).sampler, pair + PAIR_POINT);
+    let point = sample_point(ray, min(length, UNBOUNDED_LENGTH), medium, (*path).throughput, light, u);
+    let p = ray.origin + ray.direction * point.distance;
+    let sampled = sample_direction(light, p, sample_2d((*path).sampler, pair + PAIR_SEGMENT_LIGHT));
+    let phase = phase_function(anisotropy_of(medium), dot(ray.direction, sampled.direction));
+    let remaining = exp(-extinction_of(medium) * point.distance);
+    let scattered = (*path).throughput * medium.scattering * remaining * (phase / point.pdf) * sampled.irradiance;
+    if largest(scattered) > 0.0 {
+        let attenuation = light_transmittance(
+            Ray(p, sampled.direction),
+            LENGTH_IN_MEDIUM,
+            sampled,
+            phase,
+            (*path).medium,
+            unstratified_seed((*path).sampler, (*path).surfaces),
+        );
+        (*path).radiance += clamped(scattered * attenuation, (*path).surfaces);
+    }
+}
+
+/// Records the surface at the end of a segment that scatters the path.
+fn record_surface_behind(path: ptr<function, Path>, hit: Hit) {
+    if hit.t >= 0.0 {
+        let ray = (*path).ray;
+        let hit_point = ray.origin + ray.direction * hit.t;
+        let surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, (*path).surfaces));
+        let interaction = resolve_surface(hit_point, ray.direction, hit, surface_at_hit);
+        let m = leaves[interaction.leaf].material;
+        let length = (*path).length + hit.t;
+        if (materials[m].flags & EMITS) != 0u {
+            record_guide(interaction, (*path).throughput, length, (*path).surfaces, materials[m].emission);
+        } else if (materials[m].flags & BOUNDARY) == 0u {
+            evaluate_textures(m, interaction, length);
+            record_guide(interaction, (*path).throughput, length, (*path).surfaces, packed(m, 0u).xyz);
+        }
+    }
+    end_guide();
+}
+
+/// Samples the next ray of a path at a scattering event in a medium. Returns false if the path ends.
+fn scatter_in_medium(path: ptr<function, Path>) -> bool {
+    let pair = PAIR_SURFACE + PAIRS_PER_SURFACE * (*path).surfaces;
+    let anisotropy = anisotropy_of(with_fog((*path).medium));
+    let incoming = (*path).ray.direction;
+    let direction = sample_phase(anisotropy, incoming, sample_2d((*path).sampler, pair + PAIR_SCATTER));
+    if !survives(path, sample_2d((*path).sampler, pair + PAIR_CHOICE).y) {
+        return false;
+    }
+    (*path).previous_vertex = (*path).ray.origin;
+    (*path).previous_normal = vec3f(0.0);
+    (*path).length = LENGTH_IN_MEDIUM;
+    (*path).ray.direction = direction;
+    (*path).scatter_pdf = phase_function(anisotropy, dot(incoming, direction));
+    (*path).passed_clear_glass = false;
+    (*path).surfaces += 1u;
+    return true;
+}

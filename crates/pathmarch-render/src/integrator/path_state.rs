@@ -1,0 +1,88 @@
+//! State of a path on its way from the camera, and what all kinds of its segments share.
+
+use super::light_sampling;
+use crate::intersect::ray::Ray;
+use crate::sampling::sobol::PixelSampler;
+use crate::scene::{Medium, TraceContext};
+use crate::wgsl::shared_constants;
+use glam::Vec3;
+use pathmarch_scene::materials::dispersion;
+
+shared_constants! {
+    /// Survival probability of a path divided by its throughput: Russian roulette never ends a path of throughput 1/3
+    /// or more.
+    const SURVIVAL_FACTOR: f32 = 3.0;
+    /// Number of bounces without Russian roulette.
+    const ROULETTE_DEPTH: u32 = 4;
+}
+
+/// Path before its next surface.
+#[derive(Clone)]
+pub(super) struct Path {
+    /// Index into the radiances of all paths.
+    pub(super) slot: usize,
+    pub(super) sampler: PixelSampler,
+    pub(super) ray: Ray,
+    /// Point that the light at the previous surface was sampled from, in world space.
+    pub(super) previous_vertex: Vec3,
+    /// Shading normal of the previous surface; `None` if it transmits, or in a medium, so that light arrives on both sides.
+    pub(super) previous_normal: Option<Vec3>,
+    pub(super) throughput: Vec3,
+    /// Length from the camera, metres.
+    pub(super) length: f32,
+    /// Pdf of the ray's direction over solid angle; 0 for a delta distribution.
+    pub(super) scatter_pdf: f32,
+    /// Media of the solids around the path.
+    pub(super) medium: Medium,
+    /// True if the path has only passed through clear glass, as shadow rays do, since it last sampled a light.
+    pub(super) passed_clear_glass: bool,
+    /// Square of the refractive index around the path.
+    pub(super) index_square: f32,
+    /// Wavelength, nanometres; `None` before the first surface that disperses.
+    pub(super) wavelength: Option<f32>,
+}
+
+impl Path {
+    /// Russian roulette with a random number. Returns false if the path ends.
+    pub(super) fn survives(&mut self, surface_index: u32, random: f32) -> bool {
+        if surface_index > ROULETTE_DEPTH {
+            let survival_probability = (SURVIVAL_FACTOR * self.throughput.max_element() * self.index_square).min(1.0);
+            if random >= survival_probability {
+                return false;
+            }
+            self.throughput /= survival_probability;
+        }
+        true
+    }
+
+    /// Wavelength; chosen now if it was not before.
+    pub(super) fn disperse(&mut self, random: f32) -> f32 {
+        *self.wavelength.get_or_insert_with(|| {
+            let wavelength = dispersion::wavelength(random);
+            self.throughput *= dispersion::colour(wavelength);
+            wavelength
+        })
+    }
+}
+
+/// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
+pub(super) fn clamped(ctx: &TraceContext, contribution: Vec3, bounces: u32) -> Vec3 {
+    if bounces == 0 {
+        return contribution;
+    }
+    contribution * (ctx.frame.clamp / contribution.max_element().max(ctx.frame.clamp))
+}
+
+/// Radiance of the sky and the suns for an escaping path, times its MIS weight.
+pub(super) fn escaped_radiance(ctx: &TraceContext, path: &Path) -> Vec3 {
+    let (sky, direction) = (&ctx.scene.sky, path.ray.direction);
+    if path.passed_clear_glass {
+        // Shadow rays have already contributed suns and a sampled sky.
+        return match sky.radiance(direction) {
+            (radiance, None) => radiance,
+            _ => Vec3::ZERO,
+        };
+    }
+    light_sampling::sky_radiance(sky, ctx.config.direct_lighting, direction, path.scatter_pdf)
+        + light_sampling::sun_radiance(ctx, direction, path.scatter_pdf)
+}

@@ -1,0 +1,175 @@
+//! Participating media of a scene: those of its solids, the fog between them, and the medium around the camera.
+
+use super::flag_if;
+use glam::Vec3;
+use pathmarch_field::Field;
+use pathmarch_scene::materials::Material;
+use pathmarch_scene::{Medium as SceneMedium, Scene};
+
+/// A solid in the count of solids around a point.
+const SOLID: u32 = 1;
+/// A solid that displaces the fog, in the same count.
+const DISPLACES: u32 = 1 << 16;
+
+/// Medium, or the sum of the media of overlapping solids. Coefficients are per metre.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Medium {
+    pub(crate) absorption: Vec3,
+    pub(crate) scattering: Vec3,
+    /// Anisotropy times the mean of the channels of `scattering`. In a sum, the anisotropy is the mean of the media,
+    /// weighted by their scattering.
+    pub(crate) forward: f32,
+    /// Emitted radiance, W/(m³ sr).
+    pub(crate) emission: Vec3,
+    /// Number of solids in the lower half, number of solids that displace the fog in the upper half.
+    pub(crate) solids: u32,
+}
+
+impl Medium {
+    /// Number of words of [`words`](Self::words).
+    pub(crate) const WORDS: usize = 11;
+
+    fn new(medium: &SceneMedium) -> Self {
+        let scattering = Vec3::from(medium.scattering);
+        Self {
+            absorption: Vec3::from(medium.absorption),
+            scattering,
+            forward: mean(scattering) * medium.anisotropy,
+            emission: Vec3::from(medium.emission),
+            solids: 0,
+        }
+    }
+
+    /// Medium of the solids of a material. Surfaces displace the fog, boundaries of media do not.
+    fn of_material(material: &Material) -> Self {
+        let solids = SOLID + flag_if(DISPLACES, material.kind.has_surface);
+        let medium = if material.transmits() { material.medium() } else { SceneMedium::VACUUM };
+        Self { solids, ..Self::new(&medium) }
+    }
+
+    /// True if it changes any light.
+    fn acts(&self) -> bool {
+        [self.absorption, self.scattering, self.emission].iter().any(|channels| *channels != Vec3::ZERO)
+    }
+
+    /// Sum of two media.
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            absorption: self.absorption + other.absorption,
+            scattering: self.scattering + other.scattering,
+            forward: self.forward + other.forward,
+            emission: self.emission + other.emission,
+            solids: self.solids + other.solids,
+        }
+    }
+
+    /// Solids around a path after it crosses the surface of one. None are left when it has left all that it entered, so
+    /// that rounding errors do not remain.
+    #[inline]
+    pub(crate) fn beyond(&self, solid: &Self, inside: bool) -> Self {
+        if !inside {
+            return self.plus(solid);
+        }
+        if self.solids & (DISPLACES - 1) <= SOLID {
+            return Self::default();
+        }
+        let displacing = (self.solids / DISPLACES).saturating_sub(solid.solids / DISPLACES);
+        Self {
+            absorption: (self.absorption - solid.absorption).max(Vec3::ZERO),
+            scattering: (self.scattering - solid.scattering).max(Vec3::ZERO),
+            forward: self.forward - solid.forward,
+            emission: (self.emission - solid.emission).max(Vec3::ZERO),
+            solids: (self.solids & (DISPLACES - 1)) - SOLID + DISPLACES * displacing,
+        }
+    }
+
+    /// True within solids that displace the fog.
+    #[inline]
+    pub(crate) fn is_displaced(&self) -> bool {
+        self.solids >= DISPLACES
+    }
+
+    /// Medium around a path within these solids.
+    #[inline]
+    pub(crate) fn with_fog(&self, fog: &Self) -> Self {
+        if self.is_displaced() { *self } else { self.plus(fog) }
+    }
+
+    /// Extinction coefficient: what is absorbed and what is scattered.
+    #[inline]
+    pub(crate) fn extinction(&self) -> Vec3 {
+        self.absorption + self.scattering
+    }
+
+    #[inline]
+    pub(crate) fn scatters(&self) -> bool {
+        self.scattering != Vec3::ZERO
+    }
+
+    #[inline]
+    pub(crate) fn emits(&self) -> bool {
+        self.emission != Vec3::ZERO
+    }
+
+    /// Mean cosine of scattering angles.
+    #[inline]
+    pub(crate) fn anisotropy(&self) -> f32 {
+        (self.forward / mean(self.scattering).max(1e-30)).clamp(-MAX_ANISOTROPY, MAX_ANISOTROPY)
+    }
+
+    /// Words for the kernel, which `stored_medium` of participating_media.wgsl reads.
+    pub(crate) fn words(&self) -> [u32; Self::WORDS] {
+        let [a, s, e] = [self.absorption, self.scattering, self.emission].map(|v| v.to_array().map(f32::to_bits));
+        [a[0], a[1], a[2], s[0], s[1], s[2], e[0], e[1], e[2], self.forward.to_bits(), self.solids]
+    }
+}
+
+crate::wgsl::shared_constants! {
+    /// Largest absolute value of the anisotropy, for which the phase function is finite.
+    const MAX_ANISOTROPY: f32 = 0.9999;
+}
+
+/// Mean of three channels.
+fn mean(channels: Vec3) -> f32 {
+    (channels.x + channels.y + channels.z) * (1.0 / 3.0)
+}
+
+/// Media of a scene.
+#[derive(Clone, Debug)]
+pub(crate) struct Media {
+    /// Medium between the solids.
+    pub(crate) fog: Medium,
+    /// Medium in the solids of each material.
+    pub(crate) of_materials: Vec<Medium>,
+}
+
+impl Media {
+    pub(super) fn new(scene: &Scene) -> Self {
+        Self { fog: Medium::new(&scene.fog), of_materials: scene.materials.iter().map(Medium::of_material).collect() }
+    }
+
+    /// True if some medium scatters or emits light, or is anywhere but in solids with a surface.
+    pub(crate) fn participate(&self) -> bool {
+        let more_than_absorbs = |medium: &Medium| medium.scatters() || medium.emits();
+        self.fog.acts() || self.of_materials.iter().any(|medium| more_than_absorbs(medium) || !medium.is_displaced())
+    }
+}
+
+/// Sum of the media of the solids around a point.
+pub(super) fn medium_at(scene: &Scene, p: [f32; 3]) -> Medium {
+    let p = pathmarch_field::number::Vec3::new(p[0], p[1], p[2]);
+    if scene.materials.iter().all(|material| material.medium() == SceneMedium::VACUUM)
+        && scene.fog == SceneMedium::VACUUM
+    {
+        return Medium::default();
+    }
+    let enclosing = scene.objects.iter().enumerate().filter(|(index, _)| scene.field.contains(*index, p));
+    let materials = enclosing.map(|(_, object)| {
+        let object_field = Field::new(std::slice::from_ref(&object.root));
+        let leaf = &object_field.leaves()[object_field.surface(p, 0).leaf as usize];
+        &scene.materials[leaf.tag as usize]
+    });
+    // Opaque solids around a camera are rooms.
+    let media = materials.filter(|material| material.transmits()).map(Medium::of_material);
+    media.fold(Medium::default(), |sum, medium| sum.plus(&medium))
+}
