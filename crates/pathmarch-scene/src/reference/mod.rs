@@ -72,7 +72,7 @@ const PROPERTIES: [(&str, &[Setting]); 4] =
     [("lens", settings::LENS), ("sky \"day\"", settings::DAY), ("sky", settings::PICTURE), ("mesh", settings::MESH)];
 
 /// Nodes that no table has, with their owner and help.
-const OTHER_NODES: [(&str, &str, &str); 11] = [
+const OTHER_NODES: [(&str, &str, &str); 12] = [
     (MATERIAL_KINDS, "bump", "Texture of heights that turns the normals of a surface."),
     (MATERIAL_KINDS, "orbit-trap", "Colours of a fractal by the orbits of its points."),
     (TEXTURES, "picture", "Picture of a .png or .jpg file."),
@@ -86,8 +86,9 @@ const OTHER_NODES: [(&str, &str, &str); 11] = [
     ("field", "doc", "Help: one sentence."),
 ];
 
+    ("curve", "point", "Point of a curve: `point x y`."),
 /// Properties that no table has, with their owner and help.
-const OTHER_PROPERTIES: [(&str, &str, &str); 15] = [
+const OTHER_PROPERTIES: [(&str, &str, &str); 16] = [
     ("param", "min", "Smallest value that it may have."),
     ("param", "max", "Largest value that it may have."),
     ("param", "doc", "Help: one sentence."),
@@ -99,6 +100,7 @@ const OTHER_PROPERTIES: [(&str, &str, &str); 15] = [
     ("orbit-trap", "x", "Centre of the trap."),
     ("orbit-trap", "y", "Centre of the trap."),
     ("orbit-trap", "z", "Centre of the trap."),
+    ("point", "corner", "Of a curve: makes a corner there."),
     ("orbit-trap", "from", "Value of the first colour."),
     ("orbit-trap", "to", "Value of the last colour."),
     (TEXTURES, "from", "Value of the parameter where the texture is 0."),

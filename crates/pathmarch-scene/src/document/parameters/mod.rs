@@ -19,6 +19,7 @@ use crate::language::read::params;
 use crate::language::tree::{self, Block, Node};
 use crate::materials::{self, Trap};
 use crate::settings::{self, Range, SKY_FORMS, Setting, SettingKind};
+use crate::svg_path::DEFAULT_PATH;
 use crate::text::DEFAULT_TEXT;
 pub(crate) use controls::{material_control, parameter_value};
 use controls::{number_range, setting_control};
@@ -253,8 +254,10 @@ impl List<'_> {
         let custom = custom.map(|name| Cow::Owned(name.to_owned()));
         let alike = registry::solids().filter(is_alike).map(|other| other.info().name.clone()).chain(custom);
         self.kind(alike.collect(), &info.name, info.doc.clone());
-        if info.outline == Some(Outline::Text) {
-            self.text();
+        match info.outline {
+            Some(Outline::Text) => self.text(),
+            Some(Outline::Path) => self.path(),
+            Some(Outline::Points | Outline::Curve) | None => {}
         }
         self.parameters.extend(solids::solid_parameters(solid, self.node, self.values));
         if let Solid::Operator(operator) = solid
@@ -286,6 +289,13 @@ impl List<'_> {
         let control = Control::new(key::TEXT, key::TEXT, doc, ControlKind::Text, words);
         self.push(control.required(), Place::Argument(0));
         let doc = "A .ttf or .otf file, relative to the scene file; the included font when absent.";
+    fn path(&mut self) {
+        let doc = "A path in the notation of SVG: the attribute d of a <path>.";
+        let default = Value::Text(DEFAULT_PATH.to_owned());
+        let control = Control::new(key::PATH, key::PATH, doc, ControlKind::Text, default);
+        self.push(control, Place::Argument(0));
+    }
+
         let control = Control::new(FONT, FONT, doc, ControlKind::Picture, Value::Text(String::new()));
         self.push(control, Place::Property(Cow::Borrowed(FONT)));
     }

@@ -26,6 +26,7 @@ use crate::scene::Object;
 use crate::settings::{self, BLEND};
 use pathmarch_field::Outline;
 use pathmarch_field::graph::Kind;
+use pathmarch_field::outline::NUMBERS_OF_ARC;
 use pathmarch_field::{
     Blend, BlendProfile, Field, Modifier, Node as FieldNode, Operator, Placement, ShapeRef, Solid, registry,
 };
@@ -246,15 +247,21 @@ impl<'m> Solids<'m> {
             Some(Outline::Text) => params.extend(outlines::text(node, font, &mut self.files, context)),
             None => {}
         }
-        let segments = (params.len() - shape.params().len()) / 4;
+        let numbers = match info.outline {
+            Some(Outline::Curve | Outline::Path) => NUMBERS_OF_ARC,
+            _ => 4,
+        };
+        let segments = (params.len() - shape.params().len()) / numbers;
         let fitted = self.segments <= MAX_SEGMENTS;
         self.segments += segments;
         if fitted && self.segments > MAX_SEGMENTS {
+            Some(Outline::Curve) => params.extend(outlines::curve(node, params[0], context)),
+            Some(Outline::Path) => params.extend(outlines::path(node, params[0], context)),
             let message = format!("The outlines of the scene have more than {MAX_SEGMENTS} segments.");
             let mistake = draft("pathmarch::too_large", node.name.span, message).label("too many with this");
             context.report.add(mistake.help("Write less: a letter has about a hundred."));
         }
-        let has_points = info.outline == Some(Outline::Points);
+        let has_points = info.outline.is_some_and(Outline::has_points);
         let mut placement = Placements::default();
         for child in node.child_nodes() {
             if placement.take(child, info.facing, context) || has_points && child.name.value == POINT {
