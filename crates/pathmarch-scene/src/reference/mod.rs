@@ -68,8 +68,15 @@ const TABLES: [(&str, &[Setting]); 8] = [
 ];
 
 /// Tables of settings that are properties, with their node.
-const PROPERTIES: [(&str, &[Setting]); 4] =
-    [("lens", settings::LENS), ("sky \"day\"", settings::DAY), ("sky", settings::PICTURE), ("mesh", settings::MESH)];
+const PROPERTIES: [(&str, &[Setting]); 7] = [
+    ("lens", settings::LENS),
+    ("sky \"day\"", settings::DAY),
+    ("sky", settings::PICTURE),
+    ("mesh", settings::MESH),
+    ("object", settings::VISIBILITY),
+    ("sun", settings::VISIBILITY),
+    ("point", settings::VISIBILITY),
+];
 
 /// Nodes that no table has, with their owner and help.
 const OTHER_NODES: [(&str, &str, &str); 12] = [
@@ -79,6 +86,7 @@ const OTHER_NODES: [(&str, &str, &str); 12] = [
     (TEXTURES, "colour", "Colour of a ramp, from the lowest value to the highest."),
     (IN_OBJECTS, "mesh", "Triangles of a mesh file, or their distance field."),
     ("polygon", "point", "Corner of a polygon: `point x y`."),
+    ("curve", "point", "Point of a curve: `point x y`."),
     ("field", "lipschitz", "Largest length of the gradient; 1 for an exact distance."),
     ("field", "bounds", "Edges of a box around the origin that cuts the solid, or \"none\"."),
     ("field", "wgsl", "Code in WGSL, with `fn distance(p: vec3f) -> f32`."),
@@ -86,13 +94,13 @@ const OTHER_NODES: [(&str, &str, &str); 12] = [
     ("field", "doc", "Help: one sentence."),
 ];
 
-    ("curve", "point", "Point of a curve: `point x y`."),
 /// Properties that no table has, with their owner and help.
 const OTHER_PROPERTIES: [(&str, &str, &str); 16] = [
     ("param", "min", "Smallest value that it may have."),
     ("param", "max", "Largest value that it may have."),
     ("param", "doc", "Help: one sentence."),
     ("glsl", "entry", "Name of the distance function."),
+    ("point", "corner", "Of a curve: makes a corner there."),
     ("text", "font", "Path of a .ttf, .otf or .ttc file, relative to the scene file."),
     ("picture", "size", "Width of the picture, metres. Default 1."),
     ("bump", "height", "Height of the texture's largest value, metres."),
@@ -100,7 +108,6 @@ const OTHER_PROPERTIES: [(&str, &str, &str); 16] = [
     ("orbit-trap", "x", "Centre of the trap."),
     ("orbit-trap", "y", "Centre of the trap."),
     ("orbit-trap", "z", "Centre of the trap."),
-    ("point", "corner", "Of a curve: makes a corner there."),
     ("orbit-trap", "from", "Value of the first colour."),
     ("orbit-trap", "to", "Value of the last colour."),
     (TEXTURES, "from", "Value of the parameter where the texture is 0."),

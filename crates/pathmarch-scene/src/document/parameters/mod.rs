@@ -58,12 +58,19 @@ pub(crate) fn parameters(
         }
         ItemKind::Render => list.nodes(settings::RENDER),
         ItemKind::Sky => list.sky(),
-        ItemKind::Sun => list.nodes(settings::SUN),
-        ItemKind::Point => list.nodes(settings::POINT),
+        ItemKind::Sun => {
+            list.nodes(settings::SUN);
+            list.properties(settings::VISIBILITY);
+        }
+        ItemKind::Point => {
+            list.nodes(settings::POINT);
+            list.properties(settings::VISIBILITY);
+        }
         ItemKind::Material => list.material(),
         ItemKind::Object => {
             list.name("");
             list.material_of(file, "Material of the shapes that name no other.");
+            list.properties(settings::VISIBILITY);
         }
         ItemKind::Shape | ItemKind::Operator => {
             if node.name.value == MESH {
@@ -282,13 +289,6 @@ impl List<'_> {
         self.placement(false);
     }
 
-    /// Words and font of a text.
-    fn text(&mut self) {
-        let words = Value::Text(DEFAULT_TEXT.to_owned());
-        let doc = "Words of the text; \\n begins another line.";
-        let control = Control::new(key::TEXT, key::TEXT, doc, ControlKind::Text, words);
-        self.push(control.required(), Place::Argument(0));
-        let doc = "A .ttf or .otf file, relative to the scene file; the included font when absent.";
     fn path(&mut self) {
         let doc = "A path in the notation of SVG: the attribute d of a <path>.";
         let default = Value::Text(DEFAULT_PATH.to_owned());
@@ -296,6 +296,13 @@ impl List<'_> {
         self.push(control, Place::Argument(0));
     }
 
+    /// Words and font of a text.
+    fn text(&mut self) {
+        let words = Value::Text(DEFAULT_TEXT.to_owned());
+        let doc = "Words of the text; \\n begins another line.";
+        let control = Control::new(key::TEXT, key::TEXT, doc, ControlKind::Text, words);
+        self.push(control.required(), Place::Argument(0));
+        let doc = "A .ttf or .otf file, relative to the scene file; the included font when absent.";
         let control = Control::new(FONT, FONT, doc, ControlKind::Picture, Value::Text(String::new()));
         self.push(control, Place::Property(Cow::Borrowed(FONT)));
     }
