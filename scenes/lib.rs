@@ -58,6 +58,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "" "textures" "jpg" "Every texture, as colours and as a relief.";
     "" "operators" "jpg" "Twisted, bent, repeated, hollow and round.";
     "" "lathe" "jpg" "Profiles, turned on a lathe and drawn out.";
+    "" "candle-light" "jpg" "A wine glass in five points, and a candle.";
     "" "letters" "jpg" "Letters of a font, in low light.";
     "" "seams" "jpg" "Soft, round, chamfered and stepped seams.";
     "" "molten" "jpg" "Coloured clay, melted together.";

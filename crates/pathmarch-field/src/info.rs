@@ -33,6 +33,21 @@ pub enum Outline {
     Points,
     /// Glyphs of a font.
     Text,
+    /// Points of a smooth curve.
+    Curve,
+    /// Path in the notation of SVG.
+    Path,
+}
+
+impl Outline {
+    /// True if it is given by points.
+    pub const fn has_points(self) -> bool {
+        matches!(self, Self::Points | Self::Curve)
+    }
+    /// True if its argument is a string.
+    pub const fn has_string(self) -> bool {
+        matches!(self, Self::Text | Self::Path)
+    }
 }
 
 impl Info {

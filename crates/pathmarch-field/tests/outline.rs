@@ -3,7 +3,7 @@
 use crate::sampling::{self, Random, lanes};
 use pathmarch_field::graph::Kind;
 use pathmarch_field::number::{Dual, Vec3};
-use pathmarch_field::outline::{Fill, contour, has_area};
+use pathmarch_field::outline::{Cubic, Fill, SplinePoint, arcs, contour, has_area, smooth, through};
 use pathmarch_field::registry::shape;
 use pathmarch_field::wgsl::Program;
 use pathmarch_field::{Aabb, Field, Node, Placement, Shape};
@@ -278,4 +278,149 @@ fn cost_does_not_grow_with_the_outline() {
             assert!((packed[k] - shape.distance(*p, &table)).abs() < 1e-6);
         }
     }
+}
+
+fn curve_shape(name: &str, width: f32, curves: &[Cubic]) -> (&'static dyn Shape, Vec<f32>) {
+    let shape = shape(name).expect("registered");
+    let table = shape.coefficients(&[&[width][..], &arcs(curves)].concat());
+    (shape, table)
+}
+
+/// Points along Bézier curves, so near to each other that the chords between them are within a millionth.
+fn sampled(curves: &[Cubic]) -> Vec<f32> {
+    let at = |Cubic(points): &Cubic, t: f32| {
+        let s = 1.0 - t;
+        let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+        [0, 1].map(|k| weights.iter().zip(points).map(|(weight, point)| weight * point[k]).sum::<f32>())
+    };
+    let parts = |curve: &Cubic| (0..=400).map(|k| at(curve, k as f32 / 400.0)).collect::<Vec<_>>();
+    curves
+        .iter()
+        .flat_map(|curve| {
+            parts(curve).windows(2).flat_map(|p| [p[0][0], p[0][1], p[1][0], p[1][1]]).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// A drop, a curve with corners, one that crosses itself, a ring of four Bézier arcs with a hole.
+fn curves() -> Vec<(&'static str, Vec<Cubic>)> {
+    let corner = |x: f32, y: f32, is_corner: bool| SplinePoint { at: [x, y], is_corner };
+    let kappa = 0.552_284_8;
+    let ring = |r: f32, back: bool| {
+        let quarter = |[ax, ay]: [f32; 2], [bx, by]: [f32; 2]| {
+            let toward = |p: [f32; 2], q: [f32; 2]| [p[0] + kappa * q[0], p[1] + kappa * q[1]];
+            let points = [[ax, ay], toward([ax, ay], [bx, by]), toward([bx, by], [ax, ay]), [bx, by]];
+            Cubic(points.map(|p| p.map(|v| v * r)))
+        };
+        let ends = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+        let all = (0..4)
+            .map(|k| if back { quarter(ends[(k + 1) % 4], ends[k]) } else { quarter(ends[k], ends[(k + 1) % 4]) });
+        if back { all.rev().collect::<Vec<_>>() } else { all.collect() }
+    };
+    vec![
+        ("drop", smooth(&[[0.0, -0.5], [0.4, -0.1], [0.1, 0.3], [0.0, 0.6], [-0.1, 0.3], [-0.4, -0.1]], true)),
+        (
+            "corners",
+            through(
+                &[
+                    corner(-0.5, -0.5, true),
+                    corner(0.6, -0.4, true),
+                    corner(0.1, 0.0, false),
+                    corner(0.5, 0.5, true),
+                    corner(-0.4, 0.6, false),
+                ],
+                true,
+            ),
+        ),
+        ("eight", smooth(&[[-0.6, -0.4], [0.6, 0.4], [0.6, -0.4], [-0.6, 0.4]], true)),
+        ("ring", [ring(0.8, false), ring(0.4, true)].concat()),
+    ]
+}
+
+#[test]
+fn curves_have_the_distance_of_finely_sampled_ones() {
+    for (name, curves) in curves() {
+        let segments = sampled(&curves);
+        let nearest =
+            |at: [f64; 2]| segments.chunks_exact(4).map(|s| to_segment(at, s)).fold(f64::INFINITY, f64::min) as f32;
+        for (shape_name, fill) in [("curve", Fill::EvenOdd), ("path", Fill::NonZero)] {
+            let (shape, filled) = curve_shape(shape_name, 0.0, &curves);
+            let (_, line) = curve_shape(shape_name, 0.1, &curves);
+            let bounds = shape.bounds(&filled);
+            let mut random = Random::new(7);
+            let mut inside = 0;
+            for _ in 0..3000 {
+                let p = random.point(Aabb::centred(1.2, 1.2, 1.0));
+                let at = [f64::from(p.x), f64::from(p.y)];
+                let (distance, to_line) = (shape.distance(p, &filled), shape.distance(p, &line));
+                let exact = nearest(at);
+                let is_inside = is_inside(at, &segments, fill);
+                if exact > 1e-4 {
+                    assert_eq!(distance < 0.0, is_inside, "{name} {fill:?} {p:?}: {distance}, {exact}");
+                }
+                // A part of an outline that crosses itself may be no border of an area.
+                let in_cells = p.x.abs().max(p.y.abs()) < 0.6;
+                if in_cells && (name != "eight" || fill == Fill::EvenOdd) {
+                    assert!((distance.abs() - exact).abs() < 1e-5, "{name} {fill:?} {p:?}: {distance} for {exact}");
+                    assert!((to_line - (exact - 0.05)).abs() < 1e-5, "{name} {p:?}: {to_line} for {exact} less 0.05");
+                }
+                assert!(distance <= exact + 1e-5 || fill == Fill::NonZero, "{name} {p:?}: {distance} for {exact}");
+                if is_inside && exact > 1e-4 {
+                    assert!(
+                        (0..2).all(|k| [p.x, p.y][k] >= bounds.min[k] && [p.x, p.y][k] <= bounds.max[k]),
+                        "{name} {p:?}"
+                    );
+                }
+                inside += u32::from(distance < 0.0);
+                let field = shape.gradient(Dual::variables(p), &filled);
+                assert!(
+                    (field.value - distance).abs() < 1e-5 && field.gradient.length() < 1.0 + 1e-3,
+                    "{name} {p:?}: {field:?}"
+                );
+            }
+            assert!(inside > 100, "{name}: {inside} inside");
+        }
+    }
+}
+
+/// Where a polygon of as many chords has steps of degrees.
+#[test]
+fn normals_of_curves_have_no_steps() {
+    let circle: Vec<[f32; 2]> =
+        (0..8).map(|k| (k as f32 * std::f32::consts::FRAC_PI_4).sin_cos()).map(|(y, x)| [x, y]).collect();
+    let (shape, table) = curve_shape("curve", 0.0, &smooth(&circle, true));
+    let count = 20_000;
+    let normal = |k: i32| {
+        let (y, x) = (k as f32 / count as f32 * std::f32::consts::TAU).sin_cos();
+        // On the surface: the distance is followed along its gradient.
+        let mut p = Vec3::new(x, y, 0.0);
+        for _ in 0..4 {
+            let field = shape.gradient(Dual::variables(p), &table);
+            p = p - field.gradient * field.value;
+        }
+        shape.gradient(Dual::variables(p), &table).gradient
+    };
+    let steps = (0..count).map(|k| (normal(k + 1) - normal(k)).length()).fold(0.0, f32::max);
+    // Evenly spread, a step is 0.0003.
+    assert!(steps < 0.0015, "{steps}");
+}
+
+#[test]
+fn splines_go_through_their_points_and_lines_have_round_ends() {
+    let points = [[0.04, 0.003], [0.004, 0.02], [0.004, 0.09], [0.045, 0.14], [0.036, 0.22]];
+    let (shape, table) = curve_shape("curve", 0.006, &smooth(&points, false));
+    for [x, y] in points {
+        assert!((shape.distance(Vec3::new(x, y, 0.0), &table) + 0.003).abs() < 1e-6);
+    }
+    // Above the last point the nearest one is that point.
+    let end: f32 = shape.distance(Vec3::new(0.036, 0.24, 0.0), &table);
+    assert!((end - 0.017).abs() < 1e-6, "{end}");
+    // A corner stays one: the ends of two lines.
+    let corner = |is_corner| {
+        let at = |x: f32, y: f32, is_corner| SplinePoint { at: [x, y], is_corner };
+        let curves = through(&[at(0.0, 0.0, false), at(1.0, 0.0, is_corner), at(1.0, 1.0, false)], false);
+        let (shape, table) = curve_shape("curve", 0.02, &curves);
+        shape.distance(Vec3::new(0.5, 0.0, 0.0), &table)
+    };
+    assert!((corner(true) + 0.01_f32).abs() < 1e-6 && corner(false) > 0.0_f32);
 }

@@ -67,6 +67,8 @@ fn description(info: &Info) -> Value {
     let outline = info.outline.map(|outline| match outline {
         Outline::Points => "points",
         Outline::Text => "text",
+        Outline::Curve => "curve",
+        Outline::Path => "path",
     });
     json!({
         "name": info.name, "doc": info.doc, "source": info.source, "exact": info.exact, "size_params": info.size_params,

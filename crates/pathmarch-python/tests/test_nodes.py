@@ -39,7 +39,8 @@ def value_of(param):
 @pytest.mark.parametrize("entry", entries("shapes"))
 def test_every_shape_is_read_as_it_is_written(entry):
     function = getattr(nodes, python_name(entry["name"]))
-    required = {"points": [[(0, 0), (1, 0), (0, 1)]], "text": ["ab"]}.get(entry["outline"], [])
+    points = [[(0, 0), (1, 0), (0, 1)]]
+    required = {"points": points, "curve": points, "text": ["ab"], "path": ["M 0 0 H 1 V 1 Z"]}.get(entry["outline"], [])
     solids = [function(*required)]
     for param in entry["params"]:
         if entry["name"] not in ("rounded-box", "rectangle"):

@@ -28,6 +28,7 @@ pub mod settings;
 pub mod sky;
 mod source;
 mod source_text;
+mod svg_path;
 mod text;
 pub mod textures;
 

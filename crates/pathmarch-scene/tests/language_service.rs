@@ -218,3 +218,18 @@ fn misspelt_names_have_a_suggestion() {
     let suggestions: Vec<Option<&str>> = open.mistakes().iter().map(|mistake| mistake.suggestion.as_deref()).collect();
     assert_eq!(suggestions, [Some("roughness"), Some("gold")]);
 }
+
+/// Editors of documents get the same answers, and the document keeps what it has read.
+#[test]
+fn documents_answer_as_texts_do() {
+    use pathmarch_scene::document::Document;
+    use pathmarch_scene::language_service::in_document;
+    let (mut open, at) = open(&with("bolt head=0.3", "sph|"));
+    let mut document = Document::new("scene.kdl", open.text());
+    let before = document.revision();
+    assert_eq!(in_document::completions(&mut document, at), open.completions(at));
+    assert!(in_document::completions(&mut document, at).list.iter().any(|name| name.label == "sphere"));
+    assert_eq!(in_document::hover(&mut document, at - 1), open.hover(at - 1));
+    assert_eq!(in_document::colours(&mut document), open.colours());
+    assert_eq!((document.revision(), document.text()), (before, open.text()));
+}

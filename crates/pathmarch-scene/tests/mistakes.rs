@@ -170,6 +170,13 @@ text \"ab\" font=\"Cargo.toml\"; circle { point 0 0 }; text font=\"tests\" } }
 object \"b\" { polygon; text \"c\" }"
 );
 body!(
+    curves,
+    "object \"a\" { extrude { curve { point 0 0; point 1 0 }; curve 0.1 { point 0 0 }; curve { point 0 0; point 1 1; point 2 2 }
+curve -1 { point 0; point 1 2 3; point 1 2 corner=1; point 1 2 korner=#true { at 0 0 0 } }; curve 1 2 { point 0 0; point 0 0 }
+path \"M 0 0 L 1\"; path \"\"; path 3; path \"M 0 0 L 1 1\"; path \"M 0 0 L 1e9 1 L 0 1\"; path \"M 0 0 1 1 1 0\" width=-1 } }
+object \"b\" hidden=1 { sphere { at \"keys(t, 0, 1, 0, 2)\" 0 0 } }"
+);
+body!(
     unused_arguments,
     "object \"a\" \"b\" { sphere 1 2; plane 3 4; union 0.1 { sphere { at 1 2 3 4 } } }
 render 5 { samples 1 2 }"

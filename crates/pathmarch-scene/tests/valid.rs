@@ -297,6 +297,57 @@ fn polygons_and_texts() {
     assert!(lines.min[1].abs() < 0.02 && lines.max[1] > 1.3, "{lines:?}");
 }
 
+/// Curves and paths, by what they contain.
+#[test]
+fn curves_and_paths() {
+    use pathmarch_field::number::Vec3;
+    let field = |text: &str| body(&format!("object \"o\" {{ extrude 0.5 {{ {text} }} }}")).field;
+    let distance = |text: &str, x: f32, y: f32| -> f32 { field(text).distance(Vec3::new(x, y, 0.0)) };
+    let square = |corner: &str| {
+        let point = |x, y| format!("point {x} {y} {corner};");
+        format!("curve {{ {} {} {} {} }}", point(-1, -1), point(1, -1), point(1, 1), point(-1, 1))
+    };
+    // With corners it is the square; without, its sides bulge by a quarter.
+    assert!((distance(&square("corner=#true"), 1.5, 0.0) - 0.5).abs() < 1e-5);
+    assert!(distance(&square(""), 1.2, 0.0) < 0.0 && distance(&square(""), 1.3, 0.0) > 0.0);
+    // A line is where its points are, and has no inside; one that returns is closed.
+    let line = "curve 0.2 { point 0 0; point 1 0; point 2 1; at 0 1 0 }";
+    assert!((distance(line, 1.0, 1.0) + 0.1).abs() < 1e-5 && (distance(line, -0.5, 1.0) - 0.4).abs() < 1e-5);
+    let ring = "curve width=0.1 { point 1 0; point 0 1; point -1 0; point 0 -1; point 1 0 }";
+    assert!(
+        distance(ring, 0.0, 0.0) > 0.8 && distance(ring, 0.625, -0.625) < 0.0 && distance(ring, 0.625, 0.625) < 0.0
+    );
+    // y points up; arcs, curves, relative commands; holes wind the other way.
+    let path = "path \"M0 0h2v-1H0z m.5-.25h1v-.5h-1z\"";
+    assert!(distance(path, 0.25, 0.5) < 0.0 && distance(path, 1.0, 0.1) < 0.0 && distance(path, 1.0, -0.5) > 0.0);
+    let holed = "path \"M0 0h2v-1H0z m.5-.25v-.5h1v.5z\"";
+    assert!(distance(holed, 1.0, 0.5) > 0.0 && distance(holed, 0.25, 0.5) < 0.0);
+    let circle = "path \"M-1 0A1 1 0 0 1 1 0A1 1 0 0 1-1 0\"";
+    for k in 0..40 {
+        let (y, x) = (k as f32 * 0.157).sin_cos();
+        // A Bézier curve of a quarter is within 0.00027 of the circle.
+        assert!((distance(circle, 1.2 * x, 1.2 * y) - 0.2).abs() < 5e-4);
+    }
+    let wire = "path \"M0 0C0-1 1-1 1 0\" width=0.1";
+    assert!((distance(wire, 0.5, 0.75) + 0.05).abs() < 1e-3 && distance(wire, 0.5, 0.2) > 0.0);
+}
+
+/// A hidden object or light is as if it were not there, but for mistakes in it.
+#[test]
+fn hidden_nodes_are_left_out() {
+    let scene = |hidden: &str| {
+        body(&format!(
+            "sun {hidden} {{ direction 0 1 0; irradiance 1 }}\npoint {hidden} {{ at 0 3 0; intensity 5 }}
+object \"a\" {hidden} {{ sphere 1; box 1 }}\nobject \"b\" {{ sphere 2 }}"
+        ))
+    };
+    let (all, some) = (scene("hidden=#false"), scene("hidden=#true"));
+    assert_eq!((all.lights.len(), all.objects.len(), all.field.leaves().len()), (2, 2, 3));
+    assert_eq!((some.lights.len(), some.objects.len(), some.field.leaves().len()), (0, 1, 1));
+    let text = "pathmarch 1\ncamera { position 0 0 5; target 0 0 0 }\nobject \"a\" hidden=#true { sphere -1 }";
+    assert!(Scene::parse("scene.kdl", text).is_err());
+}
+
 /// The scenes that both backends are compared on: right, small, and seen from outside.
 #[test]
 fn random_scenes_are_valid() {
@@ -320,8 +371,8 @@ fn random_scenes_are_valid() {
         assert_eq!(text, random_scenes::random_scene(number));
     }
     println!("{leaves} shapes of {} kinds", shapes.len());
-    // But for what has no end, texts and polygons, all kinds of shapes and operators occur.
-    assert!(shapes.len() >= registry::solids().count() - 5, "{shapes:?}");
+    // But for what has no end and drawn outlines, all kinds of shapes and operators occur.
+    assert!(shapes.len() >= registry::solids().count() - 7, "{shapes:?}");
 }
 
 /// The scenes of the tutorial have neither mistakes nor warnings, and each has more to see than the one before.

@@ -61,6 +61,8 @@ shapes!(
     star;
     &outline:
     polygon,
+    curve,
+    path,
     text,
 );
 

@@ -107,7 +107,13 @@ def _shapes() -> Iterator[Function]:
         common = _free((MATERIAL, *PLACEMENT, *(NORMAL if entry["facing"] else ())), parameters)
         name, doc = _python_name(entry["name"]), entry["doc"]
         if entry["outline"] == "points":
-            yield Function(name, doc, _polygon(common), (POINTS,), "", common, _notes(entry))
+            yield Function(name, doc, _drawn(entry["name"], common), (POINTS,), "", common, _notes(entry))
+        elif entry["outline"] == "curve":
+            common = (*parameters, *common)
+            yield Function(name, doc, _drawn(entry["name"], common), (SPLINE,), "", common, _notes(entry))
+        elif entry["outline"] == "path":
+            common = (*parameters, *common)
+            yield Function(name, doc, _solid(entry["name"], common), (PATH,), "", common, _notes(entry))
         elif entry["outline"] == "text":
             common = (*parameters, FONT, *common)
             yield Function(name, doc, _solid(entry["name"], common), (WORDS,), "", common, _notes(entry))
@@ -118,6 +124,8 @@ def _shapes() -> Iterator[Function]:
 
 
 POINTS = Parameter("points", "point", "points", "Corners (x, y); at least three.", required=True)
+SPLINE = Parameter("points", "point", "points", "Points (x, y) on the curve; at least three.", required=True)
+PATH = Parameter("d", "path", "text", "A path in the notation of SVG.", required=True)
 WORDS = Parameter("text", "text", "text", "Words of the text; a line break begins another line.", required=True)
 FONT = Parameter(
     "font", "font", "text", "A .ttf or .otf file, relative to the scene file; the included font without it."
@@ -125,11 +133,11 @@ FONT = Parameter(
 FILE = Parameter("file", "file", "text", "A file, relative to the scene file.", required=True)
 
 
-def _polygon(common: Sequence[Parameter]) -> Any:
+def _drawn(name: str, common: Sequence[Parameter]) -> Any:
     def build(positional: List[Any], children: Sequence[Node], given: Dict[str, Any]) -> Node:
         points = positional[0] if positional else given.pop("points")
         corners = [Node("point", flat(point)) for point in points]
-        return Node("polygon", (), properties_of(common, given), [*corners, *nodes_of(common, given)], is_solid=True)
+        return Node(name, (), properties_of(common, given), [*corners, *nodes_of(common, given)], is_solid=True)
 
     return build
 

@@ -43,6 +43,8 @@ __all__ = [
     "rectangle",
     "star",
     "polygon",
+    "curve",
+    "path",
     "text",
     "mesh",
     "union",
@@ -416,6 +418,28 @@ def polygon(
     scale: Optional[_Number] = None,
 ) -> Node:
     """Profile: what the lines between points go around."""
+
+def curve(
+    points: Sequence[_Vector],
+    *,
+    width: _Number = 0,
+    material: Optional[_Material] = None,
+    at: Optional[_Vector] = None,
+    rotate: Optional[_Vector] = None,
+    scale: Optional[_Number] = None,
+) -> Node:
+    """Profile: a smooth curve through points, filled or drawn as a line."""
+
+def path(
+    d: str,
+    *,
+    width: _Number = 0,
+    material: Optional[_Material] = None,
+    at: Optional[_Vector] = None,
+    rotate: Optional[_Vector] = None,
+    scale: Optional[_Number] = None,
+) -> Node:
+    """Profile: a path in the notation of SVG, filled or drawn as a line; y points up."""
 
 def text(
     text: str,

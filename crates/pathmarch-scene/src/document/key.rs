@@ -18,6 +18,8 @@ pub const SCALE: &str = "place.scale";
 pub const NORMAL: &str = "place.normal";
 /// Words of a text.
 pub const TEXT: &str = "text";
+/// Notation of a path.
+pub const PATH: &str = "path";
 /// Value of a parameter.
 pub const VALUE: &str = "value";
 /// Last part, behind a dot, of the key that chooses the texture of a parameter.

@@ -38,7 +38,7 @@ pub use control::{Addition, Control, ControlKind, Group, NumberRange, Value};
 pub use edits::presets::{PRESETS, Preset};
 use edits::transaction::Transaction;
 use edits::write::check::{check, keeping_formulas};
-use edits::{additions, camera, combine, kinds, presets, structure};
+use edits::{additions, camera, combine, keyframes, kinds, presets, structure};
 pub use error::EditError;
 use history::History;
 use parameters::{Parameter, Place, parameters};
@@ -168,6 +168,13 @@ impl Document {
             _ => self.refresh(),
         }
     }
+    /// Nodes and values of the text, and the files that it has read, which [`Self::take_back`] returns.
+    pub(crate) fn lend(&mut self) -> (Option<Block<'static>>, Values, Assets) {
+        (self.reading.file.clone(), self.reading.values.clone(), std::mem::take(&mut self.assets))
+    }
+    pub(crate) fn take_back(&mut self, assets: Assets) {
+        self.assets = assets;
+    }
     /// The text.
     pub fn text(&self) -> &str {
         &self.text
@@ -226,6 +233,7 @@ impl Document {
             return self.erase(path, parameter, gesture);
         }
         check(&parameter, &value)?;
+        let value = keyframes::keyed(&parameter.control, &value, self.moment.seconds).unwrap_or(value);
         let value = keeping_formulas(&parameter, value)?;
         if value == parameter.control.value {
             return Ok(());
@@ -247,11 +255,29 @@ impl Document {
             }),
         }
     }
+    /// Sets a key of a parameter: its present value at the present moment, as in `keys(t, 0, 1, 2, 5)`. From then on,
+    /// [`Self::set`] sets keys of it, too.
+    pub fn set_key(&mut self, path: &Path, key: &str, gesture: Option<u64>) -> Result<(), EditError> {
+        let parameter = self.transaction()?.parameter(path, key)?;
+        let value = keyframes::with_keys(&parameter.control, self.moment.seconds)?;
+        self.set(path, key, value, gesture)
+    }
+    /// Times of the keys of a node's parameters in seconds, each once and in order.
+    pub fn key_times(&self, path: &Path) -> Vec<f64> {
+        let mut times: Vec<f64> = self.controls(path).iter().flat_map(keyframes::times).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
     /// Removes a parameter from the text, so that it has its default; an argument that others follow is given that. What
     /// must be given cannot be reset.
     pub fn reset(&mut self, path: &Path, key: &str) -> Result<(), EditError> {
+        self.reset_in(path, key, None)
+    }
+    /// The same as a part of an undo step, as in [`Self::set`].
+    pub fn reset_in(&mut self, path: &Path, key: &str, undo_group: Option<u64>) -> Result<(), EditError> {
         let parameter = self.transaction()?.parameter(path, key)?;
-        self.erase(path, parameter, None)
+        self.erase(path, parameter, undo_group)
     }
     /// Additions to a node, or to the file.
     pub fn additions(&self, parent: Option<&Path>) -> Vec<Addition> {
@@ -397,7 +423,7 @@ impl Document {
     }
     /// The node of the object with this index in the scene, while the text is a scene.
     pub fn path_of_object(&self, object: usize) -> Option<Path> {
-        let mut objects = self.reading.outline.iter().filter(|item| item.kind == ItemKind::Object);
+        let mut objects = self.reading.outline.iter().filter(|item| item.kind == ItemKind::Object && !item.hidden);
         objects.nth(object).map(|item| item.path.clone())
     }
     /// Indexes of the field's leaves that are in this node.

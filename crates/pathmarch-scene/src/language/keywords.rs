@@ -24,8 +24,10 @@ pub(crate) const PLACEMENT: &[&str] =
     &[settings::PLACEMENT[0].name, settings::PLACEMENT[1].name, settings::PLACEMENT[2].name];
 /// Node in shapes that may face a direction.
 pub(crate) const NORMAL: &str = settings::NORMAL.name;
-/// Node in polygons.
+/// Node in polygons and curves.
 pub(crate) const POINT: &str = "point";
+/// Property of a curve's point.
+pub(crate) const CORNER: &str = "corner";
 /// Shape of a mesh file.
 pub(crate) const MESH: &str = "mesh";
 /// Property of texts that names a font.

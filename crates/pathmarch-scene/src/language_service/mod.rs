@@ -12,7 +12,9 @@ mod colours;
 mod completion;
 mod declarations;
 mod definition;
+mod highlight;
 mod hover;
+pub mod in_document;
 mod locate;
 mod symbols;
 
@@ -24,6 +26,7 @@ use crate::scene::Moment;
 pub use colours::{TextColour, display_colour, written_colours};
 pub use completion::{Completion, CompletionKind, Completions};
 pub use definition::Definition;
+pub use highlight::{Token, TokenKind, highlight};
 pub use hover::Hover;
 pub use symbols::{Symbol, SymbolKind};
 

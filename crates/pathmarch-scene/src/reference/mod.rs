@@ -69,17 +69,25 @@ const TABLES: [(&str, &[Setting]); 9] = [
 ];
 
 /// Tables of settings that are properties, with their node.
-const PROPERTIES: [(&str, &[Setting]); 4] =
-    [("lens", settings::LENS), ("sky \"day\"", settings::DAY), ("sky", settings::PICTURE), ("mesh", settings::MESH)];
+const PROPERTIES: [(&str, &[Setting]); 7] = [
+    ("lens", settings::LENS),
+    ("sky \"day\"", settings::DAY),
+    ("sky", settings::PICTURE),
+    ("mesh", settings::MESH),
+    ("object", settings::VISIBILITY),
+    ("sun", settings::VISIBILITY),
+    ("point", settings::VISIBILITY),
+];
 
 /// Nodes that no table has, with their owner and help.
-const OTHER_NODES: [(&str, &str, &str); 11] = [
+const OTHER_NODES: [(&str, &str, &str); 12] = [
     (MATERIAL_KINDS, "bump", "Texture of heights that turns the normals of a surface."),
     (MATERIAL_KINDS, "orbit-trap", "Colours of a fractal by the orbits of its points."),
     (TEXTURES, "picture", "Picture of a .png or .jpg file."),
     (TEXTURES, "colour", "Colour of a ramp, from the lowest value to the highest."),
     (IN_OBJECTS, "mesh", "Triangles of a mesh file, or their distance field."),
     ("polygon", "point", "Corner of a polygon: `point x y`."),
+    ("curve", "point", "Point of a curve: `point x y`."),
     ("field", "lipschitz", "Largest length of the gradient; 1 for an exact distance."),
     ("field", "bounds", "Edges of a box around the origin that cuts the solid, or \"none\"."),
     ("field", "wgsl", "Code in WGSL, with `fn distance(p: vec3f) -> f32`."),
@@ -88,11 +96,12 @@ const OTHER_NODES: [(&str, &str, &str); 11] = [
 ];
 
 /// Properties that no table has, with their owner and help.
-const OTHER_PROPERTIES: [(&str, &str, &str); 15] = [
+const OTHER_PROPERTIES: [(&str, &str, &str); 16] = [
     ("param", "min", "Smallest value that it may have."),
     ("param", "max", "Largest value that it may have."),
     ("param", "doc", "Help: one sentence."),
     ("glsl", "entry", "Name of the distance function."),
+    ("point", "corner", "Of a curve: makes a corner there."),
     ("text", "font", "Path of a .ttf, .otf or .ttc file, relative to the scene file."),
     ("picture", "size", "Width of the picture, metres. Default 1."),
     ("bump", "height", "Height of the texture's largest value, metres."),

@@ -15,6 +15,7 @@ mod mesh;
 mod placement;
 mod render;
 mod sky;
+mod visibility;
 
 pub use blend::BLEND;
 pub use camera::{CAMERA, EXPOSURE, LENS};
@@ -28,6 +29,7 @@ pub use render::{
     Tonemap,
 };
 pub use sky::{DAY, DAY_GROUND, GRADIENT, PICTURE, SKY_FORMS};
+pub use visibility::VISIBILITY;
 
 /// Names of the render settings that only scenes in motion use.
 pub const OF_MOTION: [&str; 2] = ["fps", "shutter"];

@@ -96,6 +96,14 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
                 format!("object \"o\" {{ {open} {name} \"a b\" size=0.3 font=\"../../fonts/Cantarell-Regular.ttf\" {close} }}"),
                 name,
             )),
+            Some(Outline::Curve) => nodes.push((
+                format!("object \"o\" {{ {open} {name} 0.1 {{ point 0 0; point 1 0 corner=#true\n point 0 1 }} {close} }}"),
+                name,
+            )),
+            Some(Outline::Path) => nodes.push((
+                format!("object \"o\" {{ {open} {name} \"M 0 0 H 1 V 1 Z\" width=0.1 {close} }}"),
+                name,
+            )),
             None => {}
         }
         if shape.info().size_params > 1 {
@@ -190,6 +198,9 @@ fn values(control: &Control) -> (Vec<Value>, Vec<Value>) {
             (words.iter().map(|word| Value::Text(word.to_string())).collect(), vec![Value::Text("teapot".to_owned())])
         }
         ControlKind::Choice(_) => (Vec::new(), vec![Value::Text("teapot".to_owned())]),
+        ControlKind::Text if control.key == key::PATH => {
+            (vec![Value::Text("M 0 0 H 2 V 1 Z".to_owned())], vec![Value::Text(String::new())])
+        }
         // Formulas could not name what is no name.
         ControlKind::Text => (vec![Value::Text("new_name".to_owned())], vec![Value::Text(String::new())]),
         ControlKind::Picture => (Vec::new(), vec![Value::Text(String::new())]),

@@ -928,3 +928,83 @@ fn uses_of_declared_shapes_are_edited() {
     });
     assert!(text.contains("; bolt }"), "{text}");
 }
+
+/// A number gets its first key, then others where it is changed at other moments; a key at the same moment is replaced.
+#[test]
+fn changes_of_a_number_with_keys_are_keys() {
+    use pathmarch_scene::Moment;
+    let text = format!("{HEAD}object \"a\" {{\n    sphere 1 {{ at 0 1 2 }}\n}}\n");
+    let mut document = Document::new("test.kdl", text);
+    let sphere = path(&document, "sphere");
+    document.set_key(&sphere, key::AT, None).unwrap();
+    assert!(
+        document.text().contains("at \"keys(t, 0, 0)\" \"keys(t, 0, 1)\" \"keys(t, 0, 2)\""),
+        "{}",
+        document.text()
+    );
+    document.set_moment(Moment::of_frame(12, 24.0));
+    document.set(&sphere, key::AT, Value::Triple([4.0, 1.0, 2.0]), Some(1)).unwrap();
+    document.set(&sphere, key::AT, Value::Triple([5.0, 1.0, 2.0]), Some(1)).unwrap();
+    assert!(document.text().contains("at \"keys(t, 0, 0, 0.5, 5)\" \"keys(t, 0, 1)\""), "{}", document.text());
+    assert_eq!(document.key_times(&sphere), [0.0, 0.5]);
+    document.set_moment(Moment::of_frame(6, 24.0));
+    assert_eq!(document.control(&sphere, key::AT).unwrap().present, Value::Triple([2.5, 1.0, 2.0]));
+    document.undo();
+    document.undo();
+    assert!(document.text().contains("at 0 1 2"));
+    // Other formulas stay what they are.
+    let mut document = Document::new("test.kdl", format!("{HEAD}object \"a\" {{ sphere \"1 + t\" }}\n"));
+    let sphere = path(&document, "sphere");
+    assert!(document.set_key(&sphere, "radius", None).is_err());
+    assert!(document.set(&sphere, "radius", Value::Number(4.0), None).is_err());
+}
+
+#[test]
+fn keys_repeat_with_their_period() {
+    use pathmarch_scene::Moment;
+    let mut document =
+        Document::new("test.kdl", format!("{HEAD}object \"a\" {{ sphere \"keys(t % 2, 0, 1, 1, 3)\" }}\n"));
+    let sphere = path(&document, "sphere");
+    document.set_moment(Moment::of_frame(60, 24.0));
+    document.set(&sphere, "radius", Value::Number(2.5), None).unwrap();
+    assert!(document.text().contains("\"keys(t % 2, 0, 1, 0.5, 2.5, 1, 3)\""), "{}", document.text());
+}
+
+#[test]
+fn hidden_objects_keep_their_place_in_the_tree() {
+    let scene = "object \"a\" { sphere 1; box 1 }\nobject \"b\" { torus }\n";
+    let hidden = edited(scene, |document| {
+        let path = path(document, "a");
+        document.set(&path, "hidden", Value::Flag(true), None)
+    });
+    assert_eq!(hidden, "object \"a\" hidden=#true { sphere 1; box 1 }\nobject \"b\" { torus }\n");
+    let document = Document::new("test.kdl", format!("{HEAD}{hidden}"));
+    assert_eq!(document.path_of_leaf(0), Some(path(&document, "torus")));
+    assert_eq!(document.path_of_object(0), Some(path(&document, "b")));
+    assert_eq!(
+        (document.leaves_of(&path(&document, "a")), document.leaves_of(&path(&document, "box"))),
+        (vec![], vec![])
+    );
+    let shown = edited(&hidden, |document| {
+        let path = path(document, "a");
+        document.reset(&path, "hidden")
+    });
+    assert_eq!(shown, scene);
+}
+
+/// The colour that stood there is the last one of the ramp; the first is darker.
+#[test]
+fn a_texture_keeps_the_colour() {
+    let with = |material: &str, key: &str, kind: &str| {
+        edited(&format!("material \"m\" {{ {material} }}\nobject \"o\" material=\"m\" {{ sphere }}\n"), |document| {
+            let path = path(document, "m");
+            document.set(&path, key, Value::Text(kind.to_owned()), None)
+        })
+    };
+    let red = with("diffuse 0.8 0.2 0.1", "albedo.texture", "marble");
+    assert!(red.contains("diffuse { marble { colour 0.24 0.06 0.03; colour 0.8 0.2 0.1 } }"), "{red}");
+    let grey = with("diffuse 0.5", "albedo.texture", "fbm");
+    assert!(grey.contains("diffuse { fbm { colour 0.15; colour 0.5 } }"), "{grey}");
+    let rough = with("metal 0.9; roughness 0.3", "roughness.texture", "fbm");
+    assert!(rough.contains("roughness { fbm }"), "{rough}");
+}

@@ -69,6 +69,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 Some(Outline::Points) => {
                     outln!("\n  A child point x y is a corner; at least three, or none for an arrow.")
                 }
+                Some(Outline::Curve) => {
+                    outln!(
+                        "\n  A child point x y is on the curve; corner=#true makes a corner there. At least three, or two for a line, or none for a drop."
+                    )
+                }
+                Some(Outline::Path) => {
+                    outln!("\n  The argument is a path in the notation of SVG, in metres; `scale` changes its size.")
+                }
                 Some(Outline::Text) => {
                     outln!("\n  The argument is the text. font= names a .ttf or .otf file relative to the scene file.")
                 }

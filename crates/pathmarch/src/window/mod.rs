@@ -6,6 +6,7 @@
 mod app;
 mod background_render;
 mod event_loop;
+mod exposure;
 mod file_dialog;
 mod files;
 mod gallery;
@@ -14,6 +15,7 @@ mod open_scene;
 mod painter;
 mod panels;
 mod projection;
+mod source_editor;
 #[cfg(test)]
 mod tests;
 mod waker;

@@ -7,11 +7,16 @@
 //! The table consists of vectors of four numbers. Header, three vectors: bounds of the outline; lower left corner of the cells
 //! and cells per metre; columns and rows, and the upper right corner. Then one vector for each cell: start and length of its
 //! list. Then the lists, two vectors for each segment: start and direction; length and the signs of its ends.
+//!
+//! Arcs are nowhere farther from their chords than their sagitta, by which both bounds are widened. Their table has a fourth vector
+//! in its header: whether it is filled, and else half the width of its line. The length of a chord is followed by the curvature.
 
 use super::clean::Piece;
 
 /// Vectors of the header.
 pub(super) const HEADER: usize = 3;
+/// Vectors of the header of a table of arcs.
+pub(super) const HEADER_OF_ARCS: usize = 4;
 /// Vectors of a segment.
 pub(super) const PER_SEGMENT: usize = 2;
 /// Largest number of cells.
@@ -31,15 +36,30 @@ struct Cells<'p> {
     lists: Vec<Vec<u32>>,
 }
 
+/// What the pieces of a table are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Drawing {
+    /// Straight edges of a filled outline.
+    Polygon,
+    /// Arcs around a filled outline.
+    Curve,
+    /// Arcs in the middle of a line of this width, metres.
+    Stroke(f64),
+}
+
 /// Builds the table of an outline.
-pub(super) fn table(pieces: &[Piece]) -> Vec<f32> {
+pub(super) fn table(pieces: &[Piece], drawing: Drawing) -> Vec<f32> {
     // An empty outline is a point without an inside.
-    let nothing = [Piece { from: [0.0; 2], to: [0.0; 2], signs: [1.0; 2] }];
+    let nothing = [Piece { from: [0.0; 2], to: [0.0; 2], signs: [1.0; 2], curvature: 0.0 }];
     let pieces = if pieces.is_empty() { &nothing } else { pieces };
+    let half = if let Drawing::Stroke(width) = drawing { 0.5 * width } else { 0.0 };
     let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for point in pieces.iter().flat_map(|piece| [piece.from, piece.to]) {
-        for k in 0..2 {
-            (min[k], max[k]) = (min[k].min(point[k]), max[k].max(point[k]));
+    for piece in pieces {
+        let extremes = (0..4).filter_map(|side| extreme(piece, side));
+        for point in [piece.from, piece.to].into_iter().chain(extremes) {
+            for k in 0..2 {
+                (min[k], max[k]) = (min[k].min(point[k] - half), max[k].max(point[k] + half));
+            }
         }
     }
     let sides = [max[0] - min[0], max[1] - min[1]];
@@ -77,17 +97,24 @@ pub(super) fn table(pieces: &[Piece]) -> Vec<f32> {
         high[0],
         high[1],
     ];
-    let mut start = HEADER + cells.lists.len();
+    if drawing != Drawing::Polygon {
+        let filled = if matches!(drawing, Drawing::Curve) { 1.0 } else { 0.0 };
+        table.extend([filled, float(half), 0.0, 0.0]);
+    }
+    let mut start = table.len() / 4 + cells.lists.len();
     for list in &cells.lists {
         table.extend([start as f32, list.len() as f32, 0.0, 0.0]);
         start += PER_SEGMENT * list.len();
     }
-    for Piece { from, to, signs } in cells.lists.iter().flatten().map(|&index| pieces[index as usize]) {
+    for Piece { from, to, signs, curvature } in cells.lists.iter().flatten().map(|&index| pieces[index as usize]) {
         let (x, y) = (to[0] - from[0], to[1] - from[1]);
         let length = x.hypot(y);
         let unit = if length > 0.0 { [x / length, y / length] } else { [1.0, 0.0] };
         table.extend([from[0], from[1], unit[0], unit[1], length].map(float));
-        table.extend([signs[0], signs[1], 0.0]);
+        match drawing {
+            Drawing::Polygon => table.extend([signs[0], signs[1], 0.0]),
+            Drawing::Curve | Drawing::Stroke(_) => table.extend([float(curvature), signs[0], signs[1]]),
+        }
     }
     table
 }
@@ -101,10 +128,12 @@ impl Cells<'_> {
         let high: Point = std::array::from_fn(|k| self.low[k] + self.cell[k] * (first[k] + count[k]) as f64 + slack[k]);
         let piece = |index: &u32| &self.pieces[*index as usize];
         let corners = [low, [high[0], low[1]], [low[0], high[1]], high];
-        let farthest =
-            |piece: &Piece| corners.iter().map(|corner| squared_distance(*corner, piece)).fold(0.0, f64::max);
+        let farthest = |piece: &Piece| {
+            widened(corners.iter().map(|corner| squared_distance(*corner, piece)).fold(0.0, f64::max), sagitta(piece))
+        };
         let bound = candidates.iter().map(|index| farthest(piece(index))).fold(f64::INFINITY, f64::min);
-        let can_be_nearest = |index: &&u32| squared_from_box(piece(index), low, high) <= bound;
+        let can_be_nearest =
+            |index: &&u32| widened(squared_from_box(piece(index), low, high), -sagitta(piece(index))) <= bound;
         let left: Vec<u32> = candidates.iter().filter(can_be_nearest).copied().collect();
         let axis = usize::from(count[1] > count[0]);
         if count[axis] == 1 {
@@ -117,6 +146,39 @@ impl Cells<'_> {
         self.divide(first, counts, &left);
         self.divide(beyond, rest, &left);
     }
+}
+
+/// Largest distance between an arc and its chord: s = L/2 tan(θ/4), with a margin.
+fn sagitta(Piece { from, to, curvature, .. }: &Piece) -> f64 {
+    if *curvature == 0.0 {
+        return 0.0;
+    }
+    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+    1.001 * 0.5 * length * (0.5 * (0.5 * curvature.abs() * length).min(1.0).asin()).tan()
+}
+
+/// The square of a distance that grows by `by`.
+fn widened(square: f64, by: f64) -> f64 {
+    if by == 0.0 { square } else { (square.sqrt() + by).max(0.0).powi(2) }
+}
+
+/// Point of an arc that is farthest in direction +x, +y, -x or -y, if it is between its ends.
+fn extreme(Piece { from, to, curvature, .. }: &Piece, side: usize) -> Option<Point> {
+    if *curvature == 0.0 {
+        return None;
+    }
+    let chord = [to[0] - from[0], to[1] - from[1]];
+    let length = chord[0].hypot(chord[1]);
+    let along = chord.map(|v| v / length);
+    let cosine = (1.0 - (0.5 * curvature * length).powi(2)).max(0.0).sqrt();
+    // The centre is to the left of arcs that turn left.
+    let height = cosine / curvature;
+    let centre = [0.5 * (from[0] + to[0]) - along[1] * height, 0.5 * (from[1] + to[1]) + along[0] * height];
+    let way = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]][side];
+    let point = [0, 1].map(|k| centre[k] + way[k] / curvature.abs());
+    // On the arc's side of its chord.
+    let off = (point[0] - from[0]) * chord[1] - (point[1] - from[1]) * chord[0];
+    (off * curvature > 0.0).then_some(point)
 }
 
 /// Squared distance of a point from a segment.

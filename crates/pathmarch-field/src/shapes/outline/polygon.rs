@@ -17,5 +17,6 @@ pub(crate) static SHAPE: Drawn = Drawn {
     .outline(Outline::Points),
     params: &[],
     fill: Fill::EvenOdd,
+    curved: false,
     default_outline: &[ARROW],
 };

@@ -20,5 +20,6 @@ pub(crate) static SHAPE: Drawn = Drawn {
     .outline(Outline::Text),
     params: &[Param::length("size", 1.0, "Size of the font: the height of a line without the space between lines.")],
     fill: Fill::NonZero,
+    curved: false,
     default_outline: &[LETTER],
 };

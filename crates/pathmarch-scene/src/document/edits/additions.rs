@@ -13,6 +13,7 @@ use crate::document::tree::path::Path;
 use crate::language::keywords::{AXES, FIELD, FOG, INCLUDE, PARAM, SHAPE};
 use crate::materials;
 use crate::settings::{self, SKY_FORMS};
+use crate::svg_path::DEFAULT_PATH;
 use crate::text::DEFAULT_TEXT;
 use pathmarch_field::Outline;
 use pathmarch_field::{Modifier, Shape, Solid, Unit, registry};
@@ -168,6 +169,10 @@ fn shape_text(shape: &dyn Shape) -> String {
     match shape.info().outline {
         Some(Outline::Points) => return format!("{name} {{ point -0.5 -0.4; point 0.5 -0.4; point 0 0.5 }}"),
         Some(Outline::Text) => return format!("{name} {}", quoted(DEFAULT_TEXT)),
+        Some(Outline::Curve) => {
+            return format!("{name} {{ point 0 -0.5; point 0.4 -0.1; point 0 0.5 corner=#true; point -0.4 -0.1 }}");
+        }
+        Some(Outline::Path) => return format!("{name} {}", quoted(DEFAULT_PATH)),
         None => {}
     }
     let numbers = shape.params().iter().map(|param| number(param.default));

@@ -16,7 +16,7 @@ use crate::document::tree::nodes::{child, material_kind, sky_form, texture_node}
 use crate::document::tree::outline::{Found, ItemKind};
 use crate::document::tree::path::Path;
 use crate::language::diagnostics::spelling::listed;
-use crate::language::keywords::{BUMP, NORMAL, ORBIT_TRAP, POINT};
+use crate::language::keywords::{BUMP, CORNER, NORMAL, ORBIT_TRAP, POINT};
 use crate::language::tree;
 use crate::materials::{self, Texturing};
 use crate::settings::{self, SKY_FORMS};
@@ -97,15 +97,29 @@ fn set_solid(transaction: &mut Transaction, path: &Path, kind: &str) -> Result<(
         let patches = transaction.writer(transaction.find(path)?).write(&parameter, &value)?;
         transaction.then(patches)?;
     }
-    while new.info().outline != Some(Outline::Points) && child(transaction.find(path)?.node, POINT).is_some() {
+    while !new.info().outline.is_some_and(Outline::has_points) && child(transaction.find(path)?.node, POINT).is_some() {
         let patches = transaction.writer(transaction.find(path)?).erase_node(POINT)?;
         transaction.then(patches)?;
+    }
+    // Every point of a polygon is a corner.
+    while new.info().outline == Some(Outline::Points)
+        && let Some(entry) = first_corner(transaction.find(path)?.node)
+    {
+        let span = bytes(entry.span);
+        let patch = Patch::remove(before_spaces(&transaction.text, span.start)..span.end);
+        transaction.then(vec![patch])?;
     }
     if !new.info().facing && child(transaction.find(path)?.node, NORMAL).is_some() {
         let patches = transaction.writer(transaction.find(path)?).erase_node(NORMAL)?;
         transaction.then(patches)?;
     }
     Ok(())
+}
+
+/// The first `corner=` of the points of a shape.
+fn first_corner<'n>(node: &'n tree::Node<'static>) -> Option<&'n tree::Entry<'static>> {
+    let points = node.child_nodes().iter().filter(|child| child.name.value == POINT);
+    points.flat_map(|point| &point.entries).find(|entry| entry.name.as_ref().is_some_and(|name| name.value == CORNER))
 }
 
 /// Makes a material one of another kind, which keeps the parameters that it has, too.

@@ -3,6 +3,7 @@
 pub(super) mod additions;
 pub(super) mod camera;
 pub(super) mod combine;
+pub(super) mod keyframes;
 pub(super) mod kinds;
 mod naming;
 pub(super) mod presets;

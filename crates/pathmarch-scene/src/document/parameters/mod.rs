@@ -19,6 +19,7 @@ use crate::language::read::params;
 use crate::language::tree::{self, Block, Node};
 use crate::materials::{self, Trap};
 use crate::settings::{self, Range, SKY_FORMS, Setting, SettingKind};
+use crate::svg_path::DEFAULT_PATH;
 use crate::text::DEFAULT_TEXT;
 pub(crate) use controls::{material_control, parameter_value};
 use controls::{number_range, setting_control};
@@ -58,12 +59,19 @@ pub(crate) fn parameters(
         ItemKind::Render => list.nodes(settings::RENDER),
         ItemKind::Sky => list.sky(),
         ItemKind::Fog => list.nodes(settings::FOG),
-        ItemKind::Sun => list.nodes(settings::SUN),
-        ItemKind::Point => list.nodes(settings::POINT),
+        ItemKind::Sun => {
+            list.nodes(settings::SUN);
+            list.properties(settings::VISIBILITY);
+        }
+        ItemKind::Point => {
+            list.nodes(settings::POINT);
+            list.properties(settings::VISIBILITY);
+        }
         ItemKind::Material => list.material(),
         ItemKind::Object => {
             list.name("");
             list.material_of(file, "Material of the shapes that name no other.");
+            list.properties(settings::VISIBILITY);
         }
         ItemKind::Shape | ItemKind::Operator => {
             if node.name.value == MESH {
@@ -254,8 +262,10 @@ impl List<'_> {
         let custom = custom.map(|name| Cow::Owned(name.to_owned()));
         let alike = registry::solids().filter(is_alike).map(|other| other.info().name.clone()).chain(custom);
         self.kind(alike.collect(), &info.name, info.doc.clone());
-        if info.outline == Some(Outline::Text) {
-            self.text();
+        match info.outline {
+            Some(Outline::Text) => self.text(),
+            Some(Outline::Path) => self.path(),
+            Some(Outline::Points | Outline::Curve) | None => {}
         }
         self.parameters.extend(solids::solid_parameters(solid, self.node, self.values));
         if let Solid::Operator(operator) = solid
@@ -278,6 +288,13 @@ impl List<'_> {
         self.properties(settings::MESH);
         self.material_of(file, "Material of the mesh; those of its file when absent.");
         self.placement(false);
+    }
+
+    fn path(&mut self) {
+        let doc = "A path in the notation of SVG: the attribute d of a <path>.";
+        let default = Value::Text(DEFAULT_PATH.to_owned());
+        let control = Control::new(key::PATH, key::PATH, doc, ControlKind::Text, default);
+        self.push(control, Place::Argument(0));
     }
 
     /// Words and font of a text.

@@ -48,12 +48,12 @@ pub(crate) fn has_one_size(solid: Solid, node: &Node<'static>) -> bool {
     sizes > 1 && !named && (1..sizes).contains(&arguments(node).count())
 }
 
-/// Arguments that are parameters: all, except the words of a text.
+/// Arguments that are parameters: all, except the words of a text and the notation of a path.
 pub(crate) fn number_arguments<'n>(
     solid: Solid,
     node: &'n Node<'static>,
 ) -> impl Iterator<Item = &'n Entry<'static>> + use<'n> {
-    let is_text = solid.info().outline == Some(Outline::Text);
+    let is_text = solid.info().outline.is_some_and(Outline::has_string);
     arguments(node).filter(move |_| !is_text)
 }
 

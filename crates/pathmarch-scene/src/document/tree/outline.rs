@@ -110,6 +110,8 @@ pub struct Item {
     pub name: Option<String>,
     /// Its `material=`; for a material, the name of its kind.
     pub material: Option<String>,
+    /// True for an object or a light that the scene leaves out.
+    pub hidden: bool,
     /// Nodes within it, in the order of the file.
     pub children: Vec<Item>,
     /// Index of its first shape among those of all objects, and the number of its shapes.
@@ -170,10 +172,15 @@ fn item(node: &Node<'static>, parent: Option<ItemKind>, path: Path, walk: &mut W
         }
         _ => None,
     };
-    let children = node.children.as_ref().map_or_else(Vec::new, |block| items(block, Some(kind), &path, walk));
-    if kind == ItemKind::Declaration {
+    let mut children = node.children.as_ref().map_or_else(Vec::new, |block| items(block, Some(kind), &path, walk));
+    let can_hide = matches!(kind, ItemKind::Object | ItemKind::Sun | ItemKind::Point);
+    let hidden = can_hide && property(node, "hidden").is_some_and(|entry| entry.value == Value::Bool(true));
+    if kind == ItemKind::Declaration || hidden {
         // A declaration adds no shapes to the scene; its uses do.
         walk.leaves = first;
+    }
+    if hidden {
+        without_leaves(&mut children);
     }
     let leaves = (first, walk.leaves - first);
     Item {
@@ -181,9 +188,18 @@ fn item(node: &Node<'static>, parent: Option<ItemKind>, path: Path, walk: &mut W
         word: word.to_owned(),
         name: name.or_else(|| unnamed_camera.then(|| "main".to_owned())),
         material,
+        hidden,
         children,
         leaves,
         path,
+    }
+}
+
+/// Takes the shapes of hidden nodes, which the scene does not have.
+fn without_leaves(items: &mut [Item]) {
+    for item in items {
+        item.leaves = (0, 0);
+        without_leaves(&mut item.children);
     }
 }
 

@@ -25,6 +25,8 @@ enum Formula {
     Three(fn(f64, f64, f64) -> f64),
     /// One number or more, folded from the first to the last.
     Fold(fn(f64, f64) -> f64),
+    /// A number, and pairs of numbers of which the first ones rise.
+    Pairs(fn(f64, &[[f64; 2]]) -> f64),
 }
 
 /// A function: name, formula, usage.
@@ -68,6 +70,7 @@ const FUNCTIONS: &[Function] = &[
     function("mix", Formula::Three(mix), "mix(a, b, share)"),
     function("step", Formula::Two(step), "step(edge, x)"),
     function("smoothstep", Formula::Three(smoothstep), "smoothstep(from, to, x)"),
+    function("keys", Formula::Pairs(keys), "keys(t, time, value, later, value, …)"),
 ];
 
 fn sign(x: f64) -> f64 {
@@ -91,6 +94,37 @@ fn step(edge: f64, x: f64) -> f64 {
 fn smoothstep(from: f64, to: f64, x: f64) -> f64 {
     let share = clamp((x - from) / (to - from), 0.0, 1.0);
     share * share * (3.0 - 2.0 * share)
+}
+
+/// Smooth curve through keys, without overshoot; constant before the first and after the last one: cubic Hermite curves with
+/// the harmonic mean of the slopes at both sides as tangent, and level tangents at extremes (Fritsch and Butland 1984).
+fn keys(x: f64, keys: &[[f64; 2]]) -> f64 {
+    let (Some(&[start, first]), Some(&[end, last])) = (keys.first(), keys.last()) else { return f64::NAN };
+    if x <= start {
+        return first;
+    }
+    if x >= end {
+        return last;
+    }
+    // Not a number is in no interval.
+    let Some(k) = keys.windows(2).position(|pair| x < pair[1][0]) else { return f64::NAN };
+    let slope = |k: usize| (keys[k + 1][1] - keys[k][1]) / (keys[k + 1][0] - keys[k][0]);
+    let tangent = |k: usize| {
+        if k == 0 || k + 1 == keys.len() {
+            return 0.0;
+        }
+        let (before, after) = (slope(k - 1), slope(k));
+        if before * after <= 0.0 {
+            return 0.0;
+        }
+        let (w1, w2) = (keys[k][0] - keys[k - 1][0], keys[k + 1][0] - keys[k][0]);
+        (w1 + w2) / ((2.0 * w1 + w2) / (3.0 * after) + (w1 + 2.0 * w2) / (3.0 * before))
+    };
+    let width = keys[k + 1][0] - keys[k][0];
+    let s = (x - keys[k][0]) / width;
+    let rise = s * s * (3.0 - 2.0 * s);
+    let (out, back) = (s * (1.0 - s) * (1.0 - s), s * s * (s - 1.0));
+    keys[k][1] + (keys[k + 1][1] - keys[k][1]) * rise + width * (tangent(k) * out + tangent(k + 1) * back)
 }
 
 /// Names of all functions.
@@ -300,6 +334,12 @@ fn value(term: &Term, lookup: &mut dyn FnMut(&str) -> Option<f64>) -> std::resul
                 (Formula::Two(formula), [x, y]) => formula(*x, *y),
                 (Formula::Three(formula), [x, y, z]) => formula(*x, *y, *z),
                 (Formula::Fold(formula), [first, others @ ..]) => others.iter().fold(*first, |a, b| formula(a, *b)),
+                (Formula::Pairs(formula), [x, pairs @ ..]) => match pairs.as_chunks() {
+                    (pairs, []) if !pairs.is_empty() && pairs.windows(2).all(|pair| pair[0][0] < pair[1][0]) => {
+                        formula(*x, pairs)
+                    }
+                    _ => return Err(Trouble::Arguments(function.usage, range.clone())),
+                },
                 _ => return Err(Trouble::Arguments(function.usage, range.clone())),
             }
         }
@@ -348,6 +388,11 @@ mod tests {
             ("log(e)", 1.0),
             ("degrees(tau)", 360.0),
             (" ( 1 ) ", 1.0),
+            ("keys(x, 1, 5)", 5.0),
+            ("keys(x, 2, 0, 4, 10)", 5.0),
+            ("keys(0, 2, 7, 4, 10) + keys(9, 2, 7, 4, 10)", 17.0),
+            ("keys(x, 0, 1, 3, -2, 4, 8)", -2.0),
+            ("keys(x % 2, 0, 0, 1, 4, 2, 0)", 4.0),
         ];
         for (text, expected) in cases {
             let value = value(text).unwrap_or_else(|trouble| panic!("{text}: {trouble:?}"));
@@ -375,6 +420,9 @@ mod tests {
             ("sin", Trouble::Arguments("sin(x)", 0..3)),
             ("sin()", Trouble::Arguments("sin(x)", 0..3)),
             ("clamp(1, 2)", Trouble::Arguments("clamp(x, low, high)", 0..5)),
+            ("keys(x)", Trouble::Arguments("keys(t, time, value, later, value, …)", 0..4)),
+            ("keys(x, 1, 2, 3)", Trouble::Arguments("keys(t, time, value, later, value, …)", 0..4)),
+            ("keys(x, 1, 2, 1, 3)", Trouble::Arguments("keys(t, time, value, later, value, …)", 0..4)),
             ("x(1)", Trouble::UnknownFunction("x".to_owned(), 0..1)),
         ];
         for (text, expected) in cases {

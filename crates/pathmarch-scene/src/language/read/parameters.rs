@@ -13,8 +13,8 @@ use pathmarch_field::{Param, Solid, Unit};
 pub(super) fn numbers(solid: Solid, node: &Node, named: &[(&str, &Entry)], context: &mut Context) -> Vec<f32> {
     let all = solid.params();
     let sizes = solid.info().size_params;
-    // The argument of a text is its words.
-    let is_text = solid.info().outline == Some(Outline::Text);
+    // The argument of a text is its words, that of a path its notation.
+    let is_text = solid.info().outline.is_some_and(Outline::has_string);
     let entries = if is_text { Vec::new() } else { arguments(node, all.len(), &usage(solid), context) };
     let mut given: Vec<Option<&Entry>> = vec![None; all.len()];
     let size_named = named.iter().any(|(name, _)| all[..sizes].iter().any(|param| param.name == *name));
@@ -70,6 +70,9 @@ fn usage(solid: Solid) -> String {
     let info = solid.info();
     if info.outline == Some(Outline::Points) {
         return format!("`{} {{ {POINT} x y; … }}`", info.name);
+    }
+    if info.outline == Some(Outline::Curve) {
+        return format!("`{} width {{ {POINT} x y; … }}`", info.name);
     }
     let names: Vec<&str> =
         std::iter::once(&*info.name).chain(solid.params().iter().map(|param| &*param.name)).collect();

@@ -25,7 +25,16 @@ pub(crate) enum Action {
     Subtract,
     Intersect,
     ToGround,
+    Mirror,
+    AlignX,
+    AlignY,
+    AlignZ,
+    Hide,
+    HideOthers,
+    ShowAll,
+    Lock,
     Turntable,
+    SetKey,
     Deselect,
     FrameSelection,
     ResetCamera,
@@ -93,6 +102,12 @@ const fn ctrl(key: Key) -> Option<KeyboardShortcut> {
 const fn ctrl_shift(key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key))
 }
+const fn shift(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::SHIFT, key))
+}
+const fn alt(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::ALT, key))
+}
 const fn plain(key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(Modifiers::NONE, key))
 }
@@ -135,6 +150,15 @@ pub(crate) const ACTIONS: &[Entry] = &[
     entry(Action::Subtract, Menu::Edit, "Subtract", "Remove the others from the shape or object that was selected first.", plain(Key::M)),
     entry(Action::Intersect, Menu::Edit, "Intersect", "Keep what the selected shapes and objects have in common.", plain(Key::I)),
     entry(Action::ToGround, Menu::Edit, "Put on the ground", "Move the selected shapes up or down until they touch the height 0.", plain(Key::G)),
+    entry(Action::Mirror, Menu::Edit, "Mirror", "Mirror the selected shapes at the plane x = 0; the properties have other axes.", None),
+    entry(Action::AlignX, Menu::Edit, "Align along x", "Move the others until their centres have the x of the one that was selected last.", None),
+    entry(Action::AlignY, Menu::Edit, "Align along y", "Move the others until their centres have the y of the one that was selected last.", None),
+    entry(Action::AlignZ, Menu::Edit, "Align along z", "Move the others until their centres have the z of the one that was selected last.", None),
+    entry(Action::SetKey, Menu::Edit, "Set key", "Keep position, rotation and scale of the selection at this frame; later changes at other frames set keys, too.", plain(Key::K)),
+    entry(Action::Hide, Menu::Edit, "Hide / show", "Leave the selected objects and lights out of the scene, or show them again.", plain(Key::H)),
+    entry(Action::HideOthers, Menu::Edit, "Hide others", "Leave all other objects out of the scene.", shift(Key::H)),
+    entry(Action::ShowAll, Menu::Edit, "Show all", "Show all hidden objects and lights.", alt(Key::H)),
+    entry(Action::Lock, Menu::Edit, "Lock / unlock", "Keep clicks and handles in the viewport from the selected objects.", plain(Key::L)),
     always(entry(Action::Deselect, Menu::Edit, "Deselect", "Close what is on top, or clear the selection.", plain(Key::Escape))),
     entry(Action::FrameSelection, Menu::Camera, "Frame selection", "Move the camera to show the selection, or the whole scene.", plain(Key::F)),
     entry(Action::ResetCamera, Menu::Camera, "Reset view", "Return to the scene's camera.", plain(Key::Home)),
@@ -195,7 +219,9 @@ pub(crate) fn pressed(ctx: &egui::Context, has_scene: bool, typed: bool) -> Opti
                 let function_key =
                     shortcut.logical_key.name().starts_with('F') && shortcut.logical_key.name().len() > 1;
                 let is_taken = has_focus && shortcut.logical_key == Key::Space;
-                (shortcut.modifiers.any() || !typing || function_key) && !is_taken && input.consume_shortcut(&shortcut)
+                (shortcut.modifiers.command || !typing || function_key)
+                    && !is_taken
+                    && input.consume_shortcut(&shortcut)
             })
         });
         match found {

@@ -4,10 +4,14 @@ use super::App;
 use super::actions::Action;
 use crate::window::gizmo;
 use egui::Context;
-use pathmarch_render::pathmarch_scene::document::{Item, ItemKind, Path, Value, key};
+use pathmarch_render::pathmarch_field::Aabb;
+use pathmarch_render::pathmarch_scene::document::{Control, Item, ItemKind, Path, Value, key};
 
 /// Duration of a turn of a turntable, seconds.
 const TURN_SECONDS: f32 = 10.0;
+
+/// Property of hidden objects and lights.
+const HIDDEN: &str = pathmarch_render::pathmarch_scene::settings::VISIBILITY[0].name;
 
 /// Formulas of a camera position on a circle around the vertical axis through the target; at t = 0 it is `position`.
 fn orbit(position: [f32; 3], target: [f32; 3]) -> Vec<String> {
@@ -31,6 +35,15 @@ impl App {
             Action::Intersect => self.combine("intersect"),
             Action::ToGround => self.put_on_ground(),
             Action::Turntable => self.turntable(),
+            Action::SetKey => self.set_key(),
+            Action::Mirror => self.group_into("mirror"),
+            Action::AlignX => self.align(0),
+            Action::AlignY => self.align(1),
+            Action::AlignZ => self.align(2),
+            Action::Hide => self.hide(),
+            Action::HideOthers => self.hide_others(),
+            Action::ShowAll => self.set_hidden(self.hideable(|item| item.hidden), false),
+            Action::Lock => self.lock(),
             _ => self.run_view_action(ctx, action),
         }
     }
@@ -133,14 +146,144 @@ impl App {
         }
     }
 
+    /// Sets keys of the selected nodes at the present frame: of position, and of rotation and scale where they are given;
+    /// of a camera's position and target.
+    fn set_key(&mut self) {
+        self.undo_group += 1;
+        let undo_group = self.undo_group;
+        for path in self.selected_paths() {
+            let Some(open) = &self.open else { return };
+            let document = &open.document;
+            let is_camera = document.item(&path).is_some_and(|item| item.kind == ItemKind::Camera);
+            let Some(target) = gizmo::target_node(document, &path).or(is_camera.then_some(path)) else {
+                self.show_message(
+                    "Only shapes, lights and cameras can have keys of their place; a parameter has them in its menu.",
+                );
+                return;
+            };
+            let is_keyed = |control: &Control| {
+                let key = &*control.key;
+                matches!(key, key::AT | "at" | "position" | "target")
+                    || control.given && matches!(key, key::ROTATE | key::SCALE)
+            };
+            let keys: Vec<String> = document
+                .controls(&target)
+                .iter()
+                .filter(|control| is_keyed(control))
+                .map(|control| control.key.to_string())
+                .collect();
+            for key in keys {
+                if self.edit(|open| open.document.set_key(&target, &key, Some(undo_group))).is_none() {
+                    return;
+                }
+            }
+        }
+    }
+
     /// The node to move, and its new position relative to its parent.
     fn place_on_ground(&self, path: &Path) -> Option<(Path, [f32; 3])> {
+        let (target, bounds) = self.target_with_bounds(path)?;
+        let document = &self.open.as_ref()?.document;
+        let height = f64::from(bounds.min[1]);
+        height.is_finite().then(|| gizmo::moved_by(document, &target, [0.0, -height, 0.0])).map(|at| (target, at))
+    }
+
+    /// The node that the gizmo moves for a selected one, and the bounds of its shapes.
+    fn target_with_bounds(&self, path: &Path) -> Option<(Path, Aabb)> {
         let document = &self.open.as_ref()?.document;
         let scene = document.scene().ok()?;
         let target = gizmo::target_node(document, path)?;
         let leaves = document.leaves_of(&target).into_iter();
         let bounds = leaves.map(|leaf| scene.field.leaf_bounds(leaf)).reduce(|all, bounds| all.union(bounds))?;
-        let height = f64::from(bounds.min[1]);
-        height.is_finite().then(|| gizmo::moved_by(document, &target, [0.0, -height, 0.0])).map(|at| (target, at))
+        Some((target, bounds))
+    }
+
+    /// Moves the selected nodes along an axis until their centres are at that of the active one.
+    fn align(&mut self, axis: usize) {
+        self.undo_group += 1;
+        let undo_group = self.undo_group;
+        let centre = |bounds: &Aabb| 0.5 * (f64::from(bounds.min[axis]) + f64::from(bounds.max[axis]));
+        let paths = self.selected_paths();
+        let (Some(last), true) = (paths.last(), paths.len() > 1) else {
+            return self.show_message("Select several shapes: Ctrl + click adds to the selection.");
+        };
+        let goal = self.target_with_bounds(last).map(|(_, bounds)| centre(&bounds)).filter(|goal| goal.is_finite());
+        for path in &paths[..paths.len() - 1] {
+            let target = self.target_with_bounds(path);
+            let target = target.filter(|(_, bounds)| centre(bounds).is_finite());
+            let (Some(goal), Some((target, bounds))) = (goal, target) else {
+                return self.show_error("Only shapes with finite bounds can be aligned.");
+            };
+            let mut by = [0.0; 3];
+            by[axis] = goal - centre(&bounds);
+            let Some(open) = &self.open else { return };
+            let at = gizmo::moved_by(&open.document, &target, by);
+            self.edit(|open| open.document.set(&target, key::AT, Value::Triple(at), Some(undo_group)));
+        }
+    }
+
+    /// Objects and lights of the scene that fulfil a condition.
+    fn hideable(&self, is_one: impl Fn(&Item) -> bool) -> Vec<Path> {
+        let items = self.open.as_ref().map_or(&[][..], |open| open.document.outline());
+        let can_hide = |item: &&Item| matches!(item.kind, ItemKind::Object | ItemKind::Sun | ItemKind::Point);
+        items.iter().filter(can_hide).filter(|item| is_one(item)).map(|item| item.path.clone()).collect()
+    }
+
+    /// Hides or shows objects and lights in one undo step.
+    pub(crate) fn set_hidden(&mut self, paths: Vec<Path>, hidden: bool) {
+        self.undo_group += 1;
+        let undo_group = self.undo_group;
+        for path in paths {
+            let value = Value::Flag(hidden);
+            let done = if hidden {
+                self.edit(|open| open.document.set(&path, HIDDEN, value, Some(undo_group)))
+            } else {
+                self.edit(|open| open.document.reset_in(&path, HIDDEN, Some(undo_group)))
+            };
+            if done.is_none() {
+                return;
+            }
+        }
+    }
+
+    /// Hides the objects and lights of the selected nodes, or shows them if all of them are hidden.
+    fn hide(&mut self) {
+        let selected = self.selected_paths();
+        let paths = self.hideable(|item| selected.iter().any(|path| path.is_within(&item.path) || *path == item.path));
+        let hidden =
+            |path: &Path| self.open.as_ref().and_then(|open| open.document.item(path)).is_some_and(|item| item.hidden);
+        let show = paths.iter().all(hidden);
+        self.set_hidden(paths, !show);
+    }
+
+    fn hide_others(&mut self) {
+        let selected = self.selected_paths();
+        let is_other = |item: &Item| {
+            item.kind == ItemKind::Object
+                && !item.hidden
+                && !selected.iter().any(|path| path.is_within(&item.path) || *path == item.path)
+        };
+        if !selected.is_empty() {
+            self.set_hidden(self.hideable(is_other), true);
+        }
+    }
+
+    /// Locks the objects of the selected nodes, or unlocks them if all of them are locked.
+    fn lock(&mut self) {
+        let selected = self.selected_paths();
+        let paths = self.hideable(|item| {
+            item.kind == ItemKind::Object
+                && selected.iter().any(|path| path.is_within(&item.path) || *path == item.path)
+        });
+        let Some(open) = &mut self.open else { return };
+        let names: Vec<String> = paths.iter().filter_map(|path| open.document.item(path)?.name.clone()).collect();
+        let unlock = names.iter().all(|name| open.locked.contains(name));
+        for name in names {
+            if unlock {
+                open.locked.remove(&name);
+            } else {
+                open.locked.insert(name);
+            }
+        }
     }
 }

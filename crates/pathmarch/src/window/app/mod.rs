@@ -14,12 +14,14 @@ mod timings;
 pub(crate) mod toasts;
 
 use super::background_render::BackgroundRender;
+use super::exposure::Histogram;
 use super::file_dialog::FileDialog;
 use super::files::preferences::Preferences;
 use super::files::recovery::{Recovery, find_abandoned_work};
 use super::gallery::Gallery;
 use super::gizmo::GizmoState;
 use super::open_scene::{FileChange, OpenScene};
+use super::source_editor::SourceEditor;
 use super::waker::Waker;
 use dialog::Dialog;
 use egui::{Context, Ui};
@@ -67,6 +69,9 @@ pub(crate) struct App {
     pub(crate) toasts: Vec<Toast>,
     pub(crate) performance: PerformanceHistory,
     pub(crate) gizmo: GizmoState,
+    pub(crate) source: SourceEditor,
+    /// Histogram of the picture, while it is shown.
+    pub(crate) histogram: Option<Histogram>,
     pub(crate) help: bool,
     /// The picture fills the window.
     pub(crate) picture_only: bool,
@@ -127,6 +132,8 @@ impl App {
             toasts: Vec::new(),
             performance: PerformanceHistory::default(),
             gizmo: GizmoState::default(),
+            source: SourceEditor::default(),
+            histogram: None,
             help: false,
             picture_only: false,
             undo_group: 0,

@@ -8,6 +8,7 @@ use crate::window::files::file_watcher::FileWatcher;
 use crate::window::waker::Waker;
 use pathmarch_render::pathmarch_scene::document::{Document, Path as NodePath};
 use playback::Playback;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use view_state::ViewState;
 
@@ -32,6 +33,8 @@ pub(crate) struct OpenScene {
     pub(crate) playback: Playback,
     /// Nodes that are collapsed in the scene tree.
     pub(crate) collapsed: Vec<NodePath>,
+    /// Names of objects that clicks and handles in the viewport leave alone.
+    pub(crate) locked: HashSet<String>,
     /// Text that the scene tree is searched for; empty shows everything.
     pub(crate) tree_search: String,
 }
@@ -49,6 +52,13 @@ pub(crate) enum FileChange {
 }
 
 impl OpenScene {
+    /// True if a node is in a locked object.
+    pub(crate) fn is_locked(&self, path: &NodePath) -> bool {
+        let top = NodePath::from(path.indexes()[..path.indexes().len().min(1)].to_vec());
+        let name = self.document.item(&top).and_then(|item| item.name.as_ref());
+        name.is_some_and(|name| self.locked.contains(name))
+    }
+
     /// Creates a scene of this program from text. Image files are resolved relative to `name`; `path` is its file, if it has
     /// one.
     pub(crate) fn new(name: &str, text: String, path: Option<PathBuf>) -> Self {
@@ -78,6 +88,7 @@ impl OpenScene {
             view,
             playback: Playback::default(),
             collapsed: Vec::new(),
+            locked: HashSet::new(),
             tree_search: String::new(),
         }
     }

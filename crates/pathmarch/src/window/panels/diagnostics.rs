@@ -43,6 +43,7 @@ impl App {
         if lines.is_empty() {
             lines.push((0, error.to_string(), None));
         }
+        let mut go_to = None;
         overlay(ui, viewport, 44.0 + 44.0 * lines.len() as f32, |ui| {
             let title = if lines.len() == 1 { "1 error".to_owned() } else { format!("{} errors", lines.len()) };
             ui.horizontal_wrapped(|ui| {
@@ -55,7 +56,11 @@ impl App {
                         let before = text.get(..*offset).unwrap_or(text);
                         let line = 1 + before.matches('\n').count();
                         let column = 1 + before.rsplit('\n').next().map_or(0, |line| line.chars().count());
-                        ui.strong(format!("line {line}, column {column}"));
+                        let place = RichText::new(format!("line {line}, column {column}")).strong();
+                        let place = ui.add(egui::Label::new(place).sense(Sense::click()));
+                        if place.on_hover_text("Click to go to this place in the source.").clicked() {
+                            go_to = Some(*offset);
+                        }
                         ui.label(message);
                         if let Some(help) = help {
                             ui.weak(help);
@@ -68,6 +73,10 @@ impl App {
                 }
             });
         });
+        if let Some(offset) = go_to {
+            self.preferences.show_source = true;
+            self.source.go_to = Some(offset);
+        }
     }
 }
 

@@ -36,6 +36,8 @@ enum TreeAction {
     Combine(&'static str),
     Ungroup(Path),
     Move(Path, Option<Path>, usize),
+    Hide(Path, bool),
+    Lock(String, bool),
 }
 
 impl App {
@@ -150,7 +152,15 @@ impl App {
         let at = Pos2::new(body.min.x + 8.0, body.center().y);
         sign(&painter, at, item.kind, ui.visuals().weak_text_color());
         let at = at + Vec2::new(10.0, 0.0);
-        let drawn = painter.text(at, Align2::LEFT_CENTER, label(item), font.clone(), visuals.text_color());
+        let is_locked = self.open.as_ref().is_some_and(|open| open.is_locked(&item.path));
+        let colour = if item.hidden { ui.visuals().weak_text_color() } else { visuals.text_color() };
+        let drawn = painter.text(at, Align2::LEFT_CENTER, label(item), font.clone(), colour);
+        if item.hidden {
+            painter.hline(drawn.x_range(), drawn.center().y, Stroke::new(1.0, colour));
+        }
+        if is_locked && path_is_top(&item.path) {
+            lock(&painter, Pos2::new(body.max.x - 8.0, body.center().y), ui.visuals().weak_text_color());
+        }
         if let Some(material) = &item.material {
             let at = Pos2::new(drawn.max.x + 7.0, body.center().y);
             painter.text(at, Align2::LEFT_CENTER, material, font, ui.visuals().weak_text_color());
@@ -216,6 +226,19 @@ impl App {
         if item.kind == ItemKind::Operator && ui.button("Ungroup").clicked() {
             actions.push(TreeAction::Ungroup(path.clone()));
             ui.close();
+        }
+        if matches!(item.kind, ItemKind::Object | ItemKind::Sun | ItemKind::Point)
+            && ui.button(if item.hidden { "Show" } else { "Hide" }).clicked()
+        {
+            actions.push(TreeAction::Hide(path.clone(), !item.hidden));
+            ui.close();
+        }
+        if let (ItemKind::Object, Some(name), Some(open)) = (item.kind, &item.name, &self.open) {
+            let is_locked = open.locked.contains(name);
+            if ui.button(if is_locked { "Unlock" } else { "Lock" }).clicked() {
+                actions.push(TreeAction::Lock(name.clone(), !is_locked));
+                ui.close();
+            }
         }
         let index = path.index();
         let first = usize::from(path.parent().is_none());
@@ -295,12 +318,31 @@ impl App {
                 let paths = self.edit(|open| open.document.ungroup(&path));
                 self.select(paths.and_then(|paths| paths.into_iter().next()));
             }
+            TreeAction::Hide(path, hidden) => self.set_hidden(vec![path], hidden),
+            TreeAction::Lock(name, locked) => {
+                let Some(open) = &mut self.open else { return };
+                if locked {
+                    open.locked.insert(name);
+                } else {
+                    open.locked.remove(&name);
+                }
+            }
             TreeAction::Move(path, parent, index) => {
                 let path = self.edit(|open| open.document.move_to(&path, parent.as_ref(), index));
                 self.select(path);
             }
         }
     }
+}
+
+fn path_is_top(path: &Path) -> bool {
+    path.indexes().len() == 1
+}
+
+/// Draws the sign of a lock.
+fn lock(painter: &egui::Painter, at: Pos2, colour: Color32) {
+    painter.rect_filled(Rect::from_center_size(at + Vec2::new(0.0, 2.0), Vec2::new(8.0, 6.0)), 1.0, colour);
+    painter.circle_stroke(at + Vec2::new(0.0, -1.5), 2.5, Stroke::new(1.2, colour));
 }
 
 /// Disclosure triangle: down if expanded, else right.

@@ -88,7 +88,7 @@ impl App {
     fn handles(&mut self, ui: &Ui, picture: Rect, response: &Response) -> bool {
         let Some(open) = &mut self.open else { return false };
         let Some(selection) = open.view.selection.active().cloned() else { return false };
-        if open.document.scene().is_err() {
+        if open.document.scene().is_err() || open.is_locked(&selection) {
             return false;
         }
         let pointer = ui.input(|input| {
@@ -170,15 +170,20 @@ impl App {
 
     fn apply_pick(&mut self, action: PickAction) {
         let Some(open) = &mut self.open else { return };
+        let path = match &action {
+            PickAction::Select(Some(picked)) | PickAction::Extend(Some(picked)) => {
+                open.document.path_of_leaf(picked.leaf)
+            }
+            _ => None,
+        };
+        let path = path.filter(|path| !open.is_locked(path));
         let view = &mut open.view;
         match action {
             PickAction::Select(None) => view.selection.clear(),
-            PickAction::Select(Some(picked)) => {
-                view.selection.set(&open.document, open.document.path_of_leaf(picked.leaf));
-            }
+            PickAction::Select(Some(_)) => view.selection.set(&open.document, path),
             PickAction::Extend(None) => {}
-            PickAction::Extend(Some(picked)) => {
-                if let Some(path) = open.document.path_of_leaf(picked.leaf) {
+            PickAction::Extend(Some(_)) => {
+                if let Some(path) = path {
                     view.selection.toggle(&open.document, path);
                 }
             }
@@ -281,6 +286,7 @@ fn shapes_in(open: &OpenScene, scene: &Scene, picture: Rect, rect: Rect) -> Vec<
     let mut paths: Vec<NodePath> =
         (0..scene.field.leaves().len()).filter(is_inside).filter_map(|leaf| open.document.path_of_leaf(leaf)).collect();
     paths.dedup();
+    paths.retain(|path| !open.is_locked(path));
     paths
 }
 

@@ -279,7 +279,9 @@ fn the_text_is_edited_as_text() {
     // Keys without Ctrl are letters here.
     person.harness.event(egui::Event::Text("// p".to_owned()));
     person.harness.key_press(Key::P);
+    person.harness.key_press_modifiers(Modifiers::SHIFT, Key::H);
     person.wait(2);
+    assert!(!person.text().contains("hidden"));
     assert_eq!(person.open().view.mode, pathmarch_render::Mode::Path);
     // Typing without a pause is one undo step.
     let first = person.text().to_owned();
@@ -409,4 +411,73 @@ fn a_shared_material_is_copied_and_becomes_a_preset() {
     assert!(person.text().contains("material \"red\" { metal 1 0.78 0.34; roughness 0.2 }"), "{}", person.text());
     assert_eq!(person.undo_all(), 1);
     assert_eq!(person.text(), SCENE);
+}
+
+/// The byte position on screen of a word of the source text.
+fn place_of(person: &Person, word: &str) -> Pos2 {
+    let text = person.text();
+    let at = text.find(word).unwrap_or_else(|| panic!("no {word}"));
+    let (line, column) = (text[..at].matches('\n').count(), text[..at].rsplit('\n').next().map_or(0, str::len));
+    let field = person.harness.get_by_role_and_label(Role::MultilineTextInput, "Scene text").rect();
+    let height = field.height() / text.split('\n').count() as f32;
+    let context = &person.harness.ctx;
+    let font = egui::TextStyle::Monospace.resolve(&context.style_of(egui::Theme::Dark));
+    let width = context.fonts_mut(|fonts| fonts.glyph_width(&font, 'm'));
+    field.min + Vec2::new((column as f32 + 0.5) * width, (line as f32 + 0.5) * height)
+}
+
+#[test]
+fn names_are_listed_while_they_are_typed() {
+    let mut person = Person::at_scene();
+    person.key(Key::F4);
+    person.harness.get_by_role_and_label(Role::MultilineTextInput, "Scene text").focus();
+    person.wait(2);
+    person.ctrl(Key::End);
+    for letter in ["\nobject \"x\" { ", "sp", "h"] {
+        person.harness.event(egui::Event::Text(letter.to_owned()));
+        person.wait(2);
+    }
+    assert!(person.has("sphere"), "the list is shown");
+    person.key(Key::Enter);
+    assert!(person.text().ends_with("object \"x\" { sphere 1"), "{}", person.text());
+    person.harness.event(egui::Event::Text(" }".to_owned()));
+    person.wait(3);
+    assert!(person.document().scene().is_ok());
+    // Escape closes a list and puts nothing into the text.
+    person.harness.event(egui::Event::Text("\nmat".to_owned()));
+    person.wait(2);
+    let text = person.text().to_owned();
+    person.key(Key::Escape);
+    person.key(Key::Enter);
+    assert!(person.text().trim_end() == text.trim_end(), "{}", person.text());
+}
+
+#[test]
+fn a_number_of_the_text_is_dragged() {
+    let mut person =
+        Start::with("pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nobject \"a\" { sphere 0.50 }\n").go();
+    person.key(Key::F4);
+    person.wait(3);
+    let before = person.text().to_owned();
+    let at = place_of(&person, "0.50");
+    person.drag(at, at + Vec2::new(40.0, 0.0), PointerButton::Primary, Modifiers::ALT);
+    assert!(person.text().contains("sphere 0.60"), "{}", person.text());
+    assert_eq!(person.undo_all(), 1, "a drag is one step");
+    assert_eq!(person.text(), before);
+}
+
+#[test]
+fn mistakes_and_colours_are_marked_beside_the_text() {
+    let mut person = Person::at_scene();
+    person.key(Key::F4);
+    person.wait(3);
+    let swatch = person.harness.query_all_by_role_and_label(Role::ColorWell, "Colour in the text").count();
+    assert!(swatch > 0, "the first lines with a colour have a swatch");
+    person.harness.get_by_role_and_label(Role::MultilineTextInput, "Scene text").focus();
+    person.wait(2);
+    person.ctrl(Key::Home);
+    person.harness.event(egui::Event::Text("spear\n".to_owned()));
+    person.wait(3);
+    let marks = person.harness.query_all(By::new().role(Role::Image).label_contains("spear"));
+    assert_eq!(marks.count(), 1);
 }

@@ -108,3 +108,24 @@ fn a_turntable_starts_at_the_view_and_goes_around() {
     let position = person.scene().cameras[0].position;
     assert!((position[1] - before[1]).abs() < 1e-3 && (position[0].abs() - 4.5).abs() < 0.01, "{position:?}");
 }
+
+#[test]
+fn keys_are_set_and_dragging_at_another_frame_sets_more() {
+    let text = "pathmarch 1
+camera \"main\" { position 0 1.2 4.5; target 0 0.6 0; fov 40 }
+render { size 64 48; samples 2; bounces 1 }
+sky 0.6
+object \"ball\" { sphere 0.4 { at 0 0.5 0 } }
+";
+    let mut person = Start::with(text).go();
+    person.select("sphere");
+    person.key(Key::K);
+    assert!(person.text().contains("at \"keys(t, 0, 0)\" \"keys(t, 0, 0.5)\" \"keys(t, 0, 0)\""), "{}", person.text());
+    person.type_number("Frame", "24");
+    let path = person.path("sphere");
+    person.app_mut().edit(|open| open.document.set(&path, "place.at", Value::Triple([2.0, 0.5, 0.0]), None));
+    person.wait(2);
+    assert!(person.text().contains("at \"keys(t, 0, 0, 1, 2)\" \"keys(t, 0, 0.5)\""), "{}", person.text());
+    person.type_number("Frame", "12");
+    assert_eq!(person.place(), 1.0);
+}

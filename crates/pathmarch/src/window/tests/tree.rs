@@ -290,3 +290,41 @@ fn the_selection_survives_a_change_of_the_file() {
     person.wait(2);
     assert_eq!(person.selected().as_deref(), Some("carved"));
 }
+
+#[test]
+fn objects_are_hidden_shown_and_locked() {
+    let mut person = Person::at_scene();
+    person.select("ball");
+    person.key(Key::H);
+    assert!(person.text().contains("object \"ball\" material=\"red\" hidden=#true { sphere"), "{}", person.text());
+    assert_eq!(person.scene().objects.len(), 2);
+    person.key(Key::H);
+    assert_eq!(person.text(), SCENE);
+    person.harness.key_press_modifiers(Modifiers::SHIFT, Key::H);
+    person.wait(2);
+    assert_eq!(person.scene().objects.iter().map(|object| &*object.name).collect::<Vec<_>>(), ["ball"]);
+    person.harness.key_press_modifiers(Modifiers::ALT, Key::H);
+    person.wait(2);
+    assert_eq!(person.text(), SCENE);
+    assert_eq!(person.undo_all(), 4);
+    let at = person.point(0.5, 0.5);
+    for (locked, selected) in [(true, None), (false, Some("sphere"))] {
+        person.select("ball");
+        person.key(Key::L);
+        assert_eq!(person.open().locked.contains("ball"), locked);
+        person.key(Key::Escape);
+        person.click_at(at, Modifiers::NONE);
+        assert_eq!(person.selected().as_deref(), selected);
+    }
+    assert_eq!(person.selected().as_deref(), Some("sphere"));
+}
+
+#[test]
+fn shapes_are_aligned_to_the_one_selected_last() {
+    let mut person = Person::at_scene();
+    let (ball, carved) = (person.path("sphere"), person.path("subtract"));
+    person.app_mut().select_all(vec![ball.clone(), carved]);
+    person.wait(2);
+    person.menu("Edit", "Align along x");
+    assert_eq!(person.document().control(&ball, "place.at").expect("a place").value, Value::Triple([1.65, 0.7, 0.0]));
+}

@@ -66,7 +66,7 @@ pub(crate) fn check(parameter: &Parameter, value: &Value) -> Result<(), EditErro
 }
 
 /// The numbers of a value, in order.
-fn numbers_of(value: &Value) -> Option<Vec<f32>> {
+pub(crate) fn numbers_of(value: &Value) -> Option<Vec<f32>> {
     match value {
         Value::Number(number) => Some(vec![*number]),
         Value::Triple(numbers) | Value::Colour(numbers) => Some(numbers.to_vec()),

@@ -217,7 +217,7 @@ impl<'d> Writer<'d> {
         if let Some(entry) = arguments.get(argument).copied().or_else(|| property(self.node, name)) {
             return vec![Patch::replace(bytes(entry.value_span), fresh(value))];
         }
-        let is_text = solid.info().outline == Some(Outline::Text);
+        let is_text = solid.info().outline.is_some_and(Outline::has_string);
         let next = !is_text && argument == arguments.len() && self.one_size_of(solid, arguments.len() + 1) == one_size;
         match (next, arguments.last()) {
             (true, Some(last)) => vec![Patch::insert(bytes(last.span).end, format!(" {}", fresh(value)))],

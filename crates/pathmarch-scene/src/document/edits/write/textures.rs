@@ -5,9 +5,10 @@ use crate::document::control::Value;
 use crate::document::error::EditError;
 use crate::document::parameters::{Inside, holder, target};
 use crate::document::text::layout::{before_spaces, bytes};
-use crate::document::text::literals::fresh;
+use crate::document::text::literals::{fresh, numbers};
 use crate::document::text::patch::Patch;
 use crate::document::tree::nodes::{arguments, child, property, texture_node};
+use crate::language::tree::{self, Entry, Node};
 use crate::materials::{self, BUMP_HEIGHT};
 use crate::textures;
 
@@ -36,7 +37,8 @@ impl<'d> Writer<'d> {
         }
     }
 
-    /// Patches that give a parameter a texture of this kind. Placement and colours of a previous texture stay.
+    /// Patches that give a parameter a texture of this kind. Placement and colours of a previous texture stay; a colour
+    /// becomes the last one of the ramp.
     pub(crate) fn write_texture(&self, owner: &str, kind: &str) -> Result<Vec<Patch>, EditError> {
         let Some(node) = child(self.node, owner) else { return self.insert(&format!("{owner} {{ {kind} }}")) };
         if let Some(texture) = texture_node(self.node, owner) {
@@ -52,6 +54,10 @@ impl<'d> Writer<'d> {
             }
             return Ok(patches);
         }
+        let texture = match (self.ramp_to_colour(node), textures::kind(kind)) {
+            (Some(ramp), Some(_)) => format!("{kind} {{ {ramp} }}"),
+            _ => kind.to_owned(),
+        };
         let mut patches: Vec<Patch> = arguments(node)
             .map(|entry| {
                 let span = bytes(entry.span);
@@ -59,10 +65,25 @@ impl<'d> Writer<'d> {
             })
             .collect();
         match &node.children {
-            Some(_) => patches.extend(self.of(node).insert(kind)?),
-            None => patches.push(Patch::insert(node.whole.end as usize, format!(" {{ {kind} }}"))),
+            Some(_) => patches.extend(self.of(node).insert(&texture)?),
+            None => patches.push(Patch::insert(node.whole.end as usize, format!(" {{ {texture} }}"))),
         }
         Ok(patches)
+    }
+
+    /// The ramp from a darker shade to the colour that a node gives; `None` of a node that gives no colour. A formula stays
+    /// one in the last colour, and has a dark grey before it.
+    fn ramp_to_colour(&self, node: &Node<'static>) -> Option<String> {
+        let given: Vec<_> = arguments(node).collect();
+        let is_colour = materials::kind(&node.name.value).is_some() && !given.is_empty() || given.len() == 3;
+        let written: Vec<&str> = given.iter().map(|entry| &self.text[bytes(entry.value_span)]).collect();
+        let darker = |entry: &&Entry<'static>| match entry.value {
+            tree::Value::Number(value) => Some(((0.3 * value * 1e3).round() / 1e3) as f32),
+            _ => None,
+        };
+        let shade = given.iter().map(darker).collect::<Option<Vec<f32>>>();
+        let shade = shade.map_or_else(|| "0.05".to_owned(), |shade| numbers(&shade));
+        is_colour.then(|| format!("colour {shade}; colour {}", written.join(" ")))
     }
 
     /// Patches that replace a texture by the default of its parameter.

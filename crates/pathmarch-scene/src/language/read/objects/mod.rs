@@ -23,9 +23,10 @@ use crate::language::tree::{Entry, Node, Span};
 use crate::materials::Material;
 use crate::mesh_files::MeshFile;
 use crate::scene::Object;
-use crate::settings::{self, BLEND};
+use crate::settings::{self, BLEND, VISIBILITY};
 use pathmarch_field::Outline;
 use pathmarch_field::graph::Kind;
+use pathmarch_field::outline::NUMBERS_OF_ARC;
 use pathmarch_field::{
     Blend, BlendProfile, Field, Modifier, Node as FieldNode, Operator, Placement, ShapeRef, Solid, registry,
 };
@@ -116,7 +117,7 @@ impl<'m> Solids<'m> {
         0
     }
 
-    /// An object, where it could be made of something.
+    /// An object, where it could be made of something and is not hidden.
     pub(crate) fn object(&mut self, node: &Node, context: &mut Context) -> Option<Object> {
         let usage = "`object \"name\" { … }`";
         if !node.entries.iter().any(|entry| entry.name.is_none()) {
@@ -129,7 +130,12 @@ impl<'m> Solids<'m> {
                 None => drop(self.names.insert(name.to_owned(), span)),
             }
         }
-        let material = properties(node, &[MATERIAL], context).first().map(|(_, entry)| self.material(entry, context));
+        let mut known = vec![MATERIAL];
+        known.extend(settings::names(VISIBILITY));
+        let named = properties(node, &known, context);
+        let hidden = Properties::of(VISIBILITY, &named).flag("hidden", context);
+        let own = named.iter().find(|(name, _)| *name == MATERIAL);
+        let material = own.map(|(_, entry)| self.material(entry, context));
         let mut children = Vec::new();
         for child in node.child_nodes() {
             if PLACEMENT.contains(&&*child.name.value) {
@@ -151,7 +157,8 @@ impl<'m> Solids<'m> {
         let root = if children.len() > 1 { combined("union", children)? } else { children.pop()? };
         meshes::refuse_combined_triangles(&root, node, context);
         let material = material.unwrap_or_else(|| first_tag(&root)) as usize;
-        Some(Object { name: given?.0.to_owned(), material, root })
+        let object = Object { name: given?.0.to_owned(), material, root };
+        (!hidden).then_some(object)
     }
 
     /// Reads a shape or an operator; `place` as in "in an object", `others` are further names that are allowed there.
@@ -244,9 +251,15 @@ impl<'m> Solids<'m> {
         match info.outline {
             Some(Outline::Points) => params.extend(outlines::points(node, context)),
             Some(Outline::Text) => params.extend(outlines::text(node, font, &mut self.files, context)),
+            Some(Outline::Curve) => params.extend(outlines::curve(node, params[0], context)),
+            Some(Outline::Path) => params.extend(outlines::path(node, params[0], context)),
             None => {}
         }
-        let segments = (params.len() - shape.params().len()) / 4;
+        let numbers = match info.outline {
+            Some(Outline::Curve | Outline::Path) => NUMBERS_OF_ARC,
+            _ => 4,
+        };
+        let segments = (params.len() - shape.params().len()) / numbers;
         let fitted = self.segments <= MAX_SEGMENTS;
         self.segments += segments;
         if fitted && self.segments > MAX_SEGMENTS {
@@ -254,7 +267,7 @@ impl<'m> Solids<'m> {
             let mistake = draft("pathmarch::too_large", node.name.span, message).label("too many with this");
             context.report.add(mistake.help("Write less: a letter has about a hundred."));
         }
-        let has_points = info.outline == Some(Outline::Points);
+        let has_points = info.outline.is_some_and(Outline::has_points);
         let mut placement = Placements::default();
         for child in node.child_nodes() {
             if placement.take(child, info.facing, context) || has_points && child.name.value == POINT {

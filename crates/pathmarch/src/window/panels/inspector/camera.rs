@@ -1,6 +1,7 @@
 //! Camera controls.
 
 use crate::window::app::App;
+use crate::window::exposure::suitable_stops;
 use egui::{ComboBox, DragValue, Slider, SliderClamping, Ui};
 use pathmarch_render::pathmarch_scene::settings;
 
@@ -30,14 +31,19 @@ impl App {
         });
         let before = open.view.camera.clone();
         let camera = &mut open.view.camera;
+        let mut auto_exposure = false;
         egui::Grid::new("camera").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
             let label = ui.label("field of view").on_hover_text("Vertical, degrees.");
             ui.add(Slider::new(&mut camera.fov, 5.0..=120.0).suffix("°").clamping(SliderClamping::Never))
                 .labelled_by(label.id);
             ui.end_row();
             let label = ui.label("exposure").on_hover_text("In stops; affects the display, PNG and JPEG, never EXR.");
-            ui.add(Slider::new(&mut camera.exposure, -6.0..=6.0).suffix(" EV").clamping(SliderClamping::Never))
-                .labelled_by(label.id);
+            ui.horizontal(|ui| {
+                ui.add(Slider::new(&mut camera.exposure, -6.0..=6.0).suffix(" EV").clamping(SliderClamping::Never))
+                    .labelled_by(label.id);
+                let words = "Choose the exposure that makes the picture of middle brightness.";
+                auto_exposure = ui.button("Auto").on_hover_text(words).clicked();
+            });
             ui.end_row();
             let label =
                 ui.label("lens radius").on_hover_text("In metres; 0 is a pinhole camera, without depth of field.");
@@ -89,6 +95,22 @@ impl App {
         }
         if write {
             self.write_camera();
+        }
+        if auto_exposure {
+            self.choose_exposure();
+        }
+    }
+
+    /// Sets the exposure of the view to one that suits the picture.
+    fn choose_exposure(&mut self) {
+        let answer = self.live.film().recv().unwrap_or_else(|_| Err("the renderer has stopped".to_owned()));
+        match (answer.map(|(film, _)| suitable_stops(&film)), &mut self.open) {
+            (Ok(Some(stops)), Some(open)) => {
+                open.view.camera.exposure = stops.clamp(settings::EXPOSURE.min, settings::EXPOSURE.max);
+            }
+            (Ok(None), _) => self.show_message("The picture is black: it needs light."),
+            (Err(why), _) => self.show_message(&format!("No exposure yet: {why}.")),
+            (Ok(Some(_)), None) => {}
         }
     }
 }

@@ -46,6 +46,7 @@ impl App {
             self.camera_controls(ui);
             ui.separator();
             self.picture_controls(ui);
+            self.histogram_of_picture(ui);
         });
     }
 
@@ -96,15 +97,19 @@ impl App {
         let mut change = None;
         egui::Grid::new("parameters").num_columns(2).spacing([8.0, 5.0]).striped(true).show(ui, |ui| {
             for (path, control) in &params {
-                if let Some(Change::Set(value)) = row(ui, path, control) {
-                    change = Some((path, value));
+                if let Some(changed) = row(ui, path, control) {
+                    change = Some((path, changed));
                 }
                 ui.end_row();
             }
         });
         let undo_group = self.undo_group;
-        if let Some((path, value)) = change {
-            self.edit(|open| open.document.set(path, key::VALUE, value, Some(undo_group)));
+        match change {
+            Some((path, Change::Set(value))) => {
+                self.edit(|open| open.document.set(path, key::VALUE, value, Some(undo_group)));
+            }
+            Some((path, Change::Key)) => drop(self.edit(|open| open.document.set_key(path, key::VALUE, None))),
+            Some((_, Change::Reset)) | None => {}
         }
         ui.separator();
     }
@@ -192,6 +197,9 @@ impl App {
             }
             Some((key, Change::Reset)) => {
                 self.edit(|open| open.document.reset(path, key));
+            }
+            Some((key, Change::Key)) => {
+                self.edit(|open| open.document.set_key(path, key, None));
             }
             None => {}
         }

@@ -1,8 +1,9 @@
 //! Controls of viewport, render settings and sky.
 
 use crate::window::app::App;
+use crate::window::exposure::{BARS, Histogram};
 use crate::window::open_scene::view_state::Resolution;
-use egui::{ComboBox, Slider, Ui};
+use egui::{Color32, ComboBox, Pos2, Rect, Sense, Slider, Stroke, Ui, Vec2};
 use pathmarch_render::pathmarch_scene::document::ItemKind;
 use pathmarch_render::reconstruct::{Buffer, ReconstructOptions};
 use pathmarch_render::{Mode, PreviewStep};
@@ -37,7 +38,45 @@ fn reconstruction_stages(ui: &mut Ui, options: &mut ReconstructOptions) {
     });
 }
 
+/// Draws the bars of red, green and blue above each other.
+fn draw_histogram(ui: &mut Ui, histogram: &Histogram) {
+    let (rect, _) = ui.allocate_exact_size(Vec2::new(ui.available_width().min(256.0), 64.0), Sense::hover());
+    ui.painter().rect_filled(rect, 2.0, Color32::from_gray(12));
+    let width = rect.width() / BARS as f32;
+    let colours = [[220, 60, 60], [60, 190, 70], [80, 110, 240]];
+    for (bars, [r, g, b]) in histogram.bars.iter().zip(colours) {
+        // Light adds up: where all three are, it is grey.
+        let colour = Color32::from_rgb_additive(r, g, b);
+        for (index, share) in bars.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+            let left = rect.min.x + index as f32 * width;
+            let top = rect.max.y - share * rect.height();
+            let bar = Rect::from_min_max(Pos2::new(left, top), Pos2::new(left + width, rect.max.y));
+            ui.painter().rect_filled(bar, 0.0, colour);
+        }
+    }
+    ui.painter().rect_stroke(rect, 2.0, Stroke::new(1.0, Color32::from_gray(90)), egui::StrokeKind::Inside);
+    let words = format!("{:.1} % of the pixels are overexposed.", 100.0 * histogram.clipped);
+    ui.weak(words);
+}
+
 impl App {
+    /// Histogram of the displayed picture, which costs nothing while it is collapsed.
+    pub(super) fn histogram_of_picture(&mut self, ui: &mut Ui) {
+        let shown = egui::CollapsingHeader::new("Histogram").show(ui, |ui| {
+            if let Some(picture) = self.live.picture()
+                && self.histogram.as_ref().is_none_or(|known| known.serial != picture.serial)
+            {
+                self.histogram = Some(Histogram::new(picture.serial, &picture.codes));
+            }
+            if let Some(histogram) = &self.histogram {
+                draw_histogram(ui, histogram);
+            }
+        });
+        if shown.fully_closed() {
+            self.histogram = None;
+        }
+    }
+
     /// Mode and resolution of the viewport, render settings, background.
     pub(super) fn picture_controls(&mut self, ui: &mut Ui) {
         let Some(open) = &mut self.open else { return };

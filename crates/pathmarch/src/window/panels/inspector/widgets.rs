@@ -7,6 +7,8 @@ use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, Path, Va
 pub(super) enum Change {
     Set(Value),
     Reset,
+    /// Set a key at the present moment.
+    Key,
 }
 
 /// One row: label, value, and a button that resets to the default.
@@ -16,16 +18,30 @@ pub(super) fn row(ui: &mut Ui, path: &Path, control: &Control) -> Option<Change>
     let mut change = None;
     let typing = ui.scope_id().with(("formula", path, &*control.key));
     let numbers = numbers_of(&control.value);
-    if numbers.is_some() {
+    let keyed = matches!(&control.value, Value::Formulas(texts) if texts.iter().any(|text| text.trim_start().starts_with("keys(")));
+    if numbers.is_some() || keyed {
         label.context_menu(|ui| {
             if ui.button("Use a formula").clicked() {
                 ui.data_mut(|data| data.insert_temp(typing, true));
+            }
+            let button = ui
+                .button("Set a key")
+                .on_hover_text("Keep this value at this frame; later changes at other frames set keys, too.");
+            if button.clicked() {
+                change = Some(Change::Key);
+                ui.close();
             }
         });
     }
     ui.horizontal(|ui| {
         let as_text = ui.data(|data| data.get_temp::<bool>(typing)).unwrap_or(false);
         let value = match (&control.value, numbers) {
+            // Numbers that are changed become keys.
+            (Value::Formulas(_), _) if keyed && !as_text => {
+                ui.label("◆").on_hover_text("Has keys: a change sets a key at this frame.");
+                let present = Control { value: control.present.clone(), ..control.clone() };
+                widget(ui, path, &present, &label)
+            }
             (Value::Formulas(texts), _) => formulas(ui, path, control, texts, &label),
             (_, Some(texts)) if as_text => formulas(ui, path, control, &texts, &label),
             _ => widget(ui, path, control, &label),
