@@ -307,7 +307,7 @@ fn mistakes_end_with_code_2_and_nothing_is_written() {
         &["render", &scene, "--size", "10"],
         &["render", &scene, "--size", "0x10"],
         &["render", &scene, "--samples", "0"],
-        &["render", &scene, "--bounces", "1000"],
+        &["render", &scene, "--bounces", "1001"],
         &["render", &scene, "-o", "a.gif"],
         &["render", &scene, "--camera", "nobody"],
         &["render", &scene, "--tonemap", "film"],
@@ -356,7 +356,8 @@ fn help_answers_for_commands_and_words() {
     assert!(stdout(&["help", "roughness"]).contains("`roughness` of material `metal`"));
     assert!(stdout(&["help", "wood"]).contains("texture `wood`"));
     assert!(stdout(&["help", "torus"]).contains("shape `torus`"));
-    assert!(stdout(&["help", "fog"]).contains("Not supported yet"));
+    assert!(stdout(&["help", "fog"]).contains("`scatter`"));
+    assert!(stdout(&["help", "hair"]).contains("Not supported yet"));
     for (word, help) in [("spere", "did you mean \"sphere\"?"), ("qqqqqqqq", "there is no command and no word")] {
         let output = pathmarch(&["help", word], directory.path());
         assert!(code(&output) == 2 && stderr(&output).contains(help), "{}", stderr(&output));

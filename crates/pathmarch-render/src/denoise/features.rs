@@ -2,7 +2,7 @@
 //!
 //! **Idea.** Camera rays of the picture's own first samples, so that edges, depth of field and antialiasing agree with
 //! those of the picture. A ray passes mirrors and smooth glass as a path does, so that the features of a reflection are
-//! those of what is reflected. Two halves of the rays measure the noise of the features.
+//! those of what is reflected; it ends at solids inside which light is scattered. Two halves of the rays measure the noise of the features.
 //!
 //! **Source.** Feature buffers with half buffers: Rousselle, Manzi, Zwicker 2013, "Robust Denoising using Feature and
 //! Color Information".
@@ -225,7 +225,9 @@ fn scattered(
     }
     let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -walk.ray.direction);
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
-    let passes = material.has(DELTA) && surface_index <= MAX_DELTA_SURFACES.min(ctx.frame.bounces);
+    // Light that walks through wax comes from everywhere: what is behind does not show.
+    let is_clear = !ctx.scene.media.of_materials[leaf.material as usize].scatters();
+    let passes = material.has(DELTA) && is_clear && surface_index <= MAX_DELTA_SURFACES.min(ctx.frame.bounces);
     if !passes {
         let plain = Vec3::from(ctx.scene.base_colours[leaf.material as usize]);
         let colour = textured.and_then(|textured| textured.colour()).unwrap_or(plain);
