@@ -37,12 +37,16 @@ fn assert_same_mean(before: &Picture, after: &Picture, name: &str) {
     }
 }
 
-/// Scenes with committed references, samples, and the least factor by which relMSE falls.
-const GAINS: [(&str, u32, f64); 4] =
-    [("cornell", 16, 15.0), ("mirror", 16, 5.0), ("rough_metal", 16, 4.0), ("many_lights", 16, 2.5)];
+/// Scenes with committed references, samples, the least factor by which relMSE falls, and the largest relMSE that is left.
+const GAINS: [(&str, u32, f64, f64); 4] = [
+    ("cornell", 16, 15.0, 3.5e-4),
+    ("mirror", 16, 5.0, 4e-3),
+    ("rough_metal", 16, 4.0, 2.5e-3),
+    ("many_lights", 16, 1.3, 6.5e-3),
+];
 
 fn errors_fall_and_energy_is_kept(renderer: &Renderer) {
-    for (name, samples, least_gain) in GAINS {
+    for (name, samples, least_gain, largest) in GAINS {
         let scene = Scene::load(data(&format!("{name}.kdl"))).expect("a valid scene");
         let reference = image::load(&data(&format!("{name}.exr"))).expect("a picture").picture;
         let size = [reference.width, reference.height];
@@ -50,7 +54,8 @@ fn errors_fall_and_energy_is_kept(renderer: &Renderer) {
         let [error_before, error_after] =
             [&before, &after].map(|picture| relmse(picture, &reference).expect("one size"));
         println!("{name}: relMSE {error_before:.2e} -> {error_after:.2e}");
-        assert!(error_after * least_gain < error_before, "{name}: relMSE {error_before:.2e} -> {error_after:.2e}");
+        let falls = error_after * least_gain < error_before && error_after < largest;
+        assert!(falls, "{name}: relMSE {error_before:.2e} -> {error_after:.2e}");
         assert_same_mean(&before, &after, name);
     }
 }

@@ -96,6 +96,13 @@ pub struct MaterialKind {
     pub bsdf: Option<&'static Bsdf>,
 }
 
+impl MaterialKind {
+    /// True if it has a surface that light falls on, with bumps and the colours of orbit traps.
+    pub(crate) fn is_shaded(&self) -> bool {
+        self.bsdf.is_some() && self.has_surface
+    }
+}
+
 /// A material as previews show it, without random scattering: a Lambertian surface under one glossy reflection, and
 /// transmission. Colours are linear Rec. 709.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -327,7 +327,7 @@ mod tests {
             roughness.len() > 1 && roughness.contains(&"`roughness` of material `metal`".to_owned()),
             "{roughness:?}"
         );
-        assert!(entries("fog")[0].doc.starts_with("Not supported yet"));
+        assert!(entries("hair")[0].doc.starts_with("Not supported yet"));
         assert_eq!(entries("wood")[0].title, "texture `wood`");
         assert_eq!(entries("principled")[0].title, "material `principled`");
         assert!(entries("qqq").is_empty());

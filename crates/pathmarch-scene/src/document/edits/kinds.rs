@@ -171,7 +171,7 @@ fn set_material_kind(transaction: &mut Transaction, path: &Path, kind: &str) -> 
         let span = bytes(block.span);
         patches.push(Patch::remove(before_spaces(&transaction.text, span.start)..span.end));
     }
-    let of_surfaces = [ORBIT_TRAP, BUMP].into_iter().filter(|_| new.bsdf.is_none());
+    let of_surfaces = [ORBIT_TRAP, BUMP].into_iter().filter(|_| !new.is_shaded());
     let dropped: Vec<&str> = dropped.into_iter().chain(of_surfaces).collect();
     transaction.then(patches)?;
     for name in dropped {

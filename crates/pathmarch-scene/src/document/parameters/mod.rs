@@ -239,7 +239,7 @@ impl List<'_> {
                 self.texture_choice_of(param, owner);
             }
         }
-        if kind.bsdf.is_some() && kind.has_surface {
+        if kind.is_shaded() {
             self.orbit_trap();
             self.orbit_trap_colours();
             self.bump();

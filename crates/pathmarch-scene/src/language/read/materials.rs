@@ -76,7 +76,7 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
     let beside = kind.params.get(1..).unwrap_or_default().iter().map(|param| param.name());
     let mut known: Vec<&str> = std::iter::once(kind.name).chain(beside).collect();
     known.extend(materials::kinds().iter().map(|kind| kind.name).filter(|name| *name != kind.name));
-    if kind.bsdf.is_some() && kind.has_surface {
+    if kind.is_shaded() {
         known.extend([ORBIT_TRAP, BUMP]);
     }
     let others = foreign_parameters(node, kind, context);
@@ -125,12 +125,7 @@ fn foreign_parameters<'n>(node: &'n Node, kind: &materials::MaterialKind, contex
         found.push(name);
         let message = with_article(&format!("in a `{}` material", kind.name));
         let message = format!("{} has no `{name}`.", message.trim_start_matches("in ").replacen('a', "A", 1));
-        let own = kind
-            .params
-            .iter()
-            .skip(1)
-            .map(MaterialParam::name)
-            .chain(kind.bsdf.filter(|_| kind.has_surface).map(|_| BUMP));
+        let own = kind.params.iter().skip(1).map(MaterialParam::name).chain(kind.is_shaded().then_some(BUMP));
         let own = match own.clone().count() {
             0 => format!("`{}` has no parameters beside its value.", kind.name),
             _ => format!("It has {}.", listed(own, "and")),

@@ -1,21 +1,11 @@
 //! One picture with `--noise`: as many samples for each tile as its error asks for.
 
-use super::still::{Outcome, Task, check_memory};
+use super::still::{Outcome, Reached, Task, check_memory};
 use super::{print_settings, render_failure};
 use pathmarch_cli::Failure;
 use pathmarch_render::AdaptiveTile;
 use pathmarch_render::film::Film;
 use std::sync::atomic::Ordering;
-
-/// Samples and error of the tiles of a picture.
-pub(super) struct Reached {
-    /// Numbers of samples, for a message.
-    pub(super) samples: String,
-    /// Errors, for a message.
-    pub(super) error: String,
-    /// Largest relative error of a tile; `None` before it can be estimated.
-    pub(super) worst: Option<f32>,
-}
 
 impl Task<'_> {
     /// Renders a picture whose tiles have a relative error below `noise`.

@@ -1,6 +1,5 @@
 //! One picture: its samples with checkpoints, and its file.
 
-use super::adaptive::Reached;
 use super::arguments::Arguments;
 use super::checkpoint::{self, Checkpoint};
 use super::output::Output;
@@ -43,7 +42,7 @@ pub(super) struct Outcome {
     /// Samples that this run rendered.
     pub(super) rendered: u32,
     pub(super) seconds: f64,
-    /// What `--noise` has reached.
+    /// Samples and error of the tiles, with `--noise`.
     pub(super) adaptive: Option<Reached>,
     /// Seconds of the denoiser, if there is one.
     pub(super) denoising: Option<f64>,
@@ -53,6 +52,16 @@ pub(super) struct Outcome {
     pub(super) interrupted: bool,
     /// File from which `--resume` goes on.
     pub(super) checkpoint: Option<String>,
+}
+
+/// Samples and error of the tiles of a picture.
+pub(super) struct Reached {
+    /// Numbers of samples, for a message.
+    pub(super) samples: String,
+    /// Errors, for a message.
+    pub(super) error: String,
+    /// Largest relative error of a tile; `None` before it can be estimated.
+    pub(super) worst: Option<f32>,
 }
 
 impl Task<'_> {
