@@ -356,7 +356,7 @@ fn help_answers_for_commands_and_words() {
     assert!(stdout(&["help", "roughness"]).contains("`roughness` of material `metal`"));
     assert!(stdout(&["help", "wood"]).contains("texture `wood`"));
     assert!(stdout(&["help", "torus"]).contains("shape `torus`"));
-    assert!(stdout(&["help", "fog"]).contains("`scatter`"));
+    assert!(stdout(&["help", "fog"]).contains("node `fog`"));
     assert!(stdout(&["help", "hair"]).contains("Not supported yet"));
     for (word, help) in [("spere", "did you mean \"sphere\"?"), ("qqqqqqqq", "there is no command and no word")] {
         let output = pathmarch(&["help", word], directory.path());
