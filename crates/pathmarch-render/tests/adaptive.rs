@@ -52,7 +52,7 @@ fn samples_that_are_chosen_do_not_bias_the_picture() {
     let scene = parse(UNEVEN);
     let renderer = cpu();
     let settings = Settings { size: [40, 24], samples: 512, ..Settings::of(&scene) };
-    let mean = |picture: &Picture| f64::from(picture.mean_colour()[0]);
+    let mean = |picture: &Picture| picture.mean_colour()[0];
     let whole = Settings { samples: 16_384, seed: 9, ..settings.clone() };
     let truth = mean(&renderer.render(&scene, &whole).expect("renders").mean());
     let means: Vec<f64> = (0..48)

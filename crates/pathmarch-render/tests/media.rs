@@ -36,7 +36,7 @@ fn media_absorb_by_beer_and_lamberts_law(renderer: &Renderer) {
         // Glass displaces the fog, a medium adds to it.
         let (length, name) = if inside.starts_with("glass") { (2.0, "in fog, glass") } else { (4.0, "in fog, medium") };
         let text = format!("{text}\nfog {{ scatter 0; absorb 0.2 }}");
-        let expected = [1.0, 0.2, 0.0].map(|depth| (-depth - 0.2 * length as f64).exp());
+        let expected = [1.0_f64, 0.2, 0.0].map(|depth| (-depth - 0.2 * length).exp());
         assert_near(name, colour(renderer, &text, 4), expected, 1e-3);
     }
     // Two media that overlap, in which the camera is, and the sky beyond.

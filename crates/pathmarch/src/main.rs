@@ -37,7 +37,7 @@ enum Command {
     /// Open a window to view and edit a scene.
     View(view::Arguments),
     /// Render scenes to pictures.
-    Render(render::Arguments),
+    Render(Box<render::Arguments>),
     /// Merge films that were rendered in parts.
     Merge(merge::Arguments),
     /// Make a video of pictures.

@@ -221,7 +221,7 @@ fn scattered_light(
     let phase = phase_function(medium.anisotropy(), ray.direction.dot(light.direction));
     let remaining = (-medium.extinction() * point.distance).exp();
     let radiance = path.throughput * medium.scattering * remaining * (phase / point.pdf) * light.irradiance;
-    (radiance.max_element() > 0.0).then(|| ShadowTest {
+    (radiance.max_element() > 0.0).then_some(ShadowTest {
         slot: path.slot,
         radiance,
         scatter_pdf: phase,

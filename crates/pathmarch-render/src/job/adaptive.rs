@@ -142,7 +142,7 @@ impl AdaptiveJob {
     /// # Errors
     /// [`RenderError::Device`] if the GPU fails.
     pub fn run(&mut self, stop: impl Fn() -> bool, mut progress: impl FnMut(&Self)) -> Result<(), RenderError> {
-        while !self.is_done() && !(stop() && self.halves[0].samples_done() >= 1.0) {
+        while !(self.is_done() || stop() && self.halves[0].samples_done() >= 1.0) {
             self.advance()?;
             progress(self);
         }
