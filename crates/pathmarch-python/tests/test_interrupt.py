@@ -79,7 +79,9 @@ def test_pictures_are_rendered_by_many_threads_at_once(ball):
 
 
 SCRIPT = """
-import sys, pathmarch
+import signal, sys, pathmarch
+# Interrupts are ignored in the background of a shell.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 started = []
 def progress(done, total):
     if not started:

@@ -140,7 +140,7 @@ def test_files_of_a_text_are_in_its_folder(scenes, tmp_path):
         ({"params": {"radios": 1}}, ValueError, 'params: there is no "radios"; did you mean "radius"?'),
         ({"params": {"radius": None}}, TypeError, "params: radius must be a number or a formula"),
         ({"params": {"radius": float("inf")}}, ValueError, "radius"),
-        ({"bounces": 65}, ValueError, "bounces: must be a whole number from 0 to 64, not 65"),
+        ({"bounces": 1001}, ValueError, "bounces: must be a whole number from 0 to 1000, not 1001"),
         ({"bounce": 6}, TypeError, "unexpected keyword argument 'bounce'; did you mean \"bounces\"?"),
         ({"detail": 0}, ValueError, "detail: must be from 0.001 to 10, not 0"),
         ({"sampler": "halton"}, ValueError, 'sampler: there is no "halton"'),

@@ -4,6 +4,7 @@ A wheel may have several, in `_builds/NAME/`; the one beside this file runs ever
 chooses that one.
 """
 
+import importlib
 import importlib.util
 import os
 import sys
@@ -14,14 +15,13 @@ _NEEDS = {"x86-64-v3": ("AVX2", "FMA3")}
 
 
 def _features():
-    try:
-        from numpy._core._multiarray_umath import __cpu_features__ as features
-    except ImportError:
+    # NumPy 2 and NumPy 1; both are private, and have no types.
+    for name in ("numpy._core._multiarray_umath", "numpy.core._multiarray_umath"):
         try:
-            from numpy.core._multiarray_umath import __cpu_features__ as features
-        except ImportError:
-            return {}
-    return features
+            return importlib.import_module(name).__cpu_features__
+        except (ImportError, AttributeError):
+            continue
+    return {}
 
 
 def _best(folder):

@@ -648,6 +648,7 @@ def metal(
     edge: Union[_Colour, Node] = 1,
     roughness: Union[_Number, Node] = 0.2,
     emission: _Colour = 0,
+    multiscatter: Union[_Number, Node] = 0,
     orbit_trap: Optional[Node] = None,
     bump: Optional[Node] = None,
 ) -> Node:
@@ -664,6 +665,7 @@ def glass(
     scatter: _Colour = 0,
     anisotropy: _Number = 0,
     glow: _Colour = 0,
+    multiscatter: Union[_Number, Node] = 0,
     orbit_trap: Optional[Node] = None,
     bump: Optional[Node] = None,
 ) -> Node:
@@ -890,10 +892,10 @@ def render(
 
 def fog(
     *,
-    scatter: _Colour = 0,
-    absorb: _Colour = 0,
+    scatter: _Colour = (0, 0, 0),
+    absorb: _Colour = (0, 0, 0),
     anisotropy: _Number = 0,
-    glow: _Colour = 0,
+    glow: _Colour = (0, 0, 0),
 ) -> Node:
     """Medium between the objects, which scatters, absorbs and emits light."""
 
