@@ -97,9 +97,12 @@ except KeyboardInterrupt:
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent differently")
 def test_ctrl_c_interrupts_a_picture(ball):
     process = subprocess.Popen([sys.executable, "-c", SCRIPT, ball], stdout=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "started\n"
-    process.send_signal(signal.SIGINT)
-    out, _ = process.communicate(timeout=120)
+    try:
+        assert process.stdout.readline() == "started\n"
+        process.send_signal(signal.SIGINT)
+        out, _ = process.communicate(timeout=120)
+    finally:
+        process.kill()
     assert (out, process.returncode) == ("interrupted\n", 0)
 
 
