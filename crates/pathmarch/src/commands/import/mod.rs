@@ -45,4 +45,5 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
+#[cfg(feature = "window")]
 pub use mesh::path_from;
