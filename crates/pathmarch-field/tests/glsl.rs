@@ -326,7 +326,7 @@ fn the_overload_with_the_point_alone_is_the_distance() {
     refused("float DE(vec3 p, vec3 q) { return p.x; }", "DE", "no distance function");
 }
 
-/// What runs once for a picture in Fragmentarium sets variables of the distance function.
+/// Code that runs once for a picture in Fragmentarium sets variables of the distance function.
 #[test]
 fn code_for_the_vertices_sets_what_the_distance_reads() {
     let text = "#vertex\n#group G\nuniform float K; slider[0,3,9]\nvarying float sum;\nfloat f(float x) { return x * 2.; }\nvoid init() \

@@ -383,7 +383,7 @@ fn curves_have_the_distance_of_finely_sampled_ones() {
     }
 }
 
-/// Where a polygon of as many chords has steps of degrees.
+/// A polygon of as many chords has steps of degrees.
 #[test]
 fn normals_of_curves_have_no_steps() {
     let circle: Vec<[f32; 2]> =

@@ -10,7 +10,7 @@
 //! Non-Local Means Filtering", section 4: half buffers).
 //!
 //! **Differences.** Samples are Sobol' points, whose error is below that of independent ones, so that most tiles become better than
-//! is asked for. A tile gets at least half as many samples as each of its neighbours: variance at its border may have been missed.
+//! is asked for. The variance of a tile is taken at the upper end of a confidence interval. A tile gets at least half as many samples as each of its neighbours: variance at its border may have been missed.
 //!
 //! **Cost.** The pilot has 32 samples. On a GPU it needs a kernel of its own.
 

@@ -36,7 +36,7 @@ struct Cells<'p> {
     lists: Vec<Vec<u32>>,
 }
 
-/// What the pieces of a table are.
+/// Contents of the pieces of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Drawing {
     /// Straight edges of a filled outline.

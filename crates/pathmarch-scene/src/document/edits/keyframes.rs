@@ -11,7 +11,7 @@ const SAME_TIME: f64 = 1e-4;
 
 /// Keys of a formula.
 struct Keys<'t> {
-    /// What stands in place of `t`, and the period of repetition.
+    /// Argument in place of `t`, and the period of repetition.
     time: &'t str,
     period: Option<f64>,
     /// Times, seconds, and values.

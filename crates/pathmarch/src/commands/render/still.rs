@@ -34,7 +34,7 @@ pub(super) struct Task<'a> {
     pub(super) says_settings: bool,
 }
 
-/// What was rendered.
+/// Film and figures of a render.
 pub(super) struct Outcome {
     pub(super) film: Film,
     /// Samples of the whole picture.
