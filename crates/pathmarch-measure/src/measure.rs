@@ -69,7 +69,7 @@ pub fn renderers(backend: Option<Backend>, adapter: Option<&str>) -> Result<Vec<
 
 /// Settings that other path tracers share: no simplified caustics, and no limit of radiance.
 pub fn unbiased(settings: Settings) -> Settings {
-    Settings { caustics: Caustics::Traced, clamp: None, ..settings }
+    Settings { caustics: Caustics::Sampled, clamp: None, ..settings }
 }
 
 /// Starts a picture; settings out of range are a usage error.

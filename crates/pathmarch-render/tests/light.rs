@@ -207,7 +207,7 @@ fn fast_caustics_weigh_by_fresnel_and_absorption(renderer: &Renderer) {
              object \"slab\" material=\"g\" {{ box 2 0.5 2 {{ at 0 2 0 }} }}"
         ))
     };
-    for (caustics, shows) in [("fast", 1.0), ("traced", 0.0)] {
+    for (caustics, shows) in [("fast", 1.0), ("sampled", 0.0)] {
         let scene = scene(caustics);
         let settings = Settings { size: [8, 8], samples: 4, ..Settings::of(&scene) };
         let found = mean_colour(&render(renderer, &scene, &settings).mean());
@@ -228,7 +228,7 @@ fn fast_caustics_count_no_light_twice(renderer: &Renderer) {
          object \"floor\" { plane }\nobject \"slab\" material=\"g\" { box 3 0.3 3 { at 0 1.5 0 } }\n\
          object \"l\" material=\"l\" { sphere 0.3 { at 0.5 2.5 0 } }",
     );
-    let [fast, traced] = [Caustics::Fast, Caustics::Traced].map(|caustics| {
+    let [fast, sampled] = [Caustics::Fast, Caustics::Sampled].map(|caustics| {
         let settings = Settings { size: [48, 32], samples: 512, caustics, ..Settings::of(&scene) };
         mean_colour(&render(renderer, &scene, &settings).mean())[1]
     });
@@ -246,7 +246,7 @@ fn fast_caustics_keep_emitters_that_are_not_sampled(renderer: &Renderer) {
              object \"ceiling\" material=\"l\" {{ plane {{ normal 0 -1 0; at 0 5 0 }} }}"
         ))
     };
-    let [fast, traced] = ["fast", "traced"].map(|caustics| {
+    let [fast, sampled] = ["fast", "sampled"].map(|caustics| {
         let scene = scene(caustics);
         let settings = Settings { size: [32, 24], samples: 64, ..Settings::of(&scene) };
         mean_colour(&render(renderer, &scene, &settings).mean())[1]

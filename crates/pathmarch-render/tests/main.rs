@@ -4,6 +4,7 @@ mod adaptive;
 mod aov;
 mod backends;
 mod blends;
+mod caustics;
 mod common;
 mod custom_sdf;
 mod denoise;
@@ -37,6 +38,7 @@ fn main() {
         aov::tests(),
         backends::tests(),
         blends::tests(),
+        caustics::tests(),
         dispersion::tests(),
         examples::tests(),
         images::tests(),

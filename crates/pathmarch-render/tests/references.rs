@@ -10,7 +10,7 @@ use pathmarch_testing::{plain, tests};
 
 /// References: name, number of samples at which our noise is well below the limits, and limit of the relative difference of a
 /// block of 16 by 16 pixels.
-const REFERENCES: [(&str, u32, f32); 21] = [
+const REFERENCES: [(&str, u32, f32); 22] = [
     ("furnace_050", 256, 0.005),
     ("diffuse_sphere_plane", 256, 0.01),
     ("diffuse_sphere_plane_area", 256, 0.01),
@@ -30,6 +30,8 @@ const REFERENCES: [(&str, u32, f32); 21] = [
     ("principled", 512, 0.03),
     ("lens", 256, 0.02),
     ("box_light", 512, 0.02),
+    // Photons blur the edges of caustics by about a pixel.
+    ("caustic_point", 1024, 0.02),
     // A point light in fog: rare paths that come close to it are bright, in both renderers. One such pixel makes a block of the
     // reference 5 % brighter.
     ("fog_point", 2048, 0.06),

@@ -112,7 +112,7 @@ fn settings() {
     let defaults = body("").render;
     assert_eq!(
         (defaults.sampler, defaults.caustics, defaults.clamp, defaults.detail),
-        (Sampler::Sobol, Caustics::Traced, None, 0.1)
+        (Sampler::Sobol, Caustics::Sampled, None, 0.1)
     );
     let other = body("render { sampler \"independent\"; caustics \"fast\"; clamp 10; detail 0.5 }").render;
     assert_eq!(

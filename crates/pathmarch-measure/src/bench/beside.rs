@@ -7,7 +7,7 @@
 //! those of Cycles and ours, which are spread evenly, it falls with the number, hence the equal time. Ratios are to the cheaper of our
 //! backends; their spread is that over all pairs of rounds.
 //!
-//! **Limits.** Scenes that [`DescribedScene`] cannot describe have no peers. Settings are unbiased: `caustics "traced"`, no clamp.
+//! **Limits.** Scenes that [`DescribedScene`] cannot describe have no peers. Settings are unbiased: `caustics "sampled"`, no clamp.
 //! Our seconds and Mitsuba's exclude compilation and the building of the scene; those of Cycles include the latter.
 
 use super::Arguments;

@@ -8,6 +8,7 @@ use crate::output::film::Film;
 use crate::output::parts::Rect;
 use crate::output::tonemap::Display;
 use crate::ray_stats::RayCounters;
+use crate::scene::{PhotonMap, TraceContext};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -30,6 +31,8 @@ pub(crate) struct CpuJob {
     /// Number of current samples, which share a camera ray.
     begun: u32,
     first_sample: u32,
+    /// Photons of the current samples, with traced caustics.
+    photons: Option<PhotonMap>,
     /// Guides of the first samples; `None` if they are not recorded.
     guides: Option<Arc<Vec<Guide>>>,
 }
@@ -68,7 +71,7 @@ impl CpuJob {
         let rect = Rect::of(input.frame.size());
         let (tiles, film) = (tiles(rect), Film::new(rect.width, rect.height));
         let guides = input.records_guides().then(Arc::default);
-        Self { input, stats: None, rect, tiles, film, done: 0, begun: 0, first_sample, guides }
+        Self { input, stats: None, rect, tiles, film, done: 0, begun: 0, first_sample, photons: None, guides }
     }
 
     /// Renders only some pixels; the film has only these.
@@ -142,6 +145,7 @@ impl CpuJob {
         if self.is_whole() {
             let left = upto.saturating_sub(self.film.samples);
             self.begun = splitting::samples_sharing_ray(sample, self.input.config.splitting, left);
+            self.photons = self.input.photon_map(sample);
         }
         let begun = self.begun;
         let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];
@@ -152,15 +156,16 @@ impl CpuJob {
         // Films of more samples are shown as they are.
         let records_guides = self.guides.is_some() && self.film.samples < FILM_SAMPLES;
         let index = self.film.samples;
+        let ctx = TraceContext { photons: self.photons.as_ref(), ..self.input.context(self.stats.as_deref()) };
         let add = |tile: &Tile| -> (Vec<usize>, Vec<Guide>) {
             let pixels = tile.pixels();
             let (values, guides) = if records_guides {
-                let (values, guides) = self.input.sample_with_guides(self.stats.as_deref(), &pixels, sample);
+                let (values, guides) = self.input.sample_with_guides(&ctx, &pixels, sample);
                 let guides = guides.into_iter().zip(&values).map(|(guide, value)| guide.of_sample(kept(*value)));
                 let guides = guides.collect();
                 (values, guides)
             } else {
-                (self.input.samples_of(self.stats.as_deref(), &pixels, sample, begun), Vec::new())
+                (self.input.samples_of(&ctx, &pixels, sample, begun), Vec::new())
             };
             let row = (tile.y[0] - top) / TILE;
             let mut rejected = Vec::new();

@@ -1,15 +1,18 @@
 //! Input of both backends for one picture.
 
 use crate::integrator::guides::Guide;
+use crate::integrator::photons;
+use crate::integrator::photons::emission::Emission;
+use crate::integrator::splitting::camera_ray_index;
 use crate::integrator::{moments, path, splitting_choice};
 use crate::mode::Mode;
 use crate::preview::{self, Preview};
 use crate::ray_stats::RayCounters;
-use crate::scene::{FrameUniforms, KernelConfig, LightTree, RenderScene, TraceContext, finite_bounds};
+use crate::scene::{FrameUniforms, KernelConfig, LightTree, PhotonMap, RenderScene, TraceContext, finite_bounds};
 use crate::settings::Settings;
 use crate::views;
 use glam::Vec3;
-use pathmarch_scene::Scene;
+use pathmarch_scene::{Caustics, Scene};
 use std::sync::Arc;
 
 /// Scene, frame, configuration and mode of a picture. Clones share the scene.
@@ -20,6 +23,8 @@ pub(crate) struct RenderInput {
     pub(crate) config: KernelConfig,
     pub(crate) mode: Mode,
     pub(crate) data: ModeData,
+    /// Starts of light paths, with traced caustics.
+    pub(crate) emission: Option<Arc<Emission>>,
     /// True to record guides, see [`records_guides`](Self::records_guides).
     wants_guides: bool,
 }
@@ -44,16 +49,28 @@ impl RenderInput {
     pub(crate) fn with_tables(render_scene: RenderScene, scene: &Scene, settings: &Settings) -> Self {
         let camera = settings.camera_of(scene);
         let frame = FrameUniforms::new(scene, settings, &render_scene);
-        let config = KernelConfig::new(&render_scene, settings);
+        let mut config = KernelConfig::new(&render_scene, settings);
+        let traces_caustics = settings.caustics == Caustics::Traced && settings.mode.traces_paths();
+        let emission = traces_caustics.then(|| Emission::new(&render_scene, scene, camera)).flatten();
+        config.traced_caustics = emission.is_some();
         let data = match settings.mode {
             Mode::Path | Mode::Variance => ModeData::None,
             Mode::Preview => {
-                let ctx = TraceContext { scene: &render_scene, frame: &frame, config: &config, stats: None };
+                let ctx =
+                    TraceContext { scene: &render_scene, frame: &frame, config: &config, stats: None, photons: None };
                 ModeData::Preview(Arc::new(Preview::new(scene, &ctx)))
             }
             mode => ModeData::View(Arc::new(views::table(mode, scene, camera))),
         };
-        Self { scene: Arc::new(render_scene), frame, config, mode: settings.mode, data, wants_guides: false }
+        Self {
+            scene: Arc::new(render_scene),
+            frame,
+            config,
+            mode: settings.mode,
+            data,
+            emission: emission.map(Arc::new),
+            wants_guides: false,
+        }
     }
 
     /// Input that records guides where that is possible.
@@ -86,7 +103,7 @@ impl RenderInput {
 
     /// Context of the picture's rays on the CPU.
     pub(crate) fn context<'a>(&'a self, stats: Option<&'a RayCounters>) -> TraceContext<'a> {
-        TraceContext { scene: &self.scene, frame: &self.frame, config: &self.config, stats }
+        TraceContext { scene: &self.scene, frame: &self.frame, config: &self.config, stats, photons: None }
     }
 
     /// Light tree of a picture that traces paths.
@@ -102,26 +119,26 @@ impl RenderInput {
         }
     }
 
+    /// Photon map of a sample, with traced caustics. Samples that share a camera ray share a map.
+    pub(crate) fn photon_map(&self, sample: u32) -> Option<PhotonMap> {
+        let index = camera_ray_index(sample, self.config.splitting);
+        self.emission.as_ref().map(|emission| photons::photon_map(&self.context(None), emission, index))
+    }
+
     /// Radiance and guides of sample `sample` of each pixel of a path-traced picture without shared camera rays.
     pub(crate) fn sample_with_guides(
         &self,
-        stats: Option<&RayCounters>,
+        ctx: &TraceContext,
         pixels: &[(u32, u32)],
         sample: u32,
     ) -> (Vec<Vec3>, Vec<Guide>) {
-        path::trace_with_guides(&self.context(stats), pixels, sample)
+        path::trace_with_guides(ctx, pixels, sample)
     }
 
     /// Values of `samples` samples of each pixel, from index `first` on, pixel by pixel: radiance, or colours of a view. There
-    /// is more than one sample only if they share a camera ray.
-    pub(crate) fn samples_of(
-        &self,
-        stats: Option<&RayCounters>,
-        pixels: &[(u32, u32)],
-        first: u32,
-        samples: u32,
-    ) -> Vec<Vec3> {
-        let ctx = &self.context(stats);
+    /// is more than one sample only if they share a camera ray. The context is that of the input, with the photon map of the
+    /// samples.
+    pub(crate) fn samples_of(&self, ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
         match &self.data {
             ModeData::None if self.mode == Mode::Variance => moments::moments(ctx, pixels, first),
             ModeData::None => path::trace(ctx, pixels, first, samples),

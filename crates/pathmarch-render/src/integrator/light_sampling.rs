@@ -195,14 +195,14 @@ fn sample_sphere_cone(sphere: &SphereLight, p: Vec3, position: [f32; 2]) -> (Vec
 /// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre. Inside the
 /// sphere it is 2, all directions.
 #[inline]
-fn subtended_cone(square: f32, radius: f32) -> f32 {
+pub(super) fn subtended_cone(square: f32, radius: f32) -> f32 {
     let sine_square = radius * radius / square.max(1e-30);
     if sine_square >= 1.0 { 2.0 } else { sine_square / (1.0 + (1.0 - sine_square).sqrt()) }
 }
 
 /// Uniform direction in the cone around `axis` with this 1 - cosine of its half angle.
 #[inline]
-fn cone_direction(axis: Vec3, one_minus_cos: f32, position: [f32; 2]) -> Vec3 {
+pub(super) fn cone_direction(axis: Vec3, one_minus_cos: f32, position: [f32; 2]) -> Vec3 {
     let one_minus_cos_theta = one_minus_cos * position[0];
     let sine = (one_minus_cos_theta * (2.0 - one_minus_cos_theta)).max(0.0).sqrt();
     let (sin_phi, cos_phi) = (TAU * position[1]).sin_cos();

@@ -252,6 +252,7 @@ pub(super) fn scatter(
     path.length = LENGTH_IN_MEDIUM;
     path.ray.direction = direction;
     path.scatter_pdf = phase_function(anisotropy, incoming.dot(direction));
-    path.passed_clear_glass = false;
+    path.lights_are_counted = false;
+    path.left_medium = true;
     Some(())
 }

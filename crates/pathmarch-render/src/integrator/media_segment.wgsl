@@ -121,7 +121,8 @@ fn scatter_in_medium(path: ptr<function, Path>) -> bool {
     (*path).length = LENGTH_IN_MEDIUM;
     (*path).ray.direction = direction;
     (*path).scatter_pdf = phase_function(anisotropy, dot(incoming, direction));
-    (*path).passed_clear_glass = false;
+    (*path).lights_are_counted = false;
+    (*path).left_medium = true;
     (*path).surfaces += 1u;
     return true;
 }

@@ -13,6 +13,7 @@ pub(crate) mod moments;
 pub(crate) mod participating_media;
 pub(crate) mod path;
 pub(crate) mod path_state;
+pub(crate) mod photons;
 pub(crate) mod shadow;
 pub(crate) mod splitting;
 pub(crate) mod splitting_choice;

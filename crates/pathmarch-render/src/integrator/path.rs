@@ -35,6 +35,7 @@ use crate::sampling::sobol::{PixelSampler, pair};
 use crate::scene::TraceContext;
 use crate::scene::leaf::IN_GLASS;
 use crate::scene::material::{DELTA, DISPERSES, GLOWS, TRANSMITS};
+use crate::scene::photon_map::LitSurface;
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use glam::Vec3;
@@ -96,7 +97,8 @@ fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler
             length: 0.0,
             scatter_pdf: 0.0,
             medium: ctx.frame.camera_medium(),
-            passed_clear_glass: false,
+            lights_are_counted: false,
+            left_medium: false,
             index_square: 1.0,
             wavelength: None,
         })
@@ -235,8 +237,8 @@ fn emitted_light(
     let &SurfaceInteraction { normal, inside, .. } = interaction;
     let leaf = &ctx.scene.leaves[interaction.leaf];
     let light = leaf.light();
-    // Shadow rays have already contributed it.
-    let counted = path.passed_clear_glass && light.is_some();
+    let is_counted = |light| !ctx.config.traced_caustics || ctx.scene.starts_light_paths(light);
+    let counted = path.lights_are_counted && light.is_some_and(is_counted);
     if !ctx.scene.emits_towards(interaction.leaf, normal) || counted {
         return Vec3::ZERO;
     }
@@ -301,6 +303,7 @@ fn shade(
     let wo = wo_unclamped.with_z(wo_unclamped.z.abs().max(1e-5));
     let transmits = material.has(TRANSMITS);
     let medium_beyond_surface = medium_after(ctx, &path.medium, leaf.material, inside);
+    let footprint = path.footprint(p);
     let [light_choice, roulette] = samples.choice;
     if !material.has(DELTA) {
         path.previous_vertex = if transmits { p } else { p + normal_offset };
@@ -329,6 +332,23 @@ fn shade(
             }
         }
     }
+    if let Some(photons) = ctx.photons.filter(|_| !material.has(DELTA)) {
+        let reflect = |direction: Vec3| {
+            let wi = local_from_world * direction;
+            let arrives = (wi.z > 0.0 || transmits) && !crosses_surface(wi, direction);
+            if arrives { (bsdf.eval)(parameters, wo, wi, inside).value } else { Vec3::ZERO }
+        };
+        let surface = LitSurface {
+            p,
+            normal,
+            transmits,
+            footprint,
+            max_specular: frame.bounces - surface_index,
+            seed: path.sampler.unstratified_seed(surface_index),
+        };
+        let caustics = path.throughput * photons.reflected(&surface, reflect);
+        radiance[path.slot] += clamped(ctx, caustics, surface_index);
+    }
     let [u, v] = samples.scatter;
     let scattered = (bsdf.sample)(parameters, wo, inside, [u, v, samples.lobe])?;
     let direction = (world_from_local * scattered.wi).normalize();
@@ -341,9 +361,12 @@ fn shade(
         return None;
     }
     let is_transmission = scattered.wi.z < 0.0;
-    let straight_transmission =
-        scattered.pdf == 0.0 && is_transmission && (path.passed_clear_glass || path.scatter_pdf > 0.0);
-    path.passed_clear_glass = ctx.config.fast_caustics && straight_transmission;
+    let has_sampled_lights = path.lights_are_counted || path.scatter_pdf > 0.0;
+    let has_met_photons = path.lights_are_counted || (path.scatter_pdf > 0.0 && !path.left_medium);
+    path.lights_are_counted = scattered.pdf == 0.0
+        && ((ctx.config.fast_caustics && is_transmission && has_sampled_lights)
+            || (ctx.config.traced_caustics && has_met_photons));
+    path.left_medium = false;
     path.ray = Ray { origin: p + if is_transmission { -normal_offset } else { normal_offset }, direction };
     path.scatter_pdf = scattered.pdf;
     if is_transmission {

@@ -1,5 +1,5 @@
 // import: film_value, guides, integrator/camera, integrator/light_sampling, integrator/shadow, integrator/sky
-// import: media, path_segment, sampler, sampling/basis, shading/shading_normal, shading/surface_interaction, textures
+// import: media, path_segment, photons, sampler, sampling/basis, shading/shading_normal, shading/surface_interaction, textures
 // Path tracing. Twin of path.rs, which explains it.
 
 /// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
@@ -26,8 +26,10 @@ struct Path {
     scatter_pdf: f32,
     /// Medium around the path.
     medium: Medium,
-    /// True if the path has only passed through clear glass, as shadow rays do, since it last sampled a light.
-    passed_clear_glass: bool,
+    /// True if others have contributed the lights that the ray hits, see path_state.rs.
+    lights_are_counted: bool,
+    /// True if the path last left a point in a medium and not a surface.
+    left_medium: bool,
     /// Square of the refractive index around the path.
     index_square: f32,
     /// Wavelength, nanometres; 0 before the first surface that disperses.
@@ -56,8 +58,11 @@ fn path_from(camera: Ray, sampler: PixelSampler) -> Path {
 fn add_emission(path: ptr<function, Path>, interaction: SurfaceInteraction, emission: vec3f) {
     let leaf = leaves[interaction.leaf];
     let light = leaf.flags >> LIGHT_SHIFT;
-    // Shadow rays have already contributed it.
-    let counted = FAST_CAUSTICS && (*path).passed_clear_glass && light > 0u;
+    // Shadow rays or photons have already contributed it.
+    var counted = (FAST_CAUSTICS || TRACED_CAUSTICS) && (*path).lights_are_counted && light > 0u;
+    if TRACED_CAUSTICS && counted {
+        counted = (leaf.flags & IN_GLASS) == 0u && !(HAS_BOUNDED && lights[light - 1u].kind == BOUNDED);
+    }
     if !emits_towards(interaction.leaf, interaction.normal) || counted {
         return;
     }
@@ -79,7 +84,9 @@ fn add_escaped_radiance(path: ptr<function, Path>) {
     // Light that a ray hits counts as direct light of the previous surface.
     let bounces = max((*path).surfaces, 1u) - 1u;
     let direction = (*path).ray.direction;
-    if !(FAST_CAUSTICS && (*path).passed_clear_glass) {
+    if TRACED_CAUSTICS && (*path).lights_are_counted {
+        (*path).radiance += clamped((*path).throughput * sky_radiance(direction, (*path).scatter_pdf), bounces);
+    } else if !(FAST_CAUSTICS && (*path).lights_are_counted) {
         let escaped_radiance = sky_radiance(direction, (*path).scatter_pdf) + sun_radiance(direction, (*path).scatter_pdf);
         (*path).radiance += clamped((*path).throughput * escaped_radiance, bounces);
     } else {
@@ -158,6 +165,8 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     if DISPERSION && (flags & DISPERSES) != 0u {
         disperse(path, sample_2d((*path).sampler, pair + PAIR_LOBE).y);
     }
+    let previous_vertex = (*path).previous_vertex;
+    let previous_pdf = (*path).scatter_pdf;
     if HAS_LIGHTS && (flags & DELTA) == 0u {
         (*path).previous_vertex = select(spawn_origin(interaction, false), interaction.p, transmits);
         (*path).previous_normal = select(ns, vec3f(0.0), transmits);
@@ -181,6 +190,14 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
                     clamped((*path).throughput * evaluated.xyz * light.irradiance * attenuation, surface_index);
             }
         }
+    }
+    if TRACED_CAUSTICS && (flags & DELTA) == 0u {
+        let seed = unstratified_seed((*path).sampler, surface_index);
+        let offset = interaction.p - previous_vertex;
+        var footprint = select(0.0, dot(offset, offset) / previous_pdf, previous_pdf > 0.0);
+        footprint = select(footprint, 1e30, (*path).lights_are_counted);
+        let caustics = photon_radiance(m, interaction, wo, world_from_local, transmits, footprint, surface_index, seed);
+        (*path).radiance += clamped((*path).throughput * caustics, surface_index);
     }
     var u = vec3f(sample_2d((*path).sampler, pair + PAIR_SCATTER), 0.0);
     if CHOOSES_LOBES {
@@ -207,8 +224,13 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
         (*path).medium = medium_beyond_surface;
     }
     if FAST_CAUSTICS {
-        (*path).passed_clear_glass =
-            scattered.pdf == 0.0 && scattered.wi.z < 0.0 && ((*path).passed_clear_glass || (*path).scatter_pdf > 0.0);
+        (*path).lights_are_counted =
+            scattered.pdf == 0.0 && scattered.wi.z < 0.0 && ((*path).lights_are_counted || (*path).scatter_pdf > 0.0);
+    }
+    if TRACED_CAUSTICS {
+        let has_met_photons = (*path).lights_are_counted || ((*path).scatter_pdf > 0.0 && !(*path).left_medium);
+        (*path).lights_are_counted = scattered.pdf == 0.0 && has_met_photons;
+        (*path).left_medium = false;
     }
     (*path).scatter_pdf = scattered.pdf;
     (*path).surfaces += 1u;

@@ -34,8 +34,12 @@ pub(super) struct Path {
     pub(super) scatter_pdf: f32,
     /// Media of the solids around the path.
     pub(super) medium: Medium,
-    /// True if the path has only passed through clear glass, as shadow rays do, since it last sampled a light.
-    pub(super) passed_clear_glass: bool,
+    /// True if others have contributed the lights that the ray hits: with fast caustics shadow rays, if it has only passed
+    /// through clear glass since it last sampled a light; with traced caustics photons, if it has only met specular surfaces since
+    /// it left one that is not.
+    pub(super) lights_are_counted: bool,
+    /// True if the path last left a point in a medium and not a surface.
+    pub(super) left_medium: bool,
     /// Square of the refractive index around the path.
     pub(super) index_square: f32,
     /// Wavelength, nanometres; `None` before the first surface that disperses.
@@ -53,6 +57,15 @@ impl Path {
             self.throughput /= survival_probability;
         }
         true
+    }
+
+    /// Footprint of a surface at `p` for photons, see [`LitSurface::footprint`](crate::scene::photon_map::LitSurface).
+    pub(super) fn footprint(&self, p: Vec3) -> f32 {
+        match () {
+            () if self.lights_are_counted => f32::INFINITY,
+            () if self.scatter_pdf > 0.0 => p.distance_squared(self.previous_vertex) / self.scatter_pdf,
+            () => 0.0,
+        }
     }
 
     /// Wavelength; chosen now if it was not before.
@@ -76,7 +89,10 @@ pub(super) fn clamped(ctx: &TraceContext, contribution: Vec3, bounces: u32) -> V
 /// Radiance of the sky and the suns for an escaping path, times its MIS weight.
 pub(super) fn escaped_radiance(ctx: &TraceContext, path: &Path) -> Vec3 {
     let (sky, direction) = (&ctx.scene.sky, path.ray.direction);
-    if path.passed_clear_glass {
+    if path.lights_are_counted && ctx.config.traced_caustics {
+        return light_sampling::sky_radiance(sky, ctx.config.direct_lighting, direction, path.scatter_pdf);
+    }
+    if path.lights_are_counted {
         // Shadow rays have already contributed suns and a sampled sky.
         return match sky.radiance(direction) {
             (radiance, None) => radiance,

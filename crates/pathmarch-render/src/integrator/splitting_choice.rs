@@ -73,7 +73,7 @@ pub(crate) fn best_splitting(
         })
         .collect();
     let (ray_counters, path_counters) = (RayCounters::default(), RayCounters::default());
-    let context = |stats| TraceContext { scene, frame: &frame, config: &config, stats: Some(stats) };
+    let context = |stats| TraceContext { scene, frame: &frame, config: &config, stats: Some(stats), photons: None };
     let variances = pixels.par_chunks(PROBE_GRID[0] as usize).map(|pixels| {
         trace_camera_rays(&context(&ray_counters), pixels);
         variances(&context(&path_counters), pixels)

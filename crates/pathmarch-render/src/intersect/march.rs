@@ -49,7 +49,7 @@ shared_constants! {
     /// Factor of the hit tolerance of grazing rays, see [`KernelConfig::refined_grazing`].
     const GRAZING_TOLERANCE: f32 = 0.0625;
     /// Distance from a surface at which rays start, in rounding errors.
-    const START_OFFSET: f32 = 3.0;
+    pub(crate) const START_OFFSET: f32 = 3.0;
 }
 
 /// Hit tolerance at a point of a path of this length, metres.

@@ -277,7 +277,7 @@ mod tests {
         for viewpoint in [[1.0, 2.0, 6.0], [0.4, 1.5, 5.0]] {
             let input = input(viewpoint);
             let pixels: Vec<(u32, u32)> = (0..30).flat_map(|y| (0..40).map(move |x| (x, y))).collect();
-            let (_, guides) = input.sample_with_guides(None, &pixels, 0);
+            let (_, guides) = input.sample_with_guides(&input.context(None), &pixels, 0);
             // The albedo of the floor is 0.8, that times the reflectance of the mirror about 0.4.
             let mirrored = guides.iter().filter(|guide| guide.object == 0 && guide.albedo.x < 0.7);
             let mut count = 0;

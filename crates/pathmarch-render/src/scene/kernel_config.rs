@@ -35,6 +35,8 @@ pub(crate) struct KernelConfig {
     pub(crate) dispersion: bool,
     /// Shadow rays pass through clear glass.
     pub(crate) fast_caustics: bool,
+    /// Light paths trace caustics, see [`photons`](crate::integrator::photons).
+    pub(crate) traced_caustics: bool,
     /// Some light has shadows that are softened by near misses.
     pub(crate) penumbra: bool,
     /// Some material is textured.
@@ -79,6 +81,7 @@ impl KernelConfig {
             chooses_lobes: scene.bsdfs.iter().flatten().any(|bsdf| bsdf.chooses_lobes),
             dispersion: scene.materials.iter().any(|material| material.has(DISPERSES)),
             fast_caustics: settings.caustics == Caustics::Fast && transmits,
+            traced_caustics: false,
             penumbra: scene.lights.iter().any(|light| penumbra(&light.shape)),
             textures: textured(|material| !material.is_plain()),
             uv_textures: textured(TexturedMaterial::has_uv_textures),

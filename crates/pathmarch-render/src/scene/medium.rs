@@ -156,7 +156,7 @@ impl Media {
 }
 
 /// Sum of the media of the solids around a point.
-pub(super) fn medium_at(scene: &Scene, p: [f32; 3]) -> Medium {
+pub(crate) fn medium_at(scene: &Scene, p: [f32; 3]) -> Medium {
     let p = pathmarch_field::number::Vec3::new(p[0], p[1], p[2]);
     if scene.materials.iter().all(|material| material.medium() == SceneMedium::VACUUM)
         && scene.fog == SceneMedium::VACUUM

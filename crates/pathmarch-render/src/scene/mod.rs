@@ -13,6 +13,7 @@ pub(crate) mod light_tree;
 pub(crate) mod material;
 pub(crate) mod medium;
 pub(crate) mod mesh_light;
+pub(crate) mod photon_map;
 pub(crate) mod preview_material;
 pub(crate) mod sky;
 pub(crate) mod textured_material;
@@ -26,6 +27,7 @@ pub(crate) use light_tree::{LightNode, LightTree};
 pub(crate) use material::MaterialRecord;
 pub(crate) use medium::{Media, Medium};
 pub(crate) use mesh_light::MeshLight;
+pub(crate) use photon_map::PhotonMap;
 pub(crate) use sky::SkyLight;
 pub(crate) use textured_material::TexturedMaterial;
 

@@ -54,7 +54,7 @@ impl ViewScene {
 
     /// Context of the rays.
     pub(crate) fn context(&self) -> TraceContext<'_> {
-        TraceContext { scene: &self.scene, frame: &self.frame, config: &self.config, stats: None }
+        TraceContext { scene: &self.scene, frame: &self.frame, config: &self.config, stats: None, photons: None }
     }
 }
 

@@ -24,6 +24,7 @@ rectangle of half size 500. Materials:
   Smith), `principled` is `principled` (separable Smith). alpha = roughness² throughout.
 * `absorb` is a homogeneous medium of zero albedo inside the shape, rendered by `volpath`.
 * `fog` is the medium of the camera, a `medium` one inside a shape with the BSDF `null`, rendered by `volpath`.
+* `caustics "traced"` is `ptracer`, which shows no surface that is seen over a mirror or through glass: none is in view.
 * `sun` is a sphere 10 km away of radiance irradiance / (pi sin²(angle/2)) + sky: the sun adds to the sky it covers.
 * A sky from a file is bilinear between texel centres ((i + 1/2)/width, (j + 1/2)/height), wraps around sideways and is
   clamped at the poles. Direction (x, y, z) has u = atan2(x, -z) / 2 pi (mod 1) and v = acos(y) / pi, v = 0 the top
@@ -275,7 +276,7 @@ class Scene:
         self.position, self.target, self.fov, self.lens = position, target, fov, None
         self.lines, self.materials, self.parts, self.names = [], {}, {}, set()
         self.sky_radiance = (0, 0, 0)
-        self.camera_medium = None
+        self.camera_medium, self.traced_caustics = None, False
 
     def comment(self, text):
         self.lines.append(f"// {text}")
@@ -333,7 +334,8 @@ class Scene:
         written = "// Written by references.py, which renders the picture beside this file."
         head = ["pathmarch 1", f"// {self.note}", written]
         head.append(f'camera "main" {{ {view}{lens} }}')
-        head.append(f"render {{ size {self.size[0]} {self.size[1]}; bounces {self.bounces} }}")
+        caustics = '; caustics "traced"' if self.traced_caustics else ""
+        head.append(f"render {{ size {self.size[0]} {self.size[1]}; bounces {self.bounces}{caustics} }}")
         return "\n".join(head + self.lines) + "\n"
 
     def mitsuba(self):
@@ -357,7 +359,8 @@ class Scene:
             camera["medium"] = self.camera_medium
         if self.lens:
             camera["aperture_radius"], camera["focus_distance"] = self.lens
-        integrator = {"type": "volpath" if media else "path", "max_depth": self.bounces + 2, "rr_depth": 10000}
+        kind = "ptracer" if self.traced_caustics else "volpath" if media else "path"
+        integrator = {"type": kind, "max_depth": self.bounces + 2, "rr_depth": 10000}
         return mi.load_dict({"type": "scene", "integrator": integrator, "sensor": camera, **self.parts})
 
     def render(self, samples, seed=0):
@@ -644,6 +647,21 @@ def fog_area():
     return s
 
 
+def caustic_point():
+    note = "Caustics of a point light on a floor: a ball and a block of glass, and a mirror, all out of view."
+    s = Scene(note, 65536, position=(0, 1.1, 2.2), target=(0, 0, 0), fov=40, bounces=6, size=(96, 72))
+    s.traced_caustics = True
+    s.point((0.2, 3.6, 0), (24, 22, 18))
+    s.material("floor", diffuse((0.6, 0.55, 0.5)))
+    s.material("clear", glass())
+    s.material("mirror", metal(0.9, 0.9, 0))
+    s.object("floor", "floor", plane())
+    s.object("ball", "clear", sphere(0.4, (-0.5, 1.65, 0)))
+    s.object("block", "clear", box((0.6, 0.5, 0.6), (0.8, 1.7, -0.1), (30, 40, 0)))
+    s.object("mirror", "mirror", box((0.1, 1.2, 1.4), (1.9, 0.8, 1.2), (0, -20, 0)))
+    return s
+
+
 def subsurface():
     note = "Light that walks inside solids: a smooth and a rough ball that scatter and absorb."
     s = Scene(note, 8192, bounces=40, size=(96, 72))
@@ -689,6 +707,7 @@ SCENES = {
     "principled": principled,
     "lens": lens,
     "box_light": box_light,
+    "caustic_point": caustic_point,
     "fog_point": fog_point,
     "fog_area": fog_area,
     "subsurface": subsurface,

@@ -106,11 +106,12 @@ render_settings! {
         example: "sampler \"sobol\"",
         doc: "Random numbers: evenly spread, or each independent of the others, to compare with.",
     }
-    caustics: Caustics = Caustics::Traced => {
+    caustics: Caustics = Caustics::Sampled => {
         kind: choice("kind of caustics", Caustics::names),
         unit: "",
         example: "caustics \"traced\"",
-        doc: "Light through clear glass: traced, or passed straight on by shadow rays (fast), which is biased.",
+        doc: "Light over mirrors and clear glass: found by camera paths (sampled), by paths from the lights (traced), or passed straight \
+              on through glass by shadow rays (fast), which is biased.",
     }
     estimator: DirectLighting = DirectLighting::Mis => {
         kind: choice("estimator of direct light", DirectLighting::names),
@@ -278,18 +279,21 @@ pub enum Sampler {
 
 named!(Sampler { Sobol = "sobol", Independent = "independent" });
 
-/// Treatment of light through clear glass.
+/// Treatment of light that mirrors and clear glass throw on other surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Caustics {
-    /// Traced like all other light.
+    /// Found by camera paths that hit the light by chance: that of a light without size is not found.
     #[default]
+    Sampled,
+    /// Found by paths from the lights, which are aimed at mirrors and clear glass. Its blur of a few pixels vanishes as samples add
+    /// up.
     Traced,
     /// Shadow rays pass straight through clear glass, weighted by Fresnel's law, its tint and its absorption: free of noise,
     /// but biased, because nothing is refracted.
     Fast,
 }
 
-named!(Caustics { Traced = "traced", Fast = "fast" });
+named!(Caustics { Sampled = "sampled", Traced = "traced", Fast = "fast" });
 
 /// Estimator of direct light from lights that a path can hit, that is from all but points and suns without size. All
 /// estimators converge to the same picture; those other than [`Mis`](Self::Mis) are for comparison.

@@ -16,12 +16,13 @@ use super::timer::GpuTimer;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
 use crate::integrator::guides::FILM_SAMPLES;
+use crate::integrator::photons;
 use crate::integrator::splitting;
 use crate::mode::Mode;
 use crate::output::film::Film;
 use crate::output::parts::Rect;
 use crate::output::tonemap::Display;
-use crate::scene::FrameUniforms;
+use crate::scene::{FrameUniforms, PhotonMap};
 use bytemuck::Zeroable;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -49,6 +50,8 @@ pub(crate) struct GpuJob {
     film: wgpu::Buffer,
     /// Guides, if they are recorded.
     guides: Option<wgpu::Buffer>,
+    /// Photon maps, with traced caustics.
+    photons: Option<Photons>,
     display_buffers: Option<DisplayBuffers>,
     size: [u32; 2],
     /// Pixels of films.
@@ -92,13 +95,13 @@ fn check_limits(device: &GpuContext, size: [u32; 2], shapes: usize) -> Result<()
 }
 
 /// Fails if a table of the scene exceeds a binding of the device.
-fn check_tables(device: &GpuContext, source: &KernelSource) -> Result<(), RenderError> {
+fn check_tables(device: &GpuContext, source: &KernelSource, photon_bytes: usize) -> Result<(), RenderError> {
     let limits = device.device.limits();
     let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     for (name, bytes) in [
         ("parameters of shapes", size_of_val(&source.parameters[..])),
         ("meshes, pictures and other tables", size_of_val(&source.data.words[..])),
-        ("pixels of the sky and nodes of lights", size_of_val(&source.data.vectors[..])),
+        ("pixels of the sky, nodes of lights and photons", size_of_val(&source.data.vectors[..]) + photon_bytes),
     ] {
         if bytes as u64 > limit {
             let what = format!("{} MiB of {name} (the limit is {} MiB)", bytes >> 20, limit >> 20);
@@ -106,6 +109,29 @@ fn check_tables(device: &GpuContext, source: &KernelSource) -> Result<(), Render
         }
     }
     Ok(())
+}
+
+/// Photon maps, which the CPU traces, and their place in a buffer of the kernel.
+struct Photons {
+    input: RenderInput,
+    buffer: wgpu::Buffer,
+    /// Offset, and the largest number of bytes.
+    offset: u64,
+    capacity: usize,
+}
+
+impl Photons {
+    /// Uploads the map of a sample, for the submissions after this call.
+    fn upload(&self, queue: &wgpu::Queue, sample: u32) {
+        if let Some(map) = self.input.photon_map(sample) {
+            queue.write_buffer(&self.buffer, self.offset, bytemuck::cast_slice(&map.encoded()));
+        }
+    }
+}
+
+/// Bytes of a photon map of a picture of this size.
+fn photon_bytes(size: [u32; 2]) -> usize {
+    size_of::<[f32; 4]>() * PhotonMap::encoded_length(photons::path_count(size))
 }
 
 fn film_bytes([width, height]: [u32; 2]) -> u64 {
@@ -149,7 +175,8 @@ impl GpuJob {
         let frame_record = &input.frame;
         let size = frame_record.size();
         check_limits(&device, size, input.scene.field.shapes_as_code())?;
-        check_tables(&device, source)?;
+        let photon_bytes = if input.emission.is_some() { photon_bytes(size) } else { 0 };
+        check_tables(&device, source, photon_bytes)?;
         let started = Instant::now();
         let kernel = device.kernels.compile(&device, source)?;
         let gpu = &device.device;
@@ -195,13 +222,16 @@ impl GpuJob {
         });
         let frame = constant(bindings::FRAME, "frame", bytemuck::bytes_of(frame_record));
         let lights: Vec<LightRecord> = input.scene.lights.iter().map(LightRecord::new).collect();
+        let photon_offset = size_of_val(&source.data.vectors[..]);
+        let mut vectors: Vec<u8> = bytemuck::cast_slice(&source.data.vectors).to_vec();
+        vectors.resize(photon_offset + photon_bytes, 0);
         let tables = [
             (bindings::PARAMETERS, "parameters", bytemuck::cast_slice(&source.parameters)),
             (bindings::LEAVES, "leaves", bytemuck::cast_slice(&input.scene.leaves)),
             (bindings::MATERIALS, "materials", bytemuck::cast_slice(&input.scene.materials)),
             (bindings::LIGHTS, "lights", bytemuck::cast_slice(&lights)),
             (bindings::SCENE_DATA, "scene data", bytemuck::cast_slice(&source.data.words)),
-            (bindings::VECTORS, "vectors", bytemuck::cast_slice(&source.data.vectors)),
+            (bindings::VECTORS, "vectors", &vectors[..]),
         ]
         .map(|(binding, label, contents)| (binding, constant(binding, label, contents)));
         let light_tree = input.light_tree().filter(|_| source.bindings.is_uniform(bindings::LIGHT_TREE));
@@ -231,6 +261,14 @@ impl GpuJob {
         for scope in [out_of_memory, validation] {
             device.end_scope(scope)?;
         }
+        let vectors =
+            tables.iter().find(|(binding, _)| *binding == bindings::VECTORS).map(|(_, buffer)| buffer.clone());
+        let photons = vectors.filter(|_| photon_bytes > 0).map(|buffer| Photons {
+            input: input.clone(),
+            buffer,
+            offset: photon_offset as u64,
+            capacity: photon_bytes,
+        });
         let may_resume = input.mode.traces_paths() && input.config.splitting == 1;
         let mut job = Self {
             device,
@@ -241,6 +279,7 @@ impl GpuJob {
             slice_stride,
             film,
             guides: guides.filter(|_| guides_fit),
+            photons,
             display_buffers: None,
             size,
             rect: Rect::of(size),
@@ -275,6 +314,12 @@ impl GpuJob {
         let size = frame.size();
         if film_bytes(size) > self.film.size() {
             return Ok(false);
+        }
+        if let Some(photons) = &mut self.photons {
+            if photon_bytes(size) > photons.capacity {
+                return Ok(false);
+            }
+            photons.input.frame = *frame;
         }
         self.wait()?;
         self.size = size;
@@ -411,6 +456,9 @@ impl GpuJob {
     /// Slices of a submission towards `samples` samples of every pixel.
     fn next_slices(&mut self, samples: u32) -> Vec<Slice> {
         let mut slices = Vec::new();
+        if let Some(photons) = self.photons.as_ref().filter(|_| self.is_whole() && self.submitted.samples < samples) {
+            photons.upload(&self.device.queue, self.first_sample + self.submitted.samples);
+        }
         let mut left = match self.suspended {
             Some(_) => self.quota.min(f64::from(loop_limit::CAPACITY - 8 * BAND)),
             None => self.quota,
@@ -419,6 +467,10 @@ impl GpuJob {
             let slice = self.next_slice(samples, left);
             left -= slice.work();
             slices.push(slice);
+            // The next sample has other photons.
+            if self.photons.is_some() && self.is_whole() {
+                break;
+            }
         }
         slices
     }

@@ -47,7 +47,8 @@ shared_struct! {
         /// Number of surfaces from which the path has continued, or FINISHED.
         surfaces: u32,
         radiance: [f32; 3],
-        passed_clear_glass: u32,
+        /// Bit 0: its lights are counted; bit 1: it left a medium.
+        flags: u32,
         medium: [f32; 3],
         wavelength: f32,
         previous_normal: [f32; 3],

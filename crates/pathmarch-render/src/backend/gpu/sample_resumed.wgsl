@@ -16,7 +16,8 @@ fn resumed(saved: SuspendedPath, sampler: PixelSampler) -> Path {
     path.throughput = saved.throughput;
     path.surfaces = saved.surfaces;
     path.radiance = saved.radiance;
-    path.passed_clear_glass = saved.passed_clear_glass != 0u;
+    path.lights_are_counted = (saved.flags & 1u) != 0u;
+    path.left_medium = (saved.flags & 2u) != 0u;
     path.medium = resumed_medium(saved.medium, saved.medium_forward, saved.medium_scattering, saved.medium_solids, saved.medium_emission);
     path.wavelength = saved.wavelength;
     return path;
@@ -33,7 +34,7 @@ fn suspend(slot: u32, path: Path) {
         path.throughput,
         path.surfaces,
         path.radiance,
-        select(0u, 1u, path.passed_clear_glass),
+        select(0u, 1u, path.lights_are_counted) | select(0u, 2u, path.left_medium),
         absorption_of(path.medium),
         path.wavelength,
         path.previous_normal,

@@ -17,7 +17,7 @@ use crate::sampling::sobol::pair;
 use crate::scene::light as scene_light;
 use crate::scene::medium as scene_medium;
 use crate::scene::{
-    FrameUniforms, LeafRecord, LightNode, MaterialRecord, leaf, light_tree, material, preview_material,
+    FrameUniforms, LeafRecord, LightNode, MaterialRecord, leaf, light_tree, material, photon_map, preview_material,
     textured_material,
 };
 use crate::views;
@@ -76,12 +76,14 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/no_guides",
     "integrator/no_mesh_lights",
     "integrator/no_penumbra",
+    "integrator/no_photons",
     "integrator/participating_media" shares || {
         [participating_media::shared_wgsl(), scene_medium::shared_wgsl(), scene_light::shared_wgsl()].concat()
     },
     "integrator/path" shares path_state::shared_wgsl,
     "integrator/path_segment",
     "integrator/penumbra",
+    "integrator/photons" shares photon_map::shared_wgsl,
     "integrator/radiance",
     "integrator/shadow" shares shadow::shared_wgsl,
     "integrator/sky" shares encode::sky_kinds_wgsl,

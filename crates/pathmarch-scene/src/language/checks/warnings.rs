@@ -66,10 +66,7 @@ fn lost_light(scene: &Scene, file: &Block, report: &mut Report) {
     for (node, what) in lights.take(3) {
         let message = format!("Light of this {what} does not pass the clear materials of the scene: it has no size.");
         let warning = draft("pathmarch::lost_light", node.name.span, message).label("no path meets it behind glass");
-        let help = match what {
-            "sun" => "Give it an `angle`, such as 0.53, or the scene `caustics \"fast\"`.",
-            _ => "Use a small sphere whose material emits, or give the scene `caustics \"fast\"`.",
-        };
+        let help = "Give `render` the line `caustics \"traced\"`, or `caustics \"fast\"`, which does not focus light.";
         report.warn(warning.help(help));
     }
 }

@@ -20,10 +20,13 @@ use pathmarch_scene::materials::albedo;
 /// Words of the scene-data buffer, and the offset of each table.
 pub(crate) struct SceneData {
     pub(super) words: Vec<u32>,
-    /// Texels of the environment map, row by row from the zenith, with an unused component, and nodes of the light tree.
+    /// Texels of the environment map, row by row from the zenith, with an unused component, nodes of the light tree, and room for
+    /// photons.
     pub(super) vectors: Vec<[f32; 4]>,
     /// Offset of the nodes among the vectors.
     pub(super) light_tree: usize,
+    /// Offset of the photon map among the vectors.
+    pub(super) photons: usize,
     /// Offset of the alias tables of the environment map.
     pub(super) sky: usize,
     /// Offset of the directional albedos of GGX.
@@ -52,6 +55,7 @@ impl SceneData {
         if let Some(tree) = stored_tree {
             vectors.extend_from_slice(bytemuck::cast_slice(&tree.nodes));
         }
+        let photons = vectors.len();
         let ggx = words.len();
         if scene.any_bsdf(|bsdf| bsdf.reads_albedos) {
             words.extend(albedo::table().iter().flatten().map(|value| value.to_bits()));
@@ -75,7 +79,7 @@ impl SceneData {
             let Media { fog, of_materials } = &scene.media;
             words.extend(std::iter::once(fog).chain(of_materials).flat_map(Medium::words));
         }
-        Self { words, vectors, light_tree, sky: 0, ggx, textures, mode, mesh_lights, meshes, media }
+        Self { words, vectors, light_tree, photons, sky: 0, ggx, textures, mode, mesh_lights, meshes, media }
     }
 }
 

@@ -1,0 +1,15 @@
+// Pictures without photon maps.
+
+/// Never called: there are no photons.
+fn photon_radiance(
+    m: u32,
+    interaction: SurfaceInteraction,
+    wo: vec3f,
+    world_from_local: mat3x3f,
+    transmits: bool,
+    footprint: f32,
+    surface_index: u32,
+    seed: u32,
+) -> vec3f {
+    return vec3f(0.0);
+}

@@ -1,0 +1,114 @@
+//! Caustics by light paths: those of all kinds of lights are the same as camera paths find, and samples add up.
+
+use crate::common::{cpu, on_both_backends, parse, render, worst_block};
+use pathmarch_render::metrics::{mean_colour, relmse};
+use pathmarch_render::pathmarch_scene::{Caustics, Scene};
+use pathmarch_render::{Renderer, Settings};
+use pathmarch_testing::{plain, tests};
+
+/// A ball and a block of glass and a mirror on a floor, under these lights.
+fn lit_by(lights: &str) -> Scene {
+    parse(&format!(
+        r#"pathmarch 1
+camera {{ position 0 2.2 4.5; target 0 0.4 0; fov 40 }}
+render {{ bounces 6; caustics "traced" }}
+material "floor" {{ diffuse 0.7 }}
+material "clear" {{ glass 1 }}
+material "tinted" {{ glass 0.9 0.8 1; ior 1.3; absorb 0.2 0.6 0.4 }}
+material "mirror" {{ metal 0.9 0.7 0.4 }}
+material "lamp" {{ emit 6 5 4 }}
+object "floor" material="floor" {{ plane }}
+object "ball" material="clear" {{ sphere 0.5 {{ at -0.8 0.55 0.3 }} }}
+object "block" material="tinted" {{ rounded-box 0.7 0.9 0.7 0.1 {{ rotate 0 30 0; at 0.7 0.5 0.4 }} }}
+object "mirror" material="mirror" {{ box 1.6 1 0.1 {{ rotate 0 15 0; at 0.2 0.55 -1.2 }} }}
+{lights}
+"#
+    ))
+}
+
+/// Lights of all kinds at which light paths start, large enough that camera paths find them through glass.
+const LIGHTS: [(&str, &str); 7] = [
+    ("sphere", "object \"a\" material=\"lamp\" { sphere 0.5 { at 1.5 3 1 } }"),
+    ("rect", "object \"a\" material=\"lamp\" { rect 1.5 1 { rotate 180 20 0; at -0.5 2.8 0 } }"),
+    ("disc", "object \"a\" material=\"lamp\" { disc 0.6 { rotate 150 0 0; at 0 2.5 -1 } }"),
+    ("box", "object \"a\" material=\"lamp\" { box 0.8 0.5 0.6 { rotate 10 20 30; at -1 2.6 0.5 } }"),
+    ("torus, which camera paths alone find", "object \"a\" material=\"lamp\" { torus 0.6 0.25 { at 0 2.6 0 } }"),
+    ("sun", "sky 0.1\nsun { direction 1 2 0.5; irradiance 3; angle 25 }"),
+    ("two in fog", "fog { scatter 0.08; absorb 0.03 }\nobject \"a\" material=\"lamp\" { sphere 0.4 { at 1.2 2.8 1 } }\n\
+      object \"b\" material=\"lamp\" { rect 1 1 { rotate 180 0 0; at -1 2.6 0 } }"),
+];
+
+fn light_paths_find_what_camera_paths_find() {
+    let mut wrong = Vec::new();
+    let endless = "object \"water\" material=\"clear\" { plane { at 0 0.3 0 } }\n\
+                   object \"a\" material=\"lamp\" { sphere 0.5 { at 1 3 1 } }";
+    for (name, lights) in LIGHTS.into_iter().chain([("water without an end", endless)]) {
+        let scene = lit_by(lights);
+        let [traced, sampled] = [(Caustics::Traced, 512), (Caustics::Sampled, 4096)].map(|(caustics, samples)| {
+            let settings = Settings { size: [64, 48], samples, caustics, ..Settings::of(&scene) };
+            render(&cpu(), &scene, &settings).mean()
+        });
+        let (a, b) = (mean_colour(&traced), mean_colour(&sampled));
+        let mean = (0..3).map(|k| (a[k] / b[k] - 1.0).abs()).fold(0.0, f64::max);
+        let worst = worst_block(&traced, &sampled, 16);
+        let line = format!("{name}: means {:.2} % apart, worst block {:.1} %", mean * 100.0, worst * 100.0);
+        println!("{line}");
+        if mean > 0.005 || worst > 0.04 {
+            wrong.push(line);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// Points, suns without size, lamps within glass, and many lights at once.
+fn light_paths_start_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
+    let many: String = (0..40).map(|k| format!("point {{ at {} 3 {}; intensity 1 }}\n", k % 8 - 4, k / 8 - 2)).collect();
+    for lights in [
+        "point { at 1 3 1; intensity 20 18 12 }",
+        "sky 0.2\nsun { direction 1 2 0.5; irradiance 3 }",
+        "material \"bulb\" { glass 1; abbe 30 }\nobject \"bulb\" material=\"bulb\" { sphere 0.3 { at 0 1.6 0 } }\n\
+         object \"wire\" material=\"lamp\" { sphere 0.1 { at 0 1.6 0 } }\npoint { at 1 3 0; intensity 9 }",
+        &many,
+        LIGHTS[6].1,
+    ] {
+        let scene = lit_by(lights);
+        let settings = Settings { size: [96, 64], samples: 8, ..Settings::of(&scene) };
+        let [a, b] = [0, 1].map(|k| render(&renderers[k], &scene, &settings).mean());
+        let difference = relmse(&a, &b).expect("equal sizes");
+        println!("{difference:.1e} {lights}");
+        // A path that diverges by rounding is a bright pixel.
+        assert!(difference < 2e-3, "{difference} {lights}");
+    }
+}
+
+fn samples_of_light_paths_add_up() {
+    let scene = lit_by("point { at 1 3 1; intensity 20 }");
+    let part = |first_sample, samples| {
+        let settings = Settings { size: [48, 32], first_sample, samples, ..Settings::of(&scene) };
+        render(&cpu(), &scene, &settings)
+    };
+    let whole = part(0, 12).mean();
+    let [mut first, second] = [part(0, 5), part(5, 7)];
+    first.add(&second);
+    assert!(relmse(&first.mean(), &whole).expect("equal sizes") < 1e-12);
+    assert!(mean_colour(&whole)[0] > 0.1);
+}
+
+fn scenes_without_specular_surfaces_stay_as_they_are() {
+    let scene = lit_by("point { at 1 3 1; intensity 20 }");
+    let picture = |scene: &Scene, caustics, bounces| {
+        let settings = Settings { size: [48, 32], samples: 4, caustics, bounces, ..Settings::of(scene) };
+        render(&cpu(), scene, &settings).mean().pixels
+    };
+    let rough = parse("pathmarch 1\ncamera { position 0 1 3; target 0 0 0 }\npoint { at 1 2 1; intensity 5 }\nobject \"o\" { sphere 1 }");
+    assert_eq!(picture(&rough, Caustics::Traced, 3), picture(&rough, Caustics::Sampled, 3));
+    // A caustic is a bounce.
+    assert_eq!(picture(&scene, Caustics::Traced, 0), picture(&scene, Caustics::Sampled, 0));
+    assert_ne!(picture(&scene, Caustics::Traced, 2), picture(&scene, Caustics::Sampled, 2));
+}
+
+tests! {
+    plain slow: [light_paths_find_what_camera_paths_find],
+    plain: [samples_of_light_paths_add_up, scenes_without_specular_surfaces_stay_as_they_are],
+    on_both_backends: [light_paths_start_alike_on_both_backends],
+}
