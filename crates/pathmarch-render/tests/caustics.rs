@@ -20,7 +20,7 @@ material "lamp" {{ emit 6 5 4 }}
 object "floor" material="floor" {{ plane }}
 object "ball" material="clear" {{ sphere 0.5 {{ at -0.8 0.55 0.3 }} }}
 object "block" material="tinted" {{ rounded-box 0.7 0.9 0.7 0.1 {{ rotate 0 30 0; at 0.7 0.5 0.4 }} }}
-object "mirror" material="mirror" {{ box 1.6 1 0.1 {{ rotate 0 15 0; at 0.2 0.55 -1.2 }} }}
+object "mirror" material="mirror" {{ box 1.6 1.2 0.6 {{ rotate 0 15 0; at 0.2 0.5 -1.4 }} }}
 {lights}
 "#
     ))
@@ -30,12 +30,15 @@ object "mirror" material="mirror" {{ box 1.6 1 0.1 {{ rotate 0 15 0; at 0.2 0.55
 const LIGHTS: [(&str, &str); 7] = [
     ("sphere", "object \"a\" material=\"lamp\" { sphere 0.5 { at 1.5 3 1 } }"),
     ("rect", "object \"a\" material=\"lamp\" { rect 1.5 1 { rotate 180 20 0; at -0.5 2.8 0 } }"),
-    ("disc", "object \"a\" material=\"lamp\" { disc 0.6 { rotate 150 0 0; at 0 2.5 -1 } }"),
+    ("disc", "object \"a\" material=\"lamp\" { disc 0.6 { rotate 170 0 0; at 0 2.5 0.5 } }"),
     ("box", "object \"a\" material=\"lamp\" { box 0.8 0.5 0.6 { rotate 10 20 30; at -1 2.6 0.5 } }"),
     ("torus, which camera paths alone find", "object \"a\" material=\"lamp\" { torus 0.6 0.25 { at 0 2.6 0 } }"),
     ("sun", "sky 0.1\nsun { direction 1 2 0.5; irradiance 3; angle 25 }"),
-    ("two in fog", "fog { scatter 0.08; absorb 0.03 }\nobject \"a\" material=\"lamp\" { sphere 0.4 { at 1.2 2.8 1 } }\n\
-      object \"b\" material=\"lamp\" { rect 1 1 { rotate 180 0 0; at -1 2.6 0 } }"),
+    (
+        "two in fog",
+        "fog { scatter 0.08; absorb 0.03 }\nobject \"a\" material=\"lamp\" { sphere 0.4 { at 1.2 2.8 1 } }\n\
+      object \"b\" material=\"lamp\" { rect 1 1 { rotate 180 0 0; at -1 2.6 0 } }",
+    ),
 ];
 
 fn light_paths_find_what_camera_paths_find() {
@@ -53,7 +56,9 @@ fn light_paths_find_what_camera_paths_find() {
         let worst = worst_block(&traced, &sampled, 16);
         let line = format!("{name}: means {:.2} % apart, worst block {:.1} %", mean * 100.0, worst * 100.0);
         println!("{line}");
-        if mean > 0.005 || worst > 0.04 {
+        // Camera paths rarely find the light under water, so that their picture is noisy.
+        let (mean_limit, block_limit) = if name.starts_with("water") { (0.015, 0.1) } else { (0.005, 0.04) };
+        if mean > mean_limit || worst > block_limit {
             wrong.push(line);
         }
     }
@@ -62,7 +67,8 @@ fn light_paths_find_what_camera_paths_find() {
 
 /// Points, suns without size, lamps within glass, and many lights at once.
 fn light_paths_start_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
-    let many: String = (0..40).map(|k| format!("point {{ at {} 3 {}; intensity 1 }}\n", k % 8 - 4, k / 8 - 2)).collect();
+    let many: String =
+        (0..40).map(|k| format!("point {{ at {} 3 {}; intensity 1 }}\n", k % 8 - 4, k / 8 - 2)).collect();
     for lights in [
         "point { at 1 3 1; intensity 20 18 12 }",
         "sky 0.2\nsun { direction 1 2 0.5; irradiance 3 }",
@@ -100,7 +106,9 @@ fn scenes_without_specular_surfaces_stay_as_they_are() {
         let settings = Settings { size: [48, 32], samples: 4, caustics, bounces, ..Settings::of(scene) };
         render(&cpu(), scene, &settings).mean().pixels
     };
-    let rough = parse("pathmarch 1\ncamera { position 0 1 3; target 0 0 0 }\npoint { at 1 2 1; intensity 5 }\nobject \"o\" { sphere 1 }");
+    let rough = parse(
+        "pathmarch 1\ncamera { position 0 1 3; target 0 0 0 }\npoint { at 1 2 1; intensity 5 }\nobject \"o\" { sphere 1 }",
+    );
     assert_eq!(picture(&rough, Caustics::Traced, 3), picture(&rough, Caustics::Sampled, 3));
     // A caustic is a bounce.
     assert_eq!(picture(&scene, Caustics::Traced, 0), picture(&scene, Caustics::Sampled, 0));

@@ -881,7 +881,7 @@ def render(
     bounces: Union[int, str] = 4,
     tonemap: Literal["agx", "neutral", "srgb"] = "agx",
     sampler: Literal["sobol", "independent"] = "sobol",
-    caustics: Literal["traced", "fast"] = "traced",
+    caustics: Literal["sampled", "traced", "fast"] = "sampled",
     estimator: Literal["mis", "light", "bsdf"] = "mis",
     clamp: Optional[_Number] = None,
     detail: _Number = 0.1,
