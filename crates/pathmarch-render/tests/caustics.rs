@@ -95,7 +95,7 @@ fn samples_of_light_paths_add_up() {
     };
     let whole = part(0, 12).mean();
     let [mut first, second] = [part(0, 5), part(5, 7)];
-    first.add(&second);
+    first.add(&second).expect("equal sizes");
     assert!(relmse(&first.mean(), &whole).expect("equal sizes") < 1e-12);
     assert!(mean_colour(&whole)[0] > 0.1);
 }

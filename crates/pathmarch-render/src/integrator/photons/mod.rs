@@ -30,7 +30,7 @@ use emission::Emission;
 /// Pixels for each light path.
 const PIXELS_PER_PATH: u32 = 4;
 /// Smallest and largest number of light paths of a sample.
-const PATHS: [u32; 2] = [1 << 14, 1 << 18];
+const PATHS: [u32; 2] = [1 << 12, 1 << 18];
 
 /// Number of light paths of each sample of a picture of this size.
 pub(crate) fn path_count([width, height]: [u32; 2]) -> u32 {
