@@ -132,6 +132,9 @@ fn features(picture: &Path) -> Vec<Feature> {
     {
         all.push(Feature { render, ..Feature::new(name, "") });
     }
+    let mirror = "material \"mirror\" { metal 1 }\nobject \"mirror\" material=\"mirror\" { box 1 2 0.1 { at 0 1 -2 } }\n\
+                  point { at 2 4 2; intensity 9 }";
+    all.push(Feature { render: "caustics \"traced\"", ..Feature::new("traced caustics", mirror) });
     let custom = r#"field "egg" {
         param size 0.5 min=0.1 max=4 doc="Radius, metres."
         bounds 4
@@ -182,11 +185,13 @@ fn mesh_features(picture: &str) -> Vec<Feature> {
     ]
 }
 
-/// Scene with all of these features; of several skies, it has the first.
+/// Scene with all of these features; of several skies, or values of a setting, it has the first.
 fn scene_of(features: &[&Feature], path: &str) -> Scene {
     let first_sky = features.iter().position(|feature| feature.sky);
     let mut text = String::from("pathmarch 1\ncamera { position 0 1 5; target 0 0.5 0 }\n");
-    let settings: Vec<_> = features.iter().map(|feature| feature.render).filter(|text| !text.is_empty()).collect();
+    let mut words = HashSet::new();
+    let settings = features.iter().map(|feature| feature.render).filter(|text| !text.is_empty());
+    let settings: Vec<_> = settings.filter(|text| words.insert(text.split(' ').next())).collect();
     text += &format!("render {{ {} }}\n", settings.join("; "));
     if first_sky.is_none() {
         text += "sky 0.5\n";
