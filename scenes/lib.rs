@@ -70,6 +70,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "" "hall" "jpg" "A flooded hall of columns without end.";
     "" "gears" "jpg" "Gears that turn, by formulas; with motion blur.";
     "" "glass-still-life" "jpg" "Clear and coloured glass on a table.";
+    "" "tumbler" "jpg" "Water, ice and bubbles in a tumbler.";
     "" "lantern" "jpg" "A lantern in fog, which shows its light.";
     "" "candles" "jpg" "Candles: light inside wax, flames that emit.";
     "" "day" "jpg" "The sky of a clear day, and its sun.";

@@ -9,6 +9,7 @@ mod custom_sdf;
 mod denoise;
 mod dispersion;
 mod examples;
+mod glass;
 mod images;
 mod light;
 mod live;
@@ -39,6 +40,7 @@ fn main() {
         blends::tests(),
         dispersion::tests(),
         examples::tests(),
+        glass::tests(),
         images::tests(),
         light::tests(),
         live::tests(),

@@ -9,7 +9,7 @@ use crate::backend::RenderInput;
 use crate::mode::Mode;
 use crate::preview::Preview;
 use crate::scene::material::GLOWS;
-use crate::scene::{KernelConfig, MaterialRecord, Medium, TexturedMaterial};
+use crate::scene::{KernelConfig, MaterialRecord, Media, Medium, TexturedMaterial};
 use pathmarch_field::wgsl::{Program, ProgramOptions};
 use pathmarch_scene::materials::{self, albedo, dispersion};
 use pathmarch_scene::textures::{self, Pattern, Texture};
@@ -137,6 +137,8 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "mesh_uvs" => "shading/no_mesh_uvs",
         "media" if input.config.media => "integrator/participating_media",
         "media" => "integrator/absorbing_media",
+        "nested_dielectrics" if input.config.nested_dielectrics => "integrator/nested_dielectrics",
+        "nested_dielectrics" => "integrator/no_nested_dielectrics",
         "path_segment" if input.config.media => "integrator/media_segment",
         "path_segment" => "integrator/path_segment",
         "guides" if bindings.has_guides => "integrator/guides",
@@ -170,6 +172,8 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("LIGHTS_IN_SOLIDS", config.lights_in_solids),
         ("TRANSMISSION", config.transmission),
         ("CHOOSES_LOBES", config.chooses_lobes),
+        ("NESTED_DIELECTRICS", config.nested_dielectrics),
+        ("THIN_GLASS", scene.media.has_thin_glass()),
         ("DISPERSION", config.dispersion),
         ("COMPENSATES", scene.any_bsdf(|bsdf| bsdf.compensates)),
         ("FAST_CAUSTICS", config.fast_caustics),
@@ -212,7 +216,9 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("MESH_LIGHT_DATA", data.mesh_lights as u32),
         ("MESH_DATA", data.meshes as u32),
         ("MEDIUM_DATA", data.media as u32),
-        ("MEDIUM_WORDS", Medium::WORDS as u32),
+        ("MEDIUM_WORDS", Media::WORDS as u32),
+        ("DIELECTRIC", Medium::WORDS as u32),
+        ("OBJECT_DATA", data.objects as u32),
     ] {
         constant(name, &format_args!("{value}u"));
     }

@@ -17,7 +17,14 @@ fn resumed(saved: SuspendedPath, sampler: PixelSampler) -> Path {
     path.surfaces = saved.surfaces;
     path.radiance = saved.radiance;
     path.passed_clear_glass = saved.passed_clear_glass != 0u;
-    path.medium = resumed_medium(saved.medium, saved.medium_forward, saved.medium_scattering, saved.medium_solids, saved.medium_emission);
+    path.medium = resumed_medium(
+        saved.medium,
+        saved.medium_forward,
+        saved.medium_scattering,
+        saved.medium_solids,
+        saved.medium_emission,
+        saved.medium_around,
+    );
     path.wavelength = saved.wavelength;
     return path;
 }
@@ -41,6 +48,7 @@ fn suspend(slot: u32, path: Path) {
         scattering_of(path.medium),
         forward_of(path.medium),
         emission_of(path.medium),
+        around_of(path.medium),
     );
     atomicAdd(&suspended.count, 1u);
 }

@@ -11,7 +11,7 @@ pub(super) use light::LightRecord;
 pub(super) use texture::computed_kind;
 
 use crate::backend::{ModeData, RenderInput};
-use crate::scene::{LightTree, Media, Medium, SkyLight};
+use crate::scene::{LightTree, SkyLight};
 use crate::wgsl::write_constant;
 use pathmarch_field::wgsl::Program;
 use pathmarch_scene::Sampler;
@@ -38,6 +38,8 @@ pub(crate) struct SceneData {
     pub(super) meshes: usize,
     /// Offset of the media: the fog, then those of the materials.
     pub(super) media: usize,
+    /// Offset of the object of each leaf.
+    pub(super) objects: usize,
 }
 
 impl SceneData {
@@ -72,10 +74,13 @@ impl SceneData {
         words.extend(program.mesh_words());
         let media = words.len();
         if input.config.media {
-            let Media { fog, of_materials } = &scene.media;
-            words.extend(std::iter::once(fog).chain(of_materials).flat_map(Medium::words));
+            words.extend(scene.media.words());
         }
-        Self { words, vectors, light_tree, sky: 0, ggx, textures, mode, mesh_lights, meshes, media }
+        let objects = words.len();
+        if input.config.nested_dielectrics {
+            words.extend(scene.field.leaves().iter().map(|leaf| leaf.object));
+        }
+        Self { words, vectors, light_tree, sky: 0, ggx, textures, mode, mesh_lights, meshes, media, objects }
     }
 }
 
