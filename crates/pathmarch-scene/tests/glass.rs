@@ -45,7 +45,6 @@ fn bad_dielectrics_are_mistakes() {
         "material \"a\" { glass 1; priority 101 }",
         "material \"a\" { glass 1; priority -101 }",
         "material \"a\" { glass 1; priority 1.5 }",
-        "material \"a\" { glass 1; priority }",
         "material \"a\" { glass 1; priority { fbm } }",
         "material \"a\" { glass 1; priority \"high\" }",
         "material \"a\" { glass 1; priority 1; priority 2 }",

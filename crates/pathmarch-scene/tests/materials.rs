@@ -34,7 +34,7 @@ fn variants(roughnesses: &[f32]) -> Vec<Variant> {
                 };
                 let name = format!("{} roughness {roughness} mix {mix}", kind.name);
                 // As in water: the index relative to it is below 1.
-                let submerged = bsdf.with_index.map(|with_index| with_index(&numbers, 0.8));
+                let submerged = bsdf.with_index.map(|with_index| with_index(&numbers, 0.7));
                 let submerged = submerged.filter(|numbers| mix < 3 && (bsdf.transmits)(numbers));
                 all.extend(submerged.map(|numbers| variant(format!("{name} in water"), numbers)));
                 all.push(variant(name, numbers));

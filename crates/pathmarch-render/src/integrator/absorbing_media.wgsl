@@ -4,6 +4,12 @@
 /// Absorption coefficient, per metre.
 alias Medium = vec3f;
 
+/// Solids around a path; none are known.
+struct Solids {
+    leaves: vec4u,
+    keys: vec4u,
+}
+
 /// Medium around the camera.
 fn camera_medium() -> Medium {
     return frame.medium;

@@ -12,15 +12,15 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
         let length = select(hit.t, UNBOUNDED_LENGTH, hit.t < 0.0);
         if MEDIA_ARE_BOUNDED && hit.t < 0.0 {
             // A ray that escapes is outside of all solids, even if it missed a surface on its way.
-            (*path).medium = Medium(vec3f(0.0), 0.0, vec3f(0.0), 0u, vec3f(0.0), vec4u(0u));
+            (*path).medium = Medium(vec3f(0.0), 0.0, vec3f(0.0), 0u, vec3f(0.0), NO_SOLIDS);
         }
         let medium = with_fog((*path).medium);
-        if largest(medium.emission) > 0.0 {
+        if PARTICIPATING_MEDIA && largest(medium.emission) > 0.0 {
             // Light that a ray hits counts as direct light of the previous surface.
             let bounces = max(surface_index, 1u) - 1u;
             (*path).radiance += clamped((*path).throughput * emitted_radiance(medium, length), bounces);
         }
-        if surface_index <= frame.bounces && largest(medium.scattering) > 0.0 {
+        if PARTICIPATING_MEDIA && surface_index <= frame.bounces && largest(medium.scattering) > 0.0 {
             let pair = PAIR_SEGMENT + PAIRS_PER_SEGMENT * (surface_index + SEGMENTS_PER_CROSSING * crossing);
             if HAS_LIGHTS && (LIGHTS_IN_SOLIDS || FAST_CAUSTICS || !is_displaced((*path).medium)) {
                 add_scattered_light(path, medium, length, pair);

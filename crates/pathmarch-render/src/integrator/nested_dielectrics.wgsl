@@ -1,142 +1,132 @@
 // import: integrator/participating_media
 // Nested dielectrics. Twin of scene/nested_dielectrics.rs, which explains them.
 
-/// Index of the object of a leaf.
-fn object_of(leaf: u32) -> u32 {
-    return scene_data[OBJECT_DATA + leaf];
-}
-
-/// Word of the dielectric of a leaf: its index, the difference between the lines F and C, its priority.
-fn dielectric_word(leaf: u32, k: u32) -> u32 {
-    return scene_data[MEDIUM_DATA + MEDIUM_WORDS * (leaves[leaf].material + 1u) + DIELECTRIC + k];
-}
-
-/// True if every surface of the material of a leaf is a sheet.
-fn is_thin(leaf: u32) -> bool {
-    return THIN_GLASS && stored_medium(leaves[leaf].material + 1u).solids == 0u;
+/// Key of the solid of a leaf: its rank in the upper byte, one more than its object in the others. 0 without an inside.
+fn key_of(leaf: u32) -> u32 {
+    return scene_data[DIELECTRIC_DATA + DIELECTRIC_WORDS * leaf];
 }
 
 /// Refractive index of the solid of a leaf, at an offset.
 fn own_index(leaf: u32, offset: f32) -> f32 {
-    return max(bitcast<f32>(dielectric_word(leaf, 0u)) + bitcast<f32>(dielectric_word(leaf, 1u)) * offset, 1.0);
+    let first = DIELECTRIC_DATA + DIELECTRIC_WORDS * leaf;
+    return max(bitcast<f32>(scene_data[first + 1u]) + bitcast<f32>(scene_data[first + 2u]) * offset, 1.0);
 }
 
-/// Priority of the solid of a leaf.
-fn priority_of(leaf: u32) -> i32 {
-    let is_boundary = (materials[leaves[leaf].material].flags & BOUNDARY) != 0u;
-    return select(bitcast<i32>(dielectric_word(leaf, 2u)), NO_PRIORITY, is_boundary);
-}
-
-/// Solids other than that of a leaf.
-fn without_solid(around: vec4u, leaf: u32) -> vec4u {
-    var others = around;
-    let object = object_of(leaf);
+/// Solids around a path, from their leaves.
+fn solids_from(leaves_around: vec4u) -> Solids {
+    var keys = vec4u(0u);
     for (var k = 0u; k < MAX_SOLIDS; k++) {
-        if others[k] > 0u && object_of(others[k] - 1u) == object {
-            others[k] = 0u;
+        if leaves_around[k] > 0u {
+            keys[k] = key_of(leaves_around[k] - 1u);
         }
     }
-    return others;
+    return Solids(leaves_around, keys);
+}
+
+/// Solids other than that of this key.
+fn without_solid(solids: Solids, key: u32) -> Solids {
+    let same = (solids.keys << vec4u(8u)) == vec4u(key << 8u);
+    return Solids(select(solids.leaves, vec4u(0u), same), select(solids.keys, vec4u(0u), same));
 }
 
 /// These solids and that of a leaf.
-fn with_solid(around: vec4u, leaf: u32) -> vec4u {
-    var all_solids = without_solid(around, leaf);
-    var lowest = 0u;
-    var lowest_rank = priority_of(leaf);
-    var is_found = false;
-    for (var k = 0u; k < MAX_SOLIDS; k++) {
-        var rank = NO_PRIORITY - 1;
-        if all_solids[k] > 0u {
-            rank = priority_of(all_solids[k] - 1u);
-        }
-        if rank < lowest_rank {
-            lowest = k;
-            lowest_rank = rank;
-            is_found = true;
-        }
+fn with_solid(solids: Solids, leaf: u32, key: u32) -> Solids {
+    let others = without_solid(solids, key);
+    let ranks = others.keys >> vec4u(24u);
+    let lowest = min(min(ranks.x, ranks.y), min(ranks.z, ranks.w));
+    if lowest >= key >> 24u {
+        return others;
     }
-    if is_found {
-        all_solids[lowest] = leaf + 1u;
-    }
-    return all_solids;
+    let slot = select(select(select(3u, 2u, ranks.z == lowest), 1u, ranks.y == lowest), 0u, ranks.x == lowest);
+    let chosen = vec4u(0u, 1u, 2u, 3u) == vec4u(slot);
+    return Solids(select(others.leaves, vec4u(leaf + 1u), chosen), select(others.keys, vec4u(key), chosen));
 }
 
-/// Highest priority of these solids.
-fn highest_priority(around: vec4u) -> i32 {
-    var highest = NO_PRIORITY;
-    for (var k = 0u; k < MAX_SOLIDS; k++) {
-        if around[k] > 0u {
-            highest = max(highest, priority_of(around[k] - 1u));
-        }
+/// Highest rank of these solids.
+fn highest_rank(solids: Solids) -> u32 {
+    return max(max(solids.keys.x, solids.keys.y), max(solids.keys.z, solids.keys.w)) >> 24u;
+}
+
+/// Index of one of the solids around if it fills the space, else 1.
+fn filling_index(entry: u32, key: u32, rank: u32, offset: f32) -> f32 {
+    if entry > 0u && key >> 24u == rank {
+        return own_index(entry - 1u, offset);
     }
-    return highest;
+    return 1.0;
 }
 
 /// Refractive index within these solids, at an offset.
-fn index_within(around: vec4u, offset: f32) -> f32 {
-    let priority = highest_priority(around);
-    var index = 1.0;
-    for (var k = 0u; k < MAX_SOLIDS; k++) {
-        if around[k] > 0u && priority_of(around[k] - 1u) == priority {
-            index *= own_index(around[k] - 1u, offset);
-        }
+fn index_within(solids: Solids, offset: f32) -> f32 {
+    let rank = highest_rank(solids);
+    return filling_index(solids.leaves.x, solids.keys.x, rank, offset)
+        * filling_index(solids.leaves.y, solids.keys.y, rank, offset)
+        * filling_index(solids.leaves.z, solids.keys.z, rank, offset)
+        * filling_index(solids.leaves.w, solids.keys.w, rank, offset);
+}
+
+/// Adds the medium of one of the solids around if it fills the space, or has no surface.
+fn with_filling(sum: Medium, entry: u32, key: u32, rank: u32) -> Medium {
+    let own = key >> 24u;
+    if entry > 0u && (own == rank || own == BOUNDARY_RANK) {
+        return sum_of_media(sum, stored_medium(leaves[entry - 1u].material + 1u));
     }
-    return index;
+    return sum;
 }
 
 /// Sum of the media of the solids that fill the space, and of media without a surface.
-fn medium_within(around: vec4u) -> Medium {
-    let priority = highest_priority(around);
+fn medium_within(solids: Solids) -> Medium {
+    let rank = highest_rank(solids);
     var sum: Medium;
-    for (var k = 0u; k < MAX_SOLIDS; k++) {
-        if around[k] > 0u {
-            let own = priority_of(around[k] - 1u);
-            if own == priority || own == NO_PRIORITY {
-                sum = sum_of_media(sum, stored_medium(leaves[around[k] - 1u].material + 1u));
-            }
-        }
-    }
-    sum.around = around;
+    sum = with_filling(sum, solids.leaves.x, solids.keys.x, rank);
+    sum = with_filling(sum, solids.leaves.y, solids.keys.y, rank);
+    sum = with_filling(sum, solids.leaves.z, solids.keys.z, rank);
+    sum = with_filling(sum, solids.leaves.w, solids.keys.w, rank);
+    sum.around = solids;
     return sum;
 }
 
 /// Medium beyond a surface that a path crosses.
 fn medium_across(medium: Medium, leaf: u32, inside: bool) -> Medium {
-    if is_thin(leaf) {
+    let key = key_of(leaf);
+    if key == 0u {
         return medium;
     }
     if inside {
-        return medium_within(without_solid(medium.around, leaf));
+        return medium_within(without_solid(medium.around, key));
     }
-    return medium_within(with_solid(medium.around, leaf));
+    return medium_within(with_solid(medium.around, leaf, key));
 }
 
 /// Reports whether the surface of a leaf is a false intersection: a solid of higher priority fills both its sides.
 fn is_skipped(medium: Medium, leaf: u32) -> bool {
-    let refracts = (materials[leaves[leaf].material].flags & (TRANSMITS | BOUNDARY)) == TRANSMITS;
-    return refracts && !is_thin(leaf) && highest_priority(without_solid(medium.around, leaf)) > priority_of(leaf);
+    let key = key_of(leaf);
+    return key >> 24u > BOUNDARY_RANK && highest_rank(without_solid(medium.around, key)) > key >> 24u;
 }
 
 /// Refractive index of the solid of a leaf at its surface, relative to what is outside.
 fn relative_index(medium: Medium, leaf: u32, offset: f32) -> f32 {
-    let outside = without_solid(medium.around, leaf);
+    let key = key_of(leaf);
+    var outside = medium.around;
+    if key != 0u {
+        outside = without_solid(outside, key);
+    }
     let index = own_index(leaf, offset);
-    if is_thin(leaf) || priority_of(leaf) > highest_priority(outside) {
+    if key == 0u || key >> 24u > highest_rank(outside) {
         return index / index_within(outside, offset);
     }
     return index;
 }
 
+/// Reports whether the index of a leaf depends on the wavelength.
+fn disperses(entry: u32) -> bool {
+    return entry > 0u && scene_data[DIELECTRIC_DATA + DIELECTRIC_WORDS * (entry - 1u) + 2u] != 0u;
+}
+
 /// Reports whether the index at the surface of a leaf depends on the wavelength.
 fn disperses_at(medium: Medium, leaf: u32) -> bool {
-    var disperses = bitcast<f32>(dielectric_word(leaf, 1u)) != 0.0;
-    for (var k = 0u; k < MAX_SOLIDS; k++) {
-        if medium.around[k] > 0u {
-            disperses = disperses || bitcast<f32>(dielectric_word(medium.around[k] - 1u, 1u)) != 0.0;
-        }
-    }
-    return disperses;
+    let around = medium.around.leaves;
+    return disperses(leaf + 1u) || disperses(around.x) || disperses(around.y) || disperses(around.z)
+        || disperses(around.w);
 }
 
 /// Square of the refractive index around the camera.

@@ -1,5 +1,10 @@
 // Scenes without priorities. Takes the place of nested_dielectrics.wgsl.
 
+/// No solids: only their media are known.
+fn solids_from(leaves_around: vec4u) -> Solids {
+    return Solids(vec4u(0u), vec4u(0u));
+}
+
 /// Never called: all materials have one priority.
 fn medium_across(medium: Medium, leaf: u32, inside: bool) -> Medium {
     return medium;

@@ -1,6 +1,14 @@
 // import: integrator/light_sampling, integrator/medium, nested_dielectrics, sampling/basis
 // Media that scatter and emit. Twin of participating_media.rs, which explains them, and of scene/medium.rs.
 
+/// Solids around a path, in scenes with nested dielectrics.
+struct Solids {
+    /// One more than the leaf of each, or 0.
+    leaves: vec4u,
+    /// Their keys, see nested_dielectrics.wgsl.
+    keys: vec4u,
+}
+
 /// Medium, or the sum of the media of overlapping solids. Coefficients are per metre.
 struct Medium {
     absorption: vec3f,
@@ -11,9 +19,11 @@ struct Medium {
     solids: u32,
     /// Emitted radiance, W/(m³ sr).
     emission: vec3f,
-    /// Those solids, in scenes with nested dielectrics: one more than the leaf of each, or 0.
-    around: vec4u,
+    /// Those solids, in scenes with nested dielectrics.
+    around: Solids,
 }
+
+const NO_SOLIDS = Solids(vec4u(0u), vec4u(0u));
 
 /// Medium number `index` of the scene: 0 is the fog, the others are those of the materials.
 fn stored_medium(index: u32) -> Medium {
@@ -27,7 +37,7 @@ fn stored_medium(index: u32) -> Medium {
         bitcast<vec3f>(scattering),
         scene_data[first + 10u],
         bitcast<vec3f>(emission),
-        vec4u(0u),
+        NO_SOLIDS,
     );
 }
 
@@ -62,7 +72,7 @@ fn is_displaced(medium: Medium) -> bool {
 
 /// Medium around a path within these solids.
 fn with_fog(medium: Medium) -> Medium {
-    if is_displaced(medium) {
+    if !PARTICIPATING_MEDIA || is_displaced(medium) {
         return medium;
     }
     return sum_of_media(medium, stored_medium(0u));
@@ -82,7 +92,7 @@ fn medium_after(medium: Medium, leaf: u32, inside: bool) -> Medium {
     }
     let solids = medium.solids & 65535u;
     if solids <= 1u {
-        return Medium(vec3f(0.0), 0.0, vec3f(0.0), 0u, vec3f(0.0), vec4u(0u));
+        return Medium(vec3f(0.0), 0.0, vec3f(0.0), 0u, vec3f(0.0), NO_SOLIDS);
     }
     let displacing = medium.solids >> 16u;
     let remaining = displacing - min(displacing, solid.solids >> 16u);
@@ -98,6 +108,9 @@ fn medium_after(medium: Medium, leaf: u32, inside: bool) -> Medium {
 
 /// Extinction coefficient: what is absorbed and what is scattered.
 fn extinction_of(medium: Medium) -> vec3f {
+    if !PARTICIPATING_MEDIA {
+        return medium.absorption;
+    }
     return medium.absorption + medium.scattering;
 }
 
@@ -245,7 +258,7 @@ fn chosen_medium(first: Medium, second: Medium, is_second: bool) -> Medium {
 
 /// Medium of a resumed path.
 fn resumed_medium(absorption: vec3f, forward: f32, scattering: vec3f, solids: u32, emission: vec3f, around: vec4u) -> Medium {
-    return Medium(absorption, forward, scattering, solids, emission, around);
+    return Medium(absorption, forward, scattering, solids, emission, solids_from(around));
 }
 
 fn absorption_of(medium: Medium) -> vec3f {
@@ -269,5 +282,5 @@ fn solids_of(medium: Medium) -> u32 {
 }
 
 fn around_of(medium: Medium) -> vec4u {
-    return medium.around;
+    return medium.around.leaves;
 }

@@ -178,19 +178,6 @@ impl Media {
     pub(crate) fn has_thin_glass(&self) -> bool {
         self.dielectrics.iter().any(|dielectric| dielectric.is_thin)
     }
-
-    /// Words of the fog and of each material for the kernel: the medium, then the dielectric.
-    pub(crate) fn words(&self) -> impl Iterator<Item = u32> {
-        let dielectrics = std::iter::once(&Dielectric::VACUUM).chain(&self.dielectrics);
-        let media = std::iter::once(&self.fog).chain(&self.of_materials);
-        media.zip(dielectrics).flat_map(|(medium, dielectric)| {
-            let Dielectric { ior, index_difference, priority, .. } = *dielectric;
-            medium.words().into_iter().chain([ior.to_bits(), index_difference.to_bits(), priority.cast_unsigned()])
-        })
-    }
-
-    /// Number of words of a medium and its dielectric.
-    pub(crate) const WORDS: usize = Medium::WORDS + 3;
 }
 
 /// Sum of the media of the solids around a point.

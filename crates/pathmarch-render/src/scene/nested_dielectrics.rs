@@ -11,7 +11,7 @@
 //! materials of an object blend, a surface has the index of its own material on both sides of the walk.
 //!
 //! **Limit.** At most [`MAX_SOLIDS`] are remembered. Of more, those of the lowest priority are forgotten, which do not fill the
-//! space; they count again when the path meets their surface.
+//! space: light is wrong only where the path leaves the others and one of them would fill it again.
 
 use super::material::{BOUNDARY, TRANSMITS};
 use super::{Medium, RenderScene};
@@ -21,8 +21,10 @@ use pathmarch_scene::materials::Dielectric;
 shared_constants! {
     /// Largest number of solids that a path remembers.
     pub(crate) const MAX_SOLIDS: usize = 4;
-    /// Priority of what fills no space: boundaries of media.
-    const NO_PRIORITY: i32 = -1000;
+    /// Rank of boundaries of media, which fill no space. A solid with a surface has a rank of its priority plus 128.
+    const BOUNDARY_RANK: u32 = 1;
+    /// Number of words of the dielectric of a leaf: key, index, difference between the lines F and C.
+    const DIELECTRIC_WORDS: usize = 3;
 }
 
 /// Solids around a point: one more than the leaf of each, or 0.
@@ -34,8 +36,20 @@ impl RenderScene {
         &self.media.dielectrics[self.leaves[leaf].material as usize]
     }
 
-    fn priority(&self, leaf: usize) -> i32 {
-        if self.material_of(leaf).has(BOUNDARY) { NO_PRIORITY } else { self.dielectric(leaf).priority }
+    /// Rank of the solid of a leaf among those that overlap; above that of no solid, which is 0.
+    fn rank(&self, leaf: usize) -> u32 {
+        if self.material_of(leaf).has(BOUNDARY) {
+            return BOUNDARY_RANK;
+        }
+        self.dielectric(leaf).priority.wrapping_add(128).clamp(2, 255) as u32
+    }
+
+    /// Words of the dielectric of a leaf for the kernel. The key is 0 if light does not enter a solid there.
+    pub(crate) fn dielectric_words(&self, leaf: usize) -> [u32; DIELECTRIC_WORDS] {
+        let Dielectric { ior, index_difference, is_thin, .. } = *self.dielectric(leaf);
+        let has_inside = self.material_of(leaf).has(TRANSMITS) && !is_thin;
+        let key = self.rank(leaf) << 24 | (self.field.leaves()[leaf].object + 1);
+        [if has_inside { key } else { 0 }, ior.to_bits(), index_difference.to_bits()]
     }
 
     /// Solids other than that of a leaf.
@@ -47,9 +61,9 @@ impl RenderScene {
     /// These solids and that of a leaf.
     pub(super) fn with_solid(&self, around: &SolidsAround, leaf: usize) -> SolidsAround {
         let mut all = self.without_solid(around, leaf);
-        let rank = |entry: u32| if entry == 0 { i32::MIN } else { self.priority(entry as usize - 1) };
+        let rank = |entry: u32| if entry == 0 { 0 } else { self.rank(entry as usize - 1) };
         if let Some(lowest) = all.iter_mut().min_by_key(|entry| rank(**entry))
-            && rank(*lowest) < self.priority(leaf)
+            && rank(*lowest) < self.rank(leaf)
         {
             *lowest = leaf as u32 + 1;
         }
@@ -61,22 +75,22 @@ impl RenderScene {
         around.iter().filter(|entry| **entry > 0).map(|entry| *entry as usize - 1)
     }
 
-    /// Highest priority of these solids.
-    fn highest_priority(&self, around: &SolidsAround) -> i32 {
-        Self::solids(around).map(|leaf| self.priority(leaf)).max().unwrap_or(NO_PRIORITY)
+    /// Highest rank of these solids.
+    fn highest_rank(&self, around: &SolidsAround) -> u32 {
+        Self::solids(around).map(|leaf| self.rank(leaf)).max().unwrap_or(0)
     }
 
     /// Refractive index within these solids, at an [offset](pathmarch_scene::materials::dispersion::index_offset).
     pub(crate) fn index_within(&self, around: &SolidsAround, offset: f32) -> f32 {
-        let priority = self.highest_priority(around);
-        let filling = Self::solids(around).filter(|leaf| self.priority(*leaf) == priority);
+        let rank = self.highest_rank(around);
+        let filling = Self::solids(around).filter(|leaf| self.rank(*leaf) == rank);
         filling.map(|leaf| self.dielectric(leaf).index_at(offset)).product()
     }
 
     /// Sum of the media of the solids that fill the space, and of media without a surface.
     pub(super) fn medium_within(&self, around: SolidsAround) -> Medium {
-        let priority = self.highest_priority(&around);
-        let solids = Self::solids(&around).filter(|leaf| [priority, NO_PRIORITY].contains(&self.priority(*leaf)));
+        let rank = self.highest_rank(&around);
+        let solids = Self::solids(&around).filter(|leaf| [rank, BOUNDARY_RANK].contains(&self.rank(*leaf)));
         let media = solids.map(|leaf| &self.media.of_materials[self.leaves[leaf].material as usize]);
         Medium { around, ..media.fold(Medium::default(), |sum, medium| sum.plus(medium)) }
     }
@@ -94,14 +108,14 @@ impl RenderScene {
     pub(crate) fn is_skipped(&self, medium: &Medium, leaf: usize) -> bool {
         self.refracts(leaf)
             && !self.dielectric(leaf).is_thin
-            && self.highest_priority(&self.without_solid(&medium.around, leaf)) > self.priority(leaf)
+            && self.highest_rank(&self.without_solid(&medium.around, leaf)) > self.rank(leaf)
     }
 
     /// Refractive index of the solid of a leaf at its surface, relative to what is outside.
     pub(crate) fn index_at_surface(&self, medium: &Medium, leaf: usize, offset: f32) -> f32 {
         let (outside, dielectric) = (self.without_solid(&medium.around, leaf), self.dielectric(leaf));
         let index = dielectric.index_at(offset);
-        let replaces = dielectric.is_thin || dielectric.priority > self.highest_priority(&outside);
+        let replaces = dielectric.is_thin || self.rank(leaf) > self.highest_rank(&outside);
         if replaces { index / self.index_within(&outside, offset) } else { index }
     }
 

@@ -9,7 +9,7 @@ use crate::backend::RenderInput;
 use crate::mode::Mode;
 use crate::preview::Preview;
 use crate::scene::material::GLOWS;
-use crate::scene::{KernelConfig, MaterialRecord, Media, Medium, TexturedMaterial};
+use crate::scene::{KernelConfig, MaterialRecord, Medium, TexturedMaterial};
 use pathmarch_field::wgsl::{Program, ProgramOptions};
 use pathmarch_scene::materials::{self, albedo, dispersion};
 use pathmarch_scene::textures::{self, Pattern, Texture};
@@ -166,7 +166,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
     let mut textures = scene.textured_materials.iter().flat_map(TexturedMaterial::textures);
     for (name, value) in [
         ("ABSORPTION", config.absorption),
-        ("PARTICIPATING_MEDIA", config.media),
+        ("PARTICIPATING_MEDIA", scene.media.participate()),
         ("HAS_BOUNDARIES", config.boundaries),
         ("MEDIA_ARE_BOUNDED", config.media_are_bounded),
         ("LIGHTS_IN_SOLIDS", config.lights_in_solids),
@@ -216,9 +216,8 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("MESH_LIGHT_DATA", data.mesh_lights as u32),
         ("MESH_DATA", data.meshes as u32),
         ("MEDIUM_DATA", data.media as u32),
-        ("MEDIUM_WORDS", Media::WORDS as u32),
-        ("DIELECTRIC", Medium::WORDS as u32),
-        ("OBJECT_DATA", data.objects as u32),
+        ("MEDIUM_WORDS", Medium::WORDS as u32),
+        ("DIELECTRIC_DATA", data.dielectrics as u32),
     ] {
         constant(name, &format_args!("{value}u"));
     }

@@ -11,7 +11,7 @@ pub(super) use light::LightRecord;
 pub(super) use texture::computed_kind;
 
 use crate::backend::{ModeData, RenderInput};
-use crate::scene::{LightTree, SkyLight};
+use crate::scene::{LightTree, Media, Medium, SkyLight};
 use crate::wgsl::write_constant;
 use pathmarch_field::wgsl::Program;
 use pathmarch_scene::Sampler;
@@ -38,8 +38,8 @@ pub(crate) struct SceneData {
     pub(super) meshes: usize,
     /// Offset of the media: the fog, then those of the materials.
     pub(super) media: usize,
-    /// Offset of the object of each leaf.
-    pub(super) objects: usize,
+    /// Offset of the dielectric of each leaf.
+    pub(super) dielectrics: usize,
 }
 
 impl SceneData {
@@ -74,13 +74,14 @@ impl SceneData {
         words.extend(program.mesh_words());
         let media = words.len();
         if input.config.media {
-            words.extend(scene.media.words());
+            let Media { fog, of_materials, .. } = &scene.media;
+            words.extend(std::iter::once(fog).chain(of_materials).flat_map(Medium::words));
         }
-        let objects = words.len();
+        let dielectrics = words.len();
         if input.config.nested_dielectrics {
-            words.extend(scene.field.leaves().iter().map(|leaf| leaf.object));
+            words.extend((0..scene.leaves.len()).flat_map(|leaf| scene.dielectric_words(leaf)));
         }
-        Self { words, vectors, light_tree, sky: 0, ggx, textures, mode, mesh_lights, meshes, media, objects }
+        Self { words, vectors, light_tree, sky: 0, ggx, textures, mode, mesh_lights, meshes, media, dielectrics }
     }
 }
 
