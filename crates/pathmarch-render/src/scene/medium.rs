@@ -1,11 +1,13 @@
 //! Participating media of a scene: those of its solids, the fog between them, and the medium around the camera.
 
-use super::nested_dielectrics::SolidsAround;
 use super::{RenderScene, flag_if};
 use glam::Vec3;
 use pathmarch_field::Field;
 use pathmarch_scene::materials::{Dielectric, Material};
 use pathmarch_scene::{Medium as SceneMedium, Scene};
+
+/// Solids around a point: one more than the leaf of each, or 0.
+pub(crate) type SolidsAround = [u32; MAX_SOLIDS];
 
 /// A solid in the count of solids around a point.
 const SOLID: u32 = 1;
@@ -138,6 +140,8 @@ impl Medium {
 }
 
 crate::wgsl::shared_constants! {
+    /// Largest number of solids that a path remembers in scenes with nested dielectrics.
+    pub(crate) const MAX_SOLIDS: usize = 4;
     /// Largest absolute value of the anisotropy, for which the phase function is finite.
     const MAX_ANISOTROPY: f32 = 0.9999;
 }

@@ -10,25 +10,21 @@
 //! the path is in its object: a path that missed a surface is corrected by the next one of that object. Where the
 //! materials of an object blend, a surface has the index of its own material on both sides of the walk.
 //!
-//! **Limit.** At most [`MAX_SOLIDS`] are remembered. Of more, those of the lowest priority are forgotten, which do not fill the
+//! **Limit.** At most [`MAX_SOLIDS`](super::medium::MAX_SOLIDS) are remembered. Of more, those of the lowest priority are forgotten, which do not fill the
 //! space: light is wrong only where the path leaves the others and one of them would fill it again.
 
 use super::material::{BOUNDARY, TRANSMITS};
+use super::medium::SolidsAround;
 use super::{Medium, RenderScene};
 use crate::wgsl::shared_constants;
 use pathmarch_scene::materials::Dielectric;
 
 shared_constants! {
-    /// Largest number of solids that a path remembers.
-    pub(crate) const MAX_SOLIDS: usize = 4;
     /// Rank of boundaries of media, which fill no space. A solid with a surface has a rank of its priority plus 128.
     const BOUNDARY_RANK: u32 = 1;
     /// Number of words of the dielectric of a leaf: key, index, difference between the lines F and C.
     const DIELECTRIC_WORDS: usize = 3;
 }
-
-/// Solids around a point: one more than the leaf of each, or 0.
-pub(crate) type SolidsAround = [u32; MAX_SOLIDS];
 
 impl RenderScene {
     #[inline]
