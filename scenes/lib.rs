@@ -72,6 +72,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "" "glass-still-life" "jpg" "Clear and coloured glass on a table.";
     "" "pool" "jpg" "Sunlight through the waves of a pool.";
     "" "newton" "jpg" "Newton's prism throws a spectrum on the wall.";
+    "" "tumbler" "jpg" "Water, ice and bubbles in a tumbler.";
     "" "lantern" "jpg" "A lantern in fog, which shows its light.";
     "" "candles" "jpg" "Candles: light inside wax, flames that emit.";
     "" "day" "jpg" "The sky of a clear day, and its sun.";

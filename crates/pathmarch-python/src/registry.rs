@@ -112,12 +112,15 @@ fn material(kind: &MaterialKind) -> Value {
 }
 
 fn material_param(param: &MaterialParam) -> Value {
-    let kind = match param.kind {
-        ParamKind::Colour => "colour",
-        ParamKind::Number => "number",
-    };
     let textured = param.texturing != Texturing::None;
-    merged(self::param(&param.spec), json!({"kind": kind, "textured": textured}))
+    let details = match param.kind {
+        ParamKind::Flag => json!({
+            "kind": "flag", "textured": textured, "default": param.spec.default > 0.0, "range": param.range_in_words(),
+        }),
+        ParamKind::Number if param.spec.is_whole() => json!({"kind": "whole", "textured": textured}),
+        kind => json!({"kind": kind.name(), "textured": textured}),
+    };
+    merged(self::param(&param.spec), details)
 }
 
 fn setting(setting: &Setting) -> Value {

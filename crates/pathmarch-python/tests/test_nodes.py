@@ -29,6 +29,8 @@ def value_of(param):
     if param["kind"] == "axis":
         return "z"
     default = param["default"]
+    if param["kind"] == "flag":
+        return not default
     for value in (default + 1, default * 0.9 + 0.05, default * 0.5):
         low, high = param["min"], param["max"]
         if (low is None or value > low) and (high is None or value < high):

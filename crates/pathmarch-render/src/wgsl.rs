@@ -20,6 +20,10 @@ impl FieldType for [u32; 2] {
     const WGSL: &'static str = "vec2u";
 }
 
+impl FieldType for [u32; 4] {
+    const WGSL: &'static str = "vec4u";
+}
+
 impl FieldType for [f32; 3] {
     const WGSL: &'static str = "vec3f";
 }

@@ -10,6 +10,7 @@ mod custom_sdf;
 mod denoise;
 mod dispersion;
 mod examples;
+mod glass;
 mod images;
 mod light;
 mod live;
@@ -41,6 +42,7 @@ fn main() {
         caustics::tests(),
         dispersion::tests(),
         examples::tests(),
+        glass::tests(),
         images::tests(),
         light::tests(),
         live::tests(),

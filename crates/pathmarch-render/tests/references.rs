@@ -10,7 +10,7 @@ use pathmarch_testing::{plain, tests};
 
 /// References: name, number of samples at which our noise is well below the limits, and limit of the relative difference of a
 /// block of 16 by 16 pixels.
-const REFERENCES: [(&str, u32, f32); 22] = [
+const REFERENCES: [(&str, u32, f32); 24] = [
     ("furnace_050", 256, 0.005),
     ("diffuse_sphere_plane", 256, 0.01),
     ("diffuse_sphere_plane_area", 256, 0.01),
@@ -38,6 +38,8 @@ const REFERENCES: [(&str, u32, f32); 22] = [
     ("fog_area", 2048, 0.03),
     ("subsurface", 512, 0.02),
     ("smoke", 512, 0.03),
+    ("nested_glass", 512, 0.02),
+    ("thin_glass", 512, 0.02),
 ];
 
 fn pictures_agree_with_mitsuba() {

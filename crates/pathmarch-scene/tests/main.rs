@@ -4,6 +4,7 @@ mod declared;
 mod document;
 mod extremes;
 mod formulas;
+mod glass;
 mod include;
 mod language_service;
 mod materials;

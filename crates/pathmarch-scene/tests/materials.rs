@@ -3,7 +3,9 @@
 
 use crate::random::Random;
 use glam::Vec3;
-use pathmarch_scene::materials::{Bsdf, BsdfParameters, MaterialKind, ParamKind, albedo, kinds};
+use pathmarch_scene::materials::{
+    Bsdf, BsdfParameters, MaterialKind, ParamKind, albedo, fresnel, kinds, straight_transmittance,
+};
 use std::f32::consts::{PI, TAU};
 
 struct Variant {
@@ -23,13 +25,19 @@ fn variants(roughnesses: &[f32]) -> Vec<Variant> {
             for mix in 0..4 {
                 let values = values(kind, roughness, mix);
                 let numbers = (bsdf.pack)(&values);
-                all.push(Variant {
-                    name: format!("{} roughness {roughness} mix {mix}", kind.name),
+                let variant = |name: String, numbers: BsdfParameters| Variant {
+                    name,
                     bsdf,
                     transmits: (bsdf.transmits)(&numbers),
                     delta: (bsdf.is_delta)(&numbers),
                     numbers,
-                });
+                };
+                let name = format!("{} roughness {roughness} mix {mix}", kind.name);
+                // As in water: the index relative to it is below 1.
+                let submerged = bsdf.with_index.map(|with_index| with_index(&numbers, 0.7));
+                let submerged = submerged.filter(|numbers| mix < 3 && (bsdf.transmits)(numbers));
+                all.extend(submerged.map(|numbers| variant(format!("{name} in water"), numbers)));
+                all.push(variant(name, numbers));
             }
         }
     }
@@ -41,6 +49,7 @@ fn values(kind: &MaterialKind, roughness: f32, mix: usize) -> Vec<[f32; 3]> {
     let mut fraction = 0;
     let mut value = |param: &pathmarch_scene::materials::MaterialParam| match (param.name(), param.kind) {
         ("absorb" | "scatter" | "scattering" | "anisotropy" | "glow", _) => [0.0; 3],
+        ("priority" | "thin", _) => [0.0; 3],
         ("multiscatter", _) => [f32::from(mix == 1), 0.0, 0.0],
         (_, ParamKind::Colour) => [1.0; 3],
         ("roughness" | "coat-roughness", _) => [roughness, 0.0, 0.0],
@@ -272,7 +281,7 @@ fn light_takes_the_same_way_back() {
 #[test]
 fn smooth_surfaces_follow_the_laws() {
     let glass = kinds().iter().find(|kind| kind.name == "glass").and_then(|kind| kind.bsdf).expect("there is glass");
-    let numbers = (glass.pack)(&std::array::from_fn::<_, 9, _>(|k| [[1.0; 3], [1.5, 0.0, 0.0], [0.0; 3]][k.min(2)]));
+    let numbers = (glass.pack)(&std::array::from_fn::<_, 11, _>(|k| [[1.0; 3], [1.5, 0.0, 0.0], [0.0; 3]][k.min(2)]));
     // At right angles 4 % are reflected; at 60° 8.9 %: Hecht, Optics, 5th ed., section 4.6.
     for (degrees, reflected) in [(0.0f32, 0.04), (60.0, 0.08919)] {
         let (sine, cosine) = degrees.to_radians().sin_cos();
@@ -287,6 +296,26 @@ fn smooth_surfaces_follow_the_laws() {
     let (sine, cosine) = 42.0f32.to_radians().sin_cos();
     let wo = Vec3::new(sine, 0.0, cosine);
     assert!((glass.sample)(&numbers, wo, true, [0.5, 0.5, 0.999_999]).expect("goes on").wi.z > 0.0);
+}
+
+/// Thin glass reflects by both faces, and bends no light.
+#[test]
+fn sheets_follow_the_laws() {
+    let glass = kinds().iter().find(|kind| kind.name == "glass").and_then(|kind| kind.bsdf).expect("there is glass");
+    let mut values = [[0.0; 3]; 11];
+    (values[0], values[1], values[10]) = ([1.0, 0.5, 0.25], [1.5, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let numbers = (glass.pack)(&values);
+    let wo = Vec3::new(0.6, 0.0, 0.8);
+    let face = fresnel(0.8, 1.5);
+    let reflected = 2.0 * face / (1.0 + face);
+    for inside in [false, true] {
+        let at = |choice| (glass.sample)(&numbers, wo, inside, [0.5, 0.5, choice]).expect("goes on");
+        assert!(at(reflected - 1e-4).wi.abs_diff_eq(Vec3::new(-0.6, 0.0, 0.8), 1e-5));
+        let transmitted = at(reflected + 1e-4);
+        assert!(transmitted.wi == -wo && transmitted.eta == 1.0 && transmitted.weight == Vec3::new(1.0, 0.5, 0.25));
+    }
+    let straight = straight_transmittance(&numbers, 0.8);
+    assert!((straight - Vec3::new(1.0, 0.5, 0.25) * (1.0 - reflected)).abs().max_element() < 1e-6, "{straight}");
 }
 
 #[test]

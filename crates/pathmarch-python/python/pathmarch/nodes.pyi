@@ -666,6 +666,8 @@ def glass(
     anisotropy: _Number = 0,
     glow: _Colour = 0,
     multiscatter: Union[_Number, Node] = 0,
+    priority: Union[int, str] = 0,
+    thin: bool = False,
     orbit_trap: Optional[Node] = None,
     bump: Optional[Node] = None,
 ) -> Node:
@@ -686,6 +688,7 @@ def principled(
     scatter: _Colour = 0,
     anisotropy: _Number = 0,
     glow: _Colour = 0,
+    priority: Union[int, str] = 0,
     orbit_trap: Optional[Node] = None,
     bump: Optional[Node] = None,
 ) -> Node:

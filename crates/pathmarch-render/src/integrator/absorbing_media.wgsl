@@ -1,8 +1,14 @@
-// import: integrator/medium
+// import: integrator/medium, nested_dielectrics
 // Media around a path in scenes whose solids absorb and do no more. Takes the place of participating_media.wgsl.
 
 /// Absorption coefficient, per metre.
 alias Medium = vec3f;
+
+/// Solids around a path; none are known.
+struct Solids {
+    leaves: vec4u,
+    keys: vec4u,
+}
 
 /// Medium around the camera.
 fn camera_medium() -> Medium {
@@ -14,9 +20,9 @@ fn transmittance_in(medium: Medium, length: f32) -> vec3f {
     return transmittance(medium, length);
 }
 
-/// Medium beyond a surface that a path crosses, of material `m`.
-fn medium_after(medium: Medium, m: u32, inside: bool) -> Medium {
-    return medium_beyond(medium, materials[m].absorption, inside);
+/// Medium beyond the surface of a leaf that a path crosses.
+fn medium_after(medium: Medium, leaf: u32, inside: bool) -> Medium {
+    return medium_beyond(medium, materials[leaves[leaf].material].absorption, inside);
 }
 
 /// The second medium if the condition is true, else the first.
@@ -25,7 +31,7 @@ fn chosen_medium(first: Medium, second: Medium, is_second: bool) -> Medium {
 }
 
 /// Medium of a resumed path.
-fn resumed_medium(absorption: vec3f, forward: f32, scattering: vec3f, solids: u32, emission: vec3f) -> Medium {
+fn resumed_medium(absorption: vec3f, forward: f32, scattering: vec3f, solids: u32, emission: vec3f, around: vec4u) -> Medium {
     return absorption;
 }
 
@@ -47,4 +53,8 @@ fn emission_of(medium: Medium) -> vec3f {
 
 fn solids_of(medium: Medium) -> u32 {
     return 0u;
+}
+
+fn around_of(medium: Medium) -> vec4u {
+    return vec4u(0u);
 }

@@ -1,6 +1,7 @@
 //! Segments of paths through participating media, see [`participating_media`](super::participating_media).
 //!
-//! Boundaries of media are no surfaces: a path crosses them on its way to its next scattering event.
+//! Boundaries of media, and the surfaces of solids inside others of higher priority, are no surfaces: a path crosses them
+//! on its way to its next scattering event.
 
 use super::guides::GuideRecorder;
 use super::light_sampling;
@@ -88,19 +89,20 @@ pub(super) fn follow(
         pending.clear();
         for (Arrival { index, hit, throughput, end }, interaction) in arrivals.into_iter().zip(interactions) {
             let path = &mut paths[index];
-            let material = ctx.scene.leaves[interaction.leaf].material;
-            let is_boundary = ctx.scene.materials[material as usize].has(BOUNDARY);
+            let is_boundary = ctx.scene.material_of(interaction.leaf).has(BOUNDARY);
+            let is_crossed =
+                is_boundary || ctx.config.nested_dielectrics && ctx.scene.is_skipped(&path.medium, interaction.leaf);
             if let (SegmentEnd::Event, Some(recorder)) = (&end, &mut recorder) {
-                if !is_boundary {
+                if !is_crossed {
                     recorder.record(ctx, path.slot, throughput, &interaction, surface_index);
                 }
                 recorder.end(path.slot);
                 continue;
             }
-            if is_boundary {
+            if is_crossed {
                 // Like an event in the medium, the boundary is found to rounding, so that no chord is missed.
-                path.length = LENGTH_IN_MEDIUM;
-                path.medium = medium_after(ctx, &path.medium, material, interaction.inside);
+                path.length = if is_boundary { LENGTH_IN_MEDIUM } else { path.length + hit.t };
+                path.medium = medium_after(ctx, &path.medium, interaction.leaf, interaction.inside);
                 path.ray.origin = interaction.p - interaction.normal_offset;
                 pending.push(index);
             } else {

@@ -1,4 +1,4 @@
-// import: guides, integrator/light_sampling, integrator/shadow, media, sampler
+// import: guides, integrator/light_sampling, integrator/shadow, media, nested_dielectrics, sampler
 // Segments of paths through participating media. Part of path.wgsl, twin of media_segment.rs.
 
 /// Follows the ray of a path to its next surface or scattering event. Adds light that the media on the way emit and scatter,
@@ -12,15 +12,15 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
         let length = select(hit.t, UNBOUNDED_LENGTH, hit.t < 0.0);
         if MEDIA_ARE_BOUNDED && hit.t < 0.0 {
             // A ray that escapes is outside of all solids, even if it missed a surface on its way.
-            (*path).medium = Medium(vec3f(0.0), 0.0, vec3f(0.0), 0u, vec3f(0.0));
+            (*path).medium = Medium(vec3f(0.0), 0.0, vec3f(0.0), 0u, vec3f(0.0), NO_SOLIDS);
         }
         let medium = with_fog((*path).medium);
-        if largest(medium.emission) > 0.0 {
+        if PARTICIPATING_MEDIA && largest(medium.emission) > 0.0 {
             // Light that a ray hits counts as direct light of the previous surface.
             let bounces = max(surface_index, 1u) - 1u;
             (*path).radiance += clamped((*path).throughput * emitted_radiance(medium, length), bounces);
         }
-        if surface_index <= frame.bounces && largest(medium.scattering) > 0.0 {
+        if PARTICIPATING_MEDIA && surface_index <= frame.bounces && largest(medium.scattering) > 0.0 {
             let pair = PAIR_SEGMENT + PAIRS_PER_SEGMENT * (surface_index + SEGMENTS_PER_CROSSING * crossing);
             if HAS_LIGHTS && (LIGHTS_IN_SOLIDS || FAST_CAUSTICS || !is_displaced((*path).medium)) {
                 add_scattered_light(path, medium, length, pair);
@@ -46,20 +46,20 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
             add_escaped_radiance(path);
             return false;
         }
-        if !HAS_BOUNDARIES {
+        if !HAS_BOUNDARIES && !NESTED_DIELECTRICS {
             return arrive(path, hit);
         }
         let hit_point = ray.origin + ray.direction * hit.t;
         let surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, surface_index));
-        let m = leaves[surface_at_hit.leaf].material;
-        if (materials[m].flags & BOUNDARY) == 0u {
+        let is_boundary = (materials[leaves[surface_at_hit.leaf].material].flags & BOUNDARY) != 0u;
+        if !is_boundary && !(NESTED_DIELECTRICS && is_skipped((*path).medium, surface_at_hit.leaf)) {
             return arrive(path, hit);
         }
         let interaction = resolve_surface(hit_point, ray.direction, hit, surface_at_hit);
         // Like an event in the medium, the boundary is found to rounding, so that no chord is missed.
-        (*path).length = LENGTH_IN_MEDIUM;
+        (*path).length = select((*path).length + hit.t, LENGTH_IN_MEDIUM, is_boundary);
         (*path).ray.origin = spawn_origin(interaction, true);
-        (*path).medium = medium_after((*path).medium, m, interaction.inside);
+        (*path).medium = medium_after((*path).medium, interaction.leaf, interaction.inside);
     }
     return false;
 }
@@ -99,7 +99,7 @@ fn record_surface_behind(path: ptr<function, Path>, hit: Hit) {
         let length = (*path).length + hit.t;
         if (materials[m].flags & EMITS) != 0u {
             record_guide(interaction, (*path).throughput, length, (*path).surfaces, materials[m].emission);
-        } else if (materials[m].flags & BOUNDARY) == 0u {
+        } else if (materials[m].flags & BOUNDARY) == 0u && !is_skipped((*path).medium, interaction.leaf) {
             evaluate_textures(m, interaction, length);
             record_guide(interaction, (*path).throughput, length, (*path).surfaces, packed(m, 0u).xyz);
         }

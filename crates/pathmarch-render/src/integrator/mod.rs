@@ -10,6 +10,7 @@ pub(crate) mod light_sampling;
 pub(crate) mod media_segment;
 pub(crate) mod medium;
 pub(crate) mod moments;
+mod nested_dielectrics;
 pub(crate) mod participating_media;
 pub(crate) mod path;
 pub(crate) mod path_state;

@@ -40,10 +40,13 @@ pub(super) fn transmittance_in(ctx: &TraceContext, solids: &Medium, length: f32)
     transmittance(medium.extinction(), length)
 }
 
-/// Media of the solids beyond a surface that a path crosses, of the material with this index.
+/// Media of the solids beyond the surface of a leaf that a path crosses.
 #[inline]
-pub(super) fn medium_after(ctx: &TraceContext, solids: &Medium, material: u32, inside: bool) -> Medium {
-    let solid = &ctx.scene.media.of_materials[material as usize];
+pub(super) fn medium_after(ctx: &TraceContext, solids: &Medium, leaf: usize, inside: bool) -> Medium {
+    if ctx.config.nested_dielectrics {
+        return ctx.scene.medium_across(solids, leaf, inside);
+    }
+    let solid = &ctx.scene.media.of_materials[ctx.scene.leaves[leaf].material as usize];
     if ctx.config.media {
         return solids.beyond(solid, inside);
     }

@@ -1,5 +1,13 @@
-// import: integrator/light_sampling, integrator/medium, sampling/basis
+// import: integrator/light_sampling, integrator/medium, nested_dielectrics, sampling/basis
 // Media that scatter and emit. Twin of participating_media.rs, which explains them, and of scene/medium.rs.
+
+/// Solids around a path, in scenes with nested dielectrics.
+struct Solids {
+    /// One more than the leaf of each, or 0.
+    leaves: vec4u,
+    /// Their keys, see nested_dielectrics.wgsl.
+    keys: vec4u,
+}
 
 /// Medium, or the sum of the media of overlapping solids. Coefficients are per metre.
 struct Medium {
@@ -11,7 +19,11 @@ struct Medium {
     solids: u32,
     /// Emitted radiance, W/(m³ sr).
     emission: vec3f,
+    /// Those solids, in scenes with nested dielectrics.
+    around: Solids,
 }
+
+const NO_SOLIDS = Solids(vec4u(0u), vec4u(0u));
 
 /// Medium number `index` of the scene: 0 is the fog, the others are those of the materials.
 fn stored_medium(index: u32) -> Medium {
@@ -25,12 +37,20 @@ fn stored_medium(index: u32) -> Medium {
         bitcast<vec3f>(scattering),
         scene_data[first + 10u],
         bitcast<vec3f>(emission),
+        NO_SOLIDS,
     );
 }
 
 /// Media of the solids around the camera.
 fn camera_medium() -> Medium {
-    return Medium(frame.medium, frame.medium_forward, frame.medium_scattering, frame.medium_solids, frame.medium_emission);
+    return resumed_medium(
+        frame.medium,
+        frame.medium_forward,
+        frame.medium_scattering,
+        frame.medium_solids,
+        frame.medium_emission,
+        frame.medium_around,
+    );
 }
 
 /// Sum of two media.
@@ -41,6 +61,7 @@ fn sum_of_media(a: Medium, b: Medium) -> Medium {
         a.scattering + b.scattering,
         a.solids + b.solids,
         a.emission + b.emission,
+        a.around,
     );
 }
 
@@ -51,21 +72,27 @@ fn is_displaced(medium: Medium) -> bool {
 
 /// Medium around a path within these solids.
 fn with_fog(medium: Medium) -> Medium {
-    if is_displaced(medium) {
+    if !PARTICIPATING_MEDIA || is_displaced(medium) {
         return medium;
     }
     return sum_of_media(medium, stored_medium(0u));
 }
 
-/// Media of the solids beyond a surface that a path crosses, of material `m`.
-fn medium_after(medium: Medium, m: u32, inside: bool) -> Medium {
-    let solid = stored_medium(m + 1u);
+/// Media of the solids beyond the surface of a leaf that a path crosses.
+fn medium_after(medium: Medium, leaf: u32, inside: bool) -> Medium {
+    if NESTED_DIELECTRICS {
+        return medium_across(medium, leaf, inside);
+    }
+    let solid = stored_medium(leaves[leaf].material + 1u);
+    if THIN_GLASS && solid.solids == 0u {
+        return medium;
+    }
     if !inside {
         return sum_of_media(medium, solid);
     }
     let solids = medium.solids & 65535u;
     if solids <= 1u {
-        return Medium(vec3f(0.0), 0.0, vec3f(0.0), 0u, vec3f(0.0));
+        return Medium(vec3f(0.0), 0.0, vec3f(0.0), 0u, vec3f(0.0), NO_SOLIDS);
     }
     let displacing = medium.solids >> 16u;
     let remaining = displacing - min(displacing, solid.solids >> 16u);
@@ -75,11 +102,15 @@ fn medium_after(medium: Medium, m: u32, inside: bool) -> Medium {
         max(medium.scattering - solid.scattering, vec3f(0.0)),
         solids - 1u + (remaining << 16u),
         max(medium.emission - solid.emission, vec3f(0.0)),
+        medium.around,
     );
 }
 
 /// Extinction coefficient: what is absorbed and what is scattered.
 fn extinction_of(medium: Medium) -> vec3f {
+    if !PARTICIPATING_MEDIA {
+        return medium.absorption;
+    }
     return medium.absorption + medium.scattering;
 }
 
@@ -226,8 +257,8 @@ fn chosen_medium(first: Medium, second: Medium, is_second: bool) -> Medium {
 }
 
 /// Medium of a resumed path.
-fn resumed_medium(absorption: vec3f, forward: f32, scattering: vec3f, solids: u32, emission: vec3f) -> Medium {
-    return Medium(absorption, forward, scattering, solids, emission);
+fn resumed_medium(absorption: vec3f, forward: f32, scattering: vec3f, solids: u32, emission: vec3f, around: vec4u) -> Medium {
+    return Medium(absorption, forward, scattering, solids, emission, solids_from(around));
 }
 
 fn absorption_of(medium: Medium) -> vec3f {
@@ -248,4 +279,8 @@ fn emission_of(medium: Medium) -> vec3f {
 
 fn solids_of(medium: Medium) -> u32 {
     return medium.solids;
+}
+
+fn around_of(medium: Medium) -> vec4u {
+    return medium.around.leaves;
 }

@@ -11,7 +11,8 @@
 //! **Dispersion.** At the first surface that disperses, a path chooses a wavelength and takes its colour.
 //!
 //! **Media.** A surface that transmits starts the next ray on its other side. The absorption coefficient of a solid is
-//! added where a path enters it and subtracted where it leaves, so that solids may overlap.
+//! added where a path enters it and subtracted where it leaves, so that solids may overlap. With priorities, the path
+//! remembers the solids around it ([`scene::nested_dielectrics`](crate::scene::nested_dielectrics)).
 //!
 //! An emitter that is blended with glass is also hit from inside. There, equilibrium demands n² times the radiance that
 //! it emits into air, and only BSDF sampling contributes it.
@@ -24,6 +25,7 @@ use super::guides::{Guide, GuideRecorder};
 use super::light_sampling;
 use super::media_segment::{self, Vertex};
 use super::medium::transmittance;
+use super::nested_dielectrics;
 use super::participating_media::medium_after;
 use super::path_state::{Path, clamped, escaped_radiance};
 use super::shadow::{self, ShadowTest};
@@ -85,6 +87,8 @@ pub(crate) fn radiance_along(ctx: &TraceContext, rays: impl Iterator<Item = (Ray
 
 /// Starts a path with each of these rays. Returns the paths and the radiance of each so far.
 fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> (Vec<Path>, Vec<Vec3>) {
+    let medium = ctx.frame.camera_medium();
+    let index = if ctx.config.nested_dielectrics { ctx.scene.index_within(&medium.around, 0.0) } else { 1.0 };
     let paths: Vec<Path> = rays
         .enumerate()
         .map(|(slot, (ray, sampler))| Path {
@@ -96,10 +100,10 @@ fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler
             throughput: Vec3::ONE,
             length: 0.0,
             scatter_pdf: 0.0,
-            medium: ctx.frame.camera_medium(),
+            medium,
             lights_are_counted: false,
             left_medium: false,
-            index_square: 1.0,
+            index_square: index * index,
             wavelength: None,
         })
         .collect();
@@ -289,9 +293,16 @@ fn shade(
     }
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
-    let at_wavelength = bsdf.at_wavelength.filter(|_| material.has(DISPERSES));
-    let dispersed = at_wavelength.map(|at| at(parameters, dispersion::index_offset(path.disperse(samples.wavelength))));
-    let parameters = dispersed.as_ref().unwrap_or(parameters);
+    let refracting = if ctx.config.nested_dielectrics {
+        let (medium, wavelength) = (path.medium, path.wavelength);
+        let disperse = || path.disperse(samples.wavelength);
+        let leaf = interaction.leaf;
+        nested_dielectrics::parameters_at_surface(ctx, &medium, leaf, parameters, wavelength, disperse)
+    } else {
+        let at_wavelength = bsdf.at_wavelength.filter(|_| material.has(DISPERSES));
+        at_wavelength.map(|at| at(parameters, dispersion::index_offset(path.disperse(samples.wavelength))))
+    };
+    let parameters = refracting.as_ref().unwrap_or(parameters);
     // Shading normal; the geometric normal decides on which side a direction is.
     let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
     let crosses_surface =
@@ -302,7 +313,7 @@ fn shade(
     // The normal of a rough field may point away from the ray: then its mirrored direction replaces it.
     let wo = wo_unclamped.with_z(wo_unclamped.z.abs().max(1e-5));
     let transmits = material.has(TRANSMITS);
-    let medium_beyond_surface = medium_after(ctx, &path.medium, leaf.material, inside);
+    let medium_beyond_surface = medium_after(ctx, &path.medium, interaction.leaf, inside);
     let footprint = path.footprint(p);
     let [light_choice, roulette] = samples.choice;
     if !material.has(DELTA) {

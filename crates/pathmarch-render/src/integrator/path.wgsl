@@ -1,5 +1,6 @@
 // import: film_value, guides, integrator/camera, integrator/light_sampling, integrator/shadow, integrator/sky
-// import: media, path_segment, photons, sampler, sampling/basis, shading/shading_normal, shading/surface_interaction, textures
+// import: media, nested_dielectrics, path_segment, photons, sampler, sampling/basis, shading/shading_normal
+// import: shading/surface_interaction, textures
 // Path tracing. Twin of path.rs, which explains it.
 
 /// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
@@ -50,7 +51,7 @@ fn path_from(camera: Ray, sampler: PixelSampler) -> Path {
     path.previous_vertex = camera.origin;
     path.throughput = vec3f(1.0);
     path.medium = camera_medium();
-    path.index_square = 1.0;
+    path.index_square = camera_index_square();
     return path;
 }
 
@@ -122,6 +123,21 @@ fn disperse(path: ptr<function, Path>, random: f32) {
     wavelength_offset = index_offset((*path).wavelength);
 }
 
+/// Makes the BSDF of a leaf refract by the index relative to what is around the path. Chooses the wavelength with a random
+/// number if the index depends on it.
+fn refract_at(path: ptr<function, Path>, leaf: u32, random: f32) {
+    let m = leaves[leaf].material;
+    if (materials[m].flags & TRANSMITS) == 0u {
+        surface_index = own_index(leaf, 0.0);
+        return;
+    }
+    if DISPERSION && disperses_at((*path).medium, leaf) {
+        disperse(path, random);
+    }
+    let offset = select(0.0, index_offset((*path).wavelength), (*path).wavelength > 0.0);
+    surface_index = relative_index((*path).medium, leaf, offset);
+}
+
 /// Russian roulette with a random number. Returns false if the path ends.
 fn survives(path: ptr<function, Path>, random: f32) -> bool {
     if (*path).surfaces > ROULETTE_DEPTH {
@@ -159,10 +175,12 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     // The normal of a rough field may point away from the ray: then its mirrored direction replaces it.
     let wo = vec3f(wo_unclamped.xy, max(abs(wo_unclamped.z), 1e-5));
     let transmits = TRANSMISSION && (flags & TRANSMITS) != 0u;
-    let medium_beyond_surface = medium_after((*path).medium, m, interaction.inside);
+    let medium_beyond_surface = medium_after((*path).medium, interaction.leaf, interaction.inside);
     let pair = PAIR_SURFACE + PAIRS_PER_SURFACE * surface_index;
     let choice = sample_2d((*path).sampler, pair + PAIR_CHOICE);
-    if DISPERSION && (flags & DISPERSES) != 0u {
+    if NESTED_DIELECTRICS {
+        refract_at(path, interaction.leaf, sample_2d((*path).sampler, pair + PAIR_LOBE).y);
+    } else if DISPERSION && (flags & DISPERSES) != 0u {
         disperse(path, sample_2d((*path).sampler, pair + PAIR_LOBE).y);
     }
     let previous_vertex = (*path).previous_vertex;

@@ -9,12 +9,13 @@
 //! solid.
 
 use super::light_sampling::{self, LightSample};
+use super::nested_dielectrics;
 use super::participating_media::{medium_after, transmittance_in};
 use crate::intersect::march::{MAX_STEPS, march, tolerance};
 use crate::intersect::ray::{Hit, Ray, RaySegment};
 use crate::sampling::sobol::PixelSampler;
 use crate::scene::leaf::IN_GLASS;
-use crate::scene::material::{BOUNDARY, CLEAR, straight_transmittance};
+use crate::scene::material::{BOUNDARY, CLEAR};
 use crate::scene::{KernelConfig, Medium, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::TexturedPoint;
@@ -22,6 +23,7 @@ use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_field::number::Vec3 as FieldVec3;
+use pathmarch_scene::materials::straight_transmittance;
 
 shared_constants! {
     /// Largest number of clear surfaces that a shadow ray passes through.
@@ -69,7 +71,7 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
         test.light.weight = light_sampling::sample_weight(ctx.config.direct_lighting, light_pdf, scatter_pdf);
     }
     let passed_surfaces = match ctx.config {
-        KernelConfig { boundaries: true, .. } => MAX_CROSSINGS,
+        KernelConfig { boundaries: true, .. } | KernelConfig { nested_dielectrics: true, .. } => MAX_CROSSINGS,
         KernelConfig { fast_caustics: true, .. } => MAX_CLEAR_SURFACES,
         _ => 0,
     };
@@ -119,13 +121,14 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
     direct_light
 }
 
-/// Continues a shadow ray through an occluder at distance `t` if it is the boundary of a medium or, for fast caustics, clear
-/// glass, which attenuates its light. Returns false if the occluder blocks the ray.
+/// Continues a shadow ray through an occluder at distance `t` if it is the boundary of a medium, in a solid of higher priority
+/// or, for fast caustics, clear glass, which attenuates its light. Returns false if the occluder blocks the ray.
 fn pass_through(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder: &SurfaceInteraction) -> bool {
     let leaf = &ctx.scene.leaves[occluder.leaf];
     let material = &ctx.scene.materials[leaf.material as usize];
-    if material.has(BOUNDARY) {
-        test.medium = medium_after(ctx, &test.medium, leaf.material, occluder.inside);
+    let is_nested = ctx.config.nested_dielectrics;
+    if material.has(BOUNDARY) || is_nested && ctx.scene.is_skipped(&test.medium, occluder.leaf) {
+        test.medium = medium_after(ctx, &test.medium, occluder.leaf, occluder.inside);
         test.ray.origin = occluder.p - occluder.normal_offset;
         test.light.distance -= t;
         return true;
@@ -135,9 +138,12 @@ fn pass_through(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder: &Su
     }
     let cosine = occluder.normal.dot(test.ray.direction).abs();
     let textured = TexturedPoint::new(ctx, occluder, test.path_length);
-    let parameters = textured.map_or(material.parameters, |textured| textured.parameters(&material.parameters));
+    let mut parameters = textured.map_or(material.parameters, |textured| textured.parameters(&material.parameters));
+    if is_nested {
+        parameters = nested_dielectrics::straight_parameters(ctx, &test.medium, occluder.leaf, &parameters);
+    }
     test.radiance *= straight_transmittance(&parameters, cosine.min(1.0));
-    test.medium = medium_after(ctx, &test.medium, leaf.material, occluder.inside);
+    test.medium = medium_after(ctx, &test.medium, occluder.leaf, occluder.inside);
     // BSDF sampling leaves out this light.
     test.light.weight = 1.0;
     test.ray.origin = occluder.p - occluder.normal_offset;

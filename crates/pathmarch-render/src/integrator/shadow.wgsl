@@ -1,4 +1,4 @@
-// import: integrator/light_sampling, media, near_misses, shading/surface_interaction, textures
+// import: integrator/light_sampling, media, near_misses, nested_dielectrics, shading/surface_interaction, textures
 // Shadow tests of light samples. Twin of shadow.rs, which explains them.
 
 /// Transmittance of a shadow ray to a sampled light, times the MIS weight of the light. `first_medium` is that
@@ -12,7 +12,7 @@ fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, sca
     var medium = first_medium;
     var ray = first_ray;
     var limit = light.distance;
-    for (var k = 0u; k <= select(select(0u, MAX_CLEAR_SURFACES, FAST_CAUSTICS), MAX_CROSSINGS, HAS_BOUNDARIES); k++) {
+    for (var k = 0u; k <= select(select(0u, MAX_CLEAR_SURFACES, FAST_CAUSTICS), MAX_CROSSINGS, HAS_BOUNDARIES || NESTED_DIELECTRICS); k++) {
         let hit = march(ray, path_length, limit);
         if ABSORPTION {
             attenuation *= transmittance_in(medium, select(hit.t, limit, hit.t < 0.0));
@@ -20,7 +20,7 @@ fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, sca
         if hit.t < 0.0 {
             return select(vec3f(0.0), attenuation * weight, light.target_leaf == NO_TARGET);
         }
-        if (!HAS_BOUNDED || light.target_leaf == NO_TARGET) && !FAST_CAUSTICS && !HAS_BOUNDARIES {
+        if (!HAS_BOUNDED || light.target_leaf == NO_TARGET) && !FAST_CAUSTICS && !HAS_BOUNDARIES && !NESTED_DIELECTRICS {
             return vec3f(0.0);
         }
         let occluder = surface_interaction(ray, hit, seed);
@@ -31,8 +31,9 @@ fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, sca
             return select(vec3f(0.0), attenuation * weight, emits_towards(occluder.leaf, -ray.direction) && !from_glass);
         }
         let m = leaf.material;
-        if HAS_BOUNDARIES && (materials[m].flags & BOUNDARY) != 0u {
-            medium = medium_after(medium, m, occluder.inside);
+        let is_boundary = HAS_BOUNDARIES && (materials[m].flags & BOUNDARY) != 0u;
+        if is_boundary || (NESTED_DIELECTRICS && is_skipped(medium, occluder.leaf)) {
+            medium = medium_after(medium, occluder.leaf, occluder.inside);
             ray.origin = spawn_origin(occluder, true);
             limit -= hit.t;
             continue;
@@ -42,8 +43,13 @@ fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, sca
         }
         let cosine = min(abs(dot(occluder.normal, ray.direction)), 1.0);
         let colour = glass_colour(m, occluder, path_length);
-        attenuation *= colour * (1.0 - fresnel(cosine, materials[m].parameters[1].x));
-        medium = medium_after(medium, m, occluder.inside);
+        let index = relative_index(medium, occluder.leaf, 0.0);
+        var reflected = fresnel(cosine, select(index, max(index, 1.0 / index), NESTED_DIELECTRICS));
+        if THIN_GLASS && materials[m].parameters[7].w > 0.0 {
+            reflected = sheet_reflection(reflected);
+        }
+        attenuation *= colour * (1.0 - reflected);
+        medium = medium_after(medium, occluder.leaf, occluder.inside);
         // BSDF sampling leaves out this light.
         weight = 1.0;
         ray.origin = spawn_origin(occluder, true);

@@ -83,6 +83,8 @@ shared_struct! {
         pub(crate) medium_emission: [f32; 3],
         /// See [`Medium::solids`](super::Medium::solids).
         pub(crate) medium_solids: u32,
+        /// See [`Medium::around`](super::Medium::around).
+        pub(crate) medium_around: [u32; 4],
     }
 }
 
@@ -122,7 +124,7 @@ impl FrameUniforms {
             Sky::Map(picture) => ((picture.width, picture.height), picture.rotate.rem_euclid(360.0).to_radians()),
             _ => ((0, 0), 0.0),
         };
-        let medium = medium_at(scene, camera.position);
+        let medium = medium_at(scene, tables, camera.position);
         Self {
             position: camera.position,
             // Modes without noise use a pinhole: they have no random numbers for the lens.
@@ -164,6 +166,7 @@ impl FrameUniforms {
             medium_forward: medium.forward,
             medium_emission: medium.emission.into(),
             medium_solids: medium.solids,
+            medium_around: medium.around,
         }
     }
 
@@ -175,6 +178,7 @@ impl FrameUniforms {
             forward: self.medium_forward,
             emission: self.medium_emission.into(),
             solids: self.medium_solids,
+            around: self.medium_around,
         }
     }
 

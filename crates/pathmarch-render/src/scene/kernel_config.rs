@@ -19,7 +19,7 @@ pub(crate) const RELAXATION: f32 = 1.9;
 pub(crate) struct KernelConfig {
     /// Some solid absorbs.
     pub(crate) absorption: bool,
-    /// Some medium scatters or emits light, or is anywhere but in solids with a surface.
+    /// Some medium scatters or emits light, or is anywhere but in solids with a surface; or dielectrics are nested.
     pub(crate) media: bool,
     /// Some material is the boundary of a medium.
     pub(crate) boundaries: bool,
@@ -31,6 +31,8 @@ pub(crate) struct KernelConfig {
     pub(crate) transmission: bool,
     /// Some BSDF takes a third random number, for the choice of its lobe.
     pub(crate) chooses_lobes: bool,
+    /// Some solid that transmits has a priority: where solids overlap, the highest one fills the space.
+    pub(crate) nested_dielectrics: bool,
     /// Some material disperses light.
     pub(crate) dispersion: bool,
     /// Shadow rays pass through clear glass.
@@ -70,7 +72,8 @@ impl KernelConfig {
         let transmits = scene.materials.iter().any(|material| material.has(TRANSMITS));
         let penumbra = |shape: &LightShape| shape.penumbra() > 0.0;
         let textured = |has: fn(&TexturedMaterial) -> bool| scene.textured_materials.iter().any(has);
-        let media = scene.media.participate();
+        let nested_dielectrics = scene.has_nested_dielectrics();
+        let media = nested_dielectrics || scene.media.participate();
         Self {
             absorption: media || scene.materials.iter().any(|material| material.absorption != [0.0; 3]),
             media,
@@ -79,6 +82,7 @@ impl KernelConfig {
             lights_in_solids: media && scene.has_lights_in_solids(),
             transmission: transmits,
             chooses_lobes: scene.bsdfs.iter().flatten().any(|bsdf| bsdf.chooses_lobes),
+            nested_dielectrics,
             dispersion: scene.materials.iter().any(|material| material.has(DISPERSES)),
             fast_caustics: settings.caustics == Caustics::Fast && transmits,
             traced_caustics: false,

@@ -3,7 +3,6 @@
 use super::flag_if;
 use super::textured_material::TexturedMaterial;
 use crate::wgsl::{shared_constants, shared_struct};
-use glam::Vec3;
 use pathmarch_scene::Material;
 use pathmarch_scene::materials::{self, BsdfParameters};
 
@@ -83,12 +82,4 @@ fn is_glossy(material: &Material) -> bool {
     const ROUGH: f32 = 0.6;
     let preview = (material.kind.preview)(&material.values);
     preview.specular[0] != [0.0; 3] && preview.roughness < ROUGH
-}
-
-/// Transmittance of clear glass with these parameters for an unrefracted ray; `cosine` is that of the angle of
-/// incidence.
-#[inline]
-pub(crate) fn straight_transmittance(parameters: &BsdfParameters, cosine: f32) -> Vec3 {
-    let [r, g, b, _, ior, ..] = *parameters;
-    Vec3::new(r, g, b) * (1.0 - materials::fresnel(cosine, ior))
 }

@@ -13,6 +13,7 @@ pub(crate) mod light_tree;
 pub(crate) mod material;
 pub(crate) mod medium;
 pub(crate) mod mesh_light;
+pub(crate) mod nested_dielectrics;
 pub(crate) mod photon_map;
 pub(crate) mod preview_material;
 pub(crate) mod sky;
@@ -33,6 +34,7 @@ pub(crate) use textured_material::TexturedMaterial;
 
 use glam::Vec3;
 use light::SceneLights;
+use material::TRANSMITS;
 use pathmarch_field::{Aabb, Field};
 use pathmarch_scene::materials::{Bsdf, BsdfParameters};
 use pathmarch_scene::{Camera, Material, Scene};
@@ -127,6 +129,12 @@ impl RenderScene {
     fn has_bounded_media(&self) -> bool {
         let mut leaves = self.field.leaves().iter().zip(&self.leaves).filter(|(_, record)| record.has(leaf::IN_GLASS));
         leaves.all(|(leaf, _)| self.field.object_bounds()[leaf.object as usize].is_finite())
+    }
+
+    /// Reports whether some solid that transmits has a priority other than the default.
+    pub(crate) fn has_nested_dielectrics(&self) -> bool {
+        let mut dielectrics = self.materials.iter().zip(&self.media.dielectrics);
+        dielectrics.any(|(material, inside)| material.has(TRANSMITS) && !inside.is_thin && inside.priority != 0)
     }
 
     /// Reports whether some light may be inside a solid with a transmissive surface, judged by their bounds.

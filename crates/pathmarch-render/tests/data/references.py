@@ -4,6 +4,7 @@
 
     pip install mitsuba==3.9.1 numpy            # and libLLVM 19 (Debian: libllvm19); if Mitsuba finds an older one:
     export DRJIT_LIBLLVM_PATH=/usr/lib/x86_64-linux-gnu/libLLVM.so.19.1
+    export MITSUBA_VARIANT=scalar_rgb           # instead, slower and without LLVM
     python3 references.py --list                # names and default samples
     python3 references.py mirror sun            # make these two
     python3 references.py --all                 # make all of them
@@ -25,6 +26,8 @@ rectangle of half size 500. Materials:
 * `absorb` is a homogeneous medium of zero albedo inside the shape, rendered by `volpath`.
 * `fog` is the medium of the camera, a `medium` one inside a shape with the BSDF `null`, rendered by `volpath`.
 * `caustics "traced"` is `ptracer`, which shows no surface that is seen over a mirror or through glass: none is in view.
+* `priority` has no counterpart: Mitsuba's interfaces adjoin exactly and have the indices of both sides, ours overlap.
+* `thin #true` is `thindielectric`.
 * `sun` is a sphere 10 km away of radiance irradiance / (pi sin²(angle/2)) + sky: the sun adds to the sky it covers.
 * A sky from a file is bilinear between texel centres ((i + 1/2)/width, (j + 1/2)/height), wraps around sideways and is
   clamped at the poles. Direction (x, y, z) has u = atan2(x, -z) / 2 pi (mod 1) and v = acos(y) / pi, v = 0 the top
@@ -41,7 +44,7 @@ import time
 import mitsuba as mi
 import numpy as np
 
-mi.set_variant("llvm_ad_rgb")
+mi.set_variant(os.environ.get("MITSUBA_VARIANT", "llvm_ad_rgb"))
 import drjit as dr  # noqa: E402  (needs the variant)
 from mitsuba import ScalarTransform4f as T  # noqa: E402
 
@@ -180,6 +183,17 @@ def disc(radius, at, rotate=(0, 0, 0)):
     return placed(f"disc {num(radius)}", at, rotate), {"type": "disk", "to_world": world}
 
 
+def shell(radius, inside, at):
+    """A hollow ball. Mitsuba's is the outer surface; what fills it has the inner one."""
+    balls = f"subtract {{ sphere {num(radius)}; sphere {num(inside)}; at {words(at)} }}"
+    return balls, sphere(radius, at)[1]
+
+
+def overlapping(radius, more, at):
+    """A ball that fills a hollow one. Ours reaches into its wall, Mitsuba's touches it."""
+    return sphere(radius + more, at)[0], sphere(radius, at)[1]
+
+
 def plane():
     return "plane", {"type": "rectangle", "to_world": LAY_FLAT @ T().scale([500, 500, 1])}
 
@@ -255,6 +269,18 @@ def glass(ior=1.5, roughness=0, absorb=None):
         sigma_t = rgb([c / scale for c in triple(absorb)])
         parts["interior"] = {"type": "homogeneous", "albedo": 0.0, "sigma_t": sigma_t, "scale": scale}
     return text, parts
+
+
+def nested(priority, ior, outside=1.0, roughness=0, absorb=None):
+    """Glass in something of another index: ours has a priority, Mitsuba's both indices."""
+    text, parts = glass(ior, roughness, absorb)
+    parts["bsdf"]["ext_ior"] = outside
+    return f"{text}; priority {priority}", parts
+
+
+def thin(c, ior):
+    bsdf = {"type": "thindielectric", "int_ior": ior, "ext_ior": 1.0, "specular_transmittance": rgb(c)}
+    return f"glass {colour(c)}; ior {num(ior)}; thin #true", {"bsdf": bsdf}
 
 
 def principled_metal(c, roughness):
@@ -693,6 +719,48 @@ def smoke():
     return s
 
 
+def nested_glass():
+    s = Scene("Water in a glass shell, a bubble of air in water, a frosted core in a ball of oil.", 4096, bounces=12)
+    s.sky((0.6, 0.65, 0.75))
+    s.material("floor", diffuse((0.55, 0.5, 0.45)))
+    s.material("blue", diffuse((0.1, 0.2, 0.5)))
+    s.material("shell", nested(2, 1.5))
+    s.material("water", nested(1, 1.33, 1.5, absorb=(0.8, 0.3, 0.15)))
+    s.material("pond", nested(0, 1.33))
+    s.material("air", nested(1, 1.0, 1.33))
+    s.material("oil", nested(-3, 1.47))
+    s.material("core", nested(-1, 1.8, 1.47, roughness=0.4))
+    s.object("floor", "floor", plane())
+    s.object("step", "blue", box((3.6, 0.4, 0.5), (0, 0.18, -1.6)))
+    s.object("shell", "shell", shell(0.75, 0.6, (-1.7, 0.77, 0.2)))
+    s.object("water", "water", overlapping(0.6, 0.03, (-1.7, 0.77, 0.2)))
+    s.object("pond", "pond", sphere(0.75, (0, 0.77, 0.4)))
+    s.object("bubble", "air", sphere(0.4, (0.1, 0.85, 0.45)))
+    s.object("oil", "oil", sphere(0.75, (1.7, 0.77, 0.2)))
+    s.object("core", "core", sphere(0.45, (1.65, 0.7, 0.25)))
+    s.material("lamp", emit((2.5, 2.4, 2.2)))
+    s.object("lamp", "lamp", rect(5, 5, (-1, 6, 0), (180, 0, 0)))
+    return s
+
+
+def thin_glass():
+    s = Scene("A soap bubble and two panes of thin glass, one of them tinted.", 4096, bounces=12)
+    s.sky((0.6, 0.65, 0.75))
+    s.material("floor", diffuse((0.55, 0.5, 0.45)))
+    s.material("blue", diffuse((0.1, 0.2, 0.5)))
+    s.material("film", thin(1, 1.33))
+    s.material("pane", thin(1, 1.9))
+    s.material("tinted", thin((0.9, 0.6, 0.3), 1.5))
+    s.object("floor", "floor", plane())
+    s.object("step", "blue", box((3.6, 0.4, 0.5), (0, 0.18, -1.6)))
+    s.object("bubble", "film", sphere(0.75, (-1.5, 0.8, 0.2)))
+    s.object("pane", "pane", rect(1.2, 1.4, (0.3, 0.75, 0.2), (90, -50, 0)))
+    s.object("tinted", "tinted", rect(1.2, 1.4, (1.6, 0.75, 0.4), (90, 20, 0)))
+    s.material("lamp", emit((2.5, 2.4, 2.2)))
+    s.object("lamp", "lamp", rect(5, 5, (-1, 6, 0), (180, 0, 0)))
+    return s
+
+
 SCENES = {
     "rough_metal": lambda: rough_metal(own=True),
     "rough_metal_correlated": rough_metal_correlated,
@@ -712,6 +780,8 @@ SCENES = {
     "fog_area": fog_area,
     "subsurface": subsurface,
     "smoke": smoke,
+    "nested_glass": nested_glass,
+    "thin_glass": thin_glass,
 }
 
 

@@ -216,9 +216,11 @@ fn top_snippet(name: &str) -> String {
 fn material_default(name: &str, owners: &[&str]) -> Option<String> {
     let ours = materials::kinds().iter().filter(|kind| owners.contains(&kind.name) || kind.name == name);
     let param = ours.flat_map(|kind| kind.params).find(|param| param.name() == name)?;
-    match param.kind {
-        ParamKind::Colour | ParamKind::Number => Some(param.spec.default_in_words()),
-    }
+    Some(match param.kind {
+        // The default changes nothing.
+        ParamKind::Flag => format!("#{}", param.spec.default == 0.0),
+        ParamKind::Colour | ParamKind::Number => param.default_in_words(),
+    })
 }
 
 /// Default of a property.

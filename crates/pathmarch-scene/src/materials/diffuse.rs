@@ -3,7 +3,7 @@
 //! A.5.3), so that the weight of a sample is the albedo.
 
 use super::{
-    vacuum, Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of, emission,
+    no_dielectric, vacuum, Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of, emission,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
@@ -26,6 +26,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: |values| values[0],
     emission: |values| values[1],
     medium: vacuum,
+    dielectric: no_dielectric,
     has_surface: true,
     preview: |values| PreviewMaterial { diffuse: values[0], ..PreviewMaterial::default() },
     bsdf: Some(&Bsdf {
@@ -41,6 +42,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         reads_albedos: |_| false,
         compensates: |_| false,
         at_wavelength: None,
+        with_index: None,
         eval,
         sample,
         wgsl: include_str!("diffuse.wgsl"),

@@ -85,6 +85,12 @@ pub fn wgsl() -> String {
          var<private> wavelength_offset: f32;\n\n\
          fn dispersed_index(ior: f32, difference: f32) -> f32 {{\n    \
              return max(ior + difference * wavelength_offset, 1.0);\n}}\n\n\
+         /// Index of the surface of the path, relative to what is outside, in scenes with nested dielectrics.\n\
+         var<private> surface_index: f32;\n\n\
+         /// Index of the solid at the surface of the path, relative to what is outside.\n\
+         fn index_at_surface(ior: f32, difference: f32) -> f32 {{\n    \
+             if NESTED_DIELECTRICS {{\n        return surface_index;\n    }}\n    \
+             return dispersed_index(ior, difference);\n}}\n\n\
          fn wavelength_of(random: f32) -> f32 {{\n    return {shortest:?} + {:?} * random;\n}}\n\n\
          fn index_offset(wavelength: f32) -> f32 {{\n    \
              return (1e6 / (wavelength * wavelength) - {d:?}) / {:?};\n}}\n\n\

@@ -1,7 +1,7 @@
 //! Emitter: the same radiance in every outward direction, no reflection. Its power is π A times the radiance, for a
 //! surface of area A.
 
-use super::{MaterialKind, PreviewMaterial, Texturing, black, colour, vacuum};
+use super::{MaterialKind, PreviewMaterial, Texturing, black, colour, no_dielectric, vacuum};
 use pathmarch_field::Range;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
@@ -12,6 +12,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: black,
     emission: |values| values[0],
     medium: vacuum,
+    dielectric: no_dielectric,
     has_surface: true,
     preview: |_| PreviewMaterial::default(),
     bsdf: None,

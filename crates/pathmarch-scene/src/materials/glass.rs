@@ -10,17 +10,21 @@
 //!
 //! With an Abbe number, the index depends on the wavelength ([`super::dispersion`]).
 //!
-//! Each surface is one between the glass and air: two glasses that touch or overlap are seen as two surfaces. A
-//! `roughness` below 0.01, or an `ior` within 0.001 of 1, is perfectly smooth.
+//! Each surface is one between the glass and air: two glasses that touch or overlap are seen as two surfaces, unless a
+//! `priority` says which of them fills the space; then the integrator calls [`Bsdf::with_index`] with the index relative to
+//! what is outside. A `roughness` below 0.01, or an index within 0.001 of 1, is perfectly smooth.
+//!
+//! **Thin** glass is a sheet with two faces at each surface. The reflections between them add up to R' = 2R / (1 + R), and
+//! the rest goes straight on (Pharr et al. 2023, section 9.7).
 
 use super::dispersion::{dispersed_index, index_difference};
 use super::microfacet::{
-    MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf, unhidden,
-    unshadowed, visible_normal,
+    MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf,
+    sheet_reflection, unhidden, unshadowed, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, abbe, absorption, anisotropy, black,
-    colour, colour_of, glow, ior, multiscatter, roughness, scattering,
+    Bsdf, BsdfParameters, Dielectric, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, abbe, absorption, anisotropy, black,
+    colour, colour_of, glow, ior, multiscatter, priority, roughness, scattering, thin,
 };
 use crate::medium::Medium;
 use glam::Vec3;
@@ -46,31 +50,49 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         anisotropy(),
         glow(),
         multiscatter(),
+        priority(),
+        thin(),
     ],
     albedo: |values| values[0],
     emission: black,
-    medium: |values| Medium {
-        absorption: values[3],
-        scattering: values[5],
-        anisotropy: values[6][0],
-        emission: values[7],
+    medium: |values| {
+        if is_thin(values) {
+            return Medium::VACUUM;
+        }
+        Medium { absorption: values[3], scattering: values[5], anisotropy: values[6][0], emission: values[7] }
+    },
+    dielectric: |values| Dielectric {
+        ior: values[1][0],
+        index_difference: if is_thin(values) { 0.0 } else { index_difference(values[1][0], values[4][0]) },
+        priority: values[9][0] as i32,
+        is_thin: is_thin(values),
     },
     has_surface: true,
-    preview: |values| PreviewMaterial {
-        specular: [[head_on(values[1][0]); 3], if values[1][0] > 1.0 { [1.0; 3] } else { [0.0; 3] }],
-        roughness: values[2][0],
-        transmission: values[0],
-        ior: values[1][0],
-        ..PreviewMaterial::default()
+    preview: |values| {
+        let (ior, thin) = (values[1][0], is_thin(values));
+        let reflected = if thin { sheet_reflection(head_on(ior)) } else { head_on(ior) };
+        PreviewMaterial {
+            specular: [[reflected; 3], if ior > 1.0 { [1.0; 3] } else { [0.0; 3] }],
+            roughness: if thin { 0.0 } else { values[2][0] },
+            transmission: values[0],
+            ior: if thin { 1.0 } else { ior },
+            ..PreviewMaterial::default()
+        }
     },
     bsdf: Some(&Bsdf {
         pack: |values| {
             let (ior, roughness) = (values[1][0], values[2][0]);
-            let smooth = (ior - 1.0).abs() < 1e-3;
             let mut parameters = BsdfParameters::default();
             parameters[..3].copy_from_slice(&values[0]);
+            if is_thin(values) {
+                parameters[IOR] = ior;
+                parameters[THIN] = 1.0;
+                return parameters;
+            }
+            // With a priority, the index relative to what is outside decides.
+            let smooth = is_matched(ior) && values[9][0] == 0.0;
             parameters[3] = if smooth { 0.0 } else { roughness * roughness };
-            parameters[4] = ior;
+            parameters[IOR] = ior;
             parameters[5] = index_difference(ior, values[4][0]);
             parameters[MULTISCATTER] = values[8][0];
             if parameters[MULTISCATTER] > 0.0 && parameters[3] >= MIRROR_ALPHA {
@@ -90,7 +112,19 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         compensates: |parameters| parameters[MULTISCATTER] > 0.0,
         at_wavelength: Some(|parameters, offset| {
             let mut parameters = *parameters;
-            parameters[4] = dispersed_index(parameters[4], parameters[5], offset);
+            parameters[IOR] = dispersed_index(parameters[IOR], parameters[5], offset);
+            parameters
+        }),
+        with_index: Some(|parameters, index| {
+            let mut parameters = *parameters;
+            if (index / parameters[IOR] - 1.0).abs() > COMPENSATED_CHANGE {
+                // The table of albedos is that of glass in air.
+                parameters[MULTISCATTER] = 0.0;
+            }
+            parameters[IOR] = index;
+            if is_matched(index) {
+                parameters[3] = 0.0;
+            }
             parameters
         }),
         eval,
@@ -99,10 +133,36 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     }),
 };
 
+/// True if the glass is `thin`.
+fn is_thin(values: &[[f32; 3]]) -> bool {
+    values[10][0] > 0.0
+}
+
+/// True if an index is so near to 1 that light is not bent.
+fn is_matched(index: f32) -> bool {
+    (index - 1.0).abs() < MATCHED_INDEX
+}
+
+/// Transmittance of smooth glass with these parameters for an unrefracted ray; `cosine` is that of the angle of
+/// incidence.
+#[inline]
+pub fn straight_transmittance(parameters: &BsdfParameters, cosine: f32) -> Vec3 {
+    let face = fresnel(cosine, parameters[IOR]);
+    let reflected = if parameters[THIN] > 0.0 { sheet_reflection(face) } else { face };
+    colour_of(parameters) * (1.0 - reflected)
+}
+
+/// Relative change of the index up to which lost light is given back.
+pub(super) const COMPENSATED_CHANGE: f32 = 0.02;
+/// Distance from an index of 1 below which a rough surface is smooth.
+pub(super) const MATCHED_INDEX: f32 = 1e-3;
+
 // Places in the parameters.
+const IOR: usize = 4;
 const MULTISCATTER: usize = 6;
 const OUTSIDE: usize = 7;
 const INSIDE: usize = OUTSIDE + ALBEDOS;
+const THIN: usize = INSIDE + ALBEDOS;
 /// Number of cosines at which the parameters contain the albedo of each side.
 const ALBEDOS: usize = 12;
 /// Along each edge of the grid of sampled normals.
@@ -137,7 +197,7 @@ fn compensation(parameters: &BsdfParameters, wo: Vec3, inside: bool) -> f32 {
 }
 
 fn relative_index(parameters: &BsdfParameters, inside: bool) -> f32 {
-    if inside { 1.0 / parameters[4] } else { parameters[4] }
+    if inside { 1.0 / parameters[IOR] } else { parameters[IOR] }
 }
 
 fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
@@ -161,6 +221,14 @@ fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
 
 fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -> Option<Scattered> {
     let (alpha, eta) = (parameters[3], relative_index(parameters, inside));
+    if parameters[THIN] > 0.0 {
+        // Both faces lie between the same two media, whichever side light comes from.
+        let reflected = sheet_reflection(fresnel(wo.z, parameters[IOR]));
+        return Some(match choice < reflected {
+            true => Scattered { wi: reflect(wo, Vec3::Z), weight: Vec3::ONE, pdf: 0.0, eta: 1.0 },
+            false => Scattered { wi: -wo, weight: colour_of(parameters), pdf: 0.0, eta: 1.0 },
+        });
+    }
     let smooth = alpha < MIRROR_ALPHA;
     let h = if smooth { Vec3::Z } else { visible_normal(wo, alpha, [u, v]) };
     let reflected = fresnel(wo.dot(h), eta);

@@ -1,5 +1,10 @@
 // Glass. Twin of glass.rs.
 
+/// Roughness of a surface with a relative index.
+fn alpha_at_surface(alpha: f32, ior: f32) -> f32 {
+    return select(alpha, 0.0, NESTED_DIELECTRICS && abs(ior - 1.0) < MATCHED_INDEX);
+}
+
 /// Albedo of reflection and refraction together at an entry of a table of twelve cosines; `side` is its first parameter.
 fn glass_albedo(m: u32, side: u32, k: u32) -> f32 {
     return packed(m, (side + k) / 4u)[(side + k) % 4u];
@@ -9,6 +14,9 @@ fn glass_albedo(m: u32, side: u32, k: u32) -> f32 {
 fn glass_compensation(m: u32, wo: vec3f, inside: bool) -> f32 {
     let share = packed(m, 1u).z;
     if !COMPENSATES || share == 0.0 {
+        return 1.0;
+    }
+    if NESTED_DIELECTRICS && abs(surface_index / packed(m, 1u).x - 1.0) > COMPENSATED_CHANGE {
         return 1.0;
     }
     let side = select(7u, 19u, inside);
@@ -21,33 +29,42 @@ fn glass_compensation(m: u32, wo: vec3f, inside: bool) -> f32 {
 fn glass_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
     let a = packed(m, 0u);
     let index = packed(m, 1u);
-    let ior = dispersed_index(index.x, index.y);
+    let ior = index_at_surface(index.x, index.y);
+    let alpha = alpha_at_surface(a.w, ior);
     let eta = select(ior, 1.0 / ior, inside);
-    if a.w < MIRROR_ALPHA || wi.z == 0.0 {
+    if alpha < MIRROR_ALPHA || wi.z == 0.0 {
         return vec4f(0.0);
     }
     if wi.z > 0.0 {
         let h = normalize(wo + wi);
-        let lobe = fresnel(dot(wo, h), eta) * microfacet_reflection(wo, wi, h, a.w);
+        let lobe = fresnel(dot(wo, h), eta) * microfacet_reflection(wo, wi, h, alpha);
         return vec4f(vec3f(lobe.x * glass_compensation(m, wo, inside)), lobe.y);
     }
     let h = refracting_normal(wo, wi, eta);
     if h.z == 0.0 {
         return vec4f(0.0);
     }
-    let pdf = (1.0 - fresnel(dot(wo, h), eta)) * refraction_pdf(wo, wi, h, a.w, eta);
-    return vec4f(a.xyz * (pdf * unhidden(wi, a.w) * glass_compensation(m, wo, inside) / (eta * eta)), pdf);
+    let pdf = (1.0 - fresnel(dot(wo, h), eta)) * refraction_pdf(wo, wi, h, alpha, eta);
+    return vec4f(a.xyz * (pdf * unhidden(wi, alpha) * glass_compensation(m, wo, inside) / (eta * eta)), pdf);
 }
 
 fn glass_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
     let a = packed(m, 0u);
     let index = packed(m, 1u);
-    let ior = dispersed_index(index.x, index.y);
+    let ior = index_at_surface(index.x, index.y);
+    if THIN_GLASS && packed(m, 7u).w > 0.0 {
+        // Both faces lie between the same two media, whichever side light comes from.
+        if u.z < sheet_reflection(fresnel(wo.z, ior)) {
+            return Scattered(mirrored(wo, vec3f(0.0, 0.0, 1.0)), 0.0, vec3f(1.0), 1.0);
+        }
+        return Scattered(-wo, 0.0, a.xyz, 1.0);
+    }
+    let alpha = alpha_at_surface(a.w, ior);
     let eta = select(ior, 1.0 / ior, inside);
-    let smooth_ = a.w < MIRROR_ALPHA;
+    let smooth_ = alpha < MIRROR_ALPHA;
     var h = vec3f(0.0, 0.0, 1.0);
     if !smooth_ {
-        h = visible_normal(wo, a.w, u.xy);
+        h = visible_normal(wo, alpha, u.xy);
     }
     let reflected = fresnel(dot(wo, h), eta);
     if u.z < reflected {
@@ -58,8 +75,8 @@ fn glass_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
         if wi.z <= 0.0 {
             return ABSORBED;
         }
-        let weight = unshadowed(wo, wi, a.w) * glass_compensation(m, wo, inside);
-        return Scattered(wi, reflected * microfacet_reflection(wo, wi, h, a.w).y, vec3f(weight), 1.0);
+        let weight = unshadowed(wo, wi, alpha) * glass_compensation(m, wo, inside);
+        return Scattered(wi, reflected * microfacet_reflection(wo, wi, h, alpha).y, vec3f(weight), 1.0);
     }
     let wi = refracted(wo, h, eta);
     if wi.z >= 0.0 {
@@ -69,6 +86,6 @@ fn glass_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
     if smooth_ {
         return Scattered(wi, 0.0, weight, eta);
     }
-    let pdf = (1.0 - reflected) * refraction_pdf(wo, wi, h, a.w, eta);
-    return Scattered(wi, pdf, weight * (unhidden(wi, a.w) * glass_compensation(m, wo, inside)), eta);
+    let pdf = (1.0 - reflected) * refraction_pdf(wo, wi, h, alpha, eta);
+    return Scattered(wi, pdf, weight * (unhidden(wi, alpha) * glass_compensation(m, wo, inside)), eta);
 }

@@ -2,7 +2,8 @@
 //! absorbed inside. It adds to the media around it. Rays of light pass its boundary without a bounce.
 
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, absorption, anisotropy, black, glow, scattering,
+    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, absorption, anisotropy, black, glow,
+    no_dielectric, scattering,
 };
 use crate::medium::Medium;
 use glam::Vec3;
@@ -20,6 +21,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         anisotropy: values[2][0],
         emission: values[3],
     },
+    dielectric: no_dielectric,
     has_surface: false,
     preview: |_| PreviewMaterial { transmission: [1.0; 3], ior: 1.0, ..PreviewMaterial::default() },
     bsdf: Some(&Bsdf {
@@ -30,6 +32,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         reads_albedos: |_| false,
         compensates: |_| false,
         at_wavelength: None,
+        with_index: None,
         eval: |_, _, _, _| Eval::NONE,
         sample: |_, wo, _, _| Some(Scattered { wi: -wo, weight: Vec3::ONE, pdf: 0.0, eta: 1.0 }),
         wgsl: include_str!("medium.wgsl"),

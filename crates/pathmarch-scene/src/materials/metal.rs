@@ -7,7 +7,7 @@ use super::albedo::lookup;
 use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
 use super::{
     Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of, emission,
-    multiscatter, roughness, vacuum,
+    multiscatter, roughness, no_dielectric, vacuum,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
@@ -38,6 +38,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     albedo: |values| values[0],
     emission: |values| values[3],
     medium: vacuum,
+    dielectric: no_dielectric,
     has_surface: true,
     preview: |values| PreviewMaterial {
         specular: [values[0], values[1]],
@@ -59,6 +60,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         reads_albedos: |parameters| parameters[7] > 0.0,
         compensates: |parameters| parameters[7] > 0.0,
         at_wavelength: None,
+        with_index: None,
         eval,
         sample,
         wgsl: include_str!("metal.wgsl"),

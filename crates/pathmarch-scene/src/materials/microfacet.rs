@@ -82,6 +82,11 @@ pub(super) fn refracted_cosine(cosine: f32, eta: f32) -> f32 {
     (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt()
 }
 
+/// Fraction that a sheet reflects whose faces reflect `face` each.
+pub(super) fn sheet_reflection(face: f32) -> f32 {
+    2.0 * face / (1.0 + face)
+}
+
 /// Fresnel's law for unpolarised light: the reflected share at this cosine (0 to 1) of an interface whose refractive index
 /// beyond is `eta` times that before it.
 pub fn fresnel(cosine: f32, eta: f32) -> f32 {

@@ -68,6 +68,11 @@ fn fresnel(cosine: f32, eta: f32) -> f32 {
     return 0.5 * (parallel * parallel + perpendicular * perpendicular);
 }
 
+/// Fraction that a sheet reflects whose faces reflect `face` each.
+fn sheet_reflection(face: f32) -> f32 {
+    return 2.0 * face / (1.0 + face);
+}
+
 fn mirrored(wo: vec3f, h: vec3f) -> vec3f {
     return h * (2.0 * dot(wo, h)) - wo;
 }

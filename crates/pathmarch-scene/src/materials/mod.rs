@@ -13,6 +13,7 @@ mod orbit_trap;
 use crate::medium::Medium;
 use crate::textures::{Pattern, Texture};
 use glam::Vec3;
+pub use glass::straight_transmittance;
 pub use microfacet::fresnel;
 pub use orbit_trap::{OrbitTrap, Trap};
 use pathmarch_field::{Param, Range};
@@ -24,6 +25,19 @@ pub enum ParamKind {
     Colour,
     /// One number.
     Number,
+    /// `#true` or `#false`; 1 or 0 as a value.
+    Flag,
+}
+
+impl ParamKind {
+    /// Its name in reference pages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Colour => "colour",
+            Self::Number => "number",
+            Self::Flag => "flag",
+        }
+    }
 }
 
 /// Effect of a texture on a parameter.
@@ -58,8 +72,46 @@ impl MaterialParam {
     pub fn default_value(&self) -> [f32; 3] {
         match self.kind {
             ParamKind::Colour => [self.spec.default; 3],
-            ParamKind::Number => [self.spec.default, 0.0, 0.0],
+            ParamKind::Number | ParamKind::Flag => [self.spec.default, 0.0, 0.0],
         }
+    }
+    /// The default as in the scene language.
+    pub fn default_in_words(&self) -> String {
+        match self.kind {
+            ParamKind::Flag => format!("#{}", self.spec.default > 0.0),
+            ParamKind::Colour | ParamKind::Number => self.spec.default_in_words(),
+        }
+    }
+    /// The range, as in "must be …".
+    pub fn range_in_words(&self) -> String {
+        match self.kind {
+            ParamKind::Flag => "#true or #false".to_owned(),
+            ParamKind::Colour | ParamKind::Number => self.spec.range_in_words(),
+        }
+    }
+}
+
+/// Dielectric inside a solid that transmits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    /// Refractive index at the line d.
+    pub ior: f32,
+    /// Difference of the index between the lines F and C; 0 without dispersion.
+    pub index_difference: f32,
+    /// Where solids overlap, the one of the highest priority fills the space.
+    pub priority: i32,
+    /// True if every surface is a sheet, and nothing is inside.
+    pub is_thin: bool,
+}
+
+impl Dielectric {
+    /// Nothing, of the lowest priority among those of the default.
+    pub const VACUUM: Self = Self { ior: 1.0, index_difference: 0.0, priority: 0, is_thin: false };
+
+    /// Refractive index at an [offset](dispersion::index_offset).
+    #[inline]
+    pub fn index_at(&self, offset: f32) -> f32 {
+        dispersion::dispersed_index(self.ior, self.index_difference, offset)
     }
 }
 
@@ -88,6 +140,8 @@ pub struct MaterialKind {
     pub emission: ColourOf,
     /// Medium in the solid.
     pub medium: fn(values: &[[f32; 3]]) -> Medium,
+    /// Dielectric in the solid.
+    pub dielectric: fn(values: &[[f32; 3]]) -> Dielectric,
     /// False for boundaries of media, which light passes straight and unchanged.
     pub has_surface: bool,
     /// Its preview.
@@ -139,6 +193,8 @@ pub struct Bsdf {
     pub compensates: fn(&BsdfParameters) -> bool,
     /// Parameters at an [offset](dispersion::index_offset) of refractive indices; `None` if it cannot disperse light.
     pub at_wavelength: Option<fn(&BsdfParameters, offset: f32) -> BsdfParameters>,
+    /// Parameters with another refractive index, relative to what is outside of the surface; `None` if it has none.
+    pub with_index: Option<fn(&BsdfParameters, index: f32) -> BsdfParameters>,
     /// The value and density of one direction.
     pub eval: fn(&BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval,
     /// A random direction of three uniform numbers in 0..1, the first two of them its position; `None` where the light
@@ -161,7 +217,14 @@ pub const SHARED_WGSL: [&str; 3] =
 
 /// Constants of the scattering functions in WGSL, with their values in Rust.
 pub fn constants_wgsl() -> String {
-    format!("const MIRROR_ALPHA = {:?};\nconst COAT_F0 = {:?};\n", microfacet::MIRROR_ALPHA, principled::COAT_F0)
+    let constants = [
+        ("MIRROR_ALPHA", microfacet::MIRROR_ALPHA),
+        ("COAT_F0", principled::COAT_F0),
+        ("MATCHED_INDEX", glass::MATCHED_INDEX),
+        ("MIN_IOR", principled::MIN_IOR),
+        ("COMPENSATED_CHANGE", glass::COMPENSATED_CHANGE),
+    ];
+    constants.map(|(name, value)| format!("const {name} = {value:?};\n")).concat()
 }
 
 /// Result of evaluating a BSDF for two directions.
@@ -204,6 +267,11 @@ fn black(_values: &[[f32; 3]]) -> [f32; 3] {
 /// Nothing, whatever the values: for a kind of opaque solids.
 fn vacuum(_values: &[[f32; 3]]) -> Medium {
     Medium::VACUUM
+}
+
+/// Nothing, whatever the values: for a kind without refraction.
+fn no_dielectric(_values: &[[f32; 3]]) -> Dielectric {
+    Dielectric::VACUUM
 }
 
 /// A colour, grey by default.
@@ -287,7 +355,8 @@ const fn glow() -> MaterialParam {
 
 /// The parameter `ior`.
 const fn ior() -> MaterialParam {
-    let spec = Param::between("ior", 1.5, 1.0, 10.0, "Refractive index: water 1.33, glass 1.5, diamond 2.42.");
+    let spec =
+        Param::between(IOR, 1.5, 1.0, 10.0, "Refractive index: water 1.33, glass 1.5, diamond 2.42; an air bubble 1.");
     MaterialParam { spec, kind: ParamKind::Number, texturing: Texturing::None }
 }
 
@@ -300,6 +369,30 @@ const fn abbe() -> MaterialParam {
         texturing: Texturing::None,
     }
 }
+
+/// The parameter `priority`.
+const fn priority() -> MaterialParam {
+    let doc =
+        "Where solids overlap, the one of the highest priority fills the space: give a vessel more than its water.";
+    MaterialParam {
+        spec: Param::count(PRIORITY, 0.0, -100.0, 100.0, doc),
+        kind: ParamKind::Number,
+        texturing: Texturing::None,
+    }
+}
+
+/// The parameter `thin`.
+const fn thin() -> MaterialParam {
+    let doc = "Makes every surface a sheet with two faces, which does not bend light: windows and soap bubbles.";
+    MaterialParam { spec: Param::count(THIN, 0.0, 0.0, 1.0, doc), kind: ParamKind::Flag, texturing: Texturing::None }
+}
+
+/// Name of the parameter of [`Dielectric::ior`].
+pub(crate) const IOR: &str = "ior";
+/// Name of the parameter of [`Dielectric::priority`].
+pub(crate) const PRIORITY: &str = "priority";
+/// Name of the parameter of [`Dielectric::is_thin`].
+pub(crate) const THIN: &str = "thin";
 
 macro_rules! materials {
     ($($module:ident),* $(,)?) => {
@@ -445,6 +538,10 @@ impl Material {
     /// Medium in the solid.
     pub fn medium(&self) -> Medium {
         (self.kind.medium)(&self.values)
+    }
+    /// Dielectric in the solid.
+    pub fn dielectric(&self) -> Dielectric {
+        (self.kind.dielectric)(&self.values)
     }
     /// Its preview.
     pub fn preview(&self) -> PreviewMaterial {

@@ -19,8 +19,8 @@ use super::microfacet::{
     unhidden, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption, anisotropy, colour,
-    colour_of, emission, fraction, glow, ior, roughness, scattering,
+    Bsdf, BsdfParameters, Dielectric, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption, anisotropy, colour,
+    colour_of, emission, fraction, glow, ior, priority, roughness, scattering,
 };
 use crate::medium::Medium;
 use glam::Vec3;
@@ -53,6 +53,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         scattering("scatter", 0.0),
         anisotropy(),
         glow(),
+        priority(),
     ],
     albedo: |values| values[0],
     emission: |values| values[8],
@@ -61,6 +62,11 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         scattering: values[9],
         anisotropy: values[10][0],
         emission: values[11],
+    },
+    dielectric: |values| Dielectric {
+        ior: values[3][0].max(MIN_IOR),
+        priority: values[12][0] as i32,
+        ..Dielectric::VACUUM
     },
     has_surface: true,
     preview,
@@ -72,6 +78,12 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         reads_albedos: |_| true,
         compensates: |_| false,
         at_wavelength: None,
+        with_index: Some(|parameters, index| {
+            let mut parameters = *parameters;
+            let is_matched = (index - 1.0).abs() < MIN_IOR - 1.0;
+            parameters[IOR] = if is_matched { MIN_IOR } else { index };
+            parameters
+        }),
         eval,
         sample,
         wgsl: include_str!("principled.wgsl"),
@@ -96,6 +108,9 @@ fn preview(values: &[[f32; 3]]) -> PreviewMaterial {
     }
 }
 
+/// Smallest refractive index: a surface that bends no light has no normal of its facets.
+pub(super) const MIN_IOR: f32 = 1.001;
+
 // Places in the numbers, after the colour.
 const METALLIC: usize = 3;
 const ROUGHNESS: usize = 4;
@@ -110,7 +125,7 @@ const TABLE: usize = 16;
 
 fn pack(values: &[[f32; 3]]) -> BsdfParameters {
     let [metallic, rough, ior, coat, coat_rough, transmission] = std::array::from_fn(|k| values[k + 1][0]);
-    let ior = ior.max(1.001);
+    let ior = ior.max(MIN_IOR);
     let f0 = head_on(ior);
     let least = MIN_ALPHA.sqrt();
     let (rough, coat_rough) = (rough.max(least), coat_rough.max(least));

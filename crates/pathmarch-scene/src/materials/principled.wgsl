@@ -1,5 +1,15 @@
 // One material for most things. Twin of principled.rs, which explains it.
 
+/// Refractive index of the solid, relative to what is outside.
+fn principled_ior(m: u32) -> f32 {
+    let ior = packed(m, 1u).y;
+    if !NESTED_DIELECTRICS {
+        return ior;
+    }
+    let index = index_at_surface(ior, 0.0);
+    return select(index, MIN_IOR, abs(index - 1.0) < MIN_IOR - 1.0);
+}
+
 fn compensation(f0: f32, split: vec2f) -> f32 {
     return 1.0 + f0 * (1.0 / (split.x + split.y) - 1.0);
 }
@@ -62,13 +72,14 @@ fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, insi
     let a = packed(m, 0u);
     let b = packed(m, 1u);
     let c = packed(m, 2u);
+    let ior = principled_ior(m);
     if wi.z < 0.0 {
-        let eta = select(b.y, 1.0 / b.y, inside);
+        let eta = select(ior, 1.0 / ior, inside);
         let h = refracting_normal(wo, wi, eta);
         if h.z == 0.0 {
             return vec4f(0.0);
         }
-        let facet = fresnel(dot(wo, h), select(b.y, 1.0 / b.y, inside));
+        let facet = fresnel(dot(wo, h), eta);
         let density = refraction_pdf(wo, wi, h, view.alpha, eta);
         let share = (1.0 - a.w) * c.w * (1.0 - facet) * view.below_coat;
         let value = a.xyz * (share * density * unhidden(wi, view.alpha) / (eta * eta));
@@ -82,7 +93,7 @@ fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, insi
     let coat_reflects = view.coat * coat_albedo(wi.z, c.y);
     let through_coat = view.below_coat * (1.0 - coat_reflects);
 
-    let facet = fresnel(cosine, select(b.y, 1.0 / b.y, inside));
+    let facet = fresnel(cosine, select(ior, 1.0 / ior, inside));
     let lost = 1.0 / (view.split.x + view.split.y) - 1.0;
     let metal = schlick(a.xyz, vec3f(1.0), cosine) * (1.0 + a.xyz * lost);
     let interface_ = metal * a.w + vec3f((1.0 - a.w) * facet * compensation(b.z, view.split));
@@ -105,7 +116,7 @@ fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, insi
 
 fn principled_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
     let view = principled_view(m, wo, inside);
-    let ior = packed(m, 1u).y;
+    let ior = principled_ior(m);
     var eta = 1.0;
     var wi = vec3f(0.0);
     if u.z < view.coat_chance {

@@ -7,7 +7,7 @@ mod page;
 
 use crate::language::diagnostics::missing_words;
 use crate::language::keywords::{MATERIAL, TOP};
-use crate::materials::{self, MaterialParam, ParamKind};
+use crate::materials::{self, MaterialParam};
 use crate::settings::{self, Setting};
 use crate::textures;
 pub use page::page;
@@ -299,9 +299,9 @@ fn parameters(params: &[Param]) -> Vec<String> {
 }
 
 fn material_parameter(param: &MaterialParam) -> String {
-    let kind = if param.kind == ParamKind::Colour { "colour" } else { "number" };
+    let kind = param.kind.name();
     let Param { name, doc, .. } = &param.spec;
-    format!("{name}  {doc} A {kind}; default {}; {}.", param.spec.default_in_words(), param.spec.range_in_words())
+    format!("{name}  {doc} A {kind}; default {}; {}.", param.default_in_words(), param.range_in_words())
 }
 
 #[cfg(test)]

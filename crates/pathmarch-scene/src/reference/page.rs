@@ -2,7 +2,7 @@
 
 use super::{NODES, OTHER_NODES, PROPERTIES, TABLES};
 use crate::language::formulas::expression::functions;
-use crate::materials::{self, MaterialParam, ParamKind};
+use crate::materials::{self, MaterialParam};
 use crate::settings::{self, Setting, SettingKind};
 use crate::textures;
 use pathmarch_field::{Info, Param, Solid, registry};
@@ -136,8 +136,8 @@ fn materials(page: &mut String) {
 }
 
 fn material_row(page: &mut String, param: &MaterialParam) {
-    let kind = if param.kind == ParamKind::Colour { "colour" } else { "number" };
-    let (default, range) = (param.spec.default_in_words(), param.spec.range_in_words());
+    let kind = param.kind.name();
+    let (default, range) = (param.default_in_words(), param.range_in_words());
     row(page, &[&format!("`{}`", param.name()), kind, &default, &range, &param.spec.doc]);
 }
 

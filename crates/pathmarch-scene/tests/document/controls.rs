@@ -39,7 +39,7 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
     .map(|(text, title)| (text.to_owned(), title))
     .collect();
     for kind in materials::kinds() {
-        let value = |param: &materials::MaterialParam| format!("{} {}", param.name(), param.spec.default);
+        let value = |param: &materials::MaterialParam| format!("{} {}", param.name(), param.default_in_words());
         let all: Vec<String> = kind.params.iter().skip(1).map(value).collect();
         nodes.push((format!("material \"it\" {{ {} }}", kind.name), "it"));
         nodes.push((

@@ -139,6 +139,8 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "mesh_uvs" => "shading/no_mesh_uvs",
         "media" if input.config.media => "integrator/participating_media",
         "media" => "integrator/absorbing_media",
+        "nested_dielectrics" if input.config.nested_dielectrics => "integrator/nested_dielectrics",
+        "nested_dielectrics" => "integrator/no_nested_dielectrics",
         "path_segment" if input.config.media => "integrator/media_segment",
         "path_segment" => "integrator/path_segment",
         "guides" if bindings.has_guides => "integrator/guides",
@@ -166,12 +168,14 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
     let mut textures = scene.textured_materials.iter().flat_map(TexturedMaterial::textures);
     for (name, value) in [
         ("ABSORPTION", config.absorption),
-        ("PARTICIPATING_MEDIA", config.media),
+        ("PARTICIPATING_MEDIA", scene.media.participate()),
         ("HAS_BOUNDARIES", config.boundaries),
         ("MEDIA_ARE_BOUNDED", config.media_are_bounded),
         ("LIGHTS_IN_SOLIDS", config.lights_in_solids),
         ("TRANSMISSION", config.transmission),
         ("CHOOSES_LOBES", config.chooses_lobes),
+        ("NESTED_DIELECTRICS", config.nested_dielectrics),
+        ("THIN_GLASS", scene.media.has_thin_glass()),
         ("DISPERSION", config.dispersion),
         ("COMPENSATES", scene.any_bsdf(|bsdf| bsdf.compensates)),
         ("FAST_CAUSTICS", config.fast_caustics),
@@ -217,6 +221,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("MESH_DATA", data.meshes as u32),
         ("MEDIUM_DATA", data.media as u32),
         ("MEDIUM_WORDS", Medium::WORDS as u32),
+        ("DIELECTRIC_DATA", data.dielectrics as u32),
     ] {
         constant(name, &format_args!("{value}u"));
     }

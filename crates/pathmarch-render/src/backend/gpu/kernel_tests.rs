@@ -101,6 +101,9 @@ fn features(picture: &Path) -> Vec<Feature> {
         ("frosted glass", "glass 1; roughness 0.3; absorb 1 2 3"),
         ("milk", "glass 1; roughness 0.3; scatter 3 2 1; anisotropy 0.5; glow 0 0.1 0"),
         ("smoke", "medium 2; absorb 0.5"),
+        ("nested glass", "glass 1; ior 1.4; priority 2; absorb 1"),
+        ("thin glass", "glass 1; thin #true"),
+        ("nested principled", "principled 0.8; transmission 0.5; priority 1"),
         ("principled", "principled 0.8; coat 1; metallic 0.5; transmission 0.3"),
         ("orbit trap", "diffuse 0.8; orbit-trap \"point\" { colour 1; colour 0 }"),
     ] {

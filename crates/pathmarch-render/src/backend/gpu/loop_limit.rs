@@ -11,7 +11,7 @@
 //! camera ray, are not resumed and fail likewise.
 //!
 //! **Cost.** Only kernels for software adapters include this, and only for scenes with loops ([`Field::has_loops`]): one check
-//! for each surface, 144 bytes for each path of a submission, and a wait for each submission.
+//! for each surface, 160 bytes for each path of a submission, and a wait for each submission.
 
 use super::device::Device;
 use super::slice::Slice;
@@ -57,6 +57,7 @@ shared_struct! {
         medium_forward: f32,
         medium_emission: [f32; 3],
         padding: u32,
+        medium_around: [u32; 4],
     }
 }
 

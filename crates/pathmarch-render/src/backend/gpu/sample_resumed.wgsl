@@ -18,7 +18,14 @@ fn resumed(saved: SuspendedPath, sampler: PixelSampler) -> Path {
     path.radiance = saved.radiance;
     path.lights_are_counted = (saved.flags & 1u) != 0u;
     path.left_medium = (saved.flags & 2u) != 0u;
-    path.medium = resumed_medium(saved.medium, saved.medium_forward, saved.medium_scattering, saved.medium_solids, saved.medium_emission);
+    path.medium = resumed_medium(
+        saved.medium,
+        saved.medium_forward,
+        saved.medium_scattering,
+        saved.medium_solids,
+        saved.medium_emission,
+        saved.medium_around,
+    );
     path.wavelength = saved.wavelength;
     return path;
 }
@@ -42,6 +49,7 @@ fn suspend(slot: u32, path: Path) {
         scattering_of(path.medium),
         forward_of(path.medium),
         emission_of(path.medium),
+        around_of(path.medium),
     );
     atomicAdd(&suspended.count, 1u);
 }

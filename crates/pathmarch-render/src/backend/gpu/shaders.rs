@@ -17,8 +17,8 @@ use crate::sampling::sobol::pair;
 use crate::scene::light as scene_light;
 use crate::scene::medium as scene_medium;
 use crate::scene::{
-    FrameUniforms, LeafRecord, LightNode, MaterialRecord, leaf, light_tree, material, photon_map, preview_material,
-    textured_material,
+    FrameUniforms, LeafRecord, LightNode, MaterialRecord, leaf, light_tree, material, nested_dielectrics, photon_map,
+    preview_material, textured_material,
 };
 use crate::views;
 use crate::wgsl::declaration;
@@ -73,8 +73,10 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/medium" shares medium::shared_wgsl,
     "integrator/mesh_lights",
     "integrator/moments",
+    "integrator/nested_dielectrics" shares nested_dielectrics::shared_wgsl,
     "integrator/no_guides",
     "integrator/no_mesh_lights",
+    "integrator/no_nested_dielectrics",
     "integrator/no_penumbra",
     "integrator/no_photons",
     "integrator/participating_media" shares || {

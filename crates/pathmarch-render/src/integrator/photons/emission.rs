@@ -101,7 +101,9 @@ impl Emission {
             let powers: Vec<f64> =
                 targets.iter().map(|target| f64::from(power_towards(shape, target, &extent))).collect();
             if powers.iter().any(|power| *power > 0.0) {
-                let medium = shape.extent().map_or_else(Medium::default, |(centre, _)| medium_at(scene, centre.into()));
+                let medium = shape
+                    .extent()
+                    .map_or_else(Medium::default, |(centre, _)| medium_at(scene, render_scene, centre.into()));
                 lights.push((index, medium));
                 weights.extend(powers);
             }

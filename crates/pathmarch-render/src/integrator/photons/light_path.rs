@@ -5,6 +5,7 @@
 //! 5.2 and 5.3).
 
 use super::emission::Emission;
+use crate::integrator::nested_dielectrics;
 use crate::integrator::participating_media::{medium_after, transmittance_in};
 use crate::intersect::march::march;
 use crate::intersect::ray::{Hit, Ray, RaySegment};
@@ -60,6 +61,17 @@ struct LightPath {
     wavelength: Option<f32>,
     /// Number of specular surfaces so far.
     specular: u32,
+}
+
+impl LightPath {
+    /// Wavelength; chosen now if it was not before.
+    fn disperse(&mut self) -> f32 {
+        *self.wavelength.get_or_insert_with(|| {
+            let wavelength = dispersion::wavelength(self.sampler.sample_2d(pair::CHOICE)[1]);
+            self.power *= dispersion::colour(wavelength);
+            wavelength
+        })
+    }
 }
 
 /// Photons of the light paths of one sample, in the order of the paths.
@@ -160,14 +172,14 @@ fn follow(
     photons: &mut Vec<Photon>,
 ) -> Option<()> {
     let &SurfaceInteraction { p, normal, inside, normal_offset, .. } = interaction;
-    let material_index = ctx.scene.leaves[interaction.leaf].material;
-    let material = &ctx.scene.materials[material_index as usize];
-    if material.has(BOUNDARY) {
-        path.medium = medium_after(ctx, &path.medium, material_index, inside);
+    let material_index = ctx.scene.leaves[interaction.leaf].material as usize;
+    let material = &ctx.scene.materials[material_index];
+    if material.has(BOUNDARY) || ctx.config.nested_dielectrics && ctx.scene.is_skipped(&path.medium, interaction.leaf) {
+        path.medium = medium_after(ctx, &path.medium, interaction.leaf, inside);
         path.ray.origin = p - normal_offset;
         return Some(());
     }
-    let bsdf = ctx.scene.bsdfs[material_index as usize].filter(|_| !material.emits())?;
+    let bsdf = ctx.scene.bsdfs[material_index].filter(|_| !material.emits())?;
     if !material.has(DELTA) {
         if path.specular > 0 {
             photons.push(Photon::new(p, -path.ray.direction, normal, path.power, path.specular));
@@ -179,15 +191,16 @@ fn follow(
     }
     let textured = TexturedPoint::new(ctx, interaction, path.length);
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
-    let mut parameters = textured_parameters.unwrap_or(material.parameters);
-    if let Some(at_wavelength) = bsdf.at_wavelength.filter(|_| material.has(DISPERSES)) {
-        let wavelength = *path.wavelength.get_or_insert_with(|| {
-            let wavelength = dispersion::wavelength(path.sampler.sample_2d(pair::CHOICE)[1]);
-            path.power *= dispersion::colour(wavelength);
-            wavelength
-        });
-        parameters = at_wavelength(&parameters, dispersion::index_offset(wavelength));
-    }
+    let parameters = textured_parameters.unwrap_or(material.parameters);
+    let (medium, wavelength) = (path.medium, path.wavelength);
+    let refracting = if ctx.config.nested_dielectrics {
+        let disperse = || path.disperse();
+        nested_dielectrics::parameters_at_surface(ctx, &medium, interaction.leaf, &parameters, wavelength, disperse)
+    } else {
+        let at_wavelength = bsdf.at_wavelength.filter(|_| material.has(DISPERSES));
+        at_wavelength.map(|at| at(&parameters, dispersion::index_offset(path.disperse())))
+    };
+    let parameters = refracting.unwrap_or(parameters);
     let incoming = -path.ray.direction;
     let ns = shading_normal(ctx.config, textured.as_ref(), interaction, incoming);
     let world_from_local = basis(ns);
@@ -213,7 +226,7 @@ fn follow(
     }
     path.power /= survival_probability;
     if is_transmission {
-        path.medium = medium_after(ctx, &path.medium, material_index, inside);
+        path.medium = medium_after(ctx, &path.medium, interaction.leaf, inside);
     }
     path.ray = Ray { origin: p + if is_transmission { -normal_offset } else { normal_offset }, direction };
     path.specular += 1;

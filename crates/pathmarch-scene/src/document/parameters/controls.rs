@@ -81,9 +81,10 @@ pub(crate) fn material_control(param: &MaterialParam) -> Control {
     let (kind, default) = match param.kind {
         ParamKind::Colour => (ControlKind::Colour { max: spec.range.max }, Value::Colour(param.default_value())),
         ParamKind::Number => {
-            let range = number_range(spec.range, false, "", Some(spec.default));
+            let range = number_range(spec.range, spec.is_whole(), "", Some(spec.default));
             (ControlKind::Number(range), Value::Number(spec.default))
         }
+        ParamKind::Flag => (ControlKind::Flag, Value::Flag(spec.default > 0.0)),
     };
     Control::new(spec.name.clone(), spec.name.clone(), spec.doc.clone(), kind, default)
 }

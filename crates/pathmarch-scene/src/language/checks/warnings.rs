@@ -107,13 +107,15 @@ fn opaque_object_around<'s>(scene: &'s Scene, transparent: &[bool], [x, y, z]: [
 fn clear_sheets(scene: &Scene, file: &Block, report: &mut Report) {
     let mut clear = vec![false; scene.objects.len()];
     for leaf in scene.field.leaves() {
-        clear[leaf.object as usize] |= leaf.shape.info().sheet && scene.materials[leaf.tag as usize].transmits();
+        let material = &scene.materials[leaf.tag as usize];
+        clear[leaf.object as usize] |=
+            leaf.shape.info().sheet && material.transmits() && !material.dielectric().is_thin;
     }
     let objects = file.nodes.iter().filter(|node| node.name.value == "object");
     for (node, _) in objects.zip(clear).filter(|(_, clear)| *clear) {
         let message = "This object is of a clear material and has no inside: light that enters it never leaves.";
         let warning = draft("pathmarch::clear_sheet", node.name.span, message).label("a rect or a disc");
-        report.warn(warning.help("Use a thin `box` or `cylinder`."));
+        report.warn(warning.help("Add `thin #true` to the glass, or use a thin `box` or `cylinder`."));
     }
 }
 

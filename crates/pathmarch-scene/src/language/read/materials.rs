@@ -3,19 +3,20 @@
 //! The parameters of a material come from [`crate::materials`]: the node that names its kind carries the first, nodes
 //! beside it carry the others.
 
-use super::arguments::{arguments, missing_arguments, name, properties, string, twice};
+use super::arguments::{arguments, exactly, flag, missing_arguments, name, properties, string, twice};
 use super::colours::colour;
 use super::context::{Context, Files};
-use super::numbers::{in_range, numbers};
+use super::numbers::{accepted, in_range, numbers};
 use super::settings::NodesByName;
 use super::textures::{self, DEFAULT_COLOURS, Use};
 use super::unexpected::{unexpected_node, with_article};
 use crate::language::diagnostics::report::{draft, shown};
 use crate::language::diagnostics::spelling::{listed, suggestion};
 use crate::language::keywords::{BUMP, COLOUR, ORBIT_TRAP, TRAP_NUMBERS};
-use crate::language::tree::{Node, Span};
+use crate::language::tree::{Entry, Node, Span, Value};
 use crate::materials::{
-    self, Bump, Material, MaterialParam, OrbitTrap, ParamKind, TextureMapping, TexturedParameter, Texturing, Trap,
+    self, Bump, IOR, Material, MaterialParam, OrbitTrap, PRIORITY, ParamKind, TextureMapping, TexturedParameter,
+    Texturing, Trap,
 };
 use crate::settings::Range;
 use std::collections::HashMap;
@@ -99,6 +100,7 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
     if kind.params.is_empty() {
         arguments(kind_node, 0, &format!("`{}`", kind.name), context);
     }
+    warn_without_effect(&material, &settings, context);
     material.orbit_trap = settings.get(ORBIT_TRAP).and_then(|node| orbit_trap(node, context));
     material.bump = settings.get(BUMP).and_then(|node| {
         properties(node, &[], context);
@@ -109,6 +111,44 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
         }
     });
     Some(material)
+}
+
+/// Warns of parameters of glass that have no effect beside the others.
+fn warn_without_effect(material: &Material, settings: &NodesByName, context: &mut Context) {
+    let is_set = |name: &str| {
+        let index = material.kind.params.iter().position(|param| param.name() == name);
+        let node = settings.get(name).filter(|node| !node.broken());
+        let is_textured = material.textured.iter().any(|textured| Some(textured.param) == index);
+        node.filter(|_| is_textured || material.value(name).is_some_and(|value| value != [0.0; 3]))
+    };
+    if !material.dielectric().is_thin {
+        if let Some(node) = is_set(PRIORITY).filter(|_| !material.transmits()) {
+            let message = "This material transmits no light: its `priority` has no effect.";
+            let warning = draft("pathmarch::no_effect", node.name.span, message).label("no effect");
+            let help =
+                "Only solids that light enters fill the space in order: `glass`, and `principled` with `transmission`.";
+            context.report.warn(warning.help(help));
+        }
+        return;
+    }
+    const SOLID: &str = "For a frosted or thick pane use a solid, such as a `box`, without `thin`.";
+    const TINT: &str = "Tint thin glass by its colour: `glass 0.8 0.9 1`.";
+    const STRAIGHT: &str = "Light passes a sheet straight, in all colours.";
+    for (name, help) in [
+        ("roughness", SOLID),
+        ("multiscatter", SOLID),
+        ("abbe", STRAIGHT),
+        ("absorb", TINT),
+        ("scatter", SOLID),
+        ("anisotropy", SOLID),
+        ("glow", SOLID),
+        (PRIORITY, "A sheet fills no space."),
+    ] {
+        let Some(node) = is_set(name) else { continue };
+        let message = format!("`{name}` has no effect on thin glass, which is smooth and has no inside.");
+        let warning = draft("pathmarch::no_effect", node.name.span, message).label("no effect");
+        context.report.warn(warning.help(help));
+    }
 }
 
 /// Reports the parameters of other kinds of material, with what this kind has. Returns their names.
@@ -153,7 +193,7 @@ fn painted(
     }
     let to = match param.kind {
         ParamKind::Colour => Use::Colour,
-        ParamKind::Number => Use::Number(param.spec.range),
+        ParamKind::Number | ParamKind::Flag => Use::Number(param.spec.range),
     };
     let (texture, mapping) = textures::texture(node, to, files, context)?;
     Some(TexturedParameter { param: index, texture, mapping })
@@ -198,7 +238,7 @@ fn orbit_trap(node: &Node, context: &mut Context) -> Option<OrbitTrap> {
 
 /// The value that a node gives a parameter; the default without arguments.
 fn value(node: &Node, param: &MaterialParam, context: &mut Context) -> Option<[f32; 3]> {
-    if node.entries.is_empty() && node.children.is_none() {
+    if node.entries.is_empty() && node.children.is_none() && param.kind != ParamKind::Flag {
         return None;
     }
     let range = param.spec.range;
@@ -206,7 +246,29 @@ fn value(node: &Node, param: &MaterialParam, context: &mut Context) -> Option<[f
         ParamKind::Colour => colour(node, range, context),
         ParamKind::Number => {
             let usage = format!("`{} {}`", node.name.value, param.spec.default);
-            numbers(node, &usage, range, context).map(|[value]| [value, 0.0, 0.0])
+            let is_bubble =
+                |entry: &Entry| matches!(entry.value, Value::Number(number) if number > 0.0 && number < 1.0);
+            let value: Option<[f32; 1]> = match param.spec.is_whole() {
+                // People look for bubbles here: their index is below that of the water around them.
+                _ if param.name() == IOR && node.entries.iter().any(is_bubble) => {
+                    let words =
+                        || format!("{}; a bubble has 1, and a `priority` above its surroundings", range.in_words());
+                    exactly(node, &usage, context, |entry, what, context| {
+                        accepted(entry, what, |number| range.accepts(number), words, context)
+                    })
+                }
+                true => exactly(node, &usage, context, |entry, what, context| {
+                    let accepts = |number| param.spec.accepts(number);
+                    accepted(entry, what, accepts, || param.spec.range_in_words(), context)
+                }),
+                false => numbers(node, &usage, range, context),
+            };
+            value.map(|[value]| [value, 0.0, 0.0])
+        }
+        ParamKind::Flag => {
+            let usage = format!("`{} #true`", node.name.value);
+            let value: Option<[bool; 1]> = exactly(node, &usage, context, flag);
+            value.map(|[value]| [f32::from(u8::from(value)), 0.0, 0.0])
         }
     }
 }

@@ -41,6 +41,8 @@ pub(crate) struct SceneData {
     pub(super) meshes: usize,
     /// Offset of the media: the fog, then those of the materials.
     pub(super) media: usize,
+    /// Offset of the dielectric of each leaf.
+    pub(super) dielectrics: usize,
 }
 
 impl SceneData {
@@ -76,10 +78,15 @@ impl SceneData {
         words.extend(program.mesh_words());
         let media = words.len();
         if input.config.media {
-            let Media { fog, of_materials } = &scene.media;
+            let Media { fog, of_materials, .. } = &scene.media;
             words.extend(std::iter::once(fog).chain(of_materials).flat_map(Medium::words));
         }
-        Self { words, vectors, light_tree, photons, sky: 0, ggx, textures, mode, mesh_lights, meshes, media }
+        let dielectrics = words.len();
+        if input.config.nested_dielectrics {
+            words.extend((0..scene.leaves.len()).flat_map(|leaf| scene.dielectric_words(leaf)));
+        }
+        let sky = 0;
+        Self { words, vectors, light_tree, photons, sky, ggx, textures, mode, mesh_lights, meshes, media, dielectrics }
     }
 }
 
