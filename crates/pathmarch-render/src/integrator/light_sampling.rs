@@ -75,24 +75,12 @@ pub(super) fn choose_light<'a>(
     Some(ChosenLight { shape, pmf: *pmf, inverse_pmf: *inverse_pmf })
 }
 
-/// Probability that a light is chosen at a point with this normal, as for [`sample_light`].
+/// Probability that a light is chosen at a point with this normal, as for [`choose_light`].
 pub(crate) fn light_pmf(scene: &RenderScene, light: usize, p: Vec3, normal: Option<Vec3>) -> f32 {
     match &scene.light_tree {
         Some(tree) if light >= tree.first => tree.share * tree.probability(light - tree.first, p, normal),
         _ => scene.lights[light].pmf,
     }
-}
-
-/// Samples a light with the uniform number `choice`, and a direction from `p` to it with the two numbers of `position`. `normal` is
-/// the unit normal of a surface that is lit on this side only; `None` for surfaces that transmit and for points in a medium.
-pub(crate) fn sample_light(
-    ctx: &TraceContext,
-    p: Vec3,
-    normal: Option<Vec3>,
-    choice: f32,
-    position: [f32; 2],
-) -> Option<LightSample> {
-    sample_direction(ctx, &choose_light(ctx, p, normal, choice)?, p, position)
 }
 
 /// Samples a direction from `p` to a chosen light.
@@ -272,7 +260,7 @@ fn visible_areas(light: &BoxLight, p: Vec3) -> ([f32; 3], f32) {
     (areas, areas[0] + areas[1] + areas[2])
 }
 
-/// Pdf over solid angle of [`sample_light`] for the direction from `p` to the point `hit` on the light, the choice of
+/// Pdf over solid angle of a sampled light for the direction from `p` to the point `hit` on the light, the choice of
 /// the light by `pmf` included; `cosine` is that of the angle at the light's normal.
 pub(crate) fn light_pdf(shape: &LightShape, pmf: f32, p: Vec3, hit: Vec3, cosine: f32) -> f32 {
     let t = p.distance(hit);
@@ -366,6 +354,17 @@ mod tests {
     }
 
     /// Tests every kind of emitting surface from near, far and from the side.
+    /// Samples a light, and a direction from `p` to it.
+    fn sample_light(
+        ctx: &TraceContext,
+        p: Vec3,
+        normal: Option<Vec3>,
+        choice: f32,
+        position: [f32; 2],
+    ) -> Option<LightSample> {
+        sample_direction(ctx, &choose_light(ctx, p, normal, choice)?, p, position)
+    }
+
     #[test]
     fn light_pdf_is_that_of_the_samples() {
         let shapes = ["sphere 0.5", "rect 1 0.6", "disc 0.4", "box 0.5 0.8 0.3", "torus 0.4 0.1"];

@@ -161,7 +161,7 @@ fn visible_areas(light: Light, p: vec3f) -> vec4f {
     return vec4f(face_areas, face_areas.x + face_areas.y + face_areas.z);
 }
 
-/// Pdf over solid angle of `sample_light` for the direction from `p` to the point `hit` on the light, a record of
+/// Pdf over solid angle of `sample_direction` for the direction from `p` to the point `hit` on the light, a record of
 /// `light_from(index, p, normal)`.
 fn light_pdf(light: Light, p: vec3f, hit: vec3f, cosine: f32) -> f32 {
     let t = distance(p, hit);

@@ -255,6 +255,6 @@ pub(super) fn scatter(
     path.ray.direction = direction;
     path.scatter_pdf = phase_function(anisotropy, incoming.dot(direction));
     path.lights_are_counted = false;
-    path.left_medium = true;
+    path.met_photons = false;
     Some(())
 }

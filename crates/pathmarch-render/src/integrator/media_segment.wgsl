@@ -122,7 +122,7 @@ fn scatter_in_medium(path: ptr<function, Path>) -> bool {
     (*path).ray.direction = direction;
     (*path).scatter_pdf = phase_function(anisotropy, dot(incoming, direction));
     (*path).lights_are_counted = false;
-    (*path).left_medium = true;
+    (*path).met_photons = false;
     (*path).surfaces += 1u;
     return true;
 }

@@ -1,4 +1,10 @@
+// import: integrator/light_sampling
 // Pictures without photon maps.
+
+/// False: there are no light paths.
+fn starts_light_paths(light: Light) -> bool {
+    return false;
+}
 
 /// Never called: there are no photons.
 fn photon_radiance(

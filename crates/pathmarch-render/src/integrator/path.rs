@@ -36,7 +36,7 @@ use crate::sampling::basis::basis;
 use crate::sampling::sobol::{PixelSampler, pair};
 use crate::scene::TraceContext;
 use crate::scene::leaf::IN_GLASS;
-use crate::scene::material::{DELTA, DISPERSES, GLOWS, TRANSMITS};
+use crate::scene::material::{DELTA, DISPERSES, FOCUSES, GLOWS, TRANSMITS};
 use crate::scene::photon_map::LitSurface;
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
@@ -102,7 +102,7 @@ fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler
             scatter_pdf: 0.0,
             medium,
             lights_are_counted: false,
-            left_medium: false,
+            met_photons: false,
             index_square: index * index,
             wavelength: None,
         })
@@ -241,7 +241,8 @@ fn emitted_light(
     let &SurfaceInteraction { normal, inside, .. } = interaction;
     let leaf = &ctx.scene.leaves[interaction.leaf];
     let light = leaf.light();
-    let is_counted = |light| !ctx.config.traced_caustics || ctx.scene.starts_light_paths(light);
+    let is_counted =
+        |light: usize| !ctx.config.traced_caustics || ctx.scene.starts_light_paths(&ctx.scene.lights[light].shape);
     let counted = path.lights_are_counted && light.is_some_and(is_counted);
     if !ctx.scene.emits_towards(interaction.leaf, normal) || counted {
         return Vec3::ZERO;
@@ -315,12 +316,17 @@ fn shade(
     let transmits = material.has(TRANSMITS);
     let medium_beyond_surface = medium_after(ctx, &path.medium, interaction.leaf, inside);
     let footprint = path.footprint(p);
+    let focuses = ctx.config.traced_caustics && material.has(FOCUSES);
     let [light_choice, roulette] = samples.choice;
     if !material.has(DELTA) {
         path.previous_vertex = if transmits { p } else { p + normal_offset };
         path.previous_normal = (!transmits).then_some(ns);
         let (vertex, normal) = (path.previous_vertex, path.previous_normal);
-        if let Some(light) = light_sampling::sample_light(ctx, vertex, normal, light_choice, samples.light) {
+        let chosen = light_sampling::choose_light(ctx, vertex, normal, light_choice);
+        // Photons have already contributed it.
+        let chosen = chosen.filter(|light| !(focuses && path.met_photons && ctx.scene.starts_light_paths(light.shape)));
+        let light = chosen.and_then(|light| light_sampling::sample_direction(ctx, &light, vertex, samples.light));
+        if let Some(light) = light {
             let wi = local_from_world * light.direction;
             let is_transmission = wi.z < 0.0;
             if (wi.z > 0.0 || transmits) && !crosses_surface(wi, light.direction) {
@@ -343,7 +349,7 @@ fn shade(
             }
         }
     }
-    if let Some(photons) = ctx.photons.filter(|_| !material.has(DELTA)) {
+    if let Some(photons) = ctx.photons.filter(|_| !focuses) {
         let reflect = |direction: Vec3| {
             let wi = local_from_world * direction;
             let arrives = (wi.z > 0.0 || transmits) && !crosses_surface(wi, direction);
@@ -354,7 +360,7 @@ fn shade(
             normal,
             transmits,
             footprint,
-            max_specular: frame.bounces - surface_index,
+            max_focusing: frame.bounces - surface_index,
             seed: path.sampler.unstratified_seed(surface_index),
         };
         let caustics = path.throughput * photons.reflected(&surface, reflect);
@@ -372,12 +378,13 @@ fn shade(
         return None;
     }
     let is_transmission = scattered.wi.z < 0.0;
-    let has_sampled_lights = path.lights_are_counted || path.scatter_pdf > 0.0;
-    let has_met_photons = path.lights_are_counted || (path.scatter_pdf > 0.0 && !path.left_medium);
-    path.lights_are_counted = scattered.pdf == 0.0
-        && ((ctx.config.fast_caustics && is_transmission && has_sampled_lights)
-            || (ctx.config.traced_caustics && has_met_photons));
-    path.left_medium = false;
+    if ctx.config.fast_caustics {
+        let has_sampled_lights = path.lights_are_counted || path.scatter_pdf > 0.0;
+        path.lights_are_counted = scattered.pdf == 0.0 && is_transmission && has_sampled_lights;
+    } else if ctx.config.traced_caustics {
+        path.met_photons |= !focuses;
+        path.lights_are_counted = focuses && path.met_photons;
+    }
     path.ray = Ray { origin: p + if is_transmission { -normal_offset } else { normal_offset }, direction };
     path.scatter_pdf = scattered.pdf;
     if is_transmission {

@@ -29,8 +29,8 @@ struct Path {
     medium: Medium,
     /// True if others have contributed the lights that the ray hits, see path_state.rs.
     lights_are_counted: bool,
-    /// True if the path last left a point in a medium and not a surface.
-    left_medium: bool,
+    /// True if the path met photons where it last scattered at anything but a focusing surface.
+    met_photons: bool,
     /// Square of the refractive index around the path.
     index_square: f32,
     /// Wavelength, nanometres; 0 before the first surface that disperses.
@@ -62,7 +62,7 @@ fn add_emission(path: ptr<function, Path>, interaction: SurfaceInteraction, emis
     // Shadow rays or photons have already contributed it.
     var counted = (FAST_CAUSTICS || TRACED_CAUSTICS) && (*path).lights_are_counted && light > 0u;
     if TRACED_CAUSTICS && counted {
-        counted = (leaf.flags & IN_GLASS) == 0u && !(HAS_BOUNDED && lights[light - 1u].kind == BOUNDED);
+        counted = starts_light_paths(lights[light - 1u]);
     }
     if !emits_towards(interaction.leaf, interaction.normal) || counted {
         return;
@@ -183,17 +183,21 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     } else if DISPERSION && (flags & DISPERSES) != 0u {
         disperse(path, sample_2d((*path).sampler, pair + PAIR_LOBE).y);
     }
+    let focuses = TRACED_CAUSTICS && (flags & FOCUSES) != 0u;
     let previous_vertex = (*path).previous_vertex;
     let previous_pdf = (*path).scatter_pdf;
     if HAS_LIGHTS && (flags & DELTA) == 0u {
         (*path).previous_vertex = select(spawn_origin(interaction, false), interaction.p, transmits);
         (*path).previous_normal = select(ns, vec3f(0.0), transmits);
         let position = sample_2d((*path).sampler, pair + PAIR_LIGHT);
-        let light = sample_light((*path).previous_vertex, (*path).previous_normal, choice.x, position);
+        let chosen = chosen_light((*path).previous_vertex, (*path).previous_normal, choice.x);
+        let light = sample_direction(chosen, (*path).previous_vertex, position);
+        // Photons have already contributed it.
+        let counted = focuses && (*path).met_photons && starts_light_paths(chosen);
         let wi = light.direction * world_from_local;
         let is_transmission = wi.z < 0.0;
         let crosses_surface = SHADING_NORMALS && is_transmission != (dot(light.direction, interaction.normal) < 0.0);
-        if (wi.z > 0.0 || transmits) && !crosses_surface && largest(light.irradiance) > 0.0 {
+        if (wi.z > 0.0 || transmits) && !crosses_surface && !counted && largest(light.irradiance) > 0.0 {
             let evaluated = bsdf_eval(materials[m].kind, m, wo, wi, interaction.inside);
             if largest(evaluated.xyz) > 0.0 {
                 let attenuation = light_transmittance(
@@ -209,7 +213,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
             }
         }
     }
-    if TRACED_CAUSTICS && (flags & DELTA) == 0u {
+    if TRACED_CAUSTICS && !focuses {
         let seed = unstratified_seed((*path).sampler, surface_index);
         let offset = interaction.p - previous_vertex;
         var footprint = select(0.0, dot(offset, offset) / previous_pdf, previous_pdf > 0.0);
@@ -246,9 +250,8 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
             scattered.pdf == 0.0 && scattered.wi.z < 0.0 && ((*path).lights_are_counted || (*path).scatter_pdf > 0.0);
     }
     if TRACED_CAUSTICS {
-        let has_met_photons = (*path).lights_are_counted || ((*path).scatter_pdf > 0.0 && !(*path).left_medium);
-        (*path).lights_are_counted = scattered.pdf == 0.0 && has_met_photons;
-        (*path).left_medium = false;
+        (*path).met_photons = (*path).met_photons || !focuses;
+        (*path).lights_are_counted = focuses && (*path).met_photons;
     }
     (*path).scatter_pdf = scattered.pdf;
     (*path).surfaces += 1u;

@@ -35,11 +35,11 @@ pub(super) struct Path {
     /// Media of the solids around the path.
     pub(super) medium: Medium,
     /// True if others have contributed the lights that the ray hits: with fast caustics shadow rays, if it has only passed
-    /// through clear glass since it last sampled a light; with traced caustics photons, if it has only met specular surfaces since
-    /// it left one that is not.
+    /// through clear glass since it last sampled a light; with traced caustics photons, if it has only met focusing surfaces since
+    /// it met photons.
     pub(super) lights_are_counted: bool,
-    /// True if the path last left a point in a medium and not a surface.
-    pub(super) left_medium: bool,
+    /// True if the path met photons where it last scattered at anything but a focusing surface: at a surface, not in a medium.
+    pub(super) met_photons: bool,
     /// Square of the refractive index around the path.
     pub(super) index_square: f32,
     /// Wavelength, nanometres; `None` before the first surface that disperses.

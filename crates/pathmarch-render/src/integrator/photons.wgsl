@@ -1,5 +1,14 @@
-// import: shading/surface_interaction, textures
+// import: integrator/light_sampling, shading/surface_interaction, textures
 // Light that surfaces reflect of photons. Twin of scene/photon_map.rs, which explains it.
+
+/// True if light paths start at a light.
+fn starts_light_paths(light: Light) -> bool {
+    if (HAS_BOUNDED && light.kind == BOUNDED) || (HAS_ENVIRONMENT && light.kind == ENVIRONMENT) {
+        return false;
+    }
+    let is_object = light.kind != POINT && light.kind != SUN;
+    return !(is_object && (leaves[light.leaf].flags & IN_GLASS) != 0u);
+}
 
 fn decoded_direction(code: f32, codes: f32) -> vec3f {
     let y_code = floor(code / (codes + 1.0));

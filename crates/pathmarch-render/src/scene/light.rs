@@ -127,17 +127,22 @@ pub(crate) struct BoxLight {
 impl Light {
     /// Emitting leaf of the field, for a light that is an object.
     pub(crate) fn leaf(&self) -> Option<u32> {
-        match &self.shape {
-            LightShape::Sphere(light) | LightShape::Bounded(light) => Some(light.leaf),
-            LightShape::Rect(light) | LightShape::Disc(light) => Some(light.leaf),
-            LightShape::Box(light) => Some(light.leaf),
-            LightShape::Triangles(light) => Some(light.bounds.leaf),
-            LightShape::Point(_) | LightShape::Sun(_) | LightShape::Environment => None,
-        }
+        self.shape.leaf()
     }
 }
 
 impl LightShape {
+    /// Emitting leaf of the field, for a light that is an object.
+    pub(crate) fn leaf(&self) -> Option<u32> {
+        match self {
+            Self::Sphere(light) | Self::Bounded(light) => Some(light.leaf),
+            Self::Rect(light) | Self::Disc(light) => Some(light.leaf),
+            Self::Box(light) => Some(light.leaf),
+            Self::Triangles(light) => Some(light.bounds.leaf),
+            Self::Point(_) | Self::Sun(_) | Self::Environment => None,
+        }
+    }
+
     /// Number of kinds of lights.
     pub(crate) const KINDS: usize = 9;
 

@@ -33,8 +33,8 @@ shared_constants! {
 
 /// Key of an empty slot; keys have 24 bits.
 const EMPTY_SLOT: u32 = u32::MAX;
-/// Largest number of specular surfaces on the way of a photon: four bits of its code.
-pub(crate) const MAX_SPECULAR: u32 = 15;
+/// Largest number of focusing surfaces on the way of a photon: four bits of its code.
+pub(crate) const MAX_FOCUSING: u32 = 15;
 /// Radius of a photon in the first sample, in pixels.
 const FIRST_RADIUS: f32 = 2.5;
 /// Smallest radius, in pixels.
@@ -58,8 +58,8 @@ pub(crate) struct Photon {
     direction: u32,
     /// Unit geometric normal on that side, encoded.
     normal: u32,
-    /// Number of specular surfaces on its way.
-    specular: u32,
+    /// Number of focusing surfaces on its way.
+    focusing: u32,
 }
 
 /// Unit vector as two integers up to `codes`: an octahedron, unfolded (Meyer et al. 2010, "On Floating-Point Normal
@@ -84,10 +84,10 @@ fn decode_direction(code: u32, codes: f32) -> Vec3 {
 }
 
 impl Photon {
-    pub(crate) fn new(p: Vec3, direction: Vec3, normal: Vec3, power: Vec3, specular: u32) -> Self {
+    pub(crate) fn new(p: Vec3, direction: Vec3, normal: Vec3, power: Vec3, focusing: u32) -> Self {
         let (direction, normal) =
             (encode_direction(direction, DIRECTION_CODES), encode_direction(normal, NORMAL_CODES));
-        Self { p, power, direction, normal, specular }
+        Self { p, power, direction, normal, focusing }
     }
 }
 
@@ -148,10 +148,10 @@ pub(crate) struct LitSurface {
     pub(crate) normal: Vec3,
     pub(crate) transmits: bool,
     /// Area from which the surface is seen indirectly, square metres, up to a factor: the square of the distance of the last surface that is
-    /// not specular, divided by the pdf of the direction from there; 0 if it is seen directly, infinite over specular surfaces.
+    /// not focusing, divided by the pdf of the direction from there; 0 if it is seen directly, infinite over focusing surfaces.
     pub(crate) footprint: f32,
-    /// Largest number of specular surfaces on the way of the photons.
-    pub(crate) max_specular: u32,
+    /// Largest number of focusing surfaces on the way of the photons.
+    pub(crate) max_focusing: u32,
     /// Seed of the choice among many photons.
     pub(crate) seed: u32,
 }
@@ -249,7 +249,7 @@ impl PhotonGrid {
             let radius = self.radius_at(photon.p);
             let height = offset.dot(normal);
             let share = (offset.length_squared() - height * height) / (radius * radius);
-            if share >= 1.0 || height.abs() > radius || photon.specular > surface.max_specular {
+            if share >= 1.0 || height.abs() > radius || photon.focusing > surface.max_focusing {
                 continue;
             }
             let alignment = decode_direction(photon.normal, NORMAL_CODES).dot(normal);
@@ -271,7 +271,7 @@ impl PhotonGrid {
         headers.push([self.radius_scale, self.rounding, self.slots.len() as f32, first_slot as f32]);
         vectors.extend(self.slots.iter().map(|slot| [slot.first as f32, slot.count as f32, slot.key as f32, 0.0]));
         for photon in &self.photons {
-            let normal = photon.normal + (photon.specular << 16);
+            let normal = photon.normal + (photon.focusing << 16);
             vectors.push([photon.p.x, photon.p.y, photon.p.z, photon.direction as f32]);
             vectors.push([photon.power.x, photon.power.y, photon.power.z, normal as f32]);
         }

@@ -19,7 +19,7 @@
 
 use super::dispersion::{dispersed_index, index_difference};
 use super::microfacet::{
-    MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf,
+    FOCUSING_ALPHA, MIRROR_ALPHA, fresnel, head_on, reflect, reflection, refract, refracting_normal, refraction_pdf,
     sheet_reflection, unhidden, unshadowed, visible_normal,
 };
 use super::{
@@ -106,6 +106,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             parameters
         },
         is_delta: |parameters| parameters[3] < MIRROR_ALPHA,
+        focuses: |parameters| parameters[3] <= FOCUSING_ALPHA,
         transmits: |_| true,
         chooses_lobes: true,
         reads_albedos: |_| false,

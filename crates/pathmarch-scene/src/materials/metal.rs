@@ -4,7 +4,7 @@
 //! the next bounce; this conserves energy but is not quite reciprocal. A `roughness` below 0.01 is a perfect mirror.
 
 use super::albedo::lookup;
-use super::microfacet::{MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
+use super::microfacet::{FOCUSING_ALPHA, MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
 use super::{
     Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of, emission,
     multiscatter, roughness, no_dielectric, vacuum,
@@ -55,6 +55,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             parameters
         },
         is_delta: |parameters| parameters[3] < MIRROR_ALPHA,
+        focuses: |parameters| parameters[3] <= FOCUSING_ALPHA,
         transmits: |_| false,
         chooses_lobes: false,
         reads_albedos: |parameters| parameters[7] > 0.0,

@@ -12,6 +12,8 @@ use std::f32::consts::{PI, TAU};
 
 /// Below this, a surface is a mirror: its lobe is narrower than anything a picture resolves.
 pub(super) const MIRROR_ALPHA: f32 = 1e-4;
+/// Largest α of a surface that throws caustics: that of roughness 0.3.
+pub(super) const FOCUSING_ALPHA: f32 = 0.0901;
 
 /// Smallest alpha of layered materials, roughness 0.0316: narrower lobes cannot be distinguished.
 pub(super) const MIN_ALPHA: f32 = 1e-3;

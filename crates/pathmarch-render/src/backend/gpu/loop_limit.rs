@@ -47,7 +47,7 @@ shared_struct! {
         /// Number of surfaces from which the path has continued, or FINISHED.
         surfaces: u32,
         radiance: [f32; 3],
-        /// Bit 0: its lights are counted; bit 1: it left a medium.
+        /// Bit 0: its lights are counted; bit 1: it met photons.
         flags: u32,
         medium: [f32; 3],
         wavelength: f32,

@@ -17,7 +17,7 @@ fn resumed(saved: SuspendedPath, sampler: PixelSampler) -> Path {
     path.surfaces = saved.surfaces;
     path.radiance = saved.radiance;
     path.lights_are_counted = (saved.flags & 1u) != 0u;
-    path.left_medium = (saved.flags & 2u) != 0u;
+    path.met_photons = (saved.flags & 2u) != 0u;
     path.medium = resumed_medium(
         saved.medium,
         saved.medium_forward,
@@ -41,7 +41,7 @@ fn suspend(slot: u32, path: Path) {
         path.throughput,
         path.surfaces,
         path.radiance,
-        select(0u, 1u, path.lights_are_counted) | select(0u, 2u, path.left_medium),
+        select(0u, 1u, path.lights_are_counted) | select(0u, 2u, path.met_photons),
         absorption_of(path.medium),
         path.wavelength,
         path.previous_normal,

@@ -1,7 +1,7 @@
-//! Starts of light paths: a light, a point on it, and a direction towards a specular object.
+//! Starts of light paths: a light, a point on it, and a direction towards a focusing object.
 //!
-//! An alias table chooses a pair of a light and a target, the bounding sphere of specular objects, in proportion to the power that
-//! reaches the target. The density of a ray is the sum over all targets, so that targets may overlap. Where a specular object
+//! An alias table chooses a pair of a light and a target, the bounding sphere of focusing objects, in proportion to the power that
+//! reaches the target. The density of a ray is the sum over all targets, so that targets may overlap. Where a focusing object
 //! has no end, such as a water surface, a share of the paths goes in all directions, or from a sun to a wide region around
 //! the scene.
 
@@ -12,7 +12,7 @@ use crate::sampling::alias_table;
 use crate::sampling::basis::basis;
 use crate::scene::leaf::IN_GLASS;
 use crate::scene::light::{BoxLight, LightShape, PointLight, SheetLight, SphereLight, SunLight, luminance};
-use crate::scene::material::{BOUNDARY, DELTA};
+use crate::scene::material::FOCUSES;
 use crate::scene::medium::medium_at;
 use crate::scene::{Extent, FrameUniforms, Medium, RenderScene};
 use glam::Vec3;
@@ -72,32 +72,25 @@ struct AreaPoint {
     is_two_sided: bool,
 }
 
-impl LightShape {
-    /// True if light paths start at lights of this kind.
-    fn starts_light_paths(&self) -> bool {
-        !matches!(self, Self::Bounded(_) | Self::Environment)
-    }
-}
-
 impl RenderScene {
-    /// True if light paths start at a light.
+    /// True if light paths start at a light of this shape.
     #[inline]
-    pub(crate) fn starts_light_paths(&self, light: usize) -> bool {
-        let light = &self.lights[light];
-        light.shape.starts_light_paths() && !light.leaf().is_some_and(|leaf| self.leaves[leaf as usize].has(IN_GLASS))
+    pub(crate) fn starts_light_paths(&self, shape: &LightShape) -> bool {
+        !matches!(shape, LightShape::Bounded(_) | LightShape::Environment)
+            && !shape.leaf().is_some_and(|leaf| self.leaves[leaf as usize].has(IN_GLASS))
     }
 }
 
 impl Emission {
-    /// Choice of starts for a scene. `None` if it has no specular object or no light at which light paths start.
+    /// Choice of starts for a scene. `None` if it has no focusing object or no light at which light paths start.
     pub(crate) fn new(render_scene: &RenderScene, scene: &Scene, camera: &Camera) -> Option<Self> {
         let targets = targets(render_scene);
         let extent = Extent::new(scene, camera);
-        let traced = (0..render_scene.lights.len()).filter(|&light| render_scene.starts_light_paths(light));
+        let shapes = render_scene.lights.iter().map(|light| &light.shape).enumerate();
+        let traced = shapes.filter(|(_, shape)| render_scene.starts_light_paths(shape));
         let mut lights = Vec::new();
         let mut weights: Vec<f64> = Vec::new();
-        for index in traced {
-            let shape = &render_scene.lights[index].shape;
+        for (index, shape) in traced {
             let powers: Vec<f64> =
                 targets.iter().map(|target| f64::from(power_towards(shape, target, &extent))).collect();
             if powers.iter().any(|power| *power > 0.0) {
@@ -306,16 +299,12 @@ fn area_point(scene: &RenderScene, shape: &LightShape, [u, v]: [f32; 2]) -> Opti
     })
 }
 
-/// Bounding spheres of the specular objects, at most [`MAX_TARGETS`], and all directions if one has no end.
+/// Bounding spheres of the focusing objects, at most [`MAX_TARGETS`], and all directions if one has no end.
 fn targets(scene: &RenderScene) -> Vec<Target> {
     let field = &scene.field;
-    let is_specular = |material: u32| {
-        let material = &scene.materials[material as usize];
-        material.has(DELTA) && !material.has(BOUNDARY)
-    };
-    let specular = field.leaves().iter().enumerate().filter(|(_, leaf)| is_specular(leaf.tag));
+    let focusing = field.leaves().iter().enumerate().filter(|(index, _)| scene.material_of(*index).has(FOCUSES));
     let mut leaves_of = vec![Vec::new(); field.object_bounds().len()];
-    for (index, leaf) in specular {
+    for (index, leaf) in focusing {
         leaves_of[leaf.object as usize].push(index);
     }
     let mut spheres = Vec::new();

@@ -1,4 +1,4 @@
-//! Light paths: from a light over specular surfaces to the first one that is not.
+//! Light paths: from a light over focusing surfaces to the first one that is not.
 //!
 //! A light path carries power, not radiance. So refraction does not scale it by the square of the relative index, and a shading
 //! normal scales it by the ratio of cosines (Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation", sections
@@ -11,8 +11,8 @@ use crate::intersect::march::march;
 use crate::intersect::ray::{Hit, Ray, RaySegment};
 use crate::sampling::basis::basis;
 use crate::sampling::sobol::{PixelSampler, hash};
-use crate::scene::material::{BOUNDARY, DELTA, DISPERSES};
-use crate::scene::photon_map::{MAX_SPECULAR, Photon};
+use crate::scene::material::{BOUNDARY, DISPERSES, FOCUSES};
+use crate::scene::photon_map::{MAX_FOCUSING, Photon};
 use crate::scene::{Medium, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
@@ -41,8 +41,14 @@ mod pair {
     pub(super) const POSITION: u32 = 1;
     /// Direction.
     pub(super) const DIRECTION: u32 = 2;
-    /// Choice of the lobe (x) and Russian roulette (y) at the first specular surface; those of the next ones follow.
+    /// First pair of the first focusing surface.
     pub(super) const SURFACE: u32 = 3;
+    /// Direction, from the first pair of the surface.
+    pub(super) const SCATTER: u32 = 0;
+    /// Choice of the lobe (x) and Russian roulette (y), likewise.
+    pub(super) const LOBE: u32 = 1;
+    /// Number of pairs of each surface.
+    pub(super) const PER_SURFACE: u32 = 2;
 }
 
 /// Light path before its next surface.
@@ -59,8 +65,8 @@ struct LightPath {
     medium: Medium,
     /// Wavelength, nanometres; `None` before the first surface that disperses.
     wavelength: Option<f32>,
-    /// Number of specular surfaces so far.
-    specular: u32,
+    /// Number of focusing surfaces so far.
+    focusing: u32,
 }
 
 impl LightPath {
@@ -91,7 +97,7 @@ fn trace_batch(
 ) -> Vec<Photon> {
     let mut paths = start(ctx, emission, sample, indices, count);
     let mut photons = Vec::new();
-    for _ in 0..=MAX_SPECULAR + MAX_BOUNDARIES {
+    for _ in 0..=MAX_FOCUSING + MAX_BOUNDARIES {
         if paths.is_empty() {
             break;
         }
@@ -127,8 +133,8 @@ fn start(
             parallel.push(start.is_parallel);
             let (ray, medium) = (start.ray, start.medium);
             let emitted = power.max_element();
-            let (length, wavelength, specular) = (FIRST_LENGTH, None, 0);
-            paths.push(LightPath { sampler, ray, power, emitted, length, medium, wavelength, specular });
+            let (length, wavelength, focusing) = (FIRST_LENGTH, None, 0);
+            paths.push(LightPath { sampler, ray, power, emitted, length, medium, wavelength, focusing });
         }
     }
     if parallel.contains(&true) {
@@ -160,11 +166,11 @@ fn intersect(ctx: &TraceContext, paths: &mut Vec<LightPath>) -> Vec<SurfaceInter
         arrivals.push((segment, hit));
         true
     });
-    let seed = |k: usize| paths[k].sampler.unstratified_seed(paths[k].specular);
+    let seed = |k: usize| paths[k].sampler.unstratified_seed(paths[k].focusing);
     surface_interactions(ctx, &arrivals, |k, blend| f32::choice(seed(k), blend))
 }
 
-/// Follows a path at a surface: on over a specular one; elsewhere it ends, as a photon if it met a specular one before.
+/// Follows a path at a surface: on over a focusing one; elsewhere it ends, as a photon if it met a focusing one before.
 fn follow(
     ctx: &TraceContext,
     path: &mut LightPath,
@@ -180,13 +186,13 @@ fn follow(
         return Some(());
     }
     let bsdf = ctx.scene.bsdfs[material_index].filter(|_| !material.emits())?;
-    if !material.has(DELTA) {
-        if path.specular > 0 {
-            photons.push(Photon::new(p, -path.ray.direction, normal, path.power, path.specular));
+    if !material.has(FOCUSES) {
+        if path.focusing > 0 {
+            photons.push(Photon::new(p, -path.ray.direction, normal, path.power, path.focusing));
         }
         return None;
     }
-    if path.specular == MAX_SPECULAR.min(ctx.frame.bounces) {
+    if path.focusing == MAX_FOCUSING.min(ctx.frame.bounces) {
         return None;
     }
     let textured = TexturedPoint::new(ctx, interaction, path.length);
@@ -206,9 +212,10 @@ fn follow(
     let world_from_local = basis(ns);
     let wo_unclamped = world_from_local.transpose() * incoming;
     let wo = wo_unclamped.with_z(wo_unclamped.z.abs().max(1e-5));
-    let [lobe, roulette] = path.sampler.sample_2d(pair::SURFACE + path.specular);
-    // A delta distribution needs no random direction.
-    let scattered = (bsdf.sample)(&parameters, wo, inside, [0.5, 0.5, lobe])?;
+    let first_pair = pair::SURFACE + pair::PER_SURFACE * path.focusing;
+    let [u, v] = path.sampler.sample_2d(first_pair + pair::SCATTER);
+    let [lobe, roulette] = path.sampler.sample_2d(first_pair + pair::LOBE);
+    let scattered = (bsdf.sample)(&parameters, wo, inside, [u, v, lobe])?;
     let direction = (world_from_local * scattered.wi).normalize();
     let is_transmission = scattered.wi.z < 0.0;
     if ctx.config.shading_normals && is_transmission != (direction.dot(normal) < 0.0) {
@@ -229,7 +236,7 @@ fn follow(
         path.medium = medium_after(ctx, &path.medium, interaction.leaf, inside);
     }
     path.ray = Ray { origin: p + if is_transmission { -normal_offset } else { normal_offset }, direction };
-    path.specular += 1;
+    path.focusing += 1;
     Some(())
 }
 
