@@ -12,6 +12,7 @@ use crate::medium::Medium;
 use crate::scene::{Camera, Moment, Object, Scene};
 use crate::settings::{RENDER, RenderSettings, Setting};
 use crate::sky::Sky;
+use crate::unit::LengthUnit;
 use glam::Vec3;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::{Blend, Field, Node, Param, Placement, registry};
@@ -158,6 +159,7 @@ impl Scene {
         }
         let roots: Vec<_> = objects.iter().map(|object| object.root.clone()).collect();
         Ok(Self {
+            unit: LengthUnit::default(),
             cameras,
             render,
             sky,

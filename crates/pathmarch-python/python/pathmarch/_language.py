@@ -337,6 +337,9 @@ def _declarations() -> Iterator[Function]:
         _by_name_first("include", "file", ()),
         (FILE,),
     )
+    unit = Parameter("unit", "unit", "text", 'Unit: "m", "cm", "mm" or "in".', required=True)
+    doc = "Unit of lengths for reports and exports."
+    yield Function("unit", doc, _by_name_first("unit", "unit", ()), (unit,))
     yield _param()
     doc = "Shape made of others: nodes of param() for its parameters, then solids. use() places it."
     yield Function("shape", doc, _named("shape", ()), (NAME,), "children")

@@ -89,6 +89,7 @@ __all__ = [
     "sky_picture",
     "object",
     "include",
+    "unit",
     "param",
     "shape",
     "field",
@@ -959,6 +960,11 @@ def include(
     file: str,
 ) -> Node:
     """File from which a scene takes materials, shapes, objects and lights."""
+
+def unit(
+    unit: str,
+) -> Node:
+    """Unit of lengths for reports and exports."""
 
 def param(
     name: str,

@@ -200,6 +200,7 @@ fn top_snippet(name: &str) -> String {
     let required = |table| format!("{name} {{\n\t{}\n}}", settings::required(table, "\n\t"));
     match name {
         "pathmarch" => "pathmarch 1".to_owned(),
+        "unit" => "unit ${1:cm}".to_owned(),
         "include" => "include \"$1\"".to_owned(),
         "param" => "param ${1:name} ${2:1}".to_owned(),
         "camera" => required(settings::CAMERA),

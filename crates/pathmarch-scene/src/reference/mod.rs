@@ -116,9 +116,10 @@ const OTHER_PROPERTIES: [(&str, &str, &str); 16] = [
 ];
 
 /// Meanings of nodes at the top of a file.
-const NODES: [(&str, &str); 13] = [
+const NODES: [(&str, &str); 14] = [
     ("pathmarch", "Version of the scene language; the first node of a file."),
     ("include", "File from which this one takes materials, shapes, objects and lights."),
+    ("unit", "Unit of lengths for reports and exports: \"m\", \"cm\", \"mm\" or \"in\"."),
     ("param", "Number with a name, which formulas use."),
     ("camera", "Camera; the first one of a file is the default."),
     ("render", "Size and quality of the picture."),
