@@ -273,6 +273,16 @@ fn check_light(light: &mut Light) -> Result<(), PartsError> {
             }
             (intensity, penumbra)
         }
+        Light::Spot { at, direction, intensity, cone, blend, penumbra } => {
+            *direction = unit("spot: direction", *direction)?;
+            if !at.iter().all(|v| v.is_finite()) {
+                return refuse("spot: at must be finite");
+            }
+            if !(*cone > 0.0 && *cone <= 180.0 && (0.0..=1.0).contains(blend)) {
+                return refuse("spot: cone must be above 0 and at most 180 degrees, and blend from 0 to 1");
+            }
+            (intensity, penumbra)
+        }
     };
     if !is_radiance(power) {
         return refuse("a light's irradiance or intensity must be 0 or more, and finite");

@@ -32,6 +32,30 @@ fn render_writes_a_picture_and_says_where_it_ran() {
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 4, "nothing else is left behind");
 }
 
+/// A wrong exposure is reported with the one that suits; `auto` takes it.
+#[test]
+fn the_exposure_may_follow_the_picture() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let text =
+        "pathmarch 1\ncamera { position 0 0 4; target 0 0 0 }\nsky 46.08\nobject \"a\" { sphere 0.01 { at 9 0 0 } }\n";
+    std::fs::write(directory.path().join("bright.kdl"), text).expect("written");
+    let render = |arguments: &[&str]| {
+        let fixed = ["render", "bright.kdl", "--size", "16x9", "--samples", "1", "--backend", "cpu"];
+        pathmarch(&[&fixed[..], arguments].concat(), directory.path())
+    };
+    let [auto, same, plain] =
+        [&["--exposure", "auto", "-o", "auto.png"][..], &["--exposure=-8", "-o", "same.png"], &["-o", "plain.png"]]
+            .map(|arguments| stderr(&render(arguments)));
+    assert!(auto.contains("exposure -8 EV") && !auto.contains("overexposed"), "{auto}");
+    assert!(!same.contains("overexposed"), "{same}");
+    assert!(plain.contains("100 % of the picture is overexposed; `exposure -8`"), "{plain}");
+    let pixels = |name: &str| load(&directory.path().join(name)).expect("a picture").picture.pixels;
+    assert_eq!(pixels("auto.png"), pixels("same.png"));
+    assert_ne!(pixels("auto.png"), pixels("plain.png"));
+    let output = render(&["--exposure", "auto", "--frames", "1-2", "-o", "f#.png"]);
+    assert!(code(&output) == 2 && stderr(&output).contains("would flicker"), "{}", stderr(&output));
+}
+
 #[test]
 fn a_render_may_be_bounded_in_time() {
     let directory = tempfile::tempdir().expect("a directory");
@@ -438,7 +462,7 @@ fn export_writes_meshes() {
         let output = pathmarch(&["export", "centimetres.kdl", "--object", "block", "-o", name], directory.path());
         let text = stderr(&output);
         assert!(code(&output) == 0 && text.contains(size), "{text}");
-        assert_eq!(text.contains("thinnest wall 10.0"), name == "b.stl", "{text}");
+        assert_eq!(text.contains("thinnest wall 10.00 mm; nothing overhangs"), name == "b.stl", "{text}");
         std::fs::remove_file(directory.path().join(name)).expect("written");
     }
     let output = export(&["--skip-infinite", "--resolution", "20", "-o", "finite.ply"]);

@@ -29,6 +29,7 @@ pub(crate) const TOP: &[&str] = &[
     FOG,
     "sun",
     "point",
+    "spot",
     "material",
     FIELD,
     SHAPE,

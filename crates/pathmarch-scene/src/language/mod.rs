@@ -20,6 +20,7 @@ use crate::light::Light;
 use crate::scene::{Moment, Parameter, Scene};
 use crate::sky::Sky;
 use crate::source::{MAX_BYTES, read_text, too_large};
+use crate::unit::LengthUnit;
 use checks::{extent, warnings};
 use diagnostics::foreign_code::shader_line;
 use diagnostics::report::{Report, draft};
@@ -226,7 +227,7 @@ fn scene(
     let sky = of_file("sky").next().and_then(|node| sky::sky(node, source.name, assets, context)).unwrap_or_default();
     let unit = of_file(UNIT).next().map(|node| unit::unit(node, context)).unwrap_or_default();
     let fog = of_file(FOG).next().and_then(|node| fog::fog(node, context)).unwrap_or_default();
-    let lights = all.nodes.iter().filter_map(|node| light(node, context)).collect();
+    let lights = all.nodes.iter().filter_map(|node| light(node, unit, context)).collect();
     let mut materials = Materials::default();
     let mut files = Files { scene: source.name, assets };
     of_all("material").for_each(|node| materials.add(node, &mut files, context));
@@ -279,10 +280,11 @@ fn report_missing_camera(file: &Block, context: &mut Context) {
     context.report.add(mistake.help("For example: camera { position 0 1.5 6; target 0 1 0 }."));
 }
 
-fn light(node: &tree::Node, context: &mut Context) -> Option<Light> {
+fn light(node: &tree::Node, unit: LengthUnit, context: &mut Context) -> Option<Light> {
     match &*node.name.value {
         "sun" => lights::sun(node, context),
-        "point" => lights::point(node, context),
+        "point" => lights::point(node, unit, context),
+        "spot" => lights::spot(node, unit, context),
         _ => None,
     }
 }

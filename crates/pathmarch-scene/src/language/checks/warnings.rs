@@ -24,14 +24,11 @@ pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
     let lit = !scene.sky.is_black()
         || scene.fog.emits()
         || scene.field.leaves().iter().any(|leaf| emits(leaf.tag) || glows(leaf.tag))
-        || scene.lights.iter().any(|light| match light {
-            Light::Sun { irradiance, .. } => bright(*irradiance),
-            Light::Point { intensity, .. } => bright(*intensity),
-        });
+        || scene.lights.iter().any(|light| bright(light.power()));
     if !lit {
         let warning =
             draft("pathmarch::no_light", first.name.span, "Nothing lights the scene: the picture will be black.");
-        let help = "Add a `sky`, a `sun`, a `point` light, or an object whose material emits.";
+        let help = "Add a `sky`, a `sun`, a `point` or `spot` light, or an object whose material emits.";
         report.warn(warning.label("in this file").help(help));
     }
     let mut emitting = vec![false; scene.objects.len()];
@@ -66,6 +63,7 @@ fn lost_light(scene: &Scene, file: &Block, report: &mut Report) {
     let suns = scene.lights.iter().filter(|light| matches!(light, Light::Sun { .. }));
     let parallel = nodes("sun").zip(suns).filter(|(_, light)| matches!(light, Light::Sun { angle: 0.0, .. }));
     let lights = parallel.map(|(node, _)| (node, "sun")).chain(nodes("point").map(|node| (node, "point light")));
+    let lights = lights.chain(nodes("spot").map(|node| (node, "spot light")));
     for (node, what) in lights.take(3) {
         let message = format!("Light of this {what} does not pass the clear materials of the scene: it has no size.");
         let warning = draft("pathmarch::lost_light", node.name.span, message).label("no path finds it through glass");
@@ -143,20 +141,18 @@ fn clear_sheets(scene: &Scene, file: &Block, report: &mut Report) {
     }
 }
 
-/// Warns of point lights inside solids, as far as the time for it is bounded: for the first of very many points.
+/// Warns of point and spot lights inside solids, as far as the time for it is bounded: for the first of very many points.
 fn hidden_points(scene: &Scene, file: &Block, report: &mut Report) {
     const EVALUATIONS: usize = 10_000_000;
     let leaves = scene.field.leaves();
-    let points = scene.lights.iter().filter_map(|light| match light {
-        Light::Point { at, .. } => Some(*at),
-        Light::Sun { .. } => None,
-    });
-    // Without mistakes every point node has become a light.
-    let nodes = file.nodes.iter().filter(|node| node.name.value == "point");
+    let points = scene.lights.iter().filter_map(Light::position);
+    // Without mistakes every such node has become a light.
+    let nodes = file.nodes.iter().filter(|node| matches!(&*node.name.value, "point" | "spot"));
     let transparent = transparency(scene);
     for (node, [x, y, z]) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
         if let Some(object) = opaque_object_around(scene, &transparent, [x, y, z]) {
-            let message = format!("This point light is inside the object {}, which hides it.", shown(&object.name));
+            let message =
+                format!("This {} light is inside the object {}, which hides it.", node.name.value, shown(&object.name));
             let warning = draft("pathmarch::hidden_light", node.name.span, message).label("shines nowhere");
             report.warn(warning.help("Move it out, or make the object emit."));
         }

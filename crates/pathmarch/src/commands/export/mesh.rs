@@ -4,7 +4,7 @@ use super::{Arguments, interrupted, load_scene, with_progress};
 use pathmarch_cli::{DONE, Failure, note};
 use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
 use pathmarch_render::pathmarch_field::PrintReport;
-use pathmarch_render::pathmarch_field::mesh::MeshError;
+use pathmarch_render::pathmarch_field::mesh::{Fineness, MeshError};
 use pathmarch_render::pathmarch_scene::{Camera, LengthUnit, Scene};
 use std::time::Instant;
 
@@ -81,13 +81,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<u8, Failure> {
     if matches!(format, MeshFormat::Stl | MeshFormat::ThreeMf)
         && let Some(report) = mesh.print_report()
     {
-        note!("{}", for_printers(&report, unit));
+        let cell = match arguments.fineness() {
+            Fineness::Cell(cell) => f64::from(cell) * scale,
+            Fineness::Resolution(cells) => extent(&mesh.positions).into_iter().fold(0.0, f64::max) / f64::from(cells),
+        };
+        note!("{}", for_printers(&report, unit, cell));
     }
     Ok(DONE)
 }
 
-/// As in "thinnest wall 0.8 mm; 12 % of the surface overhangs by more than 45° (y is up)".
-fn for_printers(report: &PrintReport, unit: &str) -> String {
+/// `cell` is the size of a cell of the grid. As in "thinnest wall 0.8 mm; 12 % of the surface overhangs by more than 45° (y is up)".
+fn for_printers(report: &PrintReport, unit: &str, cell: f64) -> String {
     let wall = report.thinnest_wall.map_or_else(
         || "no walls found".to_owned(),
         |thickness| format!("thinnest wall {} {unit}", in_figures(f64::from(thickness))),
@@ -98,7 +102,9 @@ fn for_printers(report: &PrintReport, unit: &str) -> String {
         () if percent < 1.0 => "less than 1 % of the surface".to_owned(),
         () => format!("{percent:.0} % of the surface"),
     };
-    format!("{wall}; {share} overhangs by more than 45° (y is up)")
+    let is_coarse = report.thinnest_wall.is_some_and(|thickness| f64::from(thickness) < 2.0 * cell);
+    let advice = if is_coarse { "; the wall is thinner than two cells: raise --resolution to measure it" } else { "" };
+    format!("{wall}; {share} overhangs by more than 45° (y is up){advice}")
 }
 
 /// Camera whose lengths are scaled, as files with cameras need it.
@@ -123,6 +129,8 @@ fn extent(points: &[[f32; 3]]) -> [f64; 3] {
 
 /// Formats a number with four significant digits.
 fn in_figures(value: f64) -> String {
-    let places = 3.0 - value.abs().max(1e-12).log10().floor();
+    // Rounding may add a digit before the point.
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    let places = 3.0 - rounded.abs().max(1e-12).log10().floor();
     format!("{value:.0$}", places.max(0.0) as usize)
 }

@@ -15,7 +15,7 @@ use super::scene_source::SceneSource;
 use crate::picture::{Denoised, Rendered};
 use crate::video;
 pub use arguments::Arguments;
-use arguments::Layers;
+use arguments::{Exposure, Layers};
 use frame_directory::FrameDirectory;
 use frames::Frames;
 use output::Output;
@@ -112,7 +112,12 @@ fn still(
     progress.finish();
     report(&outcome, output, progress);
     if outcome.written && task.settings.mode == Mode::Path && matches!(output, Output::Picture(_) | Output::Standard) {
-        report_exposure(&outcome.film, arguments.display(scene, &task.settings).exposure_stops);
+        let stops = arguments.display(scene, &task.settings, Some(&outcome.film)).exposure_stops;
+        if arguments.exposure == Some(Exposure::Auto) {
+            note!("exposure {stops} EV");
+        } else {
+            report_exposure(&outcome.film, stops);
+        }
     }
     Ok(if outcome.interrupted { INTERRUPTED } else { DONE })
 }
@@ -176,7 +181,7 @@ fn report_exposure(film: &Film, stops: f32) {
         ExposureFault::Over(share) => format!("{:.0} % of the picture is overexposed", 100.0 * share),
         ExposureFault::Under => "the picture is almost black".to_owned(),
     };
-    note!("note: {what}; --exposure {suitable}, or `exposure {suitable}` in the camera, would suit it");
+    note!("note: {what}; `exposure {suitable}` in the camera, or --exposure auto, would suit it");
 }
 
 /// Writes the kernel of the picture, and renders nothing.
@@ -224,7 +229,7 @@ fn write(
     denoised: Option<Denoised>,
     output: &Output,
 ) -> Result<(), Failure> {
-    let display = settings.mode.display(arguments.display(scene, settings));
+    let display = settings.mode.display(arguments.display(scene, settings, Some(film)));
     let rendered = Rendered { scene, settings, film, backend, denoised };
     let layers = arguments.aov.as_ref().map_or(&[][..], |Layers(layers)| layers);
     let Some(file) = output.file() else {
